@@ -172,7 +172,7 @@ def test_effect_and_compensator_are_known_by_name(plugin):
 
 def test_effect_of_the_guide_is_named_with_its_parameters(plugin):
     """The module as the page prints it; the tests are computed here, f = 40 N at w = 4 mm beside a spring."""
-    page = (Path(__file__).parents[1] / "reports/site/guides/plugins.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[1] / "reports/site/how_to/add_your_own.md").read_text(encoding="utf-8")
     (module,) = re.findall(r"```python\n# magnetic_centring\.py\n(.*?)```", page, flags=re.DOTALL)
     plugin("guide", ("reliab.effects", "MagneticCentring", module))
     rng, tests = np.random.default_rng(3), []

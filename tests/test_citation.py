@@ -13,7 +13,7 @@ from reliab.version import __version__
 
 ROOT = Path(__file__).parents[1]
 MOST_WORDS = 1000  # of the summary, without its head
-NAMING = ("README.md", "reliab/README.md", "reports/site/paper.md", "reports")
+NAMING = ("README.md", "reliab/README.md", "reports/site/explanation/paper.md", "reports")
 
 
 def test_the_citation_states_this_version():

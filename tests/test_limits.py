@@ -146,7 +146,7 @@ def test_vectors_that_are_too_long_are_refused_before_they_are_read(tmp_path, mo
 def test_a_recording_of_too_many_samples_is_refused():
     long = np.broadcast_to(0.0, (10_000_001,))  # one number in memory
     memory, sentence = taken_by(lambda: Recording(command=long, measured=long, time_step=STEP, name="t.h5"))
-    assert sentence.startswith("t.h5: A test may have 10,000,000 samples at most; found 10,000,001. Resample")
+    assert sentence.startswith("t.h5: 10,000,001 samples are too many; a test may have 10,000,000. Resample")
     assert memory < 1e6
 
 

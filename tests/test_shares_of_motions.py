@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-PAGES = [ROOT / "README.md", ROOT / "studies/README.md", *sorted((ROOT / "reports/site").glob("*.md"))]
+PAGES = [ROOT / "README.md", ROOT / "studies/README.md", *sorted((ROOT / "reports/site").rglob("*.md"))]
 BARE = re.compile(r"\d ?% of (?:all |real )*(?:ground )?motions\b(?! (?:like|that|of|whose|behind|with))")
 
 

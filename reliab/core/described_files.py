@@ -44,6 +44,8 @@ def described_text(path: str | Path, *, rule: str, remedy: str, kind: str = "des
         encoding = encoding_of_file(path)
         require_small(path, LIMITS[kind].bytes, remedy=remedy)
         return Path(path).read_text(encoding=encoding)
+    except FileNotFoundError:
+        raise InputError("No such file", remedy=remedy, where=str(path)) from None
     except (OSError, UnicodeError) as error:
         reason = getattr(error, "strerror", None) or "bytes that are not text"
         raise InputError(rule, value=reason, remedy=remedy, where=str(path)) from None

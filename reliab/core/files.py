@@ -157,6 +157,8 @@ def decoding(rule: str, *, remedy: str, where: object) -> Iterator[None]:
         yield
     except ReliabError:
         raise
+    except FileNotFoundError as error:
+        raise InputError("No such file", remedy="Check the name", where=str(where)) from error
     except Exception as error:  # damaged bytes lead decoders into every kind of error
         raise InputError(rule, value=_reason(error), remedy=remedy, where=str(where)) from error
 

@@ -43,7 +43,7 @@ Labels = dict[str, Any]
 _STEEPEST: Final = 5.0
 """Amplitude errors over the damping ratio at which boundaries end, and beyond which none is predicted."""
 
-# `tests/benchmarks/README.md`, "What `criterion_beyond.py` printed" and "What `criterion_lengths.py` printed"
+# Tables "by the response" and "simulated motions of each length" of `tests/benchmarks/results/criterion.csv`
 _BY_RESPONSE_ELSEWHERE: Final = (
     "Of simulated motions of other kinds (small earthquakes, large and far ones, pulses, soft soil) 96 to "
     "98 % keep limits that state 95 %, 91 to 97 % those that state 90 % and 77 to 90 % those that state "

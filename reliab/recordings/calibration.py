@@ -152,9 +152,8 @@ def _unsure(hysteresis: StatedValue) -> float:
 
 def _never_rests(recording: Recording, remainder: float) -> InputError:
     return InputError(
-        "Without samples at rest, the measured displacement may differ from the command by skew, scale "
-        "and hysteresis only",
-        value=f"{percent(remainder, decimals=2)} of the motion's amplitude beyond its noise",
+        f"This looks like a real test: {percent(remainder, decimals=2)} of the motion's amplitude is neither "
+        "skew, scale, hysteresis nor noise",
         remedy=f"Feed one signal to both channels, or move in steps with rests above {_SHORTEST_REST:g} s",
         where=recording.name,
     )
@@ -194,8 +193,7 @@ def _require_one_motion(recording: Recording) -> None:
     correlation = float(np.corrcoef(recording.command, recording.measured)[0, 1])
     if correlation < _LEAST_CORRELATION:
         raise InputError(
-            "In a calibration, command and measured displacement may differ by their channels only",
-            value=f"a correlation of {correlation:.2f}",
+            f"Command and measured displacement do not record one motion: correlation {correlation:.2f}",
             remedy="Feed one signal to both channels, or move the actuator slowly and without a specimen",
             where=recording.name,
         )

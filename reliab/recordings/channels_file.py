@@ -154,8 +154,7 @@ def read_channels_file(path: str | Path) -> StatedChannels:
     tables = described(ChannelsDescription, content, rule=_RULE, remedy=_REMEDY, where=str(path))
     if tables.filters.texts() and tables.calibration.skew_ms is not None:
         raise InputError(
-            "A calibrated skew includes the delay of the filters",
-            value="`skew_ms` together with `filters`",
+            "`skew_ms` already includes the delay of the filters",
             remedy="Leave `filters` out",
             where=str(path),
         )

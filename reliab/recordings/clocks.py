@@ -105,8 +105,7 @@ def at_one_clock(
     lead = next(iter(clocks))
     if rate_hz is not None and abs(clocks[lead].step * rate_hz - 1.0) > _EVEN:
         raise InputError(
-            "The times must agree with the sampling rate",
-            value=f"{1.0 / clocks[lead].step:.6g} Hz against {rate_hz:g} Hz",
+            f"The times show {1.0 / clocks[lead].step:.6g} Hz, but the sampling rate is {rate_hz:g} Hz",
             remedy="Correct `rate`, or say with `time_units` in what unit the times are",
             where=columns.where,
         )
@@ -137,8 +136,8 @@ def _from_one_date(
         return dict(clocks)
     if bare := [key for key in clocks if key not in dated]:
         raise InputError(
-            "The channels of a test must all state when they begin, or none",
-            value=f"a date in {channels[next(iter(dated))].column!r}, none in {channels[bare[0]].column!r}",
+            f"{channels[next(iter(dated))].column!r} states when it begins, "
+            f"{channels[bare[0]].column!r} does not",
             remedy="Export them with one clock, or from the program that recorded both",
             where=columns.where,
         )
@@ -215,8 +214,7 @@ def _common(columns: Columns, values: Mapping[str, Array], clocks: Mapping[str, 
     size = int(np.floor((whole[1] - whole[0]) / lead.step + _SAME)) + 1
     if count < _LEAST_SHARED * size:
         raise InputError(
-            "The channels of a test must be recorded at the same time",
-            value=f"{max(count, 0)} of {size} samples in common",
+            f"The channels were not recorded at the same time: {max(count, 0)} of {size} samples in common",
             remedy="Cut the channels to the same time, or name those of one test",
             where=columns.where,
         )
@@ -235,8 +233,8 @@ def _clock_of(columns: Columns, name: str, shared: Clock | None, size: int, time
         return replace(clock, start=series.start)
     if series.values.size != size:
         raise InputError(
-            "Channels without times of their own must have the same length",
-            value=f"{series.values.size} samples of {name!r} and {size} of others",
+            f"Channels without times differ in length: {series.values.size} samples of {name!r} "
+            f"and {size} of others",
             remedy="Export all channels at one rate, or with their times",
             where=columns.where,
         )
@@ -244,17 +242,16 @@ def _clock_of(columns: Columns, name: str, shared: Clock | None, size: int, time
         return shared if series.start is None else replace(shared, start=series.start)
     if not (step := _stated_step(columns)):
         raise InputError(
-            "A test's file must say at what times the samples were taken",
-            value=columns.listed,
-            remedy="Add a column time, name it with `time`, or give the sampling rate with `rate`",
+            "No times and no sampling rate in the file",
+            remedy="Name the column of times with `time`, or give the sampling rate with `rate`. "
+            f"Columns in the file: {columns.listed}",
             where=columns.where,
         )
     require_physical("time step", step, where=columns.where)
     if step >= _SLOWEST:
         raise InputError(
-            "The sampling rate that a file states must be one of a test",
-            value=f"{1.0 / step:.6g} Hz",
-            remedy="Give it with `rate`",
+            f"The file states a sampling rate of {1.0 / step:.6g} Hz, which no test has",
+            remedy="Give the rate with `rate`",
             where=columns.where,
         )
     return Clock(begin=0.0, step=step)
@@ -284,8 +281,7 @@ def _time_unit(columns: Columns, text: str) -> Unit | None:
     unit = unit_of(text)
     if text and (unit is None or unit.quantity is not Quantity.TIME):
         raise InputError(
-            "The unit must be one of time",
-            value=text,
+            f"{text!r} is no unit of time",
             remedy=f"Choose among {', '.join(TIMES)}, or export the channels over time",
             where=columns.where,
         )
@@ -297,16 +293,14 @@ def _require_unit(columns: Columns, name: str, clock: Clock, size: int, unit: Un
     stated = _STATED_UNIT.search(name)
     if unit is None and stated is not None:
         raise InputError(
-            "The unit of the times must be known",
-            value=stated[1],
-            remedy=f"Say it with `time_units`: {', '.join(TIMES)}",
+            f"Unknown unit of the times: {stated[1]}",
+            remedy=f"State it with `time_units`: {', '.join(TIMES)}",
             where=columns.where,
         )
     if unit is None and not (_FASTEST <= clock.step < _SLOWEST and clock.step * size >= _SHORTEST_TEST):
         raise InputError(
-            "Times must state their unit where they may not be in seconds",
-            value=f"steps of {clock.step:.6g} in {name!r}",
-            remedy="Say it with `time_units`, such as ms or d, or give the sampling rate with `rate`",
+            f"{name!r} has steps of {clock.step:.6g} without a unit: hardly seconds",
+            remedy="State the unit with `time_units`, such as ms or d, or give the sampling rate with `rate`",
             where=columns.where,
         )
 

@@ -78,7 +78,7 @@ class CoupledRecording:
         if self.ground is not None:
             require_finite(self.ground, "ground acceleration", self.name)
         if not (np.ptp(self.command, axis=1) > 0.0).any():
-            raise InputError("Some command must move", remedy="Check the columns", where=self.name)
+            raise InputError("No command moves", remedy="Check the columns", where=self.name)
 
     @property
     def duration(self) -> float:

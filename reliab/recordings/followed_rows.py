@@ -91,14 +91,13 @@ def step_of_rows(rows: Iterator[Rows], rate: float | None) -> tuple[float, Itera
     name = first[0].name if first else ""
     if any(part.time is None for part in first):
         raise InputError(
-            "A test that is followed needs times or a sampling rate",
+            "No times and no sampling rate",
             remedy="Add a column time, or give the sampling rate with `rate`",
             where=name,
         )
     if count <= _ROWS_FOR_STEP:
         raise InputError(
-            f"A test that is followed needs more than {_ROWS_FOR_STEP} rows",
-            value=count,
+            f"Only {count} rows so far; more than {_ROWS_FOR_STEP} are needed",
             remedy="Wait until the test runs, or wait longer with `wait`",
             where=name,
         )
@@ -141,9 +140,9 @@ def rows_at_equal_steps(rows: Iterator[Rows], step: float) -> Iterator[Rows]:
             if gap.size:
                 row = int(gap[0])
                 raise InputError(
-                    f"Samples must follow each other at equal steps, here of {step:.6g} s",
-                    value=f"{part.time[row]:.10g} s for sample {count + row + 1}",
-                    remedy="A test with missing samples cannot be followed; assess it in pieces afterwards",
+                    f"The steps are not equal: sample {count + row + 1} is at {part.time[row]:.10g} s, at "
+                    f"steps of {step:.6g} s",
+                    remedy="Judge the test in pieces afterwards: a test that is followed needs equal steps",
                     where=part.place(row),
                 )
             drift = float(late[-1])
@@ -165,10 +164,9 @@ def _require_new_samples(recent: Array, step: float, where: str) -> None:
         hold = find_hold(values, step)
         if hold is not None:
             raise InputError(
-                "Each row of a test that is followed must be a new sample of both channels",
-                value=f"a {part} displacement that holds each value for {significant(hold.length)} rows",
-                remedy="Write a row for each new value, or judge the test afterwards: `reliab assess` "
-                "interpolates between them",
+                f"The {part} displacement holds each value for {significant(hold.length)} rows",
+                remedy="Write a row for each new value, or judge the test afterwards, when it can be "
+                "interpolated",
                 where=where,
             )
 
@@ -214,9 +212,7 @@ def _require_rest_at_zero(command: Array, measured: Array, time_step: float) -> 
     else:
         return
     raise InputError(
-        "The channels of a test that is followed must count from the position in which the "
-        "structure rests: over a peak that is counted from elsewhere its error is too small",
-        value=value,
+        f"The channels do not count from the rest position, so that the error would seem too small: {value}",
         remedy=f"{remedy}; `reliab assess` finds it by itself",
     )
 

@@ -79,8 +79,7 @@ def _opened(path: Path) -> BinaryIO:
         return ordinary(path).open("rb")
     except OSError as error:
         raise InputError(
-            "The file must be readable",
-            value=error.strerror,
+            f"Cannot read the file: {error.strerror}",
             remedy="Name the file that the test is or will be written to, or - for standard input; "
             "`start_within` gives its logger more time",
             where=str(path),
@@ -226,10 +225,9 @@ def _begun(
             return named, waiting[place:]
     if len(lines) > _LONGEST_PREAMBLE:
         raise InputError(
-            f"Rows of numbers must begin within {_LONGEST_PREAMBLE:,} lines",
-            value="none",
-            where=wanted.name,
+            f"No rows of numbers in the first {_LONGEST_PREAMBLE:,} lines",
             remedy="Write command and measured displacement as columns",
+            where=wanted.name,
         )
     return None, []
 
@@ -251,8 +249,7 @@ def _layout(above: list[str], line: str, delimiter: str, wanted: _Wanted) -> _La
     header = header_of(above, width, delimiter, where=wanted.name)
     if not header.named:
         raise InputError(
-            "A test that is followed must begin with a line that names its columns",
-            value=repr(line[:40]),
+            f"The first line names no columns: {line[:40]!r}",
             remedy="Write time_s,command_m,measured_m as the first line",
             where=wanted.name,
         )
@@ -292,9 +289,9 @@ def _require_columns(wanted: _Wanted, parts: set[Part], names: Sequence[str]) ->
     for part in wanted.also:
         if part not in parts:
             raise InputError(
-                f"A test that is followed like this needs a column of its {part}",
-                value=", ".join(names),
-                remedy="Record it, or name it and its unit in a file `channels.toml` for `channels`",
+                f"No column for the {part}",
+                remedy="Record it, or name it and its unit in a file `channels.toml` for `channels`. "
+                f"Columns in the file: {', '.join(names)}",
                 where=wanted.name,
             )
 
@@ -303,8 +300,8 @@ def _require_one(recognised: Sequence[Channel], name: str) -> None:
     """Refuse channels of several actuators."""
     if any(channel.actuator for channel in recognised):
         raise InputError(
-            "A test that is followed must be of one actuator",
-            value=" and ".join(repr(channel.column) for channel in recognised if channel.actuator),
+            "The file holds the channels of several actuators: "
+            + " and ".join(repr(channel.column) for channel in recognised if channel.actuator),
             remedy="Choose a pair with `command` and `measured`, or state the `structure` that all drive",
             where=name,
         )

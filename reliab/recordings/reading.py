@@ -44,6 +44,7 @@ _NO_UNITS: Final = frozenset(
 )
 _EXPLAINED: Final = 0.9  # share of a nameless column that the motion explains, from which it may be a force
 _OF_LENGTHS: Final = ("", "displacement ", "length ")  # before "units" in a header
+_NAMES_SHOWN: Final = 20  # of the tests of a file, in a message
 _LARGEST_RATIO: Final = 3.0  # of measured to commanded displacement in one unit
 
 
@@ -150,16 +151,15 @@ def one_test(tests: Sequence[Columns], name: str | None) -> Columns:
     if name is not None:
         if name not in names:
             raise InputError(
-                "The test must be in the file",
-                value=repr(name),
+                f"No test {name!r} in the file",
                 remedy=f"It holds {', '.join(filter(None, names)) or 'one test without a name'}",
                 where=tests[0].path.name,
             )
         return tests[names.index(name)]
     if len(tests) > 1:
+        further = " …" if len(names) > _NAMES_SHOWN else ""
         raise InputError(
-            "One test of the file must be chosen",
-            value=", ".join(names[:20]) + (" …" if len(names) > 20 else ""),  # noqa: PLR2004
+            f"The file holds several tests: {', '.join(names[:_NAMES_SHOWN])}{further}",
             remedy="Choose one with `test_name`, or all of them with `test_name=all`",
             where=tests[0].path.name,
         )
@@ -180,9 +180,9 @@ def histories_of(
     keyed = {_key(channel): channel for channel in sorted(completed, key=_order)}
     if not any(channel.part is not Part.TIME for channel in keyed.values()):
         raise InputError(
-            "A test's file must hold a channel of the test",
-            value=columns.listed,
-            remedy="Name its columns command and measured, or choose them with `command` and `measured`",
+            "No column for the command or the measured displacement",
+            remedy=f"Name the columns command and measured, or choose them with `command` and `measured`. "
+            f"Columns in the file: {columns.listed}",
             where=columns.where,
         )
     require_clear_numbers(columns, keyed.values(), laboratory.stated)
@@ -217,8 +217,7 @@ def recording_of(histories: Histories) -> Recording:
     if numbers:
         commands = [channel.column for channel in histories.channels.values() if channel.part is Part.COMMAND]
         raise InputError(
-            "A test must be of one actuator",
-            value=f"those of {', '.join(numbers)}: {' and '.join(map(repr, commands))}",
+            f"The file holds channels of actuators {', '.join(numbers)}: {' and '.join(map(repr, commands))}",
             remedy="Choose a pair with `command` and `measured`; `reliab record` keeps all of them",
             where=histories.columns.where,
         )
@@ -259,9 +258,7 @@ def stated_by_options(
 
         laboratory = read_channels_file(channels)
     if units is not None and units not in LENGTHS:
-        raise InputError(
-            "The unit must be one of length", value=units, remedy=f"Choose among {', '.join(LENGTHS)}"
-        )
+        raise InputError(f"{units!r} is no unit of length", remedy=f"Choose among {', '.join(LENGTHS)}")
     result = dict(laboratory.stated)
     for part, name in names.items():
         if name is not None:
@@ -346,17 +343,16 @@ def require_clear_numbers(
         series, laboratory = columns.series[channel.column], stated.get(channel.part, Stated())
         if series.unclear and not laboratory.is_scaled:
             raise InputError(
-                "It must be clear whether a scale or an offset that a file states is in its numbers",
-                value=f"{series.unclear} beside {channel.column!r}",
-                remedy=f"State scale and zero of the {channel.part} in a file `channels.toml`, 1 and 0 "
-                "where the numbers are in their unit",
+                f"The file states {series.unclear} beside {channel.column!r}, but not whether its numbers "
+                "contain it",
+                remedy=f"State scale and zero of the {channel.part} in a file `channels.toml`, 1 and 0 if "
+                "the numbers are in their unit",
                 where=columns.where,
             )
         text = series.unit.strip()
         if unit_of(text) is None and text.lower() not in _NO_UNITS and not laboratory.unit:
             raise InputError(
-                "The unit of a channel must be known",
-                value=f"{text!r} of {channel.column!r}",
+                f"Unknown unit {text!r} of {channel.column!r}",
                 remedy=f"State the unit of the {channel.part} in a file `channels.toml`",
                 where=columns.where,
             )
@@ -385,9 +381,8 @@ def _require_plain_unit(columns: Columns, channel: Channel) -> None:
     """Ask what `disp_in` means where no other channel states a unit: inches, or an input."""
     if channel.unit == "in" and channel.column.lower().endswith("_in"):
         raise InputError(
-            "A unit must be stated where a name may mean two things",
-            value=f"{channel.column!r}: in inches, or an input",
-            remedy="State it with `units`",
+            f"{channel.column!r} may be in inches, or an input",
+            remedy="State the unit with `units`",
             where=columns.where,
         )
 
@@ -397,8 +392,7 @@ def _require_same_unit(columns: Columns, channel: Channel, beside: Channel) -> N
     ratio = compare(columns.values[beside.column], columns.values[channel.column]).ratio
     if not 1.0 / _LARGEST_RATIO < ratio < _LARGEST_RATIO and np.isfinite(ratio):
         raise InputError(
-            "Both displacements must state their units where they may differ",
-            value=f"{channel.column!r} without one, {significant(ratio)} times the size of "
+            f"{channel.column!r} states no unit, and is {significant(ratio)} times the size of "
             f"{beside.column!r} in {beside.unit}",
             remedy="Name the column with its unit, or state it in a file `channels.toml`",
             where=columns.where,

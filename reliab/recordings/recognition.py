@@ -175,10 +175,10 @@ class _Search:
             if name in self._columns.values:
                 return self._channel(part, self._named[name], "stated")
         close = get_close_matches(names[0], list(self._columns.values), n=1, cutoff=0.5)
+        listed = f"Columns in the file: {self._columns.listed}"
         raise InputError(
-            f"The column of the {part} must be in the file",
-            value=" or ".join(repr(name) for name in names),
-            remedy=f"Did you mean {close[0]!r}" if close else f"The file has {self._columns.listed}",
+            f"No column {' or '.join(repr(name) for name in names)} for the {_named(part)}",
+            remedy=f"Did you mean {close[0]!r}? {listed}" if close else listed,
             where=self._columns.where,
         )
 
@@ -203,8 +203,7 @@ class _Search:
         if unit is None or unit.quantity is not QUANTITY_OF[part]:
             kind = {Quantity.DISPLACEMENT: "length"}.get(QUANTITY_OF[part], str(QUANTITY_OF[part]))
             raise InputError(
-                f"The unit must be one of {kind}",
-                value=text,
+                f"{text!r} is no unit of {kind}",
                 remedy=f"Choose among {', '.join(UNITS[QUANTITY_OF[part]])}",
             )
         return unit
@@ -445,26 +444,25 @@ class _Search:
         return bool(steps.size and steps.mean() > 0.0 and (steps >= 0.0).all() and steps.mean() != 1.0)
 
     def _ambiguous(self, part: Part, candidates: Sequence[Named]) -> InputError:
+        those = " and ".join(repr(what.column) for what in candidates)
         return InputError(
-            f"One column must be the {part}",
-            value=" and ".join(repr(what.column) for what in candidates),
+            f"Several columns could be the {_named(part)}: {those}",
             remedy=f"Choose one with `{part}`" if part in DISPLACEMENTS else "State it in `channels`",
             where=self._columns.where,
         )
 
     def _undecided(self, names: Sequence[str], why: str) -> InputError:
+        those = " and ".join(repr(name) for name in names)
         return InputError(
-            "Command and measured displacement must be told from each other",
-            value=f"{' and '.join(repr(name) for name in names)}, which {why}",
+            f"Which is the command, which the measured displacement? {those} {why}",
             remedy="Say which is which with `command` and `measured`",
             where=self._columns.where,
         )
 
     def _missing(self, part: Part) -> InputError:
         return InputError(
-            f"A test's file must have a column of the {part} displacement",
-            value=self._columns.listed,
-            remedy=self._suggestion(part),
+            f"No column for the {_named(part)}",
+            remedy=f"{self._suggestion(part)}. Columns in the file: {self._columns.listed}",
             where=self._columns.where,
         )
 
@@ -474,3 +472,8 @@ class _Search:
             name = by_word[close[0]]
             return f"Did you mean {name!r}? Then rename it to {part}, or give `{part}={name}`"
         return f"Name the column {part}, or say which it is with `{part}`"
+
+
+def _named(part: Part) -> str:
+    """Name a part in a sentence."""
+    return "measured displacement" if part is Part.MEASURED else str(part)

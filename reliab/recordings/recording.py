@@ -121,8 +121,7 @@ def require_few_samples(samples: int, where: str) -> None:
     """Refuse a test whose statistics would not fit in memory."""
     if samples > MOST_SAMPLES:
         raise InputError(
-            f"A test may have {MOST_SAMPLES:,} samples at most",
-            value=f"{samples:,}",
+            f"{samples:,} samples are too many; a test may have {MOST_SAMPLES:,}",
             remedy="Resample it at a lower rate, or cut it where everything stands still",
             where=where,
         )
@@ -173,8 +172,7 @@ class Recording:
             require_finite(values, what, self.name)
             if np.ptp(values) <= max(1e-9 * np.abs(values).max(), _SMALLEST):
                 raise InputError(
-                    f"The {what} must move",
-                    value=f"{values[0]:g} throughout",
+                    f"The {what} does not move: {values[0]:g} throughout",
                     remedy="Check that the column is the right one and the channel was connected",
                     where=self.name,
                 )

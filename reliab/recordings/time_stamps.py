@@ -53,8 +53,7 @@ def clock_of(columns: Columns, name: str, times: Array, factor: float) -> Clock:
     """Clock of times in a unit of `factor` [s]."""
     if times.size < FEWEST_SAMPLES:
         raise InputError(
-            f"A test must have at least {FEWEST_SAMPLES} samples",
-            value=times.size,
+            f"Only {times.size} samples; a test needs at least {FEWEST_SAMPLES}",
             remedy="Give the whole test",
             where=columns.where,
         )
@@ -124,8 +123,8 @@ def _uneven(columns: Columns, times: Array, off: float) -> Clock:
     mean = float(times[-1] - times[0]) / (times.size - 1)
     if longest > _LARGEST_RATIO * shortest:
         raise InputError(
-            f"The step between samples must not change by more than {_LARGEST_RATIO:g} times",
-            value=f"{significant(shortest)} to {significant(longest)} s",
+            f"Steps between samples range from {significant(shortest)} to {significant(longest)} s, "
+            f"more than {_LARGEST_RATIO:g} times",
             remedy="Resample the test, or cut it where the rate changes",
             where=columns.where,
         )

@@ -1,18 +1,31 @@
 """How the documentation site is built; see README.md beside this file."""
 
+import os
 import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))  # for the extensions beside this file
+os.environ["PYTHONPATH"] = str(Path(__file__).parent)  # for the figures that pages draw
 
 from reliab.version import __version__
 
 project = "reliab"
 author = "The reliab developers"
 release = version = __version__
-extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_copybutton", "formulas", "keys"]
+extensions = [
+    "myst_nb",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "sphinx_copybutton",
+    "formulas",
+    "keys",
+    "options",
+]
 exclude_patterns = ["README.md"]
 html_theme = "furo"
+html_static_path = ["static"]
+html_css_files = ["site.css"]
+smartquotes = False  # they would make a dash of the two hyphens of an option
 html_title = f"reliab {__version__}"
 html_show_sourcelink = False
 html_copy_source = False

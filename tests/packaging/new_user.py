@@ -2,7 +2,7 @@
 
     python tests/packaging/new_user.py reliab-*.whl [FOLDER]
 
-Every command and every cell of the start and of the four lessons runs as it is written, one after the other,
+Every command and every cell of the first pages runs as it is written, one after the other,
 in an empty folder with an empty home, in which no kernel is compiled. Words are all that a page shows, code
 too. The exit code is 1 where a step does not work.
 """
@@ -25,11 +25,10 @@ from pages import SITE, code, commands
 
 PAGES = (
     "index",
-    "getting_started",
-    "notebooks/test",
-    "guides/frame",
-    "notebooks/campaign",
-    "notebooks/criterion",
+    "tutorial/first_verdict",
+    "how_to/judge_a_frame",
+    "tutorial/campaign",
+    "tutorial/criterion",
 )
 WORDS_A_MINUTE = 200
 

@@ -147,7 +147,7 @@ def test_a_locked_actuator_gives_noise_and_resolution():
 
 def test_a_channel_that_does_something_else_is_refused():
     time = np.arange(0.0, 10.0, 1e-3)
-    with pytest.raises(InputError, match="may differ by their channels only"):
+    with pytest.raises(InputError, match="do not record one motion"):
         calibrate_channels(Recording(command=np.sin(time), measured=np.cos(3.0 * time), time_step=1e-3))
 
 

@@ -156,14 +156,16 @@ def test_a_sign_between_thousands_is_that_which_is_not_decimal(tmp_path):
 def test_a_sampling_rate_that_no_test_has_is_refused(tmp_path):
     cells = (f"{c:.5f},{m:.5f}" for c, m in zip(COMMAND, MEASURED, strict=True))
     path = written(tmp_path, "# sample rate: 1.024 Hz", "command_mm,measured_mm", *cells)
-    with pytest.raises(InputError, match=r"t\.csv: The sampling rate .* found 1\.024 Hz.*`rate`"):
+    with pytest.raises(InputError, match=r"t\.csv: The file states a sampling rate of 1\.024 Hz.*`rate`"):
         read_recording(path)
     assert read_recording(path, rate_hz=1024.0).time_step == pytest.approx(1.0 / 1024.0)
 
 
 @pytest.mark.parametrize("header", ["# scale factor: 0.5", "scale,1,0.01,0.009", "offset,0,0,3.5"])
 def test_scales_above_a_table_are_asked_about(tmp_path, header):
-    with pytest.raises(InputError, match=r"t\.csv: It must be clear whether a scale or an offset"):
+    with pytest.raises(
+        InputError, match=r"t\.csv: The file states .* but not whether its numbers contain it"
+    ):
         read_recording(written(tmp_path, header, "time_s,command_mm,measured_mm", *rows()))
 
 

@@ -67,13 +67,13 @@ def test_channels_that_share_half_of_their_time_are_refused(tmp_path):
     with h5py.File(tmp_path / "t.h5", "w") as file:
         file["controller/time"], file["controller/command_m"] = TIME, COMMAND
         file["logger/time"], file["logger/measured_m"] = TIME + 4.0, MEASURED
-    with pytest.raises(InputError, match="recorded at the same time"):
+    with pytest.raises(InputError, match="not recorded at the same time"):
         read_recording(tmp_path / "t.h5")
 
 
 def test_times_without_a_unit_that_may_be_milliseconds_are_asked_about():
     table = {"time": 4.0 * np.arange(TIME.size), "command_m": COMMAND, "measured_m": MEASURED}
-    with pytest.raises(InputError, match="Times must state their unit"):
+    with pytest.raises(InputError, match="without a unit: hardly seconds"):
         read_recording(pd.DataFrame(table))
     assert read_recording(pd.DataFrame(table), time_units="ms").time_step == pytest.approx(4e-3)
 
@@ -118,7 +118,9 @@ def test_rounded_times_are_no_drift():
 
 def test_a_rate_that_changes_by_more_than_any_recorder_does_is_refused():
     times = np.concatenate([np.arange(4000) / 1000.0, 4.0 + np.arange(200) / 20.0])
-    with pytest.raises(InputError, match=r"must not change by more than 20 times; found 0\.001 to 0\.05 s"):
+    with pytest.raises(
+        InputError, match=r"Steps between samples range from 0\.001 to 0\.05 s, more than 20 times"
+    ):
         read_at(times)
 
 
@@ -127,14 +129,14 @@ def test_times_in_days_hours_and_minutes(factor, unit):
     table = {"command_m": COMMAND, "measured_m": MEASURED}
     test = read_recording(pd.DataFrame({f"Time [{unit}]": 46000.0 * (unit == "d") + factor * TIME, **table}))
     assert test.time_step == pytest.approx(1.0 / RATE, rel=1e-6)
-    with pytest.raises(InputError, match=r"must state their unit|time step must be between"):
+    with pytest.raises(InputError, match=r"without a unit: hardly seconds|time step must be between"):
         read_recording(pd.DataFrame({"Time": factor * TIME, **table}))
 
 
 @pytest.mark.parametrize("unit", ["samples", "ticks", "hundredths of s", "millis"])
 def test_a_unit_of_the_times_that_nobody_knows_is_asked_about(unit):
     table = {f"Time ({unit})": TIME, "command_m": COMMAND, "measured_m": MEASURED}
-    with pytest.raises(InputError, match=f"The unit of the times must be known; found {unit}.*`time_units`"):
+    with pytest.raises(InputError, match=f"Unknown unit of the times: {unit}.*`time_units`"):
         read_recording(pd.DataFrame(table))
 
 
@@ -149,9 +151,7 @@ def test_a_unit_of_a_channel_that_nobody_knows_is_refused_until_it_is_stated(tmp
     with h5py.File(tmp_path / "t.h5", "w") as file:
         file["time"], file["command"], file["measured"] = TIME, COMMAND, MEASURED
         file["command"].attrs["units"], file["measured"].attrs["units"] = "thou", "m"
-    with pytest.raises(
-        InputError, match=r"t\.h5: The unit of a channel must be known; found 'thou' of 'command'"
-    ):
+    with pytest.raises(InputError, match=r"t\.h5: Unknown unit 'thou' of 'command'"):
         read_recording(tmp_path / "t.h5")
     (tmp_path / "channels.toml").write_text('[channels.command]\nunit = "m"\n', encoding="utf-8")
     test = read_recording(tmp_path / "t.h5", channels=tmp_path / "channels.toml")

@@ -88,6 +88,6 @@ def test_a_followed_test_with_held_values_is_refused_with_its_line(channel, rows
     histories[channel] = held(histories[channel], rows)
     part = Rows(time=TIME, **histories, lines=np.arange(SIZE) + 2, name="t.csv")
     with pytest.raises(
-        InputError, match=rf"t\.csv, line 12289: .*a {channel} displacement that holds .* {rows} rows"
+        InputError, match=rf"t\.csv, line 12289: The {channel} displacement holds each value for {rows} rows"
     ):
         list(rows_at_equal_steps(iter([part]), 1.0 / RATE))

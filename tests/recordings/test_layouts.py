@@ -37,7 +37,7 @@ def test_blocks_of_one_acquisition_are_joined_and_others_are_tests(tmp_path):
     np.testing.assert_allclose(read_recording(tmp_path / "t.dat").command, COMMAND, atol=1e-12)
     apart = [*rows[: names + 2], *table[:1000], *above, *table[:900]]
     (tmp_path / "t.dat").write_text("\n".join(apart), encoding="utf-8")
-    with pytest.raises(InputError, match="One test of the file must be chosen; found 1, 2"):
+    with pytest.raises(InputError, match="The file holds several tests: 1, 2"):
         read_recording(tmp_path / "t.dat")
     assert read_recording(tmp_path / "t.dat", test="2").command.size == 900
 
@@ -51,7 +51,7 @@ def test_groups_of_the_same_names_are_tests(tmp_path):
                 ("measured", factor * MEASURED),
             ):
                 file[f"{name}/{channel}"] = values
-    with pytest.raises(InputError, match="found run 1, run 2"):
+    with pytest.raises(InputError, match="several tests: run 1, run 2"):
         read_recording(tmp_path / "t.h5")
     np.testing.assert_array_equal(read_recording(tmp_path / "t.h5", test="run 2").command, 2.0 * COMMAND)
 

@@ -103,7 +103,7 @@ def test_per_cent_in_front_of_a_line_of_units_begins_no_comment(tmp_path):
 
 
 def test_names_that_say_nothing_without_units_are_asked_about():
-    with pytest.raises(InputError, match="must have a column of the command"):
+    with pytest.raises(InputError, match="No column for the command"):
         columns_of({"time": TIME, "a": COMMAND, "b": MEASURED})
 
 
@@ -111,13 +111,13 @@ def test_early_measurement_without_names_is_never_taken_for_the_command(tmp_path
     """An overcompensated actuator leads; its noise contradicts, and the user is asked."""
     early = np.roll(MEASURED, -5)
     np.savetxt(tmp_path / "t.csv", np.column_stack([TIME, early, COMMAND]), delimiter=",")
-    with pytest.raises(InputError, match="must be told from each other"):
+    with pytest.raises(InputError, match="Which is the command"):
         read_recording(tmp_path / "t.csv")
 
 
 def test_one_displacement_in_metres_beside_one_in_unstated_millimetres_is_asked_about():
     table = {"time": TIME, "command_m": COMMAND, "measured": 1e3 * MEASURED}
-    with pytest.raises(InputError, match="Both displacements must state their units"):
+    with pytest.raises(InputError, match="'measured' states no unit, and is 997 times"):
         columns_of(table)
 
 
@@ -129,7 +129,7 @@ def test_force_is_the_one_that_the_motion_explains():
 
 def test_pairs_of_several_actuators_are_asked_about_by_a_test_of_one():
     table = {"t": TIME, "cmd_1": COMMAND, "meas_1": MEASURED, "cmd_2": 2 * COMMAND, "meas_2": 2 * MEASURED}
-    with pytest.raises(InputError, match="of one actuator; found those of 1, 2"):
+    with pytest.raises(InputError, match="channels of actuators 1, 2"):
         columns_of(table)
     assert (
         read_recording(pd.DataFrame(table), command="cmd_2", measured="meas_2").command[9] == 2 * COMMAND[9]

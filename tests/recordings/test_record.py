@@ -105,7 +105,7 @@ def test_several_actuators_are_kept_with_a_dimension(tmp_path):
         assert opened["actuator"].values.tolist() == ["1", "2"]
         np.testing.assert_allclose(opened["measured"].values[1], 2e-3 * MEASURED, rtol=1e-12)
     assert check_record(tmp_path / "t.nc") == []
-    with pytest.raises(InputError, match="must be of one actuator"):
+    with pytest.raises(InputError, match="holds channels of actuators"):
         read_recording(tmp_path / "t.nc")
 
 
@@ -124,7 +124,7 @@ def test_a_laboratory_states_its_channels_once(tmp_path):
     [
         (("sign = -1", "sign = 3"), "sign"),
         (("[channels.command]", "[channels.comand]"), "comand is not a known"),
-        (('unit = "mm"', 'unit = "kN"'), "must be one of length"),
+        (('unit = "mm"', 'unit = "kN"'), "is no unit of length"),
         (("rate_hz = 256", "rate_hz = -1"), "rate_hz"),
     ],
 )

@@ -78,7 +78,7 @@ def test_characters_beyond_sixteen_bits_are_text():
 
 @pytest.mark.parametrize("path", sorted(SAVED.glob("*.mat")), ids=lambda path: path.stem)
 def test_none_of_them_is_taken_for_a_test(path):
-    with pytest.raises(InputError, match=r"vectors of numbers|column of the command"):
+    with pytest.raises(InputError, match=r"vectors of numbers|No column for the command"):
         read_recording(path)
 
 

@@ -1,5 +1,6 @@
 """Pages of the documentation site, and the commands and code on them."""
 
+import re
 from pathlib import Path
 
 from written_commands import blocks, command_blocks
@@ -18,5 +19,6 @@ def commands(page: Path) -> list[list[str]]:
 
 
 def code(page: Path) -> list[str]:
-    """Return the cells of a page that the site's build executes."""
-    return blocks(page.read_text(encoding="utf-8"), "{code-cell}")
+    """Return the cells of a page that the site's build executes, without how they are shown."""
+    cells = blocks(page.read_text(encoding="utf-8"), "{code-cell}")
+    return [re.sub(r"^:\w+:.*\n", "", cell, flags=re.MULTILINE) for cell in cells]

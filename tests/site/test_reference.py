@@ -13,7 +13,7 @@ from reliab.app.cli import application
 from reliab.discrepancy.campaign.reading import CampaignDescription
 from reliab.simulation.frames.frame_tables import FrameDescription
 
-API = (SITE / "api.md").read_text(encoding="utf-8")
+API = (SITE / "reference" / "python.md").read_text(encoding="utf-8")
 DOCUMENTED = re.findall(r"^\.\. auto\w+:: ([\w.]+)$", API, re.MULTILINE)
 FILES = (CampaignDescription, FrameDescription)
 
@@ -54,7 +54,7 @@ def test_every_key_of_a_file_stands_in_its_reference(file, keys):
         assert described_so
         if isinstance(entry.get("default"), float):
             assert any(f"| `{entry['default']:.6g}` |" in row for row in described_so)
-    page = (SITE / "keys.md").read_text(encoding="utf-8")
+    page = (SITE / "reference" / "files.md").read_text(encoding="utf-8")
     assert f"{{keys}} {file.__module__}.{file.__name__}\n" in page
 
 

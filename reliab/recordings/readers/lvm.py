@@ -50,10 +50,7 @@ def read_lvm(path: Path, delimiter: str | None = None) -> list[Columns]:
             tables.append(replace(table, series=segment.series(table)))
     if not tables:
         raise InputError(
-            "A LabVIEW file must hold a segment of numbers",
-            value="none",
-            remedy="Export it again",
-            where=path.name,
+            "No segment of numbers in the LabVIEW file", remedy="Export it again", where=path.name
         )
     return join_tables(tables)
 

@@ -27,10 +27,9 @@ def tree_of_objects(path: Path) -> dict[str, Tree]:
             import matio
         except ModuleNotFoundError:
             raise InputError(
-                "A MATLAB file with objects (timetable, timeseries, table) needs the library mat-io",
-                value="none installed",
-                remedy='Install it with pip install "mat-io>=1.0" (Python 3.14 needs a compiler for it), '
-                "or save the channels as vectors",
+                "A timetable, timeseries or table needs the library mat-io, which is not installed",
+                remedy='Install it with pip install "mat-io>=1.0" (Python 3.14 needs a compiler for it), or '
+                "save the channels as vectors",
                 where=path.name,
             ) from None
         content = matio.load_from_mat(str(path), raw_data=False, add_table_attrs=True)

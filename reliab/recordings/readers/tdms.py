@@ -49,8 +49,7 @@ def read_tdms(path: Path, _delimiter: str | None = None) -> list[Columns]:
         from nptdms.log import log_manager
     except ModuleNotFoundError:
         raise InputError(
-            "A TDMS file needs the library npTDMS",
-            value="none installed",
+            "TDMS needs the library npTDMS, which is not installed",
             remedy='Install it with pip install "reliab[recordings]", or export the test as text',
             where=path.name,
         ) from None

@@ -195,7 +195,7 @@ def test_design_states_tolerable_errors_and_a_chart(folder):
         (("good.csv", "--f", 1, "--confidence", 95), "confidence must lie between"),
         (("good.csv", "--f", 1, "--threshold", 5), "must be (positive, and )?at most 2"),
         (("good.csv", "--f", 1, "--threshold", 0), "must be (positive, and )?at most 2"),
-        (("good.csv", "--f", 1, "--command", "comand_m"), "column of the command must be"),
+        (("good.csv", "--f", 1, "--command", "comand_m"), "No column 'comand_m' for the command"),
         (("good.csv", "--f", 1, "--criterion", "none.json"), "criterion's file must be readable"),
         (
             ("good.csv", "--f", 1, "--criterion", "good.csv", "--threshold", 0.02),
@@ -207,7 +207,7 @@ def test_design_states_tolerable_errors_and_a_chart(folder):
         ),
         (("good.csv", "--f", 1, "--motion", "none.at2"), "A record must exist"),
         (("good.csv", "--f", 1, "--metric", "peak"), "The metric is rms or mte"),
-        (("good.csv", "--f", 1, "--units", "furlong"), "must be one of length"),
+        (("good.csv", "--f", 1, "--units", "furlong"), "is no unit of length"),
         (("good.csv", "--f", 1, "--xi", 2), "damping ratio must be at least 1e-12 and below 1"),
         (("good.csv", "--f", 1, "--date", "2026-01-01"), "`date` has no effect"),
         (("good.csv", "--f", 1, "--mass", 2), "without a column of force"),

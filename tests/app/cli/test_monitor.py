@@ -347,7 +347,7 @@ def test_columns_may_have_units_and_names_of_their_own(tmp_path, good, capsys):
 @pytest.mark.parametrize(
     ("text", "more", "rule"),
     [
-        ("0,0,0\n1,0,0\n", (), "line that names its columns"),
+        ("0,0,0\n1,0,0\n", (), "names no columns"),
         ("time,command,measured\n0,0\n", (), "must have 3 columns"),
         ("time,command,measured\n0,0,x\n", (), "must be a finite number"),
         ("time,command,measured\n0,0,0\n", (), "more than 64 rows"),
@@ -376,7 +376,7 @@ def test_a_missing_sample_is_refused(tmp_path, good, capsys):
 def test_a_missing_file_and_frequency_are_refused(tmp_path, capsys):
     for path, limit in ((tmp_path / "none.csv", "0.1"), (tmp_path / "no_folder" / "none.csv", "600")):
         assert run(["monitor", str(path), "--f", "1", "--xi", "0.02", "--start-within", limit]) == 2
-        assert "readable" in capsys.readouterr().err
+        assert "Cannot read the file" in capsys.readouterr().err
     assert run(["monitor", os.devnull]) == 2
     assert "--f" in capsys.readouterr().err
     assert run(["monitor", os.devnull, "--f", "1"]) == 2
