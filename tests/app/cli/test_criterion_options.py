@@ -129,7 +129,9 @@ CHANGES = {
     "model": [],
     "structure": [(HALF, ("--structure", FRAME))],
     "actuator": [((*HALF, *TWO), ("--actuator", "1"))],
-    "method": [(FILE, ("--method", name)) for name in ("quantile", "tolerance", "conformal", "predictive")],
+    "method": [
+        (FILE, ("--method", name)) for name in ("quantile", "tolerance", "order_statistic", "predictive")
+    ],
     "assurance": [((*FILE, "--method", "tolerance"), ("--assurance", "0.8"))],
     "distribution": [((*FILE, "--method", "quantile"), ("--distribution", "weibull"))],
     "joint": [(FILE, ("--each",)), ((*FILE, "--method", "quantile"), ("--joint",))],
