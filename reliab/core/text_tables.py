@@ -1,20 +1,30 @@
-"""Cells of a text, and the numbers and times of day in them, as programs of many countries write both."""
+"""One lexer of text tables: lines, cells, numbers and times of day, as programs of any country write them.
+
+Records of ground motions have numbers as Fortran prints them (`NUMBER`), in which nothing else may stand;
+recordings of tests also those with decimal commas, signs between thousands and gaps (`number_of`).
+"""
 
 import csv
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from decimal import Decimal
 from typing import Final
 
 import numpy as np
 
 from reliab.core.arrays import Array
 
+NUMBER: Final = r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[EeDd][-+]?[0-9]+)?"
+"""Pattern of a number as Fortran and everyone else print it."""
+
 COMMENTS: Final = ("#", "%", "//", "!")
 FEWEST_COLUMNS: Final = 2
 _MISSING: Final = frozenset({"", "nan", "na", "n/a", "null", "none", "-nan", "#n/a"})
 _SIGNS: Final = str.maketrans({"−": "-", "’": "'", "\u00a0": " ", "\u202f": " ", "\u2009": " "})
 _DECIMAL_COMMA: Final = re.compile(r"[+-]?(?:\d*,\d+|\d+,)(?:[eE][+-]?\d+)?")
+_NUMBER: Final = re.compile(NUMBER)
+_EXPONENTS: Final = str.maketrans("Dd", "EE")
 _FORTRAN: Final = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[dDqQ]([+-]?\d+)|([+-]\d{3}))")
 _THOUSANDS: Final = (  # of which one is no decimal sign: 1,234.5 and 1 234,5 and 1,234,567
     (re.compile(r"[+-]?\d{1,3}(?:,\d{3})+\.\d*|[+-]?\d{1,3}(?:,\d{3}){2,}"), ",", "."),
@@ -53,6 +63,25 @@ def cells_of(line: str, delimiter: str) -> tuple[str, ...]:
     else:
         parts = line.split(delimiter)
     return tuple(part.strip().strip('"').strip() for part in parts)
+
+
+def is_number(text: str) -> bool:
+    """Whether a text is a number as Fortran prints it."""
+    return _NUMBER.fullmatch(text) is not None
+
+
+def printed_number(text: str) -> float | None:
+    """Read a number as Fortran prints it, which may be infinite; None if the text is not one.
+
+    >>> [printed_number(text) for text in ("1.5D-02", "-.1e3", "1,5", "nan")]
+    [0.015, -100.0, None, None]
+    """
+    return float(text.translate(_EXPONENTS)) if is_number(text) else None
+
+
+def last_place(text: str) -> float:
+    """Return one unit in the last printed place of a number."""
+    return float(Decimal(1).scaleb(int(Decimal(text.translate(_EXPONENTS)).as_tuple().exponent)))
 
 
 def number_of(cell: str) -> float | None:
