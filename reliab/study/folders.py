@@ -92,18 +92,6 @@ def kind_of(folder: Path) -> Kind | None:
     return kind
 
 
-def study_module(study: str, module: str) -> ModuleType:
-    """Import a module of a study that ships; refuse where the studies are not installed."""
-    folder = shipped_folders().get(study)
-    if folder is None:
-        raise InputError(
-            f"This needs the study {study}, which ships with the package",
-            value="no such study here",
-            remedy="Install reliab with its studies",
-        )
-    return _module(folder, module)
-
-
 def _module(folder: Path, module: str) -> ModuleType:
     """Import a module of the folder of a study."""
     return import_module(f"{_package(folder.parent)}.{folder.name}.{module}")

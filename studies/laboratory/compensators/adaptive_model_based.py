@@ -9,8 +9,9 @@ import numpy as np
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.effects.kernel import Kernel, Numbers
-from reliab.simulation.compensators.compensator import Compensator
-from reliab.simulation.compensators.low_pass import butterworth_sections, filter_two
+from reliab.simulation.hybrid_test.compensator import Compensator
+
+from .low_pass import butterworth_sections, filter_two
 
 _FACTORS = 4
 

@@ -13,7 +13,8 @@ from reliab.motions.motion import Motion
 from reliab.structures.structure import Structure
 from reliab.sweep.ellipse_file import open_ellipses
 from reliab.validation.earthquakes import earthquakes_among
-from reliab.validation.rebuilt_error_study.judges import (
+
+from .judges import (
     Question,
 )
 

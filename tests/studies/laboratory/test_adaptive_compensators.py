@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from reliab_studies.laboratory.compensators.adaptive_inverse import AdaptiveInverse
+from reliab_studies.laboratory.compensators.adaptive_model_based import AdaptiveModelBased
+from reliab_studies.laboratory.compensators.adaptive_time_series import AdaptiveTimeSeries
+from reliab_studies.laboratory.compensators.pi_phase_lead import PhaseLeadControl
 from scipy import signal
 
-from reliab.simulation.compensators.adaptive_inverse import AdaptiveInverse
-from reliab.simulation.compensators.adaptive_model_based import AdaptiveModelBased
-from reliab.simulation.compensators.adaptive_time_series import AdaptiveTimeSeries
-from reliab.simulation.compensators.pi_phase_lead import PhaseLeadControl
 from reliab.tracking.indices.tracking import tracking_indicator
 
 STEP = 1.0 / 1024.0

@@ -10,8 +10,7 @@ from reliab.effects.kernel import Kernel
 class Compensator(ABC):
     """A delay compensator: it changes the command before it is sent to the actuator.
 
-    A subclass is a frozen dataclass. Another package adds its own under the entry-point group
-    ``reliab.compensators``.
+    A subclass is a frozen dataclass; `studies/laboratory/compensators/` holds those of the studies.
     """
 
     name: ClassVar[str]  # Unique name, as files call it

@@ -6,6 +6,7 @@ from types import MappingProxyType
 from typing import Any, Final
 
 import numpy as np
+from reliab_studies.laboratory.compensators.inverse import InverseCompensation
 
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.core.arrays import Array
@@ -19,11 +20,11 @@ from reliab.effects.hysteresis import Hysteresis
 from reliab.effects.rate_limit import RateLimit
 from reliab.effects.second_order_dynamics import SecondOrderDynamics
 from reliab.effects.stroke_saturation import StrokeSaturation
-from reliab.simulation.compensators.inverse import InverseCompensation
 from reliab.simulation.hybrid_test.model import Actuator
 from reliab.structures.specimen import Specimen
 from reliab.structures.structure import Structure
-from reliab.validation.beyond_the_model import Rig
+
+from ..beyond_the_model import Rig
 
 _SERVO_DAMPING = 0.7
 _COMPENSATED = 6.0  # steps

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from reliab_studies.laboratory.compensators.feedforward import Feedforward
+from reliab_studies.laboratory.compensators.inverse import InverseCompensation
+from reliab_studies.laboratory.compensators.model_inverse import ModelInverse
+from reliab_studies.laboratory.compensators.polynomial_extrapolation import PolynomialExtrapolation
 
 from reliab.core.errors import InputError
-from reliab.simulation.compensators.feedforward import Feedforward
-from reliab.simulation.compensators.inverse import InverseCompensation
-from reliab.simulation.compensators.model_inverse import ModelInverse
-from reliab.simulation.compensators.polynomial_extrapolation import PolynomialExtrapolation
 from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.structures.structure import Structure

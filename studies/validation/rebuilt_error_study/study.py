@@ -11,10 +11,11 @@ from reliab.core.errors import InputError
 from reliab.core.progress import Progress, silent
 from reliab.core.rows import read_table, write_table
 from reliab.validation.cross_validation.counts import event_bootstrap
-from reliab.validation.rebuilt_error_study.bench import tests_of_round
-from reliab.validation.rebuilt_error_study.design import Design
-from reliab.validation.rebuilt_error_study.judges import OWN_BOUNDARY, REBUILT
-from reliab.validation.rebuilt_error_study.rigs import LINEAR, PLAIN, RIGHT
+
+from .bench import tests_of_round
+from .design import Design
+from .judges import OWN_BOUNDARY, REBUILT
+from .rigs import LINEAR, PLAIN, RIGHT
 
 STUDY_COLUMNS: Final = (
     *("study", "round", "motion", "event", "test", "rig", "specimen", "f", "xi", "alpha", "sensor", "stated"),

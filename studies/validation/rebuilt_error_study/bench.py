@@ -17,16 +17,17 @@ from reliab.simulation.hybrid_test.closed_loop import Histories, run_closed_loop
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.structures.structure import Structure
 from reliab.tracking.indices.response_error import response_error
-from reliab.validation.beyond_the_model import Rig
-from reliab.validation.rebuilt_error_study.design import Design
-from reliab.validation.rebuilt_error_study.judges import (
+
+from ..beyond_the_model import Rig
+from .design import Design
+from .judges import (
     WITH_MODEL,
     ByIndices,
     Judgement,
     by_rebuilt_error,
     by_verdict,
 )
-from reliab.validation.rebuilt_error_study.rigs import (
+from .rigs import (
     CONDITIONS,
     LINEAR,
     PLAIN,

@@ -8,13 +8,14 @@ import numpy as np
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.effects.effect import Setting
-from reliab.simulation.compensators.compensator import Compensator
+from reliab.simulation.hybrid_test.compensator import Compensator
 from reliab.simulation.hybrid_test.stepping import STATES, Plan, plan
-from reliab.simulation.laboratory.march import Events, NumericalStep, PlantStep, march
 from reliab.simulation.transfer_systems.servo_hydraulic import ServoHydraulic
 from reliab.simulation.transfer_systems.transfer_function import Plant, TransferSystem
 from reliab.structures.frames.frame import exact_step, undivided_response
 from reliab.structures.partition import Partition
+
+from .march import Events, NumericalStep, PlantStep, march
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -101,10 +102,11 @@ def run_laboratory(
 
     >>> from reliab.structures.structure import Structure
     >>> from reliab.structures.partition import Partition
-    >>> from reliab.simulation.transfer_systems.transfer_function import first_order_lag
+    >>> from reliab.simulation.transfer_systems.transfer_function import TransferFunction
     >>> shaken = np.sin(2 * np.pi * np.arange(0.0, 10.0, 0.01))
     >>> partition = Partition.of_structure(Structure(frequency=1.0, damping_ratio=0.05), mass=1000.0)
-    >>> run = run_laboratory(partition, Rig(transfer_system=first_order_lag(0.001)), shaken, 0.01)
+    >>> lag = TransferFunction(numerator=(1.0,), denominator=(0.001, 1.0))
+    >>> run = run_laboratory(partition, Rig(transfer_system=lag), shaken, 0.01)
     >>> run.lost, run.measured.size
     (False, 40920)
     """

@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
+from reliab_studies.validation.beyond_the_model import rigs_of_delay, try_rigs
 
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.laws.table import Table
 from reliab.criterion.provenance import Provenance
 from reliab.motions.loading import load_motions
 from reliab.structures.structure import Structure
-from reliab.validation.beyond_the_model import rigs_of_delay, try_rigs
 
 
 @pytest.fixture(scope="module")

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from reliab_studies.laboratory.march import Events, NumericalStep, PlantStep, march
 
 from reliab.effects.kernel import Kernel
 from reliab.simulation.hybrid_test.stepping import STATES, Plan
-from reliab.simulation.laboratory.march import Events, NumericalStep, PlantStep, march
 
 H = 0.01
 SAMPLES = 60

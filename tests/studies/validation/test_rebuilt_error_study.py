@@ -1,26 +1,16 @@
 """The rebuilt error beside criteria: the truth against another laboratory, verdicts, resume, refusals."""
 
-import json
 from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 import pytest
-import typer
 from rebuilt_error import laboratory
-from typer.testing import CliRunner
-
-from reliab.app.cli.validate import validate
-from reliab.core.errors import InputError
-from reliab.core.vocabulary import Metric
-from reliab.motions.motion import Motion
-from reliab.structures.structure import Structure
-from reliab.tracking.indices.response_error import response_error
-from reliab.validation.beyond_the_model import Rig
-from reliab.validation.rebuilt_error_study import bench as simulated, rigs, study
-from reliab.validation.rebuilt_error_study.design import Design
-from reliab.validation.rebuilt_error_study.judges import CERTAIN, OWN_BOUNDARY, REBUILT, WITH_MODEL
-from reliab.validation.rebuilt_error_study.rigs import (
+from reliab_studies.validation.beyond_the_model import Rig
+from reliab_studies.validation.rebuilt_error_study import bench as simulated, rigs, study
+from reliab_studies.validation.rebuilt_error_study.design import Design
+from reliab_studies.validation.rebuilt_error_study.judges import CERTAIN, OWN_BOUNDARY, REBUILT, WITH_MODEL
+from reliab_studies.validation.rebuilt_error_study.rigs import (
     _DECIBELS,
     CONDITIONS,
     LINEAR,
@@ -29,7 +19,13 @@ from reliab.validation.rebuilt_error_study.rigs import (
     RIGS,
     Scales,
 )
-from reliab.validation.rebuilt_error_study.study import STUDY_COLUMNS, shares, summarised, try_tests
+from reliab_studies.validation.rebuilt_error_study.study import shares, summarised, try_tests
+
+from reliab.core.errors import InputError
+from reliab.core.vocabulary import Metric
+from reliab.motions.motion import Motion
+from reliab.structures.structure import Structure
+from reliab.tracking.indices.response_error import response_error
 
 STRUCTURE = Structure(frequency=1.0, damping_ratio=0.05)
 DURATION = 12.0
@@ -178,29 +174,6 @@ def text_of_section():
         return " ".join(parts)
 
     return told
-
-
-@pytest.mark.slow
-def test_the_command_answers_and_refuses_what_it_does_not_use(short, monkeypatch, tmp_path):
-    app = typer.Typer()
-    app.command()(validate)
-    monkeypatch.setattr(
-        study,
-        "tests_of_round",
-        lambda design, _: iter(short.assign(study=design.digest).to_dict(orient="records")),
-    )
-    path = tmp_path / "tests.csv"
-    arguments = ["--rebuilt-error", "--trials", "1", "--xi", "0.05", "--tests", str(path)]
-    done = CliRunner().invoke(app, [*arguments, "--json", "-"])
-    found = json.loads(done.stdout)
-    assert {row["judge"] for row in found["judges"]} >= {REBUILT, CERTAIN, OWN_BOUNDARY}
-    assert list(pd.read_csv(path).columns) == list(STUDY_COLUMNS)
-    shown = CliRunner().invoke(app, arguments).stdout
-    assert "looks nonlinear in 100 %" in shown
-    for idle in (["--scheme", "k_fold"], ["--calibration"], ["--results", "real_suite"]):
-        assert isinstance(CliRunner().invoke(app, [*arguments, *idle]).exception, InputError)
-    both = CliRunner().invoke(app, [*arguments, "--confidence", "0.9", "--confidence", "0.95"]).exception
-    assert "one `confidence`" in str(both)
 
 
 @pytest.mark.slow

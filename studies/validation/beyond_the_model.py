@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pandas as pd
+from reliab_studies.laboratory.compensators.inverse import InverseCompensation
 
 from reliab.core.progress import Progress, silent
 from reliab.core.vocabulary import Metric
@@ -20,11 +21,10 @@ from reliab.effects.effect import Effect
 from reliab.effects.first_order_lag import FirstOrderLag
 from reliab.effects.second_order_dynamics import SecondOrderDynamics
 from reliab.motions.motion import Motion, resample
-from reliab.simulation.compensators.compensator import Compensator
-from reliab.simulation.compensators.inverse import InverseCompensation
 from reliab.simulation.engine import Loop
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
+from reliab.simulation.hybrid_test.compensator import Compensator
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.structures.structure import Structure
 from reliab.tracking.boundary.suite_boundary import motion_contours

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from reliab_studies.laboratory.laboratory import _runge_kutta_step
 
-from reliab.simulation.laboratory.laboratory import _runge_kutta_step
 from reliab.simulation.transfer_systems.servo_hydraulic import ServoHydraulic
 
 
