@@ -230,7 +230,9 @@ def _examined(block: ObservedBlock, campaign: Campaign, advance: Callable[[], No
     if isinstance(block, BalanceBlock) and _is_slightly_late(searched.best):
         block = block.with_ground_in_time()
         searched = _searched(begun(block, campaign))
-    if isinstance(block, BalanceBlock) and _samples(searched.best):
+    if isinstance(block, BalanceBlock) and any(
+        effect.role is Role.INTEGRATION for effect in searched.best.space.effects
+    ):
         searched = _where_informed(block, campaign, searched)
     advance()
     searched = _judged(searched, campaign)
@@ -353,11 +355,6 @@ def _is_slightly_late(fitted: Fit) -> bool:
     """Whether a ground acceleration is late or early by what an integration with short steps does, too."""
     effects = fitted.space.model(fitted.coordinates).effects
     return any(abs(effect.ground_lag_s) < _SLIGHT for effect in effects if isinstance(effect, LateGround))
-
-
-def _samples(fitted: Fit) -> bool:
-    """Whether a model's controller knows what it demands at its own instants only."""
-    return any(effect.role is Role.INTEGRATION for effect in fitted.space.effects)
 
 
 def informed_up_to(problem: Problem, fitted: Fit) -> float:

@@ -13,7 +13,6 @@ from importlib import import_module
 from importlib.machinery import ModuleSpec
 from importlib.util import module_from_spec
 from pathlib import Path
-from types import ModuleType
 from typing import Any, Final
 
 from reliab.core.described_files import read_toml
@@ -74,7 +73,7 @@ def kind_of(folder: Path) -> Kind | None:
             where=str(folder),
         )
     try:
-        kind = getattr(_module(folder, _CODE), "KIND", None)
+        kind = getattr(import_module(f"{_package(folder.parent)}.{folder.name}.{_CODE}"), "KIND", None)
     except Exception as error:  # whatever the code of a study raises
         raise InputError(
             "The code of a study must be importable",
@@ -90,11 +89,6 @@ def kind_of(folder: Path) -> Kind | None:
             where=str(folder / f"{_CODE}.py"),
         )
     return kind
-
-
-def _module(folder: Path, module: str) -> ModuleType:
-    """Import a module of the folder of a study."""
-    return import_module(f"{_package(folder.parent)}.{folder.name}.{module}")
 
 
 def _shipped() -> Path:
