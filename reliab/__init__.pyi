@@ -31,10 +31,6 @@ from .app.api.rigs import (
     remove_from_rig as remove_from_rig,
     show_rig_test as show_rig_test,
 )
-from .app.api.simulated_verdicts import (
-    judge_paper_cases as judge_paper_cases,
-    validate_rebuilt_error as validate_rebuilt_error,
-)
 from .app.api.simulation import simulate as simulate, simulate_suite as simulate_suite
 from .app.api.studies import (
     list_studies as list_studies,

@@ -1,4 +1,4 @@
-"""One new law, method, effect, format, compensator or kind of study is one file and one entry point."""
+"""One new law, method, effect, format or kind of study is one file and one entry point."""
 
 import re
 import sys
@@ -18,7 +18,6 @@ from reliab.effects.registry import find_effect, library
 from reliab.motions.loading import load_motions
 from reliab.motions.readers.registry import FORMATS
 from reliab.report.wording import meaning_of_confidence
-from reliab.simulation.compensators.registry import compensators
 from reliab.structures.specimen import Specimen
 from reliab.study.kinds import KINDS
 from reliab.study.reading import read_study
@@ -74,16 +73,6 @@ ADDITIONS = {
             name = "thermal_bias"
         """,
     ),
-    "compensator": (
-        "reliab.compensators",
-        "Twin",
-        """
-        from reliab.simulation.compensators.inverse import InverseCompensation
-
-        class Twin(InverseCompensation):
-            name = "twin"
-        """,
-    ),
     "format": (
         "reliab.record_formats",
         "FORMAT",
@@ -116,7 +105,6 @@ REGISTRIES = {
     "law": FITTED,
     "method": METHODS,
     "effect": library(),
-    "compensator": compensators(),
     "format": FORMATS,
     "kind": KINDS,
 }
@@ -163,11 +151,9 @@ def test_method_bounds_and_says_what_its_confidence_means(plugin):
     assert meaning_of_confidence("least") == "the least of the motions at hand"
 
 
-def test_effect_and_compensator_are_known_by_name(plugin):
+def test_an_effect_is_known_by_name(plugin):
     plugin("effect")
-    plugin("compensator")
     assert find_effect("thermal_bias").__name__ == "Thermal"
-    assert compensators().find("twin").__name__ == "Twin"
 
 
 def test_effect_of_the_guide_is_named_with_its_parameters(plugin):

@@ -1,4 +1,4 @@
-"""One new reader, effect, compensator, law, method or kind of study touches two or three files.
+"""One new reader, effect, law, method or kind of study touches two or three files.
 
 Each is added to a copy of the package, as a colleague would add it; a process that uses this copy finds them.
 """
@@ -34,15 +34,6 @@ FILES = {
             class Thermal(SensorBias):
                 name = "thermal_bias"
                 description = "the sensor warms up"
-        """,
-    },
-    "compensator": {
-        "simulation/compensators/twin.py": """
-            from reliab.simulation.compensators.inverse import InverseCompensation
-
-
-            class Twin(InverseCompensation):
-                name = "twin"
         """,
     },
     "law": {
@@ -130,13 +121,6 @@ REGISTRIES = {
         "_SHIPPED: tuple[type[Effect], ...] = (",
         "Thermal,",
     ),
-    "compensator": (
-        "simulation/compensators/registry.py",
-        "",
-        "from reliab.simulation.compensators.twin import Twin\n",
-        "_SHIPPED: tuple[type[Compensator], ...] = (",
-        "Twin,",
-    ),
     "law": (
         "criterion/laws/registry.py",
         "",
@@ -154,7 +138,7 @@ REGISTRIES = {
 }
 """The registry of an addition: its file, where the import goes and what it is, the same for the name."""
 
-MOST_FILES = {"reader": 2, "effect": 2, "compensator": 2, "law": 2, "method": 2, "study": 3}
+MOST_FILES = {"reader": 2, "effect": 2, "law": 2, "method": 2, "study": 3}
 
 USE = """
     import json
@@ -166,7 +150,6 @@ USE = """
     from reliab.criterion.laws.registry import FITTED, law_from_dict, law_to_dict
     from reliab.criterion.methods.registry import method_of
     from reliab.effects.registry import find_effect
-    from reliab.simulation.compensators.registry import compensators
     from reliab.motions.loading import load_motions
     from reliab.report.wording import meaning_of_confidence
     from reliab.study.kinds import KINDS
@@ -181,7 +164,6 @@ USE = """
     answer = {
         "reader": load_motions(folder / "shake.pairs", units="m/s2")[0].acceleration.size,
         "effect": find_effect("thermal_bias").description,
-        "compensator": compensators().find("twin").__name__,
         "law": law_from_dict(law_to_dict(law)).limits(1.5, 0.03)[1].round(6).tolist(),
         "method": method_of("least").lower_bound(np.array([3.0, 1.0]), np.array(["p", "q"]), 0.9),
         "meaning": meaning_of_confidence("least"),
@@ -236,7 +218,6 @@ def test_additions_touch_few_files_and_are_then_found(copy, tmp_path):
     assert json.loads(found.stdout) == {
         "reader": 600,
         "effect": "the sensor warms up",
-        "compensator": "Twin",
         "law": 2.0,
         "method": 1.0,
         "meaning": "the least of the motions at hand",

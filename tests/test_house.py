@@ -25,8 +25,6 @@ LINES_OF_A_FUNCTION = 40
 LONG_FUNCTIONS = {
     "assessment/measured_specimen/elements.py:_advance": "compiled: one branch for each kind of element",
     "simulation/hybrid_test/closed_loop.py:march": "one compiled loop",
-    "simulation/compensators/adaptive_time_series.py:_compensate": "one compiled loop",
-    "simulation/laboratory/march.py:march": "one compiled loop",
     "simulation/linear_loop/drive_stepping.py:_track_lanes": "one compiled loop",
     "simulation/linear_loop/pole_stepping.py:_track_lanes": "one compiled loop",
     "simulation/linear_loop/short_delay.py:_track_lanes": "one compiled loop",

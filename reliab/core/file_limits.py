@@ -67,7 +67,6 @@ LIMITS: Final[Mapping[str, FileLimits]] = {
     "dataset": FileLimits(  # of ellipses or results, in NetCDF
         bytes=1_000_000_000, remedy="Write fewer structures, errors or motions into one file"
     ),
-    "weights": FileLimits(bytes=5_000_000, remedy="Give one row for each class of a quantity"),
     "figure": FileLimits(bytes=50_000_000, remedy="Run the study again with `reliab run`"),
     "test": FileLimits(bytes=2_000_000_000, remedy=_SHORTER_TEST),
 }

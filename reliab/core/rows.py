@@ -1,25 +1,21 @@
 """Results that hold rows give them as a table of pandas; tables are written so that no cell is a formula."""
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from reliab.core.encodings import as_cell, of_cell
 from reliab.core.files import refuse_unwritable, written_whole
+from reliab.core.plain_values import PlainResult
 
 if TYPE_CHECKING:
     import pandas as pd
 
 
-class ResultWithRows(ABC):
+class ResultWithRows(PlainResult):
     """A result whose plain values hold rows: criteria, tests, motions, ellipses."""
 
     rows_in: ClassVar[str]  # The key of `to_dict` that holds the rows
-
-    @abstractmethod
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values with stable keys."""
 
     def to_frame(self) -> "pd.DataFrame":
         """Put the rows into a table, with their keys as columns; a value within a value is `outer_inner`."""

@@ -108,13 +108,23 @@ def shipped_folder(kind: str) -> Path:
     return folder if folder.is_dir() else _CHECKOUT / kind
 
 
+def is_own_data(path: Path, *files: str) -> bool:
+    """Whether a path is data of the user: a file, or a folder that holds one of the files.
+
+    Any other folder, such as that of a run, does not hide what ships under its name.
+    """
+    return any((path / file).exists() for file in files) if path.is_dir() else path.exists()
+
+
 def or_shipped(path: Path, kind: str, file: str) -> Path:
-    """Take a path as it is, or as the name of something that ships where there is no such path."""
-    if path.exists() or path.suffix or len(path.parts) != 1:
+    """Take the user's file or store of results, or what ships under this name where there is none."""
+    if path.suffix or len(path.parts) != 1 or is_own_data(path, "zarr.json"):
         return path
     present = {entry.name for entry in shipped_folder(kind).glob("*") if (entry / file).exists()}
     listed = {name.removesuffix(f"/{file}") for name in checksums(kind) if name.endswith(f"/{file}")}
     if path.name not in present | listed:
+        if path.exists():
+            return path
         raise InputError(
             "A name must be that of a file here, or of something that ships",
             value=str(path),

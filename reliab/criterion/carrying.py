@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
+from reliab.core.physical_range import require_physical
 from reliab.core.significant_digits import significant
 from reliab.core.vocabulary import CurveName, Metric
 from reliab.criterion.ellipse_table import CUT, DIMENSIONS, EllipseTable, names_along, tabled
@@ -197,8 +198,7 @@ def carry_to_length(ellipses: _Given, duration: float) -> _Given:
     >>> medians[0] < medians[1]
     True
     """
-    if not 0.0 < duration < np.inf:
-        raise InputError("The length of a record must be positive", value=duration, remedy="Give seconds")
+    require_physical("number", duration, called="length of a record", remedy="Give seconds")
     table = tabled(ellipses)
     if table.cut_records is None:
         raise InputError(

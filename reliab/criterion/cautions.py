@@ -121,7 +121,7 @@ def _left_out(grid: SampleGrid, method: Method) -> str:
         return ""
     consequence = (
         "which narrows the fitted distribution, so that its lower quantile may lie a little too high; "
-        "dirichlet, order_statistic and conformal stay on the safe side"
+        "dirichlet and order_statistic stay on the safe side"
         if method.assumes_lognormality
         else "so that this is on the safe side"
     )
@@ -164,8 +164,8 @@ def not_lognormal(grid: SampleGrid, method: Method) -> list[str]:
         return []
     sentence = (
         f"a or b is not lognormal over these motions at {rejected} of {len(cells)} structures, so that a "
-        "lognormal quantile does not keep the stated confidence there; the methods dirichlet, "
-        "order_statistic and conformal do not need it."
+        "lognormal quantile does not keep the stated confidence there; the methods dirichlet "
+        "and order_statistic do not need it."
     )
     sentences = [text for text in objections[0] if text] if len(cells) == 1 else [sentence]
     if method.settings.get("assurance") is not None:

@@ -44,8 +44,8 @@ def objection(values: ArrayLike, parameter: str) -> str:
     return (
         f"{parameter} is not lognormal over these motions (Shapiro-Wilk p = {significant(p_value, 2)}), "
         "so that a "
-        "lognormal quantile does not keep the stated confidence; the methods dirichlet, order_statistic "
-        "and conformal do not need it."
+        "lognormal quantile does not keep the stated confidence; the methods dirichlet and "
+        "order_statistic do not need it."
     )
 
 

@@ -111,7 +111,10 @@ def _ratios(criteria: Sequence[Criterion], f: float, xi: float) -> list[ShareRat
     furthest = _NEAR_REACH * np.expm1(-REACH * xi) ** 2
     ratios = []
     for share in sorted(set(limits) - {reference}):
-        a, b = (_over(limit, of) for limit, of in zip(limits[share], limits[reference], strict=True))
+        a, b = (
+            (limit / of if limit > 0.0 and of > 0.0 else None)
+            for limit, of in zip(limits[share], limits[reference], strict=True)
+        )
         a = None if limits[share][0] >= furthest else a
         stated = share >= LEAST_SHARE_OVER_DAMPING * xi
         law = float(growth(share, xi) / growth(reference, xi)) if stated else None
@@ -131,10 +134,6 @@ def _ratios(criteria: Sequence[Criterion], f: float, xi: float) -> list[ShareRat
             )
         )
     return ratios
-
-
-def _over(limit: float, reference: float) -> float | None:
-    return limit / reference if limit > 0.0 and reference > 0.0 else None
 
 
 def _deviation(ratio: float | None, law: float | None) -> float | None:

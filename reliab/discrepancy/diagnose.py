@@ -21,12 +21,12 @@ from reliab.discrepancy.blocks.specimen import SpecimenBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, Stretch
 from reliab.discrepancy.campaign.contradictions import require_consistent
 from reliab.discrepancy.campaign.reading import read_campaign
-from reliab.discrepancy.fitting.clocks import fit_beside_clocks, fitted_with_clock
 from reliab.discrepancy.fitting.error_search import ErrorSearch
-from reliab.discrepancy.fitting.fit import Fit
+from reliab.discrepancy.fitting.fit import Fit, fit, refined
 from reliab.discrepancy.fitting.noise_test import is_model_error, is_noise
 from reliab.discrepancy.fitting.problem import Problem
-from reliab.discrepancy.fitting.search import Search
+from reliab.discrepancy.fitting.search import POSSIBLE, Search
+from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.naming.naming import diagnose_block
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
 from reliab.discrepancy.result.diagnosis import Diagnosis
@@ -36,6 +36,38 @@ from reliab.discrepancy.terms.clock_offset import ClockOffset, LateGround
 from reliab.effects.effect import Role, Scales
 from reliab.signals.noise import NoiseModel
 from reliab.simulation.hybrid_test.open_loop import Motion3
+
+
+def fit_beside_clocks(search: Search) -> None:
+    """Add an offset of the clocks to the models that may be named, where it was rejected, too."""
+    if ClockOffset not in search.candidates or ClockOffset not in search.problem.block.twins:
+        return
+    best = search.score(search.best)
+    close = [model for model in search.fitted.values() if search.score(model) > best - POSSIBLE]
+    for near in close:
+        late = ClockOffset in near.space.effects
+        alone = search.without(near, ClockOffset) if late else near
+        if alone.space.effects:
+            with_clock(search, alone)
+
+
+def fitted_with_clock(search: Search, fitted: Fit) -> Fit | None:
+    """Return a model with an offset of the clocks beside its effects, None where none was tried."""
+    return search.with_clocks.get(frozenset({*fitted.space.names, str(ClockOffset.name)}))
+
+
+def with_clock(search: Search, fitted: Fit) -> Fit:
+    """Fit a model with an offset of the clocks together with its effects."""
+    space = ModelSpace(fitted.space.block, (*fitted.space.effects, ClockOffset))
+    key = frozenset(space.names)
+    if key not in search.with_clocks:
+        (promise,) = search.screened(fitted, [ClockOffset])
+        beside = refined(search.problem, fit(search.problem, space, [promise.start], fitted.noise))
+        if search.fitted.get(key) is not None:
+            beside = search.keep(beside)
+        search.with_clocks[key] = beside
+    return search.with_clocks[key]
+
 
 _ACTUATOR = frozenset({Channel.COMMAND, Channel.MEASURED})
 _SPECIMEN = frozenset({Channel.MEASURED, Channel.FORCE})
@@ -198,7 +230,9 @@ def _examined(block: ObservedBlock, campaign: Campaign, advance: Callable[[], No
     if isinstance(block, BalanceBlock) and _is_slightly_late(searched.best):
         block = block.with_ground_in_time()
         searched = _searched(begun(block, campaign))
-    if isinstance(block, BalanceBlock) and _samples(searched.best):
+    if isinstance(block, BalanceBlock) and any(
+        effect.role is Role.INTEGRATION for effect in searched.best.space.effects
+    ):
         searched = _where_informed(block, campaign, searched)
     advance()
     searched = _judged(searched, campaign)
@@ -321,11 +355,6 @@ def _is_slightly_late(fitted: Fit) -> bool:
     """Whether a ground acceleration is late or early by what an integration with short steps does, too."""
     effects = fitted.space.model(fitted.coordinates).effects
     return any(abs(effect.ground_lag_s) < _SLIGHT for effect in effects if isinstance(effect, LateGround))
-
-
-def _samples(fitted: Fit) -> bool:
-    """Whether a model's controller knows what it demands at its own instants only."""
-    return any(effect.role is Role.INTEGRATION for effect in fitted.space.effects)
 
 
 def informed_up_to(problem: Problem, fitted: Fit) -> float:

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import TypeVar
 
 from reliab.core.encodings import of_cell
+from reliab.core.text_tables import printed_number
 from reliab.motions.faults import Report
-from reliab.motions.readers.header import number
 from reliab.motions.readers.reading import Declared
 from reliab.motions.readers.source import is_file, open_source
 from reliab.motions.record import RecordFile
@@ -142,7 +142,7 @@ def _one_of(noted: T | None, default: T | None, what: str, line: int, report: Re
 
 def _positive(row: dict[str, str], column: str, line: int, report: Report) -> float | None:
     text = row.get(column, "")
-    value = number(text) if text else None
+    value = printed_number(text) if text else None
     if text and (value is None or not 0 < value < float("inf")):
         report.add(f"The column {column} must hold a positive number", line=line, value=text)
         return None

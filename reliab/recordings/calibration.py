@@ -11,7 +11,7 @@ Standard deviations are those of estimates from stretches of the test.
 """
 
 import re
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from reliab.core.arrays import Array
 from reliab.core.compiled import compiled
 from reliab.core.errors import InputError
+from reliab.core.plain_values import PlainResult
 from reliab.core.significant_digits import percent
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import MILLI
@@ -66,7 +67,7 @@ _ACTUATOR_MOVES = (
 
 
 @dataclass(frozen=True, kw_only=True)
-class ChannelCalibration:
+class ChannelCalibration(PlainResult):
     """What the measured channel adds to a motion that the command's channel records as well."""
 
     # Time by which the measured channel is late against the command's [ms]; None where it does not follow
@@ -80,16 +81,6 @@ class ChannelCalibration:
     command_noise_m: float
     resolution_m: float  # Step between readings of the measured channel [m]; 0 where there is none
     notes: tuple[str, ...] = ()  # What limits these statements, in sentences
-
-    def to_dict(self) -> dict[str, object]:
-        """Return values and notes by their names; a stated value with its standard deviation "sd"."""
-        content: dict[str, object] = {}
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if isinstance(value, StatedValue):
-                value = {"value": value.value, "sd": value.deviation}
-            content[field.name] = list(value) if isinstance(value, tuple) else value
-        return content
 
 
 def calibrate_channels(

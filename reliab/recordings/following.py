@@ -21,8 +21,8 @@ from reliab.core.encodings import pieces_as_utf8
 from reliab.core.errors import InputError
 from reliab.core.files import ordinary
 from reliab.core.stated_value import StatedValue
+from reliab.core.text_tables import Line, TimesOfDay, cells_of, is_comment, number_of, time_of_day
 from reliab.recordings.coupled_recording import numbers_of_pairs, with_numbered_pairs
-from reliab.recordings.readers.cells import Line, TimesOfDay, cells_of, is_comment, number_of, time_of_day
 from reliab.recordings.readers.columns import Columns, Series
 from reliab.recordings.readers.header import header_of
 from reliab.recordings.readers.text import begins_table, delimiter_of

@@ -4,13 +4,14 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from datetime import datetime
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from reliab.assessment.assessment import Assessment
 from reliab.assessment.frame_assessment import FrameAssessment
 from reliab.core.errors import InputError
+from reliab.core.plain_values import PlainResult
 from reliab.core.vocabulary import MILLI
 from reliab.recordings.recording import Recording
 from reliab.tracking.boundary.first_order import ellipse_of_response
@@ -20,7 +21,7 @@ SCHEMA: Final = "reliab rig test 1"
 
 
 @dataclass(frozen=True, kw_only=True)
-class RigTest:
+class RigTest(PlainResult):
     """One test of a rig; delays in milliseconds, displacements in millimetres."""
 
     sha256: str  # Of the laboratory's file, and of the test's name where the file holds several
@@ -58,10 +59,6 @@ class RigTest:
     def moment(self) -> str:
         """What tests are ordered by: the date where it is stated, else when the test was added."""
         return self.date or self.added
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values for JSON."""
-        return {**vars(self), "covariates": dict(self.covariates)}
 
 
 COLUMNS: Final = tuple(item.name for item in fields(RigTest) if item.name != "covariates")

@@ -1,1 +1,1 @@
-"""A hybrid test simulated: engines, effects in time, compensators, integrators, transfer systems."""
+"""A hybrid test simulated: engines, effects in time, integrators, transfer systems."""

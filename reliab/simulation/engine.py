@@ -29,11 +29,10 @@ from reliab.simulation.linear_loop import delay_stepper, drive_stepping, pole_st
 from reliab.simulation.linear_loop.blocks import Blocks, cut
 from reliab.simulation.linear_loop.cells import Cells
 from reliab.simulation.linear_loop.dominant_pole import band_edges
-from reliab.simulation.linear_loop.drive_stepping import DrivenCells, DrivenRecord, Stepped
+from reliab.simulation.linear_loop.drive_stepping import DrivenRecord, Stepped
 from reliab.simulation.linear_loop.pole_plane.basis import pole_basis
 from reliab.simulation.linear_loop.pole_plane.responses import Responses
 from reliab.simulation.linear_loop.shared_drives import shared_drives
-from reliab.simulation.linear_loop.structure_batch import Prepared
 from reliab.structures.structure import Structure
 
 _OFF_SCALE, _ROUGH_TOLERANCE = 2.0, 0.05
@@ -69,8 +68,6 @@ class Loop:
     structure: Structure  # The structure under test
     # How the loop is solved; by default the dominant pole where it is valid and the delay equation elsewhere
     engine: Engine = Engine.AUTOMATIC
-    # What was found together with other structures (`structure_batch`); it changes no result
-    prepared: Prepared | None = None
 
     def cells(self, *, gain: object, delay: object) -> Cells:
         """Actuators before this structure; gain [-] and delay [s] are broadcast and flattened."""
@@ -80,7 +77,7 @@ class Loop:
     @cached_property
     def blocks(self) -> Blocks:
         """The record cut for the stepping engines."""
-        return cut(self.excitation, self.structure) if self.prepared is None else self.prepared.blocks
+        return cut(self.excitation, self.structure)
 
     @cached_property
     def _band_power(self) -> Array:
@@ -142,8 +139,6 @@ class Loop:
     @cached_property
     def driven_record(self) -> DrivenRecord:
         """The structure's shared drives under the record."""
-        if self.prepared is not None:
-            return self.prepared.driven_record
         return DrivenRecord.from_blocks(self.blocks, shared_drives(self.structure, self.blocks.step))
 
     def _reduced(self, cells: Cells) -> Deviation:
@@ -156,7 +151,7 @@ class Loop:
             alone = np.ones(recursion.cells.size, dtype=np.bool_)
             if recursion.ahead == 0 and self.driven_record.is_bounded:
                 driven, record = cells.driven(self.blocks.step, recursion), self.driven_record
-                stepped = self._stepped(cells, driven)
+                stepped = Stepped.through_window(self.blocks, record, driven)
                 strayed, precise = drive_stepping.deviation(self.blocks, record, driven, stepped)
                 deviation.put(recursion.cells[driven.place], strayed)
                 alone[driven.place] = ~precise
@@ -165,11 +160,6 @@ class Loop:
                 strayed = pole_stepping.deviation(self.blocks, coefficients, ahead=recursion.ahead)
                 deviation.put(recursion.cells[alone], strayed)
         return deviation
-
-    def _stepped(self, cells: Cells, driven: DrivenCells) -> Stepped:
-        if self.prepared is not None and self.prepared.cells is cells:
-            return self.prepared.stepped
-        return Stepped.through_window(self.blocks, self.driven_record, driven)
 
     def _mixed(self, cells: Cells, reducible: NDArray[np.bool_], rough: NDArray[np.bool_]) -> Deviation:
         """Reduce the loop where that is good enough, and solve the delay equation elsewhere."""

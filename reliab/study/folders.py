@@ -7,14 +7,15 @@ does; a run that somebody sent is never a reason to load code.
 """
 
 import sys
+from contextlib import suppress
 from hashlib import sha256
 from importlib import import_module
 from importlib.machinery import ModuleSpec
 from importlib.util import module_from_spec
 from pathlib import Path
-from types import ModuleType
-from typing import Final
+from typing import Any, Final
 
+from reliab.core.described_files import read_toml
 from reliab.core.errors import InputError
 from reliab.core.shipped import shipped_folder
 from reliab.study.kind import Kind
@@ -25,6 +26,12 @@ PACKAGE: Final = "reliab_studies"
 FILE: Final = "study.toml"
 """What a study asks for, in its folder."""
 
+RULE: Final = "A study is a TOML file"
+REMEDY: Final = (
+    "Correct the file, or name another; `reliab run --list` lists the studies that come with reliab"
+)
+"""What a study's file must be, and the remedy where it is not."""
+
 _CODE: Final = "kind"
 
 
@@ -33,9 +40,24 @@ def shipped_folders() -> dict[str, Path]:
     return {file.parent.name: file.parent for file in sorted(_shipped().glob(f"*/{FILE}"))}
 
 
-def shipped_kinds() -> list[Kind]:
-    """Kinds that the studies that ship bring with them."""
-    return [kind for folder in shipped_folders().values() if (kind := kind_of(folder)) is not None]
+def described_folders() -> dict[str, dict[str, Any]]:
+    """Read the files of the studies that ship, by name; nothing of one that cannot be read."""
+    contents: dict[str, dict[str, Any]] = {}
+    for name, folder in shipped_folders().items():
+        contents[name] = {}
+        with suppress(InputError):
+            contents[name] = read_toml(folder / FILE, rule=RULE, remedy=REMEDY)
+    return contents
+
+
+def folders_of_kinds() -> dict[str, Path]:
+    """Folders of the studies that bring their kind with them, by its name; none is imported."""
+    folders = shipped_folders()
+    return {
+        content["kind"]: folders[name]
+        for name, content in described_folders().items()
+        if isinstance(content.get("kind"), str) and (folders[name] / f"{_CODE}.py").is_file()
+    }
 
 
 def kind_of(folder: Path) -> Kind | None:
@@ -51,8 +73,8 @@ def kind_of(folder: Path) -> Kind | None:
             where=str(folder),
         )
     try:
-        kind = getattr(_module(folder, _CODE), "KIND", None)
-    except (ImportError, SyntaxError) as error:
+        kind = getattr(import_module(f"{_package(folder.parent)}.{folder.name}.{_CODE}"), "KIND", None)
+    except Exception as error:  # whatever the code of a study raises
         raise InputError(
             "The code of a study must be importable",
             value=error,
@@ -67,23 +89,6 @@ def kind_of(folder: Path) -> Kind | None:
             where=str(folder / f"{_CODE}.py"),
         )
     return kind
-
-
-def study_module(study: str, module: str) -> ModuleType:
-    """Import a module of a study that ships; refuse where the studies are not installed."""
-    folder = shipped_folders().get(study)
-    if folder is None:
-        raise InputError(
-            f"This needs the study {study}, which ships with the package",
-            value="no such study here",
-            remedy="Install reliab with its studies",
-        )
-    return _module(folder, module)
-
-
-def _module(folder: Path, module: str) -> ModuleType:
-    """Import a module of the folder of a study."""
-    return import_module(f"{_package(folder.parent)}.{folder.name}.{module}")
 
 
 def _shipped() -> Path:

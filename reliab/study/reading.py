@@ -6,19 +6,15 @@ from typing import Any
 
 from reliab.core.described_files import described, read_toml
 from reliab.core.errors import InputError
+from reliab.core.shipped import is_own_data
 from reliab.study.description import Study
-from reliab.study.folders import FILE, kind_of, shipped_folders
+from reliab.study.folders import FILE, REMEDY, RULE, described_folders, kind_of, shipped_folders
 from reliab.study.kinds import KINDS
 
 
 def read_study(path: str | Path) -> Study:
     """Read a study."""
-    content = read_toml(
-        path,
-        rule="A study is a TOML file",
-        remedy="Correct the file, or name another; `reliab run --list` lists the studies that come with "
-        "reliab",
-    )
+    content = read_toml(path, rule=RULE, remedy=REMEDY)
     return study_from(content, where=str(path))
 
 
@@ -63,7 +59,7 @@ def open_study(name: str | Path) -> Study:
         If there is none, its file is not allowed, or its code cannot be imported.
     """
     path = Path(name)
-    if not path.exists() and not path.suffix and len(path.parts) == 1:
+    if not path.suffix and len(path.parts) == 1 and not is_own_data(path, FILE):
         present = shipped_folders()
         if path.name not in present:
             raise InputError(
@@ -79,6 +75,9 @@ def open_study(name: str | Path) -> Study:
     return read_study(path)
 
 
-def shipped_studies() -> dict[str, Study]:
-    """Return every study that ships, by its name."""
-    return {name: read_study(folder / FILE) for name, folder in shipped_folders().items()}
+def list_shipped() -> list[dict[str, str]]:
+    """Name, kind and title of every study that ships; no code of theirs is imported."""
+    return [
+        {"name": name, **{key: str(content.get(key, "")) for key in ("kind", "title")}}
+        for name, content in described_folders().items()
+    ]

@@ -16,7 +16,6 @@ from reliab.simulation.engine import Engine, Loop
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.linear_loop.cells import LEAD_TOLERANCE, REDUCTION_TOLERANCE
-from reliab.simulation.linear_loop.structure_batch import Prepared
 from reliab.structures.structure import Structure
 from reliab.sweep.grid import Grid, ScaledGrid
 from reliab.tracking.indices.window import Window
@@ -158,16 +157,11 @@ def check_model(model: HybridTest | None, structures: list[Structure]) -> None:
 
 
 def loop_of(
-    model: HybridTest | None,
-    excitation: Excitation,
-    structure: Structure,
-    engine: Engine,
-    *,
-    prepared: Prepared | None = None,
+    model: HybridTest | None, excitation: Excitation, structure: Structure, engine: Engine
 ) -> Loop | EffectLoop:
     """Return the loop of a model with effects, or the linear loop of a structure where there is none."""
     if model is None:
-        return Loop(excitation=excitation, structure=structure, engine=engine, prepared=prepared)
+        return Loop(excitation=excitation, structure=structure, engine=engine)
     return EffectLoop(excitation=excitation, test=model)
 
 

@@ -18,7 +18,7 @@ import xarray as xr
 from reliab.core.errors import InputError
 from reliab.core.files import decoding
 from reliab.core.log_quantization import STEP
-from reliab.core.shipped import or_shipped, shipped
+from reliab.core.shipped import is_own_data, or_shipped, shipped
 from reliab.core.vocabulary import SHARE_ATTRIBUTE, Dimension, Metric
 from reliab.sweep import results_accessor  # noqa: F401 - gives opened datasets the accessor `reliab`
 from reliab.sweep.netcdf import numbered, read_netcdf, stepped, write_netcdf
@@ -61,7 +61,7 @@ def stored_results(path: Path, f: Sequence[float] | None, xi: Sequence[float] | 
 
     `f`, `xi`: structures that are asked for [Hz, -]; None for all.
     """
-    named = path == Path(REAL) and not path.exists()
+    named = path == Path(REAL) and not is_own_data(path, _DESCRIPTION)
     return real_results(f, xi) if named else or_shipped(path, "datasets", "results.nc")
 
 

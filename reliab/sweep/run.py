@@ -14,7 +14,7 @@ from reliab.core.progress import Progress, silent
 from reliab.motions.suite import MotionSuite
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.solve import solve_motion
-from reliab.sweep.store import EncodedMotion, ResultsStore, StoreAccess
+from reliab.sweep.store import EncodedMotion, ResultsStore
 
 if TYPE_CHECKING:
     from distributed import Client, Future as RemoteFuture
@@ -30,17 +30,15 @@ _CONNECT_SECONDS = 10
 
 @dataclass(frozen=True, kw_only=True)
 class SweepJob:
-    """A suite of motions, the request for it, and the store of its results."""
+    """A suite of motions, and the request for it."""
 
     motions: MotionSuite  # The suite
     request: SweepRequest  # Structures, actuators and windows
-    store: StoreAccess  # Where results are written
 
     def solve(self, index: int) -> EncodedMotion:
-        """Read and simulate one motion, and write its results."""
+        """Read and simulate one motion, and encode its results."""
         motion = self.motions[index]
-        results = solve_motion(motion, self.request)
-        return self.store.deliver(EncodedMotion.of_results(index, motion, results))
+        return EncodedMotion.of_results(index, motion, solve_motion(motion, self.request))
 
     def solve_several(self, indices: Sequence[int]) -> list[EncodedMotion]:
         """Solve the motions of one task."""
@@ -93,7 +91,7 @@ def run_sweep(
         complete = store.complete()
         missing = [index for index, done in enumerate(complete) if not done]
         progress(len(complete) - len(missing), len(complete))
-        job = SweepJob(motions=motions, request=request, store=store.access)
+        job = SweepJob(motions=motions, request=request)
         with closing(
             _on_cluster(scheduler, job, missing) if scheduler else _on_threads(workers, job, missing)
         ) as solved:

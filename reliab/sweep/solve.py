@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from functools import lru_cache
-from threading import Lock
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,10 +9,8 @@ from numpy.typing import NDArray
 from reliab.core.arrays import Array
 from reliab.core.vocabulary import Metric
 from reliab.motions.motion import Motion
-from reliab.simulation.engine import Engine
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop.cells import Cells
-from reliab.simulation.linear_loop.structure_batch import Prepared, StructureBatch
 from reliab.simulation.linear_loop.tracking_sums import QuadraturePair, TrackedCells, tracking_sums
 from reliab.structures.stability import critical_delay
 from reliab.structures.structure import Structure
@@ -26,7 +23,6 @@ from reliab.tracking.indices.window import Window
 _NODES = 4  # along each axis, at which the index is summed; A/k_p and d/τ vary little between
 _SHORTEST = 0.1  # of the longest delay; d/τ of shorter ones is that of this one
 _CENTRAL = 2.0  # damping ratios of amplitude error within which the nodes lie
-_SETUP = Lock()  # of what all motions share, which the first of several threads works out
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,17 +41,6 @@ class MotionResults:
 VARIABLES = ("rms", "mte", "A", "d", "stable", "rms_at_rest")
 
 
-def _by_poles(request: SweepRequest) -> bool:
-    """Whether most cells of a sweep are solved by the dominant pole."""
-    return request.model is None and request.engine in (Engine.AUTOMATIC, Engine.POLE)
-
-
-@lru_cache(maxsize=8)
-def _batch(grid: Grid, structures: tuple[Structure, ...]) -> StructureBatch:
-    """All structures with their cells, brought together once for all motions."""
-    return StructureBatch.from_cells([_cells(grid, structure) for structure in structures])
-
-
 @lru_cache(maxsize=256)
 def _cells(grid: Grid, structure: Structure) -> Cells:
     """Cells of a structure, computed once for all motions."""
@@ -70,14 +55,7 @@ def solve_motion(motion: Motion, request: SweepRequest) -> list[MotionResults]:
 def _solve_window(motion: Motion, request: SweepRequest, window: Window) -> MotionResults:
     excitation = excitation_of(motion, window)
     pair = QuadraturePair.from_excitation(excitation)
-    structures = request.structures
-    with _SETUP:
-        batch = _batch(request.grid, tuple(structures)) if _by_poles(request) else None
-    prepared = batch.prepare(excitation) if batch else [None for _ in structures]
-    tables = [
-        _solve_structure(excitation, pair, request, structure, of_structure)
-        for structure, of_structure in zip(structures, prepared, strict=True)
-    ]
+    tables = [_solve_structure(excitation, pair, request, structure) for structure in request.structures]
     shape = tuple(map(len, request.structure_axes.values()))
     columns = {
         name: np.stack([table[name] for table in tables]).reshape(shape + tables[0][name].shape)
@@ -91,11 +69,10 @@ def _solve_structure(
     pair: QuadraturePair,
     request: SweepRequest,
     structure: Structure,
-    prepared: Prepared | None,
 ) -> dict[str, NDArray[np.generic]]:
     cells = _cells(request.grid, structure)
     shape = (request.grid.gains(structure).size, request.grid.delays(structure).size)
-    loop = loop_of(request.model, excitation, structure, request.engine, prepared=prepared)
+    loop = loop_of(request.model, excitation, structure, request.engine)
     deviation = loop.deviation(cells)
     amplitude, delay = _evaluate(pair, request.grid, structure)
     with np.errstate(over="ignore"):  # a violently unstable cell becomes infinite on disk

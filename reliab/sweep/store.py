@@ -1,27 +1,22 @@
 """Results on disk: a Zarr store with one chunk per motion that an interruption does not damage.
 
-A store is first created empty under a temporary name and then renamed, so that it never exists in part. Every
-chunk carries a checksum (CRC-32C) and is written at once or not at all, by whoever solved the motion: a
-thread, or a worker of a cluster that sees the store. One process holds the store and keeps its journal.
+A store is first created empty under a temporary name and then renamed, so that it never exists in part. One
+process holds the store: threads and workers of a cluster hand it the chunks that they encoded. Every chunk
+carries a checksum (CRC-32C) and is written at once or not at all.
 Within a quarter of a second after a motion's results its entry is written: data on the record, and the digest
 of the results, which shows that they are complete; `--resume` verifies each digest and solves again what does
 not match. When all motions are done, the journal is copied into the coordinates. A store that was interrupted
 and resumed holds the same bytes as one that was not: nothing in it depends on time or order.
-
-Whether a worker sees the store is found by a token, a random word in a file of the store that stands there
-while the store is open. A worker that reads another word or none shares no disk with the holder, or works for
-one that is gone; it hands back what it encoded, and the holder writes it.
 """
 
 import contextlib
 import errno
 import hashlib
 import json
-import secrets
 import tempfile
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -59,7 +54,6 @@ from reliab.sweep.store_layout import (
 )
 
 _RULE = "A store can be resumed only if it is complete except for results of motions"
-_TOKEN = f"{UNFINISHED}token"  # the name of a file that is removed when the store is closed, or opened again
 _JOURNAL_EVERY = 0.25  # s; what a kill costs at most, beside motions that are being solved
 _REMEDY = "Simulate again to another store"
 
@@ -71,7 +65,7 @@ class EncodedMotion:
     index: int  # Place in the suite
     name: str
     entry: str  # In the journal
-    windows: list[dict[str, bytes]]  # Chunk of each variable, for each window; none once they are stored
+    windows: list[dict[str, bytes]]  # Chunk of each variable, for each window
 
     @classmethod
     def of_results(cls, index: int, motion: Motion, results: Sequence[MotionResults]) -> "EncodedMotion":
@@ -90,29 +84,6 @@ class EncodedMotion:
             entry=json.dumps(entry),
             windows=[{name: encoded(values) for name, values in variables.items()} for variables in windows],
         )
-
-
-@dataclass(frozen=True, kw_only=True)
-class StoreAccess:
-    """A store as those see it who solve motions for the process that holds it."""
-
-    path: Path  # Absolute
-    token: str  # Of the process that holds the store
-    windows: list[dict[str, ChunkNames]]  # Files of each variable, for each window
-
-    def deliver(self, motion: EncodedMotion) -> EncodedMotion:
-        """Write the results of a motion; return its entry, with results that could not be written here."""
-        with contextlib.suppress(OSError):
-            if (self.path / _TOKEN).read_bytes() == self.token.encode():
-                self.write(motion)
-                return replace(motion, windows=[])
-        return motion
-
-    def write(self, motion: EncodedMotion) -> None:
-        """Write the results of a motion."""
-        for names, chunks in zip(self.windows, motion.windows, strict=True):
-            for variable, chunk in chunks.items():
-                write_chunk(self.path, names[variable].of_motion(motion.index), chunk)
 
 
 class ResultsStore:
@@ -145,16 +116,12 @@ class ResultsStore:
                 yield store
 
     @cached_property
-    def access(self) -> StoreAccess:
-        """What those need who solve motions, until the store is closed."""
-        with self._safe("at its beginning"):
-            token = secrets.token_hex()
-            write_chunk(self.path, Path(_TOKEN), token.encode())
-            windows = [
-                {name: ChunkNames.of_array(Path(group, name), array) for name, array in arrays.items()}
-                for group, arrays in zip(group_names(self.request), self._arrays, strict=True)
-            ]
-            return StoreAccess(path=self.path.absolute(), token=token, windows=windows)
+    def _chunk_names(self) -> list[dict[str, ChunkNames]]:
+        """Files of each variable, for each window."""
+        return [
+            {name: ChunkNames.of_array(Path(group, name), array) for name, array in arrays.items()}
+            for group, arrays in zip(group_names(self.request), self._arrays, strict=True)
+        ]
 
     def complete(self) -> list[bool]:
         """Tell for each motion whether its results are complete and undamaged."""
@@ -165,10 +132,11 @@ class ResultsStore:
             ]
 
     def enter(self, motion: EncodedMotion) -> None:
-        """Enter a solved motion in the journal; first write what could not be written where it was solved."""
+        """Write the results of a motion, and enter it in the journal."""
         with self._safe(f"at {motion.name}"):
-            if motion.windows:
-                self.access.write(motion)
+            for names, chunks in zip(self._chunk_names, motion.windows, strict=True):
+                for variable, chunk in chunks.items():
+                    write_chunk(self.path, names[variable].of_motion(motion.index), chunk)
             self._unwritten[motion.index] = motion.entry
             if time.monotonic() - self._journal_written >= _JOURNAL_EVERY:
                 self._write_journal()
@@ -182,10 +150,9 @@ class ResultsStore:
         self._unwritten, self._journal_written = {}, time.monotonic()
 
     def close(self) -> None:
-        """Write what the journal still lacks, also after an interruption; then workers write no more."""
+        """Write what the journal still lacks, also after an interruption."""
         with contextlib.suppress(OSError):
             self._write_journal()
-        remove_abandoned(self.path.glob(f"{UNFINISHED}*"))
 
     def finish(self) -> None:
         """Copy the journal's data on the records into the coordinates, and say that all are done."""

@@ -68,10 +68,7 @@ class ChunkNames:
 
 
 def write_chunk(store: Path, within: Path, chunk: bytes) -> None:
-    """Write a file of a store at once or not at all, without waiting for the disk.
-
-    It is written in the folder of the store, where what killed processes left is removed when that is closed.
-    """
+    """Write a file of a store at once or not at all, without waiting for the disk."""
     place, unfinished = store / within, unfinished_name(store / "chunk")
     try:
         with unfinished.open("xb") as file:

@@ -14,17 +14,17 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
+from reliab_studies.laboratory.compensators.feedforward import Feedforward
+from reliab_studies.laboratory.compensators.inverse import InverseCompensation
+from reliab_studies.laboratory.compensators.polynomial_extrapolation import PolynomialExtrapolation
 
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import MILLI
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.laws.registry import OF_MANY_MOTIONS
 from reliab.motions.motion import Motion, resample, truncate
-from reliab.simulation.compensators.compensator import Compensator
-from reliab.simulation.compensators.feedforward import Feedforward
-from reliab.simulation.compensators.inverse import InverseCompensation
-from reliab.simulation.compensators.polynomial_extrapolation import PolynomialExtrapolation
 from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
+from reliab.simulation.hybrid_test.compensator import Compensator
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.simulation.integrators import (
     CentralDifference,

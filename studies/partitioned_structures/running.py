@@ -13,6 +13,8 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
+from reliab_studies.laboratory.compensators.model_inverse import ModelInverse
+from reliab_studies.laboratory.laboratory import Rig, Run, Sensors, run_laboratory
 from reliab_studies.rths_benchmark.benchmark import benchmark_partition
 
 from reliab.assessment.rebuilt_error.rebuild import rebuild
@@ -24,10 +26,8 @@ from reliab.criterion.experimental_share import growth
 from reliab.criterion.laws.dimensionless import Dimensionless
 from reliab.criterion.laws.guo_2017 import Equation18
 from reliab.motions.motion import Motion
-from reliab.simulation.compensators.model_inverse import ModelInverse
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.frames.governing_mode import governing_mode, place_of_governing_mode
-from reliab.simulation.laboratory.laboratory import Rig, Run, Sensors, run_laboratory
 from reliab.simulation.linear_loop.spectral import respond
 from reliab.simulation.transfer_systems.transfer_function import TransferFunction
 from reliab.structures.critical_delay import stability_limit

@@ -10,17 +10,17 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+from reliab_studies.laboratory.compensators.adaptive_inverse import AdaptiveInverse
+from reliab_studies.laboratory.compensators.adaptive_model_based import AdaptiveModelBased
+from reliab_studies.laboratory.compensators.adaptive_time_series import AdaptiveTimeSeries
+from reliab_studies.laboratory.compensators.feedforward import Feedforward
+from reliab_studies.laboratory.compensators.inverse import InverseCompensation
+from reliab_studies.laboratory.compensators.model_inverse import ModelInverse
+from reliab_studies.laboratory.compensators.pi_phase_lead import PhaseLeadControl
+from reliab_studies.laboratory.laboratory import Rig, Sensors
 
 from reliab.core.errors import InputError
-from reliab.simulation.compensators.adaptive_inverse import AdaptiveInverse
-from reliab.simulation.compensators.adaptive_model_based import AdaptiveModelBased
-from reliab.simulation.compensators.adaptive_time_series import AdaptiveTimeSeries
-from reliab.simulation.compensators.compensator import Compensator
-from reliab.simulation.compensators.feedforward import Feedforward
-from reliab.simulation.compensators.inverse import InverseCompensation
-from reliab.simulation.compensators.model_inverse import ModelInverse
-from reliab.simulation.compensators.pi_phase_lead import PhaseLeadControl
-from reliab.simulation.laboratory.laboratory import Rig, Sensors
+from reliab.simulation.hybrid_test.compensator import Compensator
 from reliab.simulation.transfer_systems.servo_hydraulic import ServoHydraulic
 from reliab.structures.frames.frame import Frame, modal_damping
 from reliab.structures.frames.planar_frame import PlanarFrame

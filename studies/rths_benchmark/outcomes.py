@@ -12,6 +12,7 @@ from typing import Any, Final
 
 import numpy as np
 import pandas as pd
+from reliab_studies.laboratory.laboratory import Run, run_laboratory
 
 from reliab.assessment.rebuilt_error.rebuild import rebuild
 from reliab.assessment.verdict import word_of_probability
@@ -19,7 +20,6 @@ from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.progress import Progress, silent
 from reliab.motions.motion import Motion
-from reliab.simulation.laboratory.laboratory import Run, run_laboratory
 from reliab.structures.partition import Partition
 from reliab.tracking.indices.frequency_evaluation import frequency_evaluation
 

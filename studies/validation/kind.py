@@ -122,7 +122,7 @@ def _beyond(study: ValidationStudy, material: Material, show: Show) -> Stage:
     structure = _structure(study)
 
     def work(folder: Path) -> None:
-        from reliab.validation.beyond_the_model import TEST_COLUMNS, rigs_of_delay, try_rigs
+        from .beyond_the_model import TEST_COLUMNS, rigs_of_delay, try_rigs
 
         criteria = derivation_of(folder).criteria
         if not criteria:
@@ -159,8 +159,8 @@ def _rebuilt(study: ValidationStudy, material: Material, show: Show) -> list[Sta
     confidence = study.criterion.confidences[0]
 
     def work(folder: Path) -> None:
-        from reliab.validation.rebuilt_error_study.design import Design
-        from reliab.validation.rebuilt_error_study.study import try_tests
+        from .rebuilt_error_study.design import Design
+        from .rebuilt_error_study.study import try_tests
 
         design = Design.for_motions(
             motions,

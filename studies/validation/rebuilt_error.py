@@ -13,9 +13,10 @@ from reliab.report.document import Column, Figure as RpFigure, Paragraph, Sectio
 from reliab.report.numbers import Fixed, Whole
 from reliab.report.prose import Prose, prose
 from reliab.report.style import GREY, INK, letters, line, panels, styled
-from reliab.validation.rebuilt_error_study.judges import OWN_BOUNDARY, REBUILT, WITH_MODEL
-from reliab.validation.rebuilt_error_study.rigs import LINEAR, PLAIN, RIGHT
-from reliab.validation.rebuilt_error_study.study import summarised
+
+from .rebuilt_error_study.judges import OWN_BOUNDARY, REBUILT, WITH_MODEL
+from .rebuilt_error_study.rigs import LINEAR, PLAIN, RIGHT
+from .rebuilt_error_study.study import summarised
 
 _NAMES = {"guo_2017_15": "equation (15)", "guo_2017_18": "equation (18)"}
 

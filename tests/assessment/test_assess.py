@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from reliab_studies.validation.beyond_the_model import Rig, rigs_of_delay
 from scipy.interpolate import CubicSpline
 
 from reliab.assessment.assess import assess
@@ -21,7 +22,6 @@ from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.structures.stability import critical_delay
 from reliab.structures.structure import Structure
-from reliab.validation.beyond_the_model import Rig, rigs_of_delay
 
 ONE_HERTZ = Structure(frequency=1.0, damping_ratio=0.02)
 

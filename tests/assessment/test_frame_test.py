@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from reliab_studies.laboratory.laboratory import Rig, Sensors, run_laboratory
 
 from reliab.assessment.budget.sizes import Source, ordinary_equipment
 from reliab.assessment.frame_test import assess_frame
@@ -18,7 +19,6 @@ from reliab.report.kinds.assessment.frame import frame_assessment_report
 from reliab.simulation.frames.frame_file import FrameUnderTest
 from reliab.simulation.frames.governing_mode import governing_mode
 from reliab.simulation.frames.tolerances_table import TolerancesTable
-from reliab.simulation.laboratory.laboratory import Rig, Sensors, run_laboratory
 from reliab.simulation.transfer_systems.transfer_function import TransferFunction
 from reliab.structures.frames.frame import Frame, modal_damping, undivided_response
 from reliab.structures.frames.planar_frame import shear_frame

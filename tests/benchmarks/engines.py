@@ -28,12 +28,10 @@ from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop import delay_stepper
 from reliab.simulation.linear_loop.blocks import block_length, cut
 from reliab.simulation.linear_loop.pole_plane.plane import mean_squares
-from reliab.simulation.linear_loop.structure_batch import StructureBatch
 from reliab.structures.structure import Structure
 from reliab.sweep.grid import ExplicitGrid
 
 RATE_HZ = 1024.0
-STRUCTURES = [Structure(frequency=0.25 * k, damping_ratio=0.02) for k in range(1, 9)]
 REPETITIONS = 15
 
 
@@ -164,11 +162,6 @@ def main() -> None:
     def pole() -> object:
         return Loop(excitation=excitation, structure=structure, engine=Engine.POLE).deviation(cells)
 
-    batch = StructureBatch.from_cells([ExplicitGrid().cells(some) for some in STRUCTURES])
-
-    def together() -> object:
-        return batch.prepare(excitation)
-
     def delayed() -> object:
         return delay_stepper.deviation(blocks, structure, cells.gain, cells.delay)
 
@@ -178,7 +171,6 @@ def main() -> None:
         "Runge-Kutta at 1024 Hz (baseline)": reference,
         "delay engine": cells.gain.size / best(delayed),
         "pole engine": cells.gain.size / best(pole),
-        "pole engine, eight structures a call": len(STRUCTURES) * cells.gain.size / best(together),
         "pole plane, RMS^R only": plane[0],
         "the same, further actuators": plane[1],
         "JiTCDDE": jitcdde_rate(motion, structure),

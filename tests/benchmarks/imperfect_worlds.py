@@ -16,6 +16,7 @@ import tempfile
 import time
 from collections import Counter
 from dataclasses import asdict, replace
+from importlib import import_module
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -42,7 +43,7 @@ from reliab.discrepancy.result.diagnosis import Diagnosis  # noqa: E402
 from reliab.discrepancy.spectra.segment import cut_segments  # noqa: E402
 from reliab.discrepancy.spectra.smoothing import motions_of  # noqa: E402
 from reliab.recordings.recording import StatedChannels  # noqa: E402
-from reliab.study.folders import study_module  # noqa: E402
+from reliab.study.folders import PACKAGE  # noqa: E402
 
 OFFSETS = {"sensor_bias", "force_bias"}
 BINS = (0.0, 0.05, 0.2, 0.5, 0.8, 0.95, 1.001)
@@ -134,7 +135,7 @@ def draw(stated: list[tuple[float, bool]], path: Path) -> None:
                 }
             )
     if rows:
-        pages = study_module("blind_evaluation", "report")
+        pages = import_module(f"{PACKAGE}.blind_evaluation.report")
         pages.discrepancy_reliability(pd.DataFrame(rows)).savefig(path, dpi=200)
 
 

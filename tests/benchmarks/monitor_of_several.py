@@ -13,6 +13,7 @@ twice its peak.
 import argparse
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -23,10 +24,10 @@ from reliab.assessment.coupled_error.monitor import CoupledMonitor
 from reliab.core.arrays import Array
 from reliab.motions.motion import Motion, resample
 from reliab.motions.synthetic.suite import synthetic_suite
-from reliab.study.folders import study_module
+from reliab.study.folders import PACKAGE
 
 controllers, loop, plants, outcomes, structure = (
-    study_module("marths_benchmark", name)
+    import_module(f"{PACKAGE}.marths_benchmark.{name}")
     for name in ("controllers", "loop", "plant", "outcomes", "structure")
 )
 RATE_OF_BENCHMARK = structure.RATE

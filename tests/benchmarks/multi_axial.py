@@ -13,20 +13,21 @@ there already are not run again.
 import argparse
 import sys
 from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from reliab.study.folders import study_module
+from reliab.study.folders import PACKAGE
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[1])]
 
 from assessment.rebuilt_error.laboratory import read_at2  # noqa: E402
 
 controllers, loop, plants, outcomes, structure = (
-    study_module("marths_benchmark", name)
+    import_module(f"{PACKAGE}.marths_benchmark.{name}")
     for name in ("controllers", "loop", "plant", "outcomes", "structure")
 )
 

@@ -20,10 +20,9 @@ import numpy as np
 import scipy
 from rig_rows import rig_table, rig_test
 
-from reliab.rig.drawing import DRAWS, Draws, learn_tests
-from reliab.rig.learning.baselines import last_ten, left_out_scores, pooled
+from reliab.rig.learning.learned import last_ten, left_out_scores, pooled
 from reliab.rig.memory import Memory, NextTest
-from reliab.rig.prediction import predict_next
+from reliab.rig.prediction import DRAWS, Draws, learn_tests, predict_next
 from reliab.structures.structure import Structure
 
 STRUCTURE = Structure(frequency=1.0, damping_ratio=0.02)

@@ -34,11 +34,11 @@ from reliab.criterion.methods.registry import method_of
 from reliab.criterion.protection import protect_over_lengths
 from reliab.motions.motion import Motion
 from reliab.motions.suite import MotionSuite
-from reliab.motions.synthetic.event import _record
 from reliab.motions.synthetic.fema_p695_2009 import draw_earthquake, draw_scenario
 from reliab.motions.synthetic.parameters import physical_parameters, regression_of
 from reliab.motions.synthetic.random_stream import RandomStream
 from reliab.motions.synthetic.recording import TIME_STEP
+from reliab.motions.synthetic.suite import _record
 from reliab.sweep.netcdf import read_netcdf
 from reliab.sweep.response_measures import measure_responses
 

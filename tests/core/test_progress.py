@@ -14,11 +14,8 @@ from parsed import nodes
 import reliab
 from reliab.core.shipped import shipped
 from reliab.core.vocabulary import Metric
-from reliab.criterion.criterion import Criterion
 from reliab.criterion.derivation import derive_criterion
-from reliab.criterion.laws.table import Table
 from reliab.criterion.methods.registry import method_of
-from reliab.criterion.provenance import Provenance
 from reliab.discrepancy.adding import adding
 from reliab.motions.loading import load_motions
 from reliab.sampling.ensembles import Ensembles, sample
@@ -31,12 +28,10 @@ from reliab.sweep.request import SweepRequest
 from reliab.sweep.response_measures import compare_boundaries, measure_responses
 from reliab.sweep.run import run_sweep
 from reliab.tracking.indices.window import Window
-from reliab.validation.beyond_the_model import try_rigs
 from reliab.validation.cross_validation.candidates import Derived
 from reliab.validation.cross_validation.folds import k_fold
 from reliab.validation.cross_validation.judge import cross_validate
 from reliab.validation.probability_calibration import probability_calibration
-from reliab.validation.rebuilt_error_study import study
 
 PACKAGE = Path(reliab.__file__).parent
 MOTIONS = load_motions("synthetic")[:2]
@@ -88,13 +83,6 @@ def of_several_tests(progress):
     reliab.assess(["none.csv", "neither.csv", "nor.csv"], progress=progress)  # each is done with, if refused
 
 
-def of_rigs(progress):
-    words = {"threshold": 0.05, "metric": "rms", "confidence": 0.95, "method": "quantile", "joint": False}
-    law = Table.fit([1.0], [0.05], [[6e-5]], [[1.2]])
-    criterion = Criterion(law=law, provenance=Provenance(source="round numbers"), **words)
-    try_rigs(MOTIONS, [STRUCTURE], lambda _: (), criterion, levels=(), count=len(MOTIONS), progress=progress)
-
-
 def of_posteriors(progress, monkeypatch):
     """Two of three blocks have effects; what is made of their posteriors is tested beside diagnoses."""
     blocks = [
@@ -106,12 +94,6 @@ def of_posteriors(progress, monkeypatch):
     for name in ("sample_posterior", "_sampled", "updated_model", "_shift", "replace"):
         monkeypatch.setattr(adding, name, lambda *_, **__: None)
     adding.add(SimpleNamespace(blocks=blocks), progress=progress)
-
-
-def of_rounds(progress, monkeypatch):
-    monkeypatch.setattr(study, "tests_of_round", lambda *_: iter(()))
-    design = study.Design.for_motions(MOTIONS, [STRUCTURE], trials=3)  # type: ignore[attr-defined]
-    study.try_tests(design, progress=progress)
 
 
 def of_folds(progress, ellipses):
@@ -166,8 +148,6 @@ CASES = {
     "probability_calibration": lambda progress, ellipses: probability_calibration(
         ellipses, trials=8, progress=progress
     ),
-    "try_rigs": of_rigs,
-    "try_tests": of_rounds,
     "cross_validate": of_folds,
     "add": of_posteriors,
 }

@@ -4,9 +4,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reliab.motions.checking import inspect
+from reliab.motions.checking import Copies, find_flaws, inspect
 from reliab.motions.loading import load_motions
-from reliab.motions.quality import Copies, find_flaws
 
 Write = Callable[[str, str | bytes], Path]
 STEP = 0.01

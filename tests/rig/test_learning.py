@@ -5,9 +5,8 @@ import numpy as np
 import pytest
 import scipy
 
-from reliab.rig.learning.baselines import last_ten, left_out_scores, pooled
 from reliab.rig.learning.circumstances import Circumstances
-from reliab.rig.learning.learned import learn
+from reliab.rig.learning.learned import last_ten, learn, left_out_scores, pooled
 from reliab.rig.learning.scatter import Scatter
 from reliab.rig.learning.variances import LEVEL
 

@@ -5,12 +5,12 @@ import json
 import numpy as np
 import pandas as pd
 import pytest
+from reliab_studies.laboratory.laboratory import Rig, Sensors, run_laboratory
 
 from reliab.app.cli import run
 from reliab.core.shipped import shipped
 from reliab.motions.synthetic.suite import synthetic_suite
 from reliab.simulation.frames.frame_file import read_structure
-from reliab.simulation.laboratory.laboratory import Rig, Sensors, run_laboratory
 from reliab.simulation.transfer_systems.transfer_function import TransferFunction
 
 RATE, THINNED = 4096.0, 16

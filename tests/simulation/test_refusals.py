@@ -7,21 +7,21 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import scipy
+from reliab_studies.laboratory.compensators.adaptive_inverse import AdaptiveInverse
+from reliab_studies.laboratory.compensators.adaptive_model_based import AdaptiveModelBased
+from reliab_studies.laboratory.compensators.adaptive_time_series import AdaptiveTimeSeries
+from reliab_studies.laboratory.compensators.low_pass import butterworth_sections
+from reliab_studies.laboratory.compensators.pi_phase_lead import PhaseLeadControl
+from reliab_studies.laboratory.laboratory import Limits, Rig, Sensors, run_laboratory
 
 from reliab.core.errors import InputError
-from reliab.simulation.compensators.adaptive_inverse import AdaptiveInverse
-from reliab.simulation.compensators.adaptive_model_based import AdaptiveModelBased
-from reliab.simulation.compensators.adaptive_time_series import AdaptiveTimeSeries
-from reliab.simulation.compensators.low_pass import butterworth_sections
-from reliab.simulation.compensators.pi_phase_lead import PhaseLeadControl
 from reliab.simulation.frames.frame_file import frame_of_tables
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.model_file import UpdatedModel
 from reliab.simulation.hybrid_test.open_loop import Motion3, load
-from reliab.simulation.laboratory.laboratory import Limits, Rig, Sensors, run_laboratory
 from reliab.simulation.transfer_systems.reading import read_matlab, transfer_function_of
 from reliab.simulation.transfer_systems.servo_hydraulic import ServoHydraulic
-from reliab.simulation.transfer_systems.transfer_function import first_order_lag
+from reliab.simulation.transfer_systems.transfer_function import TransferFunction
 from reliab.structures.partition import Partition
 from reliab.structures.specimen import Specimen
 from reliab.structures.structure import Structure
@@ -35,6 +35,8 @@ MODEL = partial(
 )
 WITHOUT_SPECIMEN = HybridTest(structure=None, specimen=None)
 STILL = Motion3.through(np.zeros(64), STEP)
+
+LAG = TransferFunction(numerator=(1.0,), denominator=(0.001, 1.0))
 
 
 def laboratory(rig, **options):
@@ -73,11 +75,11 @@ def laboratory(rig, **options):
         (lambda: laboratory(Rig(sensors=Sensors(displacement_noise=1e-6))), "noise need a seed"),
         (lambda: laboratory(Rig(sensors=Sensors(force_noise=1.0))), "noise need a seed"),
         (
-            lambda: laboratory(Rig(transfer_system=first_order_lag(0.001)), emulate_differences=True),
+            lambda: laboratory(Rig(transfer_system=LAG), emulate_differences=True),
             "servo-hydraulic actuator and a linear specimen with mass; found TransferFunction",
         ),
         (
-            lambda: laboratory(Rig(transfer_system=first_order_lag(0.001), limits=Limits(force=1.0))),
+            lambda: laboratory(Rig(transfer_system=LAG, limits=Limits(force=1.0))),
             "A force is limited where the transfer system has one",
         ),
         (

@@ -3,16 +3,20 @@
 import doctest
 import re
 import shutil
+import subprocess
+import sys
 from importlib import import_module
 from pathlib import Path
 
 import pytest
 
+from reliab.app.api.studies import perform_study
 from reliab.core.errors import InputError
 from reliab.core.shipped import shipped_folder
+from reliab.study import folders
 from reliab.study.folders import kind_of, shipped_folders
 from reliab.study.kinds import KINDS
-from reliab.study.reading import open_study
+from reliab.study.reading import list_shipped, open_study
 from reliab.study.running import run_study
 
 pytestmark = pytest.mark.of_studies
@@ -62,6 +66,58 @@ def test_code_that_is_no_study_is_refused_with_its_place(code, said, tmp_path):
     with pytest.raises(InputError, match=said) as refusal:
         open_study(folder)
     assert str(folder) in str(refusal.value)
+
+
+@pytest.fixture
+def shipped(tmp_path, monkeypatch):
+    """A sound study and one whose code raises, in place of those that ship; the folder of the studies."""
+    studies = tmp_path / "studies"
+    studies.mkdir()
+    written(studies / "sound")
+    broken = written(studies / "broken")
+    (broken / "kind.py").write_text("raise RuntimeError('broken')", encoding="utf-8")
+    (broken / "study.toml").write_text('kind = "broken"\ntitle = "Broken"', encoding="utf-8")
+    monkeypatch.setattr(folders, "_shipped", lambda: studies)
+    monkeypatch.setattr(folders, "PACKAGE", f"studies_of_{tmp_path.name}")
+    return studies
+
+
+@pytest.mark.usefixtures("shipped")
+def test_a_broken_study_breaks_no_other():
+    assert [row["name"] for row in list_shipped()] == ["broken", "sound"]
+    assert open_study("sound").kind == "peaks"
+    with pytest.raises(InputError, match="must be importable; found broken"):
+        open_study("broken")
+
+
+def test_a_study_whose_file_is_broken_breaks_no_other(shipped):
+    (shipped / "broken" / "study.toml").write_text("kind = ", encoding="utf-8")
+    assert [row["kind"] for row in list_shipped()] == ["", "peaks"]
+    assert open_study("sound").kind == "peaks"
+
+
+@pytest.mark.usefixtures("shipped")
+def test_a_study_runs_twice_into_a_folder_of_its_own_name(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    first, second = (perform_study("sound", out="sound").stages for _ in range(2))
+    assert (set(first.values()), set(second.values())) == ({True}, {False})
+
+
+def test_only_the_study_that_runs_is_imported():
+    code = (
+        "import sys; from reliab.study.reading import list_shipped, open_study; list_shipped(); "
+        "open_study('table2_audit'); "
+        "print(*sorted({name.split('.')[1] for name in sys.modules if name.startswith('reliab_studies.')}))"
+    )
+    answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)  # noqa: S603 - the lines above
+    assert answer.stdout.split() == ["table2_audit"]
+
+
+@pytest.mark.parametrize("name", ["quick", "thresholds"])
+def test_a_folder_of_its_name_does_not_hide_a_study(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path(name).mkdir()
+    assert open_study(name).title == open_study(STUDIES / name).title
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,6 @@
 import hashlib
 import shutil
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +10,6 @@ import pytest
 
 from reliab.motions.motion import Motion
 from reliab.motions.suite import MotionSuite
-from reliab.sweep import store as stores
 from reliab.sweep.grid import ScaledGrid
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.run import run_sweep
@@ -64,25 +62,3 @@ def contents() -> Callable[[Path], dict[str, str]]:
         for file in sorted(path.rglob("*"))
         if file.is_file()
     }
-
-
-@pytest.fixture
-def motions_handed_back(monkeypatch) -> Callable[..., list[int]]:
-    """Those that the holder of a store writes itself, where others see the same store or do not."""
-
-    def watch(*, shared: bool) -> list[int]:
-        handed_back: list[int] = []
-        own, enter = vars(stores.ResultsStore)["access"].func, stores.ResultsStore.enter
-
-        def noting(store, motion):
-            if motion.windows:
-                handed_back.append(motion.index)
-            enter(store, motion)
-
-        monkeypatch.setattr(stores.ResultsStore, "enter", noting)
-        if not shared:
-            foreign = property(lambda store: replace(own(store), token="another"))  # noqa: S106 - no password
-            monkeypatch.setattr(stores.ResultsStore, "access", foreign)
-        return handed_back
-
-    return watch

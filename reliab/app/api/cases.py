@@ -13,8 +13,6 @@ from reliab.core.progress import Show
 from reliab.core.shipped import shipped
 from reliab.core.vocabulary import CurveName, Side
 from reliab.criterion.carrying import carry_to_length, carry_to_response, carry_to_suite
-from reliab.criterion.protection import protect_over_lengths
-from reliab.criterion.weights import Weights
 from reliab.motions.loading import load_motions
 from reliab.sweep.netcdf import read_netcdf
 from reliab.sweep.response_measures import measure_responses
@@ -34,14 +32,12 @@ class Case:
     duration: float | None = None  # Length of the records [s]
     motion: str | Path | None = None  # A record
     suite: Files | None = None  # A few records, pooled with the population
-    weights: str | Path | None = None  # Table of what a site expects, by which the population is weighted
 
     def __post_init__(self) -> None:
-        named = [name for name in self.stated if name != "weights"]
-        if len(named) > 1:
+        if len(self.stated) > 1:
             raise InputError(
                 "A criterion can be asked for one length, one record or one suite",
-                value=" and ".join(f"`{name}`" for name in named),
+                value=" and ".join(f"`{name}`" for name in self.stated),
                 remedy="Give only the most specific one that is known: `motion`, else `suite`, else "
                 "`duration`",
             )
@@ -49,30 +45,14 @@ class Case:
     @property
     def stated(self) -> list[str]:
         """Names of what is stated."""
-        names = ("duration", "motion", "suite", "weights")
+        names = ("duration", "motion", "suite")
         return [name for name in names if getattr(self, name) is not None]
-
-    @property
-    def narrows(self) -> bool:
-        """Whether anything is known of the earthquake."""
-        return (self.duration, self.motion, self.suite) != (None, None, None)
-
-    def stating(self, carried: xr.Dataset, ellipses: xr.Dataset, metric: str, curve: str) -> xr.Dataset:
-        """Protect all lengths of a population, unless its weights state them, and weigh its motions.
-
-        `carried`: the population `ellipses` carried to the case; `curve`: the ellipses on which the criterion
-        will rest.
-        """
-        weights = None if self.weights is None else Weights.from_table(ellipses, self.weights)
-        if weights is None or "length" not in weights.quantities:
-            carried = protect_over_lengths(carried, metric=metric, curve=curve)
-        return carried if weights is None else weights.drawn(carried)
 
     def carried(
         self, ellipses: xr.Dataset, source: EllipseSource, f: Numbers | None, xi: Numbers | None, show: Show
     ) -> xr.Dataset:
         """Carry the ellipses of a population to the case; as they are where nothing is known of it."""
-        if not self.narrows:
+        if not self.stated:
             return ellipses
         _require_whole_records(ellipses)
         population = ellipses.sel(metric=[source.metric])

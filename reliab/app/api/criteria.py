@@ -35,6 +35,7 @@ from reliab.criterion.derivation import Derivation
 from reliab.criterion.laws.registry import FITTED, OF_MANY_MOTIONS, known
 from reliab.criterion.methods.method import Method
 from reliab.criterion.methods.registry import RECOMMENDED, method_of
+from reliab.criterion.protection import protect_over_lengths
 from reliab.criterion.published import published_criterion
 from reliab.criterion.share_comparison import compare_shares
 from reliab.motions.loading import load_motions
@@ -61,7 +62,6 @@ def derive_criteria(
     duration: float | None = None,
     motion: str | Path | None = None,
     suite: Files | None = None,
-    weights: str | Path | None = None,
     model: str | Path | None = None,
     structure: str | Path | None = None,
     actuator: int | None = None,
@@ -107,9 +107,6 @@ def derive_criteria(
         structure's response under it.
     suite : str, pathlib.Path or sequence of these, optional
         A few records of the earthquakes that are expected, with which the population is pooled.
-    weights : str or pathlib.Path, optional
-        Table of the magnitudes, distances, lengths or significant durations that a site expects (columns
-        quantity, low, high, share), by which the motions behind the criterion are weighted.
     model, structure : str or pathlib.Path, optional
         Model with effects, or frame with its part in the laboratory, in place of structures.
     actuator : int, optional
@@ -148,8 +145,8 @@ def derive_criteria(
     >>> [round(row["b"], 2) for row in derived.rows]
     [1.48, 1.2]
     """
-    case = Case(duration=duration, motion=motion, suite=suite, weights=weights)
-    if (case.narrows or weights is not None) and not any((motions, results, ellipses)):
+    case = Case(duration=duration, motion=motion, suite=suite)
+    if case.stated and not any((motions, results, ellipses)):
         ellipses = POPULATION
     # What is fitted over structures needs all of them; nothing else does.
     asked_alone = motions or (law == "table" and motion is None)
@@ -309,8 +306,8 @@ class _Question:
         source = self.source()
         population = without_copies(with_room(source.dataset(self.show)))
         carried = self.case.carried(population, source, *self.structures, self.show)
-        stated = self.case.stating(carried, population, self.metric, method.curve)
-        return at_structures(stated, *self.structures) if self.law == "table" else stated
+        protected = protect_over_lengths(carried, metric=self.metric, curve=method.curve)
+        return at_structures(protected, *self.structures) if self.law == "table" else protected
 
     def _require_one_share(self, shares: tuple[float, ...]) -> None:
         """Refuse what is of one share of the stiffness where there are several."""
@@ -342,7 +339,7 @@ class _Question:
             ellipses=dataset,
             derivations=derivations,
         )
-        beside = self.case.own_boundaries(self.source(), f, xi, self.show) if self.case.narrows else {}
+        beside = self.case.own_boundaries(self.source(), f, xi, self.show) if self.case.stated else {}
         converged = all(posterior["converged"] for posterior in derived.posteriors)
         # Rows refuse structures for which a law is not valid.
         if derived.rows and converged and self.out is not None:

@@ -48,7 +48,7 @@ def require_one_share(alpha: Numbers | None) -> None:
         raise InputError(
             "Criteria are judged at one share of the stiffness",
             value=f"`alpha={' '.join(f'{share:g}' for share in shares)}`",
-            remedy="Give one, or `rebuilt_error`, which compares tests of several",
+            remedy="Give one, and ask again for the others",
         )
 
 

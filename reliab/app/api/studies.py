@@ -8,7 +8,7 @@ from typing import Any
 from reliab.app.api.sources import Files, listed
 from reliab.core.progress import Show, quietly
 from reliab.report.setting import Setting
-from reliab.study.reading import open_study, shipped_studies
+from reliab.study.reading import list_shipped, open_study
 from reliab.study.running import run_study, write_report
 from reliab.sweep.several import Names
 
@@ -113,8 +113,7 @@ def list_studies() -> StudyList:
     >>> "quick" in [row["name"] for row in list_studies().rows]
     True
     """
-    studies = shipped_studies().items()
-    return StudyList([{"name": name, "kind": study.kind, "title": study.title} for name, study in studies])
+    return StudyList(list_shipped())
 
 
 @dataclass(frozen=True, kw_only=True)

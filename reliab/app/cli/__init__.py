@@ -40,7 +40,7 @@ EXAMPLES: Final = {
     "explore": "reliab explore --out criterion.html",
     "simulate": "reliab simulate --motions synthetic --f 0.5 1 --xi 0.02 --out results.zarr",
     "ellipses": "reliab ellipses --motions records --f 1 --xi 0.02 --out ellipses.nc",
-    "validate": "reliab validate --rebuilt-error --f 1 --xi 0.02 --trials 1",
+    "validate": "reliab validate --results real_suite --f 1 --xi 0.02 --method dirichlet quantile",
     "run": "reliab run --list",
     "report": "reliab report runs/quick",
     "samples": "reliab samples datasets",

@@ -43,11 +43,6 @@ class CriterionDemand(Demand):
         "NAME|FOLDER...",
         "A few records of the earthquakes that are expected, pooled with the motions behind the criterion.",
     )
-    weights: Path | None = option(
-        "FILE.csv",
-        "Magnitudes, distances, lengths or significant durations that a site expects, by which the "
-        "motions are weighted; columns quantity, low, high, share.",
-    )
     model: Path | None = options.MODEL_FILE
     structure: Path | None = options.STRUCTURE_FILE
     actuator: int | None = option(

@@ -1,15 +1,15 @@
 """`reliab validate`: whether criteria hold on motions that they have not seen."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from reliab.app.cli import options
 from reliab.app.cli.completion import laws, methods
 from reliab.app.cli.demand import Demand, flag, option, takes
 from reliab.app.cli.output import console, progress_bar, say, table, write_json
-from reliab.core.significant_digits import percent, significant
+from reliab.core.significant_digits import percent
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -60,45 +60,19 @@ class ValidateDemand(Demand):
     confidence: list[float] | None = option("SHARE...", "Shares of the motions that the criteria state.")
     trials: int | None = option(
         "",
-        "Tests per structure, near the boundaries, 512 by default; with --rebuilt-error, tests of "
-        "each kind of actuator and specimen, 6 by default.",
+        "Tests per structure, near the boundaries, 512 by default.",
         min=1,
     )
     calibration: bool = flag("Compare the stated probabilities with the shares of tests that are good.")
-    case: str | None = option("MOTION", "Run the paper's four cases under this motion instead.")
-    integrator: str | None = option(
-        "NAME", "For --case: chen_ricles (the paper's), central_difference, operator_splitting or exact."
-    )
-    compensator: str | None = option(
-        "NAME", "For --case: inverse (the paper's), feedforward, polynomial_extrapolation or none."
-    )
-    rebuilt_error: bool = flag(
-        "Judge simulated tests by their rebuilt error, by criteria, and by the boundary of the test's motion."
-    )
-    tests: Path | None = option(
-        "FILE.csv",
-        "For --rebuilt-error: file of all tests and verdicts, from which an interrupted run resumes.",
-    )
     json_target: str | None = options.JSON_TARGET
-
-    belongs_to: ClassVar[Mapping[str, str]] = {
-        "integrator": "case",
-        "compensator": "case",
-        "tests": "rebuilt_error",
-    }
 
 
 @takes(ValidateDemand)
 def validate(demand: ValidateDemand) -> None:
     """Test criteria on earthquakes from which they were not learned."""
-    from reliab.app.api.simulated_verdicts import judge_paper_cases, validate_rebuilt_error
     from reliab.app.api.validation import calibrate_probabilities, validate_criteria
 
-    if demand.rebuilt_error:
-        _answer(demand, "rebuilt_error", validate_rebuilt_error, show_rebuilt_errors)
-    elif demand.case is not None:
-        _answer(demand, "case", judge_paper_cases, show_cases)
-    elif demand.calibration:
+    if demand.calibration:
         _answer(demand, "calibration", calibrate_probabilities, show_probabilities)
     else:
         _answer(demand, "", validate_criteria, show_criteria)
@@ -111,9 +85,8 @@ def _answer(
     show: Callable[[dict[str, Any]], None],
 ) -> None:
     """Ask for a way of judging; write and print what it answers."""
-    bar = {} if way == "case" else {"show": progress_bar}
     why = f"together with `{way}`" if way else ""
-    content = demand.ask(service, *filter(None, ["json_target", way]), why=why, **bar).to_dict()
+    content = demand.ask(service, *filter(None, ["json_target", way]), why=why, show=progress_bar).to_dict()
     if not write_json(content, demand.json_target):
         show(content)
 
@@ -219,82 +192,3 @@ def show_probabilities(content: dict[str, Any]) -> None:
     console().print(shown)
     if content["truth"] == "ellipse":
         console().print(_ELLIPSE_NOTE)
-
-
-_JUDGES = {
-    "judge": "left",
-    "tests": "right",
-    "bad tests accepted": "right",
-    "good tests accepted": "right",
-    "motions without a bad test accepted": "right",
-    "stated / true error, 5 … 95 %": "right",
-    "inside 90 % interval": "right",
-}
-
-
-def show_rebuilt_errors(content: dict[str, Any]) -> None:
-    """Print tables of the judges."""
-    terminal = console()
-    asked = f"{content['metric'].upper()}^R {significant(content['threshold'])}"
-    terminal.print(_judges(f"Linear specimens, sensor of 40 dB, {asked}", content["judges"], "judge"))
-    rebuilt = [row for row in content["conditions"] if row["judge"] == content["judges"][0]["judge"]]
-    named = [{**row, "label": _condition(row)} for row in rebuilt]
-    terminal.print(_judges("The rebuilt error by sensor and by what is stated wrongly", named, "label"))
-    specimens = [{**row, "label": f"{row['specimen']}: {row['judge']}"} for row in content["specimens"]]
-    terminal.print(_judges("Nonlinear specimens", specimens, "label"))
-    say(
-        *(
-            f"Specimen “{row['specimen']}” ({row['sensor']}): looks nonlinear in "
-            f"{percent(row['looks_nonlinear'], decimals=0)} of {row['tests']} tests."
-            for row in content["looks"]
-        )
-    )
-
-
-def _condition(row: dict[str, Any]) -> str:
-    return row["sensor"] if row["stated"] == "right" else f"{row['sensor']}, {row['stated']}"
-
-
-def _judges(title: str, rows: list[dict[str, Any]], label: str) -> Any:  # noqa: ANN401 - of rich
-    shown = table(title, _JUDGES)
-    for row in rows:
-        shown.add_row(
-            row[label],
-            str(row["tests"]),
-            *(_rate(row, "bad"), _rate(row, "good")),
-            percent(row["contained"], decimals=0),
-            "" if row["ratio_50"] is None else f"{row['ratio_05']:.3f} … {row['ratio_95']:.3f}",
-            "" if row["covered"] is None else percent(row["covered"], decimals=0),
-        )
-    return shown
-
-
-def _rate(row: dict[str, Any], kind: str) -> str:
-    rate = row[f"{kind}_accepted"]
-    return "none tried" if rate is None else f"{percent(rate, decimals=1)} of {row[kind]}"
-
-
-_CASES = (
-    *("case", "f [Hz]", "ξ [-]", "A [-]", "d [ms]", "criterion", "index", "accepted"),
-    *("probability", "RMS^R [%]", "error below"),
-)
-
-
-def show_cases(content: Mapping[str, Any]) -> None:
-    """Print the verdicts."""
-    shown = table(f"The paper's cases under {content['motion']}", dict.fromkeys(_CASES, "right"))
-    for row in content["cases"]:
-        shown.add_row(
-            *(str(row["case"]), f"{row['f']:g}", f"{row['xi']:g}", f"{row['A']:.4f}", f"{row['d_ms']:.3f}"),
-            *(row["criterion"], significant(row["index"]), "yes" if row["accepted"] else "no"),
-            "" if row["probability"] is None else f"{row['probability']:.3f}",
-            *(f"{100.0 * row['rms']:.2f}", "yes" if row["good"] else "no"),
-        )
-    console().print(shown)
-    event = content["held_out"]
-    motions = f"without {event}" if event else "from all shipped motions"
-    say(
-        "RMS^R is the RMS of measured minus exact displacement over the peak of the exact one, in the first "
-        f"{content['window']} s of the record. Integrator: {content['integrator']}; compensator: "
-        f"{content['compensator']}. The recommended criterion was learned {motions}."
-    )

@@ -5,7 +5,6 @@ from typing import Any, Final, cast
 
 from reliab.core.errors import InputError
 from reliab.core.registry import Registry
-from reliab.criterion.methods.conformal import Conformal
 from reliab.criterion.methods.dirichlet import Dirichlet
 from reliab.criterion.methods.hierarchical.method import HierarchicalNormal, HierarchicalRobust
 from reliab.criterion.methods.method import Method
@@ -19,8 +18,7 @@ METHODS: Final[Registry[type[Method]]] = Registry(
     base=Method,
     group="reliab.criterion_methods",
     shipped=(
-        *(Quantile, Tolerance, Predictive),
-        *(Dirichlet, OrderStatistic, Conformal),
+        *(Quantile, Tolerance, Predictive, Dirichlet, OrderStatistic),
         *(HierarchicalNormal, HierarchicalRobust),
     ),
     name_of=lambda method: method.name,

@@ -8,6 +8,7 @@ from scipy.stats import norm
 
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
+from reliab.core.plain_values import PlainResult
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
 from reliab.motions.loading import load_motions
 from reliab.simulation.effect_loop import EffectLoop
@@ -27,15 +28,11 @@ _SYNTHETIC_STRIDE = 16  # through the built-in suite, whose neighbours are of on
 
 
 @dataclass(frozen=True, kw_only=True)
-class CriterionShift:
+class CriterionShift(PlainResult):
     """Criterion with effects over criterion without them."""
 
     a: float  # a, b: Ratios of the ellipse parameters [-]; zero where effects alone exceed the error
     b: float
-
-    def to_dict(self) -> dict[str, float]:
-        """Return the entry `criterion_shift`."""
-        return {"a": self.a, "b": self.b}
 
 
 def criterion_shift(test: HybridTest, shaking: Sequence[Excitation]) -> CriterionShift:

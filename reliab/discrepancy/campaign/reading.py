@@ -35,7 +35,7 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, Validatio
 from reliab.core.described_files import described_text, faults_in_words, keys_of, parse_toml
 from reliab.core.errors import InputError
 from reliab.core.physical_range import Physical
-from reliab.core.shipped import shipped
+from reliab.core.shipped import is_own_data, shipped
 from reliab.core.untrusted_files import named_within
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.recordings.channels_file import ChannelTables, stated_by_tables
@@ -140,7 +140,7 @@ def campaign_folder(folder: Path | str) -> Path:
     """
     folder = Path(folder)
     of_that_name = shipped("datasets", "campaigns") / folder
-    is_name = len(folder.parts) == 1 and not folder.exists()
+    is_name = len(folder.parts) == 1 and not is_own_data(folder, CAMPAIGN_FILE)
     return of_that_name if is_name and (of_that_name / CAMPAIGN_FILE).is_file() else folder
 
 

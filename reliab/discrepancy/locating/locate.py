@@ -7,14 +7,15 @@ the projected energy is χ²-distributed with as many degrees of freedom as the 
 factor corrects for the number of families.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import ClassVar
 
 import numpy as np
 from scipy import stats
 
 from reliab.core.arrays import Array
+from reliab.core.plain_values import PlainResult
 from reliab.core.significant_digits import significant
 from reliab.core.vocabulary import MILLI
 from reliab.discrepancy.fitting.fit import Fit
@@ -33,8 +34,22 @@ _REST = "frequency_band"  # kind of the finding of what no family explains
 
 
 @dataclass(frozen=True, kw_only=True)
-class Finding:
+class Finding(PlainResult):
     """A place where the calibrated model fails."""
+
+    keys: ClassVar[Mapping[str, str]] = {
+        "block": "block",
+        "channel": "channel",
+        "test": "test",
+        "kind": "kind",
+        "detail": "detail",
+        "share_of_residual": "share_of_residual",
+        "p_value": "p_value",
+        "band_hz": "band",
+        "time_s": "time",
+        "displacement_m": "displacement",
+        "velocity_m_per_s": "velocity",
+    }
 
     block: str  # block, channel: Where in the loop, and in which column
     channel: str
@@ -58,22 +73,6 @@ class Finding:
     def chance(self) -> str:
         """Probability of as much under noise alone, as it is shown."""
         return f"{'< ' if self.p_value <= LEAST_PROBABILITY else ''}{self.p_value:.0e}"
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the entry of `where`."""
-        return {
-            "block": self.block,
-            "channel": self.channel,
-            "test": self.test,
-            "kind": self.kind,
-            "detail": self.detail,
-            "share_of_residual": self.share_of_residual,
-            "p_value": self.p_value,
-            "band_hz": list(self.band),
-            "time_s": list(self.time),
-            "displacement_m": self.displacement,
-            "velocity_m_per_s": self.velocity,
-        }
 
 
 @dataclass(frozen=True)

@@ -191,7 +191,11 @@ def line_above(problem: Problem, best: Fit) -> Line | None:
     grid = np.arange((longest.end - longest.begin) // 2) * block.rate / (longest.end - longest.begin)
     residual = problem.residuals(best.space, best.coordinates)
     forces = _powers(problem, residual, grid)
-    motions = _powers(problem, {s.test: _displacement(problem, s.test) for s in problem.segments}, grid)
+    motions = _powers(
+        problem,
+        {s.test: problem.block.tests[s.test].channels[Channel.MEASURED] for s in problem.segments},
+        grid,
+    )
     specimen = best.space.model(best.coordinates).specimen
     spring = 0.0 if specimen is None else specimen.stiffness
     around = ndimage.median_filter(forces, (1, _AROUND)) / np.log(2.0)
@@ -218,10 +222,6 @@ def _mean_square(problem: Problem, values: dict[int, Array]) -> float:
     return float(
         np.mean([values[segment.test][segment.begin : segment.end].var() for segment in problem.segments])
     )
-
-
-def _displacement(problem: Problem, test: int) -> Array:
-    return problem.block.tests[test].channels[Channel.MEASURED]
 
 
 def _powers(problem: Problem, values: dict[int, Array], grid: Array) -> Array:

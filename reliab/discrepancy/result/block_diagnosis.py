@@ -1,13 +1,14 @@
 """The results for one observed block."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from reliab.core.arrays import Array
+from reliab.core.plain_values import PlainResult
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import held_out_in_words
 from reliab.discrepancy.fitting.fit import Fit
@@ -71,8 +72,15 @@ class Verdict(StrEnum):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Ranked:
+class Ranked(PlainResult):
     """A fitted model with its probability among all that were fitted, and its errors over the signal."""
+
+    keys: ClassVar[Mapping[str, str]] = {
+        "effects": "names",
+        "probability": "probability",
+        "left_out_nrmse": "left_out",
+        "held_out_nrmse": "held_out",
+    }
 
     fit: Fit
     probability: float
@@ -83,15 +91,6 @@ class Ranked:
     def names(self) -> tuple[str, ...]:
         """Names of the effects, as a diagnosis reports them."""
         return tuple(sorted(effect.label() for effect in self.fit.space.effects))
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the entry of `candidates`."""
-        return {
-            "effects": list(self.names),
-            "probability": self.probability,
-            "left_out_nrmse": self.left_out,
-            "held_out_nrmse": self.held_out,
-        }
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

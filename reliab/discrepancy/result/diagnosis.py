@@ -1,8 +1,8 @@
 """The results for a whole campaign."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, ClassVar
 
 from reliab.assessment.recorded_force import unit_like
 from reliab.core.html_table import html_table
@@ -51,6 +51,18 @@ class Diagnosis(ResultWithRows):
         Ratios of the criterion's parameters with and without the effects, where they were computed.
     """
 
+    keys: ClassVar[Mapping[str, str]] = {
+        "campaign": "campaign.name",
+        "verdict": "verdict",
+        "where": "where",
+        "effects": "all_effects",
+        "unknown": "unknown",
+        "gap": "gap",
+        "blocks": "blocks",
+        "criterion_shift": "criterion_shift",
+        "remarks": "remarks",
+    }
+
     rows_in = "effects"
 
     campaign: Campaign
@@ -67,6 +79,11 @@ class Diagnosis(ResultWithRows):
     def doubtful(self) -> tuple[MissingEffect, ...]:
         """Effects that the data cannot tell from others."""
         return tuple(effect for diagnosed in self.blocks for effect in diagnosed.doubtful)
+
+    @property
+    def all_effects(self) -> tuple[MissingEffect, ...]:
+        """Effects that are named, then those that the data cannot tell from others."""
+        return (*self.effects, *self.doubtful)
 
     @property
     def unknown(self) -> Unknown | None:
@@ -133,21 +150,6 @@ class Diagnosis(ResultWithRows):
     def _repr_html_(self) -> str:
         effects = (*self.effects, *self.doubtful)
         return table_of_diagnosis(self.campaign.name, self.verdict, effects, self.gap, self.remarks)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return what `reliab diagnose --json` writes."""
-        unknown = self.unknown
-        return {
-            "campaign": self.campaign.name,
-            "verdict": str(self.verdict),
-            "where": [finding.to_dict() for finding in self.where],
-            "effects": [effect.to_dict() for effect in (*self.effects, *self.doubtful)],
-            "unknown": None if unknown is None else unknown.to_dict(),
-            "gap": self.gap.to_dict(),
-            "blocks": [diagnosed.to_dict() for diagnosed in self.blocks],
-            "criterion_shift": self.criterion_shift,
-            "remarks": list(self.remarks),
-        }
 
 
 def _limits_of_parameters(effects: Sequence[MissingEffect]) -> list[str]:

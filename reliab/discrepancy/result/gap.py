@@ -3,10 +3,11 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
+from reliab.core.plain_values import PlainResult
 from reliab.core.significant_digits import percent
 
 _FLOOR_UNCERTAINTY = 0.2
@@ -234,8 +235,14 @@ class Gap:
 
 
 @dataclass(frozen=True, kw_only=True)
-class GapOfKind:
+class GapOfKind(PlainResult):
     """Gap in the held-out tests of one kind, or in one of them: RMS of each over that of its signal."""
+
+    keys: ClassVar[Mapping[str, str]] = {
+        "nrmse_before": "before",
+        "nrmse_after": "after",
+        "unexplained_share": "unexplained_share",
+    }
 
     kind: str  # Of motion
     files: tuple[str, ...]  # The tests
@@ -259,14 +266,6 @@ class GapOfKind:
             return None
         return _unexplained(self.before**2, self.after**2, self.model_error**2)
 
-    def to_dict(self) -> dict[str, float | None]:
-        """Return its sizes, as they stand in `gap`."""
-        return {
-            "nrmse_before": self.before,
-            "nrmse_after": self.after,
-            "unexplained_share": self.unexplained_share,
-        }
-
 
 def _unexplained(before: float, after: float, remaining: float) -> float:
     closed = max(before - after, 0.0)
@@ -278,14 +277,10 @@ def _worst_first(gaps: Iterable[GapOfKind]) -> tuple[GapOfKind, ...]:
 
 
 @dataclass(frozen=True, kw_only=True)
-class FurtherError:
+class FurtherError(PlainResult):
     """Error to expect on a further test: RMS over that of the signal at the judged frequencies."""
 
     value: float  # value, low, high: Median and ends of the 90 % prediction interval
     low: float
     high: float
     tests: int  # Number of left-out tests that it rests on
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the entry `further_test`."""
-        return {"value": self.value, "low": self.low, "high": self.high, "tests": self.tests}

@@ -1,12 +1,13 @@
 """A missing effect: one of the library with its parameters and rivals, or a term outside the library."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from reliab.core.arrays import Array
+from reliab.core.plain_values import PlainResult
 from reliab.core.significant_digits import percent, significant
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.terms.stated_damping import StatedDamping
@@ -79,20 +80,18 @@ class Estimate:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Rival:
+class Rival(PlainResult):
     """Another effect in the place of a named one, with its probability and its error on held-out tests."""
+
+    keys: ClassVar[Mapping[str, str]] = {
+        "name": "name",
+        "held_out_nrmse": "held_out_nrmse",
+        "probability": "probability",
+    }
 
     name: str
     probability: float
     held_out_nrmse: float
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the entry of `rivals`."""
-        return {
-            "name": self.name,
-            "held_out_nrmse": self.held_out_nrmse,
-            "probability": self.probability,
-        }
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -194,7 +193,7 @@ class MissingEffect:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Unknown:
+class Unknown(PlainResult):
     """A missing effect that is none of the known ones."""
 
     block: str  # Where it acts
@@ -202,15 +201,6 @@ class Unknown:
     expression: str
     description: str  # The same in words
     held_out_nrmse: float  # What the model with the expression leaves on held-out tests
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the entry `unknown`."""
-        return {
-            "block": self.block,
-            "expression": self.expression,
-            "description": self.description,
-            "held_out_nrmse": self.held_out_nrmse,
-        }
 
 
 def telling_test(effect: str, rival: str) -> str:

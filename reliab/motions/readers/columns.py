@@ -13,9 +13,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from reliab.core.text_tables import printed_number
 from reliab.motions.faults import Report
 from reliab.motions.readers import statements
-from reliab.motions.readers.header import Header, Statement, number
+from reliab.motions.readers.header import Header, Statement
 from reliab.motions.readers.layouts import Layout
 from reliab.motions.readers.samples import count_rows, find_delimiter, separated, split_line
 from reliab.motions.readers.source import Line, Source
@@ -164,7 +165,7 @@ def _columns(lines: list[Line], count: int, *, has_times: bool) -> list[Column]:
 @np.errstate(over="ignore", invalid="ignore")
 def _begins_with_times(source: Source, header: Header) -> bool:
     rows = itertools.islice(source.lines(header.start, header.stop), _ROWS)
-    times = [number(tokens[0]) for line in rows if (tokens := split_line(line, header))]
+    times = [printed_number(tokens[0]) for line in rows if (tokens := split_line(line, header))]
     steps = np.diff([math.nan if time is None else time for time in times])
     return bool(len(steps) > 1 and (steps > 0).all() and np.ptp(steps) <= _ROUNDED * steps.mean())
 

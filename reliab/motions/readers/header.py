@@ -1,8 +1,6 @@
 """Contents of a record's header, the same for all formats."""
 
-import re
 from dataclasses import dataclass
-from decimal import Decimal, InvalidOperation
 from typing import Generic, TypeVar
 
 from reliab.core.arrays import Array
@@ -12,9 +10,6 @@ T = TypeVar("T")
 
 _CORRECTION = 0.05  # largest error of a printed step, as a share of the step, however many digits are printed
 _SLACK = 1.001  # admits a step exactly on the limit of a header's rounding
-
-NUMBER = r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[EeDd][-+]?[0-9]+)?"
-"""Pattern of a number as Fortran and everyone else print it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,25 +50,8 @@ class Header:
     values: Array | None = None  # The samples of a binary file, in place of numbers in its text
 
 
-def number(text: str) -> float | None:
-    """Turn a printed number into a float; None if it is not a number."""
-    return float(_decimal(text)) if re.fullmatch(NUMBER, text) else None
-
-
-def last_place(text: str) -> float:
-    """Value of one unit in the last printed place of a number."""
-    return float(Decimal(1).scaleb(int(_decimal(text).as_tuple().exponent)))
-
-
 def may_round(time_step: float, step_of_header: Statement[float]) -> bool:
     """Tell whether a header may print this true step as it does: rounded, cut off, or off by 5 % at most."""
     excess = time_step - step_of_header.value
     place = step_of_header.tolerance * _SLACK
     return -place / 2 <= excess <= place or abs(excess) <= _CORRECTION * step_of_header.value
-
-
-def _decimal(text: str) -> Decimal:
-    try:
-        return Decimal(text.upper().replace("D", "E"))
-    except InvalidOperation:
-        return Decimal("NaN")

@@ -5,10 +5,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reliab.core.arrays import Array
+from reliab.core.text_tables import last_place
 from reliab.core.vocabulary import STANDARD_GRAVITY
 from reliab.motions.faults import Report
 from reliab.motions.motion import PEAK_LIMIT_G
-from reliab.motions.readers.header import Header, Statement, last_place, may_round
+from reliab.motions.readers.header import Header, Statement, may_round
 from reliab.motions.readers.samples import (
     count_rows,
     line_of_sample,

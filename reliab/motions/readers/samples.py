@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from reliab.core.arrays import Array
+from reliab.core.text_tables import is_number, printed_number
 from reliab.motions.faults import Report
-from reliab.motions.readers.header import NUMBER, Header
+from reliab.motions.readers.header import Header
 from reliab.motions.readers.source import Line, Source
 
 _PLAIN = b"0123456789+-.eE \t\n\r\v\f"
 _FORTRAN_EXPONENTS = bytes.maketrans(b"Dd", b"EE")
-_NUMBER = re.compile(NUMBER)
 _CLOCK = re.compile(
     r"[0-9]{4}[-/][0-9]{1,2}[-/][0-9]{1,2}[T ]+([0-9]{1,2}):([0-9]{2}):([0-9]{2})((?:\.[0-9]+)?)Z?"
 )
@@ -94,9 +94,10 @@ def _parse_lines(source: Source, header: Header, report: Report) -> Array | None
     bad: list[_BadToken] = []
     for line in source.lines(header.start, header.stop):
         for token in split_line(line, header):
-            value = _finite(token)
-            if value is None:
-                rule = _MUST_BE_FINITE if _is_not_finite(token) else _MUST_BE_NUMBER
+            value = printed_number(token)
+            if value is None or not math.isfinite(value):
+                is_too_large = value is not None or _NOT_FINITE.fullmatch(token)
+                rule = _MUST_BE_FINITE if is_too_large else _MUST_BE_NUMBER
                 bad.append(_BadToken(line=line.number, rule=rule, token=token))
             else:
                 values.append(value)
@@ -108,7 +109,7 @@ def split_line(line: Line, header: Header) -> list[str]:
     """Split a line into its numbers; blanks between them may be missing where the split is unambiguous."""
     text = clocks_in_seconds(line.text)
     tokens = (text.replace(header.delimiter, " ") if header.delimiter else text).split()
-    if all(_NUMBER.fullmatch(token) for token in tokens):
+    if all(map(is_number, tokens)):
         return tokens
     if header.width is not None:
         return _split_columns(line.text.rstrip(), header.width)
@@ -123,17 +124,6 @@ def _split_glued(token: str) -> list[str]:
     """Split ``-.1E-02-.2E-02``: a sign after no exponent letter starts a number, if each has its point."""
     parts = _GLUED.findall(token)
     return parts if len(parts) > 1 and "".join(parts) == token else [token]
-
-
-def _finite(token: str) -> float | None:
-    if not _NUMBER.fullmatch(token):
-        return None
-    value = float(token.translate(str.maketrans("Dd", "EE")))
-    return value if math.isfinite(value) else None
-
-
-def _is_not_finite(token: str) -> bool:
-    return bool(_NOT_FINITE.fullmatch(token) or _NUMBER.fullmatch(token))
 
 
 def _report_runs(bad: list[_BadToken], report: Report) -> None:

@@ -14,8 +14,9 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
+from reliab.core.text_tables import NUMBER, last_place, printed_number
 from reliab.motions.faults import Report
-from reliab.motions.readers.header import NUMBER, Statement, last_place, number
+from reliab.motions.readers.header import Statement
 from reliab.motions.readers.source import LONGEST_LINE, Line
 from reliab.motions.units import CLOCK_UNIT, AccelerationUnit, ClockUnit, find_clock_unit, find_unit
 
@@ -150,7 +151,7 @@ def readable(lines: list[Line]) -> list[Line]:
 
 
 def _are_values(cells: list[str]) -> bool:
-    return all(number(cell) is not None or re.fullmatch(r"[\d/:. -]{8,}", cell) for cell in cells)
+    return all(printed_number(cell) is not None or re.fullmatch(r"[\d/:. -]{8,}", cell) for cell in cells)
 
 
 def counts(lines: list[Line], report: Report) -> Iterator[Statement[int]]:
@@ -177,7 +178,7 @@ def _has_value(match: re.Match[str]) -> bool:
     """Tell whether a value follows a label: anything after a sign, only a number without one."""
     groups = match.groupdict()
     value = groups["value"] or ""
-    if number(_plain(value)) is None:
+    if printed_number(_plain(value)) is None:
         return groups.get("sign", "") is not None and ":" not in value  # a time of day is no time step
     return True
 
@@ -281,7 +282,7 @@ def scales(lines: list[Line], report: Report) -> Iterator[Scale]:
         match = _FACTOR.search(line.text)
         if match is None or _APPLIED.search(line.text):
             continue
-        value, divisor = number(match["value"] or ""), number(match["divisor"] or "1")
+        value, divisor = printed_number(match["value"] or ""), printed_number(match["divisor"] or "1")
         factor = value / divisor if value and divisor else 0.0
         if not 0 < abs(factor) < float("inf"):
             rule = "The scale factor in a header must be a number, or gal over counts as in 3920(gal)/6182761"
@@ -303,7 +304,7 @@ def offsets(lines: list[Line]) -> dict[str, Statement[float]]:
     by_column: dict[str, Statement[float]] = {}
     for line in lines:
         match = _OFFSET.search(line.text)
-        value = number(match["value"]) if match else None
+        value = printed_number(match["value"]) if match else None
         if match and value and not _REMOVED.search(line.text):
             by_column[match["column"].strip()] = Statement(value=value, line=line.number)
     return by_column
@@ -314,7 +315,7 @@ def missing_marks(lines: list[Line]) -> tuple[float, ...]:
     marks = []
     for line in lines:
         match = _MISSING.search(line.text)
-        mark = number(match["value"]) if match else None
+        mark = printed_number(match["value"]) if match else None
         if match and mark is not None and (match["mark"] or abs(mark) >= _LEAST_MARK):
             marks.append(mark)
     return tuple(marks)
@@ -358,7 +359,7 @@ def state_count(text: str, line: int, report: Report) -> Statement[int] | None:
 
 def state_time_step(text: str, line: int, report: Report, *, unit: ClockUnit) -> Statement[float] | None:
     """Read a time step or a rate in a unit, or report that the text is not one."""
-    value = number(text)
+    value = printed_number(text)
     if value is not None and value > 0:
         step = unit.in_seconds(value)
         if 0 < step < float("inf"):

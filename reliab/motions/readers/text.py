@@ -20,10 +20,11 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any, TypeVar
 
+from reliab.core.text_tables import printed_number
 from reliab.motions.faults import Report
 from reliab.motions.readers import statements
 from reliab.motions.readers.columns import arrange
-from reliab.motions.readers.header import Header, Statement, may_round, number
+from reliab.motions.readers.header import Header, Statement, may_round
 from reliab.motions.readers.layouts import PLAIN, Layout
 from reliab.motions.readers.samples import (
     clocks_in_seconds,
@@ -107,7 +108,7 @@ def _is_data(line: Line) -> bool:
     """Tell whether every token of a line is a number; NaN and infinity count as numbers."""
     tokens = re.split(r"[\s,;]+", clocks_in_seconds(line.text).strip(" \t\r\f,;"))
     return all(
-        number(token) is not None or re.fullmatch(r"[-+]?(nan|inf|infinity)", token, re.IGNORECASE)
+        printed_number(token) is not None or re.fullmatch(r"[-+]?(nan|inf|infinity)", token, re.IGNORECASE)
         for token in tokens
     )
 
@@ -194,11 +195,11 @@ def _agree(precise: Statement[Any], coarse: Statement[Any]) -> bool:
 
 def _complete_by_duration(header: Header, lines: list[Line], report: Report) -> Header:
     """Derive the count or the step, whichever is missing, from the duration that a header states."""
-    durations = sorted(statements.durations(lines), key=lambda printed: number(printed.value) is None)
+    durations = sorted(statements.durations(lines), key=lambda printed: printed_number(printed.value) is None)
     if not durations or (header.count and header.time_step):
         return header
     printed = durations[0]
-    duration = number(printed.value) or 0.0
+    duration = printed_number(printed.value) or 0.0
     count = round(duration / header.time_step.value) if header.time_step and duration < _LONGEST else 2
     if not 0 < duration < _LONGEST or count < 2:  # noqa: PLR2004 - two samples make a record
         report.add(
@@ -236,7 +237,7 @@ def _read_leading_sizes(source: Source, header: Header, report: Report) -> Heade
         return header
     for last, sizes in ((lines[1], tokens[0] + tokens[1]), (lines[0], tokens[0])):
         counts = [int(text.rstrip(".")) for text in sizes if _WHOLE.fullmatch(text)]
-        steps = [value for text in sizes if not _WHOLE.fullmatch(text) and (value := number(text))]
+        steps = [value for text in sizes if not _WHOLE.fullmatch(text) and (value := printed_number(text))]
         is_count = len(counts) == 1 and len(sizes) == 1 + len(steps) <= 2  # noqa: PLR2004 - count and step
         if is_count and counts[0] > 1 and _holds(source, last.stop, header, counts[0]):
             step = [Statement(value=step, line=last.number) for step in steps]

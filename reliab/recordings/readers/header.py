@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from reliab.core.errors import InputError
+from reliab.core.text_tables import COMMENTS, Line, cells_of, number_of
 from reliab.recordings.naming import describe
 from reliab.recordings.readers.attributes import unclear_in
-from reliab.recordings.readers.cells import COMMENTS, Line, cells_of, number_of
 from reliab.recordings.units import unit_of
 from reliab.recordings.words import Quantity
 

@@ -16,7 +16,7 @@ from reliab.core.arrays import Array
 from reliab.core.encodings import as_utf8, decoded
 from reliab.core.errors import InputError
 from reliab.core.files import require_small
-from reliab.recordings.readers.cells import cells_of, lines_of, number_of
+from reliab.core.text_tables import cells_of, lines_of, number_of
 from reliab.recordings.readers.columns import Columns, Series, date_of
 from reliab.recordings.readers.joining import join_tables
 from reliab.recordings.readers.text import TOO_LARGE, tables_of

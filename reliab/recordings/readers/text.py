@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from reliab.core.encodings import decoded, encoding_of
 from reliab.core.errors import InputError
 from reliab.core.files import require_small
-from reliab.recordings.readers.cells import (
+from reliab.core.text_tables import (
     FEWEST_COLUMNS,
     Line,
     TimesOfDay,

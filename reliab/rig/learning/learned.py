@@ -6,7 +6,7 @@ residual of tests e that are left out together is P_ee⁻¹ u_e and its covarian
 take their places.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -15,10 +15,63 @@ import scipy
 from numpy.typing import NDArray
 
 from reliab.core.arrays import Array
-from reliab.rig.learning.baselines import last_ten, left_out_scores, pooled
 from reliab.rig.learning.circumstances import Circumstances, Likeness
 from reliab.rig.learning.scatter import Scatter
 from reliab.rig.learning.variances import LEVEL, Variances, covariance, fit_variances, inverse_of
+
+_LAST = 10
+_FEWEST = 3
+
+Baseline = Callable[[Array], "StudentPrediction"]
+"""Predicts a further value from values in the order of tests."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudentPrediction:
+    """A scaled Student t distribution."""
+
+    centre: float
+    scale: float
+    degrees: float
+
+    def log_density(self, value: float) -> float:
+        """Logarithm of the density."""
+        return float(scipy.stats.t.logpdf(value, self.degrees, self.centre, self.scale))
+
+
+def pooled(values: Array) -> StudentPrediction:
+    """Predict from all tests, as if they were independent and normal.
+
+    >>> pooled(np.array([1.0, 2.0, 3.0])).centre
+    2.0
+    """
+    spread = max(float(values.std(ddof=1)), 1e-9)
+    return StudentPrediction(
+        centre=float(values.mean()),
+        scale=spread * np.sqrt(1.0 + 1.0 / values.size),
+        degrees=values.size - 1.0,
+    )
+
+
+def last_ten(values: Array) -> StudentPrediction:
+    """Predict from the last ten tests."""
+    return pooled(values[-_LAST:])
+
+
+def left_out_scores(values: Array, events: NDArray[np.str_], baseline: Baseline, *, before: bool) -> Array:
+    """Log scores of a baseline for each test, its earthquake left out.
+
+    `before`: whether only tests before each are known; NaN where there are fewer than three.
+    """
+    scores = np.full(values.size, np.nan)
+    for place, event in enumerate(events):
+        usable = events != event
+        if before:
+            usable[place:] = False
+        if usable.sum() >= _FEWEST:
+            scores[place] = baseline(values[usable]).log_density(values[place])
+    return scores
+
 
 _SMALLEST = 1e-9
 

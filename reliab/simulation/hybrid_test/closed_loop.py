@@ -15,7 +15,7 @@ from reliab.core.compiled import compiled
 from reliab.effects.effect import RecordEffect, Role, Setting
 from reliab.effects.integration_error import IntegrationError
 from reliab.effects.kernel import call_kernel, pointer_to
-from reliab.simulation.compensators.compensator import Compensator
+from reliab.simulation.hybrid_test.compensator import Compensator
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.open_loop import Motion3, read_displacement
 from reliab.simulation.hybrid_test.stepping import STATES, Plan, call_all, plan, read_delayed

@@ -1,6 +1,5 @@
 """A servo-hydraulic actuator whose oil column and specimen act on each other."""
 
-import math
 from dataclasses import dataclass, replace
 from typing import Self
 
@@ -8,6 +7,7 @@ import numpy as np
 
 from reliab.core.arrays import Array, Spectrum
 from reliab.core.errors import InputError
+from reliab.core.physical_range import require_physical
 from reliab.simulation.transfer_systems.transfer_function import Plant, TransferSystem
 from reliab.structures.specimen import Specimen
 
@@ -41,12 +41,8 @@ class ServoHydraulic(TransferSystem):
             *("input_gain", "valve_gain", "piston_coupling"),
             *("leakage", "valve_damping", "valve_stiffness"),
         ):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value > 0.0):
-                raise InputError(
-                    f"The {name.replace('_', ' ')} of a servo-hydraulic actuator must be positive",
-                    value=value,
-                )
+            called = f"{name.replace('_', ' ')} of a servo-hydraulic actuator"
+            require_physical("number", getattr(self, name), called=called)
 
     def perturbed(self, deviations: Array) -> Self:
         """Return the actuator with leakage, valve damping and stiffness off by deviations [SI], (3,)."""

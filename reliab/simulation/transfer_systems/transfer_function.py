@@ -196,13 +196,6 @@ class TransferFunction(TransferSystem):
         return scale * a, scale * b[:, 0], c[0], float(d[0, 0])
 
 
-def first_order_lag(time: float, gain: float = 1.0, delay: float = 0.0) -> TransferFunction:
-    """Transfer function k/(Ts + 1) with a time constant T [s]."""
-    if not (math.isfinite(time) and time > 0.0):
-        raise InputError("The time constant of a lag must be positive", value=f"{time} s")
-    return TransferFunction(numerator=(gain,), denominator=(time, 1.0), delay=delay)
-
-
 def gain_and_delay(gain: float = 1.0, delay: float = 0.0) -> TransferFunction:
     """Transfer function k_p e^(−sτ)."""
     if not (math.isfinite(gain) and gain > 0.0):

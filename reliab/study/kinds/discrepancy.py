@@ -76,7 +76,9 @@ def _document(study: DiscrepancyStudy, campaign: Path, folder: Path) -> Document
 
 def _folder(study: DiscrepancyStudy) -> Path:
     """Find the campaign: a folder, or the name of one that ships."""
-    folder = Path(study.campaign.folder)
+    from reliab.discrepancy.campaign.reading import campaign_folder
+
+    folder = campaign_folder(study.campaign.folder)
     return folder if folder.exists() else shipped("datasets", f"campaigns/{study.campaign.folder}")
 
 

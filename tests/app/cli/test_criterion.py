@@ -97,7 +97,7 @@ def test_one_default_the_recommended_method_and_joint():
 def test_three_motions_of_one_earthquake_carry_no_criterion(tmp_path):
     table = tmp_path / "three.csv"
     table.write_text("motion,event,a,b\nK/1,K,1e-4,1\nK/2,K,2e-4,2\nK/3,K,3e-4,4\n")
-    for method in ("dirichlet", "quantile", "conformal"):
+    for method in ("dirichlet", "quantile", "order_statistic"):
         found = answer("--ellipses", table, "--method", method)
         assert (found["a"], found["b"]) == (0.0, 0.0)
         assert found["carried_confidence"] <= 0.5

@@ -89,7 +89,6 @@ def sources(tmp_path_factory):
     motions(folder / "motions")
     grid = ScaledGrid(gain_steps=14, delay_steps=20)
     request = SweepRequest(frequencies=(1.0,), damping_ratios=(0.05,), grid=grid)
-    (folder / "target.csv").write_text("quantity,low,high,share\nlength,40,100,1\n")
     run_sweep(load_motions(str(folder / "motions")), request, folder / "results.zarr")
     return folder
 
@@ -125,11 +124,12 @@ CHANGES = {
     "duration": [(SHIPPED, ("--duration", "20"))],
     "motion": [(SHIPPED, ("--motion", "{folder}/motions"))],
     "suite": [(SHIPPED, ("--suite", "{folder}/motions"))],
-    "weights": [(SHIPPED, ("--weights", "{folder}/target.csv"))],
     "model": [],
     "structure": [(HALF, ("--structure", FRAME))],
     "actuator": [((*HALF, *TWO), ("--actuator", "1"))],
-    "method": [(FILE, ("--method", name)) for name in ("quantile", "tolerance", "conformal", "predictive")],
+    "method": [
+        (FILE, ("--method", name)) for name in ("quantile", "tolerance", "order_statistic", "predictive")
+    ],
     "assurance": [((*FILE, "--method", "tolerance"), ("--assurance", "0.8"))],
     "distribution": [((*FILE, "--method", "quantile"), ("--distribution", "weibull"))],
     "joint": [(FILE, ("--each",)), ((*FILE, "--method", "quantile"), ("--joint",))],
@@ -185,10 +185,6 @@ REFUSED = {
     "suite": [
         (PRINTED, ("--suite", "{folder}/motions")),
         ((*SHIPPED[:2], "--f", "0.8", "--xi", "0.02"), ("--suite", "{folder}/motions")),
-    ],
-    "weights": [
-        (PRINTED, ("--weights", "{folder}/target.csv")),
-        (PAPER, ("--weights", "{folder}/target.csv")),
     ],
     "model": [(base, ("--model", "{folder}/model.toml")) for base in (FILE, PAPER, STORE, PRINTED)],
     "structure": [

@@ -23,7 +23,6 @@ from reliab.app.api.motions import check_motions, import_motions, list_motions, 
 from reliab.app.api.records import calibrate, record
 from reliab.app.api.rig_answers import predict_rig, report_rig
 from reliab.app.api.rigs import add_to_rig, export_rig, list_rig, remove_from_rig, show_rig_test
-from reliab.app.api.simulated_verdicts import judge_paper_cases, validate_rebuilt_error
 from reliab.app.api.simulation import simulate_suite
 from reliab.app.api.studies import list_studies, perform_study, report_run
 from reliab.app.api.tracing import trace_boundaries
@@ -45,12 +44,7 @@ SERVICES: dict[str, Any] = {
     "record": [record],
     "fetch": [fetch_dataset],
     "samples": [copy_samples],
-    "validate": [
-        validate_criteria,
-        calibrate_probabilities,
-        judge_paper_cases,
-        validate_rebuilt_error,
-    ],
+    "validate": [validate_criteria, calibrate_probabilities],
     "diagnose": [diagnose_campaign, report_diagnosis],
     "run": [perform_study, list_studies],
     "report": [report_run],

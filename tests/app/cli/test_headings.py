@@ -185,58 +185,7 @@ def test_distributions_and_laws_stand_below_their_headings(drawn, capsys):
     assert "p of lognormality: shapiro-wilk 0.44." in text
 
 
-def test_judges_of_simulated_tests_stand_below_their_headings(drawn, capsys):
-    row = {
-        "judge": "rebuilt",
-        "tests": 123,
-        "bad": 40,
-        "good": 83,
-        "bad_accepted": 0.025,
-        "good_accepted": None,
-        "contained": 0.87,
-        "ratio_50": 1.0,
-        "ratio_05": 0.9,
-        "ratio_95": 1.2,
-        "covered": 0.91,
-    }
-    wrong = {**row, "sensor": "40 dB", "stated": "f +5 %", "ratio_50": None, "covered": None}
-    validate.show_rebuilt_errors(
-        {
-            "metric": "rms",
-            "threshold": 0.05,
-            "judges": [row],
-            "conditions": [wrong, {**wrong, "stated": "right"}, {**wrong, "judge": "another"}],
-            "specimens": [{**row, "specimen": "yields"}],
-            "looks": [{"specimen": "yields", "sensor": "40 dB", "looks_nonlinear": 0.8, "tests": 10}],
-        }
-    )
-    first, named, specimens = map(cells, drawn.values())
-    assert list(drawn) == [
-        "Linear specimens, sensor of 40 dB, RMS^R 0.05",
-        "The rebuilt error by sensor and by what is stated wrongly",
-        "Nonlinear specimens",
-    ]
-    assert first == [
-        {
-            "judge": "rebuilt",
-            "tests": "123",
-            "bad tests accepted": "2.5 % of 40",
-            "good tests accepted": "none tried",
-            "motions without a bad test accepted": "87 %",
-            "stated / true error, 5 … 95 %": "0.900 … 1.200",
-            "inside 90 % interval": "91 %",
-        }
-    ]
-    assert [(each["judge"], each["inside 90 % interval"]) for each in named] == [
-        ("40 dB, f +5 %", ""),
-        ("40 dB", ""),
-    ]
-    assert specimens[0]["judge"] == "yields: rebuilt"
-    text = " ".join(capsys.readouterr().out.split())
-    assert "“yields” (40 dB): looks nonlinear in 80 % of 10 tests" in text
-
-
-def test_probabilities_and_cases_stand_below_their_headings(drawn):
+def test_probabilities_stand_below_their_heading(drawn):
     validate.show_probabilities(
         {
             "scheme": "leave_out",
@@ -251,50 +200,6 @@ def test_probabilities_and_cases_stand_below_their_headings(drawn):
             "tests": "43",
         }
     ]
-    case = {
-        "case": 1,
-        "f": 1.25,
-        "xi": 0.02,
-        "A": 0.9876,
-        "d_ms": 1.234,
-        "criterion": "guo",
-        "index": 0.77,
-        "accepted": True,
-        "probability": None,
-        "rms": 0.0312,
-        "good": False,
-    }
-    validate.show_cases(
-        {
-            "motion": "RSN1",
-            "held_out": None,
-            "window": "40",
-            "integrator": "i",
-            "compensator": "c",
-            "cases": [case],
-        }
-    )
-    (row,) = cells(drawn["The paper's cases under RSN1"])
-    assert list(row.values()) == [
-        "1",
-        "1.25",
-        "0.02",
-        "0.9876",
-        "1.234",
-        "guo",
-        "0.77",
-        "yes",
-        "",
-        "3.12",
-        "no",
-    ]
-    assert list(row)[:5] == ["case", "f [Hz]", "ξ [-]", "A [-]", "d [ms]"]
-    assert (row["criterion"], row["accepted"], row["RMS^R [%]"], row["error below"]) == (
-        "guo",
-        "yes",
-        "3.12",
-        "no",
-    )
 
 
 def test_several_verdicts_stand_below_their_headings(drawn, capsys):

@@ -23,7 +23,7 @@ COMMANDS = {
     "criterion": ("criterion", "--ellipses", "real_suite", *STRUCTURE, *CHAINS),
     "diagnose": ("diagnose", "rig_a", "--out", "diagnosis"),
     "ellipses": ("ellipses", "--motions", "synthetic", *STRUCTURE, "--out", "ellipses.nc"),
-    "validate": ("validate", "--rebuilt-error", *STRUCTURE),
+    "validate": ("validate", "--results", "real_suite", *STRUCTURE, "--trials", "200000"),
     "monitor": ("monitor", "sample_test", *STRUCTURE),
     "report": ("report", "run"),
     "explore": ("explore", "--out", "criterion.html"),

@@ -40,11 +40,12 @@ def test_a_folder_that_cannot_be_written_is_named(empty_folder, capsys):
     assert "file: The folder for the samples must be writable" in capsys.readouterr().err
 
 
-def test_a_campaign_that_ships_goes_by_name_unless_a_folder_of_that_name_stands_there(empty_folder):
-    assert campaign_folder("rig_b") == shipped("datasets", "campaigns/rig_b")
+def test_a_campaign_that_ships_goes_by_name_unless_one_of_that_name_stands_there(empty_folder):
     (empty_folder / "rig_b").mkdir()
+    assert campaign_folder("rig_b") == shipped("datasets", "campaigns/rig_b")
+    (empty_folder / "rig_b" / "campaign.toml").write_text("title = ")
     assert not campaign_folder("rig_b").is_absolute()
-    with pytest.raises(InputError, match=r"campaign\.toml: No such file"):
+    with pytest.raises(InputError, match=r"rig_b.campaign\.toml"):
         read_campaign("rig_b")
 
 

@@ -29,23 +29,6 @@ def test_probabilities_are_shown_beside_the_share_of_good_tests(truth, noted, ca
     assert ("llipse" in shown) is noted
 
 
-@pytest.mark.parametrize("event", [None, "Kobe 1995"])
-def test_the_papers_cases_are_shown_with_their_verdicts(event, capsys):
-    rows = [
-        {"case": 1, "f": 1.0, "xi": 0.02, "A": 0.9876, "d_ms": 1.234, "criterion": "guo", "index": 0.77,
-         "accepted": True, "probability": None, "rms": 0.0312, "good": True},
-        {"case": 2, "f": 2.0, "xi": 0.05, "A": 1.01, "d_ms": -0.5, "criterion": "ours", "index": 1.4,
-         "accepted": False, "probability": 0.125, "rms": 0.09, "good": False},
-    ]  # fmt: skip
-    content = {"motion": "RSN1", "held_out": event, "window": "40", "integrator": "i", "compensator": "c"}
-    validate.show_cases({**content, "cases": rows})
-    shown = words_of(capsys.readouterr().out)
-    for part in ("0.9876", "1.234", "3.12", "0.125", "9.00", "yes", "no", "first 40 s"):
-        assert part in shown
-    assert ("without Kobe 1995" if event else "from all shipped motions") in shown
-    assert "nan" not in shown
-
-
 def test_missing_effects_are_shown_with_their_parameters_and_bounds(capsys):
     effect = SimpleNamespace(
         name="friction",

@@ -43,11 +43,6 @@ REFUSED = {
     "learn": ("--learn", "far_field"),
     "judge": ("--judge", "far_field"),
     "calibration": ("--calibration",),
-    "case": ("--case", "KOBE/KJM000"),
-    "integrator": ("--integrator", "exact"),
-    "compensator": ("--compensator", "none"),
-    "rebuilt_error": ("--rebuilt-error",),
-    "tests": ("--tests", "tests.csv"),
 }
 
 

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from reliab.criterion.methods.bound import Scatter
-from reliab.criterion.methods.conformal import Conformal
 from reliab.criterion.methods.dirichlet import Dirichlet
 from reliab.criterion.methods.order_statistic import OrderStatistic
 from reliab.criterion.methods.quantile import Quantile
@@ -63,7 +62,6 @@ def test_few_earthquakes_carry_little_and_one_nothing():
     assert carried[0] == 0.0
     assert np.all(np.diff(carried) > 0.0)
     assert carried[3] > 0.95 > carried[2]
-    assert Conformal().carried_confidence(95, 19) == 0.95
     # 59 motions are the fewest for 95 % with an assurance of 95 % (Wilks 1941).
     assert OrderStatistic().carried_confidence(58, 58) < 0.95 < OrderStatistic().carried_confidence(59, 59)
 

@@ -6,8 +6,8 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from reliab.motions.synthetic.dabaghi_der_kiureghian_2018 import NO_PULSE, PULSE, Regression
-from reliab.motions.synthetic.event import EVENT_SHARE, EventErrors
 from reliab.motions.synthetic.random_stream import RandomStream
+from reliab.motions.synthetic.suite import EVENT_SHARE, EventErrors
 
 _BOTH = pytest.mark.parametrize("regression", [NO_PULSE, PULSE], ids=["no pulse", "pulse"])
 _EVENTS = 2000

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from reliab.core.errors import InputError
-from reliab.motions.synthetic.event import pulse_probability
 from reliab.motions.synthetic.fema_p695_2009 import (
     Earthquake,
     draw_earthquake,
@@ -16,6 +15,7 @@ from reliab.motions.synthetic.fema_p695_2009 import (
 )
 from reliab.motions.synthetic.random_stream import RandomStream
 from reliab.motions.synthetic.scenario import VALID_RANGES, Mechanism, Scenario
+from reliab.motions.synthetic.suite import pulse_probability
 
 _VALUES = {
     "magnitude": 7.0,

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from reliab_studies.laboratory.laboratory import Rig, run_laboratory
 from scipy.io import savemat
 
 from reliab.core.errors import InputError
@@ -11,7 +12,6 @@ from reliab.simulation.excitation import Excitation
 from reliab.simulation.frames.exact_loop import stable_with
 from reliab.simulation.frames.frame_file import frame_of_tables
 from reliab.simulation.frames.frame_loop import FrameLoop
-from reliab.simulation.laboratory.laboratory import Rig, run_laboratory
 from reliab.simulation.transfer_systems.servo_hydraulic import ServoHydraulic
 from reliab.simulation.transfer_systems.transfer_function import TransferFunction, gain_and_delay
 from reliab.structures.critical_delay import stability_limit

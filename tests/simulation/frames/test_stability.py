@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
+from reliab_studies.laboratory.laboratory import Rig, run_laboratory
 
 from reliab.core.errors import InputError
 from reliab.simulation.frames.loop_poles import pole_loop
 from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.simulation.integrators import CentralDifference, ChenRicles
-from reliab.simulation.laboratory.laboratory import Rig, run_laboratory
 from reliab.simulation.transfer_systems.transfer_function import gain_and_delay
 from reliab.structures.critical_delay import stability_limit
 from reliab.structures.frames.frame import Frame

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from reliab_studies.laboratory.compensators.adaptive_inverse import AdaptiveInverse
+from reliab_studies.laboratory.compensators.inverse import InverseCompensation
+from reliab_studies.laboratory.compensators.pi_phase_lead import PhaseLeadControl
 
 from reliab.core.errors import InputError
 from reliab.effects.registry import find_effect
-from reliab.simulation.compensators.adaptive_inverse import AdaptiveInverse
-from reliab.simulation.compensators.inverse import InverseCompensation
-from reliab.simulation.compensators.pi_phase_lead import PhaseLeadControl
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest

@@ -10,12 +10,12 @@ from reliab.simulation.transfer_systems.reading import read_matlab, transfer_fun
 from reliab.simulation.transfer_systems.servo_hydraulic import ServoHydraulic
 from reliab.simulation.transfer_systems.transfer_function import (
     TransferFunction,
-    first_order_lag,
     gain_and_delay,
 )
 from reliab.structures.specimen import Specimen
 
 SPRING = Specimen(stiffness=1e6)
+LAG = TransferFunction(numerator=(1.0,), denominator=(0.01, 1.0))
 SECOND_ORDER = TransferFunction(numerator=(5685.0,), denominator=(1.0, 105.6, 5685.0))  # 12 Hz, 0.7
 
 
@@ -57,7 +57,7 @@ def test_benchmark_plant_has_the_published_poles_and_inverse(benchmark_partition
     [
         (ServoHydraulic(), Specimen(stiffness=1.19e6, damping=114.0, mass=29.0)),
         (ServoHydraulic(), SPRING),
-        (first_order_lag(0.004, 0.98, delay=0.001), SPRING),
+        (TransferFunction(numerator=(0.98,), denominator=(0.004, 1.0), delay=0.001), SPRING),
         (SECOND_ORDER, Specimen(stiffness=1e5, damping=10.0, mass=4.0)),
         (TransferFunction(numerator=[2.0, 300.0], denominator=[1e-4, 0.1, 20.0, 300.0]), SPRING),
         (gain_and_delay(0.97, 0.003), SPRING),
@@ -164,13 +164,15 @@ def test_other_matlab_files_are_refused(tmp_path):
         (lambda: TransferFunction(numerator=[1.0], denominator=[np.nan, 1.0]), "finite"),
         (lambda: gain_and_delay(1.0, -0.001), "must not be negative"),
         (lambda: TransferFunction.from_poles([], [-1 + 1j], 1.0), "conjugate pairs"),
-        (lambda: first_order_lag(0.0), "must be positive"),
         (lambda: transfer_function_of(signal.TransferFunction([1.0], [1.0, 0.5], dt=0.1)), "continuous time"),
         (lambda: transfer_function_of(ControlTransferFunction(dt=0.1)), "discrete time, dt = 0.1"),
         (lambda: transfer_function_of(ControlTransferFunction(dt=True)), "discrete time, dt = True"),
         (lambda: transfer_function_of(ControlTransferFunction(channels=2)), "one input and one output"),
         (lambda: transfer_function_of("servo"), "scipy.signal or python-control"),
-        (lambda: first_order_lag(0.01).plant(Specimen(stiffness=1.0, mass=1.0)), "more poles than zeros"),
+        (
+            lambda: LAG.plant(Specimen(stiffness=1.0, mass=1.0)),
+            "more poles than zeros",
+        ),
         (lambda: ServoHydraulic(leakage=-1.0), "must be positive"),
         (lambda: ServoHydraulic().plant(Specimen(stiffness=0.0)), "needs a stiffness"),
     ],

@@ -1,0 +1,53 @@
+"""Results as plain values for JSON: each states once which of its values it writes, and under which keys."""
+
+from collections.abc import Mapping
+from dataclasses import fields
+from functools import reduce
+from typing import Any, ClassVar
+
+import numpy as np
+
+from reliab.core.stated_value import StatedValue
+
+
+class PlainResult:
+    """A dataclass that writes its fields, or the values that `keys` names, as plain values.
+
+    >>> from dataclasses import dataclass
+    >>> @dataclass(frozen=True)
+    ... class Peak(PlainResult):
+    ...     keys = {"time_s": "time", "peaks": "values"}
+    ...     time: float
+    ...     values: tuple[float, ...]
+    >>> Peak(0.5, (1.0, 2.0)).to_dict()
+    {'time_s': 0.5, 'peaks': [1.0, 2.0]}
+    """
+
+    # Attribute of each key, with dots through those of attributes; every field under its own name by default.
+    # A key carries the unit: `time_s`, `delay_ms`.
+    keys: ClassVar[Mapping[str, str]] = {}
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values with stable keys."""
+        dataclass: Any = self
+        names = self.keys or {field.name: field.name for field in fields(dataclass)}
+        return {key: plain_value(reduce(getattr, name.split("."), self)) for key, name in names.items()}
+
+
+def plain_value(value: Any) -> Any:  # noqa: ANN401 - of any result
+    """Turn a value into what JSON holds; a stated value has its standard deviation beside it."""
+    plain = value
+    match value:
+        case StatedValue():
+            plain = {"value": value.value, "sd": value.deviation}
+        case _ if hasattr(value, "to_dict"):
+            plain = value.to_dict()
+        case Mapping():
+            plain = {str(key): plain_value(item) for key, item in value.items()}
+        case list() | tuple():
+            plain = [plain_value(item) for item in value]
+        case np.ndarray() | np.generic():
+            plain = value.tolist()
+        case str():
+            plain = str(value)
+    return plain

@@ -1,1 +1,0 @@
-"""Delay compensators and controllers that laboratories use, one per file."""

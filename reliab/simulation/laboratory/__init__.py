@@ -1,1 +1,0 @@
-"""A digital laboratory: numerical substructure, controller, transfer system and specimen, step by step."""
