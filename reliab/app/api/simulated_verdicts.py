@@ -4,11 +4,13 @@ from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import pandas as pd
 
-from reliab.app.api.sources import FIVE_PERCENT, ONE_HERTZ, TWO_PERCENT, Files, listed, paths
+from reliab.app import questions
+from reliab.app.api.sources import FIVE_PERCENT, ONE_HERTZ, TWO_PERCENT, listed, paths
+from reliab.app.declaration import Files, asks
 from reliab.assessment.default_criterion import default_criterion
 from reliab.core.errors import InputError
 from reliab.core.progress import Show, quietly
@@ -21,7 +23,6 @@ from reliab.motions.motion import Motion
 from reliab.structures.structure import Structure
 from reliab.study.folders import study_module
 from reliab.sweep.ellipse_file import open_ellipses
-from reliab.sweep.several import Names, Numbers, several
 from reliab.validation.earthquakes import earthquakes_among
 from reliab.validation.rebuilt_error_study.design import Design
 from reliab.validation.rebuilt_error_study.study import summarised, try_tests
@@ -57,28 +58,14 @@ class PaperCases(ResultWithRows):
         }
 
 
-def judge_paper_cases(
-    case: str,
-    *,
-    motions: Files | None = None,
-    sets: Names | None = None,
-    integrator: str = "chen_ricles",
-    compensator: str = "inverse",
-) -> PaperCases:
+@asks(questions.PaperCases)
+def judge_paper_cases(case: str, **asked: Unpack[questions.PaperCases]) -> PaperCases:
     """Run the paper's four cases under a ground motion, and judge them by printed and recommended criteria.
 
     Parameters
     ----------
     case : str
         Name of the motion; it may be one that is held out.
-    motions : str, pathlib.Path or sequence of these
-        Records, folders or a built-in suite that hold it.
-    sets : str or sequence of str, optional
-        Sets of their catalogue.
-    integrator : {"chen_ricles", "central_difference", "operator_splitting", "exact"}, optional
-        How the command is computed; the paper's by default.
-    compensator : {"inverse", "feedforward", "polynomial_extrapolation", "none"}, optional
-        How the actuator's delay is compensated; the paper's by default.
 
     Returns
     -------
@@ -91,7 +78,8 @@ def judge_paper_cases(
         If there is no such motion, integrator or compensator.
     """
     record_seconds = study_module("paper2017", "cases").RECORD_SECONDS
-    motion = _motion(motions, listed(sets), case)
+    integrator, compensator = asked["integrator"], asked["compensator"]
+    motion = _motion(asked["motions"], listed(asked["sets"]), case)
     event, verdicts = _verdicts(motion, integrator, compensator)
     return PaperCases(
         motion=motion.name,
@@ -135,7 +123,7 @@ def _motion(motions: Files | None, sets: list[str] | None, name: str) -> Motion:
     return suite.select(names=[name])[0]
 
 
-_NINETY_FIVE = 0.95
+_NINETY_FIVE, _TRIALS = 0.95, 6
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -168,41 +156,14 @@ class RebuiltErrorValidation:
         }
 
 
+@asks(questions.RebuiltErrors)
 def validate_rebuilt_error(
-    *,
-    motions: Files = "synthetic",
-    sets: Names | None = None,
-    f: Numbers = ONE_HERTZ,
-    xi: Numbers = TWO_PERCENT,
-    alpha: Numbers = 1.0,
-    threshold: float = FIVE_PERCENT,
-    metric: str = "rms",
-    confidence: Numbers = _NINETY_FIVE,
-    trials: int = 6,
-    tests: str | Path | None = None,
-    show: Show = quietly,
+    *, show: Show = quietly, **asked: Unpack[questions.RebuiltErrors]
 ) -> RebuiltErrorValidation:
     """Judge simulated tests by their rebuilt error, by criteria, and by the boundary of the test's motion.
 
     Parameters
     ----------
-    motions : str, pathlib.Path or sequence of these, optional
-        Ground motions; the synthetic suite by default.
-    sets : str or sequence of str, optional
-        Sets of their catalogue.
-    f, xi, alpha : float or sequence of float, optional
-        Structures: natural frequencies [Hz], damping ratios [-] and shares of the stiffness in the
-        laboratory [-].
-    threshold : float, optional
-        Error up to which a test is good [-].
-    metric : {"rms", "mte"}, optional
-        Error of the whole test.
-    confidence : float, optional
-        Share of the population's ground motions that the criterion states.
-    trials : int, optional
-        Tests of each kind of actuator and specimen, for each structure.
-    tests : str or pathlib.Path, optional
-        CSV file of all tests and verdicts, from which an interrupted run resumes.
     show : callable, optional
         Takes the name of a task and shows its progress.
 
@@ -216,24 +177,25 @@ def validate_rebuilt_error(
     InputError
         If a value is not allowed.
     """
-    error, shares = Metric.parse(metric), several(confidence)
+    error, shares = Metric.parse(asked["metric"] or Metric.RMS), listed(asked["confidence"]) or [_NINETY_FIVE]
     if len(shares) > 1:
         raise InputError(
             "The criterion that is compared with the rebuilt error must have one `confidence`",
             value=", ".join(f"{share:g}" for share in shares),
             remedy="Give one",
         )
-    suite = list(load_motions(*paths(motions), sets=listed(sets)))
+    suite = list(load_motions(*paths(asked["motions"] or "synthetic"), sets=listed(asked["sets"])))
+    trials, tests = asked["trials"] or _TRIALS, asked["tests"]
     design = Design.for_motions(
         suite[:: max(1, len(suite) // trials)][:trials],
         [
             Structure(frequency=frequency, damping_ratio=ratio, experimental_fraction=share)
-            for frequency in several(f)
-            for ratio in several(xi)
-            for share in several(alpha)
+            for frequency in listed(asked["f"]) or [ONE_HERTZ]
+            for ratio in listed(asked["xi"]) or [TWO_PERCENT]
+            for share in listed(asked["alpha"]) or [1.0]
         ],
         trials=trials,
-        threshold=threshold,
+        threshold=FIVE_PERCENT if asked["threshold"] is None else asked["threshold"],
         metric=error,
         confidence=shares[0],
     )

@@ -2,11 +2,13 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import xarray as xr
 
-from reliab.app.api.sources import Files, listed, paths
+from reliab.app import questions
+from reliab.app.api.sources import listed, paths
+from reliab.app.declaration import asks
 from reliab.core.progress import Progress, Show, quietly, silent
 from reliab.motions.loading import load_motions
 from reliab.simulation.hybrid_test.model import HybridTest
@@ -128,35 +130,19 @@ class Simulation:
         }
 
 
+@asks(questions.Simulation)
 def simulate_suite(
-    *,
-    out: str | Path,
-    motions: Files = "synthetic",
-    sets: Names | None = None,
-    f: Numbers | None = None,
-    xi: Numbers | None = None,
-    grid: str = "scaled",
-    window: Names = "record",
-    alpha: Numbers = WHOLLY_EXPERIMENTAL,
-    model: str | Path | None = None,
-    engine: str = "automatic",
-    resume: bool = False,
-    workers: int | None = None,
-    scheduler: str | None = None,
-    show: Show = quietly,
+    *, out: str | Path, show: Show = quietly, **asked: Unpack[questions.Simulation]
 ) -> Simulation:
     """Simulate motions from several sources and sets for all structures and actuators, and store the results.
+
+    With `model` the structure and the effects are the model's, and gain, delay and the index (A, d) of the
+    results are those of its actuator alone.
 
     Parameters
     ----------
     out : str or pathlib.Path
         The Zarr store to write.
-    motions : str, pathlib.Path or sequence of these, optional
-        Ground motions: records, folders or a built-in suite.
-    sets : str or sequence of str, optional
-        Sets of their catalogue.
-    f, xi, grid, window, alpha, model, engine, resume, workers, scheduler : optional
-        As :func:`reliab.simulate` takes them.
     show : callable, optional
         Takes the name of a task and shows its progress.
 
@@ -172,8 +158,24 @@ def simulate_suite(
     IncompleteError
         If the disk is full; what is stored is safe.
     """
-    suite = load_motions(*paths(motions), sets=listed(sets))
-    request = sweep_request(f=f, xi=xi, grid=grid, window=window, alpha=alpha, model=model, engine=engine)
+    suite = load_motions(*paths(asked["motions"] or "synthetic"), sets=listed(asked["sets"]))
+    request = sweep_request(
+        f=asked["f"],
+        xi=asked["xi"],
+        grid=asked["grid"],
+        window=asked["window"] or "record",
+        alpha=WHOLLY_EXPERIMENTAL if asked["alpha"] is None else asked["alpha"],
+        model=asked["model"],
+        engine=asked["engine"],
+    )
     with show("Simulating") as progress:
-        run_sweep(suite, request, out, resume=resume, workers=workers, scheduler=scheduler, progress=progress)
+        run_sweep(
+            suite,
+            request,
+            out,
+            resume=asked["resume"],
+            workers=asked["workers"],
+            scheduler=asked["scheduler"],
+            progress=progress,
+        )
     return Simulation(store=Path(out), motions=len(suite), request=request)

@@ -1,111 +1,54 @@
 """`reliab validate`: whether criteria hold on motions that they have not seen."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, TypedDict
 
-from reliab.app.cli import options
-from reliab.app.cli.completion import laws, methods
-from reliab.app.cli.demand import Demand, flag, option, takes
+from reliab.app import questions
+from reliab.app.cli.commands import Asked, takes
 from reliab.app.cli.output import console, progress_bar, say, table, write_json
+from reliab.app.options import METHOD
 from reliab.core.significant_digits import percent, significant
 
 if TYPE_CHECKING:
     from rich.table import Table
 
 
-@dataclass(frozen=True, kw_only=True)
-class ValidateDemand(Demand):
-    """Options of `reliab validate`; each way of judging is a function that takes some of them."""
-
-    motions: list[str] | None = options.MOTIONS
-    sets: list[str] | None = options.SETS
-    results: Path | None = options.RESULTS
-    ellipses: Path | None = options.ELLIPSES
-    f: list[float] | None = options.FREQUENCIES
-    xi: list[float] | None = options.DAMPING_RATIOS
-    threshold: float | None = option(
-        "ERROR", "Largest acceptable error of the whole test, 0.05 (5 %) by default."
-    )
-    metric: str = options.METRIC_NAME
-    window: str | None = options.WINDOW_IF_GIVEN
-    alpha: list[float] | None = options.FRACTIONS
-    scheme: str | None = option(
-        "NAME",
-        "How motions are divided: leave_one_event_out (default), k_fold or random_halves of "
-        "earthquakes; region, magnitude or length: each class of them left out.",
-    )
-    leave_out: str | None = option("f|xi", "Also leave out each frequency or damping ratio in turn.")
-    learn: list[str] | None = option(
-        "SET...", "Sets of --motions to learn from, or real_suite: the shipped results of 100 real motions."
-    )
-    judge: list[str] | None = option(
-        "SET...", "Sets of --motions to judge; all of them with --learn real_suite."
-    )
-    method: list[str] | None = option(
-        "NAME...",
-        "What the confidence means, one or several methods; dirichlet by default.",
-        autocompletion=methods,
-    )
-    joint: bool | None = option(
-        "",
-        "Whether the confidence holds for a and b together or for each of them separately; by "
-        "default as the method defines it.",
-        name="--joint/--each",
-    )
-    law: list[str] | None = option(
-        "NAME...", "Fitted or printed laws; table and printed by default.", autocompletion=laws
-    )
-    confidence: list[float] | None = option("SHARE...", "Shares of the motions that the criteria state.")
-    trials: int | None = option(
-        "",
-        "Tests per structure, near the boundaries, 512 by default; with --rebuilt-error, tests of "
-        "each kind of actuator and specimen, 6 by default.",
-        min=1,
-    )
-    calibration: bool = flag("Compare the stated probabilities with the shares of tests that are good.")
-    case: str | None = option("MOTION", "Run the paper's four cases under this motion instead.")
-    integrator: str | None = option(
-        "NAME", "For --case: chen_ricles (the paper's), central_difference, operator_splitting or exact."
-    )
-    compensator: str | None = option(
-        "NAME", "For --case: inverse (the paper's), feedforward, polynomial_extrapolation or none."
-    )
-    rebuilt_error: bool = flag(
-        "Judge simulated tests by their rebuilt error, by criteria, and by the boundary of the test's motion."
-    )
-    tests: Path | None = option(
-        "FILE.csv",
-        "For --rebuilt-error: file of all tests and verdicts, from which an interrupted run resumes.",
-    )
-    json_target: str | None = options.JSON_TARGET
-
-    belongs_to: ClassVar[Mapping[str, str]] = {
-        "integrator": "case",
-        "compensator": "case",
-        "tests": "rebuilt_error",
-    }
+class _Ways(TypedDict, total=False):
+    calibration: Annotated[
+        bool, METHOD.flag("Compare the stated probabilities with the shares of tests that are good.")
+    ]
+    case: Annotated[
+        str | None, METHOD.further("MOTION", "Run the paper's four cases under this motion instead.")
+    ]
+    rebuilt_error: Annotated[
+        bool, METHOD.flag("Judge simulated tests by their rebuilt error, by criteria, and by boundaries.")
+    ]
 
 
-@takes(ValidateDemand)
-def validate(demand: ValidateDemand) -> None:
+@takes(
+    questions.RebuiltErrors,
+    questions.PaperCases,
+    questions.Validation,
+    _Ways,
+    needs={"integrator": "case", "compensator": "case", "tests": "rebuilt_error"},
+)
+def validate(asked: Asked) -> None:
     """Test criteria on earthquakes from which they were not learned."""
     from reliab.app.api.simulated_verdicts import judge_paper_cases, validate_rebuilt_error
     from reliab.app.api.validation import calibrate_probabilities, validate_criteria
 
-    if demand.rebuilt_error:
-        _answer(demand, "rebuilt_error", validate_rebuilt_error, show_rebuilt_errors)
-    elif demand.case is not None:
-        _answer(demand, "case", judge_paper_cases, show_cases)
-    elif demand.calibration:
-        _answer(demand, "calibration", calibrate_probabilities, show_probabilities)
+    if asked.rebuilt_error:
+        _answer(asked, "rebuilt_error", validate_rebuilt_error, show_rebuilt_errors)
+    elif asked.case is not None:
+        _answer(asked, "case", judge_paper_cases, show_cases)
+    elif asked.calibration:
+        _answer(asked, "calibration", calibrate_probabilities, show_probabilities)
     else:
-        _answer(demand, "", validate_criteria, show_criteria)
+        _answer(asked, "", validate_criteria, show_criteria)
 
 
 def _answer(
-    demand: ValidateDemand,
+    asked: Asked,
     way: str,
     service: Callable[..., Any],
     show: Callable[[dict[str, Any]], None],
@@ -113,8 +56,8 @@ def _answer(
     """Ask for a way of judging; write and print what it answers."""
     bar = {} if way == "case" else {"show": progress_bar}
     why = f"together with `{way}`" if way else ""
-    content = demand.ask(service, *filter(None, ["json_target", way]), why=why, **bar).to_dict()
-    if not write_json(content, demand.json_target):
+    content = asked.ask(service, *filter(None, ["json_target", way]), why=why, **bar).to_dict()
+    if not write_json(content, asked.json_target):
         show(content)
 
 

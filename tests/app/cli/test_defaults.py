@@ -107,3 +107,22 @@ def test_a_config_without_a_file_is_refused(capsys, named):
 def test_a_default_of_the_wrong_kind_is_refused(folder):
     (folder / "lab.toml").write_text('[assess]\nrate = "much"\n', encoding="utf-8")
     assert run(["assess", TEST, "--config", "lab.toml", "--f", "1", "--xi", "0.02"]) == 2
+
+
+def test_a_default_of_the_structure_is_idle_beside_a_frame(folder, capsys, monkeypatch):
+    asked = {}
+    monkeypatch.setattr(
+        "reliab.app.api.assessment.assess", lambda test, **stated: asked.update(stated) or Judged()
+    )
+    (folder / "lab.toml").write_text(LABORATORY, encoding="utf-8")
+    assert run(["assess", TEST, "--config", "lab.toml", "--structure", "frame.toml", "--json", "-"]) == 0
+    assert asked.keys().isdisjoint({"f", "xi", "alpha"})
+    assert run(["assess", TEST, "--config", "lab.toml", "--json", "-"]) == 0
+    assert (asked["f"], asked["xi"]) == ("1±0.01", "0.02")
+
+
+class Judged:
+    reliable = True
+
+    def to_dict(self):
+        return {}
