@@ -1,9 +1,11 @@
 """A laboratory's own defaults: from the user's folder or a named file; never what decides or is written."""
 
 import json
+from functools import wraps
 
 import pytest
 
+import reliab
 from reliab.app.cli import _commands, run
 from reliab.app.cli.defaults import COMMAND_LINE_ONLY, user_file
 from reliab.core.shipped import shipped
@@ -109,20 +111,25 @@ def test_a_default_of_the_wrong_kind_is_refused(folder):
     assert run(["assess", TEST, "--config", "lab.toml", "--f", "1", "--xi", "0.02"]) == 2
 
 
-def test_a_default_of_the_structure_is_idle_beside_a_frame(folder, capsys, monkeypatch):
-    asked = {}
-    monkeypatch.setattr(
-        "reliab.app.api.assessment.assess", lambda test, **stated: asked.update(stated) or Judged()
-    )
-    (folder / "lab.toml").write_text(LABORATORY, encoding="utf-8")
-    assert run(["assess", TEST, "--config", "lab.toml", "--structure", "frame.toml", "--json", "-"]) == 0
-    assert asked.keys().isdisjoint({"f", "xi", "alpha"})
-    assert run(["assess", TEST, "--config", "lab.toml", "--json", "-"]) == 0
-    assert (asked["f"], asked["xi"]) == ("1±0.01", "0.02")
-
-
 class Judged:
     reliable = True
 
     def to_dict(self):
         return {}
+
+
+def test_a_default_of_the_structure_is_idle_beside_a_frame(folder, monkeypatch):
+    asked = {}
+
+    @wraps(reliab.assess)
+    def assess(**stated):
+        asked.clear()
+        asked.update(stated)
+        return Judged()
+
+    monkeypatch.setattr("reliab.app.api.assessment.assess", assess)
+    (folder / "lab.toml").write_text(LABORATORY, encoding="utf-8")
+    assert run(["assess", TEST, "--config", "lab.toml", "--structure", "frame.toml", "--json", "-"]) == 0
+    assert asked.keys().isdisjoint({"f", "xi", "alpha"})
+    assert run(["assess", TEST, "--config", "lab.toml", "--json", "-"]) == 0
+    assert (asked["f"], asked["xi"]) == ("1±0.01", "0.02")
