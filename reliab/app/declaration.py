@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from functools import wraps
 from inspect import Parameter, Signature, cleandoc, signature
 from pathlib import Path
-from typing import Any, ForwardRef, TypeVar, Union, get_args, get_origin
+from typing import Any, Final, ForwardRef, TypeVar, Union, get_args, get_origin
 
 from reliab.core.stated_value import StatedValue
 from reliab.sweep.several import Names, Numbers
@@ -24,6 +24,9 @@ Quantities = Quantity | Sequence[Quantity]
 
 Files = str | Path | Sequence[str | Path]
 """Files, folders or names of what ships; one or several."""
+
+UNITS: Final = ("Hz", "ms", "mm", "kg")
+"""Units that may follow a number."""
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 _NOT_ONE = (types.UnionType, Union)
@@ -38,7 +41,7 @@ class Option:
     panel: str  # Title of its part of the help
     names: tuple[str, ...] = ()  # On the command line; the field's own, with dashes, by default
     default: Any = None
-    unit: str = ""  # May be written after the number
+    unit: str = ""  # One of `UNITS`, which may be written after the number
     is_advanced: bool = False  # Shown by --help-all only
     is_required: bool = False
     is_named: bool = True  # Else it stands without a name
@@ -59,14 +62,19 @@ class Option:
         '1.2 ± 0.01'
         """
         if self.unit and isinstance(value, str):
-            return _without(value, self.unit)
+            return without_units(value, self.unit)
         if self.unit and isinstance(value, list | tuple):
             return [self.without_unit(one) for one in value]
         return value
 
 
-def _without(text: str, unit: str) -> str:
-    return re.sub(rf"(?<=[\d.])\s*{re.escape(unit)}(?![a-z/])", "", text, flags=re.IGNORECASE)
+def without_units(text: str, *units: str) -> str:
+    """Take units off the numbers of a text.
+
+    >>> without_units("35.5 kg", *UNITS), without_units("35.5 kN", *UNITS)
+    ('35.5', '35.5 kN')
+    """
+    return re.sub(rf"(?<=[\d.])\s*(?:{'|'.join(units)})(?![a-z/])", "", text, flags=re.IGNORECASE)
 
 
 @dataclass(frozen=True)

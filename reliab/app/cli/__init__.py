@@ -20,6 +20,7 @@ from reliab.app.cli.defaults import read_defaults, without_config
 from reliab.app.cli.interruption import interruption, noticed_interruption
 from reliab.app.cli.output import write_what_can_be_written
 from reliab.app.cli.printable import printable, substituted
+from reliab.app.declaration import UNITS, without_units
 from reliab.core.errors import INTERRUPTED, IncompleteError, InputError
 from reliab.core.stated_value import StatedValue
 from reliab.core.threads import ONE_THREAD
@@ -235,7 +236,7 @@ def spread(arguments: Sequence[str], command: Any) -> Iterator[str]:  # noqa: AN
 
 def _is_number(text: str) -> bool:
     try:
-        StatedValue.parse(text)
+        StatedValue.parse(without_units(text, *UNITS))
     except InputError:
         return False
     return True
