@@ -120,19 +120,20 @@ def _commands(*names: str) -> Any:  # noqa: ANN401 - Typer hides its type
 
 
 @cache
-def _with_help() -> Any:  # noqa: ANN401 - Typer hides its type
-    """All commands; help that Rich shows is escaped once."""
-    take_help_literally(_commands())
-    return _commands()
+def _with_help(*names: str) -> Any:  # noqa: ANN401 - Typer hides its type
+    """Make commands, all by default; help that Rich shows is escaped once."""
+    shown = typer.main.get_command(application(*names))
+    take_help_literally(shown)
+    return shown
 
 
 def _asked(arguments: Sequence[str]) -> Any:  # noqa: ANN401 - Typer hides its type
-    """Make the command that is asked, or all where help may be meant or there is none of that name."""
+    """Make the command that is asked, or all if there is none of that name."""
     match arguments:
         case ["--version"]:  # printed without Rich
             return _commands()
-        case [name, *options] if options and name in _PANEL_OF and not _HELP & {*options}:
-            return _commands(name)
+        case [name, *options] if options and name in _PANEL_OF:
+            return _with_help(name) if _HELP & {*options} else _commands(name)
     return _with_help()
 
 
