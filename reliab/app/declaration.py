@@ -41,7 +41,6 @@ class Option:
     panel: str  # Title of its part of the help
     names: tuple[str, ...] = ()  # On the command line; the field's own, with dashes, by default
     default: Any = None
-    unit: str = ""  # One of `UNITS`, which may be written after the number
     is_advanced: bool = False  # Shown by --help-all only
     is_required: bool = False
     is_named: bool = True  # Else it stands without a name
@@ -49,6 +48,11 @@ class Option:
     idle_beside: tuple[str, ...] = ()  # A default of the laboratory has no effect beside these
     completion: Callable[[str], list[str]] | None = None  # Gives the names that begin as a word does
     limits: Mapping[str, Any] = field(default_factory=dict)  # What else Typer takes
+
+    @property
+    def unit(self) -> str:
+        """Unit of the number, as its line of help states it; it may be written after the number."""
+        return next((unit for unit in UNITS if f"[{unit}]" in self.help), "")
 
     def flags(self, name: str) -> tuple[str, ...]:
         """Names on the command line."""
@@ -58,7 +62,7 @@ class Option:
     def without_unit(self, value: Any) -> Any:  # noqa: ANN401 - of many types
         """Take the unit off the numbers of a text.
 
-        >>> Panel("Structure").option("HZ", "Natural frequency.", unit="Hz").without_unit("1.2 Hz ± 0.01 Hz")
+        >>> Panel("Structure").option("HZ", "Natural frequency [Hz].").without_unit("1.2 Hz ± 0.01 Hz")
         '1.2 ± 0.01'
         """
         if self.unit and isinstance(value, str):

@@ -40,7 +40,6 @@ class Frequency(TypedDict, total=False):
             "HZ",
             "Natural frequency [Hz], 1.2, or 1.2±0.01 with its standard deviation.",
             names=FREQUENCY_NAMES,
-            unit="Hz",
             idle_beside=_IN_PLACE,
         ),
     ]
@@ -55,7 +54,6 @@ class Frequencies(TypedDict, total=False):
             "HZ",
             "Natural frequency [Hz], 1.2, or 1.2±0.01 with its standard deviation; several for a design.",
             names=FREQUENCY_NAMES,
-            unit="Hz",
             idle_beside=_IN_PLACE,
         ),
     ]
@@ -90,7 +88,7 @@ class Structures(TypedDict, total=False):
 
     f: Annotated[
         Numbers | None,
-        STRUCTURE.option("HZ...", "Natural frequencies [Hz].", names=FREQUENCY_NAMES, unit="Hz"),
+        STRUCTURE.option("HZ...", "Natural frequencies [Hz].", names=FREQUENCY_NAMES),
     ]
     xi: Annotated[
         Numbers | None, STRUCTURE.option("RATIO...", "Damping ratios, 0.02 for 2 %.", names=_DAMPING)
@@ -276,9 +274,7 @@ class Joint(TypedDict, total=False):
 class Rate(TypedDict, total=False):
     """How often a test is sampled."""
 
-    rate: Annotated[
-        float | None, FILE.further("HZ", "Sampling rate [Hz], if there is no time column.", unit="Hz")
-    ]
+    rate: Annotated[float | None, FILE.further("HZ", "Sampling rate [Hz], if there is no time column.")]
 
 
 class Columns(Rate, total=False):
@@ -320,7 +316,6 @@ class Mass(TypedDict, total=False):
         STRUCTURE.further(
             "KG",
             "Mass of the structure [kg]; it checks the unit of a recorded force, too.",
-            unit="kg",
             idle_beside=_IN_PLACE,
         ),
     ]
@@ -370,7 +365,7 @@ class Loop(TypedDict, total=False):
     ]
     feedback_lag: Annotated[
         Quantity | None,
-        SENSORS.further("MS", "Time by which the force is fed back late [ms], 0 by default.", unit="ms"),
+        SENSORS.further("MS", "Time by which the force is fed back late [ms], 0 by default."),
     ]
 
 
@@ -397,7 +392,6 @@ class Skew(TypedDict, total=False):
         SENSORS.further(
             "MS",
             "Time by which the measured displacement was recorded later than the command [ms], 0±0.05.",
-            unit="ms",
         ),
     ]
 

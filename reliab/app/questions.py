@@ -54,8 +54,8 @@ if TYPE_CHECKING:
     from reliab.motions.motion import Motion
 
 
-class Boundaries(Structures, ResultSource, SimulatedModel, Thresholds, ErrorMetric, ErrorWindow, total=False):
-    """What `reliab.trace_boundaries` is asked."""
+class TracedBoundaries(Structures, SimulatedModel, Thresholds, ErrorWindow, total=False):
+    """What `reliab.ellipses` is asked."""
 
     first_order: Annotated[
         bool,
@@ -63,6 +63,11 @@ class Boundaries(Structures, ResultSource, SimulatedModel, Thresholds, ErrorMetr
             "Predict ellipses from spectra instead of simulating; at 5 % the true b is 16 to 44 % smaller."
         ),
     ]
+
+
+class Boundaries(TracedBoundaries, ResultSource, ErrorMetric, total=False):
+    """What `reliab.trace_boundaries` is asked."""
+
     out: Annotated[
         str | Path | None,
         OUTPUT.option(
@@ -71,8 +76,8 @@ class Boundaries(Structures, ResultSource, SimulatedModel, Thresholds, ErrorMetr
     ]
 
 
-class Simulation(Structures, MotionSource, SimulatedModel, total=False):
-    """What `reliab.simulate_suite` is asked."""
+class Sweep(Structures, SimulatedModel, total=False):
+    """What `reliab.simulate` is asked."""
 
     grid: Annotated[
         str,
@@ -102,6 +107,10 @@ class Simulation(Structures, MotionSource, SimulatedModel, total=False):
     scheduler: Annotated[
         str | None, METHOD.further("ADDRESS", "Address of a dask scheduler whose workers solve the motions.")
     ]
+
+
+class Simulation(Sweep, MotionSource, total=False):
+    """What `reliab.simulate_suite` is asked."""
 
 
 class CriterionQuestion(
@@ -305,7 +314,7 @@ class StatedOfTest(
     ]
     resolution: Annotated[
         Quantity | None,
-        SENSORS.further("MM", "Step of the converter of the measured displacement [mm].", unit="mm"),
+        SENSORS.further("MM", "Step of the converter of the measured displacement [mm]."),
     ]
     filter: Annotated[
         Iterable[str] | None,
@@ -379,7 +388,6 @@ class CalibrationTest(TestFile, total=False):
         TEST.option(
             "MS",
             "Delay of the actuator in this test [ms], 12±0.5; 0 if both channels record one signal.",
-            unit="ms",
         ),
     ]
 
