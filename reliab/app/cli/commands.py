@@ -159,6 +159,9 @@ def takes(
         shown = sorted(declared.items(), key=lambda item: _place(item[1][1]))
         parameters = [context, *(_parameter(name, *item, options) for name, item in shown)]
         run.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+        run.further = frozenset(  # type: ignore[attr-defined]
+            name for name, option in options.items() if option.is_advanced
+        )
         return run
 
     return declare
@@ -190,8 +193,7 @@ def _parameter(
     if option.unit and read_as == list[float]:
         details["parser"] = partial(_number, option)
     if option.is_named:
-        details |= {"hidden": option.is_advanced, "rich_help_panel": option.panel}
-        shown = typer.Option(*option.flags(name), **details)
+        shown = typer.Option(*option.flags(name), rich_help_panel=option.panel, **details)
     else:
         shown = typer.Argument(**details)
     if option.default is None and not option.is_required:
@@ -220,35 +222,45 @@ def written_as(*endings: str) -> Callable[[Path | None], Path | None]:
     return check
 
 
+_SHOWS_ALL = "reliab.shows_all"
+
+
 class Command(TyperCommand):
-    """A command whose help shows what few need only if it is asked for all."""
+    """A command whose help leaves out what few need, unless it is asked for all."""
+
+    @property
+    def further(self) -> frozenset[str]:
+        """Names of what few need."""
+        return getattr(self.callback, "further", frozenset())
 
     def get_params(self, ctx: Any) -> list[Any]:  # noqa: ANN401 - Typer hides its types
         """Return the parameters; the help's own stand in the last panel."""
         params: list[Any] = list(super().get_params(ctx))
         shown = params.pop()
         shown.rich_help_panel = HELP.title
-        if not any(map(_is_further, self.params)):
+        if not self.further:
             return [*params, shown]
         every = copy(shown)
         every.opts, every.name, every.callback = ["--help-all"], "help_all", _show_all
         every.help = "Show further options, too."
         return [*params, every, shown]
 
-
-def _is_further(parameter: Any) -> bool:  # noqa: ANN401 - Typer hides its types
-    return bool(getattr(parameter, "hidden", False))
+    def format_help(self, ctx: Any, formatter: Any) -> None:  # noqa: ANN401 - as above
+        """Print the help."""
+        left_out = (
+            [] if ctx.meta.get(_SHOWS_ALL) else [item for item in self.params if item.name in self.further]
+        )
+        for item in left_out:
+            item.hidden = True  # type: ignore[attr-defined]
+        super().format_help(ctx, formatter)
+        for item in left_out:
+            item.hidden = False  # type: ignore[attr-defined]
 
 
 def _show_all(context: Any, _option: Any, wanted: bool) -> None:  # noqa: ANN401, FBT001 - Click's callback
-    """Print the help with the options that few need."""
     if wanted:
-        further = [shown for shown in context.command.params if _is_further(shown)]
-        for shown in further:
-            shown.hidden = False
+        context.meta[_SHOWS_ALL] = True
         typer.echo(context.get_help())
-        for shown in further:
-            shown.hidden = True
         raise typer.Exit
 
 

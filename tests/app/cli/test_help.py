@@ -40,7 +40,7 @@ def told(path, command):
         if parameter.rich_help_panel != panel:
             panel = parameter.rich_help_panel
             yield f"  {panel}"
-        mark = "+" if parameter.hidden else " "
+        mark = "+" if parameter.name in command.further else " "
         yield f"  {mark} {','.join(parameter.opts)} {parameter.metavar or ''}  {parameter.help}"
 
 
@@ -56,7 +56,7 @@ def test_the_help_of_every_command_is_the_one_that_is_kept():
 def test_panels_stand_in_their_order_and_everyday_options_before_others(command):
     titles = [panel.title for panel in PANELS]
     places = [
-        (titles.index(parameter.rich_help_panel), parameter.hidden)
+        (titles.index(parameter.rich_help_panel), parameter.name in command.further)
         for parameter in command.params
         if parameter.param_type_name == "option"
     ]
