@@ -91,7 +91,7 @@ def test_the_environment_names_another_file(folder, capsys, monkeypatch):
 
 @pytest.mark.parametrize(
     "text",
-    ["[assess\n", "[judge]\nf = 1\n", "f = 1\n", "[assess]\nfrequency = 1\n", "[motions]\nsets = 1\n"],
+    ["[assess\n", "[judge]\nf = 1\n", "f = 1\n", "[assess]\npitch = 1\n", "[motions]\nsets = 1\n"],
 )
 def test_what_does_not_exist_is_refused(folder, capsys, text):
     (folder / "lab.toml").write_text(text, encoding="utf-8")
