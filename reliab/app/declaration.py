@@ -13,6 +13,7 @@ from inspect import Parameter, Signature, cleandoc, signature
 from pathlib import Path
 from typing import Any, Final, ForwardRef, TypeVar, Union, get_args, get_origin
 
+from reliab.core.files import require_ending
 from reliab.core.stated_value import StatedValue
 from reliab.sweep.several import Names, Numbers
 
@@ -58,6 +59,12 @@ class Option:
         """Names on the command line."""
         own = f"--{name.replace('_', '-')}"
         return tuple(flag or own for flag in self.names) or (own,)
+
+    def checked(self, value: Any) -> Any:  # noqa: ANN401 - of many types
+        """Refuse a file to write that is of another kind; take units off numbers."""
+        if self.endings and value is not None:
+            require_ending(value, *self.endings)
+        return self.without_unit(value)
 
     def without_unit(self, value: Any) -> Any:  # noqa: ANN401 - of many types
         """Take the unit off the numbers of a text.
@@ -132,7 +139,7 @@ def _plain(kind: Any) -> Any:  # noqa: ANN401 - a type
 def asks(question: type) -> Callable[[_Function], _Function]:
     """Complete a function that takes a question as keywords: its signature, docstring and defaults.
 
-    It is called with all arguments; units are taken off, and an unknown name is a TypeError.
+    It is called with all arguments, which are checked; an unknown name is a TypeError.
     """
     options = declared_options(question)
 
@@ -148,7 +155,7 @@ def asks(question: type) -> Callable[[_Function], _Function]:
                 raise TypeError(f"{function.__name__}() has no argument {', '.join(sorted(strange))}")
             arguments = {name: declaration.default for name, (_, declaration) in options.items()}
             for name, value in stated.items():
-                arguments[name] = options[name][1].without_unit(value) if name in options else value
+                arguments[name] = options[name][1].checked(value) if name in options else value
             return function(*values, **arguments)
 
         named = (

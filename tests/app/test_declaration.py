@@ -68,6 +68,20 @@ def test_an_unknown_argument_is_an_error_in_which_it_is_named():
         answer("a", lod=2)
 
 
+@pytest.mark.parametrize(
+    "ask",
+    [
+        lambda: reliab.trace_boundaries(motions="synthetic", out="kept.csv"),
+        lambda: reliab.write_explorer(out="kept.doc"),
+        lambda: reliab.record("sample_test", csv="kept.nc"),
+        lambda: reliab.derive_criteria(out="kept.toml"),
+    ],
+)
+def test_a_file_of_another_kind_is_refused_in_python_too(ask):
+    with pytest.raises(reliab.InputError, match="must end in"):
+        ask()
+
+
 def test_signature_and_docstring_name_what_is_declared():
     assert list(inspect.signature(answer).parameters) == ["name", "late", "load", "steps"]
     assert inspect.signature(answer).parameters["steps"].default == 3

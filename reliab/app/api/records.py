@@ -81,9 +81,8 @@ def record(
         If the file cannot be read, its channels cannot be told from each other, or a file cannot be written.
     """
     csv = stated["csv"]
-    for place, ending in ((out, ".nc"), (csv, ".csv")):
-        if place is not None:
-            require_ending(place, ending)
+    if out is not None:
+        require_ending(out, ".nc")
     path = or_shipped(Path(source), "datasets", "test.csv")
     structure = stated_values(f=stated["f"], xi=stated["xi"], alpha=stated["alpha"], mass=stated["mass"])
     require_sound(structure)

@@ -41,7 +41,8 @@ def told(path, command):
             panel = parameter.rich_help_panel
             yield f"  {panel}"
         mark = "+" if parameter.name in command.further else " "
-        yield f"  {mark} {','.join([*parameter.opts, *parameter.secondary_opts])} {parameter.metavar or ''}  {parameter.help}"
+        flags = ",".join([*parameter.opts, *parameter.secondary_opts])
+        yield f"  {mark} {flags} {parameter.metavar or ''}  {parameter.help}"
 
 
 def whole_help():
