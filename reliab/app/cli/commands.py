@@ -37,9 +37,10 @@ _READ_AS: Final[Mapping[Any, Any]] = {
     Names: list[str],
     Files: list[str],
     Iterable[str]: list[str],
-    **{kind: kind for kind in (bool, int, float, str, datetime, list[Path], tuple[str, str])},
+    str | Path: Path,
+    **{kind: kind for kind in (bool, int, float, str, Path, datetime, list[Path], tuple[str, str])},
 }
-"""What Typer reads for the type of an argument; a file for all others."""
+"""What Typer reads for the type of an argument; a file for one that is not imported."""
 
 
 class Asked:
@@ -182,7 +183,7 @@ def _parameter(
     options: Mapping[str, Option],
 ) -> inspect.Parameter:
     """Parameter of which Typer makes the option."""
-    read_as: Any = _READ_AS.get(kind, Path)
+    read_as: Any = Path if isinstance(kind, str) else _READ_AS[kind]
     flags = {other: declared.flags(other)[0] for other, declared in options.items()}
     help_ = _with_flags(option.help, flags)
     details: dict[str, Any] = {"metavar": option.metavar or None, "help": help_, **option.limits}
