@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, Final
 
 import numpy as np
-from scipy.optimize import minimize_scalar
+import scipy
 
 from reliab.core.arrays import Array
 from reliab.criterion.criterion import Criterion
@@ -90,7 +90,7 @@ def fitted_strength(shares: Array, ratios: Array, reference: float) -> tuple[flo
         s = np.exp(log_strength)
         return np.asarray(np.log(ratios) - np.log((1.0 + s * reference**2) / (1.0 + s * shares**2)))
 
-    best = minimize_scalar(
+    best = scipy.optimize.minimize_scalar(
         lambda log_strength: float((residuals(log_strength) ** 2).sum()),
         bounds=_LOG_STRENGTHS,
         method="bounded",

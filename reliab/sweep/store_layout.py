@@ -12,14 +12,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
-import zarr
-from numcodecs.blosc import BITSHUFFLE, SHUFFLE, Blosc
-from numcodecs.checksum32 import CRC32C
 from numpy.typing import NDArray
-from zarr.codecs import BloscCodec, Crc32cCodec
 
 from reliab.core.errors import InputError
 from reliab.core.files import decoding, ordinary, refuse_links, unfinished_name
@@ -27,17 +23,27 @@ from reliab.core.vocabulary import LABELS, SHARE_ATTRIBUTE, Dimension
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.solve import VARIABLES
 
+if TYPE_CHECKING:
+    import zarr
+
+# Zarr takes long to import and is imported where a store is opened or written.
+
 _COMPRESSOR: Final = "zstd"
 _LEVEL: Final = 1
 
 
 def codecs() -> list[Any]:
     """Zarr's codecs of arrays of numbers, with which chunks are read."""
+    from zarr.codecs import BloscCodec, Crc32cCodec
+
     return [BloscCodec(cname=_COMPRESSOR, clevel=_LEVEL), Crc32cCodec()]
 
 
 def encoded(values: NDArray[np.generic]) -> bytes:
     """Encode the values of a chunk."""
+    from numcodecs.blosc import BITSHUFFLE, SHUFFLE, Blosc
+    from numcodecs.checksum32 import CRC32C
+
     plain = np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<"))
     shuffle = BITSHUFFLE if plain.itemsize == 1 else SHUFFLE
     compressed = Blosc(cname=_COMPRESSOR, clevel=_LEVEL, shuffle=shuffle).encode(plain)
@@ -113,12 +119,14 @@ _MOTIONS_PER_CHUNK = 1024
 _PACKAGES = ("reliab", "numpy", "numba", "scipy", "xarray", "zarr")
 
 
-def open_group(path: Path, mode: Literal["r", "r+"] = "r") -> zarr.Group:
+def open_group(path: Path, mode: Literal["r", "r+"] = "r") -> "zarr.Group":
     """Open a group of a store in the format that we write; format 2 can hold code that is run on reading."""
+    import zarr
+
     return zarr.open_group(path, mode=mode, zarr_format=ZARR_FORMAT, use_consolidated=False)
 
 
-def array_of(group: zarr.Group, name: str) -> Any:  # noqa: ANN401 - arrays of many types
+def array_of(group: "zarr.Group", name: str) -> Any:  # noqa: ANN401 - arrays of many types
     """Array of a group by its name."""
     return group[name]
 
@@ -130,6 +138,8 @@ def group_names(request: SweepRequest) -> list[str]:
 
 def create_store(path: Path, request: SweepRequest, names: Sequence[str], events: Sequence[str]) -> None:
     """Create an empty store with all its arrays, under a temporary name that is then changed."""
+    import zarr
+
     if not names:
         raise InputError(
             "A sweep needs ground motions", value="none", remedy="Name files, folders or a suite"
@@ -155,6 +165,8 @@ def create_store(path: Path, request: SweepRequest, names: Sequence[str], events
 
 def consolidate(path: Path, groups: Sequence[str]) -> None:
     """Gather the descriptions of all arrays where xarray looks for them; of groups inside others first."""
+    import zarr
+
     with warnings.catch_warnings():
         # Zarr warns that its format 3 does not know this yet; others then read the arrays one by one
         warnings.simplefilter("ignore", UserWarning)
@@ -162,7 +174,7 @@ def consolidate(path: Path, groups: Sequence[str]) -> None:
             zarr.consolidate_metadata(path, path=name, zarr_format=ZARR_FORMAT)
 
 
-def _create_variables(group: zarr.Group, request: SweepRequest, motions: int) -> None:
+def _create_variables(group: "zarr.Group", request: SweepRequest, motions: int) -> None:
     coordinates = request.grid.coordinates(request.frequencies, request.damping_ratios)
     axes = {
         **{str(name): ((name,), np.array(values)) for name, values in request.structure_axes.items()},
@@ -208,13 +220,15 @@ def shapes(request: SweepRequest, motions: int) -> dict[str, tuple[int, ...]]:
 
 
 def _create_array(
-    group: zarr.Group,
+    group: "zarr.Group",
     name: str,
     shape: tuple[int, ...],
     chunks: tuple[int, ...],
     dtype: type | str,
     dims: Sequence[str],
 ) -> "zarr.Array[Any]":
+    from zarr.codecs import Crc32cCodec
+
     compressors = [Crc32cCodec()] if dtype is str else codecs()
     label = LABELS.get(name)
     attributes: dict[str, Any] = {} if label is None else {"long_name": label.long_name, "units": label.units}

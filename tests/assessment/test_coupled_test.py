@@ -78,6 +78,7 @@ def test_json_holds_each_degree_and_the_governing_one(recorded, assessed):
     assert 0.0 < answer["stability_margin"] < 1.0
 
 
+@pytest.mark.slow
 def test_large_rotations_are_read_by_the_geometry_of_the_actuators():
     """Rotations up to 0.4 rad, with which a matrix makes the error of x 1.8 % too large."""
     frame = read_structure(shipped("datasets", FRAME))
@@ -203,6 +204,7 @@ def play(motion, width=0.01):
     return np.array(reading)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("seen", "stated"),
     [
@@ -215,6 +217,7 @@ def test_filters_and_hysteresis_of_all_sensors_are_taken_off(recorded, seen, sta
     assert [degree.rms.value for degree in spoiled] == pytest.approx(recorded[2], rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_given_ground_motion_is_as_good_as_a_recorded_one(recorded, with_ground):
     """A record with rest about the test, which is found in it; over their peaks all errors are the same."""
     rest = np.zeros(300)
@@ -279,6 +282,7 @@ def test_what_nobody_stated_of_several_actuators_is_as_uncertain_as_equipment_le
     assert 0.01 <= assessed.probability <= 0.99
 
 
+@pytest.mark.slow
 def test_a_fault_of_one_channel_is_stated_with_the_error_without_it(recorded):
     """An offset of which the command does not show whether the loop felt it: the interval holds both."""
     table = pd.read_csv(recorded[0])

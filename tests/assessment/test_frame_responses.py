@@ -103,6 +103,7 @@ def test_a_recorded_ground_acceleration_is_the_ground_motion(test_and_truth, fou
     assert [one.rms.value for one in each] == pytest.approx([one.rms.value for one in found.responses.each])
 
 
+@pytest.mark.slow
 def test_another_ground_motion_is_noticed(test_and_truth, found):
     recording, motion, _ = test_and_truth
     acceleration = np.array(motion.acceleration)

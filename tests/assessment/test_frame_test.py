@@ -164,6 +164,7 @@ def test_tracking_over_frequency_is_that_of_the_servo(frame, test_and_truth):
     assert [mode["d_ms"] for mode in summary["modes"][:1]] == pytest.approx([1e3 * exact[0]], rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_linear_servo_leaves_nothing_beside_its_amplitude_and_delay(frame, test_and_truth):
     recording, _ = test_and_truth
     assessment = assess_frame(recording, frame)

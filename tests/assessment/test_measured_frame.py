@@ -47,6 +47,7 @@ def test_the_error_is_that_against_a_perfect_actuator(family: str) -> None:
     assert sum(part["share"] for part in summary["error"]["parts"].values()) == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 def test_a_linear_specimen_of_a_frame_loses_nothing() -> None:
     test = _simulated("linear", 2)
     measured, stated = (

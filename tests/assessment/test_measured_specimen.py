@@ -327,6 +327,7 @@ def _judged(test: Any, **stated: Any) -> MeasuredSpecimen:
     return rebuild_with_force(test.command, test.measured, test.force, _STEP, _structure(test), **stated)
 
 
+@pytest.mark.slow
 @pytest.mark.default_cases(2)
 @pytest.mark.parametrize("family", simulated_tests.FAMILIES)
 def test_errors_of_families_of_specimens_are_found(family: str) -> None:
@@ -353,6 +354,7 @@ def test_a_linear_specimen_loses_nothing() -> None:
         assert learned.parts().by_name[name].rms == pytest.approx(part.rms, rel=0.02, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_parts_and_budget_are_those_of_the_measured_specimen() -> None:
     """Parts add up to the error, an actuator as it moved accounts for all of it, a mass widens."""
     test = _simulated("bilinear", 8)
@@ -463,6 +465,7 @@ def test_the_command_learns_the_specimen_and_writes_the_corrected_response(tmp_p
     assert np.abs(corrected["specimen_force_n"]).max() < 1.5 * mass * numerical * np.abs(test.exact).max()
 
 
+@pytest.mark.slow
 def test_the_corrected_response_of_a_linear_test_is_written_as_text(tmp_path: Path) -> None:
     target = tmp_path / "corrected.csv"
     assert run(["assess", "sample_test", "--f", "1", "--xi", "0.02", "--corrected", str(target)]) == 0

@@ -48,6 +48,7 @@ def found(yielded):
     return judged(yielded)
 
 
+@pytest.mark.slow
 def test_a_specimen_that_yields_has_its_true_error_from_three_runs(yielded, found):
     together = found.same_test()
     exact = yielded[0].ideal

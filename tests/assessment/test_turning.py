@@ -148,6 +148,7 @@ def test_assess_states_what_would_turn_its_verdict(linear):
     assert any("No force was recorded" in warning for warning in content["warnings"])
 
 
+@pytest.mark.slow
 def test_a_specimen_that_yielded_turns_a_verdict_by_its_odds():
     lab = Lab(0.6, 0.05, 1.0, DELAY, (0.98, 0.0, 0.0, 0.0))
     outcome = run(lab, synthetic_ground(5, 15.0))

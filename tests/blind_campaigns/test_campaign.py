@@ -73,6 +73,7 @@ def test_registry_holds_the_contracts_names_and_at_least_eight_others() -> None:
     assert sum(not definition.in_library for definition in definitions.values()) >= 8
 
 
+@pytest.mark.slow
 def test_folder_is_in_the_contracts_format(damped: tuple[Path, Label]) -> None:
     folder, label = damped
     campaign = tomllib.loads((folder / "campaign.toml").read_text(encoding="utf-8"))

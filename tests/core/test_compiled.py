@@ -31,6 +31,7 @@ print(compiled_callback(types.float64(types.float64), half).ctypes(3.0))
 """
 
 
+@pytest.mark.slow
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize("source", [KERNEL, CALLED_BY_ADDRESS])
 def test_kernels_need_no_folder_for_their_cache(tmp_path, source):
@@ -99,6 +100,7 @@ print(read)
 """
 
 
+@pytest.mark.slow
 def test_every_kept_kernel_is_read_without_the_compiler():
     """A function that machine code needs and that is nowhere ends the process.
 

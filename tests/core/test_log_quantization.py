@@ -35,6 +35,7 @@ def test_a_file_has_its_unknown_numbers_and_its_labels(tmp_path):
     assert found["a"].attrs == {"units": "1"}
 
 
+@pytest.mark.slow
 def test_both_readers_of_what_ships_agree():
     path = shipped("datasets", "real_suite/ellipses.nc")
     windows = open_windows(path)

@@ -180,6 +180,7 @@ PASSED_ON = {  # by a case of the function that calls it
 ELSEWHERE = {"diagnose": "discrepancy/test_progress.py"}
 
 
+@pytest.mark.slow
 @pytest.mark.default_cases(8)
 @pytest.mark.filterwarnings("ignore::reliab.sampling.posterior_sample.ConvergenceWarning")
 @pytest.mark.parametrize("name", CASES)

@@ -70,6 +70,7 @@ def test_nothing_else_is_fetched(installed, tmp_path, wrong, capsys):
     assert words[wrong] in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_the_small_file_holds_the_values_of_the_large_one_to_its_precision():
     small, large = (open_results(real_results(*which)) for which in (([1.0], [0.02]), (None, None)))
     of_six = large.sel(f=small["f"], xi=small["xi"])

@@ -63,6 +63,7 @@ def test_a_scaled_copy_is_known_by_its_boundary(ellipses):
     assert "10 of 20 motions are the records of others" in counted.attrs["copies"]
 
 
+@pytest.mark.slow
 def test_trimmed_copies_of_records_raise_no_limit(tmp_path):
     """Under other names, other earthquakes and with other boundaries."""
     motions = load_motions("synthetic")[:8]
@@ -81,6 +82,7 @@ def test_trimmed_copies_of_records_raise_no_limit(tmp_path):
     assert limits[1][0] <= 1.02 * limits[0][0]
 
 
+@pytest.mark.slow
 def test_a_copy_is_not_judged_as_a_further_earthquake(tmp_path):
     for number, motion in enumerate(load_motions("synthetic")[:4]):
         write_record(tmp_path, motion, f"M{number}")
@@ -93,6 +95,7 @@ def test_a_copy_is_not_judged_as_a_further_earthquake(tmp_path):
     assert "each record counts once" in found["sentences"][0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", [tabled, lambda given: given], ids=["table", "dataset"])
 def test_different_motions_stay(ellipses, form):
     """Motions without an ellipse have nothing in common; in the shipped suite nothing is left out."""

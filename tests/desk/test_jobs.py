@@ -74,6 +74,7 @@ def test_work_tells_progress_and_news_and_ends_with_its_outcome_or_why_not(work)
     assert again.outcome == "all"
 
 
+@pytest.mark.slow
 def test_cancelled_work_stops_its_process_at_once(work, tmp_path):
     jobs, functions = work
     began = tmp_path / "began"
@@ -110,6 +111,7 @@ def test_workers_end_with_the_desk(work, tmp_path):
     until(lambda: job.is_over)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="processes are stopped otherwise there")
 def test_a_worker_that_the_system_ends_is_told_in_a_sentence(work, tmp_path):
     jobs, functions = work

@@ -36,6 +36,7 @@ def test_a_dropped_file_of_any_layout_gives_the_numbers_of_the_command_line(fold
     assert json.loads(Path(filed.files["Numbers (JSON)"]).read_text(encoding="utf-8")) == expected
 
 
+@pytest.mark.slow
 def test_an_answer_keeps_its_report_and_files_in_its_folder(folder):
     place = folder.new_place()
     filed = judge(str(SAMPLE), str(place), {"f": 1.0, "xi": 0.02}, lambda _news: None)

@@ -247,6 +247,7 @@ def test_tests_are_left_out_one_at_a_time_and_pieces_of_a_single_one(problem, te
     assert errors.units.sum() == pytest.approx(sum(lengths))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("frequency", "fewest"), [(0.8, 120.0), (6.0, 180.0)])
 def test_sketch_of_a_closed_loop_has_its_derivatives_at_fewer_steps(frequency, fewest):
     structure = Structure(frequency=frequency, damping_ratio=0.03)

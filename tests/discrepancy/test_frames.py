@@ -96,6 +96,7 @@ def test_one_mass_balances_by_its_equation_of_motion():
     )
 
 
+@pytest.mark.slow
 def test_command_and_ground_give_the_force_of_an_independent_simulation(tmp_path):
     frame_laboratory.write_campaign(tmp_path, 4, "none", tests=2, noise=0.0)
     campaign = read_campaign(tmp_path)

@@ -33,6 +33,7 @@ def short(commands, sent):
     return np.clip(GAIN * sent, -reach, reach)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("actuator", "name"),
     [pytest.param(slow, "rate_limit", marks=pytest.mark.slow), (short, "stroke_saturation")],

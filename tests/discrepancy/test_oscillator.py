@@ -97,6 +97,7 @@ def test_a_linear_oscillator_is_calibrated(campaign):
     assert not any("stated wrongly" in remark for remark in found["remarks"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("stated", "opened"), [(66.0, False), (60.0, True)])
 def test_a_frequency_beyond_what_is_calibrated_leaves_noise_with_a_stiffness_of_any_value(
     campaign, stated, opened

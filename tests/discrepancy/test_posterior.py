@@ -87,6 +87,7 @@ def test_a_linear_effect_has_the_posterior_of_least_squares(damped):
     np.testing.assert_allclose(half, stats.norm.ppf(0.95) * exact, rtol=0.06)
 
 
+@pytest.mark.slow
 def test_it_says_that_it_converged(damped):
     posterior = damped[2]
     assert posterior.converged

@@ -39,6 +39,7 @@ CONTENTS = (
 )
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.default_cases(2)
 @pytest.mark.parametrize("plant", PLANTS, ids=["coefficients", "roots", "state space"])
 @pytest.mark.parametrize("structure", [None, "model"])
@@ -87,6 +88,7 @@ CHANGES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.default_cases(6)
 @pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES)
 def test_ellipses_of_another_schema_are_refused_when_they_are_opened(tmp_path, change):

@@ -13,6 +13,7 @@ X = 0.02 * np.sin(2.0 * np.pi * TIME) * np.sin(np.pi * TIME / 10.0)
 V = np.gradient(X, 1.0 / RATE)
 
 
+@pytest.mark.slow
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize("seed", range(0, len(WORLDS), 3))
 def test_every_kind_of_world_is_a_campaign(tmp_path, seed):

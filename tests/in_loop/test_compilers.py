@@ -99,6 +99,7 @@ def follow_sanitized(folder, drawn, compiler, sanitizer):
     assert len(run.stderr.splitlines()) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize("compiler", BOTH)
 def test_sanitizers_find_nothing_in_the_example(tmp_path, compiler):

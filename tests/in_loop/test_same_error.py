@@ -23,6 +23,7 @@ def by_python(structure, command, measured, rate, lag, offset):
     return monitor
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize(("seed", "rate"), [(0, 256), (1, 1024), (2, 4096)])
 def test_errors_are_those_of_python(tmp_path, seed, rate):
     compare(tmp_path, of_one_degree(seed, rate))
@@ -99,6 +100,7 @@ def libraries(tmp_path_factory):
     return [built(folder, flags=each) for folder, each in zip(folders, flags, strict=True)]
 
 
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize("broken", ["nan", "infinite", "absurd", "stuck", "held"])
 def test_a_channel_that_fails_is_a_fault_and_never_a_number(libraries, broken):
     time = np.arange(2048) / 256

@@ -17,6 +17,7 @@ from reliab.simulation.hybrid_test.model_file import UpdatedModel
 from reliab.structures.structure import Structure
 
 
+@pytest.mark.default_cases(1)
 @needs_compiler
 @pytest.mark.parametrize(("kind", "rate"), [("hysteresis", 256), ("coulomb_friction", 1024)])
 def test_the_error_is_that_of_python_and_the_true_one(tmp_path, kind, rate):

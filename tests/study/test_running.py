@@ -63,6 +63,7 @@ def test_every_long_task_is_shown_in_words_and_to_its_end(shown):
     assert shown["Cross-validating, k fold"]
 
 
+@pytest.mark.slow
 def test_a_finished_study_is_not_run_again(finished, small_study):
     report = (finished / "report.pdf").read_bytes()
     assert stages_of(small_study, finished) == set()
@@ -76,6 +77,7 @@ def test_only_what_depends_on_a_change_is_done_again(finished, small_study):
     assert stages_of(changed, finished) == {"derive", "validate", "real motions", "report"}
 
 
+@pytest.mark.slow
 def test_a_file_that_was_damaged_is_made_again(finished, small_study):
     (finished / "ellipses.nc").write_bytes(b"")
     assert "trace" in stages_of(small_study, finished)

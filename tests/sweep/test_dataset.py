@@ -52,6 +52,7 @@ def test_dimensions_variables_and_labels(results, suite):
         assert results.attrs[attribute]
 
 
+@pytest.mark.slow
 def test_cells_hold_what_the_engine_gives(results, suite):
     rng = np.random.default_rng(1)
     for _ in range(20):

@@ -49,6 +49,7 @@ def test_linear_actuators_act_as_gain_and_delay(tried, rig):
     np.testing.assert_allclose(rows["predicted"], rows["error"], rtol=0.01)
 
 
+@pytest.mark.slow
 def test_drifting_delay_is_less_well_described(tried):
     rows = tried[tried["rig"] == "drifting delay"]
     assert np.abs(rows["predicted"] / rows["error"] - 1.0).max() > 0.01

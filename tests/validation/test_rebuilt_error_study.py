@@ -96,6 +96,7 @@ def test_the_rebuilt_error_is_the_true_one_whatever_the_actuator_did(short):
     assert np.abs(own["estimate"] / own["error"] - 1.0).max() > 0.1
 
 
+@pytest.mark.slow
 def test_a_wrong_frequency_moves_the_rebuilt_error(short):
     rebuilt = short[(short["judge"] == REBUILT) & (short["specimen"] == LINEAR)]
     right, wrong = (rebuilt[rebuilt["stated"] == each] for each in ("right", "f +2 %"))

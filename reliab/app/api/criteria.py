@@ -38,8 +38,6 @@ from reliab.criterion.methods.registry import RECOMMENDED, method_of
 from reliab.criterion.published import published_criterion
 from reliab.criterion.share_comparison import compare_shares
 from reliab.motions.loading import load_motions
-from reliab.simulation.frames.frame_file import read_structure
-from reliab.sweep.frame_table import errors_of_rig, limits_of_coupling, summary_of_rig
 from reliab.sweep.several import Numbers
 from reliab.sweep.shares import at_share, shares_of
 from reliab.tracking.indices.window import Window
@@ -279,6 +277,9 @@ class _Question:
         structure = self.of_source["structure"]
         if structure is None:
             return {}
+        from reliab.simulation.frames.frame_file import read_structure
+        from reliab.sweep.frame_table import errors_of_rig, limits_of_coupling, summary_of_rig
+
         frame, source, found = read_structure(structure), self.source(), {}
         suite = load_motions(*paths(source.motions or ()), sets=source.sets)
         window = Window.parse(self.of_source["window"] or "record")

@@ -18,9 +18,7 @@ from reliab.core.vocabulary import SHARE_ATTRIBUTE, Metric
 from reliab.criterion.ellipse_reading import read_ellipses
 from reliab.criterion.experimental_share import carry_to_share
 from reliab.motions.loading import load_motions
-from reliab.simulation.frames.frame_file import read_structure
 from reliab.sweep.ellipse_file import open_ellipses
-from reliab.sweep.frame_table import FrameRequest, trace_frame_ellipses
 from reliab.sweep.results import open_results, stored_results
 from reliab.sweep.several import Numbers, several
 from reliab.sweep.shares import at_share, for_each_share, shares_of
@@ -183,6 +181,9 @@ class EllipseSource:
 
     def _of_frame(self, path: str | Path, show: Show) -> xr.Dataset:
         """Trace the boundaries of a frame under records."""
+        from reliab.simulation.frames.frame_file import read_structure
+        from reliab.sweep.frame_table import FrameRequest, trace_frame_ellipses
+
         given = [f"`{name}`" for name in ("f", "xi", "alpha", "model") if getattr(self, name) is not None]
         if given:
             raise InputError(

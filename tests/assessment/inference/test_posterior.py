@@ -87,6 +87,7 @@ def test_frequency_is_not_learned_from_a_harmonic_test():
     assert not any(isinstance(one, ImpliedGroundMotion) for one in posterior.evidence)
 
 
+@pytest.mark.slow
 def test_draws_agree_with_a_sampler(late_test):
     emcee = pytest.importorskip("emcee")
     stated = {"f": StatedValue(1.01, 0.01), "xi": StatedValue(0.03, 0.006), "skew": StatedValue(0.0, 1.0)}

@@ -118,6 +118,7 @@ def test_a_test_that_begins_in_motion_says_so(outcome):
     assert "initial_state" in {one.name for one in rebuilt.widenings()}
 
 
+@pytest.mark.slow
 def test_an_error_that_had_grown_before_the_record_is_held():
     """A late actuator makes the command larger than the exact response: its error is no chance direction."""
     held, tests = 0, 16

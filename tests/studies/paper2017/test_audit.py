@@ -120,6 +120,7 @@ def test_three_rows_of_table_2_explain_equation_12(with_shipped_ellipses):
     assert with_shipped_ellipses.loc[("Equation (12)", "b"), "difference"] == pytest.approx(0.16, abs=0.005)
 
 
+@pytest.mark.slow
 def test_rows_of_table_2_are_counted_in_a_and_b_and_in_their_error(with_shipped_ellipses):
     rows = with_shipped_ellipses.loc["Table 2", "from_records"]
     assert rows["rows within 10 % in a and b"] == 75  # one at 10 %, within the rounding of what ships

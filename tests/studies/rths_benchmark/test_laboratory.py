@@ -164,6 +164,7 @@ def test_a_delayed_spring_is_the_closed_loop_of_one_mode():
     assert np.abs(run.command - expected).max() < 2e-4 * np.abs(expected).max()
 
 
+@pytest.mark.slow
 def test_a_nonlinear_specimen_before_a_servo_is_a_fine_integration():
     cubic, specimen = 5e8, Specimen(stiffness=2e5, damping=100.0, mass=20.0)
     frame = Frame(mass=[[1000.0]], damping=[[12000.0]], stiffness=[[8e5]])

@@ -28,6 +28,7 @@ def test_a_region_whose_records_are_shorter_than_all_others_is_named(by_region):
     assert sentence.startswith(f"Outside of the population: {count} of the {nahanni.sum()} motions")
 
 
+@pytest.mark.slow
 def test_a_region_within_all_others_is_not_named(by_region):
     assert not any(
         "Japan" in sentence or "Italy" in sentence for sentence in by_region if "length" in sentence

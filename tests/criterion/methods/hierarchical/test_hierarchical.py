@@ -47,6 +47,7 @@ def test_limits_are_near_those_of_each_structure_alone(ellipses, fit):
     np.testing.assert_allclose(sizes(found), sizes(alone), atol=0.35)
 
 
+@pytest.mark.slow
 def test_joint_limits_are_smaller(fit):
     assert (sizes(fit.criterion(0.95)) < sizes(fit.criterion(0.95, joint=False))).all()
 
