@@ -1,36 +1,38 @@
 """`reliab desk`: the whole product in the browser, on this computer alone."""
 
-from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated, TypedDict
 
-from reliab.app.cli.demand import Demand, argument, flag, option, takes
-from reliab.app.cli.options import JSON_TARGET
+from reliab.app.cli.commands import Asked, takes
 from reliab.app.cli.output import say, write_json
+from reliab.app.declaration import argument
+from reliab.app.options import OUTPUT
 from reliab.core.errors import InputError
 
 
-@dataclass(frozen=True, kw_only=True)
-class DeskDemand(Demand):
-    """Options of `reliab desk`."""
+class _Desk(TypedDict, total=False):
+    folder: Annotated[
+        Path,
+        argument(
+            "[FOLDER]",
+            "Folder with your tests, rigs and campaigns; all that the desk writes lies in it.",
+            default=Path(),
+        ),
+    ]
+    port: Annotated[
+        int,
+        OUTPUT.option(
+            "PORT",
+            "Port of this computer's own address; by default any that is free.",
+            default=0,
+            limits={"min": 0, "max": 65535},
+        ),
+    ]
+    no_browser: Annotated[bool, OUTPUT.flag("Print the address, and do not open the browser.")]
 
-    folder: Path = argument(
-        "[FOLDER]",
-        "Folder with your tests, rigs and campaigns; all that the desk writes lies in it.",
-        default=Path(),
-    )
-    port: int = option(
-        "PORT",
-        "Port of this computer's own address; by default any that is free.",
-        default=0,
-        min=0,
-        max=65535,
-    )
-    no_browser: bool = flag("Print the address, and do not open the browser.")
-    json_target: str | None = JSON_TARGET
 
-
-@takes(DeskDemand)
-def desk(demand: DeskDemand) -> None:
+@takes(_Desk)
+def desk(asked: Asked) -> None:
     """Judge, follow, compare and diagnose tests in the browser; nothing leaves this computer."""
     try:
         from reliab.desk.server import serve_desk
@@ -42,9 +44,9 @@ def desk(demand: DeskDemand) -> None:
         ) from error
 
     def tell(address: str) -> None:
-        if not write_json({"address": address}, demand.json_target):
+        if not write_json({"address": address}, asked.json_target):
             say(f"The desk answers at {address}", "Press Ctrl+C to end it.")
 
     serve_desk(
-        demand.folder, port=demand.port, browser=not demand.no_browser, say=tell, in_options=demand.in_options
+        asked.folder, port=asked.port, browser=not asked.no_browser, say=tell, in_options=asked.in_options
     )

@@ -11,7 +11,7 @@ import pytest
 import typer
 
 from reliab.app.cli import application, run
-from reliab.app.cli.demand import as_options
+from reliab.app.cli.commands import as_options
 from reliab.core.errors import InputError
 from reliab.desk import jobs as desk_jobs
 from reliab.desk.jobs import Jobs

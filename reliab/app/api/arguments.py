@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from reliab.app.declaration import Quantity
 from reliab.core.errors import InputError
 from reliab.core.physical_range import require_physical
 from reliab.core.stated_value import StatedValue
@@ -18,9 +19,6 @@ if TYPE_CHECKING:
     from reliab.signals.filters import LowPass
     from reliab.simulation.hybrid_test.model_file import UpdatedModel
     from reliab.structures.structure import Structure
-
-Quantity = float | str | StatedValue
-"""A number, a number with its standard deviation as text ("1±0.01"), or such a value."""
 
 LINEAR: Final = "linear"
 """A specimen that is stated as linear."""
@@ -48,6 +46,19 @@ def _value(quantity: Quantity, name: str) -> StatedValue:
     if isinstance(quantity, StatedValue):
         return quantity
     return StatedValue.parse(str(quantity), f"value of `{name}`")
+
+
+def exact_values(**quantities: Quantity | None) -> dict[str, float]:
+    """Read what is stated before a test, without standard deviations; None where nothing is."""
+    stated = stated_values(**quantities)
+    for name, quantity in stated.items():
+        if quantity.deviation:
+            raise InputError(
+                "Tolerable errors before a test are computed for exact values",
+                value=f"`{name}={quantity}`",
+                remedy="Leave the standard deviation out, or give several exact values",
+            )
+    return {name: quantity.value for name, quantity in stated.items()}
 
 
 def require_sound(stated: Mapping[str, StatedValue]) -> None:

@@ -2,63 +2,50 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Unpack
 
 import xarray as xr
 
+from reliab.app import questions
+from reliab.app.declaration import asks
 from reliab.core.errors import InputError
 from reliab.core.progress import Progress, silent
 from reliab.core.vocabulary import Metric, Side
-from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.sweep.ellipse_dataset import CURVES
 from reliab.sweep.ellipse_table import EllipseRequest, predict_ellipses, trace_ellipses
 from reliab.sweep.plain import WHOLLY_EXPERIMENTAL, Motions, StatedStructures, one_of, suite_of
 from reliab.sweep.results import REAL
-from reliab.sweep.several import Names, Numbers, several
+from reliab.sweep.several import Names, several
 from reliab.tracking.boundary.curves import Curve
 from reliab.tracking.indices.window import Window
 
 
+@asks(questions.TracedBoundaries)
 def ellipses(
     source: Motions | xr.Dataset,
     *,
-    f: Numbers | None = None,
-    xi: Numbers | None = None,
-    threshold: Numbers = (0.05,),
     metric: Names = ("rms",),
-    window: str = "record",
-    alpha: Numbers = WHOLLY_EXPERIMENTAL,
-    model: str | Path | HybridTest | None = None,
     curves: Sequence[type[Curve]] = CURVES,
-    first_order: bool = False,
     progress: Progress = silent,
+    **asked: Unpack[questions.TracedBoundaries],
 ) -> xr.Dataset:
     """Trace the boundary of equal error of each motion, for late and early actuators, as ellipses.
+
+    Stored results are taken with all their structures and in their own window; of ground motions the
+    structure is one of 1 Hz and 0.02 by default. Ellipses that are predicted (`first_order`) are exact for
+    small errors, but at 5 % RMS^R the traced a is 5 % smaller and b 16 to 44 % smaller. The boundary of a
+    model has delays only.
 
     Parameters
     ----------
     source : MotionSuite, Motion, xarray.Dataset, str or pathlib.Path
-        Ground motions, which are simulated along the boundary, or stored results, with all their structures
-        and in their own window; either also by the name or path that `load_motions` or `open_results` takes.
-    f, xi : float or sequence of float, optional
-        Natural frequencies [Hz] and damping ratios [-], for ground motions; 1 Hz and 0.02 by default.
-    threshold : float or sequence of float, optional
-        Errors on the boundary [-].
+        Ground motions, which are simulated along the boundary, or stored results; either also by the name or
+        path that `load_motions` or `open_results` takes.
     metric : {"rms", "mte"} or sequence of these, optional
         Which errors.
-    window : str, optional
-        Part of the record over which errors are computed, for ground motions: "record", "arias" or seconds.
-    alpha : float or sequence of float, optional
-        Share of the stiffness in the laboratory [-], for ground motions; of several the ellipses have a
-        dimension.
-    model : str, pathlib.Path or HybridTest, optional
-        A hybrid test with effects, or the file of one, whose structure takes the place of `f`, `xi` and
-        `alpha`, for ground motions; such a boundary has delays only.
     curves : sequence of type, optional
         Curves that stand for a boundary; the ellipse of least squares (the paper's) and the largest ellipse
         inside the boundary by default.
-    first_order : bool, optional
-        Whether ellipses of ground motions are predicted from their spectra in closed form instead of traced;
-        exact for small errors, but at 5 % RMS^R the traced a is 5 % smaller and b 16 to 44 % smaller.
     progress : callable, optional
         Called after each motion, or structure of stored results.
 
@@ -86,32 +73,38 @@ def ellipses(
     metrics = tuple(
         one_of(name, {str(choice): choice for choice in Metric}, "metric") for name in several(metric)
     )
+    thresholds = several((0.05,) if asked["threshold"] is None else asked["threshold"])
     if isinstance(source, str | Path) and _holds_results(Path(source)):
         from reliab.sweep.results import open_results
 
         source = open_results(source)
     if isinstance(source, xr.Dataset):
-        if first_order:
+        if asked["first_order"]:
             raise InputError(
                 "Ellipses are predicted from the spectra of ground motions",
                 value="stored results",
                 remedy="Give the ground motions, or leave the prediction out",
             )
-        stored: xr.Dataset = source.reliab.ellipses(several(threshold), metrics, curves, progress=progress)
+        stored: xr.Dataset = source.reliab.ellipses(thresholds, metrics, curves, progress=progress)
         return stored
-    stated = StatedStructures.from_plain(f=f, xi=xi, alpha=alpha, model=model)
+    stated = StatedStructures.from_plain(
+        f=asked["f"],
+        xi=asked["xi"],
+        alpha=WHOLLY_EXPERIMENTAL if asked["alpha"] is None else asked["alpha"],
+        model=asked["model"],
+    )
     request = EllipseRequest(
         frequencies=stated.frequencies,
         damping_ratios=stated.damping_ratios,
-        thresholds=several(threshold),
+        thresholds=thresholds,
         metrics=metrics,
         curves=tuple(curves),
-        window=Window.parse(window),
+        window=Window.parse(asked["window"] or "record"),
         experimental_fractions=stated.experimental_fractions,
         model=stated.model,
         sides=tuple(Side) if stated.model is None else (Side.LAG,),
     )
-    trace = predict_ellipses if first_order else trace_ellipses
+    trace = predict_ellipses if asked["first_order"] else trace_ellipses
     return trace(suite_of(source), request, progress=progress)
 
 

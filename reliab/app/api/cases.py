@@ -7,7 +7,8 @@ from typing import Any
 
 import xarray as xr
 
-from reliab.app.api.sources import EllipseSource, Files, paths
+from reliab.app.api.sources import EllipseSource, paths
+from reliab.app.declaration import Files
 from reliab.core.errors import InputError
 from reliab.core.progress import Show
 from reliab.core.shipped import shipped

@@ -1,9 +1,9 @@
 """A test as users give it, and what they state of its file."""
 
 from collections.abc import Callable, Iterable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from reliab.app.api.arguments import stated_filters, unused
 from reliab.core.errors import InputError
@@ -14,7 +14,7 @@ from reliab.recordings.coupled_recording import CoupledRecording, read_coupled_r
 from reliab.recordings.readers.columns import is_frame
 from reliab.recordings.readers.registry import read_tests
 from reliab.recordings.reading import read_recording, stated_by_options
-from reliab.recordings.recording import Recording
+from reliab.recordings.recording import Part, Recording, StatedChannels
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -50,6 +50,16 @@ class Channels:
     delimiter: str | None = None
     test_name: str | None = None
     channels: str | Path | None = None
+
+    @classmethod
+    def stated_in(cls, question: "Mapping[str, Any]") -> "Channels":
+        """Take what a question says of a test's file."""
+        return cls(**{item.name: question.get(item.name) for item in fields(cls)})
+
+    def laboratory(self) -> StatedChannels:
+        """Return what the laboratory states of its channels."""
+        columns = {Part.COMMAND: self.command, Part.MEASURED: self.measured, Part.TIME: self.time}
+        return stated_by_options(self.channels, columns, self.units, self.rate)
 
     def of_each_test(self, test: str | Path) -> "dict[str, Channels]":
         """Return what is stated of each test of a file, by file and name."""

@@ -3,7 +3,8 @@
 from collections.abc import Iterable
 from typing import Unpack
 
-from reliab.app.api.assessment import Stated, assess
+from reliab.app import questions
+from reliab.app.api.assessment import assess
 from reliab.app.api.channels import Test
 from reliab.assessment.comparison import Comparison, rank_tests
 from reliab.assessment.frame_assessment import CoupledAssessment
@@ -16,7 +17,7 @@ from reliab.structures.structure import Structure
 def compare(
     tests: Iterable[Test],
     structure: Structure | FrameUnderTest | str | None = None,
-    **stated: Unpack[Stated],
+    **stated: Unpack[questions.StatedOfTest],
 ) -> Comparison:
     """Rank tests of one structure and rig by their errors, such as one motion with each compensator.
 

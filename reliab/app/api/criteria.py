@@ -1,15 +1,15 @@
 """`reliab.derive_criteria`: how much amplitude error and delay a test may have."""
 
 import itertools
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
-from functools import partial
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 import xarray as xr
 
+from reliab.app import questions
 from reliab.app.api.cases import POPULATION, Case
 from reliab.app.api.derived_criteria import Criteria, compare_candidates, draw_criteria, write_criterion
 from reliab.app.api.sources import (
@@ -17,13 +17,13 @@ from reliab.app.api.sources import (
     ONE_HERTZ,
     TWO_PERCENT,
     EllipseSource,
-    Files,
     at_structures,
     listed,
     paths,
     require_thresholds,
     with_room,
 )
+from reliab.app.declaration import asks
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.progress import Show, quietly
@@ -39,91 +39,23 @@ from reliab.criterion.protection import protect_over_lengths
 from reliab.criterion.published import published_criterion
 from reliab.criterion.share_comparison import compare_shares
 from reliab.motions.loading import load_motions
-from reliab.sweep.several import Names, Numbers
+from reliab.sweep.several import Numbers
 from reliab.sweep.shares import at_share, shares_of
 from reliab.tracking.indices.window import Window
 
 _NINETY_FIVE = 0.95
 
 
-def derive_criteria(
-    *,
-    motions: Files | None = None,
-    sets: Names | None = None,
-    results: str | Path | None = None,
-    ellipses: str | Path | None = None,
-    f: Numbers | None = None,
-    xi: Numbers | None = None,
-    threshold: Numbers | None = None,
-    confidence: Numbers | None = None,
-    metric: str = "rms",
-    window: str | None = None,
-    alpha: Numbers | None = None,
-    duration: float | None = None,
-    motion: str | Path | None = None,
-    suite: Files | None = None,
-    model: str | Path | None = None,
-    structure: str | Path | None = None,
-    actuator: int | None = None,
-    method: str | None = None,
-    assurance: float | None = None,
-    distribution: str | None = None,
-    joint: bool | None = None,
-    law: str = "table",
-    steps: int | None = None,
-    chains: str | Path | None = None,
-    compare: bool = False,
-    figures: str | Path | None = None,
-    out: str | Path | None = None,
-    show: Show = quietly,
-) -> Criteria:
+@asks(questions.CriterionQuestion)
+def derive_criteria(*, show: Show = quietly, **asked: Unpack[questions.CriterionQuestion]) -> Criteria:
     """Derive criteria from ground motions, stored results or ellipses, or take those of a printed law.
 
     :func:`reliab.derive_criterion` derives one from ellipses; this function also traces them, serves several
     structures, errors, confidences and shares of the stiffness at once, and learns once for all of them.
+    Without a source it derives them from real_suite, the ellipses of 100 real ground motions that ship.
 
     Parameters
     ----------
-    motions : str, pathlib.Path or sequence of these, optional
-        Ground motions: records, folders or a built-in suite.
-    sets : str or sequence of str, optional
-        Sets of their catalogue.
-    results, ellipses : str or pathlib.Path, optional
-        Stored results or a file of ellipses instead, or "real_suite".
-    f, xi : float or sequence of float, optional
-        Natural frequencies [Hz] and damping ratios [-]; all that the source holds by default.
-    threshold, confidence : float or sequence of float, optional
-        Errors [-], 0.05 by default, and shares of the population's ground motions, 0.95 by default.
-    metric : {"rms", "mte"}, optional
-        Error of the whole test.
-    window : str, optional
-        Part of the record over which the error is computed; by default that of the source.
-    alpha : float or sequence of float, optional
-        Shares of the stiffness in the laboratory [-]; by default those of the source, or 1.
-    duration : float, optional
-        Length of the records of the tests [s]: the motions behind the criterion are carried to it.
-    motion : str or pathlib.Path, optional
-        Record under which the test will be run: the motions behind the criterion are carried to the
-        structure's response under it.
-    suite : str, pathlib.Path or sequence of these, optional
-        A few records of the earthquakes that are expected, with which the population is pooled.
-    model, structure : str or pathlib.Path, optional
-        Model with effects, or frame with its part in the laboratory, in place of structures.
-    actuator : int, optional
-        Number of the actuator of a frame, from 1, that errs while the others are perfect; all err alike by
-        default. The error is that of the interface displacement whose error is largest.
-    method, law : str, optional
-        What the confidence means, the recommended method by default; how the limits depend on the structure.
-    assurance, distribution, steps, chains : optional
-        Settings of the method, where it has them; see :func:`reliab.derive_criterion`.
-    joint : bool, optional
-        Whether the confidence holds for a and b together; by default as the method defines it.
-    compare : bool, optional
-        Whether distributions and laws are judged on earthquakes that they have not seen.
-    figures : str or pathlib.Path, optional
-        Folder for drawings of the criteria over the motions' ellipses.
-    out : str or pathlib.Path, optional
-        File for the criterion, where there is one; none is written of a posterior that has not converged.
     show : callable, optional
         Takes the name of a task and shows its progress.
 
@@ -145,78 +77,57 @@ def derive_criteria(
     >>> [round(row["b"], 2) for row in derived.rows]
     [1.48, 1.2]
     """
-    case = Case(duration=duration, motion=motion, suite=suite)
-    if case.stated and not any((motions, results, ellipses)):
-        ellipses = POPULATION
-    # What is fitted over structures needs all of them; nothing else does.
-    asked_alone = motions or (law == "table" and motion is None)
-    of_records = {"sets": sets, "model": model, "window": window, "alpha": alpha}
-    question = _Question(
-        case=case,
-        structures=(f, xi),
-        source=partial(
-            EllipseSource,
-            motions=motions,
-            sets=listed(sets),
-            results=results,
-            ellipses=ellipses,
-            threshold=threshold,
-            metric=metric,
-            window=window,
-            alpha=alpha,
-            model=model,
-            structure=structure,
-            actuator=actuator,
-            f=f if asked_alone else None,
-            xi=xi if asked_alone else None,
-        ),
-        of_source={**of_records, "structure": structure, "actuator": actuator},
-        has_source=any((motions, results, ellipses)),
-        law=law,
-        method=method,
-        settings={"assurance": assurance, "distribution": distribution, "steps": steps},
-        chains=None if chains is None else Path(chains),
-        joint=joint,
-        errors=listed(threshold),
-        confidences=listed(confidence),
-        metric=metric,
-        compare=compare,
-        figures=None if figures is None else Path(figures),
-        out=out,
-        show=show,
-    )
-    return question.answered(f, xi)
+    return _Question(asked, show).answered()
 
 
 _Derived = tuple[tuple[Criterion, ...], xr.Dataset | None, tuple[Derivation, ...]]
 
 
-@dataclass(frozen=True, kw_only=True)
+_OF_RECORDS = ("sets", "model", "window", "alpha", "structure", "actuator")
+_OF_EARTHQUAKES = ("duration", "motion", "suite")
+_OF_METHODS = ("assurance", "distribution", "steps")
+
+
 class _Question:
     """What is asked of a criterion; see :func:`derive_criteria`."""
 
-    case: Case  # What is known of the earthquake
-    structures: tuple[Numbers | None, Numbers | None]  # Natural frequencies [Hz] and damping ratios [-]
-    source: Callable[[], EllipseSource]  # Where the ellipses come from, once they are needed
-    of_source: Mapping[str, Any]  # Arguments that only a source of motions uses
-    has_source: bool
-    law: str
-    method: str | None
-    settings: Mapping[str, Any]  # Settings of the method; None where they are not stated
-    chains: Path | None
-    joint: bool | None
-    errors: list[float] | None  # errors, confidences: [-]
-    confidences: list[float] | None
-    metric: str
-    compare: bool
-    figures: Path | None
-    out: str | Path | None
-    show: Show
-
-    def __post_init__(self) -> None:
+    def __init__(self, asked: Mapping[str, Any], show: Show) -> None:
+        self.asked, self.show = asked, show
+        self.law, self.method, self.joint, self.compare = (
+            asked[name] for name in ("law", "method", "joint", "compare")
+        )
+        self.case = Case(**{name: asked[name] for name in _OF_EARTHQUAKES})
+        self.structures = asked["f"], asked["xi"]
+        self.of_source = {name: asked[name] for name in _OF_RECORDS}
+        self.settings = {name: asked[name] for name in _OF_METHODS}
+        self.errors, self.confidences = listed(asked["threshold"]), listed(asked["confidence"])
+        self.metric, self.out = str(asked["metric"] or Metric.RMS), asked["out"]
+        self.chains, self.figures = (
+            None if asked[name] is None else Path(asked[name]) for name in ("chains", "figures")
+        )
+        self.origin = {name: asked[name] for name in ("motions", "results", "ellipses")}
+        if not self.has_source and self._is_of_the_population():
+            self.origin["ellipses"] = POPULATION
         require_thresholds(self.errors)
         if self.figures is not None and self.figures.exists() and not self.figures.is_dir():
             raise InputError("Figures go into a folder", value=self.figures, remedy="Name another folder")
+
+    @property
+    def has_source(self) -> bool:
+        """Whether ellipses come from somewhere."""
+        return any(self.origin.values())
+
+    def _is_of_the_population(self) -> bool:
+        """Whether the shipped ellipses answer a question that names none."""
+        needs_motions = any(self.of_source[name] for name in ("sets", "model", "structure", "actuator"))
+        is_fitted = self.law not in OF_MANY_MOTIONS and not needs_motions
+        return is_fitted or bool(self.case.stated)
+
+    def source(self) -> EllipseSource:
+        """Take the source of the ellipses; what is fitted over structures needs all of them."""
+        asked_alone = self.origin["motions"] or (self.law == "table" and self.case.motion is None)
+        every = {} if asked_alone else {"f": None, "xi": None}
+        return EllipseSource.asked_by(self.asked, **self.origin, **every)
 
     def printed(self) -> _Derived:
         """Take the criterion of a printed law, with the ellipses beside which it is shown."""
@@ -330,8 +241,9 @@ class _Question:
                 where=str(self.out),
             )
 
-    def answered(self, f: Numbers | None, xi: Numbers | None) -> Criteria:
+    def answered(self) -> Criteria:
         """Derive criteria, write the file of one, and add what is asked for beside them."""
+        f, xi = self.structures
         criteria, dataset, derivations = self.printed() if self.law in OF_MANY_MOTIONS else self.derived()
         derived = Criteria(
             criteria=criteria,

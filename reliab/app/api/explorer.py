@@ -2,11 +2,17 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
+from reliab.app import questions
+from reliab.app.api.arguments import exact_values
+from reliab.app.declaration import asks
 from reliab.core.shipped import or_shipped
 from reliab.explore.page import Settings, by_length, write_page
 from reliab.sweep.ellipse_file import open_windows
+from reliab.sweep.results import REAL
+
+_NINETY_FIVE = 0.95
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,32 +38,9 @@ class ExplorerPage:
         }
 
 
-def write_explorer(
-    *,
-    out: str | Path = "criterion.html",
-    ellipses: str | Path = "real_suite",
-    f: float | None = None,
-    xi: float | None = None,
-    alpha: float = 1.0,
-    threshold: float | None = None,
-    confidence: float = 0.95,
-    metric: str | None = None,
-) -> ExplorerPage:
+@asks(questions.Explorer)
+def write_explorer(**asked: Unpack[questions.Explorer]) -> ExplorerPage:
     """Write a web page, for use without a network, of tolerable errors before a test.
-
-    Parameters
-    ----------
-    out : str or pathlib.Path, optional
-        The HTML file.
-    ellipses : str or pathlib.Path, optional
-        Ellipses as `reliab ellipses --out` keeps them, or "real_suite".
-    f, xi, alpha : float, optional
-        Natural frequency [Hz], damping ratio [-] and share of the stiffness in the laboratory [-] with which
-        the page opens.
-    threshold, confidence : float, optional
-        Error of the whole test [-] and share of the population's ground motions [-] with which it opens.
-    metric : {"rms", "mte"}, optional
-        Error of the whole test.
 
     Returns
     -------
@@ -69,16 +52,18 @@ def write_explorer(
     InputError
         If the ellipses cannot be read, a value is not allowed or the file cannot be written.
     """
-    windows = open_windows(or_shipped(Path(ellipses), "datasets", "ellipses.nc"))
+    out, ellipses = Path(asked["out"]), Path(asked["ellipses"] or REAL)
+    windows = open_windows(or_shipped(ellipses, "datasets", "ellipses.nc"))
     lengths = by_length(windows)
+    stated = exact_values(f=asked["f"], xi=asked["xi"], alpha=asked["alpha"])
     settings = Settings(
-        frequency=f,
-        damping_ratio=xi,
-        experimental_fraction=alpha,
-        threshold=threshold,
-        confidence=confidence,
-        metric=metric,
+        frequency=stated.get("f"),
+        damping_ratio=stated.get("xi"),
+        experimental_fraction=stated.get("alpha", 1.0),
+        threshold=asked["threshold"],
+        confidence=_NINETY_FIVE if asked["confidence"] is None else asked["confidence"],
+        metric=asked["metric"],
     )
-    name = Path(ellipses).name
+    name = ellipses.name
     write_page(out, lengths, settings, source=f"the ellipses of {name}")
-    return ExplorerPage(page=Path(out), ellipses=name, windows=tuple(lengths))
+    return ExplorerPage(page=out, ellipses=name, windows=tuple(lengths))

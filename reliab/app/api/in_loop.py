@@ -1,23 +1,23 @@
 """`reliab.export_monitor`: the running error of a structure as C or as an FMU, for the loop of a test."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
-from reliab.app.api.arguments import Quantity, require_sound, stated_values
+from reliab.app import questions
+from reliab.app.api.arguments import require_sound, stated_threshold, stated_values
 from reliab.app.api.following import model_of, refuse_beside
+from reliab.app.declaration import asks
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.files import refuse_unwritable, written_whole
 from reliab.core.physical_range import require_physical
+from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import Metric
 from reliab.in_loop.fmu import pack_fmu
 from reliab.in_loop.sources import LoopMonitor, monitor_sources
 from reliab.simulation.frames.frame_file import FrameUnderTest, read_structure
 from reliab.simulation.hybrid_test.model import HybridTest
-from reliab.simulation.hybrid_test.model_file import UpdatedModel
 from reliab.structures.partition import Partition
 from reliab.structures.structure import Structure
 
@@ -44,43 +44,19 @@ class WrittenMonitor:
         }
 
 
+@asks(questions.MonitorInLoop)
 def export_monitor(
-    export: tuple[str, str | Path],
-    *,
-    f: Quantity | None = None,
-    xi: Quantity | None = None,
-    alpha: Quantity = 1.0,
-    structure: str | Path | None = None,
-    model: str | Path | UpdatedModel | None = None,
-    scale: Quantity | None = None,
-    feedback_lag: Quantity = 0.0,
-    threshold: float = 0.05,
-    metric: str = "rms",
-    rate: float | None = None,
+    export: tuple[str, str | Path], **asked: Unpack[questions.MonitorInLoop]
 ) -> WrittenMonitor:
     """Write the running error for the loop of a test, as C or as an FMU.
+
+    Standard deviations are not used. The alarm of the error is raised above twice the threshold. A frame must
+    have a linear specimen; effects of a model whose step cannot be written in C are refused by name.
 
     Parameters
     ----------
     export : tuple of str and path
         "c" and a folder, or "fmu" (FMI 2.0) or "fmu3" (FMI 3.0) and a file.
-    f, xi, alpha : float, str or StatedValue
-        Natural frequency [Hz], damping ratio [-] and share of the stiffness in the laboratory [-]; standard
-        deviations are not used.
-    structure : str or pathlib.Path, optional
-        TOML file of a frame with a linear specimen, driven by one actuator or several, in place of `f`, `xi`
-        and `alpha`.
-    model : str, pathlib.Path or UpdatedModel, optional
-        Model of the test, in place of `f`, `xi` and `alpha`, whose specimen may be nonlinear; effects whose
-        step cannot be written in C are refused by name.
-    scale, feedback_lag : float, str or StatedValue, optional
-        Scale of the displacement sensor [-], 1 by default; time by which the force is fed back late [ms].
-    threshold : float, optional
-        Largest error of a good test [-]; the alarm of the error is raised above twice of it.
-    metric : {"rms", "mte"}, optional
-        Error that is compared.
-    rate : float
-        Rate of the loop [Hz].
 
     Returns
     -------
@@ -106,11 +82,7 @@ def export_monitor(
             value=kind,
             remedy="Name one of them, and the folder or file to write",
         )
-    exactly = 1.0 if scale is None else scale
-    read = partial(
-        _structure, f=f, xi=xi, alpha=alpha, feedback_lag=feedback_lag, frame=structure, model=model
-    )
-    monitor = _monitor(read, exactly, feedback_lag, threshold, metric, rate)
+    monitor = _monitor(asked)
     if kind in _FMUS:
         content = {place: pack_fmu(monitor, _FMUS[kind])}
     else:
@@ -120,25 +92,23 @@ def export_monitor(
     return WrittenMonitor(path=place, files=names, degrees_of_freedom=monitor.degrees_of_freedom)
 
 
-def _monitor(
-    read: Callable[[], tuple[Partition | HybridTest, Array | None]],
-    scale: Quantity,
-    feedback_lag: Quantity,
-    threshold: float,
-    metric: str,
-    rate: float | None,
-) -> LoopMonitor:
+def _monitor(asked: questions.MonitorInLoop) -> LoopMonitor:
     """Read what the monitor is made for."""
+    rate = asked["rate"]
     if rate is None:
         raise InputError("A monitor in a loop needs `rate`, the rate of the loop", remedy="Give it in hertz")
-    require_physical("error threshold", threshold, called="value of `threshold`")
+    threshold = stated_threshold(asked["threshold"])
     require_physical("sampling rate", rate, called="value of `rate`")
-    stated = stated_values(scale=scale, feedback_lag=feedback_lag)
+    stated = {
+        "scale": StatedValue(1.0),
+        "feedback_lag": StatedValue(0.0),
+        **stated_values(scale=asked["scale"], feedback_lag=asked["feedback_lag"]),
+    }
     require_sound(stated)
     lag = stated["feedback_lag"].value
     if not 0.0 <= lag <= _LONGEST_LAG:
         raise InputError(f"`feedback_lag` must be 0 to {_LONGEST_LAG:g} ms", value=f"{lag:g} ms")
-    tested, to_interface = read()
+    tested, to_interface = _structure(asked)
     return LoopMonitor(
         structure=tested,
         to_interface=to_interface,
@@ -146,36 +116,30 @@ def _monitor(
         feedback_lag=lag * _MILLISECONDS,
         sensor_scale=stated["scale"].value,
         threshold=threshold,
-        metric=Metric.parse(metric),
+        metric=Metric.parse(asked["metric"] or Metric.RMS),
     )
 
 
-def _structure(
-    *,
-    f: Quantity | None,
-    xi: Quantity | None,
-    alpha: Quantity,
-    feedback_lag: Quantity,
-    frame: str | Path | None,
-    model: str | Path | UpdatedModel | None,
-) -> tuple[Partition | HybridTest, Array | None]:
+def _structure(asked: questions.MonitorInLoop) -> tuple[Partition | HybridTest, Array | None]:
     """Return the structure, and interface displacements per unit of each channel of several."""
+    frame, model = asked["structure"], asked["model"]
     if frame is not None and model is not None:
         raise InputError(
             "A monitor in a loop needs either a `structure` or a `model`", remedy="Leave one out"
         )
     if frame is not None:
-        refuse_beside("structure", f=f, xi=xi, alpha=alpha)
+        refuse_beside("structure", asked, "f", "xi", "alpha")
         return _of_frame(read_structure(frame), str(frame))
     if model is not None:
-        return model_of(model, f=f, xi=xi, alpha=alpha, feedback_lag=feedback_lag).test, None
-    for name, value in {"f": f, "xi": xi}.items():
+        return model_of(model, asked).test, None
+    for name, value in {"f": asked["f"], "xi": asked["xi"]}.items():
         if value is None:
             raise InputError(
                 f"A monitor in a loop needs `{name}`, or the `structure` of a frame, or a `model`",
                 remedy="State one of them",
             )
-    stated = stated_values(f=f, xi=xi, alpha=alpha)
+    alpha = 1.0 if asked["alpha"] is None else asked["alpha"]
+    stated = stated_values(f=asked["f"], xi=asked["xi"], alpha=alpha)
     require_sound(stated)
     structure = Structure(
         frequency=stated["f"].value,

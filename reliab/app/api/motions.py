@@ -3,9 +3,11 @@
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
-from reliab.app.api.sources import Files, listed, paths
+from reliab.app import questions
+from reliab.app.api.sources import listed, paths
+from reliab.app.declaration import Files, asks
 from reliab.core.errors import InputError
 from reliab.core.rows import ResultWithRows
 from reliab.core.vocabulary import STANDARD_GRAVITY
@@ -17,7 +19,6 @@ from reliab.motions.motion import Motion
 from reliab.motions.suite import MotionSuite
 from reliab.motions.synthetic.suite import synthetic_suite
 from reliab.motions.writing import write_suite
-from reliab.sweep.several import Names
 
 
 @dataclass(frozen=True)
@@ -44,21 +45,14 @@ class MotionList(ResultWithRows):
         }
 
 
-def list_motions(
-    sources: Files, *, sets: Names | None = None, time_step: float | None = None, units: str | None = None
-) -> MotionList:
+@asks(questions.MotionFiles)
+def list_motions(sources: Files, **read: Unpack[questions.MotionFiles]) -> MotionList:
     """List motions with their events and measures of intensity; records with faults are left out and named.
 
     Parameters
     ----------
     sources : str, pathlib.Path or sequence of these
         Files, folders or a built-in suite.
-    sets : str or sequence of str, optional
-        Sets of their catalogue; the set held_out is left out unless it is named.
-    time_step : float, optional
-        Step [s], where files state none.
-    units : {"g", "cm/s2", "m/s2"}, optional
-        Units, where files state none.
 
     Returns
     -------
@@ -76,7 +70,7 @@ def list_motions(
     100
     """
     named = paths(sources)
-    suite, found = find_motions(*named, sets=listed(sets), time_step=time_step, units=units)
+    suite, found = find_motions(*named, **_reading(read))
     rows, faults = [], list(found)
     for entry in suite.entries:
         try:
@@ -123,24 +117,21 @@ class MotionCheck:
         }
 
 
-def check_motions(
-    sources: Files, *, sets: Names | None = None, time_step: float | None = None, units: str | None = None
-) -> MotionCheck:
+@asks(questions.MotionFiles)
+def check_motions(sources: Files, **read: Unpack[questions.MotionFiles]) -> MotionCheck:
     """Read every record, and state all faults, not only the first.
 
     Parameters
     ----------
-    sources, sets, time_step, units : optional
-        As :func:`list_motions` takes them.
+    sources : str, pathlib.Path or sequence of these
+        Files, folders or a built-in suite.
 
     Returns
     -------
     MotionCheck
         Faults, and what deserves a look.
     """
-    inspections = [
-        inspect(source, sets=listed(sets), time_step=time_step, units=units) for source in paths(sources)
-    ]
+    inspections = [inspect(source, **_reading(read)) for source in paths(sources)]
     return MotionCheck(
         records=sum(inspection.records for inspection in inspections),
         faults=tuple(fault for inspection in inspections for fault in inspection.faults),
@@ -179,25 +170,23 @@ class WrittenSuite:
         }
 
 
+def _reading(read: questions.MotionFiles) -> dict[str, Any]:
+    """How records are read."""
+    return {"sets": listed(read["sets"]), "time_step": read["time_step"], "units": read["units"]}
+
+
+@asks(questions.ImportedMotions)
 def import_motions(
-    sources: Files,
-    *,
-    out: str | Path,
-    sets: Names | None = None,
-    time_step: float | None = None,
-    units: str | None = None,
-    event: str | None = None,
+    sources: Files, *, out: str | Path, **asked: Unpack[questions.ImportedMotions]
 ) -> WrittenSuite:
     """Rewrite motions as a suite: one text format in m/s² and a catalogue.
 
     Parameters
     ----------
-    sources, sets, time_step, units : optional
-        As :func:`list_motions` takes them.
+    sources : str, pathlib.Path or sequence of these
+        Files, folders or a built-in suite.
     out : str or pathlib.Path
         New or empty folder.
-    event : str, optional
-        Earthquake to which all imported motions belong.
 
     Returns
     -------
@@ -209,25 +198,22 @@ def import_motions(
     InputError
         If a record is bad or the folder is neither new nor empty.
     """
-    named = paths(sources)
-    suite = load_motions(*named, sets=listed(sets), time_step=time_step, units=units)
+    named, event = paths(sources), asked["event"]
+    suite = load_motions(*named, **_reading(asked))
     written = _written(
         suite, write_suite(suite, out, event=event), suite.events if event is None else [event]
     )
     return replace(written, skipped=tuple(note for source in named for note in skipped_files(source)))
 
 
-def synthesize_motions(*, out: str | Path, count: int = 100, seed: int | None = None) -> WrittenSuite:
+@asks(questions.SyntheticSuite)
+def synthesize_motions(*, out: str | Path, **asked: Unpack[questions.SyntheticSuite]) -> WrittenSuite:
     """Write the synthetic suite, which needs no record.
 
     Parameters
     ----------
     out : str or pathlib.Path
         New or empty folder.
-    count : int, optional
-        Number of components.
-    seed : int, optional
-        Seed of a suite other than the built-in one.
 
     Returns
     -------
@@ -239,7 +225,8 @@ def synthesize_motions(*, out: str | Path, count: int = 100, seed: int | None = 
     InputError
         If the folder is neither new nor empty.
     """
-    suite = synthetic_suite(count=count) if seed is None else synthetic_suite(count=count, seed=seed)
+    seed = {} if asked["seed"] is None else {"seed": asked["seed"]}
+    suite = synthetic_suite(count=asked["count"], **seed)
     return _written(suite, write_suite(suite, out), suite.events)
 
 

@@ -3,20 +3,21 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import pandas as pd
 
-from reliab.app.api.arguments import Quantity, require_sound, stated_values
+from reliab.app import questions
+from reliab.app.api.arguments import require_sound, stated_values
 from reliab.app.api.channels import Channels
+from reliab.app.declaration import asks
 from reliab.core.errors import InputError
 from reliab.core.files import refuse_unwritable, require_ending, written_whole
 from reliab.core.shipped import or_shipped
 from reliab.core.stated_value import StatedValue
 from reliab.recordings.calibration import ChannelCalibration, calibrate_channels, calibration_in_toml
-from reliab.recordings.reading import Histories, stated_by_options
+from reliab.recordings.reading import Histories
 from reliab.recordings.record import About, check_record, record_test, write_csv, write_record
-from reliab.recordings.recording import Part
 from reliab.structures.structure import Structure
 
 _STRUCTURE = {"f": 1.0, "xi": 0.05, "alpha": 1.0}
@@ -50,29 +51,13 @@ class Record:
         return {channel.column for channel in self.histories.channels.values()}
 
 
+@asks(questions.RecordedTest)
 def record(
     source: str | Path,
     out: str | Path | None = None,
     *,
-    csv: str | Path | None = None,
-    test_name: str | None = None,
-    channels: str | Path | None = None,
-    command: str | None = None,
-    measured: str | None = None,
-    time: str | None = None,
-    rate: float | None = None,
-    units: str | None = None,
-    time_units: str | None = None,
-    delimiter: str | None = None,
-    f: Quantity | None = None,
-    xi: Quantity | None = None,
-    alpha: Quantity | None = None,
-    mass: Quantity | None = None,
-    specimen: str = "",
-    rig: str = "",
-    operator: str = "",
-    date: str = "",
     attributes: Mapping[str, str] | None = None,
+    **stated: Unpack[questions.RecordedTest],
 ) -> Record:
     """Recognise the channels of a test, and write them as one open record.
 
@@ -80,18 +65,8 @@ def record(
     ----------
     source : str or pathlib.Path
         File of a laboratory, in any format that `reliab.assess` reads.
-    out, csv : str or pathlib.Path, optional
-        NetCDF file of the record; and a CSV of the recognised channels in SI units.
-    test_name : str, optional
-        Which test, where the file holds several.
-    channels : str or pathlib.Path, optional
-        File `channels.toml` in which a laboratory states its channels.
-    command, measured, time, rate, units, time_units, delimiter
-        As for `reliab.assess`.
-    f, xi, alpha, mass : float, str or StatedValue, optional
-        The structure: natural frequency [Hz], damping ratio [-], share in the laboratory [-] and mass [kg].
-    specimen, rig, operator, date : str, optional
-        What was tested, on what, by whom and when.
+    out : str or pathlib.Path, optional
+        NetCDF file of the record.
     attributes : mapping of str to str, optional
         Further attributes.
 
@@ -105,29 +80,29 @@ def record(
     InputError
         If the file cannot be read, its channels cannot be told from each other, or a file cannot be written.
     """
-    for place, ending in ((out, ".nc"), (csv, ".csv")):
-        if place is not None:
-            require_ending(place, ending)
+    csv = stated["csv"]
+    if out is not None:
+        require_ending(out, ".nc")
     path = or_shipped(Path(source), "datasets", "test.csv")
-    names = {Part.COMMAND: command, Part.MEASURED: measured, Part.TIME: time}
-    stated = stated_values(f=f, xi=xi, alpha=alpha, mass=mass)
-    require_sound(stated)
-    _require_a_structure(stated)
+    structure = stated_values(f=stated["f"], xi=stated["xi"], alpha=stated["alpha"], mass=stated["mass"])
+    require_sound(structure)
+    _require_a_structure(structure)
     about = About(
-        **{name: str(value) for name, value in stated.items()},
-        specimen=specimen,
-        rig=rig,
-        operator=operator,
-        date=date,
+        **{name: str(value) for name, value in structure.items()},
+        specimen=stated["specimen"] or "",
+        rig=stated["rig"] or "",
+        operator=stated["operator"] or "",
+        date=stated["date"] or "",
         further=dict(attributes or {}),
     )
+    reading = Channels.stated_in(stated)
     dataset, histories = record_test(
         path,
-        laboratory=stated_by_options(channels, names, units, rate),
-        test=test_name,
+        laboratory=reading.laboratory(),
+        test=reading.test_name,
         about=about,
-        time_units=time_units,
-        delimiter=delimiter,
+        time_units=reading.time_units,
+        delimiter=reading.delimiter,
     )
     written = []
     with refuse_unwritable("The record must be writable", where=out or csv):
@@ -167,37 +142,20 @@ def _require_a_structure(stated: Mapping[str, StatedValue]) -> None:
     Structure(frequency=f, damping_ratio=xi, experimental_fraction=alpha)
 
 
+@asks(questions.CalibrationTest)
 def calibrate(
-    test: str | Path | pd.DataFrame,
-    *,
-    out: str | Path | None = None,
-    actuator_delay: Quantity | None = None,
-    channels: str | Path | None = None,
-    test_name: str | None = None,
-    command: str | None = None,
-    measured: str | None = None,
-    time: str | None = None,
-    rate: float | None = None,
-    units: str | None = None,
-    time_units: str | None = None,
-    delimiter: str | None = None,
+    test: str | Path | pd.DataFrame, **stated: Unpack[questions.CalibrationTest]
 ) -> ChannelCalibration:
     """Measure skew, scale, hysteresis, noise and resolution of the two channels from a test made for it.
+
+    The file `out` also keeps what the file `channels` states; one that exists is replaced only if it is that
+    file.
 
     Parameters
     ----------
     test : str, pathlib.Path or pandas.DataFrame
         Recording of one motion by both channels: sines, a sweep or steps with rests, of an actuator without
         a specimen or of one signal that is fed to both; of a locked actuator noise and resolution only.
-    out : str or pathlib.Path, optional
-        File `channels.toml` to write, for `channels` of :func:`reliab.assess`; it also keeps what the file
-        `channels` states. One that exists is replaced only where it is the file `channels`.
-    actuator_delay : float, str or StatedValue, optional
-        Delay of the actuator in this test [ms], "12±0.5"; it is taken off the lag between the channels.
-    channels : str or pathlib.Path, optional
-        File `channels.toml` in which the laboratory states names, units and signs.
-    test_name, command, measured, time, rate, units, time_units, delimiter : optional
-        How the file is read, as for :func:`reliab.assess`.
 
     Returns
     -------
@@ -219,21 +177,13 @@ def calibrate(
     >>> round(measured.skew_ms.value, 3), round(measured.scale.value, 4)
     (0.4, 1.01)
     """
-    recording = Channels(
-        command=command,
-        measured=measured,
-        time=time,
-        rate=rate,
-        units=units,
-        time_units=time_units,
-        delimiter=delimiter,
-        test_name=test_name,
-        channels=channels,
-    ).read(test)
-    delay = stated_values(actuator_delay=actuator_delay).get("actuator_delay")
+    reading, out = Channels.stated_in(stated), stated["out"]
+    recording = reading.read(test)
+    delay = stated_values(actuator_delay=stated["actuator_delay"]).get("actuator_delay")
     calibration = calibrate_channels(recording, actuator_delay_ms=delay)
     if out is not None:
-        _write(calibration, Path(out), None if channels is None else Path(channels), recording.name)
+        former = None if reading.channels is None else Path(reading.channels)
+        _write(calibration, Path(out), former, recording.name)
     return calibration
 
 

@@ -6,12 +6,12 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, Unpack, cast
 
-from reliab.app.api.arguments import Quantity
+from reliab.app import questions
 from reliab.app.api.assessment import assess
 from reliab.app.api.channels import Channels
-from reliab.assessment.budget.sizes import Equipment
+from reliab.app.declaration import asks
 from reliab.assessment.frame_assessment import CoupledAssessment
 from reliab.core.encodings import as_text
 from reliab.core.errors import InputError
@@ -20,11 +20,8 @@ from reliab.core.progress import Progress, silent
 from reliab.core.rows import ResultWithRows
 from reliab.core.shipped import or_shipped
 from reliab.core.stated_value import StatedValue
-from reliab.criterion.criterion import Criterion
 from reliab.recordings.readers.registry import read_tests
-from reliab.recordings.reading import stated_by_options
 from reliab.recordings.record import About, record_test
-from reliab.recordings.recording import Part
 from reliab.rig.rig_folder import RigFolder
 from reliab.rig.rig_table import RigTable
 from reliab.rig.rig_test import COLUMNS, describe_test, require_date
@@ -150,6 +147,11 @@ def export_rig(rig: str | Path, out: str | Path) -> int:
 
 
 _ALL_TESTS = "all"
+_TERMS = (
+    *("f", "xi", "alpha", "scale", "feedback_lag", "mass", "skew"),
+    *("equipment", "criterion", "structure", "threshold", "exact"),
+)
+"""What is stated of a test, in the order in which it is kept."""
 _TAKEN = ("day", "change", "file_state")
 
 
@@ -174,57 +176,25 @@ class AddedTests:
         }
 
 
+@asks(questions.AddedTest)
 def add_to_rig(
     rig: str | Path,
     tests: str | Path | Iterable[str | Path],
     *,
-    f: Quantity | None = None,
-    xi: Quantity | None = None,
-    alpha: Quantity | None = None,
-    scale: Quantity | None = None,
-    feedback_lag: Quantity | None = None,
-    mass: Quantity | None = None,
-    skew: Quantity | None = None,
-    equipment: str | Path | Equipment | None = None,
-    exact: bool = False,
-    criterion: str | Path | Criterion | None = None,
-    structure: str | Path | None = None,
-    threshold: float | None = None,
-    date: str | None = None,
-    event: str | None = None,
-    specimen: str | None = None,
-    note: str | None = None,
-    covariate: Iterable[str] | None = None,
-    channels: str | Path | None = None,
-    test_name: str | None = None,
-    command: str | None = None,
-    measured: str | None = None,
-    time: str | None = None,
-    rate: float | None = None,
-    units: str | None = None,
-    time_units: str | None = None,
-    delimiter: str | None = None,
     show: Progress = silent,
+    **asked: Unpack[questions.AddedTest],
 ) -> AddedTests:
     """Judge tests and keep them in the folder of their rig.
+
+    The order of the tests, and what changed with time, follow from their dates. Tests of one earthquake are
+    not independent, so state it if you know it. A test is predicted by its covariates, too.
 
     Parameters
     ----------
     rig : str or pathlib.Path
-        The folder, made where there is none.
+        The folder, made if there is none.
     tests : str or pathlib.Path, or several of them
         Files in any format that `reliab.assess` reads. A file that is in the rig already stays as it is.
-    f, xi, alpha, scale, feedback_lag, mass, skew, equipment, exact, criterion, structure, threshold
-        As for `reliab.assess`.
-    date : str, optional
-        When the tests were performed, in ISO 8601; their order, and what changed with time, follow from it.
-    event, specimen, note : str, optional
-        Earthquake of the ground motion, the specimen, and anything else. Tests of one earthquake are not
-        independent, so it should be stated where it is known.
-    covariate : iterable of str, optional
-        Further numbers on which the rig may depend, "current=0.4"; a test is predicted by them too.
-    channels, test_name, command, measured, time, rate, units, time_units, delimiter
-        As for `reliab.assess`.
     show : callable, optional
         Called after each file.
 
@@ -241,39 +211,17 @@ def add_to_rig(
     files = [tests] if isinstance(tests, str | Path) else list(tests)
     if not files:
         raise InputError("A test's file is needed", value="none", remedy="Name it")
-    reading = Channels(
-        command=command,
-        measured=measured,
-        time=time,
-        rate=rate,
-        units=units,
-        time_units=time_units,
-        delimiter=delimiter,
-        test_name=test_name,
-        channels=channels,
-    )
-    terms = {
-        "f": f,
-        "xi": xi,
-        "alpha": alpha,
-        "scale": scale,
-        "feedback_lag": feedback_lag,
-        "mass": mass,
-        "skew": skew,
-        "equipment": equipment,
-        "criterion": criterion,
-        "structure": structure,
-        "threshold": threshold,
-        "exact": exact or None,
-    }
-    moment = require_date(date) if date else None
-    labels = {"date": moment, "event": event, "specimen": specimen, "note": note}
+    stated: Mapping[str, Any] = {**asked}
+    moment = require_date(asked["date"]) if asked["date"] else None
+    labels = {"date": moment, **{name: stated[name] for name in ("event", "specimen", "note")}}
     keeper = _Keeper(
         folder=RigFolder(Path(rig)),
-        reading=reading,
-        terms={name: value for name, value in terms.items() if value is not None},
+        reading=Channels.stated_in(asked),
+        terms={
+            name: stated[name] for name in _TERMS if stated[name] is not None and stated[name] is not False
+        },
         labels={name: as_text(value) for name, value in labels.items() if value},
-        covariates=stated_covariates(covariate or ()),
+        covariates=stated_covariates(asked["covariate"] or ()),
     )
     return keeper.keep(files, show)
 
@@ -368,12 +316,7 @@ class _Keeper:
         test = describe_test(assessment, texts, self.covariates)
         record, _ = record_test(
             path,
-            laboratory=stated_by_options(
-                reading.channels,
-                {Part.COMMAND: reading.command, Part.MEASURED: reading.measured, Part.TIME: reading.time},
-                reading.units,
-                reading.rate,
-            ),
+            laboratory=reading.laboratory(),
             test=reading.test_name,
             about=self._about(),
             time_units=reading.time_units,

@@ -2,41 +2,34 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import xarray as xr
 
-from reliab.app.api.sources import Files, listed, paths
+from reliab.app import questions
+from reliab.app.api.sources import listed, paths
+from reliab.app.declaration import asks
 from reliab.core.progress import Progress, Show, quietly, silent
 from reliab.motions.loading import load_motions
-from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.motions.suite import MotionSuite
 from reliab.sweep.plain import WHOLLY_EXPERIMENTAL, Motions, suite_of, sweep_request
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.results import open_results
 from reliab.sweep.run import run_sweep
-from reliab.sweep.several import Names, Numbers
 from reliab.sweep.store_layout import attributes
 
 _STATED = ("grid", "windows", "engine", "tolerance", "experimental_fraction", "model", "study_hash")
 
 
+@asks(questions.Sweep)
 def simulate(
-    motions: Motions,
-    *,
-    out: str | Path,
-    f: Numbers | None = None,
-    xi: Numbers | None = None,
-    grid: str = "scaled",
-    window: Names = ("record",),
-    alpha: Numbers = WHOLLY_EXPERIMENTAL,
-    model: str | Path | HybridTest | None = None,
-    engine: str = "automatic",
-    resume: bool = False,
-    workers: int | None = None,
-    scheduler: str | None = None,
-    progress: Progress = silent,
+    motions: Motions, *, out: str | Path, progress: Progress = silent, **asked: Unpack[questions.Sweep]
 ) -> xr.Dataset:
     """Simulate motions for all structures and actuators and store the results.
+
+    Structures are of 1 Hz, 0.02 and all stiffness in the laboratory by default. The scaled grid has late and
+    early actuators, with a model late ones only; those of the paper are late. Of a model, gain, delay and the
+    index (A, d) of the results are those of its actuator alone.
 
     Parameters
     ----------
@@ -45,26 +38,6 @@ def simulate(
         or the name of a suite.
     out : str or pathlib.Path
         The Zarr store to write.
-    f, xi : float or sequence of float, optional
-        Natural frequencies [Hz] and damping ratios [-]; 1 Hz and 0.02 by default.
-    grid : {"scaled", "paper"}, optional
-        Actuators that are simulated: scaled to each structure, late and early (with a model late only), or
-        those of the paper, which are late.
-    window : str or sequence of str, optional
-        Part of the record over which errors are computed: "record", "arias" or seconds; may be several.
-    alpha : float or sequence of float, optional
-        Share of the stiffness in the laboratory [-]; of several the results have a dimension.
-    model : str, pathlib.Path or HybridTest, optional
-        A hybrid test with effects, or the file of one. Its structure takes the place of `f`, `xi` and
-        `alpha`, and gain, delay and the index (A, d) of the results are those of its actuator alone.
-    engine : {"automatic", "pole", "delay", "spectral"}, optional
-        How the loop is solved.
-    resume : bool, optional
-        Whether to continue a store that was begun.
-    workers : int, optional
-        Threads; one for each processor by default.
-    scheduler : str, optional
-        Address of a dask scheduler that solves the motions instead.
     progress : callable, optional
         Called after each motion.
 
@@ -90,17 +63,33 @@ def simulate(
     >>> results["rms"].dims, results["rms"].shape
     (('motion', 'f', 'xi', 'kp', 'tau'), (2, 1, 1, 41, 57))
     """
-    request = sweep_request(f=f, xi=xi, grid=grid, window=window, alpha=alpha, model=model, engine=engine)
-    path = run_sweep(
-        suite_of(motions),
+    return open_results(_sweep(suite_of(motions), _request(asked), out, asked, progress))
+
+
+def _request(asked: questions.Sweep) -> SweepRequest:
+    return sweep_request(
+        f=asked["f"],
+        xi=asked["xi"],
+        grid=asked["grid"],
+        window=asked["window"] or "record",
+        alpha=WHOLLY_EXPERIMENTAL if asked["alpha"] is None else asked["alpha"],
+        model=asked["model"],
+        engine=asked["engine"],
+    )
+
+
+def _sweep(
+    suite: MotionSuite, request: SweepRequest, out: str | Path, asked: questions.Sweep, progress: Progress
+) -> Path:
+    return run_sweep(
+        suite,
         request,
         out,
-        resume=resume,
-        workers=workers,
-        scheduler=scheduler,
+        resume=asked["resume"],
+        workers=asked["workers"],
+        scheduler=asked["scheduler"],
         progress=progress,
     )
-    return open_results(path)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -128,35 +117,19 @@ class Simulation:
         }
 
 
+@asks(questions.Simulation)
 def simulate_suite(
-    *,
-    out: str | Path,
-    motions: Files = "synthetic",
-    sets: Names | None = None,
-    f: Numbers | None = None,
-    xi: Numbers | None = None,
-    grid: str = "scaled",
-    window: Names = "record",
-    alpha: Numbers = WHOLLY_EXPERIMENTAL,
-    model: str | Path | None = None,
-    engine: str = "automatic",
-    resume: bool = False,
-    workers: int | None = None,
-    scheduler: str | None = None,
-    show: Show = quietly,
+    *, out: str | Path, show: Show = quietly, **asked: Unpack[questions.Simulation]
 ) -> Simulation:
     """Simulate motions from several sources and sets for all structures and actuators, and store the results.
+
+    With `model` the structure and the effects are the model's, and gain, delay and the index (A, d) of the
+    results are those of its actuator alone.
 
     Parameters
     ----------
     out : str or pathlib.Path
         The Zarr store to write.
-    motions : str, pathlib.Path or sequence of these, optional
-        Ground motions: records, folders or a built-in suite.
-    sets : str or sequence of str, optional
-        Sets of their catalogue.
-    f, xi, grid, window, alpha, model, engine, resume, workers, scheduler : optional
-        As :func:`reliab.simulate` takes them.
     show : callable, optional
         Takes the name of a task and shows its progress.
 
@@ -172,8 +145,8 @@ def simulate_suite(
     IncompleteError
         If the disk is full; what is stored is safe.
     """
-    suite = load_motions(*paths(motions), sets=listed(sets))
-    request = sweep_request(f=f, xi=xi, grid=grid, window=window, alpha=alpha, model=model, engine=engine)
+    suite = load_motions(*paths(asked["motions"] or "synthetic"), sets=listed(asked["sets"]))
+    request = _request(asked)
     with show("Simulating") as progress:
-        run_sweep(suite, request, out, resume=resume, workers=workers, scheduler=scheduler, progress=progress)
+        _sweep(suite, request, out, asked, progress)
     return Simulation(store=Path(out), motions=len(suite), request=request)

@@ -1,15 +1,16 @@
 """Where ellipses come from: a file of them, stored results, or ground motions that are simulated."""
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import xarray as xr
 
 from reliab.app.api.arguments import stated_threshold
+from reliab.app.declaration import Files
 from reliab.core.errors import InputError
 from reliab.core.progress import Show, quietly, silent
 from reliab.core.shipped import or_shipped
@@ -22,9 +23,6 @@ from reliab.sweep.results import open_results, stored_results
 from reliab.sweep.several import Numbers, several
 from reliab.sweep.shares import at_share, for_each_share, shares_of
 from reliab.tracking.indices.window import Window
-
-Files = str | Path | Sequence[str | Path]
-"""Files, folders or names of what ships; one or several."""
 
 ONE_HERTZ, TWO_PERCENT, FIVE_PERCENT = 1.0, 0.02, 0.05
 """The paper's structure and threshold, which hold where nothing else is stated."""
@@ -55,7 +53,7 @@ class EllipseSource:
     f: Numbers | None = None
     xi: Numbers | None = None
     threshold: Numbers | None = None  # Errors on the boundary [-]
-    metric: str  # Error of the whole test
+    metric: str = Metric.RMS  # Error of the whole test
     # Part of the record over which the error is computed; None leaves it to the source, which is the whole
     # record for records
     window: str | None = None
@@ -66,6 +64,13 @@ class EllipseSource:
     structure: str | Path | None = None  # Description of a frame instead of structures, for records
     actuator: int | None = None  # Number of the only actuator of the frame that errs; all alike by default
     first_order: bool = False  # Whether ellipses are predicted from the spectra of records instead of traced
+
+    @classmethod
+    def asked_by(cls, question: Mapping[str, Any], **changes: Any) -> Self:  # noqa: ANN401 - values of many types
+        """Take what a question says of its source, with changes."""
+        names = {item.name for item in fields(cls)}
+        taken = {name: value for name, value in question.items() if name in names and value is not None}
+        return cls(**{**taken, "sets": listed(question["sets"]), **changes})
 
     def __post_init__(self) -> None:
         given = [source for source in (self.motions, self.results, self.ellipses) if source is not None]
@@ -140,8 +145,8 @@ class EllipseSource:
                 xi=self.xi,
                 threshold=self._thresholds,
                 metric=[self.metric],
-                window=self.window or _RECORD,
-                alpha=_WHOLE if self.alpha is None else self.alpha,
+                window=self.window,
+                alpha=self.alpha,
                 model=self.model,
                 first_order=self.first_order,
                 progress=progress,

@@ -3,14 +3,15 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
-from reliab.app.api.sources import Files, listed
+from reliab.app import options
+from reliab.app.api.sources import listed
+from reliab.app.declaration import asks
 from reliab.core.progress import Show, quietly
 from reliab.report.setting import Setting
 from reliab.study.reading import list_shipped, open_study
 from reliab.study.running import run_study, write_report
-from reliab.sweep.several import Names
 
 _OUT = Path("reliab-run")
 
@@ -34,15 +35,15 @@ class PerformedStudy:
         }
 
 
+@asks(options.MotionSource)
 def perform_study(
     study: str | Path = "quick",
     *,
     out: str | Path | None = None,
-    motions: Files | None = None,
-    sets: Names | None = None,
     setting: Setting | None = None,
     show: Show = quietly,
     tell: Callable[[str, bool], None] = lambda _name, _done: None,
+    **asked: Unpack[options.MotionSource],
 ) -> PerformedStudy:
     """Run a study: simulate, fit, derive, validate, report.
 
@@ -52,10 +53,6 @@ def perform_study(
         Folder or file of a study, or the name of one that comes with reliab. Code in the folder is executed.
     out : str or pathlib.Path, optional
         The run folder; reliab-run/STUDY by default.
-    motions : str, pathlib.Path or sequence of these, optional
-        Ground motions in place of the study's own.
-    sets : str or sequence of str, optional
-        Sets of their catalogue.
     setting : Setting, optional
         How the report is set.
     show : callable, optional
@@ -74,8 +71,8 @@ def perform_study(
         If there is no such study, it asks for what is not there, or the folder holds something else.
     """
     described = open_study(study)
-    if motions or sets:
-        described = described.on(listed(motions), listed(sets))
+    if asked["motions"] or asked["sets"]:
+        described = described.on(listed(asked["motions"]), listed(asked["sets"]))
     place = Path(study).resolve()
     name = place.parent.name if place.name == "study.toml" else place.stem
     folder = _OUT / name if out is None else Path(out)

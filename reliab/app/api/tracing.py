@@ -4,16 +4,17 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Unpack
 
 import xarray as xr
 
-from reliab.app.api.sources import EllipseSource, Files
+from reliab.app import questions
+from reliab.app.api.sources import EllipseSource
+from reliab.app.declaration import asks
 from reliab.core.progress import Show, quietly
 from reliab.core.rows import ResultWithRows
 from reliab.core.vocabulary import CurveName, NoEllipse, Side
 from reliab.sweep.ellipse_file import write_ellipses
-from reliab.sweep.several import Names, Numbers, several
 from reliab.sweep.shares import share_of
 
 _WHERE: Final = ["motion", "f", "xi", "alpha", "threshold", "metric"]
@@ -80,48 +81,12 @@ class Boundaries(ResultWithRows):
         return {"ellipses": list(self.rows()), **warnings}
 
 
-def trace_boundaries(
-    *,
-    motions: Files | None = None,
-    sets: Names | None = None,
-    results: str | Path | None = None,
-    f: Numbers | None = None,
-    xi: Numbers | None = None,
-    threshold: Numbers | None = None,
-    metric: str = "rms",
-    window: str = "record",
-    alpha: Numbers | None = None,
-    model: str | Path | None = None,
-    first_order: bool = False,
-    out: str | Path | None = None,
-    show: Show = quietly,
-) -> Boundaries:
+@asks(questions.Boundaries)
+def trace_boundaries(*, show: Show = quietly, **asked: Unpack[questions.Boundaries]) -> Boundaries:
     """Trace the boundary of equal error of each motion, for late and early actuators, as ellipses.
 
     Parameters
     ----------
-    motions : str, pathlib.Path or sequence of these, optional
-        Ground motions: records, folders or a built-in suite.
-    sets : str or sequence of str, optional
-        Sets of their catalogue.
-    results : str or pathlib.Path, optional
-        Results that :func:`reliab.simulate` stored instead, or "real_suite".
-    f, xi : float or sequence of float, optional
-        Natural frequencies [Hz] and damping ratios [-]; 1 Hz and 0.02 for motions, all those of results.
-    threshold : float or sequence of float, optional
-        Errors on the boundary [-], 0.05 by default.
-    metric : {"rms", "mte"}, optional
-        Error of the whole test.
-    window : str, optional
-        Part of the record over which the error is computed: "record", "arias" or seconds.
-    alpha : float or sequence of float, optional
-        Shares of the stiffness in the laboratory [-]; those of the results, or 1.
-    model : str or pathlib.Path, optional
-        Model with effects, in place of structures.
-    first_order : bool, optional
-        Whether ellipses are predicted from the spectra of motions, exact for small errors only.
-    out : str or pathlib.Path, optional
-        NetCDF file that keeps the ellipses.
     show : callable, optional
         Takes the name of a task and shows its progress.
 
@@ -141,22 +106,9 @@ def trace_boundaries(
     >>> len(traced), round(next(traced.rows())["b"], 2)
     (100, 1.35)
     """
-    source = EllipseSource(
-        motions=motions,
-        sets=None if sets is None else several(sets),
-        results=results,
-        f=f,
-        xi=xi,
-        threshold=threshold,
-        metric=metric,
-        window=window,
-        alpha=alpha,
-        model=model,
-        first_order=first_order,
-    )
-    traced = source.dataset(show)
-    if out is not None:
-        write_ellipses(traced, Path(out))
+    traced = EllipseSource.asked_by(asked).dataset(show)
+    if asked["out"] is not None:
+        write_ellipses(traced, Path(asked["out"]))
     return Boundaries(ellipses=traced)
 
 

@@ -2,12 +2,12 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import pandas as pd
 import xarray as xr
 
+from reliab.app import questions
 from reliab.app.api.judged_motions import (
     DEFAULT_SCHEME,
     Division,
@@ -20,17 +20,17 @@ from reliab.app.api.judged_motions import (
     sentences_of_outside,
     true_errors,
 )
-from reliab.app.api.sources import FIVE_PERCENT, EllipseSource, Files, listed
+from reliab.app.api.sources import FIVE_PERCENT, EllipseSource, listed
+from reliab.app.declaration import asks
 from reliab.core.errors import InputError
 from reliab.core.progress import Show, quietly
 from reliab.core.rows import ResultWithRows
 from reliab.core.significant_digits import percent
-from reliab.core.vocabulary import Side
+from reliab.core.vocabulary import Metric, Side
 from reliab.criterion.laws.law import Law
 from reliab.criterion.laws.registry import FITTED, OF_MANY_MOTIONS, known
 from reliab.criterion.methods.registry import RECOMMENDED, method_of
 from reliab.criterion.scope import population_of
-from reliab.sweep.several import Names, Numbers
 from reliab.sweep.shares import share_of
 from reliab.validation.cross_validation.candidates import Candidate, Derived, Printed
 from reliab.validation.cross_validation.counts import RATES, CrossValidation, tabulate
@@ -79,53 +79,12 @@ class Validation(ResultWithRows):
         }
 
 
-def validate_criteria(
-    *,
-    motions: Files | None = None,
-    sets: Names | None = None,
-    results: str | Path | None = None,
-    ellipses: str | Path | None = None,
-    f: Numbers | None = None,
-    xi: Numbers | None = None,
-    threshold: float = FIVE_PERCENT,
-    metric: str = "rms",
-    window: str | None = None,
-    alpha: Numbers | None = None,
-    scheme: str | None = None,
-    leave_out: str | None = None,
-    learn: Names | None = None,
-    judge: Names | None = None,
-    method: Names | None = None,
-    joint: bool | None = None,
-    law: Names | None = None,
-    confidence: Numbers | None = None,
-    trials: int = _TRIALS,
-    show: Show = quietly,
-) -> Validation:
+@asks(questions.Validation)
+def validate_criteria(*, show: Show = quietly, **asked: Unpack[questions.Validation]) -> Validation:
     """Test criteria on earthquakes from which they were not learned.
 
     Parameters
     ----------
-    motions, sets, results, ellipses, f, xi, metric, window, alpha : optional
-        Where the ellipses of the motions come from, as :func:`reliab.derive_criteria` takes them; one share
-        of the stiffness.
-    threshold : float, optional
-        Error up to which a test is good [-].
-    scheme : {"leave_one_event_out", "k_fold", "random_halves", "region", "magnitude", "length"}, optional
-        How earthquakes are divided; the last three leave out each class of motions.
-    leave_out : {"f", "xi"}, optional
-        Whether each frequency or damping ratio is left out in turn, too.
-    learn, judge : str or sequence of str, optional
-        Sets of the motions to learn from and to judge; or to learn from "real_suite", the shipped results.
-    method, law : str or sequence of str, optional
-        Meanings of the confidence and laws; the recommended method, and the table with the printed laws, by
-        default.
-    joint : bool, optional
-        Whether the confidence holds for a and b together; by default as the method defines it.
-    confidence : float or sequence of float, optional
-        Stated shares of the motions, from 0.5 to 0.99 by default.
-    trials : int, optional
-        Tests for each structure, near the boundaries.
     show : callable, optional
         Takes the name of a task and shows its progress.
 
@@ -139,27 +98,17 @@ def validate_criteria(
     InputError
         If the source cannot serve what is asked for, or an argument would have no effect.
     """
-    require_one_share(alpha)
-    learn, judge = listed(learn), listed(judge)
+    require_one_share(asked["alpha"])
+    learn, judge, scheme = listed(asked["learn"]), listed(asked["judge"]), asked["scheme"]
     require_one_division(scheme, learn, judge)
-    confidences = list(dict.fromkeys(listed(confidence) or _CONFIDENCES))
+    confidences = list(dict.fromkeys(listed(asked["confidence"]) or _CONFIDENCES))
+    threshold, metric = _error_of(asked)
     question = _Candidates(error=threshold, metric=metric, confidences=confidences)
-    candidates = question.made_of(listed(law), listed(method), joint=joint)
-    source = EllipseSource(
-        motions=motions,
-        sets=listed(sets),
-        results=results,
-        ellipses=ellipses,
-        f=f,
-        xi=xi,
-        threshold=[threshold],
-        metric=metric,
-        window=window,
-        alpha=alpha,
-    )
+    candidates = question.made_of(listed(asked["law"]), listed(asked["method"]), joint=asked["joint"])
+    source = EllipseSource.asked_by(asked, threshold=[threshold])
     dataset = judged_ellipses(source, show)
     truth = true_errors(source, dataset)
-    division = divide(dataset, source, scheme=scheme, leave_out=leave_out, learn=learn, judge=judge)
+    division = divide(dataset, source, scheme=scheme, leave_out=asked["leave_out"], learn=learn, judge=judge)
     with show("Cross-validating") as progress:
         counts = cross_validate(
             dataset,
@@ -170,11 +119,17 @@ def validate_criteria(
             threshold=threshold,
             metric=metric,
             truth=truth,
-            trials=trials,
+            trials=asked["trials"] or _TRIALS,
             learn_from=division.learn_from,
             progress=progress,
         )
     return Validation(counts=counts, ellipses=dataset, division=division)
+
+
+def _error_of(asked: questions.JudgedCriteria) -> tuple[float, str]:
+    """Threshold [-] and metric of the error that is asked for."""
+    threshold, metric = asked["threshold"], asked["metric"]
+    return FIVE_PERCENT if threshold is None else threshold, str(metric or Metric.RMS)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -307,28 +262,16 @@ class Calibration(ResultWithRows):
         return {"scheme": self.scheme, "truth": self.truth, "bins": self.bins.to_dict(orient="records")}
 
 
+@asks(questions.JudgedCriteria)
 def calibrate_probabilities(
-    *,
-    motions: Files | None = None,
-    sets: Names | None = None,
-    results: str | Path | None = None,
-    ellipses: str | Path | None = None,
-    f: Numbers | None = None,
-    xi: Numbers | None = None,
-    threshold: float = FIVE_PERCENT,
-    metric: str = "rms",
-    window: str | None = None,
-    alpha: Numbers | None = None,
-    scheme: str = DEFAULT_SCHEME,
-    trials: int = _TRIALS,
-    show: Show = quietly,
+    *, show: Show = quietly, **asked: Unpack[questions.JudgedCriteria]
 ) -> Calibration:
     """Compare the probabilities that are stated for tests with how many of the tests are good.
 
     Parameters
     ----------
-    motions, sets, results, ellipses, f, xi, threshold, metric, window, alpha, scheme, trials, show : optional
-        As :func:`reliab.validate_criteria` takes them.
+    show : callable, optional
+        Takes the name of a task and shows its progress.
 
     Returns
     -------
@@ -340,19 +283,9 @@ def calibrate_probabilities(
     InputError
         If the source cannot serve what is asked for.
     """
-    require_one_share(alpha)
-    source = EllipseSource(
-        motions=motions,
-        sets=listed(sets),
-        results=results,
-        ellipses=ellipses,
-        f=f,
-        xi=xi,
-        threshold=[threshold],
-        metric=metric,
-        window=window,
-        alpha=alpha,
-    )
+    require_one_share(asked["alpha"])
+    scheme, (threshold, metric) = asked["scheme"] or DEFAULT_SCHEME, _error_of(asked)
+    source = EllipseSource.asked_by(asked, threshold=[threshold])
     dataset = judged_ellipses(source, show)
     truth = true_errors(source, dataset)
     with show("Comparing probabilities") as progress:
@@ -362,7 +295,7 @@ def calibrate_probabilities(
             threshold=threshold,
             metric=metric,
             truth=truth,
-            trials=trials,
+            trials=asked["trials"] or _TRIALS,
             progress=progress,
         )
     return Calibration(scheme=scheme, truth=truth.name, bins=bins)

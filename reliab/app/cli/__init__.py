@@ -15,31 +15,35 @@ from typing import Annotated, Any, Final
 
 import typer
 
+from reliab.app.cli.commands import Command, as_options
 from reliab.app.cli.defaults import read_defaults, without_config
-from reliab.app.cli.demand import as_options
 from reliab.app.cli.interruption import interruption, noticed_interruption
 from reliab.app.cli.output import write_what_can_be_written
 from reliab.app.cli.printable import printable, substituted
+from reliab.app.declaration import UNITS, without_units
 from reliab.core.errors import INTERRUPTED, IncompleteError, InputError
 from reliab.core.stated_value import StatedValue
 from reliab.core.threads import ONE_THREAD
 from reliab.version import __version__
 
 _BAD_INPUT = 2
+_HELP = {"--help", "--help-all"}
 _INCOMPLETE = 3
 
 EXAMPLES: Final = {
     "assess": "reliab assess sample_test --f 1±0.01 --xi 0.02",
     "compare": "reliab compare none.csv adaptive.csv --f 1 --xi 0.02 --figure ranking.svg",
     "monitor": "reliab monitor sample_test --f 1 --xi 0.02",
+    "extrapolate": "reliab extrapolate run_1.csv run_2.csv --f 1 --xi 0.02",
+    "desk": "reliab desk tests",
+    "design": "reliab design --f 1 2 --xi 0.02 --confidence 0.95",
     "record": "reliab record sample_test --out test.nc",
     "calibrate": "reliab calibrate sine.csv --actuator-delay 0 --out channels.toml",
-    "diagnose": "reliab diagnose rig_a --out diagnosis",
-    "criterion": "reliab criterion --ellipses real_suite --f 1 --xi 0.02 --confidence 0.95",
-    "desk": "reliab desk tests",
     "explore": "reliab explore --out criterion.html",
-    "simulate": "reliab simulate --motions synthetic --f 0.5 1 --xi 0.02 --out results.zarr",
+    "diagnose": "reliab diagnose rig_a --out diagnosis",
+    "criterion": "reliab criterion --f 1 --xi 0.02 --confidence 0.95",
     "ellipses": "reliab ellipses --motions records --f 1 --xi 0.02 --out ellipses.nc",
+    "simulate": "reliab simulate --motions synthetic --f 0.5 1 --xi 0.02 --out results.zarr",
     "validate": "reliab validate --results real_suite --f 1 --xi 0.02 --method dirichlet quantile",
     "run": "reliab run --list",
     "report": "reliab report runs/quick",
@@ -47,13 +51,21 @@ EXAMPLES: Final = {
     "fetch": "reliab fetch datasets/real_suite/results.nc",
     "info": "reliab info --json -",
 }
-"""One example for the help of each command, in the order of the help: what judges a test comes first."""
+"""One example for the help of each command."""
 
 _GROUPS = ("motions", "rig")
+_PANELS: Final = {
+    "Judge a test": ("assess", "compare", "monitor", "extrapolate", "desk"),
+    "Prepare a test": ("design", "explore", "record", "calibrate", "rig"),
+    "Understand a disagreement": ("diagnose",),
+    "Research": ("criterion", "ellipses", "simulate", "validate", "motions", "run", "report"),
+    "Installation": ("samples", "fetch", "info"),
+}
+_PANEL_OF = {name: panel for panel, names in _PANELS.items() for name in names}
 _MODULES = {
     **dict.fromkeys(("fetch", "samples", "info"), "reliab.app.cli.installation"),
     **dict.fromkeys(("run", "report"), "reliab.app.cli.studies"),
-    "assess": "reliab.app.cli.assess.command",
+    **dict.fromkeys(("assess", "design", "extrapolate"), "reliab.app.cli.assess.command"),
     "desk": "reliab.desk.command",
 }
 """Modules of commands that share one or stand in a folder; the others have one of their name."""
@@ -86,12 +98,18 @@ def application(*names: str) -> typer.Typer:
     """Make the program with some of its commands, which are imported, or with all."""
     app = typer.Typer(name="reliab", no_args_is_help=True, pretty_exceptions_enable=False)
     app.callback(help="Can I trust this real-time hybrid simulation?")(_answer)
-    for name in names or (*_GROUPS, *EXAMPLES):
+    for name in names or _PANEL_OF:
         module = import_module(_MODULES.get(name, f"reliab.app.cli.{name}"))
         if name in _GROUPS:
-            app.add_typer(module.app, name=name)
+            app.add_typer(module.app, name=name, rich_help_panel=_PANEL_OF[name])
         else:
-            app.command(name, epilog=f"Example: {EXAMPLES[name]}")(getattr(module, name))
+            declare = app.command(
+                name,
+                cls=Command,
+                rich_help_panel=_PANEL_OF[name],
+                epilog=f"Example: {EXAMPLES[name]}",
+            )
+            declare(getattr(module, name))
     return app
 
 
@@ -102,19 +120,20 @@ def _commands(*names: str) -> Any:  # noqa: ANN401 - Typer hides its type
 
 
 @cache
-def _with_help() -> Any:  # noqa: ANN401 - Typer hides its type
-    """All commands; help that Rich shows is escaped once."""
-    take_help_literally(_commands())
-    return _commands()
+def _with_help(*names: str) -> Any:  # noqa: ANN401 - Typer hides its type
+    """Make commands, all by default; help that Rich shows is escaped once."""
+    shown = typer.main.get_command(application(*names))
+    take_help_literally(shown)
+    return shown
 
 
 def _asked(arguments: Sequence[str]) -> Any:  # noqa: ANN401 - Typer hides its type
-    """Make the command that is asked, or all where help may be meant or there is none of that name."""
+    """Make the command that is asked, or all if there is none of that name."""
     match arguments:
         case ["--version"]:  # printed without Rich
             return _commands()
-        case [name, *options] if options and name in (*_GROUPS, *EXAMPLES) and "--help" not in options:
-            return _commands(name)
+        case [name, *options] if options and name in _PANEL_OF:
+            return _with_help(name) if _HELP & {*options} else _commands(name)
     return _with_help()
 
 
@@ -218,7 +237,7 @@ def spread(arguments: Sequence[str], command: Any) -> Iterator[str]:  # noqa: AN
 
 def _is_number(text: str) -> bool:
     try:
-        StatedValue.parse(text)
+        StatedValue.parse(without_units(text, *UNITS))
     except InputError:
         return False
     return True

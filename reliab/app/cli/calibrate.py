@@ -1,12 +1,12 @@
 """`reliab calibrate`: what the two displacement channels add to a motion."""
 
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, TypedDict
 
-from reliab.app.cli.demand import argument, option, takes
-from reliab.app.cli.options import JSON_TARGET, ReadsTests
+from reliab.app import questions
+from reliab.app.cli.commands import Asked, takes
 from reliab.app.cli.output import console, say, table, write_json
+from reliab.app.declaration import argument
 from reliab.core.significant_digits import significant
 
 if TYPE_CHECKING:
@@ -14,31 +14,26 @@ if TYPE_CHECKING:
     from reliab.recordings.calibration import ChannelCalibration
 
 
-@dataclass(frozen=True, kw_only=True)
-class CalibrateDemand(ReadsTests):
-    """Options of `reliab calibrate`, arguments of `reliab.calibrate`."""
-
-    test: Path = argument(
-        "FILE",
-        "Test in which both channels record one motion: a sine, a sweep, or steps with pauses, "
-        "without a specimen.",
-    )
-    out: Path | None = option("CHANNELS.toml", "File for --channels of the commands that read tests.")
-    actuator_delay: str | None = option(
-        "MS", "Delay of the actuator in this test [ms], 12±0.5; 0 where both channels record one signal."
-    )
-    json_target: str | None = JSON_TARGET
+class _File(TypedDict):
+    test: Annotated[
+        Path,
+        argument(
+            "FILE",
+            "Test in which both channels record one motion: a sine, a sweep, or steps with pauses, "
+            "without a specimen.",
+        ),
+    ]
 
 
-@takes(CalibrateDemand)
-def calibrate(demand: CalibrateDemand) -> None:
+@takes(questions.CalibrationTest, _File)
+def calibrate(asked: Asked) -> None:
     """Measure skew, scale, hysteresis, noise and resolution of the two displacement channels."""
     from reliab.app.api.records import calibrate as api_calibrate
 
-    calibration = demand.ask(api_calibrate, "json_target")
-    if not write_json(calibration.to_dict(), demand.json_target):
+    calibration = asked.ask(api_calibrate, "json_target")
+    if not write_json(calibration.to_dict(), asked.json_target):
         _show(calibration)
-        say(*(f"Note: {demand.in_options(note)}" for note in calibration.notes))
+        say(*(f"Note: {asked.in_options(note)}" for note in calibration.notes))
 
 
 def _show(calibration: "ChannelCalibration") -> None:

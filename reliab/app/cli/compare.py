@@ -1,13 +1,11 @@
 """`reliab compare`: tests ranked by their errors, such as one with each compensator."""
 
-from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
-from reliab.app.cli import options
-from reliab.app.cli.completion import samples
-from reliab.app.cli.demand import argument, option, takes
+from reliab.app import outputs, questions
+from reliab.app.cli.commands import Asked, takes
 from reliab.app.cli.output import console, progress_bar, say, table, write_json
+from reliab.app.cli.test_files import files_of
 from reliab.core.significant_digits import percent, significant
 from reliab.core.vocabulary import PERCENT
 
@@ -24,51 +22,33 @@ _COLUMNS = {
 }
 
 
-@dataclass(frozen=True, kw_only=True)
-class CompareDemand(options.JudgesTests, options.ReadsTests):
-    """Options of `reliab compare`: those of a verdict, and where the ranking goes."""
+@takes(questions.StatedOfTest, outputs.Tests, outputs.Chart)
+def compare(asked: Asked) -> None:
+    """Rank tests, the one whose error is probably smallest first, and say how certain their order is.
 
-    tests: list[Path] | None = argument(
-        "TEST TEST...",
-        "Tests of one structure and rig, such as one motion with each compensator.",
-        default=None,
-        autocompletion=samples,
-    )
-    figure: Path | None = option(
-        "FILE.svg|png|pdf", "Chart of the ranked errors.", callback=options.written_as(".svg", ".png", ".pdf")
-    )
-    out: Path | None = option(
-        "FILE.csv", "Write the ranking as a table.", callback=options.written_as(".csv")
-    )
-    json_target: str | None = options.JSON_TARGET
-
-
-@takes(CompareDemand)
-def compare(demand: CompareDemand) -> None:
-    """Rank tests, the one whose error is probably smallest first, and say how certain their order is."""
+    The tests are of one structure and rig, such as one motion with each compensator.
+    """
     from reliab.app.api.assessment import assess
     from reliab.app.api.assessment_files import draw_chart, write_tests
     from reliab.app.api.comparison import compare_assessments
 
-    files = options.files_of(demand.tests, demand.out)
+    files = files_of(asked.tests, asked.out)
     with progress_bar("tests") as progress:
-        verdicts: Any = demand.ask(
+        verdicts: Any = asked.ask(
             assess,
             *("tests", "out", "figure", "json_target"),
-            test=files[0] if len(files) == 1 and demand.test_name == "all" else files,
-            f=options.only_value(demand.f, "f"),
-            confidence=options.only_value(demand.confidence, "confidence"),
+            test=files[0] if len(files) == 1 and asked.test_name == "all" else files,
             progress=progress,
         )
     comparison = compare_assessments(verdicts)
-    if demand.out is not None:
-        write_tests(comparison, demand.out)
+    if asked.out is not None:
+        write_tests(comparison, asked.out)
     content = comparison.to_dict()
-    content["faults"] = {file: demand.in_options(fault) for file, fault in content["faults"].items()}
-    if not write_json(content, demand.json_target):
+    content["faults"] = {file: asked.in_options(fault) for file, fault in content["faults"].items()}
+    if not write_json(content, asked.json_target):
         _show(content)
-    if demand.figure is not None:
-        draw_chart(comparison, demand.figure)
+    if asked.figure is not None:
+        draw_chart(comparison, asked.figure)
 
 
 def _show(content: dict[str, Any]) -> None:

@@ -1,110 +1,32 @@
 """`reliab criterion`: how much amplitude error and delay a test may have."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields
-from pathlib import Path
+from dataclasses import fields
 from typing import Any, Final
 
-from reliab.app.cli import options
-from reliab.app.cli.completion import laws, methods
-from reliab.app.cli.demand import Demand, flag, option, takes
+from reliab.app import outputs, questions
+from reliab.app.cli.commands import Asked, takes
 from reliab.app.cli.output import console, progress_bar, say, say_for_which_motions, table, write_json
 from reliab.core.significant_digits import percent, significant
 
 
-@dataclass(frozen=True, kw_only=True)
-class CriterionDemand(Demand):
-    """Options of `reliab criterion`; those of the derivation are arguments of `reliab.derive_criteria`."""
+@takes(questions.CriterionQuestion, outputs.Listing)
+def criterion(asked: Asked) -> None:
+    """Derive how much amplitude error and delay a test may have.
 
-    motions: list[str] | None = options.MOTIONS
-    sets: list[str] | None = options.SETS
-    results: Path | None = options.RESULTS
-    ellipses: Path | None = options.ELLIPSES
-    f: list[float] | None = options.FREQUENCIES
-    xi: list[float] | None = options.DAMPING_RATIOS
-    threshold: list[float] | None = options.THRESHOLDS
-    confidence: list[float] | None = option(
-        "SHARE...", "Shares of the population's ground motions that the criterion holds for."
-    )
-    metric: str = options.METRIC_NAME
-    window: str | None = options.WINDOW_IF_GIVEN
-    alpha: list[float] | None = options.FRACTIONS
-    duration: float | None = option(
-        "SECONDS",
-        "Length of the tests' records; by default the criterion is for lengths like those of the ground "
-        "motions from which it is derived.",
-    )
-    motion: Path | None = option(
-        "FILE",
-        "Record under which the test will be run: derive a criterion for responses like the one to this "
-        "record, and the record's own boundary.",
-    )
-    suite: list[Path] | None = option(
-        "NAME|FOLDER...",
-        "A few records of the earthquakes that are expected, pooled with the motions behind the criterion.",
-    )
-    model: Path | None = options.MODEL_FILE
-    structure: Path | None = options.STRUCTURE_FILE
-    actuator: int | None = option(
-        "N", "Number of the only actuator of --structure that errs, from 1; all err alike by default."
-    )
-    method: str | None = option(
-        "NAME",
-        "What the confidence means: dirichlet (recommended, the default), quantile (the "
-        "paper's), or another; --list names all.",
-        autocompletion=methods,
-    )
-    assurance: float | None = option(
-        "SHARE",
-        "Probability that the stated share is kept, for methods that take it (see --list): "
-        "share of suites that keep it, or posterior probability.",
-    )
-    distribution: str | None = option("NAME", "Family for the method quantile.")
-    joint: bool | None = option(
-        "",
-        "Whether the confidence holds for a and b together or for each of them separately; by "
-        "default together, with quantile separately.",
-        name="--joint/--each",
-    )
-    law: str = option(
-        "NAME",
-        "How the limits depend on f and ξ: table (of the simulated structures, the default), or "
-        "another law, fitted or printed; --list names all.",
-        default="table",
-        autocompletion=laws,
-    )
-    steps: int | None = option("N", "Steps of the hierarchical methods' chains, a multiple of 4.")
-    chains: Path | None = option(
-        "FILE.h5",
-        "Keep the chains of the hierarchical methods, so that an interrupted or short run can resume.",
-    )
-    compare: bool = flag("Also test distributions and laws on earthquakes from which they were not learned.")
-    figures: Path | None = option(
-        "FOLDER",
-        "Folder for figures of the criteria over the motions' own ellipses, and of traces, "
-        "ranks and pairs of a posterior.",
-    )
-    out: Path | None = option(
-        "FILE.json", "Write the criterion for later use.", callback=options.written_as(".json")
-    )
-    list_all: bool = flag("Name all methods, laws and distributions, with what each means.", name="--list")
-    json_target: str | None = options.JSON_TARGET
-
-
-@takes(CriterionDemand)
-def criterion(demand: CriterionDemand) -> None:
-    """Derive how much amplitude error and delay a test may have."""
-    if demand.list_all:
-        demand.refuse_all_but({"list_all"}, "together with `list_all`")
+    Without a source it is derived from real_suite, 100 real ground motions whose ellipses come with reliab.
+    """
+    if asked.list_all:
+        asked.refuse_all_but({"list_all"}, "together with `list_all`")
         show_choices()
         return
     from reliab.app.api.criteria import derive_criteria
 
-    derived = demand.ask(derive_criteria, "json_target", show=progress_bar)
+    derived = asked.ask(derive_criteria, "json_target", show=progress_bar)
     content = derived.to_dict()
-    if not write_json(content, demand.json_target):
+    if not write_json(content, asked.json_target):
         show_criteria(content)
-    derived.require_converged(demand.chains)
+    derived.require_converged(asked.chains)
 
 
 _HEADINGS = (

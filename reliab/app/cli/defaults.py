@@ -21,7 +21,7 @@ from typing import Any, Final
 
 import typer
 
-from reliab.app.cli.demand import WRITTEN
+from reliab.app.cli.commands import WRITTEN
 from reliab.core.described_files import read_toml
 from reliab.core.errors import InputError
 

@@ -1,14 +1,12 @@
 """`reliab diagnose`: where a campaign's model fails, what is missing, and the proof on held-out tests."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Annotated
 
-from reliab.app.cli.completion import campaigns
-from reliab.app.cli.demand import argument, option, takes
-from reliab.app.cli.options import JSON_TARGET, OF_REPORT, Reported
+from reliab.app import completion, outputs
+from reliab.app.cli.commands import Asked, takes
 from reliab.app.cli.output import console, progress_bar, table, write_json
+from reliab.app.declaration import argument
 from reliab.core.significant_digits import percent, significant
 
 if TYPE_CHECKING:
@@ -29,42 +27,38 @@ _EFFECTS = {"effect": "left", "probability": "right", "parameters": "left", "hel
 _CANDIDATES = {"model": "left", "left-out parts": "right", "held out": "right"}
 
 
-@dataclass(frozen=True, kw_only=True)
-class DiagnoseDemand(Reported):
-    """Options of `reliab diagnose`, arguments of `reliab.diagnose_campaign`."""
-
-    campaign: Path = argument(
-        "CAMPAIGN_DIR",
-        "Folder with campaign.toml and the tests; or rig_a, rig_b, rig_c, which come with reliab.",
-        autocompletion=campaigns,
-    )
-    out: Path | None = option("DIR", "Folder for diagnosis, report and model.")
-    json_target: str | None = JSON_TARGET
-
-    belongs_to: ClassVar[Mapping[str, str]] = dict.fromkeys(OF_REPORT, "out")
+class _Campaign(outputs.Folder, outputs.Cover, total=False):
+    campaign: Annotated[
+        Path,
+        argument(
+            "CAMPAIGN_DIR",
+            "Folder with campaign.toml and the tests; or rig_a, rig_b, rig_c, which come with reliab.",
+            completion=completion.campaigns,
+        ),
+    ]
 
 
-@takes(DiagnoseDemand)
-def diagnose(demand: DiagnoseDemand) -> None:
+@takes(_Campaign, needs=dict.fromkeys(outputs.Cover.__annotations__, "out"))
+def diagnose(asked: Asked) -> None:
     """Find where simulation and measurement disagree, name what is missing, verify it on held-out tests."""
     from reliab.app.api.diagnosis import diagnose_campaign, report_diagnosis
 
-    setting = demand.setting  # refused before the long search, not after it
+    setting = asked.setting()  # refused before the long search, not after it
 
     def tell(diagnosis: "Diagnosis") -> None:
-        if demand.json_target != "-":
+        if asked.json_target != "-":
             console().print(f"{diagnosis.campaign.name}: {diagnosis.verdict}. {diagnosis.statement}")
 
-    addition = demand.ask(
+    addition = asked.ask(
         diagnose_campaign,
-        *("json_target", *(OF_REPORT if demand.out is not None else ())),
+        *("json_target", *(outputs.Cover.__annotations__ if asked.out is not None else ())),
         show=progress_bar,
         tell=tell,
     )
-    if not write_json(addition.to_dict(), demand.json_target):
+    if not write_json(addition.to_dict(), asked.json_target):
         _show(addition.diagnosis)
-    if demand.out is not None:
-        report_diagnosis(addition, demand.campaign, demand.out, setting=setting)
+    if asked.out is not None:
+        report_diagnosis(addition, asked.campaign, asked.out, setting=setting)
 
 
 def _show(diagnosis: "Diagnosis") -> None:

@@ -1,13 +1,12 @@
 """`reliab ellipses`: the boundary of each motion, as a and b."""
 
 import itertools
-from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from reliab.app.cli import options
-from reliab.app.cli.demand import Demand, flag, option, takes
+from reliab.app import questions
+from reliab.app.cli.commands import Asked, takes
 from reliab.app.cli.output import console, progress_bar, say, table, write_json
+from reliab.core.vocabulary import Metric
 
 if TYPE_CHECKING:
     from reliab.app.api.tracing import Boundaries
@@ -31,41 +30,15 @@ _HEADINGS = {
 _PAGE = 1000  # rows
 
 
-@dataclass(frozen=True, kw_only=True)
-class EllipsesDemand(Demand):
-    """Options of `reliab ellipses`."""
-
-    motions: list[str] | None = options.MOTIONS
-    sets: list[str] | None = options.SETS
-    results: Path | None = options.RESULTS
-    f: list[float] | None = options.FREQUENCIES
-    xi: list[float] | None = options.DAMPING_RATIOS
-    threshold: list[float] | None = options.THRESHOLDS
-    metric: str = options.METRIC_NAME
-    window: str = options.WINDOW_NAME
-    alpha: list[float] | None = options.FRACTIONS
-    model: Path | None = options.MODEL_FILE
-    first_order: bool = flag(
-        "Predict ellipses from the records' spectra instead of simulating; unsafe at large errors: "
-        "at 5 % the simulated b is 16 to 44 % smaller."
-    )
-    out: Path | None = option(
-        "FILE.nc",
-        "File for the ellipses, which `reliab criterion` reads.",
-        callback=options.written_as(".nc"),
-    )
-    json_target: str | None = options.JSON_TARGET
-
-
-@takes(EllipsesDemand)
-def ellipses(demand: EllipsesDemand) -> None:
+@takes(questions.Boundaries)
+def ellipses(demand: Asked) -> None:
     """Trace the boundary of equal error of each motion, for late and early actuators, as ellipses."""
     from reliab.app.api.tracing import trace_boundaries
 
     traced = demand.ask(trace_boundaries, "json_target", show=progress_bar)
     if demand.json_target is not None and write_json(traced.to_dict(), demand.json_target):
         return
-    _show(traced, demand.metric)
+    _show(traced, demand.metric or Metric.RMS)
     if traced.caution:
         say(f"Note: {traced.caution}")
 

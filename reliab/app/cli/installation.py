@@ -1,60 +1,53 @@
 """`reliab fetch`, `samples` and `info`: what ships, what is fetched, and the facts about an installation."""
 
-from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated, TypedDict
 
-from reliab.app.cli.demand import Demand, argument, takes
-from reliab.app.cli.options import JSON_TARGET
+from reliab.app.cli.commands import Asked, takes
 from reliab.app.cli.output import write_json, write_line
+from reliab.app.declaration import argument
 
 
-@dataclass(frozen=True, kw_only=True)
-class FetchDemand(Demand):
-    """Options of `reliab fetch`, arguments of `reliab.fetch_dataset`."""
+class _Source(TypedDict):
+    source: Annotated[
+        str, argument("FILE|https://…", "The file in the project's sources, or its https address.")
+    ]
 
-    source: str = argument("FILE|https://…", "The file in the project's sources, or its https address.")
 
-
-@takes(FetchDemand)
-def fetch(demand: FetchDemand) -> None:
+@takes(_Source)
+def fetch(asked: Asked) -> None:
     """Fetch data that are too large for the package, results.nc of real_suite, and compare their checksum."""
     from reliab.app.api.installation import fetch_dataset
 
-    write_line(f"{demand.ask(fetch_dataset)}: the checksum is as listed")
+    fetched = asked.ask(fetch_dataset, "json_target")
+    if not write_json({"file": str(fetched)}, asked.json_target):
+        write_line(f"{fetched}: the checksum is as listed")
 
 
-@dataclass(frozen=True, kw_only=True)
-class SamplesDemand(Demand):
-    """Options of `reliab samples`, arguments of `reliab.copy_samples`."""
-
-    folder: Path = argument(
-        "[FOLDER]", "Folder for the samples; `datasets` by default.", default=Path("datasets")
-    )
+class _Folder(TypedDict):
+    folder: Annotated[
+        Path, argument("[FOLDER]", "Folder for the samples; `datasets` by default.", default=Path("datasets"))
+    ]
 
 
-@takes(SamplesDemand)
-def samples(demand: SamplesDemand) -> None:
+@takes(_Folder)
+def samples(asked: Asked) -> None:
     """Write the samples that come with reliab into a folder; files with other content are not overwritten."""
     from reliab.app.api.installation import copy_samples
 
-    for sample in demand.ask(copy_samples):
-        write_line(str(sample))
+    copied = [str(sample) for sample in asked.ask(copy_samples, "json_target")]
+    if not write_json({"samples": copied}, asked.json_target):
+        for sample in copied:
+            write_line(sample)
 
 
-@dataclass(frozen=True, kw_only=True)
-class InfoDemand(Demand):
-    """Options of `reliab info`."""
-
-    json_target: str | None = JSON_TARGET
-
-
-@takes(InfoDemand)
-def info(demand: InfoDemand) -> None:
+@takes()
+def info(asked: Asked) -> None:
     """Print versions, shipped data and where compiled code is kept, for a bug report."""
     from reliab.app.api.installation import describe_installation
 
-    content = demand.ask(describe_installation, "json_target")
-    if write_json(content, demand.json_target):
+    content = asked.ask(describe_installation, "json_target")
+    if write_json(content, asked.json_target):
         return
     for name, value in content.items():
         if isinstance(value, dict):

@@ -4,17 +4,17 @@ import json
 import sys
 from collections.abc import Mapping
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self, TextIO
+from typing import TYPE_CHECKING, Annotated, Any, Self, TextIO
 
 import typer
 
-from reliab.app.cli import options
-from reliab.app.cli.completion import samples
-from reliab.app.cli.demand import Demand, argument, flag, option, takes
+from reliab.app import completion, outputs, questions
+from reliab.app.cli.commands import Asked, takes
 from reliab.app.cli.output import console, say, table, write_json
 from reliab.app.cli.printable import printable
+from reliab.app.declaration import argument
+from reliab.app.options import OUTPUT
 from reliab.core.errors import InputError
 from reliab.core.files import refuse_unwritable
 from reliab.core.significant_digits import percent, percent_with_interval
@@ -26,85 +26,33 @@ if TYPE_CHECKING:
 _NO = 1  # exit code where the answer is no
 
 
-@dataclass(frozen=True, kw_only=True)
-class MonitorDemand(Demand):
-    """Options of `reliab monitor`, arguments of `reliab.follow_test` and `reliab.export_monitor`."""
-
-    source: str | None = argument(
-        "FILE|-",
-        "CSV file to which the test is or will be written, or - to read rows from standard input; "
-        "or sample_test, which comes with reliab. No file with --export.",
-        default=None,
-        autocompletion=samples,
-    )
-    f: str | None = option("HZ", "Natural frequency, 1 or with its standard deviation 1±0.01.")
-    xi: str | None = option("RATIO", "Damping ratio, 0.02 for 2 %, or 0.02±0.002.")
-    alpha: str = option("SHARE", "Share of the structure's stiffness in the laboratory.", default="1")
-    scale: str | None = option(
-        "RATIO",
-        "Scale of the displacement sensor; 1±0.005 where it may be off by 0.5 %; by default as "
-        "calibrated in --channels, else 1.",
-    )
-    feedback_lag: str = option(
-        "MS", "Time by which the force is fed back late [ms]; not with --model.", default="0"
-    )
-    equipment: Path | None = options.EQUIPMENT_FILE
-    exact: bool = options.TAKEN_AS_EXACT
-    structure: Path | None = option(
-        "FRAME.toml",
-        "File of a frame whose specimen is driven by one actuator or several, in "
-        "place of --f, --xi and --alpha.",
-    )
-    model: Path | None = option(
-        "MODEL.toml", "Model of the test, whose specimen may be nonlinear, in place of --f, --xi and --alpha."
-    )
-    specimen: str | None = option(
-        "linear|measured",
-        "How the specimen is known: linear (default), or measured: learned while the test runs from "
-        "its recorded force, which needs --mass or --structure.",
-    )
-    mass: str | None = options.MASS_OF_STRUCTURE
-    force_channel: list[str] | None = options.HELD_BY_FORCE
-    threshold: float = option(
-        "ERROR", "Largest acceptable error of the whole test, 0.05 for 5 %.", default=0.05
-    )
-    metric: str = options.METRIC_NAME
-    command: str | None = options.COLUMN
-    measured: str | None = options.COLUMN
-    time: str | None = options.COLUMN
-    rate: float | None = option("HZ", "Sampling rate; by default read from the times.")
-    units: str | None = option("m|mm|in...", "Unit of both displacements.")
-    channels: Path | None = options.CHANNELS_FILE
-    every: float = option("SECONDS", "Time of the test between two messages.", default=0.5)
-    wait: float = option(
-        "SECONDS",
-        "Time without new rows after which the test counts as finished; longer than any pause of the test.",
-        default=10.0,
-    )
-    start_within: float = option(
-        "SECONDS",
-        "Time within which the file must appear and have its first row; Ctrl-C ends the waiting.",
-        default=600.0,
-    )
-    export: tuple[str, str] | None = option(
-        "c DIR|fmu FILE|fmu3 FILE",
-        "Write the monitor for use inside the control loop, as C sources or as an FMU of FMI 2.0 or 3.0; "
-        "needs --rate.",
-    )
-    check: bool = flag("Exit with code 1 unless the test is reliable, as `reliab assess` does.")
-    json_target: str | None = option(
-        "FILE|-",
-        "One JSON object per line for each message; '-' prints only these to standard output.",
-        name="--json",
-    )
+class _Source(outputs.Check, total=False):
+    source: Annotated[
+        str | None,
+        argument(
+            "FILE|-",
+            "CSV file to which the test is or will be written, or - to read rows from standard input; "
+            "or sample_test, which comes with reliab. No file with --export.",
+            default=None,
+            completion=completion.samples,
+        ),
+    ]
+    export: Annotated[
+        tuple[str, str] | None,
+        OUTPUT.further(
+            "c DIR|fmu FILE|fmu3 FILE",
+            "Write the monitor for the loop, as C or as an FMU of FMI 2.0 or 3.0; needs `rate`.",
+        ),
+    ]
 
 
-@takes(MonitorDemand)
-def monitor(demand: MonitorDemand) -> None:
+@takes(questions.FollowedTest, _Source)
+def monitor(asked: Asked) -> None:
     """Follow the error of a test while it runs, and judge the whole test at its end.
 
     The verdict at the end is that of `reliab assess` on the same file; exit code 1 where it is not reliable,
-    0 where it is reliable or undecided. With --check the exit code is 1 unless it is reliable.
+    0 where it is reliable or undecided. With --check the exit code is 1 unless it is reliable. With --json
+    one object is written per line for each message.
 
     Alarms are printed as soon as they are raised, and do not change the exit code. The alarm of a loop that
     may diverge is raised in at most one of a hundred stable tests, and not for energy that play explains.
@@ -117,49 +65,52 @@ def monitor(demand: MonitorDemand) -> None:
     such limit. A measured specimen is learned anew whenever the test has grown by a fourth; until its force
     is predicted to 10 % on parts of the test that were held out, no error is stated.
     """
-    if demand.export is not None:
-        _export(demand)
+    if asked.export is not None:
+        _export(asked)
     else:
-        _follow(demand)
+        _follow(asked)
 
 
-def _export(demand: MonitorDemand) -> None:
+def _export(asked: Asked) -> None:
     from reliab.app.api.in_loop import export_monitor
 
-    written = demand.ask(export_monitor, "json_target", why="together with `export`")
-    if demand.json_target is not None:
-        write_json(written.to_dict(), demand.json_target)
-    if demand.json_target != "-":
+    written = asked.ask(export_monitor, "json_target", why="together with `export`")
+    if asked.json_target is not None:
+        write_json(written.to_dict(), asked.json_target)
+    if asked.json_target != "-":
         say(f"Written to {written.path}: {', '.join(written.files)}")
 
 
-def _follow(demand: MonitorDemand) -> None:
+def _follow(asked: Asked) -> None:
+    from reliab.app.api.arguments import stated_threshold
     from reliab.app.api.following import follow_test
 
-    if demand.source is None:
+    if asked.source is None:
         raise InputError(
             "A test can be followed only in a file that is named", remedy="Name it, or - for standard input"
         )
-    messages = demand.ask(
+    messages = asked.ask(
         follow_test, "json_target", "check", say=lambda text: typer.echo(printable(text), file=sys.stderr)
     )
-    quiet = demand.json_target == "-"
-    screen = Screen(metric=demand.metric, threshold=demand.threshold, quiet=quiet)
+    quiet = asked.json_target == "-"
+    screen = Screen(
+        metric=asked.metric or Metric.RMS, threshold=stated_threshold(asked.threshold), quiet=quiet
+    )
     verdict = ""
-    with _opened(demand.json_target) as lines, screen:
+    with _opened(asked.json_target) as lines, screen:
         for message in messages:
             if lines is not None:
                 lines.write(json.dumps(message.to_dict(), allow_nan=False) + "\n")
                 lines.flush()
             screen.show(message)
             verdict = message.to_dict().get("verdict", verdict)
-    if demand.source != "-" and not quiet:
+    if asked.source != "-" and not quiet:
         say(
-            f"No new row came for {demand.wait:g} s: the test counts as finished. When called again, it "
+            f"No new row came for {asked.wait:g} s: the test counts as finished. When called again, it "
             "reads "
             "the file from its beginning; of a replaced file it reads only the new rows."
         )
-    if verdict == "not_reliable" or (demand.check and verdict != "reliable"):
+    if verdict == "not_reliable" or (asked.check and verdict != "reliable"):
         raise typer.Exit(_NO)
 
 

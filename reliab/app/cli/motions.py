@@ -1,16 +1,18 @@
 """``reliab motions``: list, check, import and synthesize ground motions."""
 
 from collections.abc import Sequence
-from dataclasses import MISSING, dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypedDict
 
 import typer
 
-from reliab.app.cli.demand import Demand, argument, option, takes
-from reliab.app.cli.options import JSON_TARGET, SETS
+from reliab.app import questions
+from reliab.app.cli.commands import Asked, Command, takes
 from reliab.app.cli.output import console, say, write_json
 from reliab.app.cli.printable import printable
+from reliab.app.declaration import Files, argument
+from reliab.app.options import OUTPUT
 from reliab.core.significant_digits import counted, significant
 
 if TYPE_CHECKING:
@@ -19,89 +21,66 @@ if TYPE_CHECKING:
 
 app = typer.Typer(no_args_is_help=True, help="Ground motions: list, check, import and synthesize.")
 
-OUT = option("FOLDER", "New or empty folder for the suite.", default=MISSING)
+
+class _Sources(TypedDict, total=False):
+    sources: Annotated[Files, argument("SOURCE...", "Files, folders or a built-in suite (synthetic).")]
 
 
-@dataclass(frozen=True, kw_only=True)
-class MotionsDemand(Demand):
-    """Options of `reliab motions list` and `check`, arguments of `reliab.list_motions`."""
-
-    sources: list[str] = argument("SOURCE...", "Files, folders or a built-in suite (synthetic).")
-    sets: list[str] | None = SETS
-    time_step: float | None = option("SECONDS", "Time step of records that state none.")
-    units: str | None = option("g|cm/s2|m/s2", "Unit of records that state none.")
-    json_target: str | None = JSON_TARGET
+class _Suite(TypedDict, total=False):
+    out: Annotated[Path, OUTPUT.option("FOLDER", "New or empty folder for the suite.", is_required=True)]
 
 
-@dataclass(frozen=True, kw_only=True)
-class ImportDemand(MotionsDemand):
-    """Options of `reliab motions import`, arguments of `reliab.import_motions`."""
-
-    out: Path = OUT
-    event: str | None = option("", "Earthquake to which all imported motions belong.")
-
-
-@dataclass(frozen=True, kw_only=True)
-class SynthesizeDemand(Demand):
-    """Options of `reliab motions synthesize`, arguments of `reliab.synthesize_motions`."""
-
-    out: Path = OUT
-    count: int = option("", "Number of components.", default=100, min=2)
-    seed: int | None = option("", "Seed of a suite other than the built-in one.", min=0)
-    json_target: str | None = JSON_TARGET
-
-
-@app.command("list")
-@takes(MotionsDemand)
-def list_motions(demand: MotionsDemand) -> None:
+@app.command("list", cls=Command)
+@takes(questions.MotionFiles, _Sources)
+def list_motions(asked: Asked) -> None:
     """List motions with their events and measures of intensity."""
     from reliab.app.api.motions import list_motions as api_list_motions
 
-    listed = demand.ask(api_list_motions, "json_target")
+    listed = asked.ask(api_list_motions, "json_target")
     content = listed.to_dict()
-    if not write_json(content, demand.json_target):
+    if not write_json(content, asked.json_target):
         _show_motions(content["motions"])
         for fault in listed.faults:
             line = "" if fault.line is None else f", line {fault.line}"
             value = f"; found {fault.value}" if fault.value else ""
             text = (
-                f"Left out: {_within(fault.file, demand.sources)}{line}: {fault.rule}{value}. {fault.remedy}."
+                f"Left out: {_within(fault.file, asked.sources)}{line}: {fault.rule}{value}. {fault.remedy}."
             )
-            say(demand.in_options(text), style="yellow", soft_wrap=True)
-        _show_notes(listed.skipped, demand.sources)
+            say(asked.in_options(text), style="yellow", soft_wrap=True)
+        _show_notes(listed.skipped, asked.sources)
 
 
-@app.command("check")
-@takes(MotionsDemand)
-def check(demand: MotionsDemand) -> None:
+@app.command("check", cls=Command)
+@takes(questions.MotionFiles, _Sources)
+def check(asked: Asked) -> None:
     """Read every record; report all faults (exit code 2), and note what deserves a look."""
     from reliab.app.api.motions import check_motions
 
-    checked = demand.ask(check_motions, "json_target")
-    if not write_json(checked.to_dict(), demand.json_target):
-        faults = [replace(fault, remedy=demand.in_options(fault.remedy)) for fault in checked.faults]
-        _show_faults(faults, checked.records, demand.sources)
-        _show_notes(checked.notes, demand.sources)
+    checked = asked.ask(check_motions, "json_target")
+    if not write_json(checked.to_dict(), asked.json_target):
+        faults = [replace(fault, remedy=asked.in_options(fault.remedy)) for fault in checked.faults]
+        _show_faults(faults, checked.records, asked.sources)
+        _show_notes(checked.notes, asked.sources)
     if checked.faults:
         raise typer.Exit(2)
 
 
-@app.command("import")
-@takes(ImportDemand)
-def import_motions(demand: ImportDemand) -> None:
+@app.command("import", cls=Command)
+@takes(questions.ImportedMotions, _Sources, _Suite)
+def import_motions(asked: Asked) -> None:
     """Rewrite motions as a suite: one text format in m/s² and a catalogue."""
     from reliab.app.api.motions import import_motions as api_import_motions
 
-    _say_written(demand.ask(api_import_motions, "json_target"), demand.json_target)
+    _say_written(asked.ask(api_import_motions, "json_target"), asked.json_target)
 
 
-@app.command("synthesize")
-@takes(SynthesizeDemand)
-def synthesize(demand: SynthesizeDemand) -> None:
+@app.command("synthesize", cls=Command)
+@takes(questions.SyntheticSuite, _Suite)
+def synthesize(asked: Asked) -> None:
     """Write the synthetic suite, which needs no record."""
     from reliab.app.api.motions import synthesize_motions
 
-    _say_written(demand.ask(synthesize_motions, "json_target"), demand.json_target)
+    _say_written(asked.ask(synthesize_motions, "json_target"), asked.json_target)
 
 
 def _say_written(written: "WrittenSuite", json_target: str | None) -> None:

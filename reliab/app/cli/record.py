@@ -1,16 +1,17 @@
 """`reliab record`: any laboratory's file as one open record, or what is wrong with one."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Annotated, TypedDict
 
 import typer
 
-from reliab.app.cli.demand import argument, flag, option, takes
-from reliab.app.cli.options import JSON_TARGET, ReadsTests
+from reliab.app import questions
+from reliab.app.cli.commands import Asked, takes
 from reliab.app.cli.output import console, say, table, write_json
+from reliab.app.declaration import argument
+from reliab.app.options import OUTPUT, TEST
 from reliab.core.errors import InputError
+from reliab.sweep.several import Names
 
 if TYPE_CHECKING:
     from reliab.app.api.records import Record
@@ -18,51 +19,38 @@ if TYPE_CHECKING:
 _COLUMNS = {"channel": "left", "column": "left", "unit": "left", "factor to SI": "right", "reason": "left"}
 
 
-@dataclass(frozen=True, kw_only=True)
-class RecordDemand(ReadsTests):
-    """Options of `reliab record`, arguments of `reliab.record`."""
-
-    sources: list[Path] = argument("FILE...", "Files of a laboratory; with --check records.")
-    out: Path | None = option("TEST.nc", "The record; of several files a folder of records.")
-    csv: Path | None = option("TEST.csv", "The recognised channels as CSV, in SI units.")
-    f: str | None = option("HZ", "Natural frequency, 1 or 1±0.01.")
-    xi: str | None = option("RATIO", "Damping ratio, 0.02.")
-    alpha: str | None = option("SHARE", "Share of the structure's stiffness in the laboratory.")
-    mass: str | None = option("KG", "Mass of the structure.")
-    specimen: str = option("TEXT", "Specimen that was tested.", default="")
-    rig: str = option("TEXT", "Rig of the test.", default="")
-    operator: str = option("TEXT", "By whom.", default="")
-    date: str = option("DATE", "When.", default="")
-    attribute: list[str] | None = option("NAME=TEXT...", "Further attributes of the record.")
-    check: bool = flag("Check records; exit with code 1 unless all are valid.")
-    json_target: str | None = JSON_TARGET
-
-    belongs_to: ClassVar[Mapping[str, str]] = {}
+class _Files(TypedDict, total=False):
+    sources: Annotated[list[Path], argument("FILE...", "Files of a laboratory; with --check records.")]
+    out: Annotated[
+        Path | None, OUTPUT.option("TEST.nc", "The record; for several files a folder of records.")
+    ]
+    attribute: Annotated[Names | None, TEST.further("NAME=TEXT...", "Further attributes of the record.")]
+    check: Annotated[bool, OUTPUT.flag("Check records; exit with code 1 unless all are valid.")]
 
 
-@takes(RecordDemand)
-def record(demand: RecordDemand) -> None:
+@takes(questions.RecordedTest, _Files)
+def record(asked: Asked) -> None:
     """Recognise the channels of a laboratory's file, and keep them as one open record."""
-    if demand.check:
-        _check(demand)
+    if asked.check:
+        _check(asked)
         return
-    if demand.csv is not None and len(demand.sources) > 1:
+    if asked.csv is not None and len(asked.sources) > 1:
         raise InputError(
-            "A CSV file holds one test only", value=f"{len(demand.sources)} files", remedy="Name one file"
+            "A CSV file holds one test only", value=f"{len(asked.sources)} files", remedy="Name one file"
         )
-    _require_own_names(demand)
-    records = [_record(source, demand) for source in demand.sources]
+    _require_own_names(asked)
+    records = [_record(source, asked) for source in asked.sources]
     contents = [record.to_dict() for record in records]
-    if not write_json(contents[0] if len(contents) == 1 else contents, demand.json_target):
+    if not write_json(contents[0] if len(contents) == 1 else contents, asked.json_target):
         for answer in records:
             _show(answer)
 
 
-def _require_own_names(demand: RecordDemand) -> None:
+def _require_own_names(asked: Asked) -> None:
     """Refuse files of which one would be written over the record of another."""
-    stems = [source.stem for source in demand.sources]
+    stems = [source.stem for source in asked.sources]
     twice = next((stem for stem in stems if stems.count(stem) > 1), None)
-    if demand.out is not None and twice is not None:
+    if asked.out is not None and twice is not None:
         raise InputError(
             "Files that are kept in one folder must have different names",
             value=f"{stems.count(twice)} files {twice}",
@@ -70,19 +58,19 @@ def _require_own_names(demand: RecordDemand) -> None:
         )
 
 
-def _record(source: Path, demand: RecordDemand) -> "Record":
+def _record(source: Path, asked: Asked) -> "Record":
     from reliab.app.api.records import record as api_record
 
-    out = demand.out
-    if out is not None and len(demand.sources) > 1:
+    out = asked.out
+    if out is not None and len(asked.sources) > 1:
         out.mkdir(parents=True, exist_ok=True)
         out = out / f"{source.stem}.nc"
-    return demand.ask(
+    return asked.ask(
         api_record,
         *("sources", "attribute", "json_target"),
         source=source,
         out=out,
-        attributes=dict(map(_attribute, demand.attribute or [])),
+        attributes=dict(map(_attribute, asked.attribute or [])),
     )
 
 
@@ -95,12 +83,12 @@ def _attribute(text: str) -> tuple[str, str]:
     return name, value
 
 
-def _check(demand: RecordDemand) -> None:
+def _check(asked: Asked) -> None:
     from reliab.app.api.records import check_records
 
-    demand.refuse_all_but(("sources", "check", "json_target"), "together with `check`")
-    faults = check_records(demand.sources)
-    if not write_json(faults, demand.json_target):
+    asked.refuse_all_but(("sources", "check", "json_target"), "together with `check`")
+    faults = check_records(asked.sources)
+    if not write_json(faults, asked.json_target):
         for file, sentences in faults.items():
             console().print(
                 f"{file}: {'a valid record' if not sentences else 'not a valid record'}", markup=False

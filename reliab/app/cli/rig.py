@@ -1,101 +1,58 @@
 """`reliab rig`: the tests of a rig come, are listed, shown and removed; what they teach is asked."""
 
 from collections.abc import Mapping
-from dataclasses import MISSING, dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Annotated, Any, TypedDict
 
 import typer
 
-from reliab.app.cli import options
-from reliab.app.cli.demand import Demand, argument, option, takes
+from reliab.app import outputs, questions
+from reliab.app.cli.commands import Asked, Command, takes
 from reliab.app.cli.output import console, progress_bar, say, table, write_json, write_line
+from reliab.app.declaration import argument
+from reliab.app.options import OUTPUT
 from reliab.core.errors import InputError
 from reliab.core.significant_digits import percent, significant
+from reliab.sweep.several import Names
 
 app = typer.Typer(
     no_args_is_help=True, help="A laboratory's memory: keep a rig's tests, predict the next, notice drift."
 )
 
-RIG = argument("RIG", "Folder of the rig.")
+_RIG = argument("RIG", "Folder of the rig.")
 
 
-@dataclass(frozen=True, kw_only=True)
-class AddDemand(options.ReadsTests):
-    """Options of `reliab rig add`, arguments of `reliab.add_to_rig`."""
-
-    rig: Path = argument("RIG", "Folder of the rig, made where there is none.")
-    tests: list[Path] = argument("FILE...", "Tests, in any format that `reliab assess` reads.")
-    f: str | None = option("HZ", "Natural frequency, 1 or 1±0.01.")
-    xi: str | None = options.STATED_DAMPING_RATIO
-    alpha: str | None = options.STATED_SHARE
-    scale: str | None = options.SENSOR_SCALE
-    feedback_lag: str | None = options.FEEDBACK_LAG
-    mass: str | None = options.MASS_OF_STRUCTURE
-    skew: str | None = options.CHANNEL_SKEW
-    equipment: Path | None = options.EQUIPMENT_FILE
-    exact: bool = options.TAKEN_AS_EXACT
-    criterion: Path | None = options.CRITERION_FILE
-    structure: Path | None = options.STRUCTURE_FILE
-    threshold: float | None = options.ERROR_THRESHOLD
-    date: str | None = option("DATE", "When they were performed, 2026-03-01 or with a time.")
-    event: str | None = option("TEXT", "Earthquake of their ground motion.")
-    specimen: str | None = option("TEXT", "Specimen that was tested.")
-    note: str | None = option("TEXT", "Further remarks.")
-    covariate: list[str] | None = option(
-        "NAME=NUMBER...", "Quantities on which the rig may depend, such as current=0.4."
-    )
-    json_target: str | None = options.JSON_TARGET
-
-    idle_beside: ClassVar[Mapping[str, Any]] = {"structure": ("f", "xi", "alpha", "mass")}
+class _Rig(TypedDict, total=False):
+    rig: Annotated[Path, _RIG]
 
 
-@dataclass(frozen=True, kw_only=True)
-class ListDemand(Demand):
-    """Options of `reliab rig list`, arguments of `reliab.list_rig`."""
-
-    rig: Path = RIG
-    json_target: str | None = options.JSON_TARGET
+class _Added(_Rig, total=False):
+    tests: Annotated[list[Path], argument("FILE...", "Tests, in any format that `reliab assess` reads.")]
 
 
-@dataclass(frozen=True, kw_only=True)
-class ShowDemand(Demand):
-    """Options of `reliab rig show`, arguments of `reliab.show_rig_test`."""
-
-    rig: Path = RIG
-    test: str = argument("TEST", "Name of the test, or first digits of its checksum.")
-    json_target: str | None = options.JSON_TARGET
+class _Shown(_Rig, total=False):
+    test: Annotated[str, argument("TEST", "Name of the test, or first digits of its checksum.")]
 
 
-@dataclass(frozen=True, kw_only=True)
-class RemoveDemand(Demand):
-    """Options of `reliab rig remove`, arguments of `reliab.remove_from_rig`."""
-
-    rig: Path = RIG
-    tests: list[str] = argument("TEST...", "Names, or first digits of checksums.")
-    json_target: str | None = options.JSON_TARGET
+class _Removed(_Rig, total=False):
+    tests: Annotated[Names, argument("TEST...", "Names, or first digits of checksums.")]
 
 
-@dataclass(frozen=True, kw_only=True)
-class ExportDemand(Demand):
-    """Options of `reliab rig export`, arguments of `reliab.export_rig`."""
-
-    rig: Path = RIG
-    out: Path = option("FILE.csv", "The table as CSV.", default=MISSING, callback=options.written_as(".csv"))
-    json_target: str | None = options.JSON_TARGET
+class _Exported(_Rig, total=False):
+    out: Annotated[Path, OUTPUT.option("FILE.csv", "The table as CSV.", is_required=True, endings=(".csv",))]
 
 
-@app.command("add")
-@takes(AddDemand)
-def add(demand: AddDemand) -> None:
+@app.command("add", cls=Command)
+@takes(questions.AddedTest, _Added)
+def add(asked: Asked) -> None:
     """Judge tests and keep them: record, verdict and indices."""
     from reliab.app.api.rigs import add_to_rig
 
     with progress_bar("tests") as progress:
-        outcome = demand.ask(add_to_rig, "json_target", show=progress)
+        outcome = asked.ask(add_to_rig, "json_target", show=progress)
     content = outcome.to_dict()
-    content["faults"] = {file: demand.in_options(fault) for file, fault in content["faults"].items()}
-    if not write_json(content, demand.json_target):
+    content["faults"] = {file: asked.in_options(fault) for file, fault in content["faults"].items()}
+    if not write_json(content, asked.json_target):
         show_added(content)
     if outcome.faults:
         raise InputError(
@@ -105,117 +62,77 @@ def add(demand: AddDemand) -> None:
         )
 
 
-@app.command("list")
-@takes(ListDemand)
-def list_tests(demand: ListDemand) -> None:
+@app.command("list", cls=Command)
+@takes(_Rig)
+def list_tests(asked: Asked) -> None:
     """List the tests of a rig, and where it has changed."""
     from reliab.app.api.rigs import list_rig
 
-    listed = demand.ask(list_rig, "json_target")
+    listed = asked.ask(list_rig, "json_target")
     content = listed.to_dict()
-    if not write_json(content, demand.json_target):
+    if not write_json(content, asked.json_target):
         show_list(content)
 
 
-@app.command("show")
-@takes(ShowDemand)
-def show(demand: ShowDemand) -> None:
+@app.command("show", cls=Command)
+@takes(_Shown)
+def show(asked: Asked) -> None:
     """Show all that is kept of a test."""
     from reliab.app.api.rigs import show_rig_test
 
-    content = demand.ask(show_rig_test, "json_target")
-    if not write_json(content, demand.json_target):
+    content = asked.ask(show_rig_test, "json_target")
+    if not write_json(content, asked.json_target):
         show_test(content)
 
 
-@app.command("remove")
-@takes(RemoveDemand)
-def remove(demand: RemoveDemand) -> None:
+@app.command("remove", cls=Command)
+@takes(_Removed)
+def remove(asked: Asked) -> None:
     """Remove tests from a rig."""
     from reliab.app.api.rigs import remove_from_rig
 
-    removed = demand.ask(remove_from_rig, "json_target")
-    if not write_json({"removed": list(removed)}, demand.json_target):
+    removed = asked.ask(remove_from_rig, "json_target")
+    if not write_json({"removed": list(removed)}, asked.json_target):
         write_line(f"Removed: {', '.join(removed)}.")
 
 
-@app.command("export")
-@takes(ExportDemand)
-def export(demand: ExportDemand) -> None:
+@app.command("export", cls=Command)
+@takes(_Exported)
+def export(asked: Asked) -> None:
     """Write the table of a rig's tests as CSV."""
     from reliab.app.api.rigs import export_rig
 
-    tests = demand.ask(export_rig, "json_target")
-    if not write_json({"out": str(demand.out), "tests": tests}, demand.json_target):
-        write_line(f"{tests} tests written to {demand.out}")
+    tests = asked.ask(export_rig, "json_target")
+    if not write_json({"out": str(asked.out), "tests": tests}, asked.json_target):
+        write_line(f"{tests} tests written to {asked.out}")
 
 
-@dataclass(frozen=True, kw_only=True)
-class OfNextTest(Demand):
-    """Options about the structure of the next test, and the error that it may have."""
-
-    f: str | None = option("HZ", "Natural frequency.")
-    xi: str | None = option("RATIO", "Damping ratio, 0.02 by default.")
-    alpha: str | None = option("SHARE", "Share of the stiffness in the laboratory, 1 by default.")
-    threshold: float | None = options.ERROR_THRESHOLD
-
-
-@dataclass(frozen=True, kw_only=True)
-class PredictDemand(OfNextTest):
-    """Options of `reliab rig predict`, arguments of `reliab.predict_rig`."""
-
-    rig: Path = RIG
-    structure: Path | None = options.STRUCTURE_FILE
-    motion: Path | None = option(
-        "FILE", "Ground motion of the next test, simulated with actuators drawn from the posterior."
-    )
-    suite: str | None = option(
-        "NAME", "Suite of which the next motion may be any: real_suite, synthetic, or a folder."
-    )
-    date: str | None = option("DATE", "Date of the next test; after the last test by default.")
-    specimen: str | None = option("TEXT", "Specimen of the next test; by default that of the last test.")
-    covariate: list[str] | None = option(
-        "NAME=NUMBER...", "Quantities of the next test that all tests have, such as peak_mm=40."
-    )
-    json_target: str | None = options.JSON_TARGET
-
-
-@app.command("predict")
-@takes(PredictDemand)
-def predict(demand: PredictDemand) -> None:
+@app.command("predict", cls=Command)
+@takes(questions.NextTest, _Rig)
+def predict(asked: Asked) -> None:
     """Predict the next test: A, d and error with their intervals, and the probability that it is good."""
     from reliab.app.api.rig_answers import predict_rig
 
-    content = demand.ask(predict_rig, "json_target").to_dict()
-    if not write_json(content, demand.json_target):
+    content = asked.ask(predict_rig, "json_target").to_dict()
+    if not write_json(content, asked.json_target):
         show_prediction(content)
 
 
-@dataclass(frozen=True, kw_only=True)
-class RigReportDemand(options.Reported):
-    """Options of `reliab rig report`, arguments of `reliab.report_rig`."""
-
-    rig: Path = RIG
-    out: Path = option("FILE.pdf", "The report.", default=MISSING, callback=options.written_as(".pdf"))
-    f: str | None = option("HZ", "Natural frequency; by default that of the last test.")
-    xi: str | None = option("RATIO", "Damping ratio; by default that of the last test.")
-    alpha: str | None = option(
-        "SHARE", "Share of the stiffness in the laboratory; by default that of the last test."
-    )
-    threshold: float | None = option(
-        "ERROR", "Largest acceptable error of the whole test; by default that of the last test."
-    )
-    json_target: str | None = options.JSON_TARGET
+class _Reported(_Rig, total=False):
+    out: Annotated[Path, OUTPUT.option("FILE.pdf", "The report.", is_required=True, endings=(".pdf",))]
 
 
-@app.command("report")
-@takes(RigReportDemand)
-def report(demand: RigReportDemand) -> None:
-    """Write two pages on what the rig does and what to expect of its next test, and an appendix."""
+@app.command("report", cls=Command)
+@takes(questions.RigReport, outputs.Cover, _Reported)
+def report(asked: Asked) -> None:
+    """Write two pages on what the rig does and what to expect of its next test, and an appendix.
+
+    What is not stated of the next test is as in the last one.
+    """
     from reliab.app.api.rig_answers import report_rig
 
-    written = demand.ask(report_rig, *options.OF_REPORT, "json_target", setting=demand.setting)
-    if not write_json({"report": str(written)}, demand.json_target):
+    written = asked.ask(report_rig, *outputs.Cover.__annotations__, "json_target", setting=asked.setting())
+    if not write_json({"report": str(written)}, asked.json_target):
         write_line(f"Report: {written}")
 
 

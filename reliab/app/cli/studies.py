@@ -1,42 +1,37 @@
 """`reliab run` and `report`: a study from its motions to the report, and its report again."""
 
-from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
-from reliab.app.cli import options
-from reliab.app.cli.completion import studies
-from reliab.app.cli.demand import argument, flag, option, takes
+from reliab.app import completion, options, outputs
+from reliab.app.cli.commands import Asked, takes
 from reliab.app.cli.output import console, progress_bar, say, table, write_json
+from reliab.app.declaration import argument
+
+_COVER = tuple(outputs.Cover.__annotations__)
 
 
-@dataclass(frozen=True, kw_only=True)
-class RunDemand(options.Reported):
-    """Options of `reliab run`, arguments of `reliab.perform_study`."""
-
-    study: str = argument(
-        "[STUDY]",
-        "Folder or file of a study, or the name of one that comes with reliab. Code in the folder is "
-        "executed.",
-        default="quick",
-        autocompletion=studies,
-    )
-    out: Path | None = option("DIR", "Run folder; reliab-run/STUDY by default.")
-    motions: list[str] | None = options.MOTIONS
-    sets: list[str] | None = options.SETS
-    list_all: bool = flag("List the studies that ship.", name="--list")
-    json_target: str | None = options.JSON_TARGET
+class _Study(options.MotionSource, outputs.Folder, outputs.Listing, outputs.Cover, total=False):
+    study: Annotated[
+        str,
+        argument(
+            "[STUDY]",
+            "Folder or file of a study, or the name of one that comes with reliab. Code in the folder is "
+            "executed.",
+            default="quick",
+            completion=completion.studies,
+        ),
+    ]
 
 
-@takes(RunDemand)
-def run(demand: RunDemand) -> None:
+@takes(_Study)
+def run(asked: Asked) -> None:
     """Run a study: simulate, fit, derive, validate, report."""
     from reliab.app.api.studies import list_studies, perform_study
 
-    if demand.list_all:
-        content = demand.ask(
-            list_studies, "list_all", "json_target", why="together with `list_all`"
-        ).to_dict()
-        if not write_json(content, demand.json_target):
+    if asked.list_all:
+        content = asked.ask(list_studies, "list_all", "json_target", why="together with `list_all`").to_dict()
+        if not write_json(content, asked.json_target):
             shown = table("Studies that ship", {"study": "left", "kind": "left", "title": "left"})
             for row in content["studies"]:
                 shown.add_row(*row.values())
@@ -44,27 +39,25 @@ def run(demand: RunDemand) -> None:
         return
 
     def tell(name: str, done: bool) -> None:  # noqa: FBT001 - called by position
-        if demand.json_target != "-":
+        if asked.json_target != "-":
             say(f"{'done' if done else 'kept':>5}  {name}")
 
-    performed = demand.ask(perform_study, *options.OF_REPORT, "json_target", show=progress_bar, tell=tell)
-    if not write_json(performed.to_dict(), demand.json_target):
+    performed = asked.ask(
+        perform_study, *_COVER, "json_target", setting=asked.setting(), show=progress_bar, tell=tell
+    )
+    if not write_json(performed.to_dict(), asked.json_target):
         say(f"Report: {performed.report}")
 
 
-@dataclass(frozen=True, kw_only=True)
-class ReportDemand(options.Reported):
-    """Options of `reliab report`, arguments of `reliab.report_run`."""
-
-    folder: Path = argument("DIR", "Run folder that `reliab run` wrote.")
-    json_target: str | None = options.JSON_TARGET
+class _Run(outputs.Cover, total=False):
+    folder: Annotated[Path, argument("DIR", "Run folder that `reliab run` wrote.")]
 
 
-@takes(ReportDemand)
-def report(demand: ReportDemand) -> None:
+@takes(_Run)
+def report(asked: Asked) -> None:
     """Write the PDF of a finished run again, from its folder alone."""
     from reliab.app.api.studies import report_run
 
-    written = demand.ask(report_run, *options.OF_REPORT, "json_target")
-    if not write_json(written.to_dict(), demand.json_target):
+    written = asked.ask(report_run, *_COVER, "json_target", setting=asked.setting())
+    if not write_json(written.to_dict(), asked.json_target):
         say(f"Report: {written.report}")

@@ -1,93 +1,46 @@
 """`reliab validate`: whether criteria hold on motions that they have not seen."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypedDict
 
-from reliab.app.cli import options
-from reliab.app.cli.completion import laws, methods
-from reliab.app.cli.demand import Demand, flag, option, takes
+from reliab.app import questions
+from reliab.app.cli.commands import Asked, takes
 from reliab.app.cli.output import console, progress_bar, say, table, write_json
+from reliab.app.options import METHOD
 from reliab.core.significant_digits import percent
 
 if TYPE_CHECKING:
     from rich.table import Table
 
 
-@dataclass(frozen=True, kw_only=True)
-class ValidateDemand(Demand):
-    """Options of `reliab validate`; each way of judging is a function that takes some of them."""
-
-    motions: list[str] | None = options.MOTIONS
-    sets: list[str] | None = options.SETS
-    results: Path | None = options.RESULTS
-    ellipses: Path | None = options.ELLIPSES
-    f: list[float] | None = options.FREQUENCIES
-    xi: list[float] | None = options.DAMPING_RATIOS
-    threshold: float | None = option(
-        "ERROR", "Largest acceptable error of the whole test, 0.05 (5 %) by default."
-    )
-    metric: str = options.METRIC_NAME
-    window: str | None = options.WINDOW_IF_GIVEN
-    alpha: list[float] | None = options.FRACTIONS
-    scheme: str | None = option(
-        "NAME",
-        "How motions are divided: leave_one_event_out (default), k_fold or random_halves of "
-        "earthquakes; region, magnitude or length: each class of them left out.",
-    )
-    leave_out: str | None = option("f|xi", "Also leave out each frequency or damping ratio in turn.")
-    learn: list[str] | None = option(
-        "SET...", "Sets of --motions to learn from, or real_suite: the shipped results of 100 real motions."
-    )
-    judge: list[str] | None = option(
-        "SET...", "Sets of --motions to judge; all of them with --learn real_suite."
-    )
-    method: list[str] | None = option(
-        "NAME...",
-        "What the confidence means, one or several methods; dirichlet by default.",
-        autocompletion=methods,
-    )
-    joint: bool | None = option(
-        "",
-        "Whether the confidence holds for a and b together or for each of them separately; by "
-        "default as the method defines it.",
-        name="--joint/--each",
-    )
-    law: list[str] | None = option(
-        "NAME...", "Fitted or printed laws; table and printed by default.", autocompletion=laws
-    )
-    confidence: list[float] | None = option("SHARE...", "Shares of the motions that the criteria state.")
-    trials: int | None = option(
-        "",
-        "Tests per structure, near the boundaries, 512 by default.",
-        min=1,
-    )
-    calibration: bool = flag("Compare the stated probabilities with the shares of tests that are good.")
-    json_target: str | None = options.JSON_TARGET
+class _Ways(TypedDict, total=False):
+    calibration: Annotated[
+        bool, METHOD.flag("Compare the stated probabilities with the shares of tests that are good.")
+    ]
 
 
-@takes(ValidateDemand)
-def validate(demand: ValidateDemand) -> None:
+@takes(questions.Validation, _Ways)
+def validate(asked: Asked) -> None:
     """Test criteria on earthquakes from which they were not learned."""
     from reliab.app.api.validation import calibrate_probabilities, validate_criteria
 
-    if demand.calibration:
-        _answer(demand, "calibration", calibrate_probabilities, show_probabilities)
+    if asked.calibration:
+        _answer(asked, "calibration", calibrate_probabilities, show_probabilities)
     else:
-        _answer(demand, "", validate_criteria, show_criteria)
+        _answer(asked, "", validate_criteria, show_criteria)
 
 
 def _answer(
-    demand: ValidateDemand,
+    asked: Asked,
     way: str,
     service: Callable[..., Any],
     show: Callable[[dict[str, Any]], None],
 ) -> None:
     """Ask for a way of judging; write and print what it answers."""
     why = f"together with `{way}`" if way else ""
-    content = demand.ask(service, *filter(None, ["json_target", way]), why=why, show=progress_bar).to_dict()
-    if not write_json(content, demand.json_target):
+    names = [*filter(None, ["json_target", way])]
+    content = asked.ask(service, *names, why=why, show=progress_bar).to_dict()
+    if not write_json(content, asked.json_target):
         show(content)
 
 

@@ -96,7 +96,7 @@ def answer(folder):
 
 def test_no_option_is_left_out():
     command = typer.main.get_command(app)
-    options = {name for parameter in command.params for name in parameter.opts if name.startswith("--")}
+    options = {parameter.opts[0] for parameter in command.params if parameter.opts[0].startswith("--")}
     assert options - {"--help", "--install-completion", "--show-completion"} == {*CHANGES, *SEEN_ELSEWHERE}
 
 

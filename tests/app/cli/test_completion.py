@@ -29,3 +29,11 @@ def test_names_are_completed(command, option, begun, names):
     (parameter,) = [item for item in COMMANDS[command].params if item.name == option]
     context = typer.Context(COMMANDS[command], info_name=command)
     assert [item.value for item in parameter.shell_complete(context, begun)] == names
+
+
+def test_options_that_help_leaves_out_are_completed():
+    command = COMMANDS["assess"]
+    completed = {
+        item.value for item in command.shell_complete(typer.Context(command, info_name="assess"), "--")
+    }
+    assert {"--f", "--skew", "--help-all"} <= completed

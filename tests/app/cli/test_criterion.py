@@ -155,7 +155,7 @@ def test_rejected_lognormality_is_said():
 @pytest.mark.parametrize(
     ("wrong", "rule"),
     [
-        ((), r"come from exactly one source.*found 0"),
+        (("--sets", "a"), r"come from exactly one source.*found 0"),
         (("--law", "guo_2017_11"), "The law must be one of the known ones"),
         (("--law", "guo_2017_15", "--xi", 0.05), "lie where the law is valid"),
         (("--ellipses", TABLE2, "--law", "magic"), "The law must be one of the known ones"),

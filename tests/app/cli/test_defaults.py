@@ -1,9 +1,11 @@
 """A laboratory's own defaults: from the user's folder or a named file; never what decides or is written."""
 
 import json
+from functools import wraps
 
 import pytest
 
+import reliab
 from reliab.app.cli import _commands, run
 from reliab.app.cli.defaults import COMMAND_LINE_ONLY, user_file
 from reliab.core.shipped import shipped
@@ -89,7 +91,7 @@ def test_the_environment_names_another_file(folder, capsys, monkeypatch):
 
 @pytest.mark.parametrize(
     "text",
-    ["[assess\n", "[judge]\nf = 1\n", "f = 1\n", "[assess]\nfrequency = 1\n", "[motions]\nsets = 1\n"],
+    ["[assess\n", "[judge]\nf = 1\n", "f = 1\n", "[assess]\npitch = 1\n", "[motions]\nsets = 1\n"],
 )
 def test_what_does_not_exist_is_refused(folder, capsys, text):
     (folder / "lab.toml").write_text(text, encoding="utf-8")
@@ -107,3 +109,27 @@ def test_a_config_without_a_file_is_refused(capsys, named):
 def test_a_default_of_the_wrong_kind_is_refused(folder):
     (folder / "lab.toml").write_text('[assess]\nrate = "much"\n', encoding="utf-8")
     assert run(["assess", TEST, "--config", "lab.toml", "--f", "1", "--xi", "0.02"]) == 2
+
+
+class Judged:
+    reliable = True
+
+    def to_dict(self):
+        return {}
+
+
+def test_a_default_of_the_structure_is_idle_beside_a_frame(folder, monkeypatch):
+    asked = {}
+
+    @wraps(reliab.assess)
+    def assess(**stated):
+        asked.clear()
+        asked.update(stated)
+        return Judged()
+
+    monkeypatch.setattr("reliab.app.api.assessment.assess", assess)
+    (folder / "lab.toml").write_text(LABORATORY, encoding="utf-8")
+    assert run(["assess", TEST, "--config", "lab.toml", "--structure", "frame.toml", "--json", "-"]) == 0
+    assert asked.keys().isdisjoint({"f", "xi", "alpha"})
+    assert run(["assess", TEST, "--config", "lab.toml", "--json", "-"]) == 0
+    assert (asked["f"], asked["xi"]) == ("1±0.01", "0.02")

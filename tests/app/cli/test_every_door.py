@@ -14,6 +14,7 @@ import reliab
 from reliab.app import cli
 from reliab.app.api import derived_criteria, explorer, simulation, sources, studies, validation
 from reliab.app.api.criteria import derive_criteria
+from reliab.app.api.design import design_test
 from reliab.app.api.diagnosis import diagnose_campaign, report_diagnosis
 from reliab.app.api.explorer import write_explorer
 from reliab.app.api.following import follow_test
@@ -27,7 +28,7 @@ from reliab.app.api.simulation import simulate_suite
 from reliab.app.api.studies import list_studies, perform_study, report_run
 from reliab.app.api.tracing import trace_boundaries
 from reliab.app.api.validation import calibrate_probabilities, validate_criteria
-from reliab.app.cli.demand import as_options
+from reliab.app.cli.commands import as_options
 from reliab.core.shipped import shipped
 from reliab.criterion.ellipse_reading import read_ellipses
 from reliab.report.setting import Setting
@@ -35,6 +36,7 @@ from reliab.report.setting import Setting
 COMMAND = typer.main.get_group(cli.application())
 DRAWS = [60, pytest.param(160, marks=pytest.mark.slow)]
 SERVICES: dict[str, Any] = {
+    "design": [design_test],
     "simulate": [simulate_suite],
     "ellipses": [trace_boundaries],
     "criterion": [derive_criteria],
@@ -62,7 +64,7 @@ SERVICES: dict[str, Any] = {
     "rig report": [report_rig],
 }
 OF_REPORT = {"title", "date", "paper", "laboratory", "logo"}
-CHOOSE_A_SERVICE = {"list_all", "calibration", "rebuilt_error", "check"}
+CHOOSE_A_SERVICE = {"list_all", "calibration", "rebuilt_error", "check", "figure"}
 OF_SEVERAL = {"sources": "source", "attribute": "attributes"}
 OF_PYTHON = {"show", "tell", "say", "addition"}
 
@@ -80,7 +82,7 @@ def test_every_command_but_those_of_a_verdict_is_compared():
         for name, command in COMMAND.commands.items()
         for inner in getattr(command, "commands", {"": None})
     }
-    assert leaves == {*SERVICES, "assess", "compare", "desk"}
+    assert leaves == {*SERVICES, "assess", "compare", "extrapolate", "desk"}
 
 
 @pytest.mark.parametrize("name", SERVICES)

@@ -1,16 +1,16 @@
-"""`reliab assess`: the verdict on a test, or what is tolerable before one."""
+"""`reliab assess`, `design` and `extrapolate`: the verdict on a test, and what is tolerable before one."""
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from reliab.app.cli import options
-from reliab.app.cli.completion import samples
-from reliab.app.cli.demand import Demand, argument, flag, option, takes
+from reliab.app import options, outputs, questions
+from reliab.app.cli.commands import Asked, takes
+from reliab.app.cli.test_files import files_of
+from reliab.app.options import OUTPUT
 from reliab.core.errors import InputError
 from reliab.core.progress import silent
 
@@ -19,148 +19,175 @@ if TYPE_CHECKING:
     from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment
     from reliab.assessment.several import Assessments
 
-
-@dataclass(frozen=True, kw_only=True)
-class Answered(Demand):
-    """Options of `reliab assess` about what becomes of the verdict."""
-
-    design: bool = flag(
-        "Before a test: print how much amplitude error and delay the rig may have, for each --f and "
-        "--confidence; both may be given several times."
-    )
-    figure: Path | None = option(
-        "FILE.svg|png|pdf",
-        "With --design: chart of tolerable errors over f.",
-        callback=options.written_as(".svg", ".png", ".pdf"),
-    )
-    corrected: Path | None = option(
-        "FILE.csv|nc",
-        "Write the response that a perfect actuator would have produced, with its band.",
-        callback=options.written_as(".csv", ".nc"),
-    )
-    same_test: bool = flag(
-        "The files are runs of one test with different delays or gains of the actuator: their "
-        "responses are extrapolated to zero error, for which neither structure nor specimen needs to be "
-        "known."
-    )
-    report: Path | None = option(
-        "FILE.pdf",
-        "Write a report of two pages, to be filed with the test.",
-        callback=options.written_as(".pdf"),
-    )
-    out: Path | None = option(
-        "FILE.csv",
-        "Write the verdicts as a table, one row for each test.",
-        callback=options.written_as(".csv"),
-    )
-    details: bool = flag("Print all results, not only the most important ones.")
-    check: bool = flag("Exit with code 1 unless the test is reliable.")
-    json_target: str | None = options.JSON_TARGET
+_USED = ("tests", "out", "check", "json_target")
 
 
-@dataclass(frozen=True, kw_only=True)
-class AssessDemand(options.JudgesTests, Answered, options.ReadsTests, options.Reported):
-    """Options of `reliab assess`; those of the verdict are arguments of `reliab.assess`."""
+class _OneTest(outputs.Tests, outputs.Check, outputs.Cover, total=False):
+    details: Annotated[bool, OUTPUT.flag("Print all results, not only the most important ones.")]
+    report: Annotated[
+        Path | None,
+        OUTPUT.option(
+            "FILE.pdf", "Write a report of two pages, to be filed with the test.", endings=(".pdf",)
+        ),
+    ]
+    corrected: Annotated[
+        Path | None,
+        OUTPUT.further(
+            "FILE.csv|nc",
+            "Write the response that a perfect actuator would have produced, with its band.",
+            endings=(".csv", ".nc"),
+        ),
+    ]
 
-    tests: list[Path] | None = argument(
-        "[TEST]...",
-        "File with command and measured displacement: text, MATLAB, HDF5, TDMS or NetCDF; or sample_test, "
-        "which comes with reliab. Several files give a table.",
-        default=None,
-        autocompletion=samples,
-    )
 
-    belongs_to: ClassVar[Mapping[str, str]] = {
-        "figure": "design",
-        **dict.fromkeys(options.OF_REPORT, "report"),
-    }
+class _Former(options.Frequencies, options.Confidences, total=False):
+    """Ways of asking that have become commands of their own, and the lists that one of them needs."""
+
+    design: Annotated[bool, OUTPUT.further_flag("The same as `reliab design`.")]
+    same_test: Annotated[bool, OUTPUT.further_flag("The same as `reliab extrapolate`.")]
 
 
-@takes(AssessDemand)
-def assess(demand: AssessDemand) -> None:
+@takes(
+    questions.StatedOfTest,
+    _OneTest,
+    outputs.Chart,
+    _Former,
+    needs={"figure": "design", **dict.fromkeys(outputs.Cover.__annotations__, "report")},
+    further=("figure", "confidence"),
+)
+def assess(asked: Asked) -> None:
     """Judge a real test by its error, computed from command and measured displacement."""
-    if demand.design:
-        _answer_design(demand)
-    elif not _answer_tests(demand) and demand.check:
+    if asked.design:
+        _answer_design(asked)
+        return
+    judge = _answer_same_test if asked.same_test else _answer_tests
+    if not judge(asked) and asked.check:
         raise typer.Exit(1)
 
 
-def _answer_design(demand: AssessDemand) -> None:
+@takes(questions.Design, outputs.Chart)
+def design(asked: Asked) -> None:
+    """Before a test: print how much amplitude error and delay the rig may have."""
+    _answer_design(asked)
+
+
+@takes(questions.StatedOfTest, outputs.Tests, outputs.Check)
+def extrapolate(asked: Asked) -> None:
+    """Extrapolate repeated runs of a test, with other delays or gains of the actuator, to zero error.
+
+    The extrapolation itself uses neither structure nor specimen.
+    """
+    if not _answer_same_test(asked) and asked.check:
+        raise typer.Exit(1)
+
+
+def _answer_design(asked: Asked) -> None:
     from reliab.app.api.assessment_files import draw_chart
     from reliab.app.api.design import design_test
     from reliab.app.cli.assess.shown_design import show_design
     from reliab.app.cli.output import write_json
 
-    if "tests" in demand.given:
+    if "tests" in asked.given:
         raise InputError("A test's file has no effect together with `design`", remedy="Leave it out")
-    if "structure" in demand.given:
+    if "structure" in asked.given:
         raise InputError(
             "Tolerable errors before a test are computed for single-degree-of-freedom structures, not for "
             "frames",
-            value=f"`structure={demand.structure}`",
+            value=f"`structure={asked.structure}`",
             remedy="Judge a trial test of the frame with `reliab assess TEST --structure FRAME`, or predict "
             "the next one from earlier tests of it with `reliab rig predict RIG --structure FRAME`",
         )
-    design = demand.ask(design_test, "design", "figure", "json_target", why="together with `design`")
-    if demand.figure is not None:
-        draw_chart(design, demand.figure)
-    if not write_json(design.to_dict(), demand.json_target):
-        show_design(design)
+    found = asked.ask(design_test, "design", "figure", "json_target", why="together with `design`")
+    if asked.figure is not None:
+        draw_chart(found, asked.figure)
+    if not write_json(found.to_dict(), asked.json_target):
+        show_design(found)
 
 
-def _answer_tests(demand: AssessDemand) -> bool:
-    """Judge tests; write and print what is found; return whether all are reliable."""
-    from reliab.app.api.arguments import unused
+def _verdicts(asked: Asked, files: Sequence[Path], *uses: str) -> Any:  # noqa: ANN401 - of one test or several
+    """Judge tests."""
     from reliab.app.api.assessment import assess as api_assess
-    from reliab.app.api.assessment_files import file_report
     from reliab.app.cli.output import progress_bar
 
-    files = options.files_of(demand.tests, demand.out)
-    several = len(files) != 1 or demand.test_name == "all"
-    if demand.report is not None and several and files:
-        raise unused("report", "together with several tests, since a report is of one test")
-    if demand.corrected is not None and several and files:
-        raise unused("corrected", "together with several tests, since the response is that of one test")
-    if demand.same_test and not several:
-        raise InputError("`same_test` needs two tests or more", remedy="Name every run of the test")
+    several = len(files) != 1 or asked.test_name == "all"
     with progress_bar("tests") if several else nullcontext(silent) as progress:
-        verdicts: Any = demand.ask(
+        return asked.ask(
             api_assess,
-            *("tests", "out", "corrected", "details", "check", "json_target", "report", "same_test"),
-            *(options.OF_REPORT if demand.report is not None else ()),
+            *_USED,
+            *uses,
             test=files[0] if len(files) == 1 else files,
-            f=options.only_value(demand.f, "f"),
-            confidence=options.only_value(demand.confidence, "confidence"),
+            f=_only_value(asked.f, "f"),
+            confidence=_only_value(asked.confidence, "confidence"),
             progress=progress,
         )
-    if demand.same_test:
-        return _write_same_test(verdicts, demand)
-    if several:
-        _write_several(verdicts, demand)
-        return bool(verdicts.reliable)
-    _write_one(verdicts, files[0], demand)
-    if demand.report is not None:
-        file_report(
-            verdicts, demand.report, test=files[0], structure=demand.structure, setting=demand.setting
+
+
+def _only_value(values: Any, name: str) -> Any:  # noqa: ANN401 - of many types
+    """Take the value of an option that may be repeated for a design, but not for a test."""
+    if not isinstance(values, list):
+        return values
+    if len(values) > 1:
+        raise InputError(
+            f"A test has one `{name}`", value=len(values), remedy="Give several with `design` only"
         )
+    return values[0] if values else None
+
+
+def _answer_tests(asked: Asked) -> bool:
+    """Judge tests; write and print what is found; return whether all are reliable."""
+    from reliab.app.api.arguments import unused
+    from reliab.app.api.assessment_files import file_report
+
+    files = files_of(asked.tests, asked.out)
+    several = len(files) != 1 or asked.test_name == "all"
+    if asked.report is not None and several and files:
+        raise unused("report", "together with several tests, since a report is of one test")
+    if asked.corrected is not None and several and files:
+        raise unused("corrected", "together with several tests, since the response is that of one test")
+    cover = outputs.Cover.__annotations__ if asked.report is not None else ()
+    verdicts = _verdicts(asked, files, "corrected", "details", "report", *cover)
+    if several:
+        _write_several(verdicts, asked)
+        return bool(verdicts.reliable)
+    _write_one(verdicts, files[0], asked)
+    if asked.report is not None:
+        file_report(verdicts, asked.report, test=files[0], structure=asked.structure, setting=asked.setting())
     return bool(verdicts.reliable)
 
 
+def _answer_same_test(asked: Asked) -> bool:
+    """Extrapolate runs of one test; write and print what is found; return whether it is reliable."""
+    from reliab.app.api.assessment_files import write_tests
+    from reliab.app.cli.assess.shown_test import show_same_test
+    from reliab.app.cli.output import write_json
+
+    files = files_of(asked.tests, asked.out)
+    if len(files) == 1 and asked.test_name != "all":
+        raise InputError("`same_test` needs two tests or more", remedy="Name every run of the test")
+    runs = _verdicts(asked, files, "details", "same_test")
+    together = runs.same_test()
+    if asked.out is not None:
+        write_tests([{"file": file, **found} for file, found in runs.to_dict().items()], asked.out)
+    if not write_json(together.to_dict(), asked.json_target):
+        show_same_test(together.to_dict())
+    return bool(together.reliable)
+
+
 def _write_one(
-    assessment: "Assessment | FrameAssessment | CoupledAssessment", test: Path, demand: AssessDemand
+    assessment: "Assessment | FrameAssessment | CoupledAssessment", test: Path, asked: Asked
 ) -> None:
     from reliab.app.api.assessment_files import write_corrected, write_tests
     from reliab.app.cli.output import say, write_json
 
     content = assessment.to_dict()
-    if demand.out is not None:
-        write_tests([{"file": str(test), **content}], demand.out)
-    note = None if demand.corrected is None else write_corrected(assessment, demand.corrected)
-    if write_json(content, demand.json_target):
+    if asked.out is not None:
+        write_tests([{"file": str(test), **content}], asked.out)
+    note = None if asked.corrected is None else write_corrected(assessment, asked.corrected)
+    if write_json(content, asked.json_target):
         return
-    _show_one(assessment, content, details=demand.details)
+    _show_one(assessment, content, details=asked.details)
     if note is not None:
-        say(f"{demand.corrected}: {note}")
+        say(f"{asked.corrected}: {note}")
 
 
 def _show_one(
@@ -183,18 +210,18 @@ def _show_one(
         show_assessment(assessment, content)
 
 
-def _write_several(assessments: "Assessments", demand: AssessDemand) -> None:
+def _write_several(assessments: "Assessments", asked: Asked) -> None:
     from reliab.app.api.assessment_files import write_tests
     from reliab.app.cli.assess.shown_test import show_several
     from reliab.app.cli.output import write_json
 
     contents = [
-        {"file": file, **({"fault": demand.in_options(content["fault"])} if "fault" in content else content)}
+        {"file": file, **({"fault": asked.in_options(content["fault"])} if "fault" in content else content)}
         for file, content in assessments.to_dict().items()
     ]
-    if demand.out is not None:
-        write_tests(contents, demand.out)
-    if not write_json(contents, demand.json_target):
+    if asked.out is not None:
+        write_tests(contents, asked.out)
+    if not write_json(contents, asked.json_target):
         show_several(contents)
     if assessments.faults:
         raise InputError(
@@ -202,16 +229,3 @@ def _write_several(assessments: "Assessments", demand: AssessDemand) -> None:
             value=f"{len(assessments.faults)} of {len(contents)} not judged: {', '.join(assessments.faults)}",
             remedy="Correct them as the reasons say, or leave them out; the other tests were judged",
         )
-
-
-def _write_same_test(assessments: "Assessments", demand: AssessDemand) -> bool:
-    from reliab.app.api.assessment_files import write_tests
-    from reliab.app.cli.assess.shown_test import show_same_test
-    from reliab.app.cli.output import write_json
-
-    together = assessments.same_test()
-    if demand.out is not None:
-        write_tests([{"file": file, **found} for file, found in assessments.to_dict().items()], demand.out)
-    if not write_json(together.to_dict(), demand.json_target):
-        show_same_test(together.to_dict())
-    return together.reliable

@@ -1,0 +1,313 @@
+"""Make commands of questions: an option is declared once (`reliab.app.declaration`), and used or refused."""
+
+import inspect
+import re
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from copy import copy
+from dataclasses import replace
+from datetime import datetime
+from functools import partial, wraps
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Final, TypeVar
+
+import typer
+from typer.core import TyperCommand
+
+from reliab.app.api.arguments import unused
+from reliab.app.declaration import Files, Option, Quantities, Quantity, declared_options
+from reliab.app.options import HELP, PANELS
+from reliab.app.outputs import Json
+from reliab.core.errors import InputError
+from reliab.core.files import require_ending
+from reliab.core.progress import shows_tasks
+from reliab.sweep.several import Names, Numbers
+
+if TYPE_CHECKING:
+    from reliab.report.setting import Setting
+
+WRITTEN = ("json_target", "out", "csv", "report", "corrected", "figure")
+"""Options that name a file to write."""
+
+_BROUGHT_UP_TO_DATE = {"out": ("channels", "tests")}  # a table among the tests of a pattern is no test
+_Answer = TypeVar("_Answer")
+_READ_AS: Final[Mapping[Any, Any]] = {
+    Quantity: str,
+    Quantities: list[str],
+    Numbers: list[float],
+    Names: list[str],
+    Files: list[str],
+    Iterable[str]: list[str],
+    str | Path: Path,
+    **{kind: kind for kind in (bool, int, float, str, Path, datetime, list[Path], tuple[str, str])},
+}
+"""What Typer reads for the type of an argument; a file for one that is not imported."""
+
+
+class Asked:
+    """What a command line asks: values by the names of the arguments, and which of them it states."""
+
+    def __init__(
+        self,
+        values: Mapping[str, Any],
+        *,
+        options: Mapping[str, Option],
+        given: tuple[str, ...] = (),
+        in_options: Callable[[str], str] = str,
+        belongs_to: Mapping[str, str] | None = None,
+    ) -> None:
+        """Keep what is asked.
+
+        `in_options` writes arguments that a message names as options; `belongs_to`: by option what it needs.
+        """
+        self._values, self._options, self._belongs_to = values, options, belongs_to or {}
+        self.given, self.in_options = given, in_options
+
+    def __getattr__(self, name: str) -> Any:  # noqa: ANN401 - of many types
+        if name.startswith("_") or name not in self._values:
+            raise AttributeError(name)
+        return self._values[name]
+
+    def ask(
+        self,
+        service: Callable[..., _Answer],
+        *uses: str,
+        why: str = "",
+        **arguments: Any,  # noqa: ANN401 - whatever the service takes
+    ) -> _Answer:
+        """Ask a service with the options that it takes by name; refuse others, but what the command uses.
+
+        `why`: beside or without what the others have no meaning; `arguments`: what else the service is told.
+        """
+        taken = [name for name in inspect.signature(service).parameters if name in self._values]
+        self.refuse_all_but({*taken, *uses}, why)
+        stated = {**{name: self._values[name] for name in taken}, **arguments}
+        used = (name for name, value in stated.items() if value is not None and not self._is_idle(name))
+        return service(**{name: stated[name] for name in used})
+
+    def setting(self) -> "Setting":
+        """How the report is set."""
+        from reliab.report.setting import Setting
+
+        return Setting(
+            title=self.title or "",
+            date=None if self.date is None else self.date.date(),
+            paper=self.paper,
+            laboratory=self.laboratory or "",
+            logo=self.logo,
+        )
+
+    def _is_idle(self, name: str) -> bool:
+        """Tell whether a laboratory's default has no effect beside what is stated."""
+        beside = self._options[name].idle_beside if name in self._options else ()
+        return name not in self.given and any(self._values.get(other) is not None for other in beside)
+
+    def refuse_to_overwrite(self) -> None:
+        """Refuse to write over a file that the command reads, such as the only recording of a test."""
+        for name in WRITTEN:
+            target = self._values.get(name)
+            if target is None or not Path(target).is_file():
+                continue
+            for source in self._read_beside(name):
+                if source.is_file() and source.samefile(target):
+                    raise InputError(
+                        "A command must not write over a file that it reads",
+                        value=f"`{name}` {target}",
+                        remedy="Name another file",
+                        where=str(source),
+                    )
+
+    def _read_beside(self, written: str) -> Iterator[Path]:
+        """Give the files that may be read, but those that an option may bring up to date."""
+        for name, value in self._values.items():
+            if name not in (*WRITTEN, *_BROUGHT_UP_TO_DATE.get(written, ())):
+                named = value if isinstance(value, list) else [value]
+                yield from (Path(one) for one in named if isinstance(one, str | Path))
+
+    def refuse_all_but(self, names: Collection[str], why: str = "") -> None:
+        """Refuse what the command line states and nothing would use."""
+        for name in self.given:
+            if name not in names:
+                raise unused(name, why or f"without `{self._belongs_to[name]}`")
+
+
+def takes(
+    *questions: type, needs: Mapping[str, str] | None = None, further: Collection[str] = ()
+) -> Callable[[Callable[[Asked], None]], Callable[..., None]]:
+    """Make a command of a function; its options are the arguments of the questions, and --json.
+
+    `needs`: by option the one without which it has no effect; `further`: those that few need here.
+    """
+    declared = {name: item for question in questions for name, item in declared_options(question).items()}
+    for name, item in declared_options(Json).items():
+        declared.setdefault(name, item)
+    for name in further:
+        declared[name] = declared[name][0], replace(declared[name][1], is_advanced=True)
+    options = {name: option for name, (_, option) in declared.items()}
+
+    def declare(command: Callable[[Asked], None]) -> Callable[..., None]:
+        @wraps(command)
+        def run(context: typer.Context, **values: Any) -> None:  # noqa: ANN401 - of many types
+            given = tuple(name for name in values if _is_given(context, name))
+            say = partial(_in_options, root=context.find_root())
+            asked = Asked(values, options=options, given=given, in_options=say, belongs_to=needs)
+            asked.refuse_to_overwrite()
+            from reliab.app.cli.output import progress_bar
+
+            with shows_tasks(progress_bar):
+                command(asked)
+
+        context = inspect.Parameter("context", inspect.Parameter.KEYWORD_ONLY, annotation=typer.Context)
+        shown = sorted(declared.items(), key=lambda item: _place(item[1][1]))
+        parameters = [context, *(_parameter(name, *item, options) for name, item in shown)]
+        run.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+        run.further = frozenset(  # type: ignore[attr-defined]
+            name for name, option in options.items() if option.is_advanced
+        )
+        return run
+
+    return declare
+
+
+_PLACES = {panel.title: place for place, panel in enumerate(PANELS)}
+
+
+def _place(option: Option) -> tuple[bool, int, bool]:
+    """Place in the help: arguments before options, panel by panel, what is used every day first."""
+    return option.is_named, _PLACES.get(option.panel, 0), option.is_advanced
+
+
+def _parameter(
+    name: str,
+    kind: Any,  # noqa: ANN401 - a type
+    option: Option,
+    options: Mapping[str, Option],
+) -> inspect.Parameter:
+    """Parameter of which Typer makes the option."""
+    read_as: Any = Path if isinstance(kind, str) else _READ_AS[kind]
+    flags = {other: declared.flags(other)[0] for other, declared in options.items()}
+    help_ = _with_flags(option.help, flags)
+    details: dict[str, Any] = {"metavar": option.metavar or None, "help": help_, **option.limits}
+    if option.completion is not None:
+        details["autocompletion"] = option.completion
+    if option.endings:
+        details["callback"] = written_as(*option.endings)
+    if option.unit and read_as == list[float]:
+        details["parser"] = partial(_number, option)
+    if option.is_named:
+        shown = typer.Option(*option.flags(name), rich_help_panel=option.panel, **details)
+    else:
+        shown = typer.Argument(**details)
+    if option.default is None and not option.is_required:
+        read_as = read_as | None
+    return inspect.Parameter(
+        name,
+        inspect.Parameter.KEYWORD_ONLY,
+        annotation=Annotated[read_as, shown],
+        default=inspect.Parameter.empty if option.is_required else option.default,
+    )
+
+
+def _number(option: Option, text: str) -> float:
+    """Read a number that may be followed by its unit."""
+    return float(option.without_unit(text))
+
+
+def written_as(*endings: str) -> Callable[[Path | None], Path | None]:
+    """Refuse a file to write whose name ends otherwise, before anything is computed for it."""
+
+    def check(path: Path | None) -> Path | None:
+        if path is not None:
+            require_ending(path, *endings)
+        return path
+
+    return check
+
+
+_SHOWS_ALL = "reliab.shows_all"
+
+
+class Command(TyperCommand):
+    """A command whose help leaves out what few need, unless it is asked for all."""
+
+    @property
+    def further(self) -> frozenset[str]:
+        """Names of what few need."""
+        return getattr(self.callback, "further", frozenset())
+
+    def get_params(self, ctx: Any) -> list[Any]:  # noqa: ANN401 - Typer hides its types
+        """Return the parameters; the help's own stand in the last panel."""
+        params: list[Any] = list(super().get_params(ctx))
+        shown = params.pop()
+        shown.rich_help_panel = HELP.title
+        if not self.further:
+            return [*params, shown]
+        every = copy(shown)
+        every.opts, every.name, every.callback = ["--help-all"], "help_all", _show_all
+        every.help = "Show further options, too."
+        return [*params, every, shown]
+
+    def format_help(self, ctx: Any, formatter: Any) -> None:  # noqa: ANN401 - as above
+        """Print the help."""
+        left_out = (
+            [] if ctx.meta.get(_SHOWS_ALL) else [item for item in self.params if item.name in self.further]
+        )
+        for item in left_out:
+            item.hidden = True  # type: ignore[attr-defined]
+        super().format_help(ctx, formatter)
+        for item in left_out:
+            item.hidden = False  # type: ignore[attr-defined]
+
+
+def _show_all(context: Any, _option: Any, wanted: bool) -> None:  # noqa: ANN401, FBT001 - Click's callback
+    if wanted:
+        context.meta[_SHOWS_ALL] = True
+        typer.echo(context.get_help())
+        raise typer.Exit
+
+
+def _in_options(message: str, root: Any) -> str:  # noqa: ANN401 - Typer hides its type
+    """Write the arguments that a message names as options, of any command where the program can make all."""
+    return as_options(message, root.obj() if root.obj else root.command)
+
+
+def _is_given(context: typer.Context, name: str) -> bool:
+    source = context.get_parameter_source(name)
+    return source is not None and source.name == "COMMANDLINE"
+
+
+_ARGUMENT = re.compile(r"`([a-z]\w*)(?:=([^`]+))?`")
+
+
+def as_options(message: str, command: Any) -> str:  # noqa: ANN401 - Typer hides its type
+    """Write the arguments that a message names as options of the command line.
+
+    `` `time_units="ms"` `` as ``--time-units ms``; what names no option stays as it is.
+
+    >>> import typer
+    >>> from reliab.app.cli import application
+    >>> command = typer.main.get_command(application("assess"))
+    >>> as_options('Give `xi` or `time_units="ms"`, as `reliab info` says of `this`', command)
+    'Give --xi or --time-units ms, as `reliab info` says of `this`'
+    """
+    return _with_flags(message, dict(_flags(command)))
+
+
+def _with_flags(text: str, flags: Mapping[str, str]) -> str:
+    """Write arguments in backquotes as flags."""
+
+    def option(argument: re.Match[str]) -> str:
+        name, value = argument.groups()
+        if name not in flags:
+            return argument.group()
+        return flags[name] if value is None else f"{flags[name]} {value.strip(chr(34))}"
+
+    return _ARGUMENT.sub(option, text)
+
+
+def _flags(command: Any) -> Iterator[tuple[str, str]]:  # noqa: ANN401
+    """Options of all commands by their names in Python; one name means one thing everywhere."""
+    for parameter in command.params:
+        if parameter.opts[0].startswith("--"):
+            yield parameter.name, parameter.opts[0]
+    for subcommand in getattr(command, "commands", {}).values():
+        yield from _flags(subcommand)

@@ -1,0 +1,208 @@
+"""An argument of a question, declared once: its type, unit, one line of help and its panel of the help.
+
+A question is a `TypedDict` whose fields are `Annotated[type, option(…)]`; questions share fields by deriving
+from groups. The command's options, and the signature and docstring of the Python function, follow from it.
+"""
+
+import re
+import types
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import wraps
+from inspect import Parameter, Signature, cleandoc, signature
+from pathlib import Path
+from typing import Any, Final, ForwardRef, TypeVar, Union, get_args, get_origin
+
+from reliab.core.files import require_ending
+from reliab.core.stated_value import StatedValue
+from reliab.sweep.several import Names, Numbers
+
+Quantity = float | str | StatedValue
+"""A number, a number with its standard deviation as text ("1±0.01"), or such a value."""
+
+Quantities = Quantity | Sequence[Quantity]
+"""One of them, or several."""
+
+Files = str | Path | Sequence[str | Path]
+"""Files, folders or names of what ships; one or several."""
+
+UNITS: Final = ("Hz", "ms", "mm", "kg")
+"""Units that may follow a number."""
+
+_Function = TypeVar("_Function", bound=Callable[..., Any])
+_NOT_ONE = (types.UnionType, Union)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Option:
+    """How an argument is shown, and what it may be."""
+
+    help: str  # One line, in which other arguments stand in backquotes
+    metavar: str
+    panel: str  # Title of its part of the help
+    names: tuple[str, ...] = ()  # On the command line; the field's own, with dashes, by default
+    default: Any = None
+    is_advanced: bool = False  # Shown by --help-all only
+    is_required: bool = False
+    is_named: bool = True  # Else it stands without a name
+    endings: tuple[str, ...] = ()  # Of a file to write
+    idle_beside: tuple[str, ...] = ()  # A default of the laboratory has no effect beside these
+    completion: Callable[[str], list[str]] | None = None  # Gives the names that begin as a word does
+    limits: Mapping[str, Any] = field(default_factory=dict)  # What else Typer takes
+
+    @property
+    def unit(self) -> str:
+        """Unit of the number, as its line of help states it; it may be written after the number."""
+        return next((unit for unit in UNITS if f"[{unit}]" in self.help), "")
+
+    def flags(self, name: str) -> tuple[str, ...]:
+        """Names on the command line."""
+        own = f"--{name.replace('_', '-')}"
+        return tuple(flag or own for flag in self.names) or (own,)
+
+    def checked(self, value: Any) -> Any:  # noqa: ANN401 - of many types
+        """Refuse a file to write that is of another kind; take units off numbers."""
+        if self.endings and value is not None:
+            require_ending(value, *self.endings)
+        return self.without_unit(value)
+
+    def without_unit(self, value: Any) -> Any:  # noqa: ANN401 - of many types
+        """Take the unit off the numbers of a text.
+
+        >>> Panel("Structure").option("HZ", "Natural frequency [Hz].").without_unit("1.2 Hz ± 0.01 Hz")
+        '1.2 ± 0.01'
+        """
+        if self.unit and isinstance(value, str):
+            return without_units(value, self.unit)
+        if self.unit and isinstance(value, list | tuple):
+            return [self.without_unit(one) for one in value]
+        return value
+
+
+def without_units(text: str, *units: str) -> str:
+    """Take units off the numbers of a text.
+
+    >>> without_units("35.5 kg", *UNITS), without_units("35.5 kN", *UNITS)
+    ('35.5', '35.5 kN')
+    """
+    return re.sub(rf"(?<=[\d.])\s*(?:{'|'.join(units)})(?![a-z/])", "", text, flags=re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class Panel:
+    """A part of the help; it declares what it shows."""
+
+    title: str
+
+    def option(self, metavar: str, help: str, **details: Any) -> Option:  # noqa: A002, ANN401
+        """Declare an argument that has a name on the command line."""
+        return Option(metavar=metavar, help=help, panel=self.title, **details)
+
+    def further(self, metavar: str, help: str, **details: Any) -> Option:  # noqa: A002, ANN401
+        """Declare one that few need; --help-all shows it."""
+        return self.option(metavar, help, is_advanced=True, **details)
+
+    def flag(self, help: str, **details: Any) -> Option:  # noqa: A002, ANN401
+        """Declare one that is true if it is named."""
+        return self.option("", help, default=False, **details)
+
+    def further_flag(self, help: str, **details: Any) -> Option:  # noqa: A002, ANN401
+        """Declare one of these that few need."""
+        return self.flag(help, is_advanced=True, **details)
+
+
+def argument(metavar: str, help: str, **details: Any) -> Option:  # noqa: A002, ANN401
+    """Declare what stands without a name on the command line; it is required unless a default is given."""
+    needed = "default" not in details
+    return Option(metavar=metavar, help=help, panel="", is_named=False, is_required=needed, **details)
+
+
+def declared_options(question: type) -> dict[str, tuple[Any, Option]]:
+    """Types and declarations of a question's arguments by their names."""
+    found = {}
+    for name, annotation in question.__annotations__.items():
+        kind, declaration = get_args(annotation)
+        found[name] = _plain(kind), declaration
+    return found
+
+
+def _plain(kind: Any) -> Any:  # noqa: ANN401 - a type
+    """Type of a value that is stated: without None; a text where a type is not imported."""
+    if isinstance(kind, ForwardRef):
+        return kind.__forward_arg__.removesuffix(" | None")
+    if get_origin(kind) in _NOT_ONE:
+        stated = tuple(part for part in get_args(kind) if part is not types.NoneType)
+        return Union[stated]  # noqa: UP007 - of a tuple
+    return kind
+
+
+def asks(question: type) -> Callable[[_Function], _Function]:
+    """Complete a function that takes a question as keywords: its signature, docstring and defaults.
+
+    It is called with all arguments, which are checked; an unknown name is a TypeError.
+    """
+    options = declared_options(question)
+
+    def complete(function: _Function) -> _Function:
+        own = [
+            item for item in signature(function).parameters.values() if item.kind is not Parameter.VAR_KEYWORD
+        ]
+        known = {*options, *(item.name for item in own)}
+
+        @wraps(function)
+        def ask(*values: Any, **stated: Any) -> Any:  # noqa: ANN401 - as the function
+            if strange := stated.keys() - known:
+                raise TypeError(f"{function.__name__}() has no argument {', '.join(sorted(strange))}")
+            arguments = {name: declaration.default for name, (_, declaration) in options.items()}
+            for name, value in stated.items():
+                arguments[name] = options[name][1].checked(value) if name in options else value
+            return function(*values, **arguments)
+
+        named = (
+            Parameter(name, Parameter.KEYWORD_ONLY, default=declaration.default, annotation=_text_of(kind))
+            for name, (kind, declaration) in options.items()
+        )
+        returned = signature(function).return_annotation
+        ask.__signature__ = Signature(  # type: ignore[attr-defined]
+            [*sorted(own, key=lambda item: item.kind), *named], return_annotation=returned
+        )
+        ask.__doc__ = _documented(cleandoc(function.__doc__ or ""), options)
+        return ask  # type: ignore[return-value]
+
+    return complete
+
+
+_SECTION = "Parameters\n----------\n"
+
+
+def _documented(text: str, options: Mapping[str, tuple[Any, Option]]) -> str:
+    """Add arguments to the section of parameters of a docstring, before what is returned."""
+    entries = "".join(
+        f"{name} : {_text_of(kind)}, optional\n    {declaration.help}\n"
+        for name, (kind, declaration) in options.items()
+    )
+    before, section, after = text.partition(_SECTION)
+    if section:
+        own, gap, rest = after.partition("\n\n")
+        return f"{before}{section}{own}\n{entries}{gap.removeprefix(chr(10))}{rest}"
+    head, gap, rest = text.partition("\n\nReturns\n")
+    return f"{head}\n\n{_SECTION}{entries}{gap.removeprefix(chr(10))}{rest}"
+
+
+_IN_WORDS: Mapping[Any, str] = {
+    Quantity: "float, str or StatedValue",
+    Quantities: "float, str or StatedValue, or several of them",
+    Numbers: "float or sequence of float",
+    Names: "str or sequence of str",
+    str | Path: "str or pathlib.Path",
+    Iterable[str]: "iterable of str",
+    Files: "str, pathlib.Path or sequence of these",
+}
+
+
+def _text_of(kind: Any) -> str:  # noqa: ANN401 - a type
+    """Type as a docstring names it."""
+    if kind in _IN_WORDS:
+        return _IN_WORDS[kind]
+    text = kind.__name__ if isinstance(kind, type) else str(kind)
+    return re.sub(r"\b(?:typing|collections\.abc)\.", "", text).replace(" | ", " or ")

@@ -1,0 +1,431 @@
+"""Arguments that questions share, each declared once, in groups from which questions derive."""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Final, TypedDict
+
+from reliab.app import completion
+from reliab.app.declaration import Files, Panel, Quantities, Quantity
+from reliab.sweep.several import Names, Numbers
+
+if TYPE_CHECKING:
+    from reliab.assessment.budget.sizes import Equipment
+    from reliab.criterion.criterion import Criterion
+    from reliab.simulation.hybrid_test.model import HybridTest
+    from reliab.simulation.hybrid_test.model_file import UpdatedModel
+
+STRUCTURE: Final = Panel("Your structure")
+MOTIONS: Final = Panel("Ground motions")
+TEST: Final = Panel("Your test")
+FILE: Final = Panel("Your file")
+SENSORS: Final = Panel("Your sensors")
+GOOD: Final = Panel("What is good enough")
+METHOD: Final = Panel("Method")
+OUTPUT: Final = Panel("Output")
+COVER: Final = Panel("Report cover")
+HELP: Final = Panel("Help")
+PANELS: Final = (STRUCTURE, MOTIONS, TEST, FILE, SENSORS, GOOD, METHOD, OUTPUT, COVER, HELP)
+"""Parts of the help in their order."""
+
+FREQUENCY_NAMES, _DAMPING, _SHARE = ("", "--frequency"), ("", "--damping"), ("", "--share")
+_IN_PLACE = ("structure",)
+
+
+class Frequency(TypedDict, total=False):
+    """The natural frequency of a structure of one mass."""
+
+    f: Annotated[
+        Quantity | None,
+        STRUCTURE.option(
+            "HZ",
+            "Natural frequency [Hz], 1.2, or 1.2±0.01 with its standard deviation.",
+            names=FREQUENCY_NAMES,
+            idle_beside=_IN_PLACE,
+        ),
+    ]
+
+
+class Frequencies(TypedDict, total=False):
+    """Natural frequencies, of which a design takes several."""
+
+    f: Annotated[
+        Quantities | None,
+        STRUCTURE.option(
+            "HZ",
+            "Natural frequency [Hz], 1.2, or 1.2±0.01 with its standard deviation; several for a design.",
+            names=FREQUENCY_NAMES,
+            idle_beside=_IN_PLACE,
+        ),
+    ]
+
+
+class DampingAndShare(TypedDict, total=False):
+    """What else describes a structure of one mass."""
+
+    xi: Annotated[
+        Quantity | None,
+        STRUCTURE.option(
+            "RATIO", "Damping ratio, 0.02 for 2 %, or 0.02±0.002.", names=_DAMPING, idle_beside=_IN_PLACE
+        ),
+    ]
+    alpha: Annotated[
+        Quantity | None,
+        STRUCTURE.option(
+            "SHARE",
+            "Share of the structure's stiffness in the laboratory; 1 by default: all of it.",
+            names=_SHARE,
+            idle_beside=_IN_PLACE,
+        ),
+    ]
+
+
+class OneStructure(Frequency, DampingAndShare, total=False):
+    """A structure of one mass."""
+
+
+class Structures(TypedDict, total=False):
+    """One structure of one mass, or several."""
+
+    f: Annotated[
+        Numbers | None,
+        STRUCTURE.option("HZ...", "Natural frequencies [Hz].", names=FREQUENCY_NAMES),
+    ]
+    xi: Annotated[
+        Numbers | None, STRUCTURE.option("RATIO...", "Damping ratios, 0.02 for 2 %.", names=_DAMPING)
+    ]
+    alpha: Annotated[
+        Numbers | None,
+        STRUCTURE.further(
+            "SHARE...",
+            "Shares of the structure's stiffness in the laboratory; by default those of the source, or 1.",
+            names=_SHARE,
+        ),
+    ]
+
+
+class FrameFile(TypedDict, total=False):
+    """A frame in place of a structure of one mass."""
+
+    structure: Annotated[
+        str | Path | None,
+        STRUCTURE.option(
+            "FRAME.toml", "File of a frame and its specimen, in place of `f`, `xi` and `alpha`."
+        ),
+    ]
+
+
+class SimulatedModel(TypedDict, total=False):
+    """A hybrid test with effects in place of a structure, to be simulated under ground motions."""
+
+    model: Annotated[
+        "str | Path | HybridTest | None",
+        STRUCTURE.further(
+            "MODEL.toml", "Structure and effects of an updated model, as `reliab diagnose --out` writes it."
+        ),
+    ]
+
+
+class ComingMotion(TypedDict, total=False):
+    """The ground motion of a test to come."""
+
+    motion: Annotated[
+        str | Path | None, MOTIONS.option("FILE", "Ground motion under which the test will be run.")
+    ]
+
+
+class MotionSets(TypedDict, total=False):
+    """Sets of a catalogue of ground motions."""
+
+    sets: Annotated[
+        Names | None,
+        MOTIONS.further("NAME...", "Sets of a catalogue; the set held_out is left out unless you name it."),
+    ]
+
+
+class MotionSource(MotionSets, total=False):
+    """Where ground motions come from."""
+
+    motions: Annotated[
+        Files | None,
+        MOTIONS.option(
+            "SOURCE...",
+            "Ground motions: records, folders, or the built-in suite synthetic.",
+            completion=completion.suites,
+        ),
+    ]
+
+
+class ResultSource(MotionSource, total=False):
+    """Ground motions, or what was simulated with them."""
+
+    results: Annotated[
+        str | Path | None,
+        MOTIONS.option(
+            "STORE",
+            "Results that `reliab simulate` stored, or real_suite, which comes with reliab.",
+            completion=completion.results,
+        ),
+    ]
+
+
+class Thresholds(TypedDict, total=False):
+    """Errors that a test may have."""
+
+    threshold: Annotated[
+        Numbers | None, GOOD.option("ERROR...", "Largest acceptable errors of the whole test, 0.05 for 5 %.")
+    ]
+
+
+class Threshold(TypedDict, total=False):
+    """The error that a test may have."""
+
+    threshold: Annotated[
+        float | None,
+        GOOD.option(
+            "ERROR",
+            "Largest acceptable error of the whole test, 0.05 (5 %) by default.",
+            idle_beside=("criterion",),
+        ),
+    ]
+
+
+class ErrorMetric(TypedDict, total=False):
+    """Which error counts."""
+
+    metric: Annotated[
+        str | None,
+        GOOD.further(
+            "rms|mte",
+            "Error of the whole test: RMS^R (rms, the default) or MTE^R (mte).",
+            completion=completion.metrics,
+            idle_beside=("criterion",),
+        ),
+    ]
+
+
+class ErrorWindow(TypedDict, total=False):
+    """Over which part of a record an error is computed."""
+
+    window: Annotated[
+        str | None,
+        GOOD.further(
+            "record|SECONDS|arias",
+            "Part of the record over which the error is computed; by default that of the source.",
+        ),
+    ]
+
+
+class EllipseFile(TypedDict, total=False):
+    """Ellipses that were traced before."""
+
+    ellipses: Annotated[
+        str | Path | None,
+        MOTIONS.option(
+            "FILE.csv|FILE.nc",
+            "CSV with columns a, b and motion or event, or what `reliab ellipses` wrote; or real_suite.",
+            completion=completion.results,
+        ),
+    ]
+
+
+class EllipseSource(ResultSource, EllipseFile, total=False):
+    """Where ellipses come from."""
+
+
+class Confidence(TypedDict, total=False):
+    """Share of the ground motions that a criterion promises."""
+
+    confidence: Annotated[
+        float | None,
+        GOOD.further(
+            "SHARE",
+            "Share of the population's ground motions that the criterion holds for, 0.95 by default.",
+            idle_beside=("structure", "criterion"),
+        ),
+    ]
+
+
+class Confidences(TypedDict, total=False):
+    """Shares of the ground motions that a criterion promises."""
+
+    confidence: Annotated[
+        Numbers | None,
+        GOOD.option(
+            "SHARE...",
+            "Shares of the population's ground motions that the criterion holds for.",
+            idle_beside=("structure", "criterion"),
+        ),
+    ]
+
+
+class Joint(TypedDict, total=False):
+    """Whether limits hold together."""
+
+    joint: Annotated[
+        bool | None,
+        METHOD.further(
+            "",
+            "Whether the confidence holds for a and b together, or for each; the method decides by default.",
+            names=("--joint/--each",),
+        ),
+    ]
+
+
+class Rate(TypedDict, total=False):
+    """How often a test is sampled."""
+
+    rate: Annotated[float | None, FILE.further("HZ", "Sampling rate [Hz], if there is no time column.")]
+
+
+class Columns(Rate, total=False):
+    """Which columns of a file are which channels."""
+
+    command: Annotated[str | None, FILE.further("NAME", "Column of the command, if it is not recognised.")]
+    measured: Annotated[
+        str | None, FILE.further("NAME", "Column of the measured displacement, if it is not recognised.")
+    ]
+    time: Annotated[str | None, FILE.further("NAME", "Column of the time, if it is not recognised.")]
+    units: Annotated[
+        str | None, FILE.option("m|mm|in...", "Unit of both displacements, if the file states none.")
+    ]
+    channels: Annotated[
+        str | Path | None,
+        FILE.option(
+            "CHANNELS.toml",
+            "Names, units, signs, zeros, scales and calibration of your laboratory's channels.",
+        ),
+    ]
+
+
+class TestFile(Columns, total=False):
+    """How the file of a test is read."""
+
+    test_name: Annotated[
+        str | None,
+        FILE.option("NAME", "Name of the test, if the file holds several; all for all.", names=("--test",)),
+    ]
+    time_units: Annotated[str | None, FILE.further("s|ms", "Unit of the time, if the file states none.")]
+    delimiter: Annotated[str | None, FILE.further("SIGN", "Character between the columns of a text file.")]
+
+
+class Mass(TypedDict, total=False):
+    """The mass of a structure."""
+
+    mass: Annotated[
+        Quantity | None,
+        STRUCTURE.further(
+            "KG",
+            "Mass of the structure [kg]; it checks the unit of a recorded force, too.",
+            idle_beside=_IN_PLACE,
+        ),
+    ]
+
+
+class Specimen(TypedDict, total=False):
+    """How a specimen is known."""
+
+    specimen: Annotated[
+        str | None,
+        STRUCTURE.further(
+            "linear|measured",
+            "How it is known: linear, or measured: learned from its force (with `mass` or `structure`).",
+        ),
+    ]
+    force_channel: Annotated[
+        Iterable[str] | None,
+        SENSORS.further(
+            "NAME=VALUE",
+            "What else the recorded force holds: lag_ms=2±0.5, attached_kg=12±1, friction_n=40±20.",
+        ),
+    ]
+
+
+class NonlinearModel(TypedDict, total=False):
+    """A nonlinear specimen."""
+
+    model: Annotated[
+        "str | Path | UpdatedModel | None",
+        STRUCTURE.further(
+            "MODEL.toml",
+            "Model of a nonlinear specimen, as `reliab diagnose` writes it.",
+            idle_beside=_IN_PLACE,
+        ),
+    ]
+
+
+class Loop(TypedDict, total=False):
+    """What lies between structure and recording."""
+
+    scale: Annotated[
+        Quantity | None,
+        SENSORS.option(
+            "RATIO",
+            "Scale of the displacement sensor; 1±0.005 if it may be off by 0.5 %; else as calibrated.",
+        ),
+    ]
+    feedback_lag: Annotated[
+        Quantity | None,
+        SENSORS.further("MS", "Time by which the force is fed back late [ms], 0 by default."),
+    ]
+
+
+class Accuracy(TypedDict, total=False):
+    """How exactly a laboratory measures."""
+
+    equipment: Annotated[
+        "str | Path | Equipment | None",
+        SENSORS.option(
+            "FILE.toml",
+            "Accuracy of your equipment where no option states it; that of ordinary equipment by default.",
+        ),
+    ]
+    exact: Annotated[
+        bool, SENSORS.further_flag("Take the channels, and values without a standard deviation, as exact.")
+    ]
+
+
+class Skew(TypedDict, total=False):
+    """The clock of one channel against the other."""
+
+    skew: Annotated[
+        Quantity | None,
+        SENSORS.further(
+            "MS",
+            "Time by which the measured displacement was recorded later than the command [ms], 0±0.05.",
+        ),
+    ]
+
+
+class CriterionFile(TypedDict, total=False):
+    """A criterion of one's own."""
+
+    criterion: Annotated[
+        "str | Path | Criterion | None",
+        GOOD.option(
+            "FILE.json", "Criterion, as `reliab criterion --out` writes it; by default the one that ships."
+        ),
+    ]
+
+
+class About(TypedDict, total=False):
+    """What is kept beside a test."""
+
+    specimen: Annotated[str | None, TEST.option("TEXT", "Specimen of the test.")]
+    date: Annotated[str | None, TEST.option("DATE", "Date of the test, 2026-03-01 or with a time.")]
+
+
+class Earthquake(TypedDict, total=False):
+    """The earthquake behind a ground motion."""
+
+    event: Annotated[str | None, TEST.option("NAME", "Earthquake of the ground motion.")]
+
+
+class Covariates(TypedDict, total=False):
+    """Quantities on which a rig may depend."""
+
+    covariate: Annotated[
+        Iterable[str] | None,
+        TEST.further(
+            "NAME=NUMBER...", "Quantities on which the rig may depend, such as current=0.4 or peak_mm=40."
+        ),
+    ]

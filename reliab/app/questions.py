@@ -1,0 +1,426 @@
+"""What each function of `reliab.app.api` is asked, and so each command: groups of options, and its own."""
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, TypedDict
+
+from reliab.app import completion
+from reliab.app.declaration import Files, Quantity, declared_options
+from reliab.app.options import (
+    FILE,
+    GOOD,
+    METHOD,
+    MOTIONS,
+    OUTPUT,
+    SENSORS,
+    STRUCTURE,
+    TEST,
+    About,
+    Accuracy,
+    Columns,
+    ComingMotion,
+    Confidence,
+    Confidences,
+    Covariates,
+    CriterionFile,
+    DampingAndShare,
+    Earthquake,
+    EllipseFile,
+    EllipseSource,
+    ErrorMetric,
+    ErrorWindow,
+    FrameFile,
+    Frequencies,
+    Joint,
+    Loop,
+    Mass,
+    MotionSets,
+    MotionSource,
+    NonlinearModel,
+    OneStructure,
+    Rate,
+    ResultSource,
+    SimulatedModel,
+    Skew,
+    Specimen,
+    Structures,
+    TestFile,
+    Threshold,
+    Thresholds,
+)
+from reliab.sweep.several import Names
+
+if TYPE_CHECKING:
+    from reliab.motions.motion import Motion
+
+
+class TracedBoundaries(Structures, SimulatedModel, Thresholds, ErrorWindow, total=False):
+    """What `reliab.ellipses` is asked."""
+
+    first_order: Annotated[
+        bool,
+        METHOD.further_flag(
+            "Predict ellipses from spectra instead of simulating; at 5 % the true b is 16 to 44 % smaller."
+        ),
+    ]
+
+
+class Boundaries(TracedBoundaries, ResultSource, ErrorMetric, total=False):
+    """What `reliab.trace_boundaries` is asked."""
+
+    out: Annotated[
+        str | Path | None,
+        OUTPUT.option(
+            "FILE.nc", "Keep the ellipses in a file, which `reliab criterion` reads.", endings=(".nc",)
+        ),
+    ]
+
+
+class Sweep(Structures, SimulatedModel, total=False):
+    """What `reliab.simulate` is asked."""
+
+    grid: Annotated[
+        str,
+        METHOD.further(
+            "scaled|paper",
+            "Gains and delays to simulate: scaled to each structure, or those of the paper.",
+            default="scaled",
+        ),
+    ]
+    window: Annotated[
+        Names | None,
+        GOOD.further(
+            "record|SECONDS|arias...",
+            "Part of the record over which errors are computed; several may be stored.",
+        ),
+    ]
+    engine: Annotated[
+        str,
+        METHOD.further(
+            "automatic|pole|delay|spectral", "How the equation of motion is solved.", default="automatic"
+        ),
+    ]
+    resume: Annotated[bool, OUTPUT.flag("Continue the store of an interrupted run.")]
+    workers: Annotated[
+        int | None, METHOD.further("N", "Threads; all processors by default.", limits={"min": 1})
+    ]
+    scheduler: Annotated[
+        str | None, METHOD.further("ADDRESS", "Address of a dask scheduler whose workers solve the motions.")
+    ]
+
+
+class Simulation(Sweep, MotionSource, total=False):
+    """What `reliab.simulate_suite` is asked."""
+
+
+class CriterionQuestion(
+    ComingMotion,
+    Structures,
+    FrameFile,
+    SimulatedModel,
+    EllipseSource,
+    Thresholds,
+    Confidences,
+    ErrorMetric,
+    ErrorWindow,
+    Joint,
+    total=False,
+):
+    """What `reliab.derive_criteria` is asked."""
+
+    actuator: Annotated[
+        int | None,
+        STRUCTURE.further(
+            "N", "Number of the only actuator of `structure` that errs, from 1; all err alike by default."
+        ),
+    ]
+    duration: Annotated[
+        float | None,
+        MOTIONS.further(
+            "SECONDS",
+            "Length of your tests' records; by default like those of the motions behind the criterion.",
+        ),
+    ]
+    suite: Annotated[
+        Files | None,
+        MOTIONS.further(
+            "NAME|FOLDER...",
+            "A few records of expected earthquakes, pooled with the motions behind the criterion.",
+        ),
+    ]
+    method: Annotated[
+        str | None,
+        METHOD.option(
+            "NAME",
+            "What the confidence means: dirichlet (the default), quantile (the paper's), or another.",
+            completion=completion.methods,
+        ),
+    ]
+    assurance: Annotated[
+        float | None,
+        METHOD.further("SHARE", "Probability that the stated share is kept, for methods that take it."),
+    ]
+    distribution: Annotated[
+        str | None, METHOD.further("NAME", "Family of distributions for the method quantile.")
+    ]
+    law: Annotated[
+        str,
+        METHOD.option(
+            "NAME",
+            "How the limits depend on f and ξ: table (the default), or another law.",
+            default="table",
+            completion=completion.laws,
+        ),
+    ]
+    steps: Annotated[
+        int | None, METHOD.further("N", "Steps of the hierarchical methods' chains, a multiple of 4.")
+    ]
+    chains: Annotated[
+        str | Path | None,
+        METHOD.further(
+            "FILE.h5", "Keep the chains of the hierarchical methods, so that a run can go on with them."
+        ),
+    ]
+    compare: Annotated[bool, METHOD.further_flag("Test distributions and laws on unseen earthquakes, too.")]
+    figures: Annotated[
+        str | Path | None,
+        OUTPUT.further("FOLDER", "Folder for figures of the criteria and their posteriors."),
+    ]
+    out: Annotated[
+        str | Path | None,
+        OUTPUT.option(
+            "FILE.json", "Write the criterion, for `reliab assess --criterion`.", endings=(".json",)
+        ),
+    ]
+
+
+class Trials(TypedDict, total=False):
+    """How many tests are simulated."""
+
+    trials: Annotated[
+        int | None,
+        METHOD.further(
+            "N",
+            "Tests for each structure, 512 by default.",
+            limits={"min": 1},
+        ),
+    ]
+
+
+class JudgedCriteria(Trials, Structures, EllipseSource, Threshold, ErrorMetric, ErrorWindow, total=False):
+    """Criteria that are tested on motions from which they were not learned."""
+
+    scheme: Annotated[
+        str | None,
+        METHOD.option(
+            "NAME",
+            "leave_one_event_out (the default), k_fold, random_halves, region, magnitude or length.",
+        ),
+    ]
+
+
+class Validation(JudgedCriteria, Confidences, Joint, total=False):
+    """What `reliab.validate_criteria` is asked."""
+
+    leave_out: Annotated[
+        str | None, METHOD.further("f|xi", "Leave out each frequency or damping ratio in turn, too.")
+    ]
+    learn: Annotated[
+        Names | None, MOTIONS.further("SET...", "Sets of `motions` to learn from, or real_suite.")
+    ]
+    judge: Annotated[
+        Names | None,
+        MOTIONS.further("SET...", "Sets of `motions` to judge; all of them with `learn=real_suite`."),
+    ]
+    method: Annotated[
+        Names | None,
+        METHOD.option(
+            "NAME...",
+            "What the confidence means, one method or several; dirichlet by default.",
+            completion=completion.methods,
+        ),
+    ]
+    law: Annotated[
+        Names | None,
+        METHOD.further(
+            "NAME...",
+            "Fitted or printed laws; table and the printed ones by default.",
+            completion=completion.laws,
+        ),
+    ]
+
+
+class StatedOfTest(
+    OneStructure,
+    Mass,
+    Specimen,
+    NonlinearModel,
+    TestFile,
+    Loop,
+    Accuracy,
+    Skew,
+    Threshold,
+    CriterionFile,
+    ErrorMetric,
+    Confidence,
+    total=False,
+):
+    """What `reliab.assess` is told of a test."""
+
+    command_scale: Annotated[
+        Quantity | None, SENSORS.further("RATIO", "Scale of the recorded command, 1±0.001.")
+    ]
+    hysteresis: Annotated[
+        Quantity | None,
+        SENSORS.further(
+            "SHARE", "Width of the displacement sensor's loop over the span of its motion, 0.001±0.0003."
+        ),
+    ]
+    resolution: Annotated[
+        Quantity | None,
+        SENSORS.further("MM", "Step of the converter of the measured displacement [mm]."),
+    ]
+    filter: Annotated[
+        Iterable[str] | None,
+        SENSORS.further(
+            "CHANNEL=HZ",
+            "Low-pass filters before the converters: measured=200, or command=200/4 with the order.",
+        ),
+    ]
+    motion: Annotated[
+        "str | Path | Motion | None",
+        STRUCTURE.further(
+            "FILE", "Ground motion of the test; the index is then compared with the boundary of this motion."
+        ),
+    ]
+
+
+class Design(Frequencies, DampingAndShare, CriterionFile, Threshold, Confidences, ErrorMetric, total=False):
+    """What `reliab.design_test` is asked."""
+
+
+class Followed(OneStructure, FrameFile, NonlinearModel, Loop, Threshold, ErrorMetric, total=False):
+    """What every monitor is told of its test."""
+
+
+class FollowedTest(Followed, Mass, Specimen, Accuracy, Columns, total=False):
+    """What `reliab.follow_test` is asked."""
+
+    every: Annotated[float, OUTPUT.further("SECONDS", "Time of the test between two messages.", default=0.5)]
+    wait: Annotated[
+        float,
+        FILE.further(
+            "SECONDS",
+            "Time without new rows after which the test has ended; longer than any pause of the test.",
+            default=10.0,
+        ),
+    ]
+    start_within: Annotated[
+        float,
+        FILE.further(
+            "SECONDS",
+            "Time within which the file must have its first row; Ctrl-C ends the waiting.",
+            default=600.0,
+        ),
+    ]
+
+
+class MonitorInLoop(Followed, Rate, total=False):
+    """What `reliab.export_monitor` is asked; the rate is that of the loop."""
+
+
+class RecordedTest(OneStructure, Mass, TestFile, About, total=False):
+    """What `reliab.record` is asked."""
+
+    csv: Annotated[
+        str | Path | None,
+        OUTPUT.option("TEST.csv", "The recognised channels as CSV, in SI units.", endings=(".csv",)),
+    ]
+    rig: Annotated[str | None, TEST.option("TEXT", "Rig of the test.")]
+    operator: Annotated[str | None, TEST.option("TEXT", "Who performed the test.")]
+
+
+class CalibrationTest(TestFile, total=False):
+    """What `reliab.calibrate` is asked."""
+
+    out: Annotated[
+        str | Path | None,
+        OUTPUT.option("CHANNELS.toml", "File for `channels` of the commands that read tests."),
+    ]
+    actuator_delay: Annotated[
+        Quantity | None,
+        TEST.option(
+            "MS",
+            "Delay of the actuator in this test [ms], 12±0.5; 0 if both channels record one signal.",
+        ),
+    ]
+
+
+class AddedTest(
+    OneStructure,
+    FrameFile,
+    Mass,
+    TestFile,
+    Loop,
+    Accuracy,
+    Skew,
+    Threshold,
+    CriterionFile,
+    About,
+    Earthquake,
+    Covariates,
+    total=False,
+):
+    """What `reliab.add_to_rig` is told of tests."""
+
+    note: Annotated[str | None, TEST.option("TEXT", "Further remarks.")]
+
+
+class RigReport(OneStructure, Threshold, total=False):
+    """What `reliab.report_rig` is told of the next test; what is left out is as in the last test."""
+
+
+class NextTest(ComingMotion, RigReport, FrameFile, About, Covariates, total=False):
+    """What `reliab.predict_rig` is asked."""
+
+    suite: Annotated[
+        str | None,
+        MOTIONS.further(
+            "NAME", "Suite of which the next motion may be any: real_suite, synthetic, or a folder."
+        ),
+    ]
+
+
+class MotionFiles(MotionSets, total=False):
+    """How records of ground motions are read."""
+
+    time_step: Annotated[float | None, MOTIONS.further("SECONDS", "Time step of records that state none.")]
+    units: Annotated[str | None, MOTIONS.option("g|cm/s2|m/s2", "Unit of records that state none.")]
+
+
+class ImportedMotions(MotionFiles, Earthquake, total=False):
+    """What `reliab.import_motions` is asked; its earthquake is that of all motions."""
+
+
+class SyntheticSuite(TypedDict, total=False):
+    """What `reliab.synthesize_motions` is asked."""
+
+    count: Annotated[int, MOTIONS.option("N", "Number of components.", default=100, limits={"min": 2})]
+    seed: Annotated[
+        int | None, MOTIONS.option("N", "Seed of a suite other than the built-in one.", limits={"min": 0})
+    ]
+
+
+class Explorer(OneStructure, EllipseFile, Threshold, ErrorMetric, Confidence, total=False):
+    """What `reliab.write_explorer` is asked: above all with what its page opens."""
+
+    out: Annotated[
+        str | Path,
+        OUTPUT.option("FILE.html", "The page to write.", default=Path("criterion.html"), endings=(".html",)),
+    ]
+
+
+def only_those_of(question: type, asked: Mapping[str, Any]) -> dict[str, Any]:
+    """Take what another question is asked among what is stated."""
+    known = declared_options(question)
+    return {name: value for name, value in asked.items() if name in known and value is not None}
