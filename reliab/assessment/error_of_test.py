@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Final, TypedDict
 
 import numpy as np
 
-from reliab.assessment.budget.budget import BudgetItem
 from reliab.assessment.budget.sizes import (
     Equipment,
     Size,
@@ -18,6 +17,7 @@ from reliab.assessment.budget.sizes import (
     tolerances_of,
 )
 from reliab.assessment.error_with_threshold import ErrorWithThreshold
+from reliab.assessment.rebuilt_error.interval import Histories
 from reliab.assessment.rebuilt_error.noise import filter_of_noise
 from reliab.assessment.rebuilt_error.own_frequency import OwnFrequency
 from reliab.assessment.rebuilt_error.parts import Part, Parts
@@ -36,7 +36,6 @@ from reliab.structures.partition import Partition, whole_structure
 from reliab.structures.structure import Structure
 
 if TYPE_CHECKING:
-    from reliab.assessment.inferred_error import InferredError
     from reliab.assessment.measured_specimen.force_channel import ForceChannel
     from reliab.assessment.measured_specimen.rebuild import MeasuredSpecimen
     from reliab.simulation.frames.frame_file import FrameUnderTest
@@ -101,8 +100,14 @@ class Question:
 
     @property
     def inferred(self) -> bool:
-        """Whether the error is inferred from all channels: of one mass, with equipment that is not exact."""
-        return self.linear and self.frame is None and self.equipment is not None
+        """Whether the error is inferred from all channels: of a linear specimen with ordinary equipment."""
+        return self.linear and self.equipment is not None
+
+    @property
+    def tolerances(self) -> dict[str, float]:
+        """Relative standard deviations that the file of a frame states, by names of quantities and parts."""
+        sizes = {} if self.frame is None else sizes_of_structure(self.frame)
+        return {name: size.deviation for name, size in sizes.items()}
 
     def yielding(self, recording: Recording) -> float:
         """Probability that the specimen of a test yielded, of which nobody recorded the force [-]."""
@@ -139,7 +144,6 @@ class ErrorOfTest(ErrorWithThreshold):
     modelled: bool = False  # Whether a calibrated model says what the specimen does
     # Draws of the error with a linear specimen only, where others are among those of `rebuilt`
     if_linear: Spread | None = None
-    inferred: "InferredError | None" = None  # The posterior behind it, where there is one
 
     @property
     def displacements(self) -> tuple[RebuiltError]:
@@ -207,11 +211,6 @@ class ErrorOfTest(ErrorWithThreshold):
         share = self.sizes["yielding"].deviation
         yielded = widening_of_yielding(self.rebuilt.draws, self.if_linear, share, self.metric)
         return tuple(sorted((*own, yielded), key=lambda part: -part.contribution))
-
-    @cached_property
-    def budget(self) -> tuple[BudgetItem, ...]:
-        """What makes the interval, the largest contribution first."""
-        return super().budget if self.inferred is None else self.inferred.budget(self.widenings)
 
     @property
     def _of_specimen(self) -> str:
@@ -306,13 +305,29 @@ def _inferred(
 
     if question.equipment is None or not question.inferred:
         return None
+    shown = None
+    if question.frame is not None and recording.ground is not None:
+        from reliab.assessment.coupled_error.ground_motion import compare_with_ground
+
+        pair = recording.command[np.newaxis], measured[np.newaxis]
+        histories = Histories(
+            command=pair[0],
+            measured=pair[1],
+            fed_back=pair[0] - pair[1],
+            time_step=recording.time_step,
+            carry=np.eye(1),
+            smooth=True,
+        )
+        shown = compare_with_ground(histories, question.whole, recording.ground)
+        recording = replace(recording, ground=None if shown is None else shown.evidence(recording.ground))
     of_equipment = question.sizes(recording.time_step)
-    inferred = infer_error(
+    found = infer_error(
         recording,
         measured,
-        question.structure,
+        question.whole,
         stated=question.stated,
         equipment=question.equipment,
+        tolerances=question.tolerances,
         left_by_faults={
             name: size.deviation for name, size in sizes.items() if of_equipment.get(name) != size
         },
@@ -320,15 +335,17 @@ def _inferred(
         resolution=question.resolution,
         seed=question.seed,
     )
-    if inferred is None:
+    if found is None:
         return None
+    inferred, rebuilt = found
     return ErrorOfTest(
-        rebuilt=inferred.rebuilt,
+        rebuilt=rebuilt,
         metric=question.metric,
         threshold=question.threshold,
         damping_ratio=question.structure.damping_ratio,
         sizes=sizes,
         inferred=inferred,
+        shown_by_ground=shown,
     )
 
 

@@ -17,6 +17,8 @@ from reliab.core.vocabulary import PERCENT, Metric
 
 if TYPE_CHECKING:
     from reliab.assessment.coupled_error.coupled_error import CoupledError, DegreeError
+    from reliab.assessment.coupled_error.ground_motion import ShownByGround
+    from reliab.assessment.inferred_error import InferredError
     from reliab.assessment.rebuilt_error.rebuild import RebuiltError
     from reliab.assessment.rebuilt_error.spread import DisplacementError
 
@@ -30,6 +32,9 @@ class ErrorWithThreshold(ABC):
     threshold: float  # Error with which it is compared [-]
     # Sizes of what is not known of the test, by the names of the tolerances
     sizes: Mapping[str, Size] = field(default_factory=dict)
+    inferred: "InferredError | None" = None  # The posterior behind it, where there is one
+    # What the recorded ground acceleration of a frame shows of it, where it was recorded
+    shown_by_ground: "ShownByGround | None" = None
 
     @property
     @abstractmethod
@@ -81,12 +86,14 @@ class ErrorWithThreshold(ABC):
     @cached_property
     def budget(self) -> tuple[BudgetItem, ...]:
         """What makes the interval, the largest contribution first."""
+        if self.inferred is not None:
+            return self.inferred.budget(self.widenings)
         return budget_of_error(self.widenings, self.sizes)
 
     @property
     def frequency_shown(self) -> tuple[str, ...]:
         """What the test shows of its natural frequency where it contradicts the stated one, in a sentence."""
-        learned = self.rebuilt.unknown.own_frequency
+        learned = None if self.inferred is not None else self.rebuilt.unknown.own_frequency
         if learned is None or not learned.contradicts:
             return ()
         stated = float(self.rebuilt.structure.natural_frequencies[0])
@@ -146,6 +153,13 @@ class ErrorOfSeveral(ErrorWithThreshold):
     def governing(self) -> "DegreeError | None":
         """The displacement with the largest error; None where all are lost in noise."""
         return self.rebuilt.governing(self.metric)
+
+    @cached_property
+    def widenings(self) -> tuple[Widening, ...]:
+        """What widens the interval of the governing error, the widest first, if any is judged."""
+        if self.inferred is None or self.governing is None:
+            return self.rebuilt.widenings(self.metric)
+        return self.inferred.widenings(self.metric, self.displacements.index(self.governing))
 
     def probability_of(self, degree: "DegreeError") -> float:
         """Probability that the error of one displacement stays below the threshold."""

@@ -137,7 +137,11 @@ class ResponseErrors:
 
 
 def errors_of_responses(
-    error: ErrorWithThreshold, degrees: tuple[str, ...], recorded: Array | None, motion: Motion | None = None
+    error: ErrorWithThreshold,
+    degrees: tuple[str, ...],
+    recorded: Array | None,
+    motion: Motion | None = None,
+    yielding: float = 0.0,
 ) -> ResponseErrors:
     """Compute the errors of all floors and storeys of a frame from those of the interface.
 
@@ -148,7 +152,7 @@ def errors_of_responses(
     names, weights = _responses(test)
     single = error if isinstance(error, ErrorOfTest) else None
     specimen = None if single is None else single.specimen
-    share = 0.0 if single is None or single.if_linear is None else single.sizes["yielding"].deviation
+    share = 0.0 if single is None else yielding
     ground = ground_of_test(test, motion, force_known=not share)
     looking = _Looking(test=test, weights=weights, ground=ground)
     sizes = looking.as_stated

@@ -3,17 +3,20 @@
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import TypedDict, TypeVar, Unpack, overload
 
 import numpy as np
 
 from reliab.assessment.alignment import factor_of_ground
 from reliab.assessment.budget.sizes import Equipment, Size, tolerances_of
+from reliab.assessment.conflicts import find_conflicts
 from reliab.assessment.contradictions import (
     Contradiction,
     limited,
     of_frequency,
     of_ground,
+    of_other_ground,
     of_specimen,
     of_stability,
 )
@@ -49,6 +52,7 @@ from reliab.structures.partition import Partition
 from reliab.structures.structure import Structure
 from reliab.tracking.indices.tracking_over_frequency import TrackingOverFrequency, tracking_over_frequency
 
+_DRAWS_AS_STATED = 64
 _SAME_SHARE = 1e-3
 _LEAST_SHARE = 1e-6
 _SMALL_MOTION = 0.02  # of the largest command: below it, faults of a channel cannot be told from coupling
@@ -190,7 +194,7 @@ def _of_one(
     sound = repaired(recording, faults)
     tracking, over_frequency = track(sound), _over_frequency(sound)
     turning = examine_turning(error, recording, question)
-    responses = _responses(error, recording, partition, motion)
+    responses = _responses(error, recording, partition, motion, question.yielding(recording))
     assessment = FrameAssessment(
         recording=recording,
         frame=frame,
@@ -213,6 +217,7 @@ def _of_one(
     return _contradicted(
         assessment,
         *(of_frequency(sound, tracking, frequencies) if specimen is None else ()),
+        *_of_structure(error, question, recording.time_step),
         *of_stability(assessment.stability_margin),
         *of_specimen(specimen),
     )
@@ -221,8 +226,6 @@ def _of_one(
 def _of_several(
     recording: CoupledRecording, frame: FrameUnderTest, question: Question, motion: Motion | None
 ) -> CoupledAssessment:
-    from reliab.assessment.coupled_error.ground_motion import compare_with_ground
-
     partition, carry = frame.partition, frame.to_interface
     require_length(recording, question.structure.frequency)
     faults = tuple(_faults(recording, frame, question.threshold))
@@ -231,8 +234,6 @@ def _of_several(
         faults,
         lambda test, sensors, repairs: _error_of_several(test, frame, question, sensors, repairs),
     )
-    ground, rebuilt = recording.ground, error.rebuilt
-    shown = None if ground is None else compare_with_ground(rebuilt.histories, rebuilt.reduced, ground)
     limit, of_gains = _limit(partition, carry @ error.parts.gain @ np.linalg.inv(carry))
     assessment = CoupledAssessment(
         recording=recording,
@@ -244,13 +245,23 @@ def _of_several(
         turning=examine_turning(error, recording, question),
         limit=limit,
         limit_of_gains=of_gains,
-        shown_by_ground=shown,
+        shown_by_ground=error.shown_by_ground,
     )
     return _contradicted(
         assessment,
-        *of_ground(shown, question.sizes(recording.time_step), partition),
+        *_of_structure(error, question, recording.time_step),
         *of_stability(assessment.stability_margin),
     )
+
+
+def _of_structure(error: ErrorWithThreshold, question: Question, time_step: float) -> Iterator[Contradiction]:
+    """Say where the channels contradict the structure as stated; `time_step` [s]."""
+    if error.inferred is None:
+        yield from of_ground(error.shown_by_ground, question.sizes(time_step), question.whole)
+        return
+    yield from of_other_ground(error.shown_by_ground)
+    conflicts = find_conflicts(error.inferred.posterior, question.structure, question.stated)
+    yield from (conflict for conflict in conflicts if conflict.remedy)
 
 
 def _responses(
@@ -258,8 +269,9 @@ def _responses(
     recording: Recording | CoupledRecording,
     partition: Partition,
     motion: Motion | None,
+    yielding: float = 0.0,
 ) -> ResponseErrors:
-    responses = errors_of_responses(error, partition.degrees_of_freedom, recording.ground, motion)
+    responses = errors_of_responses(error, partition.degrees_of_freedom, recording.ground, motion, yielding)
     if motion is None and recording.ground is not None:
         exact = exact_test(error, partition.degrees_of_freedom, recording.ground)
         require_unit_of_ground(recording, factor_of_ground(exact))
@@ -327,25 +339,44 @@ def _error_of_several(
     repairs: Mapping[str, Size],
 ) -> ErrorOfSeveral:
     """Rebuild the errors of all interface displacements; see `error_with_faults`."""
+    from reliab.assessment.coupled_error.ground_motion import compare_with_ground
+    from reliab.assessment.coupled_error.posterior_errors import Knowledge, infer_coupled
     from reliab.assessment.coupled_error.rebuild import rebuild_coupled
 
     sizes = {**question.sizes(test.time_step), **repairs}
-    error = rebuild_coupled(
-        frame.straightened(test.command),
-        frame.straightened(test.measured),
+    command, measured = frame.straightened(test.command), frame.straightened(test.measured)
+    rebuild = partial(
+        rebuild_coupled,
+        command,
+        measured,
         test.time_step,
         frame.partition,
         to_interface=frame.to_interface,
         feedback_lag=question.feedback_lag,
         sensor_offsets=np.array([0.0 if place in sensors else np.nan for place in range(len(test.command))]),
-        tolerances=tolerances_of(sizes),
     )
-    return ErrorOfSeveral(
-        rebuilt=error,
-        metric=question.metric,
-        threshold=question.threshold,
-        sizes=with_learned(sizes, error.unknown.own_frequency),
+    as_stated = rebuild(draws=_DRAWS_AS_STATED)
+    shown = (
+        None
+        if test.ground is None
+        else compare_with_ground(as_stated.histories, as_stated.reduced, test.ground)
     )
+    of_test = partial(
+        ErrorOfSeveral, metric=question.metric, threshold=question.threshold, shown_by_ground=shown
+    )
+    if question.equipment is not None:
+        known = Knowledge(
+            stated=question.stated,
+            equipment=question.equipment,
+            tolerances=question.tolerances,
+            left_by_faults={name: size.deviation for name, size in repairs.items()},
+        )
+        ground = None if test.ground is None or shown is None else shown.evidence(test.ground)
+        if (found := infer_coupled(as_stated, command, measured, ground, known)) is not None:
+            error, inferred = found
+            return of_test(rebuilt=error, sizes=sizes, inferred=inferred)
+    error = rebuild(tolerances=tolerances_of(sizes))
+    return of_test(rebuilt=error, sizes=with_learned(sizes, error.unknown.own_frequency))
 
 
 def _limit(partition: Partition, gains: Array) -> tuple[StabilityLimit, bool]:

@@ -37,8 +37,7 @@ from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import MILLI, Metric
 from reliab.effects.effect import SteppedEffect
 from reliab.recordings.recording import Recording
-from reliab.structures.partition import Partition, whole_structure
-from reliab.structures.structure import Structure
+from reliab.structures.partition import Partition
 
 _FEWEST = 32.0  # effective draws, below which a posterior is not trusted
 _LONGEST = 1 << 15  # coarse samples, above which a posterior takes too long
@@ -52,7 +51,7 @@ class InferredError:
 
     posterior: TestPosterior
     errors: ErrorsOfTest
-    rebuilt: RebuiltError  # Histories and structure of a typical world, errors of all draws
+    every: int  # Number of samples of which `exact` gives one
 
     def exact(self) -> Iterator[tuple[Partition, Array]]:
         """Structures, and responses without actuator errors at swept samples [m], draw by draw."""
@@ -62,7 +61,19 @@ class InferredError:
         for row in chosen:
             world = self.posterior.experiment(self.posterior.draws.values[row])
             exact = channels.band.full_history(rebuild(channels, partition, world).exact)
-            yield world.structure(partition), exact[:, :: self.rebuilt.every]
+            yield world.structure(partition), exact[:, :: self.every]
+
+    def spread(self, place: int, error: Array) -> Spread:
+        """Put the draws of a displacement into the form of others; `error`: its mean [m], shape (n,)."""
+        band, of_test = self.posterior.circumstances.channels.band, self.errors.displacements[place]
+        places = np.arange(error.size) * band.record_step
+        return Spread(
+            rms=of_test.rms,
+            mte=of_test.mte,
+            mean=error,
+            deviation=np.interp(places, band.time, self.errors.deviation[place]),
+            counts=of_test.weights * of_test.weights.size,
+        )
 
     def exact_as_stated(self) -> Array:
         """Return the response without actuator errors with everything as stated [m], shape (n,)."""
@@ -71,17 +82,20 @@ class InferredError:
         exact = rebuild(circumstances.channels, circumstances.partition, world).exact
         return np.asarray(circumstances.channels.band.full_history(exact)[0])
 
-    def log_evidence_ratio(self, specimen: SteppedEffect) -> float:
-        """Logarithm of how much likelier the channels are with another specimen than with a linear one."""
-        histories = self.rebuilt.histories
+    def log_evidence_ratio(self, specimen: SteppedEffect, histories: Histories) -> float:
+        """Logarithm of how much likelier the channels are with another specimen than with a linear one.
+
+        `histories`: of the displacement that it was moved by.
+        """
         lost = -added_displacement(specimen, histories.measured, histories.time_step)
         slip = self.posterior.circumstances.channels.band.spectrum(lost)
         return log_evidence_ratio(self.posterior, slip[np.newaxis])
 
-    def widenings(self, metric: Metric) -> tuple[Widening, ...]:
-        """Return what widens the interval, the widest first, by shares of the variance of the error."""
-        draws = self.errors.displacements[0]
-        low, high = self.rebuilt.draws.interval(metric)
+    def widenings(self, metric: Metric, place: int = 0) -> tuple[Widening, ...]:
+        """Return what widens the interval of a displacement, by shares of the variance of its error."""
+        draws = self.errors.displacements[place]
+        estimate = draws.estimate(metric)
+        width = estimate.high - estimate.low
         values = draws.errors(metric)
         deviation = _deviation(values, draws.weights)
         found = []
@@ -92,18 +106,18 @@ class InferredError:
                     name=unknown.name,
                     deviation=unknown.prior.deviation * spread,
                     contribution=deviation * float(np.sqrt(share)),
-                    width=high - low,
-                    width_without=(high - low) * float(np.sqrt(1.0 - share)),
+                    width=width,
+                    width_without=width * float(np.sqrt(1.0 - share)),
                     deviation_for_half=_for_half(share, spread, unknown.prior.deviation),
                 )
             )
-        found.append(self._of_noise(metric, deviation, high - low))
+        found.append(self._of_noise(metric, place, deviation, width))
         return tuple(sorted(found, key=lambda part: -part.contribution))
 
-    def _of_noise(self, metric: Metric, deviation: float, width: float) -> Widening:
-        """Contribution of the sensor's noise."""
+    def _of_noise(self, metric: Metric, place: int, deviation: float, width: float) -> Widening:
+        """Contribution of the sensors' noise."""
         rms, mte = draw_noise_errors(self.posterior, _DRAWS_OF_NOISE)
-        alone = float(np.std(rms if metric is Metric.RMS else mte))
+        alone = float(np.std((rms if metric is Metric.RMS else mte)[:, place]))
         left = max(1.0 - (alone / deviation) ** 2, 0.0) if deviation else 0.0
         return Widening(
             name=_NOISE,
@@ -185,44 +199,54 @@ def _item(unknown: UncertainQuantity, spread: float, part: Widening) -> BudgetIt
 def infer_error(
     recording: Recording,
     measured: Array,
-    structure: Structure,
+    whole: Partition,
     *,
     stated: Mapping[str, StatedValue],
     equipment: Equipment,
+    tolerances: Mapping[str, float],
     left_by_faults: Mapping[str, float],
     sensor_offset: float | None,
     resolution: float | None,
     seed: int,
-) -> InferredError | None:
-    """Infer the error of a test; None where its channels do not determine a posterior.
+) -> tuple[InferredError, RebuiltError] | None:
+    """Infer the error of a test with one actuator; None where its channels do not determine a posterior.
 
     `measured` [m]: with its stated scale taken away; ground acceleration and force of the recording are
-    evidence. `left_by_faults`: what faults of the channels leave unknown, by names of quantities [SI units];
-    `sensor_offset`, `resolution` [m].
+    evidence. `tolerances`: relative standard deviations that the file of a frame states, by names of
+    quantities and parts [-]; `left_by_faults`: what faults of the channels leave unknown, by names of
+    quantities [SI units]; `sensor_offset`, `resolution` [m].
     """
-    whole = whole_structure(structure)
     readings = _Readings.of_test(recording, measured, whole, stated, sensor_offset, resolution)
-    if readings.start.standing or readings.channels.band.coarse_points > _LONGEST:
+    if readings.start.standing:
         return None
     circumstances = Circumstances(
         partition=whole,
         channels=readings.channels,
         stated=stated,
         equipment=equipment,
+        tolerances=tolerances,
         specimen_force=readings.channels.force is not None,
         feedback_lag=stated.get("feedback_lag", StatedValue(0.0)).value / MILLI,
         left_by_faults=left_by_faults,
     )
+    inferred = infer_errors(circumstances, readings.every, seed)
+    return None if inferred is None else (inferred, readings.rebuilt(inferred, seed))
+
+
+def infer_errors(circumstances: Circumstances, every: int, seed: int) -> InferredError | None:
+    """Infer the errors of all interface displacements; None where the channels determine no posterior.
+
+    `every`: number of samples of which exact responses give one.
+    """
+    if circumstances.channels.band.coarse_points > _LONGEST:
+        return None
     posterior = infer(circumstances, seed=seed)
     if not posterior.draws.effective >= min(_FEWEST, posterior.draws.weights.size):
         return None
-    errors = draw_errors(posterior, whole.names)
-    of_test = errors.displacements[0]
-    if not (np.isfinite(of_test.rms).all() and np.isfinite(of_test.mte).all()):
+    errors = draw_errors(posterior, circumstances.partition.names)
+    if not all(np.isfinite(one.rms).all() and np.isfinite(one.mte).all() for one in errors.displacements):
         return None
-    return InferredError(
-        posterior=posterior, errors=errors, rebuilt=readings.rebuilt(posterior, errors, seed)
-    )
+    return InferredError(posterior=posterior, errors=errors, every=every)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -278,28 +302,26 @@ class _Readings:
             channels=channels,
         )
 
-    def rebuilt(self, posterior: TestPosterior, errors: ErrorsOfTest, seed: int) -> RebuiltError:
+    @property
+    def every(self) -> int:
+        """Number of samples of which one is enough."""
+        return samples_in_step(self.every_of_structure, self.noise, self.command.size)
+
+    def rebuilt(self, inferred: InferredError, seed: int) -> RebuiltError:
         """Put the posterior into the form of a rebuilt error, on the samples of the record."""
+        posterior, errors, every = inferred.posterior, inferred.errors, self.every
         band, of_test = self.channels.band, errors.displacements[0]
         world = typical_world(posterior, errors)
         moved = world.displacement(self.channels)
         spectra = [errors.exact_spectrum, errors.error_spectrum, moved, world.late(moved, self.channels)]
         reference, error, displaced, late = band.full_history(np.stack(spectra))[:, 0]
-        places = np.arange(self.command.size) * self.time_step
-        every = samples_in_step(self.every_of_structure, self.noise, self.command.size)
         return RebuiltError(
             error=self.read - reference,
             smooth_error=error,
             reference=reference,
             rms=of_test.estimate(Metric.RMS),
             mte=of_test.estimate(Metric.MTE),
-            draws=Spread(
-                rms=of_test.rms,
-                mte=of_test.mte,
-                mean=error,
-                deviation=np.interp(places, band.time, errors.deviation[0]),
-                counts=of_test.weights * of_test.weights.size,
-            ),
+            draws=inferred.spread(0, error),
             time_step=self.time_step,
             structure=world.structure(posterior.circumstances.partition),
             noise=self.noise,

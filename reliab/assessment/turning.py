@@ -162,7 +162,7 @@ def _odds(
         *(hardened(peak, part) for part, size in hardening.items() if size >= error.threshold),
     ]
     each = share / (1.0 - share) / max(len(yielding) + len(hardening), 1) if share < 1.0 else np.inf
-    ratios = [error.inferred.log_evidence_ratio(specimen) for specimen in specimens]
+    ratios = [error.inferred.log_evidence_ratio(specimen, error.rebuilt.histories) for specimen in specimens]
     return float(each * np.sum(np.exp(np.minimum(ratios, _LARGEST_LOGARITHM)))) if ratios else 0.0
 
 

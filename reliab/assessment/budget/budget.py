@@ -133,6 +133,13 @@ def _item(widening: Widening, sizes: Mapping[str, Size]) -> BudgetItem:
     )
 
 
+def part_in_words(name: str) -> tuple[str, str]:
+    """Name a part of a structure, such as "storey_stiffness_2", and what would reduce its uncertainty."""
+    numbered = part_and_number(name)
+    kind = name if numbered is None else numbered[0]
+    return _with_number(_IN_WORDS[kind][0], name, ""), _REMEDIES[kind]
+
+
 def _with_number(words: str, name: str, actuator: str) -> str:
     if (numbered := part_and_number(name)) is not None:
         return f"{words} {numbered[1]}"

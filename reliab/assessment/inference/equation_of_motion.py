@@ -42,4 +42,4 @@ def residual(channels: ChannelSpectra, partition: Partition, experiment: Experim
 def _times(impedance: Spectrum, displacement: Spectrum) -> Spectrum:
     if impedance.shape[-1] == 1:
         return np.asarray(impedance[:, 0].T * displacement)
-    return np.asarray(np.einsum("kpq,qk->pk", impedance, displacement))
+    return np.asarray((impedance @ displacement.T[..., np.newaxis])[..., 0].T)

@@ -41,6 +41,12 @@ class ErrorsOfTest:
     exact_spectrum: Spectrum  # Mean of x_I [m], shape (p, K)
     error_spectrum: Spectrum  # Mean of x_m − x_I [m], shape (p, K)
 
+    @property
+    def largest(self) -> int:
+        """Place of the displacement with the largest median RMS^R."""
+        medians = [one.estimate(Metric.RMS).value for one in self.displacements]
+        return int(np.argmax(medians))
+
 
 def draw_errors(posterior: TestPosterior, names: Sequence[str], seed: int = 0) -> ErrorsOfTest:
     """Rebuild the error in every draw of a posterior; `names` of the interface displacements.
@@ -74,20 +80,24 @@ def draw_errors(posterior: TestPosterior, names: Sequence[str], seed: int = 0) -
 
 
 def typical_world(posterior: TestPosterior, errors: ErrorsOfTest) -> Experiment:
-    """Return a probable world with the median error, on the line from the mode along which errors change."""
+    """Return a probable world with the median error, on the line from the mode along which errors change.
+
+    Of several displacements, the one with the largest error.
+    """
+    place = errors.largest
     channels, partition = posterior.circumstances.channels, posterior.circumstances.partition
-    draws, values, rms = posterior.draws, posterior.draws.values, errors.displacements[0].rms
+    draws, values, rms = posterior.draws, posterior.draws.values, errors.displacements[place].rms
     apart = rms - draws.weights @ rms
     deviation = float(np.sqrt(draws.weights @ apart**2))
     if not deviation > 0.0:
         return posterior.mode
     slope = (draws.weights * apart) @ (values - draws.weights @ values) / deviation
-    median = errors.displacements[0].estimate(Metric.RMS).value
+    median = errors.displacements[place].estimate(Metric.RMS).value
 
-    def missed(place: float) -> float:
-        rebuilt = rebuild(channels, partition, posterior.experiment(posterior.fit.mode + place * slope))
+    def missed(along: float) -> float:
+        rebuilt = rebuild(channels, partition, posterior.experiment(posterior.fit.mode + along * slope))
         found = relative_errors(*channels.band.history(np.stack([rebuilt.error, rebuilt.exact])))
-        return abs(float(found[0][0]) - median)
+        return abs(float(found[0][place]) - median)
 
     return posterior.experiment(posterior.fit.mode + min(_PLACES, key=missed) * slope)
 

@@ -75,11 +75,27 @@ class Evidence(ABC):
 
 @dataclass(kw_only=True, eq=False)
 class EquationOfMotion(Evidence):
-    """The equation of motion, against the recorded ground acceleration."""
+    """The equation of motion, against the recorded ground acceleration.
+
+    The noise of the displacement sensors enters as forces of the specimen. A softer specimen, or a sensor of
+    larger scale, would leave less of it to explain, so that both would be found where they are not (errors
+    in variables). The determinant takes that from the likelihood again, as far as noise is that of sensors.
+    """
 
     def spectrum(self, experiment: Experiment) -> Spectrum:
         """Residual of the equation [N]."""
         return residual(self.channels, self.partition, experiment)
+
+    def determinant(self, experiment: Experiment) -> float:
+        """Logarithm of the determinant of the map from readings to residuals, with its sign turned."""
+        stiffness = (self.partition.specimen_stiffness @ self.channels.to_interface) ** 2
+        of_sensors = stiffness * self.channels.noise
+        total = np.maximum(of_sensors.sum(axis=1, keepdims=True), np.finfo(float).tiny)
+        softer = np.log(experiment.share * experiment.frequency**2) - of_sensors / total @ np.log(
+            experiment.scale
+        )
+        share = np.sum(self.noise[:, np.newaxis, np.newaxis] / self._variance, axis=(1, 2))
+        return -self.weight * float(share @ softer)
 
 
 @dataclass(kw_only=True, eq=False)

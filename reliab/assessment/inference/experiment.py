@@ -1,6 +1,6 @@
 """One possible world: structure and channels of a test with everything that is uncertain set to a value."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -16,6 +16,7 @@ class Experiment:
     frequency: float = 1.0  # Factor of all natural frequencies [-]
     damping_ratio: float = 1.0  # Factor of all damping ratios [-]
     share: float = 1.0  # Factor of the specimen's matrices [-]
+    parts: dict[str, float] = field(default_factory=dict)  # Relative changes of parts of a frame [-]
     scale: Array = None  # type: ignore[assignment]  # Readings of the displacement sensors over the motion [-], (p,)
     skew: Array = None  # type: ignore[assignment]  # Time by which they were recorded late [s], (p,)
     hysteresis: Array = None  # type: ignore[assignment]  # Width of their hysteresis over the span [-], (p,)
@@ -41,7 +42,8 @@ class Experiment:
 
     def structure(self, partition: Partition) -> Partition:
         """Structure of this world."""
-        return partition.scaled(frequency=self.frequency, damping_ratio=self.damping_ratio, share=self.share)
+        changed = partition.with_parts(self.parts) if self.parts else partition
+        return changed.scaled(frequency=self.frequency, damping_ratio=self.damping_ratio, share=self.share)
 
     def displacement(self, channels: ChannelSpectra) -> Spectrum:
         """Return the true displacement of the interface [m], freed of the sensors' noise, shape (p, K)."""

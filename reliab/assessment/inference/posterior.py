@@ -90,7 +90,7 @@ class TestPosterior:
         return dict(zip((one.name for one in self.unknowns), score.tolist(), strict=True))
 
 
-_INFORMED = 0.02  # of the variance a priori, that the channels take away
+_INFORMED = 0.25  # of the variance a priori, that the channels take away
 
 
 def infer(circumstances: Circumstances, *, draws: int = DRAWS, seed: int = 0) -> TestPosterior:

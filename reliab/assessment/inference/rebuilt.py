@@ -52,8 +52,8 @@ def _moved(response: StructureResponse, difference: Spectrum) -> Spectrum:
     """H Z (x_c − x_f), shape (p, K)."""
     if response.impedance.shape[-1] == 1:
         return np.asarray(response.compliance[:, 0].T * response.impedance[:, 0].T * difference)
-    moved = np.einsum("kpq,kqr,rk->pk", response.compliance, response.impedance, difference, optimize=True)
-    return np.asarray(moved)
+    moved = response.compliance @ (response.impedance @ difference.T[..., np.newaxis])
+    return np.asarray(moved[..., 0].T)
 
 
 def _free_vibration(structure: Partition, experiment: Experiment, s: Spectrum) -> Spectrum:

@@ -72,6 +72,6 @@ def _by_poles(whole: Partition, s: Spectrum, outputs: Array, inputs: Array) -> S
         )
     driven = np.linalg.solve(shapes, np.vstack([np.zeros_like(inputs), inverse @ inputs]))
     seen = outputs @ shapes[:size]
-    return np.asarray(
-        np.einsum("om,km,mi->koi", seen, 1.0 / (s[:, np.newaxis] - poles), driven, optimize=True)
-    )
+    residues = np.einsum("om,mi->moi", seen, driven)
+    answers = 1.0 / (s[:, np.newaxis] - poles) @ residues.reshape(len(poles), -1)
+    return np.asarray(answers.reshape(len(s), *residues.shape[1:]))

@@ -17,6 +17,7 @@ class OpenDrift(Quantity):
     unit = "mm"
     factor = 1000.0
     remedy = "Find out whether the controller used this sensor, and correct the recording if it did not."
+    per_actuator = True
     shape = Shape.EITHER
 
     def apply(self, experiment: "Experiment", value: float, actuator: int) -> None:

@@ -17,6 +17,7 @@ class OpenFilter(Quantity):
     unit = "ms"
     factor = 1000.0
     remedy = "State the filters of both channels, or use the same on both."
+    per_actuator = True
     shape = Shape.EITHER
 
     def apply(self, experiment: "Experiment", value: float, actuator: int) -> None:

@@ -29,11 +29,18 @@ class Circumstances:
     stated: Mapping[str, StatedValue] = field(default_factory=dict)  # By the names of the options
     equipment: Equipment | None = None  # None if everything that is not stated as uncertain is exact
     learned: Mapping[str, Prior] = field(default_factory=dict)  # From earlier tests of the rig
+    # Relative standard deviations of a frame's frequencies, damping and parts that its file states [-]
+    tolerances: Mapping[str, float] = field(default_factory=dict)
     specimen_force: bool = False  # Whether the recorded force is compared with the specimen as stated
     feedback_lag: float = 0.0  # Time by which the force is stated to be fed back late [s]
     slip: Spectrum | None = None  # Displacement that a specimen's spring is taken to have lost [m], (p, K)
     # What faults of the channels, or their repair, leave unknown, by names of quantities, in the SI unit
     left_by_faults: Mapping[str, float] = field(default_factory=dict)
+    actuator: int = 0  # Whose quantities are asked for
+
+    def named(self, name: str) -> str:
+        """Name a quantity of the actuator, with its number if there are several."""
+        return f"{name}_{self.actuator + 1}" if self.partition.degrees > 1 else name
 
 
 def clock_deviation(circumstances: Circumstances, equipment: Equipment) -> float:
@@ -60,6 +67,8 @@ class Quantity(ABC):
         """Prior of the quantity; None if it is exact, or plays no part in the test."""
         if self.name in circumstances.learned:
             return circumstances.learned[self.name]
+        if (tolerance := circumstances.tolerances.get(self.name)) is not None:
+            return Prior(deviation=tolerance, source=Source.STATED, shape=self.shape) if tolerance else None
         stated = circumstances.stated.get(self.option)
         if stated is not None and stated.deviation:
             size = abs(stated.value) if self.relative else self.option_unit
@@ -70,7 +79,8 @@ class Quantity(ABC):
             )
         if circumstances.equipment is None:
             return None
-        added = circumstances.left_by_faults.get(self.name, 0.0)
+        name = circumstances.named(self.name) if self.per_actuator else self.name
+        added = circumstances.left_by_faults.get(name, 0.0)
         deviation = math.hypot(self.ordinary(circumstances, circumstances.equipment), added)
         return Prior(deviation=deviation, shape=self.shape) if deviation > 0.0 else None
 

@@ -2,12 +2,14 @@
 
 import importlib
 import pkgutil
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 from reliab.assessment.inference.quantities import quantity as base
+from reliab.assessment.inference.quantities.part_of_structure import part_of_structure
 from reliab.assessment.inference.quantities.prior import Prior
 from reliab.assessment.inference.quantities.quantity import Circumstances, Quantity
+from reliab.structures.parts_of_structure import is_part
 
 _FOLDER = base.__name__.rpartition(".")[0]
 
@@ -34,14 +36,13 @@ class Unknown:
 
 def list_unknowns(circumstances: Circumstances) -> tuple[Unknown, ...]:
     """List what is uncertain about a test."""
+    of_parts = [part_of_structure(name) for name in circumstances.tolerances if is_part(name)]
     found: list[Unknown] = []
-    actuators = circumstances.partition.degrees
-    for quantity in quantities():
-        prior = quantity.prior(circumstances)
-        if prior is None:
-            continue
-        for actuator in range(actuators if quantity.per_actuator else 1):
-            numbered = quantity.per_actuator and actuators > 1
-            name = f"{quantity.name}_{actuator + 1}" if numbered else quantity.name
-            found.append(Unknown(quantity=quantity, prior=prior, actuator=actuator, name=name))
+    for quantity in (*quantities(), *of_parts):
+        for actuator in range(circumstances.partition.degrees if quantity.per_actuator else 1):
+            of_actuator = replace(circumstances, actuator=actuator)
+            prior = quantity.prior(of_actuator)
+            if prior is not None:
+                name = of_actuator.named(quantity.name) if quantity.per_actuator else quantity.name
+                found.append(Unknown(quantity=quantity, prior=prior, actuator=actuator, name=name))
     return tuple(found)

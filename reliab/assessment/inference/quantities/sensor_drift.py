@@ -21,7 +21,7 @@ class SensorDrift(Quantity):
 
     def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:  # noqa: ARG002
         """Return the standard deviation with ordinary equipment."""
-        return float(circumstances.channels.drift_size.max())
+        return float(circumstances.channels.drift_size[circumstances.actuator])
 
     def apply(self, experiment: "Experiment", value: float, actuator: int) -> None:
         """Change an experiment."""

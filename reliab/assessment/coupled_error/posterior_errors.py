@@ -1,0 +1,86 @@
+"""Errors of a test with several actuators, from the posterior of everything that is uncertain about it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from reliab.assessment.budget.sizes import Equipment
+from reliab.assessment.coupled_error.coupled_error import CoupledError, DegreeError
+from reliab.assessment.inference.channel_spectra import ChannelSpectra
+from reliab.assessment.inference.quantities.quantity import Circumstances
+from reliab.assessment.inferred_error import InferredError, infer_errors
+from reliab.core.arrays import Array
+from reliab.core.stated_value import StatedValue
+from reliab.core.vocabulary import MILLI, Metric
+
+
+@dataclass(frozen=True, kw_only=True)
+class Knowledge:
+    """What is known of a test beside its channels."""
+
+    stated: Mapping[str, StatedValue]  # By the names of the options
+    equipment: Equipment  # What is not known where nothing is stated
+    tolerances: Mapping[str, float]  # Of a frame, by names of quantities and parts [-]
+    left_by_faults: Mapping[str, float]  # What faults leave unknown, by names of quantities [SI units]
+
+
+def infer_coupled(
+    as_stated: CoupledError, command: Array, measured: Array, ground: Array | None, known: Knowledge
+) -> tuple[CoupledError, InferredError] | None:
+    """Infer the errors of all interface displacements; None where the channels determine no posterior.
+
+    `as_stated`: the error with all as stated but for the sensors' noise; `command`, `measured` [m], shape
+    (p, n), at the sensors; `ground`: acceleration [m/s²], None where it is no evidence.
+    """
+    if any(start.standing or not start.at_rest for start in as_stated.starts):
+        return None
+    offsets = np.array([start.offset for start in as_stated.starts])
+    channels = ChannelSpectra.of_channels(
+        command,
+        measured - offsets[:, np.newaxis],
+        as_stated.time_step,
+        as_stated.structure,
+        ground=ground,
+        to_interface=as_stated.histories.carry,
+    )
+    circumstances = Circumstances(
+        partition=as_stated.structure,
+        channels=replace(
+            channels,
+            offset_size=np.array([start.offset_deviation for start in as_stated.starts]),
+            initial_size=0.0,
+        ),
+        stated=known.stated,
+        equipment=known.equipment,
+        tolerances=known.tolerances,
+        feedback_lag=known.stated.get("feedback_lag", StatedValue(0.0)).value / MILLI,
+        left_by_faults=known.left_by_faults,
+    )
+    inferred = infer_errors(circumstances, as_stated.every, seed=0)
+    if inferred is None:
+        return None
+    full = channels.band.full_history
+    references, errors = full(inferred.errors.exact_spectrum), full(inferred.errors.error_spectrum)
+    raw = as_stated.histories.at_interface(measured - offsets[:, np.newaxis])
+    displacements = tuple(
+        _judged_by(inferred, place, degree, references[place], errors[place], raw[place])
+        for place, degree in enumerate(as_stated.displacements)
+    )
+    return replace(as_stated, displacements=displacements, exact=inferred.exact), inferred
+
+
+def _judged_by(
+    inferred: InferredError, place: int, degree: DegreeError, reference: Array, error: Array, raw: Array
+) -> DegreeError:
+    """Take the error of a displacement from the posterior; what its noise leaves open stays."""
+    of_test = inferred.errors.displacements[place]
+    return replace(
+        degree,
+        error=raw - reference,
+        smooth_error=error,
+        reference=reference,
+        rms=of_test.estimate(Metric.RMS),
+        mte=of_test.estimate(Metric.MTE),
+        draws=inferred.spread(place, error),
+    )
