@@ -171,7 +171,7 @@ def assess_each(
         raise InputError(
             "A test's file is needed",
             value="none",
-            remedy="Name it, or ask before a test what is tolerable (`reliab assess --design`, in Python "
+            remedy="Name it, or ask before a test what is tolerable (`reliab design`, in Python "
             "`reliab.design_test`)",
         )
     judged, faults = {}, {}

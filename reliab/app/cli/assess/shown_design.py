@@ -1,4 +1,4 @@
-"""What `reliab assess --design` prints: what is tolerable before a test."""
+"""What `reliab design` prints: what is tolerable before a test."""
 
 from typing import TYPE_CHECKING, Any
 
