@@ -152,8 +152,16 @@ def of_ground(
     shown: "ShownByGround | None", sizes: Mapping[str, Size], partition: Partition
 ) -> Iterator[Contradiction]:
     """Say where the recorded ground motion contradicts the structure, known as `sizes` say."""
-    yield from of_other_ground(shown)
-    if shown is not None and not shown.other and shown.contradicts(_stated_of_frequency(sizes, partition)):
+    if shown is None:
+        return
+    if shown.other:
+        yield Contradiction(
+            finding=f"The recorded ground acceleration leaves {percent(shown.misfit)} of the response "
+            "unexplained: it does not belong to this test, or the structure is not as stated.",
+            remedy="Check channel and unit of the ground acceleration, and the description of the structure.",
+            of_structure=True,
+        )
+    elif shown.contradicts(_stated_of_frequency(sizes, partition)):
         lowest = float(partition.natural_frequencies[0])
         scatter = (
             f"{significant(shown.frequency * lowest, 4)} ± {significant(shown.deviation * lowest, 1)} Hz"
@@ -162,17 +170,6 @@ def of_ground(
             finding=f"The recorded ground motion shows a lowest natural frequency of {scatter}; "
             f"{significant(lowest, 4)} Hz follows from the structure as stated.",
             remedy="Correct stiffness or mass of the structure, or state their tolerances.",
-            of_structure=True,
-        )
-
-
-def of_other_ground(shown: "ShownByGround | None") -> Iterator[Contradiction]:
-    """Say where the recorded ground motion is that of another test or structure."""
-    if shown is not None and shown.other:
-        yield Contradiction(
-            finding=f"The recorded ground acceleration leaves {percent(shown.misfit)} of the response "
-            "unexplained: it does not belong to this test, or the structure is not as stated.",
-            remedy="Check channel and unit of the ground acceleration, and the description of the structure.",
             of_structure=True,
         )
 

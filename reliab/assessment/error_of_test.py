@@ -36,6 +36,7 @@ from reliab.structures.partition import Partition, whole_structure
 from reliab.structures.structure import Structure
 
 if TYPE_CHECKING:
+    from reliab.assessment.coupled_error.ground_motion import ShownByGround
     from reliab.assessment.measured_specimen.force_channel import ForceChannel
     from reliab.assessment.measured_specimen.rebuild import MeasuredSpecimen
     from reliab.simulation.frames.frame_file import FrameUnderTest
@@ -100,7 +101,10 @@ class Question:
 
     @property
     def inferred(self) -> bool:
-        """Whether the error is inferred from all channels: of a linear specimen with ordinary equipment."""
+        """Whether the error is inferred from all channels: of a linear specimen with ordinary equipment.
+
+        That of a frame is where its ground acceleration was recorded.
+        """
         return self.linear and self.equipment is not None
 
     @property
@@ -306,20 +310,11 @@ def _inferred(
     if question.equipment is None or not question.inferred:
         return None
     shown = None
-    if question.frame is not None and recording.ground is not None:
-        from reliab.assessment.coupled_error.ground_motion import compare_with_ground
-
-        pair = recording.command[np.newaxis], measured[np.newaxis]
-        histories = Histories(
-            command=pair[0],
-            measured=pair[1],
-            fed_back=pair[0] - pair[1],
-            time_step=recording.time_step,
-            carry=np.eye(1),
-            smooth=True,
-        )
-        shown = compare_with_ground(histories, question.whole, recording.ground)
-        recording = replace(recording, ground=None if shown is None else shown.evidence(recording.ground))
+    if question.frame is not None:
+        shown = _shown_by_ground(recording, measured, question.whole)
+        if shown is None or shown.other or recording.ground is None:
+            return None
+        recording = replace(recording, ground=shown.evidence(recording.ground))
     of_equipment = question.sizes(recording.time_step)
     found = infer_error(
         recording,
@@ -347,6 +342,24 @@ def _inferred(
         inferred=inferred,
         shown_by_ground=shown,
     )
+
+
+def _shown_by_ground(recording: Recording, measured: Array, whole: Partition) -> "ShownByGround | None":
+    """Compare a frame with its recorded ground acceleration; `measured` [m]."""
+    from reliab.assessment.coupled_error.ground_motion import compare_with_ground
+
+    if recording.ground is None:
+        return None
+    command, measured = recording.command[np.newaxis], measured[np.newaxis]
+    histories = Histories(
+        command=command,
+        measured=measured,
+        fed_back=command - measured,
+        time_step=recording.time_step,
+        carry=np.eye(1),
+        smooth=True,
+    )
+    return compare_with_ground(histories, whole, recording.ground)
 
 
 def _sizes_of_force(specimen: "MeasuredSpecimen | None") -> dict[str, Size]:

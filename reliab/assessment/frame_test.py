@@ -16,7 +16,6 @@ from reliab.assessment.contradictions import (
     limited,
     of_frequency,
     of_ground,
-    of_other_ground,
     of_specimen,
     of_stability,
 )
@@ -259,7 +258,6 @@ def _of_structure(error: ErrorWithThreshold, question: Question, time_step: floa
     if error.inferred is None:
         yield from of_ground(error.shown_by_ground, question.sizes(time_step), question.whole)
         return
-    yield from of_other_ground(error.shown_by_ground)
     conflicts = find_conflicts(error.inferred.posterior, question.structure, question.stated)
     yield from (conflict for conflict in conflicts if conflict.remedy)
 
@@ -355,28 +353,25 @@ def _error_of_several(
         feedback_lag=question.feedback_lag,
         sensor_offsets=np.array([0.0 if place in sensors else np.nan for place in range(len(test.command))]),
     )
-    as_stated = rebuild(draws=_DRAWS_AS_STATED)
-    shown = (
-        None
-        if test.ground is None
-        else compare_with_ground(as_stated.histories, as_stated.reduced, test.ground)
-    )
-    of_test = partial(
-        ErrorOfSeveral, metric=question.metric, threshold=question.threshold, shown_by_ground=shown
-    )
-    if question.equipment is not None:
-        known = Knowledge(
-            stated=question.stated,
-            equipment=question.equipment,
-            tolerances=question.tolerances,
-            left_by_faults={name: size.deviation for name, size in repairs.items()},
-        )
-        ground = None if test.ground is None or shown is None else shown.evidence(test.ground)
-        if (found := infer_coupled(as_stated, command, measured, ground, known)) is not None:
-            error, inferred = found
-            return of_test(rebuilt=error, sizes=sizes, inferred=inferred)
+    of_test = partial(ErrorOfSeveral, metric=question.metric, threshold=question.threshold)
+    shown = None
+    if test.ground is not None:
+        as_stated = rebuild(draws=_DRAWS_AS_STATED)
+        shown = compare_with_ground(as_stated.histories, as_stated.reduced, test.ground)
+        if question.equipment is not None and shown is not None and not shown.other:
+            known = Knowledge(
+                stated=question.stated,
+                equipment=question.equipment,
+                tolerances=question.tolerances,
+                left_by_faults={name: size.deviation for name, size in repairs.items()},
+            )
+            found = infer_coupled(as_stated, command, measured, shown.evidence(test.ground), known)
+            if found is not None:
+                error, inferred = found
+                return of_test(rebuilt=error, sizes=sizes, inferred=inferred, shown_by_ground=shown)
     error = rebuild(tolerances=tolerances_of(sizes))
-    return of_test(rebuilt=error, sizes=with_learned(sizes, error.unknown.own_frequency))
+    sizes = with_learned(sizes, error.unknown.own_frequency)
+    return of_test(rebuilt=error, sizes=sizes, shown_by_ground=shown)
 
 
 def _limit(partition: Partition, gains: Array) -> tuple[StabilityLimit, bool]:

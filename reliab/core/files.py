@@ -158,7 +158,10 @@ def decoding(rule: str, *, remedy: str, where: object) -> Iterator[None]:
     except ReliabError:
         raise
     except FileNotFoundError as error:
-        raise InputError("No such file", remedy="Check the name", where=str(where)) from error
+        missing = Path(error.filename or str(where))
+        inside = missing.name != Path(str(where)).name
+        place = f"{where}: {missing.name}" if inside else str(where)
+        raise InputError("No such file", remedy="Check the name", where=place) from error
     except Exception as error:  # damaged bytes lead decoders into every kind of error
         raise InputError(rule, value=_reason(error), remedy=remedy, where=str(where)) from error
 

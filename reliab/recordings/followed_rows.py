@@ -10,7 +10,7 @@ import numpy as np
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError, naming
 from reliab.core.physical_range import require_physical
-from reliab.core.significant_digits import significant
+from reliab.core.significant_digits import counted, significant
 from reliab.core.vocabulary import MILLI
 from reliab.recordings.following import Rows
 from reliab.recordings.holds import find_hold
@@ -97,7 +97,7 @@ def step_of_rows(rows: Iterator[Rows], rate: float | None) -> tuple[float, Itera
         )
     if count <= _ROWS_FOR_STEP:
         raise InputError(
-            f"Only {count} rows so far; more than {_ROWS_FOR_STEP} are needed",
+            f"Only {counted(count, 'row')} so far; more than {_ROWS_FOR_STEP} are needed",
             remedy="Wait until the test runs, or wait longer with `wait`",
             where=name,
         )

@@ -49,9 +49,9 @@ class ShownByGround:
         """Whether the ground acceleration is not that of this test, or its structure is another one."""
         return self.misfit > _OTHER
 
-    def evidence(self, ground: Array) -> Array | None:
-        """Return the ground acceleration of the test by its channel [m/s²]; None if it is another test's."""
-        return None if self.other else -ground if self.opposite else ground
+    def evidence(self, ground: Array) -> Array:
+        """Return the ground acceleration of the test by its channel [m/s²]."""
+        return -ground if self.opposite else ground
 
     def contradicts(self, stated: float) -> bool:
         """Whether frequencies of a stated relative deviation [-] are not those of the structure."""

@@ -26,12 +26,12 @@ class Knowledge:
 
 
 def infer_coupled(
-    as_stated: CoupledError, command: Array, measured: Array, ground: Array | None, known: Knowledge
+    as_stated: CoupledError, command: Array, measured: Array, ground: Array, known: Knowledge
 ) -> tuple[CoupledError, InferredError] | None:
     """Infer the errors of all interface displacements; None where the channels determine no posterior.
 
     `as_stated`: the error with all as stated but for the sensors' noise; `command`, `measured` [m], shape
-    (p, n), at the sensors; `ground`: acceleration [m/s²], None where it is no evidence.
+    (p, n), at the sensors; `ground`: acceleration [m/s²].
     """
     if any(start.standing or not start.at_rest for start in as_stated.starts):
         return None
