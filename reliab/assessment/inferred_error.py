@@ -27,6 +27,7 @@ from reliab.assessment.inference.rebuilt import rebuild
 from reliab.assessment.rebuilt_error.initial import Start, checked_histories, stated_start
 from reliab.assessment.rebuilt_error.interval import EXACT, Histories, samples_in_step
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
+from reliab.assessment.rebuilt_error.readings import require_lag
 from reliab.assessment.rebuilt_error.rebuild import RebuiltError
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.spread import Spread
@@ -216,6 +217,8 @@ def infer_error(
     quantities and parts [-]; `left_by_faults`: what faults of the channels leave unknown, by names of
     quantities [SI units]; `sensor_offset`, `resolution` [m].
     """
+    lag = stated.get("feedback_lag", StatedValue(0.0)).value / MILLI
+    require_lag(lag, recording.duration)
     readings = _Readings.of_test(recording, measured, whole, stated, sensor_offset, resolution)
     if readings.start.standing:
         return None
@@ -226,7 +229,7 @@ def infer_error(
         equipment=equipment,
         tolerances=tolerances,
         specimen_force=readings.channels.force is not None,
-        feedback_lag=stated.get("feedback_lag", StatedValue(0.0)).value / MILLI,
+        feedback_lag=lag,
         left_by_faults=left_by_faults,
     )
     inferred = infer_errors(circumstances, readings.every, seed)

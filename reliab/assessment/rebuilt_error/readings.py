@@ -9,6 +9,22 @@ from reliab.core.errors import InputError
 _SUPPORT = 3  # samples before the newest that the interpolation uses
 
 
+def require_lag(lag: float, duration: float) -> None:
+    """Refuse a lag of the fed-back force that no test of a duration can have, both [s]."""
+    if not (np.isfinite(lag) and lag >= 0.0):
+        raise InputError(
+            "The lag of the fed-back force must be finite and not negative",
+            value=f"{lag} s",
+            remedy="Give seconds, 0.0005 for half a millisecond",
+        )
+    if lag > duration:
+        raise InputError(
+            "The lag of the fed-back force must be shorter than the test",
+            value=f"{lag:g} s",
+            remedy="Give seconds, 0.0005 for half a millisecond",
+        )
+
+
 def delayed(values: Array, lag: float, time_step: float) -> Array:
     """History at t − lag, by the cubic through the last samples: causal, so that a running test can use it.
 
@@ -18,20 +34,9 @@ def delayed(values: Array, lag: float, time_step: float) -> Array:
     >>> late[4:].tolist()
     [14.0625, 22.5625, 33.0625, 45.5625]
     """
-    if not (np.isfinite(lag) and lag >= 0.0):
-        raise InputError(
-            "The lag of the fed-back force must be finite and not negative",
-            value=f"{lag} s",
-            remedy="Give seconds, 0.0005 for half a millisecond",
-        )
+    require_lag(lag, values.size * time_step)
     if lag == 0.0:
         return values
-    if lag > values.size * time_step:
-        raise InputError(
-            "The lag of the fed-back force must be shorter than the test",
-            value=f"{lag:g} s",
-            remedy="Give seconds, 0.0005 for half a millisecond",
-        )
     steps = lag / time_step
     whole = int(steps)
     # nodes at −3 … 0 steps before the sample `whole` steps ago; read at −(steps − whole)
