@@ -58,6 +58,7 @@ def test_a_linear_specimen_of_a_frame_loses_nothing() -> None:
     assert measured.high - measured.low < 1.3 * (stated.high - stated.low)
 
 
+@pytest.mark.slow
 def test_a_measured_specimen_of_a_frame_needs_its_force_and_no_mass() -> None:
     test = _simulated("bilinear", 1)
     with pytest.raises(InputError, match="needs its force"):

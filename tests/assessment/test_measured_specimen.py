@@ -444,6 +444,7 @@ def _file(test: Any, folder: Path, mass: float) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_the_command_learns_the_specimen_and_writes_the_corrected_response(tmp_path: Path) -> None:
     test = _simulated("bilinear", 8)
     mass, loop = 2000.0, test.loop

@@ -198,6 +198,7 @@ def test_what_a_skew_looks_like_is_said_and_decides_nothing(judged_with_skew, ch
     assert not any("> 0.99" in reason for reason in found.verdict.reasons)
 
 
+@pytest.mark.slow
 @pytest.mark.default_cases(3)
 @pytest.mark.parametrize("channels", ["ground", "ground force", "ground force mass", "force"])
 @pytest.mark.parametrize("delay", [BAD, GOOD])

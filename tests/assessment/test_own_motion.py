@@ -57,6 +57,7 @@ def test_a_test_that_begins_in_motion_is_found_in_its_record(motion, ground, sim
     assert own.error == pytest.approx(error_of(test, 7.0), rel=0.05)
 
 
+@pytest.mark.slow
 def test_a_part_of_the_record_from_rest_is_found_too(motion, simulate):
     first = 8.3
     later = np.interp(np.arange(0.0, 20.0, motion.time_step) + first, motion.times, motion.acceleration)

@@ -58,6 +58,7 @@ def test_a_specimen_that_yields_has_its_true_error_from_three_runs(yielded, foun
         assert one.error.low < outcome.rms < one.error.high
 
 
+@pytest.mark.slow
 def test_the_dictionary_holds_every_run_with_its_own_error(found):
     content = found.same_test().to_dict()
     assert [one["file"] for one in content["runs"]] == ["run 0", "run 1", "run 2"]

@@ -9,6 +9,7 @@ from reliab.recordings.recording import Recording
 from reliab.tracking.indices.frequency_evaluation import frequency_evaluation
 
 
+@pytest.mark.slow
 @pytest.mark.default_cases(3)
 @pytest.mark.parametrize("f", [0.5, 1.0, 2.0])
 @pytest.mark.parametrize(("gain", "delay"), [(0.994, 0.0015), (1.01, 0.0), (1.0, 0.003)])
@@ -27,6 +28,7 @@ def test_without_noise_gain_and_delay_are_exact_where_the_plain_index_is_not(sim
     assert abs(plain.amplitude - 0.99) > 1e-5
 
 
+@pytest.mark.slow
 def test_noise_of_the_command_biases_neither(simulate):
     errors, plain = [], []
     for seed in range(24):
@@ -79,6 +81,7 @@ def coverage(simulate, kind, repetitions, level):
     return np.mean(covered)
 
 
+@pytest.mark.slow
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize(("kind", "level"), [("white", 0.9), ("coloured", 0.8)])
 def test_intervals_cover_the_truth_quick(simulate, kind, level):

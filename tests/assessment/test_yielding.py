@@ -49,6 +49,7 @@ def error(recording, _without_posterior):
     return error_of_test(recording, asked())
 
 
+@pytest.mark.slow
 def test_the_interval_holds_the_error_of_a_specimen_that_yielded(yielded, recording, error):
     assert error.rebuilt.rms.low < yielded.rms < error.rebuilt.rms.high
     linear = error_of_test(recording, asked(linear_specimen=True))

@@ -287,6 +287,7 @@ def test_halving_the_step_divides_the_error_by_sixteen() -> None:
     assert errors[0] / errors[1] > 11.0
 
 
+@pytest.mark.slow
 @pytest.mark.default_cases(10)
 @pytest.mark.parametrize("name", [name for name, d in registry().items() if d.block != "numerical"])
 def test_every_effect_converges_at_the_working_step(name: str) -> None:

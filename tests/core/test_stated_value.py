@@ -34,6 +34,7 @@ def test_what_may_mean_something_else_is_refused(text):
         StatedValue.parse(text)
 
 
+@pytest.mark.slow
 @given(
     value=st.just(0.0) | st.floats(1e-30, 1e6) | st.floats(-1e6, -1e-30),
     deviation=st.just(0.0) | st.floats(1e-30, 1e3),

@@ -55,6 +55,7 @@ def small_samples(draw):
     return logarithms, rng.integers(draw(st.integers(1, 4)), size=motions)
 
 
+@pytest.mark.slow
 @pytest.mark.default_cases(8)
 @pytest.mark.parametrize("joint", [True, False], ids=["joint", "each"])
 @pytest.mark.parametrize("method", EVERY.values(), ids=EVERY)
@@ -72,6 +73,7 @@ def test_limits_are_finite_and_never_wider_at_a_higher_confidence(method, joint,
         assert (higher <= lower * (1.0 + 1e-6)).all()
 
 
+@pytest.mark.slow
 @pytest.mark.default_cases(4)
 @pytest.mark.parametrize("method", EVERY.values(), ids=EVERY)
 @settings(max_examples=EXAMPLES, deadline=None, derandomize=True)
@@ -88,6 +90,7 @@ def test_bounds_beyond_what_the_motions_carry_fall_all_the_same(method, given_mo
         assert higher <= lower + 1e-6 * np.ptp(values)
 
 
+@pytest.mark.slow
 @settings(max_examples=20, deadline=None, derandomize=True)
 @given(given_motions=small_samples())
 def test_a_predictive_quantile_is_always_there(given_motions):

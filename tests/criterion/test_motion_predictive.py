@@ -37,6 +37,7 @@ def test_many_motions_speak_for_themselves():
     assert float(found.cumulative([-3.5])[0]) == pytest.approx(truth, abs=0.006)
 
 
+@pytest.mark.slow
 def test_few_normal_motions_get_the_bound_of_a_further_one_about_right():
     """On average over suites the stated share of further motions exceeds the bound."""
     rng = np.random.default_rng(5)

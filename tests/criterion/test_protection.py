@@ -29,6 +29,7 @@ def population():
     return read_ellipses("real_suite").sel(**SELECTED)
 
 
+@pytest.mark.slow
 def test_at_each_structure_one_of_three_lengths_counts_and_it_is_the_least_favourable(population):
     protected = protect_over_lengths(population).sel(curve="inscribed", metric="rms").squeeze()
     lengths = np.quantile(population["duration"], [0.1, 0.5, 0.9])
@@ -123,6 +124,7 @@ def test_a_population_that_shows_no_lengths_stays_as_it_is(population, change, o
     assert protect_over_lengths(ellipses, **options) is ellipses
 
 
+@pytest.mark.slow
 def test_windows_have_no_records_to_cut():
     path = shipped("datasets", "real_suite/ellipses.nc")
     assert "a_cut" in open_ellipses(path)

@@ -3,6 +3,7 @@
 import re
 
 import pandas as pd
+import pytest
 
 from reliab.app.api.rig_answers import document_of_rig
 from reliab.core.shipped import shipped
@@ -44,6 +45,7 @@ def test_formulas_are_written_in_signs():
     assert formula("omega^2 tau_c") == "ω^2 τ_c"
 
 
+@pytest.mark.slow
 def test_a_report_has_its_figures_as_pictures_with_words_and_its_tables_with_headings():
     html = document_html(document_of_rig(shipped("datasets", "sample_rig")))
     assert re.search(r'<img alt="[^"]{20,}" width="736" src="data:image/svg\+xml;base64,', html)

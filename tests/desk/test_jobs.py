@@ -58,6 +58,7 @@ def work(tmp_path, monkeypatch):
     sys.modules.pop("desk_work")
 
 
+@pytest.mark.slow
 def test_work_tells_progress_and_news_and_ends_with_its_outcome_or_why_not(work):
     jobs, functions = work
     first = jobs.start(functions.steps)
@@ -102,6 +103,7 @@ def test_work_beyond_the_workers_waits_and_may_be_cancelled_before_it_begins(wor
     assert late.state == "cancelled"
 
 
+@pytest.mark.slow
 def test_workers_end_with_the_desk(work, tmp_path):
     jobs, functions = work
     job = jobs.start(functions.wait, file=str(tmp_path / "began"))

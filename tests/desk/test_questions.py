@@ -18,6 +18,7 @@ SAMPLE = shipped("datasets", "sample_test/test.csv")
 ASKED = {"f": "1±0.01", "xi": "0.02±0.002", "threshold": 0.04, "specimen": "linear"}
 
 
+@pytest.mark.slow
 def test_command_and_python_line_of_a_page_give_its_answer(capsys):
     expected = reliab.assess(SAMPLE, **ASKED).to_dict()
     command = shlex.split(command_line("assess", [str(SAMPLE)], ASKED))

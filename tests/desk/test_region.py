@@ -29,6 +29,7 @@ def test_nearly_all_motions_allow_what_the_region_does(f, xi, alpha):
     assert np.median(b) > 1.5 * limit_b
 
 
+@pytest.mark.slow
 def test_motions_boundaries_are_the_traced_ones_at_a_shipped_structure():
     from reliab.app.api.tracing import trace_boundaries
 

@@ -18,6 +18,7 @@ def content():
     return reliab.assess(SAMPLE, f="1±0.01", xi="0.02±0.002").to_dict()
 
 
+@pytest.mark.slow
 def test_the_bar_has_interval_and_threshold_in_proportion(content):
     html = interval_html(content)
     left, width = map(float, re.search(r'<rect x="([\d.]+)" y="29" width="([\d.]+)"', html).groups())
@@ -43,6 +44,7 @@ def test_knowing_a_quantity_says_how_wide_the_interval_would_be_and_what_to_do(c
     assert item["remedy"] in html
 
 
+@pytest.mark.slow
 def test_a_spike_is_marked_where_it_is(tmp_path):
     lines = SAMPLE.read_text(encoding="utf-8").splitlines()
     place = next(k for k, line in enumerate(lines) if line.startswith("20.0"))

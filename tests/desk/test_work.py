@@ -69,6 +69,7 @@ def test_a_file_that_is_no_test_is_refused(tmp_path):
         look_at(str(path))
 
 
+@pytest.mark.slow
 def test_tests_are_compared_by_their_names(folder):
     place = folder.new_place()
     text = SAMPLE.read_text(encoding="utf-8")
@@ -85,6 +86,7 @@ def test_the_tests_of_a_rig_are_points_with_amplitude_and_delay():
     assert all(0.9 < amplitude < 1.1 and 0.0 < delay < 5.0 for _, amplitude, delay in points)
 
 
+@pytest.mark.slow
 def test_a_frame_takes_the_place_of_f_and_xi_and_its_verdict_is_shown(folder, tmp_path):
     frame = shipped("datasets", "frames/two_actuators.toml")
     time = np.arange(0.0, 20.0, 1.0 / 128.0)

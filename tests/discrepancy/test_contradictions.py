@@ -46,6 +46,7 @@ def test_sound_campaigns_pass_without_a_word(campaign):
     assert require_consistent(campaign) == ()
 
 
+@pytest.mark.slow
 @pytest.mark.default_cases(8)
 @pytest.mark.parametrize("factor", [-1.0, 1000.0, 0.001, -39.37])
 @pytest.mark.parametrize("channel", Channel)
@@ -88,6 +89,7 @@ def test_no_specimen_is_refused_for_another_stiffness_than_the_stated_one(times)
     assert require_consistent(stated) == ()
 
 
+@pytest.mark.slow
 @pytest.mark.default_cases(3)
 @pytest.mark.parametrize("places", [{1}, {0, 1, 2}])
 @pytest.mark.parametrize("unit", [9.80665, 1.0 / 9.80665])
@@ -144,6 +146,7 @@ def test_a_structure_that_is_released_needs_no_ground_acceleration():
     require_consistent(replace(RIGS["rig_a"], tests=(released, replace(released, held_out=False))))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", RIGS)
 def test_a_reversed_ground_acceleration_is_said_of_each_test(name):
     said = require_consistent(spoiled(RIGS[name], GROUND, -1.0))

@@ -189,6 +189,7 @@ def test_results_are_there_when_the_report_fails(rig_b, tmp_path, monkeypatch):
     assert run.output.index("no_missing_effect") < run.output.index("held-out")
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("blank_figures")
 def test_command_line_writes_json_and_says_what_is_wrong(rig_b, tmp_path):
     application = typer.Typer()

@@ -39,6 +39,7 @@ def test_a_disturbance_is_unknown_and_its_frequency_is_told(frequency):
     assert "disturbance" in found.unknown.description
 
 
+@pytest.mark.slow
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize("frequency", [20.0, 40.0])
 def test_folded_pickup_is_no_disturbance(frequency):

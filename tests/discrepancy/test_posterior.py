@@ -94,6 +94,7 @@ def test_it_says_that_it_converged(damped):
     assert posterior.statement.startswith("Converged: 4 independent ensembles")
 
 
+@pytest.mark.slow
 def test_the_truth_lies_within_four_standard_deviations(damped):
     entry = damped[2].parameters_of("viscous_damping")["damping_n_s_per_m"]
     assert entry["units"] == "N·s/m"

@@ -119,6 +119,7 @@ def test_what_is_known_of_a_specimen_without_a_spring_is_kept(tmp_path):
     assert [effect["name"] for effect in found["effects"]] == ["viscous_damping"]
 
 
+@pytest.mark.slow
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize(("share", "verdict"), [(0.02, "no_missing_effect"), (1.0, "unknown_effect")])
 def test_a_line_counts_when_it_is_not_far_below_the_noise(tmp_path, share, verdict):

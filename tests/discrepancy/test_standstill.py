@@ -40,6 +40,7 @@ def test_a_reading_that_is_held_is_unknown(step):
     assert "stands still" in found.unknown.description
 
 
+@pytest.mark.slow
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize("step", [0.0, 1e-4, 4e-4])
 def test_coarse_steps_alone_are_nothing(step):

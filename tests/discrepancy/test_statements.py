@@ -89,6 +89,7 @@ def test_what_remains_is_called_an_error_only_where_it_stands_above_the_noise(bl
         assert block.gap.floor is None
 
 
+@pytest.mark.slow
 @given(blocks())
 def test_the_report_calls_no_more_noise_than_remains(block):
     said = _floor(block)

@@ -76,6 +76,7 @@ PARAMETERS = {
 }
 
 
+@pytest.mark.slow
 def test_magnetorheological_damper_follows_the_equations_of_spencer():
     inner, outer, beta = PARAMETERS["damping_n_s_per_m"], 2500.0, 1.0 - PARAMETERS["gamma"]
 

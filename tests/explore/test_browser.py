@@ -51,9 +51,8 @@ def test_the_page_requests_nothing_and_complains_of_nothing(page, address):
         for entry in page.get_log("performance")
         if (message := json.loads(entry["message"])["message"])["method"] == "Network.requestWillBeSent"
     ]
-    by_page = [
-        each for each in requests if not each["documentURL"].startswith("chrome://")
-    ]  # a new profile's
+    of_browser = ("chrome://", "chrome-untrusted://")  # its own page of a new profile
+    by_page = [each for each in requests if not each["documentURL"].startswith(of_browser)]
     assert {each["request"]["url"] for each in by_page} == {address}
     assert page.get_log("browser") == []
 
@@ -89,6 +88,7 @@ def test_two_criteria_stand_side_by_side(page):
     until(page, "return document.querySelectorAll('#delay-law .band').length === 1")
 
 
+@pytest.mark.slow
 def test_the_command_follows_the_sliders_and_is_copied(page):
     page.find_element("id", "damping").send_keys("\ue014" * 10)  # right arrow
     page.find_element("id", "share").send_keys("\ue012" * 10)  # left arrow

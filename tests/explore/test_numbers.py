@@ -50,6 +50,7 @@ def by_python(question, side, **options):
     return carried_limits(criterion, Structure(frequency=f, damping_ratio=xi), Side(side))[:2]
 
 
+@pytest.mark.slow
 def test_special_functions(by_javascript):
     places = np.linspace(-8.0, 8.0, 33).tolist()
     pairs = [[h, a] for h in (-3.0, 0.0, 0.4, 2.0, 6.0) for a in (-9.0, -0.5, 0.0, 0.3, 1.0, 2.5)]
@@ -131,6 +132,7 @@ CRITERION = {"threshold": 0.05, "confidence": 0.95, "metric": "rms"}
 OTHER_CRITERION = {"threshold": 0.03, "confidence": 0.9, "metric": "mte"}
 
 
+@pytest.mark.slow
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize(
     ("structure", "deviations", "criterion"),

@@ -7,6 +7,7 @@ from fuzz.damage import damaged
 from fuzz.targets import TARGETS, examine
 
 
+@pytest.mark.slow
 @pytest.mark.default_cases(7)
 @pytest.mark.parametrize("name", TARGETS)
 def test_sound_files_are_read(name):
@@ -15,6 +16,7 @@ def test_sound_files_are_read(name):
     assert any(outcomes)
 
 
+@pytest.mark.slow
 @pytest.mark.default_cases(7)
 @pytest.mark.parametrize("name", TARGETS)
 @settings(max_examples=5, suppress_health_check=list(HealthCheck))

@@ -39,6 +39,7 @@ CONTENTS = (
 )
 
 
+@pytest.mark.slow
 @pytest.mark.default_cases(1)
 @pytest.mark.default_cases(2)
 @pytest.mark.parametrize("plant", PLANTS, ids=["coefficients", "roots", "state space"])

@@ -52,6 +52,7 @@ int main(void)
 """
 
 
+@pytest.mark.slow
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize("compiler", BOTH)
 def test_fast_arithmetic_changes_nothing(tmp_path, compiler):

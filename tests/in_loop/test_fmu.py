@@ -51,6 +51,7 @@ def test_the_description_is_valid_and_the_bytes_depend_on_the_structure_only(kin
     assert (tmp_path / "a.fmu").read_bytes() == (tmp_path / "b.fmu").read_bytes()
 
 
+@pytest.mark.slow
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_unit_gives_the_error_of_python(units, kind):

@@ -60,6 +60,7 @@ def test_a_frame_whose_error_is_that_of_a_drift_is_refused(tmp_path):
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.slow
 def test_a_frame_is_followed_as_python_does(tmp_path):
     from reliab.simulation.frames.frame_file import read_frame
 
@@ -100,6 +101,7 @@ def libraries(tmp_path_factory):
     return [built(folder, flags=each) for folder, each in zip(folders, flags, strict=True)]
 
 
+@pytest.mark.slow
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize("broken", ["nan", "infinite", "absurd", "stuck", "held"])
 def test_a_channel_that_fails_is_a_fault_and_never_a_number(libraries, broken):

@@ -22,12 +22,14 @@ def channels_of(frame, response):
     return (frame.kinematics @ values for values in (response.command, response.measured))
 
 
+@pytest.mark.slow
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize(("seed", "rate"), [(0, 256), (1, 1024)])
 def test_errors_by_degree_are_those_of_assess(tmp_path, seed, rate):
     compare(tmp_path, of_several_actuators(seed, rate))
 
 
+@pytest.mark.slow
 def test_a_simulated_test_of_the_shipped_frame_is_followed(tmp_path):
     """The error of each degree is the true one, and the governing one that of `assess`."""
     frame, rate = read_structure(FRAME), 1024

@@ -104,6 +104,7 @@ def without_a_key(content, levels=3):
             yield from ({**content, key: part} for part in without_a_key(value, levels - 1))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["criteria.json", "validation.json"])
 def test_a_file_of_a_run_without_one_of_its_keys_is_refused_or_does_without(finished, monkeypatch, name):
     """No other error than `InputError` ends a report, whatever key of a file somebody left out."""
@@ -152,6 +153,7 @@ def test_a_run_that_was_killed_resumes_and_gives_the_same_bytes_elsewhere(
     assert (tmp_path / "again" / "report.pdf").read_bytes() == (finished / "report.pdf").read_bytes()
 
 
+@pytest.mark.slow
 def test_boundaries_of_records_that_ship_keep_the_ratios_that_came_with_them(
     finished, small_study, monkeypatch
 ):

@@ -1,10 +1,12 @@
 """Probabilities come true on ellipses of known distribution."""
 
 import numpy as np
+import pytest
 
 from reliab.validation.probability_calibration import probability_calibration
 
 
+@pytest.mark.slow
 def test_stated_probabilities_come_true(draw_ellipses):
     ellipses = draw_ellipses(events=60, skewness=0.5, frequencies=(0.5, 1.0, 2.0), seed=7)
     table = probability_calibration(ellipses, scheme="k_fold", trials=128)

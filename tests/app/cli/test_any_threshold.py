@@ -35,6 +35,7 @@ def test_a_criterion_is_put_to_the_test_at_any_threshold(tmp_path, scheme):
     assert run(["validate", "--ellipses", str(tmp_path / "one.nc"), *at_once, *scheme]) == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("threshold", [0.15, 0.5])
 def test_a_test_is_judged_by_its_error_where_no_criterion_is_possible(capsys, threshold):
     asked = ("--threshold", str(threshold), "--json", "-")

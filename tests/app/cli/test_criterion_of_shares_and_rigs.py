@@ -77,6 +77,7 @@ def test_the_error_of_the_described_rig_stands_beside_the_criterion(records, tmp
     assert f"{100 * errors.max():.2f} %" in shown
 
 
+@pytest.mark.slow
 def test_a_described_rig_that_would_be_unstable_is_said_to_be(records, tmp_path):
     (tmp_path / "frame.toml").write_text(FRAME.format(delay=60.0))
     given = ("--motions", records, "--structure", tmp_path / "frame.toml")
@@ -169,6 +170,7 @@ def test_criteria_of_several_shares_stand_beside_their_law(records):
     assert "Share α of the stiffness in the laboratory: 0.1, 0.5, 1." in shown
 
 
+@pytest.mark.slow
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize("extra", [("--compare",), ("--figures", "figures"), ("--out", "criterion.json")])
 def test_what_is_of_one_share_is_refused_for_several(records, tmp_path, monkeypatch, extra):

@@ -246,6 +246,7 @@ def answers(sources):
     return ask
 
 
+@pytest.mark.slow
 @pytest.mark.default_cases(8)
 @pytest.mark.parametrize(("base", "extra"), cases(CHANGES))
 def test_an_option_that_is_taken_changes_the_answer(answers, base, extra):

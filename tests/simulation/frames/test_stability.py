@@ -55,6 +55,7 @@ def test_a_loop_of_poles_answers_a_real_motion_by_a_real_one(random_partition, s
     np.testing.assert_allclose(loop.transfer(s.conj()), loop.transfer(s).conj(), rtol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 3])
 def test_tests_grow_beyond_the_critical_delay_and_decay_below(random_partition, seed):
     partition = random_partition(seed, size=2, mass=False)

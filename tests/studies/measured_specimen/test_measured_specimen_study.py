@@ -40,6 +40,7 @@ def test_a_ramberg_osgood_specimen_follows_its_skeleton_and_the_rule_of_masing()
     assert half[unloading] * (1.0 + 0.5 * half[unloading] ** 4) == pytest.approx(expected, abs=2e-3)
 
 
+@pytest.mark.slow
 def test_a_magnetorheological_damper_dissipates_in_every_cycle():
     path = np.sin(2.0 * np.pi * _TIMES)
     beside = _force("MR damper", [0.8, 0.05, 0.3], path) - 0.5 * path

@@ -69,6 +69,7 @@ def test_no_earthquake_is_learned_from_and_judged(folds):
         assert fold.judged.any()
 
 
+@pytest.mark.slow
 def test_each_motion_is_judged_once_when_earthquakes_are_left_out():
     ellipses = lognormal_ellipses(30, 2, 1)
     for folds in (leave_one_event_out(ellipses["event"].values), k_fold(ellipses["event"].values, 3)):

@@ -35,6 +35,7 @@ def test_a_region_within_all_others_is_not_named(by_region):
     )
 
 
+@pytest.mark.slow
 def test_lengths_decide_in_each_direction(by_region):
     lengths = read_ellipses("real_suite")["duration"].values
     assert np.ptp(lengths) > 0.0

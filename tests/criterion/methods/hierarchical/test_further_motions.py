@@ -29,6 +29,7 @@ def parameters(of):
     return np.stack([means, other])
 
 
+@pytest.mark.slow
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize("robust", [False, True])
 @pytest.mark.parametrize("joint", [False, True])

@@ -67,6 +67,7 @@ def test_an_assurance_makes_limits_smaller_and_more_of_it_smaller_still(fit):
     assert (strong < predictive).all()
 
 
+@pytest.mark.slow
 def test_the_assured_bound_is_the_quantile_over_draws_of_the_populations_own_quantile(fit):
     """At one structure and for a alone each draw's quantile is known in closed form."""
     theta = posterior_of(fit).spread_out(4000)
@@ -93,6 +94,7 @@ def test_a_short_run_is_confessed_in_words_settings_and_by_a_warning(ellipses):
     assert Criterion.from_json(found.to_json()) == found
 
 
+@pytest.mark.slow
 def test_chains_in_a_file_serve_a_further_confidence_and_one_file_serves_all_errors(ellipses, tmp_path):
     method = HierarchicalNormal(steps=40)
     file = tmp_path / "chains.h5"
@@ -115,6 +117,7 @@ def test_the_law_inside_is_the_one_that_is_asked_for(ellipses, fit):
         derivation(ellipses, quick, law=Exponential)
 
 
+@pytest.mark.slow
 def test_diagnostics_name_every_parameter(fit):
     (found,) = fit.diagnostics
     assert [each["parameter"] for each in found["parameters"]] == list(posterior_of(fit).names)

@@ -61,6 +61,7 @@ def test_strata_give_the_likelihood_of_the_dense_normal_distribution(shape, curv
     np.testing.assert_allclose(difference, difference[0], rtol=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.default_cases(2)
 @pytest.mark.parametrize("degrees", [3.0, 10.0])
 @pytest.mark.parametrize("outlier", [0.0, 4.0, 8.0])
