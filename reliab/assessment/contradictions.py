@@ -130,10 +130,14 @@ def of_motion(placement: "OwnPlacement | None") -> Iterator[Contradiction]:
 
 
 def of_columns(recording: Recording, tracking: TrackingIndex) -> Iterator[Contradiction]:
-    """Say where command and measured displacement may be swapped."""
+    """Say where command and measured displacement may be swapped.
+
+    A command is computed, the other column is measured: where that one is far noisier, no lead means a swap.
+    """
     remedy = "Find out which column is the command: the verdict depends on it."
     _, (_, latest) = tracking.interval(0.99)
-    if tracking.delay < -_LEAD and latest < 0.0:
+    leads = tracking.delay < -_LEAD and latest < 0.0
+    if leads and not is_noisier(recording.measured, recording.command):
         lead = -MILLI * tracking.delay
         yield Contradiction(
             finding=f"The measured displacement leads the command by {significant(lead)} ms: the columns "

@@ -156,3 +156,10 @@ def test_a_reliable_test_has_no_contradictions(simulate, frequency):
     )
     assert sound.reliable
     assert not np.any(sound.contradictions)
+
+
+def test_a_lead_is_no_swap_where_the_measured_column_has_a_sensors_noise(simulate):
+    early = simulate(noise=0.001, delay=-1.9e-3, gain=1.0)
+    swapped = replace(early, command=early.measured, measured=early.command)
+    assert not assess(early, ONE_HERTZ).column_doubts
+    assert assess(swapped, ONE_HERTZ).column_doubts
