@@ -24,18 +24,11 @@ from reliab.assessment.fault_effects import error_of_one_with_faults
 from reliab.assessment.faults import Fault, faults_of_channel, repaired
 from reliab.assessment.findings import FaultEffect
 from reliab.assessment.inference.posterior import TestPosterior, favours_frequency
-from reliab.assessment.own_equation import (
-    Explanation,
-    OwnEquation,
-    error_under,
-    examine_equation,
-    looks_nonlinear,
-    ratio_per_second,
-)
+from reliab.assessment.own_equation import OwnEquation, compare_with_stated, looks_nonlinear
 from reliab.assessment.placement import place
 from reliab.assessment.plausibility import require_drawable, require_length, require_plausible
 from reliab.assessment.recorded_force import stated_stiffness
-from reliab.assessment.recorded_ground import examine_ground, require_unit_of_force
+from reliab.assessment.recorded_ground import ShownGround, examine_ground, require_unit_of_force
 from reliab.assessment.scope_of_test import place_by_response, scope_of_test
 from reliab.assessment.tracking_index import TrackingIndex, measure_tracking, track, track_windows
 from reliab.assessment.turning import examine_turning
@@ -215,7 +208,6 @@ def _examined(
         error=judged.error,
         faults=judged.effects,
         equation=judged.equation,
-        otherwise_stated=judged.otherwise,
         verdict=turning.limit(verdict, judged.error.probability),
         turning=turning,
         assumed=(*assumed, *learned),
@@ -265,8 +257,7 @@ def _depends_on_columns(assessment: Assessment, clean: Recording, question: Ques
     """Tell whether the columns may be swapped, and the verdict would then be another one."""
     if not assessment.column_doubts:
         return False
-    shown = replace(question, structure=assessment.equation.structure(question.structure))
-    swapped = error_of_test(replace(clean, command=clean.measured, measured=clean.command), shown)
+    swapped = error_of_test(replace(clean, command=clean.measured, measured=clean.command), question)
     return word_of_probability(swapped.probability) is not word_of_probability(assessment.error.probability)
 
 
@@ -288,11 +279,10 @@ class _Judged:
     error: ErrorOfTest
     effects: tuple[FaultEffect, ...]
     equation: OwnEquation
-    otherwise: tuple[ErrorOfTest, ...]
 
     def verdict(self, with_any_damping: tuple[ErrorOfTest, ...]) -> Verdict:
         """Judge the test; `with_any_damping` holds its errors where no damping ratio was stated."""
-        return verdict_of_error(self.error, self.effects, self.equation, self.otherwise, with_any_damping)
+        return verdict_of_error(self.error, self.effects, self.equation, with_any_damping)
 
 
 def _judged(
@@ -303,7 +293,7 @@ def _judged(
     *,
     any_damping: bool,
 ) -> _Judged:
-    """Error of the test; where the test contradicts the stated structure, with the identified one."""
+    """Error of the test, and what its recording shows of the structure."""
     if question.inferred:
         found = _inferred(
             recording, clean, faults, _with_broad_damping(question) if any_damping else question
@@ -312,24 +302,19 @@ def _judged(
             return found
     error, effects = error_of_one_with_faults(recording, faults, question)
     if not question.linear:
-        return _Judged(error=error, effects=effects, equation=OwnEquation(), otherwise=())
-    smoothed = error.rebuilt.histories.measured
-    equation = examine_equation(clean, question.structure, question.stated, smoothed)
-    shown = replace(question, structure=equation.structure(question.structure))
-    otherwise: tuple[ErrorOfTest, ...] = ()
-    if shown.structure != question.structure:
-        otherwise = (replace(error, under="the structure as stated"),)
-        error, effects = error_of_one_with_faults(recording, faults, shown)
-    explained = tuple(
-        error_under(explanation, clean, shown)
-        for explanation in equation.explanations
-        if explanation != Explanation()
-    )
-    return _Judged(
-        error=replace(error, alternatives=explained),
-        effects=effects,
-        equation=equation,
-        otherwise=(*otherwise, *explained),
+        return _Judged(error=error, effects=effects, equation=OwnEquation())
+    ground = _examine_ground(clean, question)
+    equation = compare_with_stated(clean, question.structure, ground, question.stated)
+    return _Judged(error=error, effects=effects, equation=equation)
+
+
+def _examine_ground(clean: Recording, question: Question) -> ShownGround:
+    stated = question.stated
+    return examine_ground(
+        clean,
+        question.structure,
+        mass=stated["mass"].value if "mass" in stated else None,
+        feedback_lag=question.feedback_lag,
     )
 
 
@@ -359,8 +344,7 @@ def _inferred(
 ) -> _Judged | None:
     """Error by the posterior of all that is uncertain, and what the channels show; None without one."""
     structure, stated = question.structure, question.stated
-    mass = stated["mass"].value if "mass" in stated else None
-    ground = examine_ground(clean, structure, mass=mass, feedback_lag=question.feedback_lag)
+    ground = _examine_ground(clean, question)
     nonlinear = looks_nonlinear(clean, structure)
     evidence = replace(
         recording,
@@ -381,7 +365,7 @@ def _inferred(
         notes=ground.notes,
         doubts=(*ground.doubts, *(conflict for conflict in conflicts if conflict.remedy)),
     )
-    return _Judged(error=error, effects=effects, equation=equation, otherwise=())
+    return _Judged(error=error, effects=effects, equation=equation)
 
 
 def _shown_damping(
@@ -405,7 +389,8 @@ def _shown_damping(
         return None
     sizes = sizes_of_unknown(stated, structure, equipment, recording.time_step)
     late = [sizes[name].deviation for name in _LIKE_DAMPING if name in sizes]
-    of_channels = ratio_per_second(structure) * float(np.linalg.norm(late))
+    per_second = 0.5 * structure.experimental_fraction * structure.circular_frequency
+    of_channels = per_second * float(np.linalg.norm(late))
     return StatedValue(shown.damping_ratio.value, float(np.hypot(shown.damping_ratio.deviation, of_channels)))
 
 

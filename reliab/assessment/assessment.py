@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from reliab.assessment.doubts import sizes_otherwise
 from reliab.assessment.findings import FaultEffect, Findings
 from reliab.assessment.recorded_force import doubts_of_force, remark_on_force
 from reliab.assessment.summary import summarise
@@ -98,8 +97,6 @@ def _of_error(findings: Findings) -> Iterator[str]:
     yield from findings.equation.notes
     if findings.equation.identified is None:
         yield from findings.error.frequency_shown
-    if findings.otherwise_stated:
-        yield sizes_otherwise(findings.error, findings.otherwise_stated)
     by_error, by_index = findings.verdict.word, findings.verdict_by_index.word
     if Word.UNDECIDED in (by_error, by_index) or by_error is by_index or findings.index is None:
         return

@@ -22,7 +22,6 @@ from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
 from reliab.structures.parts_of_structure import is_of_entries
 
-_STRUCTURE = "Find out why the structure differs from the stated one: the verdict depends on it."
 _NONLINEAR = (
     "State `specimen` as measured, with the `mass`: its behaviour is then learned from its recorded "
     "force; or give a model of it that `reliab diagnose` calibrated."
@@ -34,23 +33,18 @@ _JUMPED = "Export the test again, whole and alone: from its first motion to its 
 _CUT = "Cut the recording to the test, from its first motion to its end: the verdict depends on it."
 _STILL = 1e-3  # of the command's peak: what the command of a structure at rest stays below
 _MOSTLY_MOVING = 0.7  # share of a recording in which the structure moves, above which it is no longer asked
-_SKEW = (
-    "Measure the skew of the channels, by one signal on all of them, and the damping ratio, by a free "
-    "vibration: the verdict depends on which of the two is the cause."
-)
 
 
 def verdict_of_error(
     error: ErrorWithThreshold,
     effects: tuple[FaultEffect, ...],
     equation: OwnEquation | None = None,
-    otherwise: tuple[ErrorOfTest, ...] = (),
     assumed: tuple[ErrorOfTest, ...] = (),
 ) -> Verdict:
     """Judge a test by its own error.
 
     Returns undecided where the interval contains the threshold, where a fault of the recording would change
-    the verdict, where the test contradicts its stated structure, where another damping ratio than the
+    the verdict, where another damping ratio than the
     assumed one would change the verdict, and where noise leaves nothing to be judged.
     """
     equation = equation or OwnEquation()
@@ -73,9 +67,6 @@ def verdict_of_error(
     if equation.nonlinear:
         reasons.append(equation.nonlinear)
         remedies.append(_NONLINEAR)
-    if error.contested or any(word_of_probability(rebuilt.probability) is not word for rebuilt in otherwise):
-        reasons.extend([*equation.contradictions, sizes_otherwise(error, otherwise)])
-        remedies.append(_SKEW if error.contested else _STRUCTURE)
     if any(word_of_probability(restated.probability) is not word for restated in assumed):
         by_size = sorted(assumed, key=lambda restated: restated.estimate(error.metric).value)
         sizes = " to ".join(
@@ -133,16 +124,6 @@ def doubted_by_entries(verdict: Verdict, error: ErrorWithThreshold) -> Verdict:
         "structure's true frequency, which a test as short as this does not show."
     )
     return verdict.doubted([reason], [_ENTRIES])
-
-
-def sizes_otherwise(error: ErrorWithThreshold, otherwise: tuple[ErrorOfTest, ...]) -> str:
-    """Say how large the error is, and how large with other values that are stated or possible."""
-    sizes = ", ".join(
-        f"{percent(restated.estimate(error.metric).value, decimals=2)} with {restated.under}"
-        for restated in otherwise
-    )
-    size = percent(error.estimate(error.metric).value, decimals=2)
-    return f"{ERROR_NAMES[error.metric]} is {size}, but {sizes}."
 
 
 def _doubts(effects: tuple[FaultEffect, ...], word: Word) -> tuple[list[str], list[str]]:

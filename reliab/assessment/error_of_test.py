@@ -25,7 +25,6 @@ from reliab.assessment.rebuilt_error.rebuild import RebuiltError, rebuild
 from reliab.assessment.rebuilt_error.spread import Spread
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.widenings import Widening
-from reliab.assessment.verdict import word_of_probability
 from reliab.assessment.yielding import draw_yielding, widened, widening_of_yielding
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
@@ -140,9 +139,6 @@ class ErrorOfTest(ErrorWithThreshold):
 
     rebuilt: RebuiltError
     damping_ratio: float  # ξ of the structure with which it was rebuilt [-]
-    under: str = ""  # What was taken to hold beside what was stated, in words; empty where nothing was
-    # Errors of the same test under other explanations of what it shows, none of which can be excluded
-    alternatives: tuple["ErrorOfTest", ...] = ()
     # What was learned of the specimen from its own force, where it is known by that only
     specimen: "MeasuredSpecimen | None" = None
     modelled: bool = False  # Whether a calibrated model says what the specimen does
@@ -165,30 +161,15 @@ class ErrorOfTest(ErrorWithThreshold):
     def probability(self) -> float:
         """Probability that the error asked about stays below the threshold.
 
-        Where alternatives lead to other verdicts, it is the mean of all: each may be the true one. Where
-        sizes of what is unknown are assumed it is at most 0.99: rare sizes are not known so well.
+        It is the less certain one of with and without specimens that yield. Where sizes of what is unknown
+        are assumed it is at most 0.99: rare sizes are not known so well.
         """
-        probability = self._own_probability
-        if self.contested:
-            every = [probability, *(another.probability for another in self.alternatives)]
-            probability = float(np.mean(every))
-        return as_certain_as(self.sizes, probability)
-
-    @property
-    def _own_probability(self) -> float:
-        """Probability without alternatives: the less certain one of with and without specimens that yield."""
         probabilities = [
             draws.probability_below(self.threshold, self.metric)
             for draws in (self.rebuilt.draws, self.if_linear)
             if draws is not None
         ]
-        return min(probabilities, key=lambda probability: abs(probability - 0.5))
-
-    @property
-    def contested(self) -> bool:
-        """Whether the verdict is another one under some alternative."""
-        word = word_of_probability(self._own_probability)
-        return any(word_of_probability(another.probability) is not word for another in self.alternatives)
+        return as_certain_as(self.sizes, min(probabilities, key=lambda probability: abs(probability - 0.5)))
 
     @property
     def reference(self) -> Array:
@@ -236,25 +217,16 @@ def error_of_test(
     *,
     sensor_offset: float | None = None,
     left_by_repairs: Mapping[str, Size] | None = None,
-    specimen_damping: float = 0.0,
 ) -> ErrorOfTest:
-    """Rebuild the error of a test.
-
-    `sensor_offset` [m]; `specimen_damping` [s].
-    """
+    """Rebuild the error of a test; `sensor_offset` [m]."""
     measured = recording.measured / question.stated.get("scale", StatedValue(1.0)).value
     sizes = {**_sizes(recording, question), **(left_by_repairs or {})}
-    if not specimen_damping:
-        inferred = _inferred(recording, measured, question, sizes, sensor_offset)
-        if inferred is not None:
-            return inferred
+    inferred = _inferred(recording, measured, question, sizes, sensor_offset)
+    if inferred is not None:
+        return inferred
     rest = _Rest(sensor_offset=sensor_offset, tolerances=tolerances_of(sizes), seed=question.seed)
     specimen = _learned(recording, measured, question, rest) if question.measured_specimen else None
-    rebuilt = (
-        _rebuilt(recording, measured, question, rest, specimen_damping)
-        if specimen is None
-        else specimen.rebuilt
-    )
+    rebuilt = _rebuilt(recording, measured, question, rest) if specimen is None else specimen.rebuilt
     error = ErrorOfTest(
         rebuilt=rebuilt,
         metric=question.metric,
@@ -267,10 +239,8 @@ def error_of_test(
     return _that_may_have_yielded(error, question.yielding(recording))
 
 
-def _rebuilt(
-    recording: Recording, measured: Array, question: Question, rest: "_Rest", specimen_damping: float
-) -> RebuiltError:
-    """Rebuild the error with a specimen as stated or modelled; `measured` [m], `specimen_damping` [s]."""
+def _rebuilt(recording: Recording, measured: Array, question: Question, rest: "_Rest") -> RebuiltError:
+    """Rebuild the error with a specimen as stated or modelled; `measured` [m]."""
     if question.model is not None:
         from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_with_specimen
 
@@ -282,12 +252,11 @@ def _rebuilt(
             deviations=question.model.deviations,
             **rest,
         )
-    whole, stiffness = question.whole, question.whole.specimen_stiffness
     return rebuild(
         recording.command,
         measured,
         recording.time_step,
-        whole.changed(specimen_damping=whole.specimen_damping + specimen_damping * stiffness),
+        question.whole,
         feedback_lag=question.feedback_lag,
         resolution=question.resolution,
         **rest,

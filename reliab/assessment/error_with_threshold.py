@@ -54,11 +54,6 @@ class ErrorWithThreshold(ABC):
         return as_certain_as(self.sizes, self.rebuilt.probability(self.threshold, self.metric))
 
     @property
-    def contested(self) -> bool:
-        """Whether the verdict is another one under some other explanation of what the test shows."""
-        return False
-
-    @property
     def of_which(self) -> str:
         """Of which displacement the error is, to follow its name; empty where there is one."""
         return ""

@@ -121,8 +121,6 @@ class Findings:
     error: ErrorOfTest  # The error of this test, rebuilt from its command and measured displacement
     faults: tuple[FaultEffect, ...]  # Faults of the recording
     equation: OwnEquation  # What the test's equation of motion shows about the structure
-    # Error with the structure as stated, or with another damping ratio, where the test contradicts it
-    otherwise_stated: tuple[ErrorOfTest, ...]
     verdict: Verdict  # The verdict on the test, by its error
     turning: Turning  # What was not stated and would turn it
     assumed: tuple[str, ...] = ()  # What was not stated and had to be assumed, in sentences

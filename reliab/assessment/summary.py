@@ -7,7 +7,7 @@ import numpy as np
 from reliab.assessment.findings import LARGEST_PROBABILITY, Findings, capped
 from reliab.assessment.own_equation import OwnEquation
 from reliab.assessment.placement import Placement
-from reliab.assessment.plain_error import finite, plain_estimate, plain_specimen
+from reliab.assessment.plain_error import finite, plain_specimen
 from reliab.assessment.rebuilt_error.widenings import Widening
 from reliab.assessment.tracking_index import LEVEL
 from reliab.assessment.verdict import Word
@@ -96,9 +96,6 @@ def _error(findings: Findings) -> dict[str, Any]:
         "widest": [_widening(widening) for widening in error.widenings],
         "contradictions": [*findings.equation.contradictions, *filter(None, [findings.equation.nonlinear])],
         "identified": _identified(findings.equation),
-        "otherwise_stated": [
-            plain_estimate(rebuilt.estimate(findings.metric)) for rebuilt in findings.otherwise_stated
-        ],
     }
 
 

@@ -36,13 +36,12 @@ def test_a_structure_stated_rightly_is_not_contradicted(judged):
     assert found.error.rebuilt.rms.value == pytest.approx(test.rms, rel=0.02)
 
 
-def test_a_wrong_frequency_is_told_and_not_obeyed(judged):
+def test_a_wrong_frequency_is_told_and_leaves_the_verdict_open(judged):
     test, found = judged(1.02)
     assert found.equation.wrong == ("f",)
-    assert any("shows a natural frequency of" in warning for warning in found.warnings)
-    assert found.error.rebuilt.rms.value == pytest.approx(test.rms, rel=0.02)
-    (as_stated,) = found.otherwise_stated
-    assert as_stated.rebuilt.rms.value < 0.9 * test.rms
+    assert any("The recording shows a natural frequency of" in warning for warning in found.warnings)
+    assert found.verdict.word == "undecided"
+    assert found.error.rebuilt.rms.value < 0.9 * test.rms  # with the frequency as stated
 
 
 def test_a_frequency_within_its_stated_tolerance_is_not_contradicted(judged):
@@ -130,107 +129,55 @@ def test_a_specimen_that_looks_nonlinear_leaves_the_verdict_open(judged, cubic, 
 
 EVERY = 16  # of the samples simulated at 4096 Hz one is recorded
 MASS = 1000.0
+BAD, GOOD = 0.0022, 0.0012  # delays [s] with errors of 6 and 3 %
 
 
 @pytest.fixture(scope="module")
 def judged_with_skew(ground_motions, simulate_rig):
-    """Judge a test whose measured displacement, force or both were recorded late, by steps of 0.244 ms."""
+    """Judge a test whose measured displacement was recorded late, by steps of 0.244 ms."""
     motion = ground_motions[3]
 
-    def ask(channels, *, delay, measured_late=0, force_late=0, stated_ratio=0.02):
+    def ask(*, delay, late=0, with_force=False, stated_ratio=0.02):
         test = simulate_rig(
             motion.acceleration, motion.time_step, seconds=30.0, delay=delay, rate=4096.0, db=200.0
         )
         places = np.arange(0, test.command.size, EVERY)
         generator = np.random.default_rng(7)
 
-        def late(history, steps):
-            recorded = history[np.clip(places - steps, 0, history.size - 1)]
-            return recorded + 0.004 * np.std(recorded) * generator.normal(size=places.size)
+        def noisy(history):
+            return history + 0.004 * np.std(history) * generator.normal(size=history.size)
 
         recording = Recording(
             command=test.command[places],
-            measured=late(test.measured, measured_late),
+            measured=noisy(test.measured[np.clip(places - late, 0, test.measured.size - 1)]),
             time_step=EVERY / 4096.0,
-            ground=test.ground[places] if "ground" in channels else None,
-            force=late(MASS * (2.0 * np.pi) ** 2 * test.measured, force_late)
-            if "force" in channels
-            else None,
+            ground=test.ground[places],
+            force=noisy(MASS * (2.0 * np.pi) ** 2 * test.measured[places]) if with_force else None,
         )
-        stated = {"mass": StatedValue(MASS)} if "mass" in channels else {}
+        stated = {"mass": StatedValue(MASS)} if with_force else {}
         return test, assess(recording, Structure(frequency=1.0, damping_ratio=stated_ratio), stated=stated)
 
     return ask
 
 
-def explained(test, found):
-    """Whether the true error is among those that are computed."""
-    errors = (found.error, *found.error.alternatives)
-    return any(error.rebuilt.rms.value == pytest.approx(test.rms, rel=0.03) for error in errors)
-
-
-BAD, GOOD = 0.0022, 0.0012  # delays [s] with errors of 6 and 3 %
+@pytest.mark.default_cases(2)
+@pytest.mark.parametrize("with_force", [False, True])
+@pytest.mark.parametrize(
+    ("delay", "late", "stated_ratio"), [(BAD, -4, 0.02), (GOOD, 4, 0.02), (BAD, 0, 0.027)]
+)
+def test_a_skew_or_a_wrong_damping_ratio_leaves_the_verdict_open(
+    judged_with_skew, with_force, delay, late, stated_ratio
+):
+    _, found = judged_with_skew(delay=delay, late=late, with_force=with_force, stated_ratio=stated_ratio)
+    assert found.verdict.word == "undecided"
+    assert any("state how uncertain it is" in remedy for remedy in found.verdict.would_decide)
 
 
 @pytest.mark.default_cases(2)
-@pytest.mark.parametrize(
-    ("channels", "delay", "steps", "words"),
-    [
-        ("ground", BAD, -4, "a damping ratio of 0.016"),
-        ("ground", GOOD, 4, "a damping ratio of 0.023"),
-        pytest.param("ground", BAD, -2, "a damping ratio of 0.018", marks=pytest.mark.slow),
-        pytest.param("ground force", BAD, -4, "a force that is fed back 0.9", marks=pytest.mark.slow),
-        ("ground force mass", BAD, -4, "a force that is fed back 0.9"),
-        ("ground force mass", GOOD, 4, "damping of the specimen"),
-        ("force", BAD, -4, "a skew of the force's channel alone"),
-    ],
-)
-def test_what_a_skew_looks_like_is_said_and_decides_nothing(judged_with_skew, channels, delay, steps, words):
-    test, found = judged_with_skew(channels, delay=delay, measured_late=steps)
-    assert (test.rms < 0.05) is (delay == GOOD)
-    assert found.verdict.word == "undecided"
-    assert 0.01 < found.probability < 0.99
-    assert explained(test, found)
-    (said,) = [reason for reason in found.verdict.reasons if "cannot tell which" in reason]
-    assert words in said
-    assert "ms between command and measured displacement" in said
-    assert any("Measure the skew" in remedy for remedy in found.verdict.would_decide)
-    assert not any("> 0.99" in reason for reason in found.verdict.reasons)
-
-
-@pytest.mark.slow
-@pytest.mark.default_cases(3)
-@pytest.mark.parametrize("channels", ["ground", "ground force", "ground force mass", "force"])
+@pytest.mark.parametrize("with_force", [False, True])
 @pytest.mark.parametrize("delay", [BAD, GOOD])
-def test_sound_channels_lose_nothing(judged_with_skew, channels, delay):
-    test, found = judged_with_skew(channels, delay=delay)
+def test_sound_channels_lose_nothing(judged_with_skew, with_force, delay):
+    test, found = judged_with_skew(delay=delay, with_force=with_force)
     assert found.equation.contradictions == ()
-    assert found.error.alternatives == ()
     assert found.verdict.word == ("reliable" if delay == GOOD else "not_reliable")
     assert found.error.rebuilt.rms.value == pytest.approx(test.rms, rel=0.01)
-    unexamined = [warning for warning in found.warnings if "unit of the recorded force" in warning]
-    assert len(unexamined) == (channels in ("ground force", "force"))
-
-
-def test_a_force_that_alone_is_late_changes_nothing_where_the_ground_shows_it(judged_with_skew):
-    test, found = judged_with_skew("ground force", delay=GOOD, force_late=4)
-    assert found.verdict.word == "reliable"
-    shown, cause = found.equation.contradictions
-    assert "behind the measured displacement" in shown
-    assert cause == "The cause may be a skew of the force's channel alone."
-    assert found.error.rebuilt.rms.value == pytest.approx(test.rms, rel=0.01)
-
-
-@pytest.mark.default_cases(1)
-@pytest.mark.parametrize(
-    ("delay", "stated_ratio"),
-    [
-        (BAD, 0.027),
-        (GOOD, 0.014),
-        *(pytest.param(*case, marks=pytest.mark.slow) for case in ((BAD, 0.014), (GOOD, 0.027))),
-    ],
-)
-def test_a_wrong_damping_ratio_is_never_a_wrong_verdict(judged_with_skew, stated_ratio, delay):
-    test, found = judged_with_skew("ground force mass", delay=delay, stated_ratio=stated_ratio)
-    assert found.verdict.word in ("undecided", "reliable" if delay == GOOD else "not_reliable")
-    assert explained(test, found)

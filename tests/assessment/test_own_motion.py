@@ -1,9 +1,14 @@
 """A test is judged over the part of its ground motion that it saw, wherever that begins."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
+from reliab.assessment import own_motion
 from reliab.assessment.assess import assess
+from reliab.assessment.tracking_index import LEVEL
+from reliab.core.vocabulary import Side
 from reliab.motions.motion import Motion
 from reliab.recordings.recording import Recording
 from reliab.structures.structure import Structure
@@ -105,3 +110,34 @@ def test_own_motion_may_be_longer_or_shorter_than_the_test(motion, simulate):
     short = Motion(name="short", acceleration=motion.acceleration[:2000], time_step=motion.time_step)
     test = simulate(short.acceleration, short.time_step, seconds=short.duration + 10.0, delay=0.001)
     assert judged(test, short).placement.error == pytest.approx(test.rms, rel=0.03)
+
+
+def test_the_interval_on_a_motion_itself_is_that_of_the_draws_of_gain_and_delay(monkeypatch):
+    class Boundary:
+        """Whose error is the gain's distance from one, and grows with the delay."""
+
+        def __init__(self, **_given):
+            pass
+
+        def error(self, gain, delay):
+            return np.abs(gain - 1.0) + delay
+
+        def index(self, _gain, _delay):
+            return 0.5
+
+        def ellipse(self, side):
+            return (1.0, 2.0) if side is Side.LAG else (3.0, 4.0)
+
+    monkeypatch.setattr(own_motion, "OwnBoundary", Boundary)
+    monkeypatch.setattr(own_motion, "_excitation", lambda *_given: (None, (1.0, 9.0)))
+    draws = np.stack([1.0 + np.linspace(0.01, 0.05, 101), np.full(101, 0.002)])
+    for delay, ellipse in ((0.002, (1.0, 2.0)), (-0.002, (3.0, 4.0))):
+        tracking = SimpleNamespace(amplitude=1.03, delay=delay, draws=draws)
+        question = SimpleNamespace(structure=None, threshold=0.042, metric="rms")
+        placed = own_motion.place_on_own(SimpleNamespace(name="m"), tracking, None, question)
+        ends = 0.012 + 0.04 * np.array([0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL])
+        np.testing.assert_allclose(placed.error_interval, ends)
+        assert placed.error == pytest.approx(0.03 + delay)
+        np.testing.assert_allclose(placed.index_interval, 0.5 * (ends / placed.error) ** 2)
+        assert placed.probability == pytest.approx(np.mean(draws[0] - 1.0 + 0.002 <= 0.042))
+        assert (placed.a, placed.b) == ellipse
