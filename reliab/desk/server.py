@@ -77,7 +77,8 @@ def _server(desk: Desk, token: str, port: int) -> Any:  # noqa: ANN401 - Panel c
             websocket_max_message_size=_MOST_MESSAGE,
             unused_session_lifetime_milliseconds=_UNUSED,
             title={page.name: f"{page.title} – reliab desk" for page in PAGES},
-            extra_patterns=[(f"/{token}/?", RedirectHandler, {"url": f"/{token}/judge", "permanent": False})],
+            extra_patterns=[("/?", RedirectHandler, {"url": f"/{token}/judge", "permanent": False})],
+            use_index=False,  # a list of pages, with fonts and pictures of the web
             location=False,  # it forgets the prefix where it adds style sheets late
             start=False,
             show=False,

@@ -54,7 +54,8 @@ def desk(chrome, address):
 
 
 def test_a_dropped_test_is_shown_and_judged_and_a_reload_loses_nothing(desk):
-    desk.open("judge")
+    desk.open("")  # the address as it is printed
+    assert "/judge?desk=" in desk.chrome.current_url
     desk.drop(SAMPLE)
     desk.wait_for("What was recognised in test.csv")
     assert "256 samples a second" in desk.text()
@@ -90,7 +91,8 @@ def test_requests_without_the_token_or_of_other_origins_are_not_answered(address
     ):
         with pytest.raises(urllib.error.HTTPError) as refused:
             urllib.request.urlopen(urllib.request.Request(url, headers=headers))  # noqa: S310 - of this machine
-        assert refused.value.code == 404
+        with refused.value:
+            assert refused.value.code == 404
     with urllib.request.urlopen(f"{address}judge") as page:  # noqa: S310
         assert page.status == 200
 
