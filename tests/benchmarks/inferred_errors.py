@@ -280,7 +280,7 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--tests", type=int, default=40)
     parser.add_argument("--excitation", choices=EXCITATIONS, default="earthquake")
-    given = parser.parse_args()
+    given = parser.parse_intermixed_args()
     motions = load_motions(given.folder)
     for row in given.rows or ROWS:
         measure(row, given.seed, given.tests, given.excitation, motions)
