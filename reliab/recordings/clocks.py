@@ -15,6 +15,7 @@ import numpy as np
 
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
+from reliab.core.missing_marks import missing_mark
 from reliab.core.physical_range import require_physical
 from reliab.core.significant_digits import significant
 from reliab.core.vocabulary import MILLI
@@ -115,9 +116,13 @@ def at_one_clock(
 def _readings(columns: Columns, name: str, values: Array) -> Array:
     """Take the samples or the times of a column, all of which must be finite numbers."""
     wrong = np.flatnonzero(~(np.abs(values) < LARGEST_READING))
+    mark = None if wrong.size else missing_mark(values)
+    if mark is not None:
+        wrong = np.flatnonzero(values == mark)
     if wrong.size:
         first = values[wrong[0]]
         kind = "an empty cell, NaN or a sample marked as missing" if np.isnan(first) else first
+        kind = kind if mark is None else f"{mark:g}, which marks missing samples"
         raise InputError(
             f"Every value must be a finite number below {LARGEST_READING:g}",
             value=f"{kind}, {wrong.size} in all",

@@ -151,3 +151,15 @@ def test_a_text_is_bounded_before_it_is_read_and_the_remedy_is_another_format(mo
     monkeypatch.setattr(texts, "_MOST_BYTES", path.stat().st_size - 1)
     with pytest.raises(InputError, match="or export it as HDF5"):
         reliab.read_recording(path)
+
+
+def test_a_usual_mark_of_missing_samples_is_refused_by_its_number(tmp_path):
+    time = np.arange(0.0, 20.0, 0.01)
+    command = 10.0 * np.sin(6.0 * time)
+    measured = 0.99 * command
+    measured[700:703] = -9999.0
+    path = tmp_path / "test.csv"
+    rows = np.column_stack([time, command, measured])
+    np.savetxt(path, rows, delimiter=",", header="time_s,command_mm,measured_mm", comments="")
+    with pytest.raises(InputError, match=r"line 702, column measured_mm: .*-9999, which marks .*, 3 in all"):
+        reliab.read_recording(path)

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reliab.core.arrays import Array
+from reliab.core.missing_marks import missing_mark
 from reliab.core.text_tables import last_place
 from reliab.core.vocabulary import STANDARD_GRAVITY
 from reliab.motions.faults import Report
@@ -218,7 +219,8 @@ def _in_si(source: Source, header: Header, values: Array, units: AccelerationUni
 
 
 def _check_gaps(source: Source, header: Header, values: Array, report: Report) -> None:
-    marks = [*header.missing, *_usual_marks(values)]
+    unstated = missing_mark(values, any_repeated=True)
+    marks = [*header.missing, *([] if unstated is None else [unstated])]
     gaps = np.flatnonzero(np.isin(values, marks)) if marks else np.array([])
     if gaps.size:
         report.add(
@@ -228,28 +230,6 @@ def _check_gaps(source: Source, header: Header, values: Array, report: Report) -
             + (f", {gaps.size} times" if gaps.size > 1 else ""),
             remedy="Fill the gap or leave the record out",
         )
-
-
-_USUAL_MARKS = frozenset(
-    [*(float("9" * digits) for digits in range(3, 8)), 999.25, 999.9, 999.99, 32767.0, 32768.0]
-)
-_LARGEST_NUMBER = 1e10  # from which a number marks gaps: 1e20, 9.97e36 of netCDF, 1.7e38 of SMC
-_STANDING_OUT = 1.5  # times the largest deviation of the others, from which a usual mark is one
-_FAR_OUT = 3.0  # times the largest deviation of the others, from which any repeated number is a mark
-_REPEATED = 3  # times that a mark is repeated exactly
-_VARIED = 10  # fewest different numbers of a record
-
-
-def _usual_marks(values: Array) -> list[float]:
-    """Find a number that marks gaps although no header says so: -999 and such, or a repeated outlier."""
-    deviations = np.abs(values - np.median(values))
-    mark = float(values[deviations.argmax()])
-    others = deviations[values != mark]
-    if not others.size or deviations.max() <= _STANDING_OUT * others.max():
-        return []
-    is_usual = abs(mark) in _USUAL_MARKS or abs(mark) >= _LARGEST_NUMBER
-    is_repeated = values.size - others.size >= _REPEATED and deviations.max() > _FAR_OUT * others.max()
-    return [mark] if (is_usual or is_repeated) and np.unique(values).size >= _VARIED else []
 
 
 _EXACT = 1e-9  # relative rounding of a step in double precision
