@@ -12,7 +12,6 @@ from importlib.resources import files
 
 import numpy as np
 
-from reliab.assessment.coupled_error.coupled_error import LOST_IN_NOISE
 from reliab.assessment.rebuilt_error.initial import FEWEST_AT_REST, SHIFT_OF_COMMAND, SIGNIFICANT_OFFSET
 from reliab.assessment.rebuilt_error.loop_energy import (
     FALSE_ALARMS,
@@ -28,6 +27,7 @@ from reliab.assessment.rebuilt_error.loop_energy import (
     WatchedMode,
     watched_modes,
 )
+from reliab.assessment.rebuilt_error.noise import LOST_IN_NOISE
 from reliab.assessment.rebuilt_error.nonlinear_reference import tangent_structure
 from reliab.assessment.rebuilt_error.readings import delayed
 from reliab.assessment.rebuilt_error.recursion import Recursion

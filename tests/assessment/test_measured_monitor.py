@@ -33,7 +33,11 @@ def learned(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
     size = SimpleNamespace(value=0.2, low=0.15, high=0.25)
     peak = np.where(_TIMES > 1.0, 1.0, 0.1)
     rebuilt = SimpleNamespace(
-        rms=size, mte=size, error=0.2 * peak, reference=peak, estimate=lambda _metric: size
+        rms=size,
+        mte=size,
+        error=0.2 * peak,
+        reference=peak,
+        estimate=lambda _metric: size,
     )
     specimen = SimpleNamespace(held_out=0.2, learned=True, rebuilt=rebuilt)
 

@@ -1,22 +1,25 @@
 """Alarms of a running test: how often they are false, and how early a loop that diverges is caught.
 
-python tests/benchmarks/monitor.py [stable tests of a kind] [seed] [--motions FOLDER]
+python tests/benchmarks/monitor.py [stable tests of a kind] [seed] [--motions FOLDER] [--skew] [--rest S]
 
 The package's own loop runs tests of every kind under synthetic ground motions (or those of a folder), with
-white noise on the sensor; `Monitor` follows them in steps of half a second, as `reliab monitor` does. A false
+white noise on the sensor; `Monitor` follows them in steps of half a second, as `reliab monitor` does. With
+`--skew` the measured channel is recorded up to half a sample early or late, which the monitor is told; with
+`--rest` the recording begins before the motion. A false
 alarm of the energy is one in a loop that is stable in large motions; a false alarm of the error one in a test
 whose error at the end, by the exact response, is below the threshold.
 """
 
 import argparse
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from reliab.assessment.rebuilt_error.running_error import Monitor
+from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.effects.effect import Effect
 from reliab.effects.registry import find_effect
 from reliab.motions.loading import load_motions
@@ -31,6 +34,7 @@ RATE = 256.0
 LOOK = 128  # samples between two looks
 THRESHOLD = 0.05
 LARGE = 2.0  # times the exact peak before which a diverging loop should be caught
+SKEW = 0.29  # standard deviation of one within half a sample [samples]
 STOPPED = 3.0  # times the exact peak at which a rig switches off
 STABLE = ("gain and delay", "backlash", "backlash and delay", "series play", "lag", "second order", "offset")
 DIVERGING = ("delay", "delay and backlash", "lag")
@@ -118,15 +122,31 @@ def cases(suite: MotionSuite, count: int, seed: int, diverging: int | None = Non
                 command=command[:end],
                 measured=measured[:end] + noise,
                 ideal=ideal[:end],
-                facts={"share": share, "peak": peak, "offset": kind == "offset"},
+                facts={"share": share, "peak": peak, "offset": kind == "offset", "level": level},
             )
             if made == wanted:
                 break
 
 
-def judged(case: Case) -> dict[str, object]:
+def with_faults(case: Case, rng: np.random.Generator, *, skew: bool, rest: float) -> Case:
+    """Record the measured displacement early or late, and a rest [s] before the motion."""
+    size, before = case.command.size, round(rest * RATE)
+    late = rng.uniform(-0.5, 0.5) if skew else 0.0
+    measured = np.interp(np.arange(size) - late, np.arange(size), case.measured)
+    noise = case.facts["level"] * rng.standard_normal(before)
+    still = np.zeros(before)
+    return replace(
+        case,
+        command=np.concatenate([still, case.command]),
+        measured=np.concatenate([measured[0] + noise, measured]),
+        ideal=np.concatenate([still, case.ideal]),
+    )
+
+
+def judged(case: Case, *, skew: bool) -> dict[str, object]:
     """Alarms of one test with their times [s]."""
-    monitor = Monitor(case.structure, 1.0 / RATE)
+    known = Tolerances(time_shift=SKEW / RATE if skew else 0.0)
+    monitor = Monitor(case.structure, 1.0 / RATE, tolerances=known)
     energy = error = None
     for begin in range(0, case.command.size, LOOK):
         stretch = slice(begin, begin + LOOK)
@@ -160,9 +180,17 @@ def main() -> None:
     parser.add_argument("seed", nargs="?", type=int, default=1)
     parser.add_argument("--motions", type=Path)
     parser.add_argument("--out", type=Path)
+    parser.add_argument("--skew", action="store_true")
+    parser.add_argument("--rest", type=float, default=0.0)
     given = parser.parse_args()
     suite = load_motions(given.motions) if given.motions else synthetic_suite(count=40, seed=given.seed)
-    table = pd.DataFrame([judged(case) for case in cases(suite, given.count, given.seed)])
+    rng = np.random.default_rng((given.seed, 1))
+    table = pd.DataFrame(
+        [
+            judged(with_faults(case, rng, skew=given.skew, rest=given.rest), skew=given.skew)
+            for case in cases(suite, given.count, given.seed)
+        ]
+    )
     if given.out:
         table.to_csv(given.out, index=False)
     stable, diverging = table[~table.diverges], table[table.diverges]

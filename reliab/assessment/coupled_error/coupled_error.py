@@ -17,7 +17,7 @@ import numpy as np
 
 from reliab.assessment.rebuilt_error.initial import Start
 from reliab.assessment.rebuilt_error.interval import Histories, Swept, Unknown
-from reliab.assessment.rebuilt_error.noise import SensorNoise
+from reliab.assessment.rebuilt_error.noise import LOST_IN_NOISE, SensorNoise
 from reliab.assessment.rebuilt_error.parts import Parts, parts_of, pieces_of
 from reliab.assessment.rebuilt_error.recursion import Recursion
 from reliab.assessment.rebuilt_error.spread import DisplacementError, Estimate, Spread
@@ -33,8 +33,6 @@ _BY_ITSELF, _OF_OTHERS = (
     1e-3,
     3e-3,
 )  # of a command: errors that large are as dear as what they leave unexplained
-
-LOST_IN_NOISE = 0.05  # of the largest ideal motion, that noise leaves open
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -12,6 +12,7 @@ import numpy as np
 
 from reliab.assessment.measured_specimen.force_channel import ForceChannel
 from reliab.assessment.measured_specimen.rebuild import MeasuredSpecimen, rebuild_with_force
+from reliab.assessment.rebuilt_error.noise import LOST_IN_NOISE, noise_of_steps
 from reliab.assessment.rebuilt_error.rebuild import RebuiltError
 from reliab.assessment.rebuilt_error.running_test import Now, RunningTest, require_readings
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
@@ -42,7 +43,7 @@ class MeasuredMonitor(RunningTest):
     growth: ClassVar[float] = 0.25
 
     def __init__(self, structure: Partition, time_step: float, stated: StatedForce) -> None:
-        super().__init__(structure, time_step)
+        super().__init__(structure, time_step, stated.tolerances.time_shift)
         self._stated = stated
         self._parts: list[Array] = []
         self._samples = 0
@@ -107,8 +108,12 @@ class MeasuredMonitor(RunningTest):
         if self._specimen is not None:
             known = self._specimen.learned if at_end else self._specimen.held_out <= _ENOUGH
             self._known = self._specimen.rebuilt if known else None
-        self._conclude(self._known)
-        return self._known
+        error = self._known
+        largest = 0.0 if error is None else float(np.abs(error.reference).max())
+        command, measured, _ = self._parts[0]
+        lost = error is not None and noise_of_steps(command - measured) >= LOST_IN_NOISE * largest
+        self._conclude(error, lost_in_noise=lost)
+        return error
 
     def _learned(self, *, at_end: bool) -> MeasuredSpecimen | None:
         """Learn the specimen from all samples so far; None while they are too few to learn anything."""

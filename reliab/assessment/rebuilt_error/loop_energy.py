@@ -14,7 +14,8 @@ this one: with D_j = s² + 2ξ_jω_js + ω_j² + κ_jj(a + b s) and κ_ij = ν�
     D_k(s) − (a + b s)² Σ_j κ_kj κ_jk/D_j(s) = 0,    j ≠ k
 
 a and b are those of least squares over a window that forgets exponentially, so that a wrong gain is not taken
-for damping while the motion grows; an offset does not pass the band.
+for damping while the motion grows; an offset does not pass the band. A skew s between the recorded channels
+looks like a damping ratio of αω₀s/2, and is granted with its largest size.
 
 Play feeds energy in as well, and sets a small motion going; but the error that it causes does not grow with
 the motion, and a large motion does not diverge from it. Play of half width δ takes the damping
@@ -33,6 +34,7 @@ In a mode that moves the interface by ν (its modal mass one), errors x_m − x_
 delay of 2ξω/(νᵀK_e ν) uses the damping of the mode up: the modes with the shortest of these are watched.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -65,6 +67,7 @@ FALSE_ALARMS = 0.01
 
 INDEPENDENT_SAMPLES = 8.0  # samples in a period of which the errors count as independent, at least
 _WHITE = 1.0  # mean square of the steps of white noise, averaged over two samples, over its own
+_LARGEST_SKEW = math.sqrt(3.0)  # standard deviations of one that lies anywhere within half a step
 LARGE_MOTION = 0.5  # of the largest power of the motion so far
 PLAY_FACTOR = 1.6  # by which the play that the smallest error shows is multiplied
 SMALLEST_FOLLOWING = 0.5  # of the command: measured motion, in phase or late, with which a piston follows it
@@ -93,6 +96,12 @@ class WatchedMode:
     modes: Modes
     place: int  # Of the mode among all modes
     time_step: float  # [s]
+    skew: float = 0.0  # Standard deviation of the skew of the displacements [s]
+
+    @property
+    def of_skew(self) -> float:
+        """Standard deviation of the net damping that the skew leaves open [-]."""
+        return 0.5 * self.skew * self.stiffness / self.circular_frequency
 
     @property
     def projection(self) -> Array:
@@ -149,8 +158,11 @@ class WatchedMode:
         return np.asarray(np.array([tangent / WIDTH, 2.0 * (tangent**2 - 1.0), last]) / whole)
 
 
-def watched_modes(structure: Partition, time_step: float) -> tuple[WatchedMode, ...]:
-    """Return the modes to watch, the one with the shortest critical delay first; `time_step` [s]."""
+def watched_modes(structure: Partition, time_step: float, skew: float = 0.0) -> tuple[WatchedMode, ...]:
+    """Return the modes to watch, the one with the shortest critical delay first.
+
+    `time_step`, `skew` [s]: the standard deviation of the skew of the displacements.
+    """
     interface, specimen = structure.interface, structure.specimen_stiffness
     squares, shapes = scipy.linalg.eigh(structure.stiffness, structure.mass)
     omega = np.sqrt(np.maximum(squares, np.finfo(float).tiny))
@@ -168,7 +180,9 @@ def watched_modes(structure: Partition, time_step: float) -> tuple[WatchedMode, 
     delays[takes_part] = 2.0 * modes.ratios[takes_part] * omega[takes_part] / own[takes_part]
     count = min(_MODES_FOR_EACH_ACTUATOR * interface.shape[1], max(int(takes_part.sum()), 1))
     places = np.argsort(delays, kind="stable")[:count]
-    return tuple(WatchedMode(modes=modes, place=int(place), time_step=time_step) for place in places)
+    return tuple(
+        WatchedMode(modes=modes, place=int(place), time_step=time_step, skew=skew) for place in places
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -177,7 +191,8 @@ class NetDamping:
 
     ratio: float  # ratio, deviation: ξ_net and its standard error [-]
     deviation: float
-    high: float  # ξ_net and as many standard errors as chance gives to one stable test in a hundred [-]
+    # ξ_net, as many standard errors as chance gives to one stable test in a hundred, and the largest skew [-]
+    high: float
     large: bool  # Whether the motion is among the largest so far
     known: bool  # Whether noise leaves the error known to half of the command
     follows: bool  # Whether the piston follows its command, and does not rest within some play
@@ -238,10 +253,12 @@ def net_damping(mode: WatchedMode, sums: Sums, modes: int) -> NetDamping | None:
     window = np.ceil(sums.moved / (MEMORY * mode.samples))
     needed = -float(scipy.special.ndtri(FALSE_ALARMS / modes / (window * (window + 1.0))))
     amplitude = float(np.sqrt(2.0 / sums.weight) * scale[0])
+    high = ratio + needed * deviation + _LARGEST_SKEW * mode.of_skew
+    deviation = float(np.hypot(deviation, mode.of_skew))
     return NetDamping(
         ratio=ratio,
         deviation=deviation,
-        high=ratio + needed * deviation,
+        high=high,
         large=power > LARGE_MOTION * sums.power,
         known=bool(needed * chance * units[0] < LARGEST_UNCERTAINTY),
         follows=_follows(scale, residual, needed * chance),

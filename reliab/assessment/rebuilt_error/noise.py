@@ -25,6 +25,9 @@ from reliab.signals.filters import RIPPLE, LowPass, low_pass, smoothed
 from reliab.signals.noise import fit_levels, noise_shapes
 from reliab.signals.spectra import binned, periodogram, upper_level
 
+LOST_IN_NOISE = 0.05
+"""Standard deviation of the noise over the largest motion, from which no error is judged [-]."""
+
 CORNERS = (0.3, 1.0, 3.0, 10.0, 30.0)
 """Corner frequencies of the slow parts [Hz]."""
 
@@ -46,6 +49,18 @@ _STANDING = (
     0.02  # share of samples that repeat the one before: of a reading with play, a converter, held ones
 )
 _UPDATES_OF_FILTER = 200
+
+
+def noise_of_steps(difference: Array) -> float:
+    """Estimate white noise by second differences, which a slow motion hardly has, shape (n,).
+
+    Returns its standard deviation [m].
+
+    >>> round(noise_of_steps(0.02 * np.random.default_rng(1).standard_normal(10_000)), 3)
+    0.02
+    """
+    steps = np.diff(difference, n=2)
+    return float(np.sqrt(np.mean(steps**2) / 6.0)) if steps.size else 0.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

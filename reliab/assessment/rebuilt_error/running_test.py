@@ -5,7 +5,8 @@ threshold, though its peak, by which it is divided, may still grow and a quiet e
 until the peak of the response has not doubled for 12 s, and is raised when the low end of the interval is
 above twice the threshold: of the responses of 450 structures (0.4 to 4 Hz, damping ratios of 1 to 6 %) to
 synthetic earthquakes, with errors that grow with the motion and such that do not, one in a hundred fell to
-less than half of its error after that.
+less than half of its error after that. While the motion does not stand out of the noise of its sensor, as in
+a rest before it, no error is stated: it would be that of the noise.
 """
 
 from abc import ABC, abstractmethod
@@ -64,14 +65,18 @@ class RunningSums:
     @property
     def rms(self) -> float:
         """RMS^R so far [-]; zero while nothing moves."""
-        ideal = float(self.values[3])
-        return float(np.sqrt(self.mean_square)) / ideal if ideal > 0.0 else 0.0
+        return float(np.sqrt(self.mean_square)) / self.largest if self.largest > 0.0 else 0.0
 
     @property
     def mte(self) -> float:
         """MTE^R so far [-]; zero while nothing moves."""
         peak, ideal = self.values[2:4].tolist()
         return peak / ideal if ideal > 0.0 else 0.0
+
+    @property
+    def largest(self) -> float:
+        """Largest response without actuator errors [m]."""
+        return float(self.values[3])
 
     @property
     def calm(self) -> float:
@@ -154,21 +159,24 @@ def require_readings(*histories: Array) -> None:
 
 
 class RunningTest(ABC):
-    """A test that is followed; `time_step` [s]."""
+    """A test that is followed; `time_step`, `skew` [s]: the standard deviation of that of the channels."""
 
     growth: ClassVar[float] = 0.5
     """Share of itself by which a test must grow before its intervals are computed again."""
+    growth_in_noise: ClassVar[float] = 0.1
+    """The same while its motion does not stand out of the noise."""
     periods_between: ClassVar[float] = 4.0
     """Periods of the structure by which it must grow at least."""
 
-    def __init__(self, structure: Partition, time_step: float) -> None:
+    def __init__(self, structure: Partition, time_step: float, skew: float = 0.0) -> None:
         require_physical("time step", time_step)
         self.structure, self.time_step = structure, time_step
         self._period = 1.0 / (float(structure.natural_frequencies[0]) or 1.0)
-        self._energy = LoopEnergy(watched_modes(structure, time_step))
+        self._energy = LoopEnergy(watched_modes(structure, time_step, skew))
         self._asked = 0
         self._result: ErrorWithInterval | None = None
         self._low = dict.fromkeys(Metric, 0.0)
+        self._lost = False
 
     @property
     @abstractmethod
@@ -210,7 +218,7 @@ class RunningTest(ABC):
 
     @property
     def result(self) -> ErrorWithInterval | None:
-        """The last error with its intervals; None before there was one."""
+        """The last error with its intervals; None before there was one, and while it is that of noise."""
         return self._result
 
     def exceeds(self, threshold: float, metric: Metric = Metric.RMS) -> bool:
@@ -245,11 +253,13 @@ class RunningTest(ABC):
         """Whether the test has grown so much that intervals are worth computing again."""
         grown = self.samples - self._asked
         least = max(FEWEST_SAMPLES, int(self.periods_between * self._period / self.time_step))
-        return self._energy.moves and grown >= max(least, int(self.growth * self._asked))
+        growth = self.growth_in_noise if self._lost else self.growth
+        return self._energy.moves and grown >= max(least, int(growth * self._asked))
 
-    def _conclude(self, error: ErrorWithInterval | None) -> None:
+    def _conclude(self, error: ErrorWithInterval | None, *, lost_in_noise: bool = False) -> None:
         """Keep an error that was computed from all samples so far; None where it is not known."""
-        self._asked, self._result = self.samples, error
+        error = None if lost_in_noise else error
+        self._asked, self._result, self._lost = self.samples, error, lost_in_noise
         now = self.now
         for metric in Metric:
             so_far = now.size(metric)

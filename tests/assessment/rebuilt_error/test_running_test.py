@@ -303,3 +303,33 @@ def test_a_lag_longer_than_what_is_kept_is_refused():
 def test_more_draws_than_were_kept_are_refused():
     with pytest.raises(InputError, match="256 draws at most"):
         fed(1000).ask(draws=512)
+
+
+def test_no_error_is_stated_of_the_noise_in_a_rest_before_the_motion():
+    """A good test that begins after 25 s of rest: the error of noise over no motion is no error."""
+    rng = np.random.default_rng(3)
+    time = STEP * np.arange(4000)
+    motion = 0.01 * np.sin(W0 * time) * np.minimum(time / 6.0, 1.0)
+    command = np.concatenate([1e-9 * rng.standard_normal(3200), motion])
+    measured = 0.997 * command + 2e-5 * rng.standard_normal(command.size)
+    monitor, stated_at_rest = Monitor(STRUCTURE, STEP), []
+    for begin in range(0, command.size, 64):
+        monitor.feed(command[begin : begin + 64], measured[begin : begin + 64])
+        if monitor.due:
+            monitor.ask(draws=16)
+        stated_at_rest.append(begin < 3200 and monitor.result is not None)
+        assert not monitor.exceeds(0.05)
+    assert not any(stated_at_rest)
+    assert monitor.result.rms.value < 0.05
+
+
+def test_a_skew_that_is_not_known_is_no_gain_of_energy():
+    """Recorded half a sample late the loop seems to gain energy; if it is later than that, it does."""
+    velocity = np.gradient(COMMAND, STEP)
+    skew = 0.5 * STEP
+    uncertain = replace(MODE, skew=skew / np.sqrt(3.0))
+    for late, alarms in ((0.0, False), (skew, False), (5.0 * skew, True)):
+        delay = 2.0 * 0.95 * XI / (SHARE * W0) + late  # five per cent before instability
+        sums = sums_of(COMMAND, -delay * velocity)
+        assert bool(net_damping(MODE, sums, 1).high < 0.0) is (late > 0.0)
+        assert bool(net_damping(uncertain, sums, 1).high < 0.0) is alarms
