@@ -234,6 +234,15 @@ class Command(TyperCommand):
         """Names of what few need."""
         return getattr(self.callback, "further", frozenset())
 
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:  # noqa: ANN401 - Typer hides its types
+        """Read the arguments; refuse two values of an option that takes one."""
+        rest: list[str] = super().parse_args(ctx, list(args))
+        _, _, stated = self.make_parser(ctx).parse_args(args)
+        for parameter in stated:
+            if stated.count(parameter) > 1 and not parameter.multiple and parameter.nargs == 1:
+                raise InputError(f"`{parameter.name}` takes one value", value="several", remedy="Give one")
+        return rest
+
     def get_params(self, ctx: Any) -> list[Any]:  # noqa: ANN401 - Typer hides its types
         """Return the parameters; the help's own stand in the last panel."""
         params: list[Any] = list(super().get_params(ctx))

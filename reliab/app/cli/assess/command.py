@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from reliab.app import options, outputs, questions
+from reliab.app import outputs, questions
 from reliab.app.cli.commands import Asked, takes
 from reliab.app.cli.test_files import files_of
 from reliab.app.options import OUTPUT
@@ -40,35 +40,30 @@ class _OneTest(outputs.Tests, outputs.Check, outputs.Cover, total=False):
     ]
 
 
-class _Former(options.Frequencies, options.Confidences, total=False):
-    """Ways of asking that have become commands of their own, and the lists that one of them needs."""
-
-    design: Annotated[bool, OUTPUT.further_flag("The same as `reliab design`.")]
-    same_test: Annotated[bool, OUTPUT.further_flag("The same as `reliab extrapolate`.")]
-
-
 @takes(
     questions.StatedOfTest,
     _OneTest,
-    outputs.Chart,
-    _Former,
-    needs={"figure": "design", **dict.fromkeys(outputs.Cover.__annotations__, "report")},
-    further=("figure", "confidence"),
+    needs=dict.fromkeys(outputs.Cover.__annotations__, "report"),
 )
 def assess(asked: Asked) -> None:
     """Judge a real test by its error, computed from command and measured displacement."""
-    if asked.design:
-        _answer_design(asked)
-        return
-    judge = _answer_same_test if asked.same_test else _answer_tests
-    if not judge(asked) and asked.check:
+    if not _answer_tests(asked) and asked.check:
         raise typer.Exit(1)
 
 
 @takes(questions.Design, outputs.Chart)
 def design(asked: Asked) -> None:
     """Before a test: print how much amplitude error and delay the rig may have."""
-    _answer_design(asked)
+    from reliab.app.api.assessment_files import draw_chart
+    from reliab.app.api.design import design_test
+    from reliab.app.cli.assess.shown_design import show_design
+    from reliab.app.cli.output import write_json
+
+    found = asked.ask(design_test, "figure", "json_target")
+    if asked.figure is not None:
+        draw_chart(found, asked.figure)
+    if not write_json(found.to_dict(), asked.json_target):
+        show_design(found)
 
 
 @takes(questions.StatedOfTest, outputs.Tests, outputs.Check)
@@ -77,31 +72,21 @@ def extrapolate(asked: Asked) -> None:
 
     The extrapolation itself uses neither structure nor specimen.
     """
-    if not _answer_same_test(asked) and asked.check:
-        raise typer.Exit(1)
-
-
-def _answer_design(asked: Asked) -> None:
-    from reliab.app.api.assessment_files import draw_chart
-    from reliab.app.api.design import design_test
-    from reliab.app.cli.assess.shown_design import show_design
+    from reliab.app.api.assessment_files import write_tests
+    from reliab.app.cli.assess.shown_test import show_same_test
     from reliab.app.cli.output import write_json
 
-    if "tests" in asked.given:
-        raise InputError("A test's file has no effect together with `design`", remedy="Leave it out")
-    if "structure" in asked.given:
-        raise InputError(
-            "Tolerable errors before a test are computed for single-degree-of-freedom structures, not for "
-            "frames",
-            value=f"`structure={asked.structure}`",
-            remedy="Judge a trial test of the frame with `reliab assess TEST --structure FRAME`, or predict "
-            "the next one from earlier tests of it with `reliab rig predict RIG --structure FRAME`",
-        )
-    found = asked.ask(design_test, "design", "figure", "json_target", why="together with `design`")
-    if asked.figure is not None:
-        draw_chart(found, asked.figure)
-    if not write_json(found.to_dict(), asked.json_target):
-        show_design(found)
+    files = files_of(asked.tests, asked.out)
+    if len(files) == 1 and asked.test_name != "all":
+        raise InputError("`reliab extrapolate` needs two tests or more", remedy="Name every run of the test")
+    runs = _verdicts(asked, files)
+    together = runs.same_test()
+    if asked.out is not None:
+        write_tests([{"file": file, **found} for file, found in runs.to_dict().items()], asked.out)
+    if not write_json(together.to_dict(), asked.json_target):
+        show_same_test(together.to_dict())
+    if asked.check and not together.reliable:
+        raise typer.Exit(1)
 
 
 def _verdicts(asked: Asked, files: Sequence[Path], *uses: str) -> Any:  # noqa: ANN401 - of one test or several
@@ -116,21 +101,8 @@ def _verdicts(asked: Asked, files: Sequence[Path], *uses: str) -> Any:  # noqa: 
             *_USED,
             *uses,
             test=files[0] if len(files) == 1 else files,
-            f=_only_value(asked.f, "f"),
-            confidence=_only_value(asked.confidence, "confidence"),
             progress=progress,
         )
-
-
-def _only_value(values: Any, name: str) -> Any:  # noqa: ANN401 - of many types
-    """Take the value of an option that may be repeated for a design, but not for a test."""
-    if not isinstance(values, list):
-        return values
-    if len(values) > 1:
-        raise InputError(
-            f"A test has one `{name}`", value=len(values), remedy="Give several with `design` only"
-        )
-    return values[0] if values else None
 
 
 def _answer_tests(asked: Asked) -> bool:
@@ -153,24 +125,6 @@ def _answer_tests(asked: Asked) -> bool:
     if asked.report is not None:
         file_report(verdicts, asked.report, test=files[0], structure=asked.structure, setting=asked.setting())
     return bool(verdicts.reliable)
-
-
-def _answer_same_test(asked: Asked) -> bool:
-    """Extrapolate runs of one test; write and print what is found; return whether it is reliable."""
-    from reliab.app.api.assessment_files import write_tests
-    from reliab.app.cli.assess.shown_test import show_same_test
-    from reliab.app.cli.output import write_json
-
-    files = files_of(asked.tests, asked.out)
-    if len(files) == 1 and asked.test_name != "all":
-        raise InputError("`same_test` needs two tests or more", remedy="Name every run of the test")
-    runs = _verdicts(asked, files, "details", "same_test")
-    together = runs.same_test()
-    if asked.out is not None:
-        write_tests([{"file": file, **found} for file, found in runs.to_dict().items()], asked.out)
-    if not write_json(together.to_dict(), asked.json_target):
-        show_same_test(together.to_dict())
-    return bool(together.reliable)
 
 
 def _write_one(
