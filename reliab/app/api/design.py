@@ -1,8 +1,9 @@
 """`reliab.design_test`: what is tolerable before a test."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Unpack
+from typing import Any, ClassVar, Unpack
 
 from reliab.app import questions
 from reliab.app.api.arguments import exact_values, stated_threshold, unused
@@ -27,16 +28,10 @@ class Design(ResultWithRows):
     """
 
     rows_in = "design"
+    keys: ClassVar[Mapping[str, str]] = {"design": "tolerances", "chart": "chart"}
 
     tolerances: tuple[Tolerance, ...]
     chart: tuple[Tolerance, ...]
-
-    def to_dict(self) -> dict[str, list[dict[str, Any]]]:
-        """Plain numbers with stable keys: `design` and `chart`, delays in milliseconds."""
-        return {
-            "design": [tolerance.to_dict() for tolerance in self.tolerances],
-            "chart": [tolerance.to_dict() for tolerance in self.chart],
-        }
 
 
 @asks(questions.Design)
