@@ -8,8 +8,6 @@ import json
 from collections.abc import Iterable, Sequence
 from typing import Any, Final
 
-import pandas as pd
-
 from reliab.report.document import (
     Block,
     Column,
@@ -24,7 +22,7 @@ from reliab.report.document import (
     Table,
 )
 from reliab.report.glossary import glossary_of
-from reliab.report.numbers import MISSING, Written
+from reliab.report.numbers import Written, cells
 from reliab.report.prose import Math, Piece, Prose, Reference, Strong, literal, plain_text
 from reliab.report.style import svg
 
@@ -132,7 +130,9 @@ class _Writer:
         }
 
     def _table(self, table: Table) -> dict[str, Any]:
-        columns = [_cells(table.frame[column.key].tolist(), column) for column in table.columns]
+        columns = [
+            map(_cell, cells(table.frame[column.key].tolist(), column.number)) for column in table.columns
+        ]
         return {
             "kind": "table",
             "caption": self._prose(table.caption),
@@ -165,24 +165,8 @@ def _appended(block: Block) -> bool:
     return isinstance(block, Section) and block.appendix
 
 
-def _cells(values: Sequence[Any], column: Column) -> list[dict[str, Any]]:
-    """Cells of a column; numbers carry the digits that they lack to be aligned at the decimal point."""
-    if column.number is None:
-        return [{"text": literal(_worded(value))} for value in values]
-    written = [column.number(float("nan") if value is None else float(value)) for value in values]
-    most = max((number.decimals for number in written), default=0)
-    return [
-        {"digits": number.digits, "exponent": number.exponent, "lacks": _lacks(number, most)}
-        for number in written
-    ]
-
-
-def _lacks(written: Written, most: int) -> str:
-    point = "." if most and not written.decimals else ""
-    return point + "0" * (most - written.decimals)
-
-
-def _worded(value: object) -> str:
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    return MISSING if value is None or value is pd.NA or value != value else str(value)  # noqa: PLR0124 - NaN
+def _cell(cell: str | tuple[Written, str]) -> dict[str, Any]:
+    if isinstance(cell, str):
+        return {"text": literal(cell)}
+    written, lacks = cell
+    return {"digits": written.digits, "exponent": written.exponent, "lacks": lacks}

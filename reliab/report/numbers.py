@@ -1,9 +1,12 @@
 """Numbers as they stand in tables: with a fixed number of digits, aligned at the decimal point."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+import pandas as pd
 
 MISSING = "–"
 """What stands where there is no number."""
@@ -154,6 +157,27 @@ class Whole(Number):
 
     def _write(self, value: float) -> Written:
         return Fixed(decimals=0)(value)
+
+
+def cells(values: Sequence[Any], number: Number | None) -> list[str | tuple[Written, str]]:
+    """Write the values of a column: texts, or numbers with the digits that each lacks to be aligned.
+
+    >>> cells([True, None], None), [lacks for _, lacks in cells([1.0, 0.25], Shortest())]
+    (['yes', '–'], ['.00', ''])
+    """
+    if number is None:
+        return [_worded(value) for value in values]
+    written = [number(float("nan") if value is None else float(value)) for value in values]
+    most = max((one.decimals for one in written), default=0)
+    return [
+        (one, ("." if most and not one.decimals else "") + "0" * (most - one.decimals)) for one in written
+    ]
+
+
+def _worded(value: object) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return MISSING if value is None or value is pd.NA or value != value else str(value)  # noqa: PLR0124 - NaN
 
 
 def in_line(written: Written) -> str:

@@ -4,7 +4,7 @@ from typing import Any
 
 from reliab.app import outputs, questions
 from reliab.app.cli.commands import Asked, takes
-from reliab.app.cli.output import console, progress_bar, say, table, write_json
+from reliab.app.cli.output import progress_bar, say, show_table, write_json
 from reliab.app.cli.test_files import files_of
 from reliab.core.significant_digits import percent, significant
 from reliab.core.vocabulary import PERCENT
@@ -54,11 +54,8 @@ def compare(asked: Asked) -> None:
 def _show(content: dict[str, Any]) -> None:
     """Print the ranking, and below it what limits it."""
     asked = f"{content['metric'].upper()}, threshold {percent(content['threshold'])}"
-    shown = table(f"{len(content['tests'])} tests by {asked}", _COLUMNS)
-    for test in content["tests"]:
-        shown.add_row(*_row(test, content["metric"]))
-    terminal = console()
-    terminal.print(shown)
+    rows = [_row(test, content["metric"]) for test in content["tests"]]
+    show_table(f"{len(content['tests'])} tests by {asked}", _COLUMNS, rows)
     faults = (f"{file}: {why}" for file, why in content["faults"].items())
     say(*(content["assumed"], *content["notes"], *faults))
 

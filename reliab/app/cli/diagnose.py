@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from reliab.app import completion, outputs
 from reliab.app.cli.commands import Asked, takes
-from reliab.app.cli.output import console, progress_bar, table, write_json
+from reliab.app.cli.output import console, progress_bar, show_table, write_json
 from reliab.app.declaration import argument
 from reliab.core.significant_digits import percent, significant
 
@@ -82,21 +82,20 @@ def _show_places(diagnosis: "Diagnosis") -> None:
     """Print a row for each part of the residuals: what it varies with, where it lies, and where it begins."""
     if not diagnosis.where:
         return
-    places = table("Where the calibrated model fails", _WHERE)
-    for finding in diagnosis.where:
-        low, high = (significant(value, 2) for value in finding.band)
-        first, last = (significant(value) for value in finding.time)
-        places.add_row(
+    rows = [
+        (
             finding.block,
             finding.kind.replace("_", " "),
             percent(finding.share_of_residual, decimals=0),
             finding.chance,
             finding.test,
-            f"{low} to {high}",
-            f"{first} to {last}",
+            " to ".join(significant(value, 2) for value in finding.band),
+            " to ".join(map(significant, finding.time)),
             finding.begin,
         )
-    console().print(places)
+        for finding in diagnosis.where
+    ]
+    show_table("Where the calibrated model fails", _WHERE, rows)
 
 
 def _show_effects(diagnosis: "Diagnosis") -> None:
@@ -104,21 +103,30 @@ def _show_effects(diagnosis: "Diagnosis") -> None:
     effects = (*diagnosis.effects, *diagnosis.doubtful)
     if not effects:
         return
-    names = table("What is missing", _EFFECTS)
-    for effect in effects:
-        change = f"{effect.error_without:.4f} → {effect.error_with:.4f}"
-        names.add_row(effect.name, f"{effect.probability:.3f}", "; ".join(effect.parameter_texts), change)
-    console().print(names)
+    rows = [
+        (
+            effect.name,
+            f"{effect.probability:.3f}",
+            "; ".join(effect.parameter_texts),
+            f"{effect.error_without:.4f} → {effect.error_with:.4f}",
+        )
+        for effect in effects
+    ]
+    show_table("What is missing", _EFFECTS, rows)
 
 
 def _show_candidates(block: "BlockDiagnosis") -> None:
     """Print the models that were tried with their errors on left-out parts of fitted tests and on others."""
-    shown = table(f"Models of the {block.block.block} block, error over the signal's RMS", _CANDIDATES)
-    for row in block.candidates:
-        mark = "→ " if row.fit is block.best else ""
-        name = mark + (" + ".join(row.names) or "calibration alone")
-        shown.add_row(name, f"{row.left_out:.4f}", f"{row.held_out:.4f}")
-    console().print(shown)
+    rows = [
+        (
+            ("→ " if row.fit is block.best else "") + (" + ".join(row.names) or "calibration alone"),
+            f"{row.left_out:.4f}",
+            f"{row.held_out:.4f}",
+        )
+        for row in block.candidates
+    ]
+    title = f"Models of the {block.block.block} block, error over the signal's RMS"
+    show_table(title, _CANDIDATES, rows)
 
 
 def _proved(block: "BlockDiagnosis") -> str:

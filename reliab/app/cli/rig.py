@@ -8,7 +8,7 @@ import typer
 
 from reliab.app import outputs, questions
 from reliab.app.cli.commands import Asked, Command, takes
-from reliab.app.cli.output import console, progress_bar, say, table, write_json, write_line
+from reliab.app.cli.output import progress_bar, say, show_table, write_json, write_line
 from reliab.app.declaration import argument
 from reliab.app.options import OUTPUT
 from reliab.core.errors import InputError
@@ -183,36 +183,35 @@ def show_test(content: Mapping[str, Any]) -> None:
 
 
 def _show_rows(title: str, rows: list[dict[str, Any]]) -> None:
-    from rich.text import Text
-
     if not rows:
         _say(f"{title}.")
         return
-    shown_rows = table(title, _HEADINGS)
-    for row in rows:
-        error = "" if row["rms"] is None else percent(row["rms"])
-        cells = (
+    cells = [
+        (
             *(row["name"], row["sha256"][:8], row["date"][:10], row["event"]),
-            *(f"{row['A']:.4f}", f"{row['d_ms']:.2f}", significant(row["remainder"]), error),
+            *(f"{row['A']:.4f}", f"{row['d_ms']:.2f}", significant(row["remainder"])),
+            "" if row["rms"] is None else percent(row["rms"]),
             *(row["verdict"].replace("_", " "), row.get("change") or ""),
         )
-        shown_rows.add_row(*(Text(cell) for cell in cells))
-    console().print(shown_rows)
+        for row in rows
+    ]
+    show_table(title, _HEADINGS, cells)
 
 
 def show_prediction(content: Mapping[str, Any]) -> None:
     """Print what is predicted of the next test."""
     from_what = f"{content['tests']} tests of {content['earthquakes']} earthquakes"
-    rows = table(
+    ends = ("low", "median", "high")
+    show_table(
         f"The next test of {content['rig']}, from {from_what}",
         {"": "left", "5 %": "right", "median": "right", "95 %": "right"},
+        [
+            ("A", *(f"{content['A'][end]:.4f}" for end in ends)),
+            ("d [ms]", *(f"{content['d_ms'][end]:.2f}" for end in ends)),
+            ("remainder", *(percent(content["remainder"][end]) for end in ends)),
+            ("error RMS^R", *(percent(content["rms"][end]) for end in ends)),
+        ],
     )
-    ends = ("low", "median", "high")
-    rows.add_row("A", *(f"{content['A'][end]:.4f}" for end in ends))
-    rows.add_row("d [ms]", *(f"{content['d_ms'][end]:.2f}" for end in ends))
-    rows.add_row("remainder", *(percent(content["remainder"][end]) for end in ends))
-    rows.add_row("error RMS^R", *(percent(content["rms"][end]) for end in ends))
-    console().print(rows)
     shares = ", ".join(f"{name} {percent(share, 2)}" for name, share in content["drivers"].items())
     _say(
         f"Probability {content['probability']:.2f} that the error stays below "

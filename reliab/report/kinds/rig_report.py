@@ -14,8 +14,7 @@ from reliab.core.arrays import Array
 from reliab.core.significant_digits import counted, percent
 from reliab.core.vocabulary import PERCENT
 from reliab.report.axes import legend_below
-from reliab.report.document import Document, Figure, Paragraph, Points, Section, Table
-from reliab.report.kinds.assessment.error import quantities_table
+from reliab.report.document import Document, Figure, Paragraph, Points, Section, Table, text_table
 from reliab.report.numbers import Significant, in_line
 from reliab.report.prose import Prose, prose
 from reliab.report.provenance import provenance_of
@@ -111,7 +110,7 @@ def _what_it_does(
         values = values[np.isfinite(values)]
         ends = (*np.quantile(values, [0.05, 0.5, 0.95]), np.median(values[-_LAST:]))
         rows.append((_QUANTITIES[name], *(_written(name, float(value)) for value in ends)))
-    summary = quantities_table(
+    summary = text_table(
         rows,
         ("Quantity", "5 %", "Median", "95 %", f"Median of the last {min(_LAST, len(table))}"),
         caption="What the tests showed: nine of ten lie between the outer numbers.",
@@ -153,7 +152,7 @@ def _next_test(prediction: Prediction) -> tuple[Table | Paragraph | Points, ...]
         (_QUANTITIES[name], *(_written(name, interval[end]) for end in ("low", "median", "high")))
         for name, interval in prediction.intervals.items()
     ]
-    intervals = quantities_table(
+    intervals = text_table(
         rows,
         ("Quantity", "5 %", "Median", "95 %"),
         caption="The next test: it lies between the outer numbers in nine cases of ten.",
@@ -183,7 +182,7 @@ def _diagnostics(prediction: Prediction) -> tuple[Table | Points, ...]:
     names = [name for name in prediction.log_scores if name != "hierarchical model"]
     total = [_score(value) for value in prediction.log_scores.values()]
     rows.append(("Sum", "", "", *total))
-    table = quantities_table(
+    table = text_table(
         rows,
         ("Quantity", "R-hat", "Effective draws", "Score of the model", *(f"Of {name}" for name in names)),
         caption=(

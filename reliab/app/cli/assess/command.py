@@ -131,6 +131,8 @@ def _write_one(
     assessment: "Assessment | FrameAssessment | CoupledAssessment", test: Path, asked: Asked
 ) -> None:
     from reliab.app.api.assessment_files import write_corrected, write_tests
+    from reliab.app.cli.assess.shown_briefly import show_briefly, show_degrees
+    from reliab.app.cli.assess.shown_test import show_details
     from reliab.app.cli.output import say, write_json
 
     content = assessment.to_dict()
@@ -139,29 +141,13 @@ def _write_one(
     note = None if asked.corrected is None else write_corrected(assessment, asked.corrected)
     if write_json(content, asked.json_target):
         return
-    _show_one(assessment, content, details=asked.details)
+    show_briefly(content, without_details=not asked.details)
+    if asked.details:
+        show_details(assessment)
+    else:
+        show_degrees(content)
     if note is not None:
         say(f"{asked.corrected}: {note}")
-
-
-def _show_one(
-    assessment: "Assessment | FrameAssessment | CoupledAssessment",
-    content: dict[str, Any],
-    *,
-    details: bool,
-) -> None:
-    from reliab.app.cli.assess.shown_briefly import show_briefly
-    from reliab.assessment.assessment import Assessment
-
-    show_briefly(content, without_details=not details)
-    if not isinstance(assessment, Assessment):
-        from reliab.app.cli.assess.shown_frame import show_frame
-
-        show_frame(content, details=details)
-    elif details:
-        from reliab.app.cli.assess.shown_test import show_assessment
-
-        show_assessment(assessment, content)
 
 
 def _write_several(assessments: "Assessments", asked: Asked) -> None:

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import Any
 
-from reliab.app.cli.output import console, say, table
+from reliab.app.cli.output import console, say, show_table
 from reliab.core.significant_digits import counted, percent, percent_with_interval, significant
 from reliab.core.vocabulary import Metric
 
@@ -98,18 +98,6 @@ def _widest(content: dict[str, Any]) -> Iterator[str]:
         yield f"Most uncertain: {', '.join(entries)}."
 
 
-def budget_table(content: dict[str, Any]) -> Any:  # noqa: ANN401 - Rich's table
-    """Tabulate what is not known exactly, the largest contribution to the interval first."""
-    shown = table(
-        "Uncertain quantities, and the standard deviation of the error that each causes alone",
-        {"quantity": "left", "std. deviation": "right", "source": "left", "effect on the error": "right"},
-    )
-    for item in content["budget"]:
-        size = "" if item["size"] is None else f"{significant(item['size'], 2)} {item['unit']}"
-        shown.add_row(item["quantity"], size, item["source"], percent(item["contribution"], decimals=2))
-    return shown
-
-
 def _tracking(content: dict[str, Any]) -> str:
     actuators = [{"name": "", **actuator} for actuator in content.get("actuators", [content])]
     each = (
@@ -121,12 +109,8 @@ def _tracking(content: dict[str, Any]) -> str:
     by_index = content.get("by_index")
     if by_index is None or by_index["index"] is None:
         return f"{tracked}."
-    return f"{tracked}. {index_in_words(by_index)}"
-
-
-def index_in_words(by_index: dict[str, Any]) -> str:
-    """Say what the criterion for A and d says of a test, and why."""
-    return f"By the criterion for A and d: {by_index['verdict'].replace('_', ' ')}. {by_index['reasons'][-1]}"
+    judged = f"By the criterion for A and d: {by_index['verdict'].replace('_', ' ')}"
+    return f"{tracked}. {judged}. {by_index['reasons'][-1]}"
 
 
 def _channels(channels: list[dict[str, Any]]) -> Iterator[str]:
@@ -145,15 +129,20 @@ def _hidden(warnings: int, notes: int) -> str:
     return f"For all results{', with ' if counts else ''}{' and '.join(counts)}, add --details."
 
 
-def show_remarks(content: dict[str, Any]) -> None:
-    """Print warnings, the columns that were recognised, each with its unit and the reason, and notes."""
-    say(*(f"Warning: {warning}" for warning in content["warnings"]), style="yellow")
-    if channels := content["recording"]["channels"]:
-        read = (f"{channel['channel']} = {_column(channel)}" for channel in channels)
-        say(f"Channels: {'; '.join(read)}.")
-    say(*(f"Note: {note}" for note in content["notes"]))
+def show_degrees(content: dict[str, Any]) -> None:
+    """Print the errors of several displacements."""
+    headings = {"degree of freedom": "left", "RMS^R": "right", "MTE^R": "right", "below": "right"}
+    degrees = content["error"].get("degrees_of_freedom", {})
+    if degrees:
+        rows = [_degree(name, degree) for name, degree in degrees.items()]
+        show_table(f"Error of {content['structure']}, with 90 % intervals", headings, rows)
 
 
-def _column(channel: dict[str, Any]) -> str:
-    unit = channel["unit"] or "no unit"
-    return f"{channel['column']!r} ({unit}; {channel['reason']})"
+def _degree(name: str, degree: dict[str, Any]) -> tuple[str, ...]:
+    if not degree["judged"]:
+        return (name, "not judged", "", "")
+    sizes = (
+        percent_with_interval(*(degree[metric][end] for end in ("value", "low", "high")))
+        for metric in ("rms", "mte")
+    )
+    return (name, *sizes, significant(degree["probability"], 2))

@@ -1,0 +1,57 @@
+"""A document on the terminal: its text and tables, without its figures."""
+
+from collections.abc import Iterable
+
+from rich import box
+from rich.console import Console
+from rich.table import Table as RichTable
+
+from reliab.report.document import Block, Document, Equation, Paragraph, Points, Remark, Section, Table
+from reliab.report.numbers import cells, in_line
+from reliab.report.prose import formula, words_of
+
+
+def print_document(document: Document, console: Console) -> None:
+    """Print what was asked, every block and the sources; the verdict stands above, as its caller words it."""
+    for name, text in document.facts.items():
+        if text:
+            console.print(f"{name}: {words_of(text)}", highlight=False)
+    print_blocks(document.blocks, console)
+    referred = document.referred()
+    for source in document.sources:
+        if source.label in referred:
+            console.print(f"[{source.label}] {source.text}", highlight=False)
+
+
+def print_blocks(blocks: Iterable[Block], console: Console) -> None:
+    """Print blocks one below the other."""
+    for block in blocks:
+        match block:
+            case Section():
+                console.print()
+                console.print(block.title, style="bold", highlight=False)
+                print_blocks(block.blocks, console)
+            case Paragraph() | Remark():
+                console.print(words_of(block.text), highlight=False)
+            case Points():
+                for item in block.items:
+                    console.print(f"- {words_of(item)}", highlight=False)
+            case Equation():
+                console.print(formula(block.math), highlight=False)
+            case Table():
+                if caption := words_of(block.caption):
+                    console.print(caption, style="italic", highlight=False)
+                console.print(rich_table(block))
+
+
+def rich_table(table: Table) -> RichTable:
+    """Make the table that Rich prints; texts are folded where the terminal is narrow, numbers never."""
+    shown = RichTable(box=box.SIMPLE, padding=(0, 1, 0, 0))
+    for column in table.columns:
+        right = column.right or column.number is not None
+        heading = words_of(column.heading) + (f" [{column.unit}]" if column.unit else "")
+        shown.add_column(heading, justify="right" if right else "left", no_wrap=right, overflow="fold")
+    columns = [cells(table.frame[column.key].tolist(), column.number) for column in table.columns]
+    for row in zip(*columns, strict=True):
+        shown.add_row(*(cell if isinstance(cell, str) else in_line(cell[0]) for cell in row))
+    return shown
