@@ -1,5 +1,5 @@
 from .app.api.assessment import assess as assess
-from .app.api.boundaries import ellipses as ellipses
+from .app.api.sources import ellipses as ellipses
 from .app.api.comparison import compare as compare
 from .app.api.criteria import derive_criteria as derive_criteria
 from .app.api.derived_criteria import Criteria as Criteria

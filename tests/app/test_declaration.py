@@ -152,7 +152,7 @@ def test_a_file_after_a_number_with_its_unit_is_no_number():
 def test_repeated_runs_are_extrapolated_as_the_same_test(tmp_path, monkeypatch, capsys):
     asked = []
     monkeypatch.setattr(
-        "reliab.app.cli.assess.command._verdicts", lambda _, files, *_uses: asked.append(files) or Runs()
+        "reliab.app.cli.assess._verdicts", lambda _, files, *_uses: asked.append(files) or Runs()
     )
     monkeypatch.chdir(tmp_path)
     assert run(["extrapolate", "a.csv", "b.csv", "--f", "1", "--check", "--json", "-"]) == 1

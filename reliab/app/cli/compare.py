@@ -3,9 +3,8 @@
 from typing import Any
 
 from reliab.app import outputs, questions
-from reliab.app.cli.commands import Asked, takes
+from reliab.app.cli.commands import Asked, files_of, takes
 from reliab.app.cli.output import progress_bar, say, show_table, write_json
-from reliab.app.cli.test_files import files_of
 from reliab.core.significant_digits import percent, significant
 from reliab.core.vocabulary import PERCENT
 

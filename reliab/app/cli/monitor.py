@@ -168,7 +168,7 @@ class Screen:
 
     def _show_end(self, message: "Message") -> None:
         """Show the verdict on the whole test, as `reliab assess` does where it judged it."""
-        from reliab.app.cli.assess.shown_briefly import show_briefly
+        from reliab.app.cli.shown_verdict import show_briefly
 
         content = message.to_dict()
         if "error" in content:

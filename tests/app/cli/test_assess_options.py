@@ -6,7 +6,7 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from reliab.app.cli.assess.command import assess
+from reliab.app.cli.assess import assess
 
 app = typer.Typer()
 app.command()(assess)

@@ -5,9 +5,9 @@ from types import SimpleNamespace
 import pytest
 
 from reliab.app.cli import calibrate, validate
-from reliab.app.cli.assess.shown_design import show_design
-from reliab.app.cli.assess.shown_test import show_several
+from reliab.app.cli.assess import show_design
 from reliab.app.cli.criterion import show_criteria
+from reliab.app.cli.shown_verdict import show_several
 from reliab.assessment.design import Tolerance
 from reliab.core.stated_value import StatedValue
 from reliab.report import terminal

@@ -5,12 +5,12 @@ from types import SimpleNamespace
 
 import pytest
 
-from reliab.app.cli.assess.shown_briefly import show_briefly, show_degrees
 from reliab.app.cli.criterion import _show_own_boundary
 from reliab.app.cli.diagnose import _show
 from reliab.app.cli.monitor import _export
 from reliab.app.cli.record import _check
 from reliab.app.cli.rig import show_added
+from reliab.app.cli.shown_verdict import show_briefly, show_degrees
 from reliab.app.cli.validate import show_criteria as show_rates
 
 

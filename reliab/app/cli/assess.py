@@ -8,14 +8,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from reliab.app import outputs, questions
-from reliab.app.cli.commands import Asked, takes
-from reliab.app.cli.test_files import files_of
+from reliab.app.cli.commands import Asked, files_of, takes
+from reliab.app.cli.output import say, say_for_which_motions, show_table
 from reliab.app.options import OUTPUT
 from reliab.core.errors import InputError
 from reliab.core.progress import silent
+from reliab.core.significant_digits import percent
+from reliab.core.vocabulary import MILLI
 
 if TYPE_CHECKING:
+    from reliab.app.api.design import Design
     from reliab.assessment.assessment import Assessment
+    from reliab.assessment.design import Tolerance
     from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment
     from reliab.assessment.several import Assessments
 
@@ -56,7 +60,6 @@ def design(asked: Asked) -> None:
     """Before a test: print how much amplitude error and delay the rig may have."""
     from reliab.app.api.assessment_files import draw_chart
     from reliab.app.api.design import design_test
-    from reliab.app.cli.assess.shown_design import show_design
     from reliab.app.cli.output import write_json
 
     found = asked.ask(design_test, "figure", "json_target")
@@ -73,8 +76,8 @@ def extrapolate(asked: Asked) -> None:
     The extrapolation itself uses neither structure nor specimen.
     """
     from reliab.app.api.assessment_files import write_tests
-    from reliab.app.cli.assess.shown_test import show_same_test
     from reliab.app.cli.output import write_json
+    from reliab.app.cli.shown_verdict import show_same_test
 
     files = files_of(asked.tests, asked.out)
     if len(files) == 1 and asked.test_name != "all":
@@ -131,9 +134,8 @@ def _write_one(
     assessment: "Assessment | FrameAssessment | CoupledAssessment", test: Path, asked: Asked
 ) -> None:
     from reliab.app.api.assessment_files import write_corrected, write_tests
-    from reliab.app.cli.assess.shown_briefly import show_briefly, show_degrees
-    from reliab.app.cli.assess.shown_test import show_details
     from reliab.app.cli.output import say, write_json
+    from reliab.app.cli.shown_verdict import show_briefly, show_degrees, show_details
 
     content = assessment.to_dict()
     if asked.out is not None:
@@ -152,8 +154,8 @@ def _write_one(
 
 def _write_several(assessments: "Assessments", asked: Asked) -> None:
     from reliab.app.api.assessment_files import write_tests
-    from reliab.app.cli.assess.shown_test import show_several
     from reliab.app.cli.output import write_json
+    from reliab.app.cli.shown_verdict import show_several
 
     contents = [
         {"file": file, **({"fault": asked.in_options(content["fault"])} if "fault" in content else content)}
@@ -169,3 +171,74 @@ def _write_several(assessments: "Assessments", asked: Asked) -> None:
             value=f"{len(assessments.faults)} of {len(contents)} not judged: {', '.join(assessments.faults)}",
             remedy="Correct them as the reasons say, or leave them out; the other tests were judged",
         )
+
+
+_NINETY_FIVE = 0.95
+_BAR = 40
+
+
+def show_design(design: "Design") -> None:
+    """Print tolerable errors, and those over the frequency as bars."""
+    rows, first = design.tolerances, design.tolerances[0]
+    say_for_which_motions(((row.promise, row.population) for row in rows), first.position)
+    show_table(
+        f"Tolerable errors at ξ = {first.damping_ratio:g}{_share(first)} for an error of "
+        f"{percent(first.threshold)}",
+        dict.fromkeys(
+            ("f [Hz]", "confidence", "|A − 1| alone", "d alone [ms]", "|A − 1| and", "d together [ms]"),
+            "right",
+        ),
+        map(_row, rows),
+    )
+    if any(tolerance.outside_validity for tolerance in rows):
+        say(
+            "Note: * lies outside of the criterion's validity; its limits are scaled by dimensionless errors."
+        )
+    _show_chart(design.chart)
+
+
+def _row(tolerance: "Tolerance") -> tuple[str, ...]:
+    amplitude, delay = tolerance.both
+    return (
+        f"{tolerance.frequency:g}{'*' if tolerance.outside_validity else ''}",
+        _in_words(tolerance.promise),
+        f"{tolerance.amplitude_error:.4f}",
+        f"{MILLI * tolerance.delay:.3f}",
+        f"{amplitude:.4f}",
+        f"{MILLI * delay:.3f}",
+    )
+
+
+def _in_words(promise: float | None) -> str:
+    return "none" if promise is None else percent(promise, decimals=0)
+
+
+def _at(promise: float | None) -> str:
+    return "no share promised" if promise is None else f"at {percent(promise, decimals=0)}"
+
+
+def _share(tolerance: "Tolerance") -> str:
+    """Name the share in the laboratory where it is not the whole."""
+    whole = tolerance.experimental_fraction == 1.0
+    return "" if whole else f" and α = {tolerance.experimental_fraction:g}"
+
+
+def _show_chart(chart: "Sequence[Tolerance]") -> None:
+    """Bars of the tolerable delay over the frequency at one confidence, the longest being the widest."""
+    confidence = min((point.confidence for point in chart), key=lambda value: abs(value - _NINETY_FIVE))
+    chosen = [point for point in chart if point.confidence == confidence]
+    longest = max(point.delay for point in chosen)
+    rows = [
+        (
+            f"{point.frequency:g}",
+            f"{point.amplitude_error:.4f}",
+            f"{MILLI * point.delay:.3f}",
+            "█" * max(round(_BAR * point.delay / longest), 1),
+        )
+        for point in chosen
+    ]
+    show_table(
+        f"Over the frequency, {_at(chosen[0].promise)}",
+        {"f [Hz]": "right", "|A − 1| alone": "right", "d alone [ms]": "right", "d": "left"},
+        rows,
+    )

@@ -1,11 +1,125 @@
 """What `reliab assess` prints first about a test: verdict, error, what to improve, in twelve lines."""
 
 from collections.abc import Iterator
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from reliab.app.cli.output import console, say, show_table
 from reliab.core.significant_digits import counted, percent, percent_with_interval, significant
-from reliab.core.vocabulary import Metric
+from reliab.core.vocabulary import PERCENT, Metric
+
+if TYPE_CHECKING:
+    from reliab.assessment.assessment import Assessment
+    from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment
+
+
+_COLUMNS = {
+    "test": "left",
+    "verdict": "left",
+    "error": "right",
+    "90 % interval": "right",
+    "probability": "right",
+    "A": "right",
+    "d, ms": "right",
+}
+
+
+def show_details(assessment: "Assessment | FrameAssessment | CoupledAssessment") -> None:
+    """Print what the report of a test says, below the verdict, and the columns that were recognised."""
+    from reliab.app.cli.output import console
+    from reliab.assessment.assessment import Assessment
+    from reliab.assessment.frame_assessment import CoupledAssessment
+    from reliab.report.kinds.assessment.frame import frame_assessment_report, modes_table
+    from reliab.report.kinds.assessment.report import assessment_report
+    from reliab.report.terminal import print_blocks, print_document
+
+    if isinstance(assessment, Assessment):
+        notes = tuple(_by_index(assessment))
+        print_document(assessment_report(assessment, provenance={}, notes=notes), console())
+    else:
+        print_document(frame_assessment_report(assessment, provenance={}), console())
+    if isinstance(assessment, CoupledAssessment):
+        print_blocks((modes_table(assessment),), console())
+    if channels := assessment.to_dict()["recording"]["channels"]:
+        read = (f"{channel['channel']} = {_column(channel)}" for channel in channels)
+        say(f"Channels: {'; '.join(read)}.")
+
+
+def _column(channel: dict[str, Any]) -> str:
+    unit = channel["unit"] or "no unit"
+    return f"{channel['column']!r} ({unit}; {channel['reason']})"
+
+
+def _by_index(assessment: "Assessment") -> Iterator[str]:
+    """Say what follows from A and d alone."""
+    from reliab.assessment.verdict import probability_text
+
+    if assessment.index_probability is not None:
+        basis = "its own ground motion" if assessment.placement is not None else "further ground motions"
+        yield (
+            f"Probability, by A and d under {basis}, that the error stays below the threshold: "
+            f"{probability_text(assessment.index_probability)}."
+        )
+    yield from assessment.verdict_by_index.would_decide
+
+
+def show_several(contents: list[dict[str, Any]]) -> None:
+    """Print the verdicts of tests."""
+    judged = [content for content in contents if "fault" not in content]
+    asked = f", {judged[0]['metric'].upper()} against {percent(judged[0]['threshold'])}" if judged else ""
+    title = f"Verdicts on {counted(len(contents), 'test')}{asked}"
+    show_table(title, _COLUMNS, map(_row, contents))
+    for content in contents:
+        say(*(f"{content['file']}: {sentence}" for sentence in _why(content)))
+
+
+def show_same_test(content: dict[str, Any]) -> None:
+    """Print the verdicts on runs of one test."""
+    from reliab.assessment.verdict import probability_text
+
+    asked = f"{content['metric'].upper()} against {percent(content['threshold'])}"
+    columns = {"run": "left", "verdict": "left", "gain": "right", "d, ms": "right"}
+    columns |= dict.fromkeys(("alone", "all runs", "90 % interval", "probability"), "right")
+    rows = [
+        (
+            run["file"],
+            run["verdict"].replace("_", " "),
+            f"{run['gain']:.3f}",
+            f"{run['d_ms']:.2f}",
+            *(percent(run[way]["value"], decimals=2) for way in ("alone", "error")),
+            " to ".join(percent(run["error"][end], decimals=2) for end in ("low", "high")),
+            probability_text(run["probability"]),
+        )
+        for run in content["runs"]
+    ]
+    show_table(f"{len(content['runs'])} runs of one test, {asked}", columns, rows)
+    say(*content["warnings"])
+
+
+def _row(content: dict[str, Any]) -> list[str]:
+    if "fault" in content:
+        return [content["file"], "not judged", *[""] * (len(_COLUMNS) - 2)]
+    from reliab.assessment.verdict import probability_text
+
+    error = content["error"][content["metric"]]
+    return [
+        content["file"],
+        content["verdict"].replace("_", " "),
+        percent(error["value"], decimals=2),
+        f"{PERCENT * error['low']:.2f} … {percent(error['high'], decimals=2)}",
+        probability_text(content["probability"]),
+        f"{content['A']:.5f}",
+        f"{content['d_ms']:.4f}",
+    ]
+
+
+def _why(content: dict[str, Any]) -> list[str]:
+    """Say below the table why a test is not reliable or not judged."""
+    if "fault" in content:
+        return [content["fault"].removeprefix(f"{Path(content['file']).name}: ")]
+    warnings = [f"Warning: {warning}" for warning in content["warnings"]]
+    return warnings if content["reliable"] else [*content["reasons"], *warnings]
+
 
 _STYLES = {"reliable": "bold green", "undecided": "bold yellow", "not_reliable": "bold red"}
 _LINES = 12
