@@ -54,19 +54,7 @@ def require_meaning(ellipses: Ellipses, *, threshold: float, metric: str) -> Non
     The amplitude and the delay of a test that hardly moves do not show its error. Ellipses without
     `error_at_rest` (older files, tables in CSV) cannot be checked.
 
-    Parameters
-    ----------
-    ellipses : xarray.Dataset or EllipseTable
-        Ellipses of the structures that are asked for.
-    threshold : float
-        Error [-].
-    metric : str
-        Which error.
-
-    Raises
-    ------
-    InputError
-        If an actuator at rest would pass; the message names the structure where it does most often.
+    `ellipses`: ellipses of the structures that are asked for; `threshold`: error [-].
     """
     table = tabled(ellipses).at_threshold(threshold)
     if table.error_at_rest is None:
@@ -209,27 +197,13 @@ def _read(
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Derivation:
-    """What was learned from ellipses, from which criteria follow at any confidence.
+    """What was learned from ellipses, from which criteria follow at any confidence."""
 
-    Parameters
-    ----------
-    ellipses : EllipseTable
-        The ellipses of the structures that are asked for.
-    method : Method
-        What the confidence means.
-    law : type of Law
-        How the limits depend on the structure.
-    lag : LearnedSide
-        What was learned of actuators that are late.
-    lead : LearnedSide, optional
-        The same of actuators that are early, where the ellipses have that side.
-    """
-
-    ellipses: EllipseTable
-    method: Method
-    law: FittedLaw
-    lag: LearnedSide
-    lead: LearnedSide | None
+    ellipses: EllipseTable  # The ellipses of the structures that are asked for
+    method: Method  # What the confidence means
+    law: FittedLaw  # How the limits depend on the structure
+    lag: LearnedSide  # What was learned of actuators that are late
+    lead: LearnedSide | None  # The same of actuators that are early, where the ellipses have that side
 
     @classmethod
     def from_ellipses(
@@ -302,19 +276,9 @@ class Derivation:
     ) -> Criterion:
         """Derive a criterion.
 
-        Parameters
-        ----------
-        confidence : float
-            Share of the population's ground motions, in (0, 1).
-        joint : bool, optional
-            Whether a and b hold together; by default as the method defines it.
-        source : str, optional
-            Where the ellipses came from, in words.
-
-        Returns
-        -------
-        Criterion
-            With what a user should know of it among its warnings.
+        `confidence`: share of the population's ground motions, in (0, 1); `joint`: whether a and b hold
+        together; by default as the method defines it. Its warnings hold what a user should
+        know of it.
         """
         checked_share(confidence, "confidence")
         joint = self.method.joint_by_default if joint is None else joint

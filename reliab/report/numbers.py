@@ -47,24 +47,13 @@ class Number(ABC):
 class Fixed(Number):
     """A fixed number of decimals.
 
-    Parameters
-    ----------
-    decimals : int, optional
-        Digits after the decimal point.
-    factor : float, optional
-        What the value is multiplied with first, 100 for per cent.
-    signed : bool, optional
-        Whether a plus sign is written.
-
-    Examples
-    --------
     >>> Fixed(decimals=1, factor=100.0)(0.0534).digits, Fixed(decimals=2)(-0.001).digits
     ('5.3', '0.00')
     """
 
-    decimals: int = 2
-    factor: float = 1.0
-    signed: bool = False
+    decimals: int = 2  # Digits after the decimal point
+    factor: float = 1.0  # What the value is multiplied with first, 100 for per cent
+    signed: bool = False  # Whether a plus sign is written
 
     def _write(self, value: float) -> Written:
         text = f"{self.factor * value:{'+' if self.signed else ''}.{self.decimals}f}"
@@ -75,23 +64,14 @@ class Fixed(Number):
 class Significant(Number):
     """A fixed number of significant digits; very small and large numbers with a power of ten.
 
-    Parameters
-    ----------
-    digits : int, optional
-        Significant digits.
-    factor : float, optional
-        What the value is multiplied with first.
-
-    Examples
-    --------
     >>> [Significant(digits=3)(value).digits for value in (23.268, 0.3333, 1234.0)]
     ['23.3', '0.333', '1234']
     >>> Significant(digits=2)(1.77e-5)
     Written(digits='1.8', exponent=-5)
     """
 
-    digits: int = 3
-    factor: float = 1.0
+    digits: int = 3  # Significant digits
+    factor: float = 1.0  # What the value is multiplied with first
 
     def _write(self, value: float) -> Written:
         scaled = self.factor * value
@@ -105,18 +85,11 @@ class Significant(Number):
 class Scientific(Number):
     """A mantissa with a fixed number of decimals and a power of ten.
 
-    Parameters
-    ----------
-    decimals : int, optional
-        Decimals of the mantissa.
-
-    Examples
-    --------
     >>> Scientific(decimals=1)(5.29e-5)
     Written(digits='5.3', exponent=-5)
     """
 
-    decimals: int = 2
+    decimals: int = 2  # Decimals of the mantissa
 
     def _write(self, value: float) -> Written:
         mantissa, _, exponent = f"{value:.{self.decimals}e}".partition("e")
@@ -127,18 +100,11 @@ class Scientific(Number):
 class Shortest(Number):
     """As few digits as the number has, for values that were chosen.
 
-    Parameters
-    ----------
-    factor : float, optional
-        What the value is multiplied with first.
-
-    Examples
-    --------
     >>> Shortest(factor=100.0)(0.05).digits, Shortest()(0.125).digits
     ('5', '0.125')
     """
 
-    factor: float = 1.0
+    factor: float = 1.0  # What the value is multiplied with first
 
     def _write(self, value: float) -> Written:
         text = f"{self.factor * value:.6f}".rstrip("0").rstrip(".")
@@ -149,8 +115,6 @@ class Shortest(Number):
 class Whole(Number):
     """A whole number.
 
-    Examples
-    --------
     >>> Whole()(100.0).digits
     '100'
     """
@@ -183,18 +147,6 @@ def _worded(value: object) -> str:
 def in_line(written: Written) -> str:
     """Write a number within a text, its power of ten by raised digits.
 
-    Parameters
-    ----------
-    written : Written
-        The number as it is written.
-
-    Returns
-    -------
-    str
-        The text.
-
-    Examples
-    --------
     >>> in_line(Significant()(5.29e-5)), in_line(Significant()(1.048))
     ('5.29·10⁻⁵', '1.05')
     """

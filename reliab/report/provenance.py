@@ -10,17 +10,7 @@ def provenance_of(
 ) -> dict[str, str]:
     """Collect versions, checksums and settings.
 
-    Parameters
-    ----------
-    settings_by_name : mapping
-        What the caller knows, by its name: the hash of the study, seeds, …; shown first.
-    criterion : Provenance, optional
-        Where a criterion comes from.
-
-    Returns
-    -------
-    dict of str to str
-        Lines of the report.
+    `settings_by_name`: what the caller knows, by its name: the hash of the study, seeds, …; shown first.
     """
     lines = {name: _line(value) for name, value in settings_by_name.items()}
     if criterion is None:

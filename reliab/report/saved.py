@@ -30,12 +30,7 @@ _FORMULAS: Final = {"math": "source", "equation": "math"}
 def save_content(document: Document, folder: Path) -> None:
     """Keep what a report says, from which it can be set without what it was made from.
 
-    Parameters
-    ----------
-    document : Document
-        The report.
-    folder : pathlib.Path
-        Folder for its content and figures, replaced if it is there.
+    `folder`: folder for its content and figures, replaced if it is there.
     """
     with folder_written_whole(folder) as unfinished:
         for name, content in files_of(document).items():
@@ -44,23 +39,7 @@ def save_content(document: Document, folder: Path) -> None:
 
 
 def saved_content(folder: Path) -> dict[str, bytes]:
-    """Read what :func:`save_content` kept: the content, and the figures that it names.
-
-    Parameters
-    ----------
-    folder : pathlib.Path
-        The folder.
-
-    Returns
-    -------
-    dict of str to bytes
-        As :func:`reliab.report.content.files_of` gives it.
-
-    Raises
-    ------
-    InputError
-        If there is no content, or it has a formula or names a file that no report has.
-    """
+    """Read what :func:`save_content` kept: the content, and the figures that it names."""
     with decoding(CONTENT_RULE, remedy=CONTENT_REMEDY, where=folder):
         content = parse_json(
             _bytes_of(folder, CONTENT_FILE).decode(),

@@ -48,21 +48,9 @@ def held_out_scores(
 def compare_distributions(values: NDArray[np.float64], events: NDArray[np.str_]) -> pd.DataFrame:
     """Compare all distributions by their scores on held-out earthquakes.
 
-    Parameters
-    ----------
-    values : array of float, shape (motions,)
-        Positive values.
-    events : array of str, shape (motions,)
-        Earthquake of each motion.
+    Returns one row for each distribution, best log score first: mean scores, the gain in log score over the
+    lognormal with its standard error over earthquakes, and the fitted 5 % quantile.
 
-    Returns
-    -------
-    pandas.DataFrame
-        One row for each distribution, best log score first: mean scores, the gain in log score over the
-        lognormal with its standard error over earthquakes, and the fitted 5 % quantile.
-
-    Examples
-    --------
     >>> rng = np.random.default_rng(1)
     >>> values, events = rng.weibull(1.0, 300), np.repeat(np.arange(10), 30).astype(str)
     >>> compare_distributions(values, events).loc["weibull", "gain"] > 0.0

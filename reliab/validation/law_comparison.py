@@ -90,31 +90,8 @@ def compare_laws(
     held-out motions contain its ellipse (in a and b together): by one factor for all structures (`region`,
     with `coverage` at each f), or by one for each f (`region_at_f`).
 
-    Parameters
-    ----------
-    ellipses : xarray.Dataset
-        Ellipses over motions, f and ξ.
-    threshold, metric
-        Which error.
-    confidence : float, optional
-        Share of held-out motions.
-    curve : str, optional
-        Which ellipses, fitted or inscribed.
-    laws : mapping of str to law, optional
-        By default all that are fitted, and those printed for many motions that hold at all structures.
+    `laws`: by default all that are fitted, and those printed for many motions that hold at all structures.
 
-    Returns
-    -------
-    pandas.DataFrame
-        Columns law, f, log_score, region, coverage, region_at_f.
-
-    Raises
-    ------
-    InputError
-        If a motion has no ellipse at some structure.
-
-    Examples
-    --------
     >>> from reliab.criterion.laws.dimensionless import Dimensionless
     >>> from reliab.criterion.laws.exponential import Exponential
     >>> rng = np.random.default_rng(1)

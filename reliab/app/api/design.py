@@ -17,21 +17,14 @@ from reliab.sweep.several import several
 
 @dataclass(frozen=True, kw_only=True)
 class Design(ResultWithRows):
-    """Tolerable errors of a rig before a test.
-
-    Attributes
-    ----------
-    tolerances : tuple of Tolerance
-        Of the structures that were asked for, by frequency, then by confidence.
-    chart : tuple of Tolerance
-        The same over all frequencies for which the criterion is valid.
-    """
+    """Tolerable errors of a rig before a test."""
 
     rows_in = "design"
     keys: ClassVar[Mapping[str, str]] = {"design": "tolerances", "chart": "chart"}
 
+    # Of the structures that were asked for, by frequency, then by confidence
     tolerances: tuple[Tolerance, ...]
-    chart: tuple[Tolerance, ...]
+    chart: tuple[Tolerance, ...]  # The same over all frequencies for which the criterion is valid
 
 
 @asks(questions.Design)

@@ -121,27 +121,14 @@ _GLANCE = 0.1  # s of the test between two looks at the alarms
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Message:
-    """State of a running test at one moment.
+    """State of a running test at one moment."""
 
-    Attributes
-    ----------
-    kind : {"update", "alarm", "end"}
-        Why it comes: time has passed, an alarm was raised, the test has ended.
-    content : dict
-        The numbers, with stable keys.
-    monitor : Monitor, MeasuredMonitor or CoupledMonitor
-        The monitor, which goes on with the test.
-    alarms : dict of str to str
-        Sentences of the alarms that were raised so far, by name.
-    assessment : Assessment, FrameAssessment or CoupledAssessment, optional
-        At the end, what :func:`reliab.assess` answers of the same rows; None of a test that is too long to be
-        held, or whose file was replaced.
-    """
-
-    kind: str
-    content: Mapping[str, Any]
-    monitor: AnyMonitor
-    alarms: Mapping[str, str]
+    kind: str  # Why it comes: time has passed, an alarm was raised, the test has ended
+    content: Mapping[str, Any]  # The numbers, with stable keys
+    monitor: AnyMonitor  # The monitor, which goes on with the test
+    alarms: Mapping[str, str]  # Sentences of the alarms that were raised so far, by name
+    # At the end, what :func:`reliab.assess` answers of the same rows; None of a test that is too long to be
+    # held, or whose file was replaced
     assessment: "Assessment | FrameAssessment | CoupledAssessment | None" = None
 
     def to_dict(self) -> dict[str, Any]:

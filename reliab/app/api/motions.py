@@ -127,24 +127,12 @@ def check_motions(sources: Files, **read: Unpack[questions.MotionFiles]) -> Moti
 
 @dataclass(frozen=True, kw_only=True)
 class WrittenSuite(PlainResult):
-    """A suite that was written as text with a catalogue.
+    """A suite that was written as text with a catalogue."""
 
-    Attributes
-    ----------
-    catalogue : pathlib.Path
-        The catalogue, in the folder of the suite.
-    motions : tuple of str
-        Names of the motions.
-    events : int
-        Number of earthquakes.
-    skipped : tuple of Fault
-        Files of the sources in formats that are not read.
-    """
-
-    catalogue: Path
-    motions: tuple[str, ...]
-    events: int
-    skipped: tuple[Fault, ...] = ()
+    catalogue: Path  # The catalogue, in the folder of the suite
+    motions: tuple[str, ...]  # Names of the motions
+    events: int  # Number of earthquakes
+    skipped: tuple[Fault, ...] = ()  # Files of the sources in formats that are not read
 
 
 def _reading(read: questions.MotionFiles) -> dict[str, Any]:
