@@ -6,9 +6,9 @@ import numpy as np
 
 from reliab.core.vocabulary import CurveName, Metric
 from reliab.criterion.criterion import Criterion
+from reliab.criterion.derivation import room
 from reliab.criterion.ellipse_sample import sample_of
 from reliab.criterion.laws.registry import OF_MANY_MOTIONS, known
-from reliab.criterion.learned_side import room
 from reliab.criterion.provenance import Provenance
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.significant_digits import significant
 from reliab.core.vocabulary import STANDARD_GRAVITY
-from reliab.motions.catalogue import CATALOGUE, read_catalogue
+from reliab.motions.catalogue import CATALOGUE, RecordFile, read_catalogue
 from reliab.motions.faults import Fault, Report
 from reliab.motions.loading import (
     BUILT_IN,
@@ -26,7 +26,6 @@ from reliab.motions.loading import (
 )
 from reliab.motions.readers.reading import Declared, Reading
 from reliab.motions.readers.source import is_file, is_folder
-from reliab.motions.record import RecordFile
 
 _FEWEST_SAMPLES = 100  # samples, below which a record tells nothing of these
 _EQUAL = 1e-6  # of the peak, up to which two samples are the same

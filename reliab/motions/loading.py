@@ -18,13 +18,12 @@ from pathlib import Path
 
 from reliab.core.errors import InputError
 from reliab.core.physical_range import require_physical
-from reliab.motions.catalogue import CATALOGUE, read_catalogue
+from reliab.motions.catalogue import CATALOGUE, RecordFile, read_catalogue
 from reliab.motions.faults import Fault, Report
 from reliab.motions.motion import Motion
 from reliab.motions.readers.reading import Declared
 from reliab.motions.readers.registry import FORMATS, TEXT, UNREAD, claims_to_be_record, detect, open_records
 from reliab.motions.readers.source import HEAD, is_file, is_folder, open_source
-from reliab.motions.record import RecordFile
 from reliab.motions.suite import MotionEntry, MotionSuite
 from reliab.motions.units import parse_unit
 

@@ -28,7 +28,7 @@ from reliab.report.kinds.discrepancy_figures import (
 )
 from reliab.report.numbers import Fixed, Significant, in_line
 from reliab.report.prose import Math, Prose, prose
-from reliab.report.provenance import provenance_of
+from reliab.report.sources import provenance_of
 from reliab.report.wording import number, probability, spelled_out
 
 _SIZE, _SHARE = Significant(digits=3, factor=PERCENT), Fixed(decimals=1, factor=PERCENT)

@@ -17,7 +17,7 @@ from reliab.report.axes import legend_below
 from reliab.report.document import Document, Figure, Paragraph, Points, Section, Table, text_table
 from reliab.report.numbers import Significant, in_line
 from reliab.report.prose import Prose, prose
-from reliab.report.provenance import provenance_of
+from reliab.report.sources import provenance_of
 from reliab.report.style import BLUE, GREY, INK, PALE, VERMILION, letters, panels, styled
 from reliab.rig.drift import FALSE_ALARMS, DriftChart, drift_chart, known_effects
 from reliab.rig.prediction import Prediction

@@ -25,8 +25,7 @@ from reliab.report.kinds.assessment.error import (
 )
 from reliab.report.numbers import MISSING
 from reliab.report.prose import Prose, prose
-from reliab.report.provenance import provenance_of
-from reliab.report.sources import SOURCES
+from reliab.report.sources import SOURCES, provenance_of
 from reliab.report.style import BLUE, GREY, PALE, VERMILION, panels, styled
 from reliab.tracking.indices.tracking_over_frequency import TrackingOverFrequency
 

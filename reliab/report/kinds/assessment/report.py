@@ -21,8 +21,7 @@ from reliab.report.kinds.assessment.error import (
 )
 from reliab.report.numbers import MISSING, Fixed, Significant, Written, in_line
 from reliab.report.prose import Prose, prose
-from reliab.report.provenance import provenance_of
-from reliab.report.sources import SOURCES
+from reliab.report.sources import SOURCES, provenance_of
 from reliab.report.wording import meaning_of_confidence, spelled_out
 
 _FAR = 10.0
