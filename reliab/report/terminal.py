@@ -49,7 +49,8 @@ def rich_table(table: Table) -> RichTable:
     shown = RichTable(box=box.SIMPLE, padding=(0, 1, 0, 0))
     for column in table.columns:
         right = column.right or column.number is not None
-        heading = words_of(column.heading) + (f" [{column.unit}]" if column.unit else "")
+        heading = ", ".join(filter(None, map(words_of, (column.group, column.heading))))
+        heading += f" [{column.unit}]" if column.unit else ""
         shown.add_column(heading, justify="right" if right else "left", no_wrap=right, overflow="fold")
     columns = [cells(table.frame[column.key].tolist(), column.number) for column in table.columns]
     for row in zip(*columns, strict=True):

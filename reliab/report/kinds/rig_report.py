@@ -14,7 +14,7 @@ from reliab.core.arrays import Array
 from reliab.core.significant_digits import counted, percent
 from reliab.core.vocabulary import PERCENT
 from reliab.report.axes import legend_below
-from reliab.report.document import Document, Figure, Paragraph, Points, Section, Table, text_table
+from reliab.report.document import Block, Document, Figure, Paragraph, Points, Section, Table, text_table
 from reliab.report.numbers import Significant, in_line
 from reliab.report.prose import Prose, prose
 from reliab.report.sources import provenance_of
@@ -58,8 +58,10 @@ def rig_report(
         facts=_facts(table, prediction, structure),
         blocks=(
             Section(title="What the rig does", blocks=_what_it_does(table, chart, prediction)),
-            Section(title="What to expect of the next test", blocks=_next_test(prediction), new_page=True),
-            Section(title="Appendix: diagnostics", blocks=_diagnostics(prediction), new_page=True),
+            Section(
+                title="What to expect of the next test", blocks=next_test_blocks(prediction), new_page=True
+            ),
+            Section(title="Appendix: diagnostics", blocks=diagnostics_blocks(prediction), new_page=True),
         ),
         provenance=provenance_of(provenance),
         sheet=True,
@@ -147,7 +149,8 @@ def _written(name: str, value: float) -> str:
     return f"{value:.4f}" if name == "A" else f"{value:.2f}"
 
 
-def _next_test(prediction: Prediction) -> tuple[Table | Paragraph | Points, ...]:
+def next_test_blocks(prediction: Prediction) -> tuple[Block, ...]:
+    """Tabulate what the next test will be, and say from what its error comes."""
     rows = [
         (_QUANTITIES[name], *(_written(name, interval[end]) for end in ("low", "median", "high")))
         for name, interval in prediction.intervals.items()
@@ -172,7 +175,8 @@ def _article(cause: str) -> str:
     return "errors that are neither gain nor delay, the " if cause == "remainder" else "the "
 
 
-def _diagnostics(prediction: Prediction) -> tuple[Table | Points, ...]:
+def diagnostics_blocks(prediction: Prediction) -> tuple[Block, ...]:
+    """Tabulate whether a prediction can be relied on."""
     rows = []
     for name, quantity in prediction.learned.items():
         baselines = quantity.scores_of_baselines.values()
