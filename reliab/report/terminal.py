@@ -1,14 +1,19 @@
 """A document on the terminal: its text and tables, without its figures."""
 
+import re
 from collections.abc import Iterable
+from typing import Final
 
 from rich import box
 from rich.console import Console
 from rich.table import Table as RichTable
 
 from reliab.report.document import Block, Document, Equation, Paragraph, Points, Remark, Section, Table
-from reliab.report.numbers import cells, in_line
+from reliab.report.numbers import MISSING, cells, in_line
 from reliab.report.prose import formula, words_of
+
+_NUMBER: Final = re.compile(r"[-+−]?\d[\d.,]*(?: %)?")
+_NO_NUMBER: Final = ("", MISSING, "unknown", "none")
 
 
 def print_document(document: Document, console: Console) -> None:
@@ -47,12 +52,19 @@ def print_blocks(blocks: Iterable[Block], console: Console) -> None:
 def rich_table(table: Table) -> RichTable:
     """Make the table that Rich prints; texts are folded where the terminal is narrow, numbers never."""
     shown = RichTable(box=box.SIMPLE, padding=(0, 1, 0, 0))
+    columns = []
     for column in table.columns:
-        right = column.right or column.number is not None
+        texts = [
+            cell if isinstance(cell, str) else in_line(cell[0])
+            for cell in cells(table.frame[column.key].tolist(), column.number)
+        ]
+        columns.append(texts)
+        stated = [text for text in texts if text not in _NO_NUMBER]
+        are_numbers = bool(stated) and all(map(_NUMBER.fullmatch, stated))
+        right = column.right or column.number is not None or are_numbers
         heading = ", ".join(filter(None, map(words_of, (column.group, column.heading))))
         heading += f" [{column.unit}]" if column.unit else ""
         shown.add_column(heading, justify="right" if right else "left", no_wrap=right, overflow="fold")
-    columns = [cells(table.frame[column.key].tolist(), column.number) for column in table.columns]
     for row in zip(*columns, strict=True):
-        shown.add_row(*(cell if isinstance(cell, str) else in_line(cell[0]) for cell in row))
+        shown.add_row(*row)
     return shown

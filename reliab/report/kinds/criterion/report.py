@@ -23,8 +23,7 @@ from reliab.report.figures.parameter_distributions import (
     posterior_and_predictive,
     quantile_quantile,
 )
-from reliab.report.kinds.criterion.reported import ReportedCriteria
-from reliab.report.kinds.criterion.result import result_section
+from reliab.report.kinds.criterion.result import ReportedCriteria, result_section
 from reliab.report.numbers import Fixed, Number, Scientific, Significant
 from reliab.report.prose import Piece, Prose, prose
 from reliab.report.sections.method import limits_section, method_section
