@@ -6,7 +6,6 @@ from types import SimpleNamespace
 import pytest
 
 from reliab.app.cli.criterion import _show_own_boundary
-from reliab.app.cli.diagnose import _show
 from reliab.app.cli.monitor import _export
 from reliab.app.cli.record import _check
 from reliab.app.cli.rig import show_added
@@ -31,46 +30,6 @@ def test_the_boundary_of_a_motion_itself_is_a_row_for_each_structure(capsys):
     assert "Boundary of NGA_1 itself" in text
     numbers = [line.replace("│", " ").split() for line in text.splitlines() if "0.03" in line]
     assert numbers == [[f, "0.03", "0.04", "0.000111", "2.22"] for f in ("1.25", "2.5")]
-
-
-def test_a_diagnosis_is_printed_with_its_places_unknowns_remarks_and_proof(capsys):
-    finding = SimpleNamespace(
-        block="specimen", kind="velocity_reversal", share_of_residual=0.37, chance="2e-04", test="t3",
-        band=(0.5, 2.0), time=(3.0, 17.0), begin="1 mm, 20 mm/s",
-    )  # fmt: skip
-    gap = SimpleNamespace(
-        conclusion="90 % closed", floor=0.0012, source="at rest", held_out=["t7", "t8"],
-        channel="force_n", before=0.1111, after=0.0222, tests_after=[0.02, 0.03],
-        by_test=[SimpleNamespace(files=["t8"], kind="sine", before=0.11, after=0.03)],
-    )  # fmt: skip
-    unknown = SimpleNamespace(block="specimen", expression="3 x³", description="a bent spring")
-    fits = [SimpleNamespace(), SimpleNamespace()]
-    block = SimpleNamespace(
-        unknown=unknown, gap=gap, held_out="t7, t8", block=SimpleNamespace(block="specimen"), effects=(),
-        doubtful=(), best=fits[0],
-        candidates=[
-            SimpleNamespace(fit=fit, names=names, left_out=0.04, held_out=0.02)
-            for fit, names in zip(fits, (("hysteresis", "gap"), ()), strict=True)
-        ],
-    )  # fmt: skip
-    diagnosis = SimpleNamespace(
-        where=[finding], effects=(), doubtful=(), blocks=[block], remarks=["Nothing else."]
-    )
-    text = printed(capsys, _show, diagnosis)
-    flat = " ".join(re.sub(r"[│┃]", " ", text).split())
-    assert "Where the calibrated model fails" in text
-    assert "specimen velocity reversal 37 % 2e-04 t3 0.5 to 2 3 to 17 1 mm, 20 mm/s" in flat
-    assert "→ hysteresis + gap 0.0400 0.0200 calibration alone 0.0400" in flat
-    assert "Unknown effect in the specimen: 3 x³" in text
-    assert "Nothing else." in text
-    assert (
-        "held-out t7, t8, force_n: error over the signal's RMS 0.1111 before, 0.0222 after, "
-        "noise 0.0012 (at rest); 90 % closed." in flat
-    )
-    assert "; 90 % closed. The least explained test" in flat
-    assert "The least explained test is t8 (sine): 0.1100 before, 0.0300 after." in flat
-    unknown.expression = ""
-    assert "Unknown effect in the specimen: a bent spring" in printed(capsys, _show, diagnosis)
 
 
 RATE = {"rate": 0.9, "low": 0.8, "high": 0.95}
