@@ -1,5 +1,4 @@
 from .app.api.assessment import assess as assess
-from .app.api.boundaries import ellipses as ellipses
 from .app.api.comparison import compare as compare
 from .app.api.criteria import derive_criteria as derive_criteria
 from .app.api.derived_criteria import Criteria as Criteria
@@ -32,6 +31,7 @@ from .app.api.rigs import (
     show_rig_test as show_rig_test,
 )
 from .app.api.simulation import simulate as simulate, simulate_suite as simulate_suite
+from .app.api.sources import ellipses as ellipses
 from .app.api.studies import (
     list_studies as list_studies,
     perform_study as perform_study,

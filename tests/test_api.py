@@ -131,7 +131,7 @@ def test_former_names_of_arguments_do_what_they_did():
 
 
 def test_a_design_is_that_of_the_command(capsys):
-    assert cli.run(["assess", "--design", "--f", "1", "2", "--confidence", "0.95", "--json", "-"]) == 0
+    assert cli.run(["design", "--f", "1", "2", "--confidence", "0.95", "--json", "-"]) == 0
     design = reliab.design_test(f=[1, 2], confidence=0.95)
     assert design.to_dict() == json.loads(capsys.readouterr().out)
     assert design.to_frame()["f"].tolist() == [1.0, 2.0]

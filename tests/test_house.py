@@ -138,7 +138,7 @@ def test_public_code_has_a_user_in_the_package():
 
 
 WRITING = frozenset({"write_text", "write_bytes", "to_csv", "to_netcdf", "savefig"})
-WRITTEN_IN_A_FOLDER_THAT_IS_RENAMED = {"report/saved.py", "motions/writing.py"}
+WRITTEN_IN_A_FOLDER_THAT_IS_RENAMED = {"report/content.py", "motions/writing.py"}
 """Whole folders are written under another name first."""
 WRITTEN_IN_MEMORY = {"report/style.py"}
 

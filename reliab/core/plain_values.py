@@ -1,8 +1,9 @@
 """Results as plain values for JSON: each states once which of its values it writes, and under which keys."""
 
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import fields, is_dataclass
 from functools import reduce
+from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
@@ -23,15 +24,23 @@ class PlainResult:
     {'time_s': 0.5, 'peaks': [1.0, 2.0]}
     """
 
-    # Attribute of each key, with dots through those of attributes; every field under its own name by default.
+    # Attribute of each key, with dots through attributes and keys; every field under its own name by default.
     # A key carries the unit: `time_s`, `delay_ms`.
     keys: ClassVar[Mapping[str, str]] = {}
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values with stable keys."""
-        dataclass: Any = self
-        names = self.keys or {field.name: field.name for field in fields(dataclass)}
-        return {key: plain_value(reduce(getattr, name.split("."), self)) for key, name in names.items()}
+        if not self.keys:
+            return _fields(self)
+        return {key: plain_value(reduce(_part, name.split("."), self)) for key, name in self.keys.items()}
+
+
+def _part(whole: Any, name: str) -> Any:  # noqa: ANN401 - of any result
+    return whole[name] if isinstance(whole, Mapping) else getattr(whole, name)
+
+
+def _fields(dataclass: Any) -> dict[str, Any]:  # noqa: ANN401 - any dataclass
+    return {field.name: plain_value(getattr(dataclass, field.name)) for field in fields(dataclass)}
 
 
 def plain_value(value: Any) -> Any:  # noqa: ANN401 - of any result
@@ -42,12 +51,14 @@ def plain_value(value: Any) -> Any:  # noqa: ANN401 - of any result
             plain = {"value": value.value, "sd": value.deviation}
         case _ if hasattr(value, "to_dict"):
             plain = value.to_dict()
+        case _ if is_dataclass(value):
+            plain = _fields(value)
         case Mapping():
             plain = {str(key): plain_value(item) for key, item in value.items()}
         case list() | tuple():
             plain = [plain_value(item) for item in value]
         case np.ndarray() | np.generic():
             plain = value.tolist()
-        case str():
+        case str() | Path():
             plain = str(value)
     return plain

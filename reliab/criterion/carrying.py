@@ -78,31 +78,15 @@ def carry_to_response(
     predicted ellipse that lies inside. The multiples scatter by 0.06 where ln a itself scatters by 0.6, and
     one number for a and b together leaves the share of a joint region exact.
 
-    Parameters
-    ----------
-    ellipses : xarray.Dataset or EllipseTable
-        Ellipses of the population at RMS^R, of whole records.
-    measures : xarray.Dataset or ResponseMeasures
-        `a_first`, `b_first` and `effective_duration` of the same motions and structures, as
-        :func:`reliab.sweep.response_measures.measure_responses` returns them, and where boundaries were
-        compared with them the multiples of :func:`reliab.sweep.response_measures.compare_boundaries`. Without
-        these, the multiples are those at which the predicted ellipse lies in the inscribed one: to the safe
-        side.
-    response : xarray.Dataset or ResponseMeasures
-        The same of one motion, or of a test, at the structures asked for.
-    angle : float, optional
-        Direction in the predicted ellipse's own angle [rad] in which boundaries are compared, for the
-        probability of one test; by default they are compared over the whole of a region.
-
-    Returns
-    -------
-    xarray.Dataset or EllipseTable
-        Ellipses of the population's motions at the response's structures, as if each had that response.
-
-    Raises
-    ------
-    InputError
-        If the ellipses are of another error than RMS^R.
+    `ellipses`: ellipses of the population at RMS^R, of whole records; `measures`: `a_first`, `b_first` and
+    `effective_duration` of the same motions and structures, as
+    :func:`reliab.sweep.response_measures.measure_responses` returns them, and where boundaries were compared
+    with them the multiples of :func:`reliab.sweep.response_measures.compare_boundaries`. Without these, the
+    multiples are those at which the predicted ellipse lies in the inscribed one: to the safe side.
+    `response`: the same of one motion, or of a test, at the structures asked for; `angle`: direction in the
+    predicted ellipse's own angle [rad] in which boundaries are compared, for the probability of one test; by
+    default they are compared over the whole of a region. Returns ellipses of the population's motions at the
+    response's structures, as if each had that response.
     """
     table = tabled(ellipses)
     _require_rms(table)
@@ -169,26 +153,10 @@ def carry_to_length(ellipses: _Given, duration: float) -> _Given:
     Each record is cut to the length, where it is longer, from the onset of its shaking; shorter ones stay as
     they are, since quiet time that is added makes no motion safer.
 
-    Parameters
-    ----------
-    ellipses : xarray.Dataset or EllipseTable
-        Ellipses of the population, of whole records, with the ratios of cut ones.
-    duration : float
-        Length of the records of further tests [s].
+    `ellipses`: ellipses of the population, of whole records, with the ratios of cut ones; `duration`: length
+    of the records of further tests [s]. Returns ellipses of the population's motions as if no record were
+    longer. Those of another error than RMS^R, which is a mean over the record, stay.
 
-    Returns
-    -------
-    xarray.Dataset or EllipseTable
-        Ellipses of the population's motions as if no record were longer. Those of another error than RMS^R,
-        which is a mean over the record, stay.
-
-    Raises
-    ------
-    InputError
-        If it is not known how the records can be cut, or the length is not positive.
-
-    Examples
-    --------
     >>> from reliab.criterion.ellipse_reading import read_ellipses
     >>> population = read_ellipses("real_suite")
     >>> medians = [
@@ -228,22 +196,8 @@ def carry_to_suite(ellipses: "xr.Dataset", suite: "xr.Dataset") -> "xr.Dataset":
     least, since a suite is given where other ground motions are expected. So is its scatter, that of the
     population counting as ten motions.
 
-    Parameters
-    ----------
-    ellipses : xarray.Dataset
-        Ellipses of the population.
-    suite : xarray.Dataset
-        Ellipses of the suite at structures and errors that the population has too.
-
-    Returns
-    -------
-    xarray.Dataset
-        Ellipses of the population's motions, moved and stretched.
-
-    Raises
-    ------
-    InputError
-        If the population lacks one of the suite's structures or errors.
+    `suite`: ellipses of the suite at structures and errors that the population has too. Returns ellipses of
+    the population's motions, moved and stretched.
     """
     shared = {name: suite[name].values for name in DIMENSIONS[1:] if name in suite.dims}
     try:

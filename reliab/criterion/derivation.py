@@ -15,11 +15,11 @@ from reliab.core.vocabulary import CurveName, Metric, Side
 from reliab.criterion.cautions import cautions_of, few_leads, not_lognormal
 from reliab.criterion.copies import without_copies
 from reliab.criterion.criterion import Criterion
-from reliab.criterion.ellipse_sample import position, position_of_name
+from reliab.criterion.ellipse_sample import EllipseSample, position, position_of_name
 from reliab.criterion.ellipse_table import Ellipses, EllipseTable, names_along, tabled
+from reliab.criterion.laws.law import Law
 from reliab.criterion.laws.registry import FITTED, FittedLaw, known
 from reliab.criterion.laws.table import Table
-from reliab.criterion.learned_side import LearnedSide
 from reliab.criterion.methods.method import Learned, Method, checked_share
 from reliab.criterion.methods.registry import RECOMMENDED, method_of
 from reliab.criterion.protection import protect_over_lengths
@@ -29,6 +29,68 @@ from reliab.criterion.scope import population_of, scope_of
 
 if TYPE_CHECKING:
     from reliab.criterion.ellipse_reading import EllipseSource
+
+
+def contained_alike(kind: FittedLaw, law: Law, grid: SampleGrid, limits: Array) -> Law:
+    """Scale a law so that it contains as many motions as the limits that it was fitted to.
+
+    Limits that all motions contain are compared at the depth of the least motion, so that they keep their
+    distance from it.
+
+    `limits` (F, X, 2).
+    """
+    a, b = law.limits(grid.frequencies[:, None], grid.damping_ratios[None, :])
+    rooms, rooms_of_law = (
+        np.concatenate(
+            [room(sample, *pair) for sample, pair in zip(grid.cells, pairs.reshape(-1, 2), strict=True)]
+        )
+        for pairs in (limits, np.stack([a, b], axis=-1))
+    )
+    excluded = float(np.mean(rooms < 1.0))
+    depth, depth_of_law = (
+        float(np.quantile(values, excluded, method="lower")) for values in (rooms, rooms_of_law)
+    )
+    factor = depth_of_law if excluded > 0.0 else depth_of_law / depth
+    return kind.fit(grid.frequencies, grid.damping_ratios, factor * a, factor * b)
+
+
+def room(sample: EllipseSample, a: float, b: float) -> Array:
+    """Factor by which limits could grow before a motion's own ellipse no longer contains theirs.
+
+    Returns (motions,).
+    Returns factors on a and b; a motion contains the limits where its factor is at least 1.
+    """
+    return np.minimum(sample.a / a, sample.b / b)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LearnedSide:
+    """One side of the boundaries: its motions, and what a method learned from them."""
+
+    grid: SampleGrid
+    learned: Learned
+
+    def law(self, kind: FittedLaw, method: Method, confidence: float, *, joint: bool) -> tuple[Law, int]:
+        """Fit a law to the limits; return it with the number of structures at which they are zero."""
+        limits = self.learned.limits(confidence, joint=joint)
+        for row, column in np.ndindex(limits.shape[:2]):
+            sample = self.grid.samples[row][column]
+            if not method.carries(confidence, sample.n_motions, sample.n_events):
+                limits[row, column] = 0.0
+        empty = int((limits <= 0.0).any(axis=-1).sum())
+        if empty and kind is not Table:
+            raise InputError(
+                "A law is fitted to limits that are positive at every structure",
+                value=(
+                    f"too few motions or earthquakes for {method.name} at {confidence:g} at "
+                    f"{empty} structures"
+                ),
+                remedy="Give more motions or a lower confidence, or keep the limits as a table",
+            )
+        grid = self.grid.frequencies, self.grid.damping_ratios
+        law: Law = kind.fit(*grid, limits[..., 0], limits[..., 1])
+        return (law if kind is Table else contained_alike(kind, law, self.grid, limits)), empty
+
 
 MOST_AT_REST = 0.05
 """Largest share of motions under which an actuator at rest may keep the threshold."""
@@ -54,19 +116,7 @@ def require_meaning(ellipses: Ellipses, *, threshold: float, metric: str) -> Non
     The amplitude and the delay of a test that hardly moves do not show its error. Ellipses without
     `error_at_rest` (older files, tables in CSV) cannot be checked.
 
-    Parameters
-    ----------
-    ellipses : xarray.Dataset or EllipseTable
-        Ellipses of the structures that are asked for.
-    threshold : float
-        Error [-].
-    metric : str
-        Which error.
-
-    Raises
-    ------
-    InputError
-        If an actuator at rest would pass; the message names the structure where it does most often.
+    `ellipses`: ellipses of the structures that are asked for; `threshold`: error [-].
     """
     table = tabled(ellipses).at_threshold(threshold)
     if table.error_at_rest is None:
@@ -209,27 +259,13 @@ def _read(
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Derivation:
-    """What was learned from ellipses, from which criteria follow at any confidence.
+    """What was learned from ellipses, from which criteria follow at any confidence."""
 
-    Parameters
-    ----------
-    ellipses : EllipseTable
-        The ellipses of the structures that are asked for.
-    method : Method
-        What the confidence means.
-    law : type of Law
-        How the limits depend on the structure.
-    lag : LearnedSide
-        What was learned of actuators that are late.
-    lead : LearnedSide, optional
-        The same of actuators that are early, where the ellipses have that side.
-    """
-
-    ellipses: EllipseTable
-    method: Method
-    law: FittedLaw
-    lag: LearnedSide
-    lead: LearnedSide | None
+    ellipses: EllipseTable  # The ellipses of the structures that are asked for
+    method: Method  # What the confidence means
+    law: FittedLaw  # How the limits depend on the structure
+    lag: LearnedSide  # What was learned of actuators that are late
+    lead: LearnedSide | None  # The same of actuators that are early, where the ellipses have that side
 
     @classmethod
     def from_ellipses(
@@ -302,19 +338,9 @@ class Derivation:
     ) -> Criterion:
         """Derive a criterion.
 
-        Parameters
-        ----------
-        confidence : float
-            Share of the population's ground motions, in (0, 1).
-        joint : bool, optional
-            Whether a and b hold together; by default as the method defines it.
-        source : str, optional
-            Where the ellipses came from, in words.
-
-        Returns
-        -------
-        Criterion
-            With what a user should know of it among its warnings.
+        `confidence`: share of the population's ground motions, in (0, 1); `joint`: whether a and b hold
+        together; by default as the method defines it. Its warnings hold what a user should
+        know of it.
         """
         checked_share(confidence, "confidence")
         joint = self.method.joint_by_default if joint is None else joint

@@ -25,31 +25,6 @@ _ALIKE = 1e-6  # relative differences below that are rounding, not ground motion
 class EllipseSample:
     """Ellipse parameters over ground motions, for one structure, threshold and metric.
 
-    Parameters
-    ----------
-    a : array of float, shape (motions,)
-        Amplitude parameters [-], positive.
-    b : array of float, shape (motions,)
-        Delay parameters [ms²], positive.
-    motions, events : array of str, shape (motions,)
-        Names of the motions and of their earthquakes.
-    frequency : float
-        Natural frequency of the structure [Hz].
-    damping_ratio : float
-        Its damping ratio [-].
-    threshold : float
-        Error on the boundaries [-].
-    metric : str
-        Which error, "rms" or "mte".
-
-    Raises
-    ------
-    InputError
-        If there are fewer than three motions, a parameter is beyond any boundary, or it is the same under
-        all motions.
-
-    Examples
-    --------
     >>> sample = EllipseSample(
     ...     a=np.array([1e-4, 2e-4, 4e-4]), b=np.array([2.0, 4.0, 8.0]),
     ...     motions=np.array(["K/1", "K/2", "L/1"]), events=np.array(["K", "K", "L"]),
@@ -59,14 +34,14 @@ class EllipseSample:
     (3, 2, 1.0)
     """
 
-    a: Array
-    b: Array
-    motions: NDArray[np.str_]
+    a: Array  # Amplitude parameters [-], positive
+    b: Array  # Delay parameters [ms²], positive
+    motions: NDArray[np.str_]  # motions, events: Names of the motions and of their earthquakes
     events: NDArray[np.str_]
-    frequency: float
-    damping_ratio: float
-    threshold: float
-    metric: str
+    frequency: float  # Natural frequency of the structure [Hz]
+    damping_ratio: float  # Its damping ratio [-]
+    threshold: float  # Error on the boundaries [-]
+    metric: str  # Which error, "rms" or "mte"
 
     def __post_init__(self) -> None:
         if self.a.size < FEWEST_MOTIONS:
@@ -129,34 +104,10 @@ def sample_of(
 ) -> EllipseSample:
     """Take the ellipses of one structure at one error from a dataset.
 
-    Parameters
-    ----------
-    ellipses : xarray.Dataset or EllipseTable
-        `a` [-] and `b` [ms²] over (motion, f, xi, threshold, metric, curve, side), with the coordinate
-        `event`.
-    frequency : float
-        Natural frequency of the structure [Hz].
-    damping_ratio : float
-        Its damping ratio [-].
-    threshold : float
-        Error on the boundaries [-].
-    metric : str
-        Which error.
-    curve : str, optional
-        Which ellipses: fitted to the boundaries by least squares, or inscribed.
-    side : str, optional
-        Side of the boundaries: "lag" or "lead".
-
-    Returns
-    -------
-    EllipseSample
-        Every motion for which both parameters are positive and finite.
-
-    Raises
-    ------
-    InputError
-        If the dataset lacks the structure, the error, the curve or the side, or too few motions have an
-        ellipse there.
+    `ellipses`: `a` [-] and `b` [ms²] over (motion, f, xi, threshold, metric, curve, side), with the
+    coordinate `event`; `frequency`: natural frequency of the structure [Hz]; `damping_ratio`: its damping
+    ratio [-]; `threshold`: error on the boundaries [-]; `curve`: which ellipses: fitted to the boundaries by
+    least squares, or inscribed. Returns every motion for which both parameters are positive and finite.
     """
     table = tabled(ellipses).at_threshold(threshold)
     of_curve_and_side = places_of_curve(table, curve, side)
@@ -185,23 +136,8 @@ def places_of_curve(table: EllipseTable, curve: str, side: str) -> tuple[int, in
 def of_curve(ellipses: "xr.Dataset", curve: str, side: str) -> "xr.Dataset":
     """Take one kind of ellipse and one side of the boundaries from a dataset.
 
-    Parameters
-    ----------
-    ellipses : xarray.Dataset
-        Over motions, structures and errors. Without the dimension `curve` its ellipses are those fitted by
-        least squares; without the dimension `side` they are of lags.
-    curve, side : str
-        Names of `CurveName` and `Side`.
-
-    Returns
-    -------
-    xarray.Dataset
-        Without both dimensions.
-
-    Raises
-    ------
-    InputError
-        If the dataset has no such ellipses, or is of several shares of the stiffness.
+    `ellipses`: over motions, structures and errors. Without the dimension `curve` its ellipses are those
+    fitted by least squares; without the dimension `side` they are of lags.
     """
     from reliab.sweep.shares import at_share
 
@@ -239,15 +175,7 @@ def is_ellipse(a: Array, b: Array) -> NDArray[np.bool_]:
     it, and its lower quantile may lie a little too high: with the upper 8 % of lognormal motions gone, by
     0.06 standard deviations, so that a bound at 95 % contains 94.3 %.
 
-    Parameters
-    ----------
-    a, b : array of float
-        Ellipse parameters, any shape.
-
-    Returns
-    -------
-    array of bool
-        True where a and b are positive and finite.
+    `a`, `b`: ellipse parameters, any shape. Returns True where a and b are positive and finite.
     """
     return np.asarray(np.isfinite(a) & np.isfinite(b) & (a > 0.0) & (b > 0.0))
 

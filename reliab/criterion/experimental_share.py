@@ -38,18 +38,9 @@ def whole_is_worst(frequency: float, damping_ratio: float) -> bool:
     slower than the structure, the static part of an amplitude error vanishes for α = 1, and for a smaller
     share it does not.
 
-    Parameters
-    ----------
-    frequency, damping_ratio : float
-        The structure [Hz, -].
+    `frequency`, `damping_ratio`: the structure [Hz, -]. Returns whether it lies among those that were
+    simulated.
 
-    Returns
-    -------
-    bool
-        Whether it lies among those that were simulated.
-
-    Examples
-    --------
     >>> whole_is_worst(1.0, 0.02), whole_is_worst(15.0, 0.05)
     (True, False)
     """
@@ -62,23 +53,9 @@ def whole_is_worst(frequency: float, damping_ratio: float) -> bool:
 def growth(experimental_fraction: ArrayLike, damping_ratio: ArrayLike) -> Array:
     """Ellipse parameters of a structure with a share α in the laboratory over those of α = 1.
 
-    Parameters
-    ----------
-    experimental_fraction, damping_ratio : array_like
-        α and ξ [-], broadcast against each other.
+    `experimental_fraction`, `damping_ratio`: α and ξ [-], broadcast against each other. Returns factor on a
+    and on b [-], at least 1.
 
-    Returns
-    -------
-    numpy.ndarray
-        Factor on a and on b [-], at least 1.
-
-    Raises
-    ------
-    InputError
-        If α is no share, or less than ten times the damping ratio.
-
-    Examples
-    --------
     >>> growth([1.0, 0.5, 0.2], 0.02).round(2)
     array([ 1.  ,  3.96, 23.22])
     """
@@ -106,23 +83,9 @@ def growth(experimental_fraction: ArrayLike, damping_ratio: ArrayLike) -> Array:
 def carry_to_share(ellipses: "xr.Dataset", experimental_fraction: float) -> "xr.Dataset":
     """Transfer ellipses of structures with all stiffness in the laboratory to a smaller share.
 
-    Parameters
-    ----------
-    ellipses : xarray.Dataset
-        `a` and `b` with a coordinate `xi`, of α = 1.
-    experimental_fraction : float
-        α [-].
-
-    Returns
-    -------
-    xarray.Dataset
-        The same with larger a and b; the attribute `experimental_fraction` is α, and `caution` says that the
-        ellipses were carried by a law.
-
-    Raises
-    ------
-    InputError
-        If the ellipses are of another share than 1, or the law does not hold.
+    `ellipses`: `a` and `b` with a coordinate `xi`, of α = 1; `experimental_fraction`: α [-]. Returns the same
+    with larger a and b; the attribute `experimental_fraction` is α, and `caution` says that the ellipses were
+    carried by a law.
     """
     import xarray as xr
 

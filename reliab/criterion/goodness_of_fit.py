@@ -52,18 +52,9 @@ def objection(values: ArrayLike, parameter: str) -> str:
 def lognormality(values: ArrayLike) -> LognormalityTest:
     """Test whether values over motions are lognormal.
 
-    Parameters
-    ----------
-    values : array_like
-        Positive values, shape (motions,), at least three.
+    `values`: positive values, shape (motions,), at least three. Returns p-values of the Kolmogorov-Smirnov,
+    Anderson-Darling and Shapiro-Wilk tests.
 
-    Returns
-    -------
-    LognormalityTest
-        p-values of the Kolmogorov-Smirnov, Anderson-Darling and Shapiro-Wilk tests.
-
-    Examples
-    --------
     >>> round(lognormality(np.random.default_rng(1).pareto(2.0, size=80) + 1.0).anderson_darling, 3)
     0.001
     """
@@ -90,41 +81,19 @@ def lognormality(values: ArrayLike) -> LognormalityTest:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class QuantilePlot:
-    """Points of a Q-Q plot with a band for each order statistic.
+    """Points of a Q-Q plot with a band for each order statistic."""
 
-    Parameters
-    ----------
-    expected : array of float, shape (motions,)
-        Quantiles of the distribution at the plotting positions (i − 1/2)/n.
-    observed : array of float, shape (motions,)
-        The motions in increasing order.
-    low, high : array of float, shape (motions,)
-        Where 95 % of each order statistic would lie if the distribution were true.
-    """
-
-    expected: Array
-    observed: Array
-    low: Array
+    expected: Array  # Quantiles of the distribution at the plotting positions (i − 1/2)/n
+    observed: Array  # The motions in increasing order
+    low: Array  # low, high: Where 95 % of each order statistic would lie if the distribution were true
     high: Array
 
 
 def quantile_plot(values: ArrayLike, distribution: Distribution) -> QuantilePlot:
     """Compare motions with a distribution, quantile by quantile.
 
-    Parameters
-    ----------
-    values : array_like
-        Positive values, shape (motions,).
-    distribution : Distribution
-        The distribution, usually fitted to them.
+    `values`: positive values, shape (motions,).
 
-    Returns
-    -------
-    QuantilePlot
-        What a figure draws.
-
-    Examples
-    --------
     >>> from reliab.criterion.distributions import Lognormal
     >>> points = quantile_plot([1.0, 4.0, 2.0], Lognormal(mu=0.7, sigma=0.6))
     >>> points.observed.tolist(), float(points.expected[1].round(2))

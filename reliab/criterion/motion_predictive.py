@@ -98,31 +98,18 @@ _NARROWEST = 1e-9  # spread of equal values, which have none
 class MotionPredictive:
     """Predictive distributions of several quantities, each over the same motions.
 
-    Parameters
-    ----------
-    ordered : array of float, shape (motions, quantities)
-        The values in increasing order.
-    location, scale, shape : array of float, shape (quantities,)
-        Skew-normal base.
-    effective_number : array of float, shape (quantities,)
-        Number of independent motions that the sample is worth.
-    concentration : float, optional
-        Weight of the base, as a number of motions.
-
-    Examples
-    --------
     >>> values = np.random.default_rng(1).normal(size=(400, 1))
     >>> predictive = MotionPredictive.fit(values, np.arange(400).astype(str))
     >>> predictive.quantile(0.05).round(2), predictive.cumulative([0.0]).round(2)
     (array([-1.62]), array([0.53]))
     """
 
-    ordered: Array
-    location: Array
+    ordered: Array  # The values in increasing order
+    location: Array  # location, scale, shape: Skew-normal base
     scale: Array
     shape: Array
-    effective_number: Array
-    concentration: float = CONCENTRATION
+    effective_number: Array  # Number of independent motions that the sample is worth
+    concentration: float = CONCENTRATION  # Weight of the base, as a number of motions
 
     @classmethod
     def fit(
@@ -130,19 +117,7 @@ class MotionPredictive:
     ) -> "MotionPredictive":
         """Learn from motions.
 
-        Parameters
-        ----------
-        values : array of float, shape (motions, quantities)
-            Values, at least three motions.
-        events : array of str, shape (motions,)
-            Earthquake of each motion.
-        concentration : float, optional
-            Weight of the fitted shape, as a number of motions.
-
-        Returns
-        -------
-        MotionPredictive
-            The predictive distributions.
+        `concentration`: weight of the fitted shape, as a number of motions.
         """
         location, scale, shape = _skew_normal_of_moments(values)
         return cls(
@@ -157,15 +132,7 @@ class MotionPredictive:
     def cumulative(self, x: ArrayLike) -> Array:
         """Probability that a further motion's value is at most x.
 
-        Parameters
-        ----------
-        x : array_like, shape (quantities,)
-            One value for each quantity.
-
-        Returns
-        -------
-        numpy.ndarray
-            Probabilities, shape (quantities,).
+        Returns probabilities, shape (quantities,).
         """
         at = np.broadcast_to(np.asarray(x, dtype=np.float64), self.location.shape)
         base, above = self._base(at)
@@ -175,15 +142,7 @@ class MotionPredictive:
     def quantile(self, probability: float) -> Array:
         """Value that a further motion stays below with the given probability, shape (quantities,).
 
-        Parameters
-        ----------
-        probability : float
-            In (0, 1).
-
-        Returns
-        -------
-        numpy.ndarray
-            Finite values, shape (quantities,); a larger probability never gives a smaller one.
+        Returns finite values, shape (quantities,); a larger probability never gives a smaller one.
         """
         roots = roots_of_increasing(
             lambda x: self.cumulative(x) - probability,

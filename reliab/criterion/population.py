@@ -29,29 +29,13 @@ _LARGEST_LOGARITHM = 300.0  # whose exponential is still a number, as is its squ
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Population:
-    """Dimensionless ellipses of motions over a grid of structures, for one threshold and metric.
+    """Dimensionless ellipses of motions over a grid of structures, for one threshold and metric."""
 
-    Parameters
-    ----------
-    frequencies, damping_ratios : array of float, shape (F,) and (X,)
-        The grid [Hz, -], increasing.
-    log_alpha, log_beta : array of float, shape (motions, F, X)
-        ln(a/ξ²) and ln(bω₀²/ξ²); NaN where a motion has no ellipse.
-    events : array of str, shape (motions,)
-        Earthquake of each motion.
-
-    Raises
-    ------
-    InputError
-        If fewer than three motions have an ellipse at some structure, or the arrays are not of one shape with
-        an increasing grid and finite logarithms (or NaN for both parameters).
-    """
-
-    frequencies: Array
+    frequencies: Array  # frequencies, damping_ratios: The grid [Hz, -], increasing
     damping_ratios: Array
-    log_alpha: Array
+    log_alpha: Array  # log_alpha, log_beta: ln(a/ξ²) and ln(bω₀²/ξ²); NaN where a motion has no ellipse
     log_beta: Array
-    events: NDArray[np.str_]
+    events: NDArray[np.str_]  # Earthquake of each motion
 
     def __post_init__(self) -> None:
         self._check_shapes()
@@ -95,17 +79,7 @@ class Population:
     ) -> Self:
         """Take the ellipses of one threshold and metric from a dataset.
 
-        Parameters
-        ----------
-        ellipses : xarray.Dataset or EllipseTable
-            `a` [-] and `b` [ms²] over (motion, f, xi, threshold, metric, curve, side).
-        threshold, metric, curve, side
-            One of the dataset's.
-
-        Returns
-        -------
-        Population
-            All motions and structures.
+        `ellipses`: `a` [-] and `b` [ms²] over (motion, f, xi, threshold, metric, curve, side).
         """
         table = tabled(ellipses).at_threshold(threshold).sorted_by("f", "xi")
         of_curve_and_side = places_of_curve(table, curve, side)
@@ -141,24 +115,9 @@ class Population:
         `MotionPredictive` describes. Between grid points, probabilities at the same dimensionless
         error are interpolated.
 
-        Parameters
-        ----------
-        amplitude : array_like
-            Amplitude index A [-].
-        delay : array_like
-            Equivalent delay d [s].
-        frequency, damping_ratio : array_like
-            The structure [Hz, -]; all four are broadcast against each other.
-
-        Returns
-        -------
-        numpy.ndarray
-            Probability [-] in the broadcast shape.
-
-        Raises
-        ------
-        InputError
-            If a structure lies outside of the grid.
+        `amplitude`: amplitude index A [-]; `delay`: equivalent delay d [s]; `frequency`, `damping_ratio`: the
+        structure [Hz, -]; all four are broadcast against each other. Returns probability [-] in the broadcast
+        shape.
         """
         self.validity.require(frequency, damping_ratio)
         arrays = np.broadcast_arrays(
@@ -198,13 +157,7 @@ class Population:
 
     @classmethod
     def from_dict(cls, content: Mapping[str, Any]) -> Self:
-        """Make a population from what `to_dict` gave.
-
-        Raises
-        ------
-        InputError
-            If rows are not of one length.
-        """
+        """Make a population from what `to_dict` gave."""
         try:
             arrays = {
                 name: np.asarray(values, dtype=np.float64)

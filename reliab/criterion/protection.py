@@ -30,26 +30,13 @@ def protect_over_lengths(
 ) -> _Given:
     """Transfer the ellipses of a population to the least favourable of its lengths.
 
-    Parameters
-    ----------
-    ellipses : xarray.Dataset or EllipseTable
-        Ellipses of the population.
-    metric : str, optional
-        Error of the criterion; RMS^R alone depends on the length.
-    curve : str, optional
-        Ellipses on which the criterion will rest. Those that are fitted to boundaries are the paper's, whose
-        criterion is one of motions as they were recorded.
+    `metric`: error of the criterion; RMS^R alone depends on the length; `curve`: ellipses on which the
+    criterion will rest. Those that are fitted to boundaries are the paper's, whose criterion is one of
+    motions as they were recorded. Returns, for each structure, error, curve and side the ellipses at one of
+    three lengths: those that a tenth, half and nine tenths of the records do not exceed. The ellipses as they
+    are where nothing is known of cutting the records, for a criterion of an error other than RMS^R, and for
+    fewer than thirty motions of ten earthquakes.
 
-    Returns
-    -------
-    xarray.Dataset or EllipseTable
-        For each structure, error, curve and side the ellipses at one of three lengths: those that a tenth,
-        half and nine tenths of the records do not exceed. The ellipses as they are where nothing is known of
-        cutting the records, for a criterion of an error other than RMS^R, and for fewer than thirty motions
-        of ten earthquakes.
-
-    Examples
-    --------
     >>> from reliab.criterion.ellipse_reading import read_ellipses
     >>> protected = protect_over_lengths(read_ellipses("real_suite"))
     >>> protected.attrs["carried_to"]

@@ -37,56 +37,31 @@ def _versions() -> tuple[tuple[str, str], ...]:
 
 @dataclass(frozen=True, kw_only=True)
 class Provenance:
-    """Source of the ellipses, what was computed with, and what should be known before use.
+    """Source of the ellipses, what was computed with, and what should be known before use."""
 
-    Parameters
-    ----------
-    source : str
-        Where the ellipses came from, in words.
-    motions : str
-        Kind of the motions, "ground motions" or "synthetic ground motions", for headlines.
-    n_motions, n_events : int
-        Motions and earthquakes behind the criterion.
-    records_checksum : str
-        SHA-256 over the sorted checksums of all records (or over a and b where records are unknown).
-    window : str
-        Stretch of the record over which the error was taken.
-    packages : dict of str to str
-        Package versions.
-    experimental_fraction : float
-        Share α of the stiffness in the laboratory [-] for which the boundaries were computed.
-    curve : str
-        Ellipses behind the limits: "inscribed" in the motions' boundaries, or "ellipse", fitted to them.
-    settings : dict
-        Parameters of the method.
-    warnings : tuple of str
-        Plain sentences for the user.
-    population : str
-        The ground motions for which the criterion speaks, as the end of a sentence.
-    scope : dict
-        Least value, 5 % and 95 % quantile and greatest value over these motions of what is known of them:
-        `magnitude`, `length` [s], `cycles`, and of responses `effective_duration` [s], `frequency_ratio` and
-        `sensitivity` [-].
-    position : str
-        Where the case that the criterion was carried to lies among them: "inside", "at the edge", "outside".
-    promised_from : float
-        Share of the population's ground motions [-] from which one is promised: smaller ones cannot be kept.
-    """
-
-    source: str
+    source: str  # Where the ellipses came from, in words
+    # Kind of the motions, "ground motions" or "synthetic ground motions", for headlines
     motions: str = "ground motions"
-    n_motions: int = 0
+    n_motions: int = 0  # n_motions, n_events: Motions and earthquakes behind the criterion
     n_events: int = 0
+    # SHA-256 over the sorted checksums of all records (or over a and b where records are unknown)
     records_checksum: str = ""
-    window: str = "record"
+    window: str = "record"  # Stretch of the record over which the error was taken
+    # Share α of the stiffness in the laboratory [-] for which the boundaries were computed
     experimental_fraction: float = 1.0
+    # Ellipses behind the limits: "inscribed" in the motions' boundaries, or "ellipse", fitted to them
     curve: str = CurveName.ELLIPSE
-    packages: dict[str, str] = field(default_factory=installed_versions)
-    settings: dict[str, Any] = field(default_factory=dict)
-    warnings: tuple[str, ...] = ()
-    population: str = ""
+    packages: dict[str, str] = field(default_factory=installed_versions)  # Package versions
+    settings: dict[str, Any] = field(default_factory=dict)  # Parameters of the method
+    warnings: tuple[str, ...] = ()  # Plain sentences for the user
+    population: str = ""  # The ground motions for which the criterion speaks, as the end of a sentence
+    # Least value, 5 % and 95 % quantile and greatest value over these motions of what is known of them:
+    # `magnitude`, `length` [s], `cycles`, and of responses `effective_duration` [s], `frequency_ratio` and
+    # `sensitivity` [-]
     scope: dict[str, list[float]] = field(default_factory=dict)
+    # Where the case that the criterion was carried to lies among them: "inside", "at the edge", "outside"
     position: str = "inside"
+    # Share of the population's ground motions [-] from which one is promised: smaller ones cannot be kept
     promised_from: float = 0.0
 
 
@@ -108,15 +83,8 @@ def kind_of_motions(events: Sequence[str]) -> str:
 def records_checksum(ellipses: Ellipses) -> str:
     """One checksum for all records behind ellipses, whatever their order.
 
-    Parameters
-    ----------
-    ellipses : xarray.Dataset or EllipseTable
-        Ellipses with the coordinate `checksum`; without it, the values of a and b stand for the records.
-
-    Returns
-    -------
-    str
-        SHA-256 in hexadecimal digits.
+    `ellipses`: ellipses with the coordinate `checksum`; without it, the values of a and b stand for the
+    records.
     """
     if isinstance(ellipses, EllipseTable):
         checksums, pair = ellipses.of_motions.get("checksum"), (ellipses.a, ellipses.b)

@@ -6,9 +6,9 @@ import numpy as np
 
 from reliab.core.vocabulary import CurveName, Metric
 from reliab.criterion.criterion import Criterion
+from reliab.criterion.derivation import room
 from reliab.criterion.ellipse_sample import sample_of
 from reliab.criterion.laws.registry import OF_MANY_MOTIONS, known
-from reliab.criterion.learned_side import room
 from reliab.criterion.provenance import Provenance
 
 if TYPE_CHECKING:
@@ -58,19 +58,8 @@ def printed_share(
 ) -> dict[str, float]:
     """Count the motions whose own ellipse contains that of a printed law.
 
-    Parameters
-    ----------
-    criterion : Criterion
-        The printed law's.
-    ellipses : xarray.Dataset
-        Ellipses of ground motions.
-    frequency, damping_ratio : float
-        The structure [Hz, -]; the nearest one of the ellipses is taken.
-
-    Returns
-    -------
-    dict of str to float
-        `share` of the motions [-], `n_motions`, and the structure, `f` [Hz] and `xi` [-].
+    `frequency`, `damping_ratio`: the structure [Hz, -]; the nearest one of the ellipses is taken. Returns
+    `share` of the motions [-], `n_motions`, and the structure, `f` [Hz] and `xi` [-].
     """
     f, xi = (
         float(values[np.argmin(np.abs(np.log(values / wanted)))])

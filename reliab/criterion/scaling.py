@@ -15,18 +15,9 @@ from reliab.core.vocabulary import MILLI
 def scales(frequency: ArrayLike, damping_ratio: ArrayLike) -> tuple[Array, Array]:
     """Ellipse parameters of a structure for α = β = 1.
 
-    Parameters
-    ----------
-    frequency, damping_ratio : array_like
-        Structures [Hz, -], broadcast against each other.
+    `frequency`, `damping_ratio`: structures [Hz, -], broadcast against each other. Returns ξ² [-] and (ξ/ω₀)²
+    [ms²].
 
-    Returns
-    -------
-    a, b : numpy.ndarray
-        ξ² [-] and (ξ/ω₀)² [ms²].
-
-    Examples
-    --------
     >>> a, b = scales(1.0, 0.02)
     >>> round(float(a), 6), round(float(b), 3)
     (0.0004, 10.132)

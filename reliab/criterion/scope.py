@@ -27,22 +27,10 @@ _NAMES = {
 def promised(confidence: float, position: str, least: float) -> float | None:
     """Tell which share of a population's ground motions a criterion promises.
 
-    Parameters
-    ----------
-    confidence : float
-        Share that was asked for [-].
-    position : str
-        Where the case lies among the population, one of :class:`Position`.
-    least : float
-        Share from which one can be kept [-].
+    `confidence`: share that was asked for [-]; `position`: where the case lies among the population, one of
+    :class:`Position`; `least`: share from which one can be kept [-]. Returns the share; None outside of the
+    population, and for a share below the least.
 
-    Returns
-    -------
-    float or None
-        The share; None outside of the population, and for a share below the least.
-
-    Examples
-    --------
     >>> promised(0.95, "inside", 0.8), promised(0.95, "outside", 0.8), promised(0.5, "inside", 0.8)
     (0.95, None, None)
     """
@@ -68,23 +56,12 @@ class ScopeComparison:
 def compare_with_scope(scope: Mapping[str, Sequence[float]], test: Mapping[str, float]) -> ScopeComparison:
     """Tell whether a test lies among the motions behind a criterion.
 
-    Parameters
-    ----------
-    scope : mapping of str to sequence of float
-        Least value, 5 % and 95 % quantile and greatest value over the motions of each quantity, as a
-        criterion's provenance holds them: `magnitude`, `length` [s], `cycles`, and those of
-        responses: `effective_duration` [s], `frequency_ratio` [-], `sensitivity` [-].
-    test : mapping of str to float
-        The same quantities of the test, those that are known.
+    `scope`: least value, 5 % and 95 % quantile and greatest value over the motions of each quantity, as a
+    criterion's provenance holds them: `magnitude`, `length` [s], `cycles`, and those of responses:
+    `effective_duration` [s], `frequency_ratio` [-], `sensitivity` [-]; `test`: the same quantities of the
+    test, those that are known. Inside between the 5 % and 95 % quantiles, at the edge between the
+    least and the greatest value, outside beyond them; of several quantities the least favourable.
 
-    Returns
-    -------
-    ScopeComparison
-        Inside between the 5 % and 95 % quantiles, at the edge between the least and the greatest value,
-        outside beyond them; of several quantities the least favourable.
-
-    Examples
-    --------
     >>> compared = compare_with_scope({"length": (10.0, 20.0, 90.0, 100.0)}, {"length": 8.0})
     >>> print(compared.position, *compared.sentences, sep=": ")
     outside: The length of the record, 8 s, lies outside of the population (10 to 100 s).

@@ -49,19 +49,11 @@ def compare_shares(
 ) -> dict[str, list[dict[str, Any]]]:
     """Compare criteria of several shares of the stiffness with the law of the share.
 
-    Parameters
-    ----------
-    criteria : sequence of Criterion
-        Criteria of several shares, alike in all else, at one or more thresholds and confidences.
-    structures : sequence of (float, float)
-        Natural frequencies [Hz] and damping ratios [-].
-
-    Returns
-    -------
-    dict
-        `ratios`, a list of the fields of :class:`ShareRatio`, and `fits`, a list with `f`, `xi`, `threshold`,
-        `confidence`, `white_noise`, the strength 1/8ξ² of the law, and for a and b the fitted `strength`
-        and the `largest_deviation` of the ratios from the law with it (None without two ratios).
+    `criteria`: criteria of several shares, alike in all else, at one or more thresholds and confidences;
+    `structures`: natural frequencies [Hz] and damping ratios [-]. Returns `ratios`, a list of the fields of
+    :class:`ShareRatio`, and `fits`, a list with `f`, `xi`, `threshold`, `confidence`, `white_noise`, the
+    strength 1/8ξ² of the law, and for a and b the fitted `strength` and the `largest_deviation` of the ratios
+    from the law with it (None without two ratios).
     """
     promises = dict.fromkeys((criterion.threshold, criterion.confidence) for criterion in criteria)
     groups = [

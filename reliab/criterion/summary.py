@@ -13,22 +13,11 @@ from reliab.criterion.ellipse_table import Ellipses
 def summarise(criterion: Criterion, frequency: float, damping_ratio: float) -> dict[str, Any]:
     """Summarise a criterion at one structure.
 
-    Parameters
-    ----------
-    criterion : Criterion
-        The criterion.
-    frequency, damping_ratio : float
-        The structure [Hz, -].
+    `frequency`, `damping_ratio`: the structure [Hz, -]. Returns limits `a` [-] and `b` [ms²] of lags,
+    `a_lead` and `b_lead` of leads (None where the criterion has none); `amplitude_limit` [-],
+    `delay_limit_ms` and `lead_limit_ms` [ms], the largest amplitude error, lag and lead of a test that has no
+    other error; the promise, and the data behind it; ready for JSON.
 
-    Returns
-    -------
-    dict
-        Limits `a` [-] and `b` [ms²] of lags, `a_lead` and `b_lead` of leads (None where the criterion has
-        none); `amplitude_limit` [-], `delay_limit_ms` and `lead_limit_ms` [ms], the largest amplitude error,
-        lag and lead of a test that has no other error; the promise, and the data behind it; ready for JSON.
-
-    Examples
-    --------
     >>> from reliab.criterion.published import published_criterion
     >>> summary = summarise(published_criterion("guo_2017_12"), 1.0, 0.02)
     >>> round(summary["amplitude_limit"], 4), round(summary["delay_limit_ms"], 2)
@@ -73,20 +62,9 @@ def describe_sample(
 ) -> dict[str, Any]:
     """Describe the motions of one structure that a criterion was derived from.
 
-    Parameters
-    ----------
-    ellipses : xarray.Dataset
-        The ellipses.
-    criterion : Criterion
-        The criterion, for its threshold and metric.
-    frequency, damping_ratio : float
-        The structure [Hz, -], one of the dataset's.
-
-    Returns
-    -------
-    dict
-        `correlation` of a and b, `n_motions` and `n_events` with an ellipse
-        there, and the parameters of the lognormal distributions fitted to a and b.
+    `frequency`, `damping_ratio`: the structure [Hz, -], one of the dataset's. Returns `correlation` of a and
+    b, `n_motions` and `n_events` with an ellipse there, and the parameters of the lognormal distributions
+    fitted to a and b.
     """
     sample = sample_of(
         ellipses,

@@ -2,20 +2,14 @@
 
 import base64
 import json
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from html import escape
 from typing import Any, Final
 
 from reliab.report.content import CONTENT_FILE, files_of
 from reliab.report.document import Document
+from reliab.report.prose import formula
 
-_SYMBOLS: Final = {
-    "alpha": "α", "beta": "β", "delta": "δ", "Delta": "Δ", "xi": "ξ", "tau": "τ", "omega": "ω", "phi": "φ",
-    "gamma": "γ", "lambda": "λ", "sigma": "σ", "epsilon": "ε", "sqrt": "√", "times": "×", "dot": "·",
-    "quad": " ", "lt.eq": "≤", "gt.eq": "≥", "approx": "≈", "minus": "−", "sum": "Σ", "pi": "π",
-}  # fmt: skip
-_WORD: Final = re.compile(r"\.?[A-Za-z]+(?:\.[a-z]+)?")
 _LOWEST_HEADING: Final = 6
 _PIXELS: Final = 4.6  # of a screen for a millimetre of print
 
@@ -75,15 +69,6 @@ def _picture(svg: bytes, width: float, alternative: str, caption: str) -> str:
         f'src="data:image/svg+xml;base64,{data}">'
     )
     return f"<figure>{image}<figcaption>{caption}</figcaption></figure>"
-
-
-def formula(source: str) -> str:
-    """Write a formula of typst in letters and signs.
-
-    >>> formula("alpha k <= sqrt(a)")
-    'α k <= √(a)'
-    """
-    return _WORD.sub(lambda word: _SYMBOLS.get(word.group(), word.group()), source).replace('"', "")
 
 
 def _prose(pieces: Sequence[Mapping[str, Any]]) -> str:

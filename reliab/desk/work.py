@@ -25,17 +25,15 @@ from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.files import write_json_file
 from reliab.core.progress import show_task
-from reliab.core.significant_digits import percent, percent_with_interval, significant
 from reliab.core.vocabulary import MILLI
 from reliab.desk.document_html import document_html
 from reliab.desk.jobs import Tell
 from reliab.recordings.readers.registry import read_tests
-from reliab.report.document import Column, Document, Figure, Points, Table
-from reliab.report.figures.tests_by_error import ranked_tests
+from reliab.report.document import Document
+from reliab.report.kinds.comparison import comparison_report
 from reliab.report.pdf import write_pdf
 
 if TYPE_CHECKING:
-    from reliab.assessment.comparison import Comparison
     from reliab.assessment.frame_assessment import FrameAssessment
 
     AnyAssessment = Assessment | FrameAssessment | CoupledAssessment
@@ -239,53 +237,13 @@ def compare(tests: Sequence[str], folder: str, arguments: Mapping[str, Any]) -> 
     comparison = compare_assessments(judged)
     write_tests(comparison, place / "ranking.csv")
     write_json_file(comparison.to_dict(), place / "ranking.json")
-    document = _document_of_comparison(comparison)
+    document = comparison_report(comparison)
     files = {
         "Report (PDF)": _pdf(document, folder),
         "Table (CSV)": str(place / "ranking.csv"),
         "Numbers (JSON)": str(place / "ranking.json"),
     }
     return Filed(html=document_html(document), files=files)
-
-
-def _document_of_comparison(comparison: "Comparison") -> Document:
-    import pandas as pd
-
-    metric = str(comparison.metric)
-    rows = [
-        (
-            test.file,
-            percent_with_interval(test.error.value, test.error.low, test.error.high),
-            "" if test.difference is None else percent_with_interval(
-                test.difference.value, test.difference.low, test.difference.high
-            ),
-            "" if test.probability_larger is None else significant(test.probability_larger, 3),
-            str(test.assessment.verdict.word).replace("_", " "),
-        )
-        for test in comparison.tests
-    ]  # fmt: skip
-    headings = (
-        *("Test", f"{metric.upper()} error (90 % interval)"),
-        *("More than the first", "Probability of that", "Verdict"),
-    )
-    frame = pd.DataFrame(rows, columns=list(map(str, range(len(headings)))))
-    first = comparison.tests[0].file
-    faults = (f"{file}: {why}" for file, why in comparison.faults.items())
-    return Document(
-        kind="Comparison of tests",
-        title=f"{len(comparison.tests)} tests",
-        verdict=f"The error of {first} is probably the smallest.",
-        blocks=(
-            Table(
-                frame=frame,
-                columns=tuple(Column(key=str(k), heading=name) for k, name in enumerate(headings)),
-                caption=f"Ranked by error; the threshold is {percent(comparison.threshold)}.",
-            ),
-            Figure(drawing=ranked_tests(comparison), caption="Errors with their 90 % intervals."),
-            Points(items=(comparison.assumed, *comparison.notes, *faults)),
-        ),
-        sheet=True,
-    )
 
 
 def show_rig(rig: str, folder: str, arguments: Mapping[str, Any]) -> Filed:

@@ -46,30 +46,15 @@ _ORDER = ("threshold", "metric", "side", "f", "xi", "motion")
 
 @dataclass(frozen=True, kw_only=True)
 class Settings:
-    """Structure and criterion with which the page opens.
+    """Structure and criterion with which the page opens."""
 
-    Parameters
-    ----------
-    frequency : float, optional
-        Natural frequency [Hz]; 1 Hz, or the nearest of the ellipses, by default.
-    damping_ratio : float, optional
-        Damping ratio [-]; 0.02, or the nearest of the ellipses, by default.
-    experimental_fraction : float, optional
-        Share of the stiffness in the laboratory [-].
-    threshold : float, optional
-        Error of the whole test [-]; 0.05, or the nearest of the ellipses, by default.
-    confidence : float, optional
-        Share of the population's ground motions [-].
-    metric : str, optional
-        Which error, "rms" or "mte"; the first of the ellipses by default.
-    """
-
-    frequency: float | None = None
-    damping_ratio: float | None = None
-    experimental_fraction: float = 1.0
+    frequency: float | None = None  # Natural frequency [Hz]; 1 Hz, or the nearest of the ellipses, by default
+    damping_ratio: float | None = None  # Damping ratio [-]; 0.02, or the nearest of the ellipses, by default
+    experimental_fraction: float = 1.0  # Share of the stiffness in the laboratory [-]
+    # Error of the whole test [-]; 0.05, or the nearest of the ellipses, by default
     threshold: float | None = None
-    confidence: float = 0.95
-    metric: str | None = None
+    confidence: float = 0.95  # Share of the population's ground motions [-]
+    metric: str | None = None  # Which error, "rms" or "mte"; the first of the ellipses by default
 
 
 def by_length(windows: Mapping[str, xr.Dataset]) -> dict[str, xr.Dataset]:
@@ -90,22 +75,8 @@ def write_page(
 ) -> None:
     """Write the explorer of a set of ellipses.
 
-    Parameters
-    ----------
-    path : str or pathlib.Path
-        The HTML file.
-    ellipses : mapping of str to xarray.Dataset
-        `a` [-] and `b` [ms²] over (motion, f, xi, threshold, metric, curve, side) by window: "record" or a
-        length in seconds.
-    settings : Settings, optional
-        Structure and criterion with which the page opens.
-    source : str
-        Where the ellipses come from, in words.
-
-    Raises
-    ------
-    InputError
-        If a setting lies outside the range of the ellipses, or the file cannot be written.
+    `ellipses`: `a` [-] and `b` [ms²] over (motion, f, xi, threshold, metric, curve, side) by window: "record"
+    or a length in seconds; `settings`: structure and criterion with which the page opens.
     """
     require_ending(path, ".html")
     content = render(pack(ellipses), settings or Settings(), source=source)

@@ -13,7 +13,7 @@ from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.significant_digits import significant
 from reliab.core.vocabulary import STANDARD_GRAVITY
-from reliab.motions.catalogue import CATALOGUE, read_catalogue
+from reliab.motions.catalogue import CATALOGUE, RecordFile, read_catalogue
 from reliab.motions.faults import Fault, Report
 from reliab.motions.loading import (
     BUILT_IN,
@@ -26,7 +26,6 @@ from reliab.motions.loading import (
 )
 from reliab.motions.readers.reading import Declared, Reading
 from reliab.motions.readers.source import is_file, is_folder
-from reliab.motions.record import RecordFile
 
 _FEWEST_SAMPLES = 100  # samples, below which a record tells nothing of these
 _EQUAL = 1e-6  # of the peak, up to which two samples are the same
@@ -185,29 +184,11 @@ def inspect(
 ) -> Inspection:
     """Read every record of a folder, report every fault of every file, and count the records.
 
-    Parameters
-    ----------
-    path : str or Path
-        A folder with or without a catalogue, one file, or the name of a built-in suite.
-    sets : sequence of str, optional
-        Sets of the catalogue to check; None checks all, including the set ``held_out``.
-    time_step : float, optional
-        Step of the records [s], where their headers state none.
-    units : str, optional
-        Units of the records, where their headers state none.
+    `path`: a folder with or without a catalogue, one file, or the name of a built-in suite; `sets`: sets of
+    the catalogue to check; None checks all, including the set ``held_out``; `time_step`: step of the records
+    [s], where their headers state none; `units`: units of the records, where their headers state none.
+    Its `faults` are empty if there is no fault.
 
-    Returns
-    -------
-    Inspection
-        Its `faults` are empty if there is no fault.
-
-    Raises
-    ------
-    InputError
-        If the path does not exist.
-
-    Notes
-    -----
     Beyond the rules for each file, the peaks in one folder are compared: one that differs from their median
     by more than a factor of 50 is a fault where the units of the record are those that were given here, which
     may mix units; where the file states them it is a note; where a catalogue confirms them it is neither.

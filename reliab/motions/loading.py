@@ -18,13 +18,12 @@ from pathlib import Path
 
 from reliab.core.errors import InputError
 from reliab.core.physical_range import require_physical
-from reliab.motions.catalogue import CATALOGUE, read_catalogue
+from reliab.motions.catalogue import CATALOGUE, RecordFile, read_catalogue
 from reliab.motions.faults import Fault, Report
 from reliab.motions.motion import Motion
 from reliab.motions.readers.reading import Declared
 from reliab.motions.readers.registry import FORMATS, TEXT, UNREAD, claims_to_be_record, detect, open_records
 from reliab.motions.readers.source import HEAD, is_file, is_folder, open_source
-from reliab.motions.record import RecordFile
 from reliab.motions.suite import MotionEntry, MotionSuite
 from reliab.motions.units import parse_unit
 
@@ -240,32 +239,10 @@ def read_motion(
 ) -> Motion:
     """Read one record file.
 
-    Parameters
-    ----------
-    path : str or Path
-        A file of one of the formats of `reliab.motions.readers`, or text in columns.
-    name : str, optional
-        Name of the motion; the file's name by default.
-    event : str, optional
-        The earthquake; what the header says by default, or else the name.
-    set_name : str, optional
-        Set that the motion belongs to.
-    time_step : float, optional
-        Step [s], where the header states none or rounds it.
-    units : str, optional
-        Units (g, cm/s2, m/s2), where the header states none.
-    channel : int, optional
-        Which record of a file that holds several, counted from 1.
-
-    Returns
-    -------
-    Motion
-        The motion in m/s².
-
-    Raises
-    ------
-    InputError
-        With the file, the line, the rule and the remedy, if the file breaks a rule.
+    `path`: a file of one of the formats of `reliab.motions.readers`, or text in columns; `name`: name of the
+    motion; the file's name by default; `event`: the earthquake; what the header says by default, or else the
+    name; `time_step`: step [s], where the header states none or rounds it; `units`: units (g, cm/s2, m/s2),
+    where the header states none; `channel`: which record of a file that holds several, counted from 1.
     """
     record = RecordFile(
         path=Path(path),

@@ -96,20 +96,8 @@ class MotionSuite(Sequence[Motion]):
     ) -> "MotionSuite":
         """Keep the motions of given names or sets, in the order of the suite.
 
-        Parameters
-        ----------
-        names, sets : iterable of str, optional
-            What to keep; None keeps all.
-
-        Returns
-        -------
-        MotionSuite
-            The motions that have one of the names and one of the sets.
-
-        Raises
-        ------
-        InputError
-            If the suite has no such name or set.
+        `names`, `sets`: what to keep; None keeps all. Returns the motions that have one of the names and one
+        of the sets.
         """
         kept_names = _require_names(names, self.names, "motion")
         kept_sets = _require_names(sets, self.set_names, "set")

@@ -26,25 +26,8 @@ def write_suite(suite: MotionSuite, folder: str | Path, *, event: str | None = N
     The samples are in m/s² with as many digits as they need to be read back unchanged, one in a line, after a
     header with units, time step, number of samples and event.
 
-    Parameters
-    ----------
-    suite : MotionSuite
-        The motions; they are read and written one at a time.
-    folder : str or Path
-        Where to write; it must not exist, or be empty.
-    event : str, optional
-        The earthquake of all motions, instead of their own.
-
-    Returns
-    -------
-    Path
-        The catalogue.
-
-    Raises
-    ------
-    InputError
-        If the folder holds something or cannot be written, or a motion cannot be read, or there is none.
-        Nothing is left behind then.
+    `suite`: the motions; they are read and written one at a time; `folder`: where to write; it must not
+    exist, or be empty; `event`: the earthquake of all motions, instead of their own.
     """
     target = Path(folder)
     if not len(suite):

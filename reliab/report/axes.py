@@ -41,20 +41,9 @@ ERRORS: Final = {Metric.RMS: "$RMS^R$", Metric.MTE: "$MTE^R$"}
 def plain(text: str, *, longest: int = 60) -> str:
     r"""Text of a user, so that no character of it is taken for mathematics, drawn as a box or out of place.
 
-    Parameters
-    ----------
-    text : str
-        Any text.
-    longest : int, optional
-        Number of characters after which it is cut.
+    `longest`: number of characters after which it is cut. Returns the text for a label; characters that the
+    fonts lack stand as their numbers.
 
-    Returns
-    -------
-    str
-        The text for a label; characters that the fonts lack stand as their numbers.
-
-    Examples
-    --------
     >>> print(plain("A$b 地"))
     A\$b \u5730
     >>> print(plain("A name that is long", longest=6))
@@ -112,15 +101,7 @@ def scientific(value: float) -> str:
 
 
 def label_logarithmic(*axes: Axis, most: int = 5) -> None:
-    """Label a logarithmic axis with a few round numbers.
-
-    Parameters
-    ----------
-    *axes : matplotlib.axis.Axis
-        Logarithmic axes whose limits are final.
-    most : int, optional
-        Greatest number of labels.
-    """
+    """Label a logarithmic axis with a few round numbers."""
     for axis in axes:
         low, high = axis.get_view_interval()
         axis.set_major_locator(FixedLocator(round_numbers(low, high, most).tolist()))

@@ -2,14 +2,23 @@
 
 Text travels as JSON strings, which typst takes for text and never for markup; only mathematics, which
 the authors of reports write, is evaluated.
+
+Content may be kept in a folder, from which a report can be set without what it was made from. The folder may
+come from somebody else. What is read of it is data: text, formulas of known words, and the figures that the
+content names. Templates come from the package only.
 """
 
 import json
-from collections.abc import Iterable, Sequence
+import re
+import shutil
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
 from typing import Any, Final
 
-import pandas as pd
-
+from reliab.core.described_files import parse_json
+from reliab.core.file_limits import LIMITS
+from reliab.core.files import decoding, folder_written_whole, ordinary
+from reliab.core.untrusted_files import named_within
 from reliab.report.document import (
     Block,
     Column,
@@ -24,8 +33,8 @@ from reliab.report.document import (
     Table,
 )
 from reliab.report.glossary import glossary_of
-from reliab.report.numbers import MISSING, Written
-from reliab.report.prose import Math, Piece, Prose, Reference, Strong, literal, plain_text
+from reliab.report.numbers import Written, cells
+from reliab.report.prose import Math, Piece, Prose, Reference, Strong, literal, plain_text, require_formula
 from reliab.report.style import svg
 
 CONTENT_FILE: Final = "document.json"
@@ -132,7 +141,9 @@ class _Writer:
         }
 
     def _table(self, table: Table) -> dict[str, Any]:
-        columns = [_cells(table.frame[column.key].tolist(), column) for column in table.columns]
+        columns = [
+            map(_cell, cells(table.frame[column.key].tolist(), column.number)) for column in table.columns
+        ]
         return {
             "kind": "table",
             "caption": self._prose(table.caption),
@@ -165,24 +176,71 @@ def _appended(block: Block) -> bool:
     return isinstance(block, Section) and block.appendix
 
 
-def _cells(values: Sequence[Any], column: Column) -> list[dict[str, Any]]:
-    """Cells of a column; numbers carry the digits that they lack to be aligned at the decimal point."""
-    if column.number is None:
-        return [{"text": literal(_worded(value))} for value in values]
-    written = [column.number(float("nan") if value is None else float(value)) for value in values]
-    most = max((number.decimals for number in written), default=0)
-    return [
-        {"digits": number.digits, "exponent": number.exponent, "lacks": _lacks(number, most)}
-        for number in written
-    ]
+def _cell(cell: str | tuple[Written, str]) -> dict[str, Any]:
+    if isinstance(cell, str):
+        return {"text": literal(cell)}
+    written, lacks = cell
+    return {"digits": written.digits, "exponent": written.exponent, "lacks": lacks}
 
 
-def _lacks(written: Written, most: int) -> str:
-    point = "." if most and not written.decimals else ""
-    return point + "0" * (most - written.decimals)
+CONTENT_RULE: Final = "A report is set from its content as `reliab run` wrote it"
+CONTENT_REMEDY: Final = "Run the study again with `reliab run`"
+
+_FIGURE: Final = re.compile(r"figure-[0-9]{1,4}\.svg")
+_FORMULAS: Final = {"math": "source", "equation": "math"}
+"""Where parts of a kind hold their formula."""
 
 
-def _worded(value: object) -> str:
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    return MISSING if value is None or value is pd.NA or value != value else str(value)  # noqa: PLR0124 - NaN
+def save_content(document: Document, folder: Path) -> None:
+    """Keep what a report says, from which it can be set without what it was made from.
+
+    `folder`: folder for its content and figures, replaced if it is there.
+    """
+    with folder_written_whole(folder) as unfinished:
+        for name, content in files_of(document).items():
+            (unfinished / name).write_bytes(content)
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def saved_content(folder: Path) -> dict[str, bytes]:
+    """Read what :func:`save_content` kept: the content, and the figures that it names."""
+    with decoding(CONTENT_RULE, remedy=CONTENT_REMEDY, where=folder):
+        content = parse_json(
+            _bytes_of(folder, CONTENT_FILE).decode(),
+            rule=CONTENT_RULE,
+            remedy=CONTENT_REMEDY,
+            where=str(folder),
+        )
+        parts = list(_parts(content))
+        for piece in parts:
+            if key := _FORMULAS.get(piece.get("kind", "")):
+                require_formula(piece[key])
+        figures = {piece["file"] for piece in parts if piece.get("kind") == "figure"}
+        # What was checked is what the template reads, not the bytes that it was decoded from.
+        checked = json.dumps(content, ensure_ascii=False, allow_nan=False).encode()
+        return {CONTENT_FILE: checked} | {name: _figure(folder, name) for name in sorted(figures)}
+
+
+def _parts(content: object) -> Iterator[dict[str, Any]]:
+    """Every object in a JSON document."""
+    waiting = [content]
+    while waiting:
+        value = waiting.pop()
+        if isinstance(value, dict):
+            yield value
+            waiting.extend(value.values())
+        elif isinstance(value, list):
+            waiting.extend(value)
+
+
+def _figure(folder: Path, name: str) -> bytes:
+    if not _FIGURE.fullmatch(name):
+        message = f"a figure of the name {name!r}"
+        raise ValueError(message)
+    return _bytes_of(folder, name)
+
+
+def _bytes_of(folder: Path, name: str) -> bytes:
+    path = ordinary(named_within(folder, name, where=str(folder)))
+    LIMITS["figure"].require_small(path)
+    return path.read_bytes()

@@ -1,15 +1,17 @@
 """A report as an object: what it says, in which order, before it is set as a PDF."""
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import pandas as pd
-from matplotlib.figure import Figure as Drawing
 
 from reliab.report.numbers import Number
 from reliab.report.prose import Prose, references, require_formula
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Drawing
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,6 +76,8 @@ class Column:
         What stands above this and neighbouring columns of the same group.
     wide : bool, optional
         Whether it takes what width is left.
+    right : bool, optional
+        Whether its texts stand at the right on a terminal, as numbers do.
     """
 
     key: str
@@ -82,6 +86,7 @@ class Column:
     number: Number | None = None
     group: Prose = ""
     wide: bool = False
+    right: bool = False
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -115,6 +120,24 @@ class Table:
             raise ValueError(f"A table's data frame must have its columns; {', '.join(missing)} is missing.")
 
 
+def text_table(
+    rows: Iterable[Sequence[str]],
+    headings: Sequence[str] | Mapping[str, str],
+    *,
+    caption: Prose,
+    label: str = "",
+) -> Table:
+    """Tabulate texts; a mapping says which headings stand "left" and which "right" on a terminal."""
+    sides = headings if isinstance(headings, Mapping) else dict.fromkeys(headings, "left")
+    names = list(headings)
+    frame = pd.DataFrame(list(rows), columns=[str(place) for place in range(len(names))])
+    columns = tuple(
+        Column(key=str(place), heading=name, wide=place == 0, right=sides[name] == "right")
+        for place, name in enumerate(names)
+    )
+    return Table(frame=frame, columns=columns, caption=caption, label=label)
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Figure:
     """A figure.
@@ -134,7 +157,7 @@ class Figure:
         Whether it stands on the first page, before the contents; at most one figure of a report.
     """
 
-    drawing: Drawing
+    drawing: "Drawing"
     caption: Prose
     label: str = ""
     floats: bool = False

@@ -1,9 +1,12 @@
 """Numbers as they stand in tables: with a fixed number of digits, aligned at the decimal point."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+import pandas as pd
 
 MISSING = "–"
 """What stands where there is no number."""
@@ -44,24 +47,13 @@ class Number(ABC):
 class Fixed(Number):
     """A fixed number of decimals.
 
-    Parameters
-    ----------
-    decimals : int, optional
-        Digits after the decimal point.
-    factor : float, optional
-        What the value is multiplied with first, 100 for per cent.
-    signed : bool, optional
-        Whether a plus sign is written.
-
-    Examples
-    --------
     >>> Fixed(decimals=1, factor=100.0)(0.0534).digits, Fixed(decimals=2)(-0.001).digits
     ('5.3', '0.00')
     """
 
-    decimals: int = 2
-    factor: float = 1.0
-    signed: bool = False
+    decimals: int = 2  # Digits after the decimal point
+    factor: float = 1.0  # What the value is multiplied with first, 100 for per cent
+    signed: bool = False  # Whether a plus sign is written
 
     def _write(self, value: float) -> Written:
         text = f"{self.factor * value:{'+' if self.signed else ''}.{self.decimals}f}"
@@ -72,23 +64,14 @@ class Fixed(Number):
 class Significant(Number):
     """A fixed number of significant digits; very small and large numbers with a power of ten.
 
-    Parameters
-    ----------
-    digits : int, optional
-        Significant digits.
-    factor : float, optional
-        What the value is multiplied with first.
-
-    Examples
-    --------
     >>> [Significant(digits=3)(value).digits for value in (23.268, 0.3333, 1234.0)]
     ['23.3', '0.333', '1234']
     >>> Significant(digits=2)(1.77e-5)
     Written(digits='1.8', exponent=-5)
     """
 
-    digits: int = 3
-    factor: float = 1.0
+    digits: int = 3  # Significant digits
+    factor: float = 1.0  # What the value is multiplied with first
 
     def _write(self, value: float) -> Written:
         scaled = self.factor * value
@@ -102,18 +85,11 @@ class Significant(Number):
 class Scientific(Number):
     """A mantissa with a fixed number of decimals and a power of ten.
 
-    Parameters
-    ----------
-    decimals : int, optional
-        Decimals of the mantissa.
-
-    Examples
-    --------
     >>> Scientific(decimals=1)(5.29e-5)
     Written(digits='5.3', exponent=-5)
     """
 
-    decimals: int = 2
+    decimals: int = 2  # Decimals of the mantissa
 
     def _write(self, value: float) -> Written:
         mantissa, _, exponent = f"{value:.{self.decimals}e}".partition("e")
@@ -124,18 +100,11 @@ class Scientific(Number):
 class Shortest(Number):
     """As few digits as the number has, for values that were chosen.
 
-    Parameters
-    ----------
-    factor : float, optional
-        What the value is multiplied with first.
-
-    Examples
-    --------
     >>> Shortest(factor=100.0)(0.05).digits, Shortest()(0.125).digits
     ('5', '0.125')
     """
 
-    factor: float = 1.0
+    factor: float = 1.0  # What the value is multiplied with first
 
     def _write(self, value: float) -> Written:
         text = f"{self.factor * value:.6f}".rstrip("0").rstrip(".")
@@ -146,8 +115,6 @@ class Shortest(Number):
 class Whole(Number):
     """A whole number.
 
-    Examples
-    --------
     >>> Whole()(100.0).digits
     '100'
     """
@@ -156,21 +123,30 @@ class Whole(Number):
         return Fixed(decimals=0)(value)
 
 
+def cells(values: Sequence[Any], number: Number | None) -> list[str | tuple[Written, str]]:
+    """Write the values of a column: texts, or numbers with the digits that each lacks to be aligned.
+
+    >>> cells([True, None], None), [lacks for _, lacks in cells([1.0, 0.25], Shortest())]
+    (['yes', '–'], ['.00', ''])
+    """
+    if number is None:
+        return [_worded(value) for value in values]
+    written = [number(float("nan") if value is None else float(value)) for value in values]
+    most = max((one.decimals for one in written), default=0)
+    return [
+        (one, ("." if most and not one.decimals else "") + "0" * (most - one.decimals)) for one in written
+    ]
+
+
+def _worded(value: object) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return MISSING if value is None or value is pd.NA or value != value else str(value)  # noqa: PLR0124 - NaN
+
+
 def in_line(written: Written) -> str:
     """Write a number within a text, its power of ten by raised digits.
 
-    Parameters
-    ----------
-    written : Written
-        The number as it is written.
-
-    Returns
-    -------
-    str
-        The text.
-
-    Examples
-    --------
     >>> in_line(Significant()(5.29e-5)), in_line(Significant()(1.048))
     ('5.29·10⁻⁵', '1.05')
     """

@@ -13,9 +13,8 @@ from typing import Any, Final, cast
 import typst
 
 from reliab.core.files import decoding, refuse_unwritable, written_whole
-from reliab.report.content import files_of
+from reliab.report.content import CONTENT_REMEDY, CONTENT_RULE, files_of
 from reliab.report.document import Document
-from reliab.report.saved import CONTENT_REMEDY, CONTENT_RULE
 from reliab.report.setting import Setting
 from reliab.version import __version__
 
@@ -33,21 +32,9 @@ def write_pdf(
 ) -> None:
     """Write a report as PDF; identical input gives identical bytes.
 
-    Parameters
-    ----------
-    document : Document or mapping of str to bytes
-        The report, or its content as :func:`reliab.report.saved.saved_content` gives it.
-    path : pathlib.Path
-        The file, replaced if it is there.
-    date : datetime.date
-        Date on the report and in the file, unless the setting has another.
-    setting : Setting, optional
-        Paper, title, date, and name and logo of the laboratory.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written, or the logo is damaged.
+    `document`: the report, or its content as :func:`reliab.report.content.saved_content` gives it; `path`:
+    the file, replaced if it is there; `date`: date on the report and in the file, unless the setting has
+    another; `setting`: paper, title, date, and name and logo of the laboratory.
     """
     content = compiled_report(document, date=date, setting=setting)
     with refuse_unwritable("The file of a report must be writable", where=path), written_whole(path) as file:

@@ -122,6 +122,45 @@ def _plain(piece: Piece) -> str:
             return piece.label
 
 
+def words_of(text: Prose) -> str:
+    """Text for a screen: mathematics in letters and signs, sources by their labels in brackets.
+
+    >>> words_of(prose("Where $alpha <= 1$, as in @guo2017, see @fig:limits."))
+    'Where α <= 1, as in [guo2017], see the figure or table.'
+    """
+    return "".join(_words(piece) for piece in ((text,) if isinstance(text, str) else text))
+
+
+def _words(piece: Piece) -> str:
+    match piece:
+        case Math():
+            return formula(piece.source)
+        case Reference() if ":" in piece.label:
+            return "the figure or table"
+        case Reference():
+            return f"[{piece.label}]"
+        case _:
+            return _plain(piece)
+
+
+_SYMBOLS: Final = {
+    "alpha": "α", "beta": "β", "delta": "δ", "Delta": "Δ", "xi": "ξ", "tau": "τ", "omega": "ω", "phi": "φ",
+    "gamma": "γ", "lambda": "λ", "sigma": "σ", "epsilon": "ε", "sqrt": "√", "times": "×", "dot": "·",
+    "quad": " ", "lt.eq": "≤", "gt.eq": "≥", "approx": "≈", "minus": "−", "sum": "Σ", "pi": "π",
+}  # fmt: skip
+_WORD_OF_FORMULA: Final = re.compile(r"\.?[A-Za-z]+(?:\.[a-z]+)?")
+
+
+def formula(source: str) -> str:
+    """Write a formula of typst in letters and signs.
+
+    >>> formula("alpha k <= sqrt(a)")
+    'α k <= √(a)'
+    """
+    signs = _WORD_OF_FORMULA.sub(lambda word: _SYMBOLS.get(word.group(), word.group()), source)
+    return signs.replace('"', "").replace("\\/", "/")
+
+
 def references(text: Prose) -> Iterator[str]:
     """Labels that a text refers to."""
     pieces = () if isinstance(text, str) else text

@@ -18,32 +18,13 @@ _PICTURES: Final = (".svg", ".png", ".jpg", ".jpeg")
 
 @dataclass(frozen=True, kw_only=True)
 class Setting:
-    """What a laboratory decides about a report.
+    """What a laboratory decides about a report."""
 
-    Parameters
-    ----------
-    title : str, optional
-        Title in place of the report's own.
-    date : datetime.date, optional
-        Date in place of that of the results.
-    paper : {"a4", "letter"}, optional
-        Paper.
-    laboratory : str, optional
-        Name of the laboratory, on the first page and at the foot of all.
-    logo : pathlib.Path, optional
-        Its logo, an SVG, PNG or JPEG picture, on the first page.
-
-    Raises
-    ------
-    InputError
-        If the paper is another, or the logo is no readable picture of these kinds.
-    """
-
-    title: str = ""
-    date: dt.date | None = None
-    paper: str = "a4"
-    laboratory: str = ""
-    logo: Path | None = None
+    title: str = ""  # Title in place of the report's own
+    date: dt.date | None = None  # Date in place of that of the results
+    paper: str = "a4"  # Paper
+    laboratory: str = ""  # Name of the laboratory, on the first page and at the foot of all
+    logo: Path | None = None  # Its logo, an SVG, PNG or JPEG picture, on the first page
 
     def __post_init__(self) -> None:
         """Check paper and logo."""
@@ -68,13 +49,7 @@ class Setting:
         return {**texts, "paper": PAPERS[self.paper], "logo": logo}
 
     def files(self) -> dict[str, bytes]:
-        """Return the logo by the name that the template knows; empty without one.
-
-        Raises
-        ------
-        InputError
-            If it cannot be read.
-        """
+        """Return the logo by the name that the template knows; empty without one."""
         if self.logo is None:
             return {}
         try:

@@ -96,16 +96,6 @@ def styled(draw: Callable[_Arguments, Figure]) -> Callable[_Arguments, Figure]:
 
     A figure that cannot be drawn must not cost the results that it shows: a note stands in its place,
     and a :class:`FigureWarning` says why.
-
-    Parameters
-    ----------
-    draw : callable
-        Makes a figure.
-
-    Returns
-    -------
-    callable
-        The same, in the style.
     """
 
     @functools.wraps(draw)
@@ -150,25 +140,7 @@ def panels(
 ) -> tuple[Figure, NDArray[np.object_]]:
     """Make a figure with a grid of axes.
 
-    Parameters
-    ----------
-    rows, columns : int, optional
-        Grid of axes.
-    height, width : float, optional
-        Size of the figure in print [mm].
-    share_x, share_y : bool, optional
-        Whether all axes share their scale.
-    ratios : tuple of float, optional
-        Relative widths of the columns.
-    heights : tuple of float, optional
-        Relative heights of the rows.
-
-    Returns
-    -------
-    figure : matplotlib.figure.Figure
-        The figure, free of pyplot's state.
-    axes : numpy.ndarray
-        Shape (rows, columns).
+    `height`, `width`: size of the figure in print [mm].
     """
     figure = blank(height=height, width=width)
     axes = figure.subplots(
@@ -190,20 +162,7 @@ def blank(*, height: float, width: float = COLUMN_WIDTH) -> Figure:
 
 
 def line(rank: int, *, marker: bool = False) -> dict[str, Any]:
-    """Colour, dash and marker of the line of a rank, told apart in grey print too.
-
-    Parameters
-    ----------
-    rank : int
-        Which line, from zero.
-    marker : bool, optional
-        Whether points are marked.
-
-    Returns
-    -------
-    dict
-        Keywords of :meth:`matplotlib.axes.Axes.plot`.
-    """
+    """Colour, dash and marker of the line of a rank, told apart in grey print too."""
     look = {"color": _COLOURS[rank % len(_COLOURS)], "linestyle": _DASHES[rank % len(_DASHES)]}
     return {**look, "marker": _MARKERS[rank % len(_MARKERS)]} if marker else look
 
@@ -216,22 +175,7 @@ def svg(figure: Figure) -> bytes:
 def picture(figure: Figure, ending: str) -> bytes:
     """Draw a figure with bytes that depend on nothing but what is drawn.
 
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-        The figure.
-    ending : str
-        Ending of its file: ".svg", ".pdf" or ".png".
-
-    Returns
-    -------
-    bytes
-        The SVG, PDF or PNG.
-
-    Raises
-    ------
-    ValueError
-        If the ending is another.
+    `ending`: ending of its file: ".svg", ".pdf" or ".png".
     """
     if ending not in _UNDATED:
         message = f"no picture ends in {ending!r}"

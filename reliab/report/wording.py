@@ -60,8 +60,6 @@ def probability(value: float) -> str:
 def values(numbers: Sequence[float], unit: str = "") -> str:
     """Write several values: few of them one by one, many by their range.
 
-    Examples
-    --------
     >>> values([0.02]), values([0.5, 1.0], "Hz"), values([0.25, 0.5, 0.75, 1.0, 1.25], "Hz")
     ('0.02', '0.5 and 1 Hz', '0.25 to 1.25 Hz (5 values)')
     """
@@ -74,8 +72,6 @@ def values(numbers: Sequence[float], unit: str = "") -> str:
 def listed(words: Sequence[str]) -> str:
     """Join words with commas and a last "and".
 
-    Examples
-    --------
     >>> listed(["a", "b", "c"])
     'a, b and c'
     """
@@ -85,8 +81,6 @@ def listed(words: Sequence[str]) -> str:
 def spelled_out(name: str) -> str:
     """Write a name of the package as words.
 
-    Examples
-    --------
     >>> spelled_out("viscous_damping")
     'viscous damping'
     """
@@ -96,8 +90,6 @@ def spelled_out(name: str) -> str:
 def law_in_words(name: str) -> str:
     """Name a published law as readers of the paper know it; other names stay as they are.
 
-    Examples
-    --------
     >>> law_in_words("guo_2017_18_corrected"), law_in_words("dirichlet")
     ('equation (18) corrected', 'dirichlet')
     """

@@ -2,12 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import Any, ClassVar, Final
 
 import numpy as np
 
 from reliab.assessment.default_criterion import typical_ellipse
 from reliab.core.arrays import Array
+from reliab.core.plain_values import PlainResult
 from reliab.core.significant_digits import significant
 from reliab.core.vocabulary import MILLI
 from reliab.rig.learning.circumstances import Circumstances
@@ -98,8 +99,16 @@ _LARGEST_PROBABILITY: Final = 0.99
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Prediction:
+class Prediction(PlainResult):
     """What is predicted of the next test."""
+
+    keys: ClassVar[Mapping[str, str]] = {
+        **{name: name for name in ("tests", "earthquakes", "threshold", "interval_level")},
+        **{name: f"intervals.{name}" for name in ("A", "d_ms", "remainder", "rms")},
+        **{name: name for name in ("probability", "drivers", "driver", "basis", "log_scores", "better")},
+        **{name: name for name in ("sampling", "notes")},
+    }
+    interval_level = LEVEL
 
     tests: int
     earthquakes: int
@@ -110,6 +119,22 @@ class Prediction:
     basis: str  # From what the error follows
     learned: Mapping[str, Learned]
     notes: tuple[str, ...]
+
+    @property
+    def driver(self) -> str:
+        """Which of amplitude, delay and remainder has the largest share in the squared error."""
+        return max(self.drivers, key=lambda name: self.drivers[name])
+
+    @property
+    def sampling(self) -> dict[str, dict[str, float]]:
+        """Convergence of the sampled variances of each quantity."""
+        return {
+            name: {
+                "r_hat": quantity.variances.r_hat,
+                "effective_size": quantity.variances.effective_size,
+            }
+            for name, quantity in self.learned.items()
+        }
 
     @property
     def better(self) -> str:
@@ -131,30 +156,6 @@ class Prediction:
     def converged(self) -> bool:
         """Whether the draws of all quantities agree between their batches."""
         return not _unsettled(self.learned)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values for JSON."""
-        return {
-            "tests": self.tests,
-            "earthquakes": self.earthquakes,
-            "threshold": self.threshold,
-            "interval_level": LEVEL,
-            **{name: dict(interval) for name, interval in self.intervals.items()},
-            "probability": self.probability,
-            "drivers": dict(self.drivers),
-            "driver": max(self.drivers, key=lambda name: self.drivers[name]),
-            "basis": self.basis,
-            "log_scores": self.log_scores,
-            "better": self.better,
-            "sampling": {
-                name: {
-                    "r_hat": quantity.variances.r_hat,
-                    "effective_size": quantity.variances.effective_size,
-                }
-                for name, quantity in self.learned.items()
-            },
-            "notes": list(self.notes),
-        }
 
 
 def _sum_of_known(values: list[float | None]) -> float | None:

@@ -46,6 +46,12 @@ class RigTable:
         """All columns."""
         return [*COLUMNS, *self.covariate_names, CHANGE]
 
+    @property
+    def whole_rows(self) -> list[dict[str, Any]]:
+        """Rows with all columns, None where a test has no value."""
+        columns = self.columns
+        return [{name: row.get(name) for name in columns} for row in self.rows]
+
     def numbers(self, name: str) -> Array:
         """Return a column as numbers, NaN where a test has none."""
         values = (row.get(name) for row in self.rows)

@@ -64,34 +64,12 @@ def sample(
     by differential evolution (40 %), which needs no approximation to be right: the draws are decorrelated
     ten times sooner than by differential evolution alone.
 
-    Parameters
-    ----------
-    model : Model
-        The model with its data.
-    ensembles : Ensembles
-        How.
-    file : Path, optional
-        HDF5 file; a run that stopped, or that was too short, resumes where it ended, with the result that it
-        would have had without the stop.
-    group : str, optional
-        Folder of the run inside the file, which may hold several.
-    progress : callable, optional
-        Called with finished and all steps.
+    `file`: HDF5 file; a run that stopped, or that was too short, resumes where it ended, with the result that
+    it would have had without the stop; `group`: folder of the run inside the file, which may hold several.
+    Returns the draws; `converged` says whether they can be relied on.
 
-    Returns
-    -------
-    PosteriorSample
-        The draws; `converged` says whether they can be relied on.
-
-    Warns
-    -----
     ConvergenceWarning
         If they cannot.
-
-    Raises
-    ------
-    InputError
-        If the file holds a run of another model, other data or other settings.
     """
     posterior = draw(model, ensembles, file=file, group=group, progress=progress)
     posterior.warn_unless_converged()

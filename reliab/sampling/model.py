@@ -14,31 +14,17 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class Parameter:
-    """One parameter on the unbounded scale on which it is sampled, with a normal prior.
+    """One parameter on the unbounded scale on which it is sampled, with a normal prior."""
 
-    Parameters
-    ----------
-    name : str
-        What it is called in tables and figures.
-    mean, spread : float
-        Mean and standard deviation of its prior.
-    """
-
-    name: str
-    mean: float
+    name: str  # What it is called in tables and figures
+    mean: float  # mean, spread: Mean and standard deviation of its prior
     spread: float
 
 
 class Model(ABC):
-    """A posterior over unbounded parameters, given the data that the model holds.
+    """A posterior over unbounded parameters, given the data that the model holds."""
 
-    Attributes
-    ----------
-    name : str
-        What the model is called in files.
-    """
-
-    name: ClassVar[str]
+    name: ClassVar[str]  # What the model is called in files
 
     @property
     @abstractmethod

@@ -121,24 +121,13 @@ class ValidationTable(TransferTable):
 
 
 class Study(Table):
-    """A study; each kind adds the tables that it knows.
+    """A study; each kind adds the tables that it knows."""
 
-    Attributes
-    ----------
-    title : str
-        Title of the report.
-    kind : str
-        What is done: see the modules of `reliab.study.kinds`.
-    purpose : str
-        A sentence or two on what it is for.
-    date : datetime.date or None
-        Date of the report, given where its bytes are to be reproducible; the day on which the report is
-        written by default.
-    """
-
-    title: str
-    kind: str
-    purpose: str = ""
+    title: str  # Title of the report
+    kind: str  # What is done: see the modules of `reliab.study.kinds`
+    purpose: str = ""  # A sentence or two on what it is for
+    # Date of the report, given where its bytes are to be reproducible; the day on which the report is written
+    # by default
     date: dt.date | None = None
 
     def titled(self, population: str) -> str:
@@ -150,20 +139,7 @@ class Study(Table):
     def on(self, sources: Sequence[str] | None, sets: Sequence[str] | None) -> Self:
         """Return the same study on other ground motions.
 
-        Parameters
-        ----------
-        sources, sets : sequence of str or None
-            As the keys of `[motions]`; None keeps what the study says.
-
-        Returns
-        -------
-        Study
-            The study.
-
-        Raises
-        ------
-        InputError
-            If the study is of no ground motions.
+        `sources`, `sets`: as the keys of `[motions]`; None keeps what the study says.
         """
         raise InputError(
             f"A study of the kind {self.kind} takes no ground motions",

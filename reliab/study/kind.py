@@ -26,7 +26,7 @@ class Kind:
         order. What cannot be run is refused here, before the first stage.
     report : callable
         Takes such a study and its run folder; gives the report, or its content as
-        :func:`reliab.report.saved.saved_content` reads it. Nothing is simulated any more.
+        :func:`reliab.report.content.saved_content` reads it. Nothing is simulated any more.
     """
 
     name: str

@@ -23,13 +23,7 @@ SYNTHETIC: Final = "synthetic"
 
 
 class Records:
-    """Ground motions of a study, loaded when they are first needed.
-
-    Parameters
-    ----------
-    study : RecordsStudy
-        The study.
-    """
+    """Ground motions of a study, loaded when they are first needed."""
 
     def __init__(self, study: RecordsStudy) -> None:
         self._asked = study.motions
@@ -54,17 +48,7 @@ class Records:
 class Material(Records):
     """Ground motions of a study that simulates, or stored results.
 
-    Parameters
-    ----------
-    study : SimulatedStudy
-        The study.
-    results : str or None, optional
-        A store of results, or the name of one that ships, that takes the place of simulations.
-
-    Raises
-    ------
-    InputError
-        If stored results are of other structures, another window or another experimental fraction.
+    `results`: a store of results, or the name of one that ships, that takes the place of simulations.
     """
 
     def __init__(self, study: SimulatedStudy, *, results: str | None = None) -> None:
@@ -100,18 +84,7 @@ class Material(Records):
         return self._results == REAL
 
     def results(self, folder: Path) -> xr.Dataset:
-        """Results of the study's structures, stored or simulated in its run folder.
-
-        Parameters
-        ----------
-        folder : pathlib.Path
-            The run folder.
-
-        Returns
-        -------
-        xarray.Dataset
-            The results.
-        """
+        """Results of the study's structures, stored or simulated in its run folder."""
         window = Window.parse(self._study.errors.window).label
         return self._select(open_results(self.stored or folder / RESULTS, window=window))
 

@@ -41,27 +41,13 @@ _PROCESSORS = Path("/proc/cpuinfo")
 
 @dataclass(frozen=True, kw_only=True)
 class Stage:
-    """One step of a run.
+    """One step of a run."""
 
-    Parameters
-    ----------
-    name : str
-        What it does, for the manifest and the terminal.
-    inputs : mapping
-        Everything beside files that its outcome depends on, as plain values.
-    reads : sequence of str, optional
-        Files of the run folder that it reads.
-    writes : sequence of str
-        Files or folders that it writes.
-    work : callable
-        Does it, in the run folder.
-    """
-
-    name: str
-    inputs: Mapping[str, Any]
-    writes: Sequence[str]
-    work: Callable[[Path], None]
-    reads: Sequence[str] = ()
+    name: str  # What it does, for the manifest and the terminal
+    inputs: Mapping[str, Any]  # Everything beside files that its outcome depends on, as plain values
+    writes: Sequence[str]  # Files or folders that it writes
+    work: Callable[[Path], None]  # Does it, in the run folder
+    reads: Sequence[str] = ()  # Files of the run folder that it reads
 
 
 class RunFolder:
@@ -158,16 +144,8 @@ def study_of(path: Path) -> dict[str, Any]:
 def made_with(path: Path) -> dict[str, Any]:
     """Return the packages with which the results of a run were made.
 
-    Parameters
-    ----------
-    path : pathlib.Path
-        A run folder.
-
-    Returns
-    -------
-    dict
-        Versions by package, under "packages"; where stages were run with different ones, by stage. A stage
-        that is not done yet, such as the one that draws a report, has none.
+    Returns versions by package, under "packages"; where stages were run with different ones, by stage. A
+    stage that is not done yet, such as the one that draws a report, has none.
     """
     packages = {name: entry["packages"] for name, entry in _results(path).items() if entry.get("packages")}
     distinct = list(
@@ -233,18 +211,7 @@ def code_digest() -> str:
 
 
 def digest(path: Path) -> str:
-    """SHA-256 of a file, or of all files in a folder; empty where there is nothing.
-
-    Parameters
-    ----------
-    path : pathlib.Path
-        File or folder.
-
-    Returns
-    -------
-    str
-        The digest in hexadecimal.
-    """
+    """SHA-256 of a file, or of all files in a folder; empty where there is nothing."""
     total = hashlib.sha256()
     files = sorted(path.rglob("*")) if path.is_dir() else [path]
     for file in files:

@@ -29,20 +29,7 @@ _VARIABLES = {  # dimensions beside windows and shares, and kinds of numbers
 
 
 def write_ellipses(ellipses: xr.Dataset, path: str | Path) -> None:
-    """Write a dataset of ellipses.
-
-    Parameters
-    ----------
-    ellipses : xarray.Dataset
-        As returned by `trace_ellipses`.
-    path : str or pathlib.Path
-        The NetCDF file, overwritten.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
-    """
+    """Write a dataset of ellipses."""
     require_ending(path, ".nc")
     encoding = {
         str(name): {"zlib": True, "complevel": 9, "shuffle": True, "chunksizes": _chunks(variable)}

@@ -89,25 +89,14 @@ def trace_ellipses(
 ) -> xr.Dataset:
     """Trace the boundaries of many ground motions and fit curves to them.
 
-    Parameters
-    ----------
-    motions : sequence of Motion
-        The ground motions; read a batch at a time.
-    request : EllipseRequest
-        Structures, thresholds, metrics, curves and sides.
-    progress : callable, optional
-        Called after each structure of a batch of motions, with motions times structures as the total.
-
-    Returns
-    -------
-    xarray.Dataset
-        `a` [-], `b` [ms²], `sse` [ms⁴], `n` and `no_ellipse` over (motion, f, xi, threshold, metric, curve,
-        side); a and b are NaN where a side has no ellipse and zero where the model's effects alone exceed
-        the threshold, for the reason in `no_ellipse`. `error_at_rest` [-] over (motion, f, xi, metric) is
-        the error of an actuator that does not move. Of whole records and actuators without effects `a_cut`
-        and `b_cut` [-] over (motion, f, xi, length) are the ratios by which a and b change when a record is
-        cut to a length [s]. Of several shares of the stiffness all have the dimension
-        `alpha` after `xi`; of one it is the attribute `experimental_fraction`.
+    `motions`: the ground motions; read a batch at a time; `progress`: called after each structure of a batch
+    of motions, with motions times structures as the total. Returns `a` [-], `b` [ms²], `sse` [ms⁴], `n` and
+    `no_ellipse` over (motion, f, xi, threshold, metric, curve, side); a and b are NaN where a side has no
+    ellipse and zero where the model's effects alone exceed the threshold, for the reason in `no_ellipse`.
+    `error_at_rest` [-] over (motion, f, xi, metric) is the error of an actuator that does not move. Of whole
+    records and actuators without effects `a_cut` and `b_cut` [-] over (motion, f, xi, length) are the ratios
+    by which a and b change when a record is cut to a length [s]. Of several shares of the stiffness all have
+    the dimension `alpha` after `xi`; of one it is the attribute `experimental_fraction`.
     """
     return request.each_share(lambda of_share, advance: _trace_share(motions, of_share, advance), progress)
 
@@ -217,28 +206,10 @@ def predict_ellipses(
     Exact for small errors only. Over 100 real records at 5 % RMS^R, f of 0.25 to 2 Hz and ξ of 0.02 and 0.10,
     the true a is 5 % smaller and the true b 16 to 44 % smaller, because a delay also takes damping away.
 
-    Parameters
-    ----------
-    motions : sequence of Motion
-        The ground motions; read one at a time.
-    request : EllipseRequest
-        Structures, thresholds and window; only RMS^R and ellipses are allowed, and no model.
-    progress : callable, optional
-        Called after each motion.
+    `motions`: the ground motions; read one at a time; `request`: structures, thresholds and window; only
+    RMS^R and ellipses are allowed, and no model. Returns what `trace_ellipses` does, with `sse` NaN and
+    `n` zero, since there are no points, and with the attribute `caution`.
 
-    Returns
-    -------
-    xarray.Dataset
-        As returned by `trace_ellipses`, with `sse` NaN and `n` zero, since there are no points, and with the
-        attribute `caution`.
-
-    Raises
-    ------
-    InputError
-        If another metric, another curve or a model is requested.
-
-    Examples
-    --------
     >>> from reliab.motions.loading import load_motions
     >>> request = EllipseRequest(frequencies=(1.0,), damping_ratios=(0.02,), thresholds=(0.01, 0.02))
     >>> predicted = predict_ellipses(load_motions("synthetic")[:2], request)

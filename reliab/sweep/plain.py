@@ -97,33 +97,11 @@ def sweep_request(
 ) -> SweepRequest:
     """State what is simulated for every ground motion.
 
-    Parameters
-    ----------
-    f, xi : float or sequence of float, optional
-        Natural frequencies [Hz] and damping ratios [-]; 1 Hz and 0.02 by default.
-    grid : {"scaled", "paper"}, optional
-        Actuators that are simulated; with a model those of "scaled" are late only.
-    window : str or sequence of str, optional
-        Part of the record over which errors are computed: "record", "arias" or seconds.
-    alpha : float or sequence of float, optional
-        Share of the stiffness in the laboratory [-].
-    model : str, pathlib.Path or HybridTest, optional
-        A hybrid test with effects, or the file of one, which brings its own structure.
-    engine : {"automatic", "pole", "delay", "spectral"}, optional
-        How the loop is solved.
+    `f`, `xi`: natural frequencies [Hz] and damping ratios [-]; 1 Hz and 0.02 by default; `grid`: actuators
+    that are simulated; with a model those of "scaled" are late only; `window`: part of the record over which
+    errors are computed: "record", "arias" or seconds; `alpha`: share of the stiffness in the laboratory [-];
+    `model`: a hybrid test with effects, or the file of one, which brings its own structure.
 
-    Returns
-    -------
-    SweepRequest
-        Structures, actuators and windows.
-
-    Raises
-    ------
-    InputError
-        If a value is not allowed.
-
-    Examples
-    --------
     >>> sweep_request(f=[2.0, 0.5]).frequencies
     (0.5, 2.0)
     """

@@ -26,24 +26,11 @@ def measure_responses(
 ) -> xr.Dataset:
     """Measure what the exact responses of structures say of the boundaries under ground motions.
 
-    Parameters
-    ----------
-    motions : sequence of Motion
-        The ground motions; read one at a time.
-    frequencies, damping_ratios : sequence of float
-        The structures [Hz, -], wholly in the laboratory.
-    progress : callable, optional
-        Called after each motion.
+    `motions`: the ground motions; read one at a time; `frequencies`, `damping_ratios`: the structures [Hz,
+    -], wholly in the laboratory. Returns `a_first` [-] and `b_first` [ms²], the ellipse per squared RMS^R of
+    the whole record in the limit of small errors, and `effective_duration` [s] = ∫x²dt/max x² of the
+    response, over (motion, f, xi), with the coordinates of the motions.
 
-    Returns
-    -------
-    xarray.Dataset
-        `a_first` [-] and `b_first` [ms²], the ellipse per squared RMS^R of the whole record in the limit of
-        small errors, and `effective_duration` [s] = ∫x²dt/max x² of the response, over (motion, f, xi), with
-        the coordinates of the motions.
-
-    Examples
-    --------
     >>> from reliab.motions.loading import load_motions
     >>> measured = measure_responses(load_motions("synthetic")[:1], [1.0], [0.02, 0.05])
     >>> bool(measured["effective_duration"].max() < measured["duration"].max())
@@ -79,23 +66,12 @@ def compare_boundaries(
 ) -> xr.Dataset:
     """Compare the boundaries of stored results with those that the exact responses predict.
 
-    Parameters
-    ----------
-    results : xarray.Dataset
-        Errors RMS^R of whole records over the grid of actuators, wholly experimental.
-    measures : xarray.Dataset
-        What :func:`measure_responses` returned for the same motions and structures.
-    thresholds : sequence of float
-        Errors on the boundaries [-].
-    progress : callable, optional
-        Called after each structure.
-
-    Returns
-    -------
-    xarray.Dataset
-        `measures` with `scale` [-] over (motion, f, xi, threshold, side), the largest multiple of a and b of
-        the predicted ellipse that lies wholly inside the boundary, and `scale_towards` [-], in addition over
-        the `direction` [degrees] in the ellipse's own angle, the multiple that reaches the boundary there.
+    `results`: errors RMS^R of whole records over the grid of actuators, wholly experimental; `measures`: what
+    :func:`measure_responses` returned for the same motions and structures; `thresholds`: errors on the
+    boundaries [-]. Returns `measures` with `scale` [-] over (motion, f, xi, threshold, side), the largest
+    multiple of a and b of the predicted ellipse that lies wholly inside the boundary, and `scale_towards`
+    [-], in addition over the `direction` [degrees] in the ellipse's own angle, the multiple that reaches the
+    boundary there.
     """
     accessor = ResultsAccessor(results)
     pairs = [(threshold, side) for threshold in thresholds for side in accessor.sides]

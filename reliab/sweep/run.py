@@ -57,34 +57,8 @@ def run_sweep(
 ) -> Path:
     """Simulate a suite and store the results.
 
-    Parameters
-    ----------
-    motions : MotionSuite
-        The ground motions, read one at a time.
-    request : SweepRequest
-        Structures, actuators and windows.
-    path : str or pathlib.Path
-        The Zarr store to write.
-    resume : bool, optional
-        Whether to continue an unfinished store.
-    workers : int, optional
-        Threads; one for each processor by default.
-    scheduler : str, optional
-        Address of a dask.distributed scheduler that solves the motions instead.
-    progress : callable, optional
-        Called after each motion.
-
-    Returns
-    -------
-    pathlib.Path
-        The store.
-
-    Raises
-    ------
-    InputError
-        If a record is bad or the store cannot be written to.
-    IncompleteError
-        If the disk is full; results stored before remain valid.
+    `motions`: the ground motions, read one at a time; `workers`: threads; one for each processor by default;
+    `scheduler`: address of a dask.distributed scheduler that solves the motions instead.
     """
     path = Path(path)
     with ResultsStore.opened(path, request, motions.names, motions.events, resume=resume) as store:

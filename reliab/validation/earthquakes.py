@@ -53,25 +53,12 @@ def earthquakes_among(
     differ by a day at most (local time against UTC), or if their names agree, one beginning with the other,
     and their dates, where both are known, do not lie more than a year apart.
 
-    Parameters
-    ----------
-    events : iterable of str
-        Earthquake of each motion, as its catalogue or header names it.
-    checksums : iterable of str
-        Checksum of each record; empty where it is not known.
-    suite : xarray.Dataset
-        A dataset with the coordinate `event`, and `checksum` and `outline` where they are known, along
-        `motion`.
-    outlines : sequence of str, optional
-        Outline of each record, by which scaled and trimmed copies are known.
+    `events`: earthquake of each motion, as its catalogue or header names it; `checksums`: checksum of each
+    record; empty where it is not known; `suite`: a dataset with the coordinate `event`, and `checksum` and
+    `outline` where they are known, along `motion`; `outlines`: outline of each record, by which scaled and
+    trimmed copies are known. Returns name of the earthquake in the suite of each motion; None where the suite
+    does not have it.
 
-    Returns
-    -------
-    list of str or None
-        Name of the earthquake in the suite of each motion; None where the suite does not have it.
-
-    Examples
-    --------
     >>> suite = xr.Dataset(coords={"event": ("motion", ["KOBE", "IMPVALL"])})
     >>> earthquakes_among(
     ...     ["KOBE JAPAN 1995-01-16", "Hyogo-ken Nanbu 1995/01/17", "IMPERIAL VALLEY-02 1940-05-19"],

@@ -25,13 +25,7 @@ class Yielding:
 
 
 def measured_yielding() -> tuple[Yielding, ...]:
-    """Read the results that ship, one for each R.
-
-    Returns
-    -------
-    tuple of Yielding
-        In increasing order of R.
-    """
+    """Read the results that ship, one for each R."""
     table = pd.read_csv(shipped("datasets", _TABLE))
     return tuple(
         Yielding(

@@ -14,7 +14,7 @@ from reliab.report.axes import name_axes, plain
 from reliab.report.document import Column, Document, Figure as RpFigure, Paragraph, Points, Section, Table
 from reliab.report.numbers import Fixed, Whole
 from reliab.report.prose import Prose, prose
-from reliab.report.provenance import provenance_of
+from reliab.report.sources import provenance_of
 from reliab.report.style import BLUE, GREY, INK, blank, panels, styled
 from reliab.report.wording import spelled_out
 

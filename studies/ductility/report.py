@@ -13,7 +13,7 @@ from reliab.report.axes import label_logarithmic, legend_below, name_axes
 from reliab.report.document import Column, Document, Figure as RpFigure, Paragraph, Points, Section, Table
 from reliab.report.numbers import Fixed, Shortest, Whole
 from reliab.report.prose import Prose, prose
-from reliab.report.provenance import provenance_of
+from reliab.report.sources import provenance_of
 from reliab.report.style import INK, letters, line, panels, styled
 from reliab.report.wording import values
 

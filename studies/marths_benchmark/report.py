@@ -11,7 +11,7 @@ from reliab.core.vocabulary import PERCENT
 from reliab.report.document import Column, Document, Paragraph, Section, Table
 from reliab.report.numbers import Fixed, Whole
 from reliab.report.prose import Prose, prose
-from reliab.report.provenance import provenance_of
+from reliab.report.sources import provenance_of
 
 from .controllers import PERFECT
 from .outcomes import DEGREES

@@ -12,7 +12,7 @@ from reliab.report.axes import legend_below, name_axes, plain
 from reliab.report.document import Block, Column, Document, Figure as RpFigure, Paragraph, Section, Table
 from reliab.report.numbers import Fixed, Whole
 from reliab.report.prose import Prose, prose
-from reliab.report.provenance import provenance_of
+from reliab.report.sources import provenance_of
 from reliab.report.style import GREY, line, panels, styled
 
 from .judging import ALL, compare_with_stated

@@ -23,8 +23,7 @@ from reliab.core.vocabulary import MILLI
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.laws.registry import OF_MANY_MOTIONS
 from reliab.motions.motion import Motion, resample, truncate
-from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
-from reliab.simulation.hybrid_test.compensator import Compensator
+from reliab.simulation.hybrid_test.closed_loop import Compensator, run_closed_loop
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.simulation.integrators import (
     CentralDifference,

@@ -20,7 +20,7 @@ from reliab_studies.laboratory.compensators.pi_phase_lead import PhaseLeadContro
 from reliab_studies.laboratory.laboratory import Rig, Sensors
 
 from reliab.core.errors import InputError
-from reliab.simulation.hybrid_test.compensator import Compensator
+from reliab.simulation.hybrid_test.closed_loop import Compensator
 from reliab.simulation.transfer_systems.servo_hydraulic import ServoHydraulic
 from reliab.structures.frames.frame import Frame, modal_damping
 from reliab.structures.frames.planar_frame import PlanarFrame

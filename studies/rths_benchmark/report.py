@@ -13,7 +13,7 @@ from reliab.report.axes import label_logarithmic, legend_below, name_axes, plain
 from reliab.report.document import Block, Column, Document, Figure as RpFigure, Paragraph, Section, Table
 from reliab.report.numbers import Fixed, Whole
 from reliab.report.prose import Prose, prose
-from reliab.report.provenance import provenance_of
+from reliab.report.sources import provenance_of
 from reliab.report.style import line, panels, styled
 from reliab.report.wording import spelled_out
 

@@ -16,10 +16,9 @@ from reliab.report.axes import label_logarithmic, legend_below, name_axes, plain
 from reliab.report.document import Block, Column, Document, Figure as RpFigure, Paragraph, Section, Table
 from reliab.report.numbers import Fixed, Shortest, Significant
 from reliab.report.prose import Prose, prose
-from reliab.report.provenance import provenance_of
 from reliab.report.sections.method import limits_section, method_section
 from reliab.report.sections.rates import rates_section
-from reliab.report.sources import SOURCES
+from reliab.report.sources import SOURCES, provenance_of
 from reliab.report.style import letters, line, panels, styled
 from reliab.report.wording import listed
 

@@ -13,9 +13,8 @@ from reliab.report.axes import label_logarithmic, legend_below, name_axes
 from reliab.report.document import Column, Document, Figure as RpFigure, Paragraph, Section, Table
 from reliab.report.numbers import Fixed, Scientific, Significant
 from reliab.report.prose import Prose, prose
-from reliab.report.provenance import provenance_of
 from reliab.report.sections.method import limits_section, method_section
-from reliab.report.sources import SOURCES
+from reliab.report.sources import SOURCES, provenance_of
 from reliab.report.style import BLUE, GREY, INK, VERMILION, letters, panels, styled
 
 from .audit import LARGEST_CHANCE, NONE_FOUND

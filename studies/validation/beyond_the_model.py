@@ -23,8 +23,7 @@ from reliab.effects.second_order_dynamics import SecondOrderDynamics
 from reliab.motions.motion import Motion, resample
 from reliab.simulation.engine import Loop
 from reliab.simulation.excitation import Excitation
-from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
-from reliab.simulation.hybrid_test.compensator import Compensator
+from reliab.simulation.hybrid_test.closed_loop import Compensator, run_closed_loop
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.structures.structure import Structure
 from reliab.tracking.boundary.suite_boundary import motion_contours

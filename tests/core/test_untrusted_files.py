@@ -24,7 +24,7 @@ from reliab.discrepancy.campaign.reading import read_campaign
 from reliab.motions.checking import inspect
 from reliab.motions.loading import load_motions
 from reliab.recordings.readers.registry import read_tests
-from reliab.report.saved import saved_content
+from reliab.report.content import saved_content
 from reliab.sampling.ensembles import draw
 from reliab.simulation.frames.frame_file import read_frame
 from reliab.study.stages import RunFolder

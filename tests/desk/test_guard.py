@@ -3,7 +3,7 @@
 import pytest
 from tornado.httputil import HTTPHeaders
 
-from reliab.desk.guard import is_allowed, new_token
+from reliab.desk.server import is_allowed, new_token
 
 HOST = "127.0.0.1:5000"
 OWN = {"Host": HOST, "Origin": f"http://{HOST}", "Sec-Fetch-Site": "same-origin"}

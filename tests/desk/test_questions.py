@@ -65,4 +65,4 @@ def test_numbers_are_read_with_a_decimal_comma_and_others_refused():
 
 
 def test_a_flag_has_no_value():
-    assert command_line("assess", (), {"design": True, "f": 1}) == "reliab assess --design --f 1"
+    assert command_line("assess", (), {"exact": True, "f": 1}) == "reliab assess --exact --f 1"

@@ -1,4 +1,4 @@
-"""The region before a test is that of `reliab assess --design`, and lies among the motions' own."""
+"""The region before a test is that of `reliab design`, and lies among the motions' own."""
 
 import numpy as np
 import pytest

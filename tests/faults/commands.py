@@ -146,7 +146,7 @@ def _posterior(material: Path, out: Path) -> Sequence[object]:
 DRAWING = {
     f"design, {ending}": Work(
         arguments=lambda _, out, ending=ending: (
-            *("assess", "--design", "--figure", out / f"chart.{ending}", "--json", out / "chart.json"),
+            *("design", "--figure", out / f"chart.{ending}", "--json", out / "chart.json"),
         )
     )
     for ending in ("svg", "pdf", "png")

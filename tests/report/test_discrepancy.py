@@ -1,6 +1,7 @@
 """The report of a diagnosis says what was found, and its figures draw it."""
 
 import datetime as dt
+import io
 import json
 import re
 from dataclasses import replace
@@ -9,17 +10,24 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from reliab.app.cli.literal_console import LiteralConsole
 from reliab.core.vocabulary import Block
 from reliab.discrepancy.adding.posterior import sample_posterior
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.diagnose import diagnose
+from reliab.discrepancy.result.missing_effect import Unknown
 from reliab.effects.registry import find_effect
 from reliab.report.content import CONTENT_FILE, files_of
 from reliab.report.figures.discrepancy import discrepancy_blocks
 from reliab.report.kinds.discrepancy_figures import posterior_figure
-from reliab.report.kinds.discrepancy_report import discrepancy_report, missing_effects_section
+from reliab.report.kinds.discrepancy_report import (
+    discrepancy_report,
+    findings_in_words,
+    missing_effects_section,
+)
 from reliab.report.pdf import compiled_report
 from reliab.report.style import svg
+from reliab.report.terminal import print_blocks
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.open_loop import Motion3, load
 from reliab.structures.partition import Partition
@@ -102,6 +110,25 @@ def test_a_figure_that_fails_costs_a_figure_and_a_line(damped, monkeypatch):
     assert "The figure of the gap could not be drawn" in content
     assert "Number of rows must be positive" in content
     assert compiled_report(document, date=dt.date(2026, 1, 2)).startswith(b"%PDF")
+
+
+def test_a_terminal_shows_the_findings_without_figures(damped):
+    stream = io.StringIO()
+    unknown = Unknown(block="specimen", description="a bent spring", expression="3 x³", held_out_nrmse=0.012)
+    blocks = tuple(replace(block, unknown=unknown) for block in damped.blocks)
+    found = replace(damped, blocks=blocks)
+    print_blocks(findings_in_words(found), LiteralConsole(file=stream, width=400))
+    text = " ".join(stream.getvalue().split())
+    (effect,) = found.effects
+    for said in (
+        "Where the model fails",
+        f"viscous damping {effect.probability:.3f} damping_n_s_per_m",
+        "An expression for it is 3 x³; with it 1.20 % of the signal remain",
+        "The proof on held-out tests",
+        "viscous damping yes",
+        *found.remarks,
+    ):
+        assert said in text
 
 
 def test_a_posterior_without_named_parameters_draws_nothing(damped):

@@ -8,11 +8,10 @@ from matplotlib.figure import Figure as Drawing
 
 from reliab.app.cli import run
 from reliab.core.errors import InputError
-from reliab.report.content import files_of
+from reliab.report.content import files_of, save_content, saved_content
 from reliab.report.document import Document, Equation, Figure, Paragraph
 from reliab.report.pdf import compiled_report, templates
 from reliab.report.prose import Math, prose, require_formula
-from reliab.report.saved import save_content, saved_content
 from reliab.report.setting import Setting
 
 DATE = dt.date(2026, 1, 1)
@@ -66,12 +65,12 @@ def test_what_is_saved_again_replaces_the_first_and_two_at_once_have_their_own_p
     assert b'"A"' in saved_content(place)["document.json"]
 
     def interrupted(document):
-        monkeypatch.setattr("reliab.report.saved.files_of", files_of)
+        monkeypatch.setattr("reliab.report.content.files_of", files_of)
         save_content(second, place)
         assert b'"B"' in saved_content(place)["document.json"]
         return files_of(document)
 
-    monkeypatch.setattr("reliab.report.saved.files_of", interrupted)
+    monkeypatch.setattr("reliab.report.content.files_of", interrupted)
     save_content(first, place)
     assert b'"A"' in saved_content(place)["document.json"]
     assert [path.name for path in tmp_path.iterdir()] == ["report"]

@@ -10,8 +10,7 @@ from reliab.criterion.derivation import derive_criterion
 from reliab.criterion.methods.registry import method_of
 from reliab.report.document import Figure, Paragraph, Table
 from reliab.report.kinds import discrepancy_report as discrepancy
-from reliab.report.kinds.criterion.reported import ReportedCriteria
-from reliab.report.kinds.criterion.result import result_section
+from reliab.report.kinds.criterion.result import ReportedCriteria, result_section
 from reliab.report.sections.method import (
     _FITTED,
     _INSCRIBED,

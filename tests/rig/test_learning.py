@@ -6,8 +6,7 @@ import pytest
 import scipy
 
 from reliab.rig.learning.circumstances import Circumstances
-from reliab.rig.learning.learned import last_ten, learn, left_out_scores, pooled
-from reliab.rig.learning.scatter import Scatter
+from reliab.rig.learning.learned import Scatter, last_ten, learn, left_out_scores, pooled
 from reliab.rig.learning.variances import LEVEL
 
 NEXT = Circumstances(groups={"event": np.array([""])})

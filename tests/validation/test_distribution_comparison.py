@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 
 from reliab.criterion.distributions import DISTRIBUTIONS, Lognormal
-from reliab.validation.distribution_comparison import (
+from reliab.validation.comparison import (
     compare_distributions,
     held_out_scores,
     leave_one_event_out,

@@ -134,17 +134,7 @@ def stated_filters(texts: Iterable[str]) -> "dict[str, LowPass]":
 def unused(name: str, why: str) -> InputError:
     """Describe an argument that would have no effect.
 
-    Parameters
-    ----------
-    name : str
-        The argument.
-    why : str
-        Beside or without what it has no effect.
-
-    Returns
-    -------
-    InputError
-        To be raised.
+    `why`: beside or without what it has no effect.
     """
     return InputError(f"`{name}` has no effect {why}", remedy="Leave it out")
 

@@ -30,21 +30,8 @@ def file_report(
 ) -> None:
     """Write the report that is filed with a test, with the checksums of the files from which it was made.
 
-    Parameters
-    ----------
-    assessment : Assessment, FrameAssessment or CoupledAssessment
-        What :func:`reliab.assess` answered.
-    report : str or pathlib.Path
-        The PDF.
-    test, structure : str or pathlib.Path
-        The test's file, and that of the frame where there is one.
-    setting : Setting, optional
-        Paper, title, date (today by default), and name and logo of the laboratory.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
+    `test`, `structure`: the test's file, and that of the frame where there is one; `setting`: paper, title,
+    date (today by default), and name and logo of the laboratory.
     """
     require_ending(report, ".pdf")
     from reliab.report.pdf import write_pdf
@@ -84,18 +71,8 @@ def _checksums(files: Mapping[str, Path]) -> dict[str, object]:
 def write_tests(tests: "Comparison | Iterable[Mapping[str, Any]]", out: str | Path) -> None:
     """Write the table of ranked tests or of verdicts, one row for each test.
 
-    Parameters
-    ----------
-    tests : Comparison or iterable of mapping
-        What :func:`reliab.compare` answered; or what was found about each test, as `to_dict` of its
-        assessment, with its `file`; or `file` and `fault`.
-    out : str or pathlib.Path
-        The CSV file.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
+    `tests`: what :func:`reliab.compare` answered; or what was found about each test, as `to_dict` of its
+    assessment, with its `file`; or `file` and `fault`.
     """
     from reliab.assessment.comparison import Comparison
     from reliab.assessment.several import verdict_table
@@ -108,17 +85,7 @@ def write_tests(tests: "Comparison | Iterable[Mapping[str, Any]]", out: str | Pa
 def draw_chart(answer: "Design | Comparison", figure: str | Path) -> None:
     """Draw the chart of tolerable errors over the frequency, or of ranked tests.
 
-    Parameters
-    ----------
-    answer : Design or Comparison
-        What :func:`reliab.design_test` or :func:`reliab.compare` answered.
-    figure : str or pathlib.Path
-        The file, which ends in .svg, .png or .pdf.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written or ends otherwise.
+    `figure`: the file, which ends in .svg, .png or .pdf.
     """
     from reliab.app.api.design import Design
     from reliab.report.figures.tests_by_error import ranked_tests, tolerable_errors_over_frequency
@@ -143,22 +110,8 @@ def draw_chart(answer: "Design | Comparison", figure: str | Path) -> None:
 def write_corrected(assessment: "Assessment | FrameAssessment | CoupledAssessment", out: str | Path) -> str:
     """Write the response that a perfect actuator would have produced.
 
-    Parameters
-    ----------
-    assessment : Assessment, FrameAssessment or CoupledAssessment
-        What was found about a test.
-    out : str or pathlib.Path
-        The file: CSV, or NetCDF with the attributes of `reliab.assessment.corrected_response`.
-
-    Returns
-    -------
-    str
-        How large the correction is, where it is no longer small, and what is not known.
-
-    Raises
-    ------
-    InputError
-        If the file is neither `.csv` nor `.nc`, or it cannot be written.
+    `out`: the file: CSV, or NetCDF with the attributes of `reliab.assessment.corrected_response`. Returns how
+    large the correction is, where it is no longer small, and what is not known.
     """
     require_ending(out, ".csv", ".nc")
     from reliab.assessment.corrected_response import corrected_response

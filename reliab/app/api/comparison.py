@@ -57,23 +57,7 @@ def compare(
 
 
 def compare_assessments(assessments: Assessments) -> Comparison:
-    """Rank tests that were judged.
-
-    Parameters
-    ----------
-    assessments : Assessments
-        What :func:`reliab.assess` answered of several tests.
-
-    Returns
-    -------
-    Comparison
-        The smallest error first.
-
-    Raises
-    ------
-    InputError
-        If fewer than two tests could be judged, or they are of several actuators.
-    """
+    """Rank tests that were judged."""
     judged = {
         file: found for file, found in assessments.judged.items() if not isinstance(found, CoupledAssessment)
     }

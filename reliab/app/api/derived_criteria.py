@@ -199,7 +199,7 @@ def _distributions(
 
     from reliab.criterion.ellipse_sample import sample_of
     from reliab.criterion.goodness_of_fit import lognormality
-    from reliab.validation.distribution_comparison import compare_distributions
+    from reliab.validation.comparison import compare_distributions
 
     sample = sample_of(
         dataset, frequency=f, damping_ratio=xi, threshold=threshold, metric=metric, curve=curve
@@ -222,7 +222,7 @@ def _distributions(
 def _laws(
     dataset: "xr.Dataset", threshold: float, metric: str, confidence: float, curve: str
 ) -> list[dict[str, Any]]:
-    from reliab.validation.law_comparison import compare_laws
+    from reliab.validation.comparison import compare_laws
 
     scores = compare_laws(dataset, threshold=threshold, metric=metric, confidence=confidence, curve=curve)
     return [
@@ -323,7 +323,7 @@ def _share_in_words(criterion: "Criterion") -> str:
 
 
 def _posterior_figures(posterior: "PosteriorSample") -> Mapping[str, "Figure"]:
-    from reliab.report.figures.posterior_diagnostics import pairs, ranks, traces
+    from reliab.report.figures.parameter_distributions import pairs, ranks, traces
 
     chief = [
         *("a: constant", "b: constant", "event: log spread of a", "motion: log spread of a"),

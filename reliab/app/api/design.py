@@ -1,8 +1,9 @@
 """`reliab.design_test`: what is tolerable before a test."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Unpack
+from typing import Any, ClassVar, Unpack
 
 from reliab.app import questions
 from reliab.app.api.arguments import exact_values, stated_threshold, unused
@@ -16,27 +17,14 @@ from reliab.sweep.several import several
 
 @dataclass(frozen=True, kw_only=True)
 class Design(ResultWithRows):
-    """Tolerable errors of a rig before a test.
-
-    Attributes
-    ----------
-    tolerances : tuple of Tolerance
-        Of the structures that were asked for, by frequency, then by confidence.
-    chart : tuple of Tolerance
-        The same over all frequencies for which the criterion is valid.
-    """
+    """Tolerable errors of a rig before a test."""
 
     rows_in = "design"
+    keys: ClassVar[Mapping[str, str]] = {"design": "tolerances", "chart": "chart"}
 
+    # Of the structures that were asked for, by frequency, then by confidence
     tolerances: tuple[Tolerance, ...]
-    chart: tuple[Tolerance, ...]
-
-    def to_dict(self) -> dict[str, list[dict[str, Any]]]:
-        """Plain numbers with stable keys: `design` and `chart`, delays in milliseconds."""
-        return {
-            "design": [tolerance.to_dict() for tolerance in self.tolerances],
-            "chart": [tolerance.to_dict() for tolerance in self.chart],
-        }
+    chart: tuple[Tolerance, ...]  # The same over all frequencies for which the criterion is valid
 
 
 @asks(questions.Design)

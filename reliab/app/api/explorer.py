@@ -1,12 +1,14 @@
 """`reliab.write_explorer`: a web page with sliders for the tolerable region."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Unpack
+from typing import ClassVar, Unpack
 
 from reliab.app import questions
 from reliab.app.api.arguments import exact_values
 from reliab.app.declaration import asks
+from reliab.core.plain_values import PlainResult
 from reliab.core.shipped import or_shipped
 from reliab.explore.page import Settings, by_length, write_page
 from reliab.sweep.ellipse_file import open_windows
@@ -16,8 +18,15 @@ _NINETY_FIVE = 0.95
 
 
 @dataclass(frozen=True, kw_only=True)
-class ExplorerPage:
+class ExplorerPage(PlainResult):
     """A page that was written."""
+
+    keys: ClassVar[Mapping[str, str]] = {
+        "page": "page",
+        "bytes": "size",
+        "ellipses": "ellipses",
+        "windows": "windows",
+    }
 
     page: Path
     ellipses: str
@@ -27,15 +36,6 @@ class ExplorerPage:
     def size(self) -> int:
         """Size of the file [bytes]."""
         return self.page.stat().st_size
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values with stable keys: `page`, `bytes`, `ellipses` and `windows`."""
-        return {
-            "page": str(self.page),
-            "bytes": self.size,
-            "ellipses": self.ellipses,
-            "windows": list(self.windows),
-        }
 
 
 @asks(questions.Explorer)

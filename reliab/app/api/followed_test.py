@@ -11,23 +11,25 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from reliab.app.api.arguments import require_sound, stated_filters
-from reliab.app.api.followed_errors import degrees_so_far, errors_with_intervals
 from reliab.assessment.budget.sizes import (
     Equipment,
     Size,
+    as_certain_as,
     sizes_of_structure,
     sizes_of_unknown,
     tolerances_of,
 )
+from reliab.assessment.coupled_error.coupled_error import CoupledError, DegreeError
 from reliab.assessment.coupled_error.monitor import CoupledMonitor
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.measured_specimen.force_channel import ForceChannel
 from reliab.assessment.measured_specimen.monitor import MeasuredMonitor, StatedForce
+from reliab.assessment.plain_error import plain_errors
 from reliab.assessment.plausibility import RunningSign
 from reliab.assessment.rebuilt_error.loop_energy import FALSE_ALARMS
 from reliab.assessment.rebuilt_error.rebuild import DRAWS
 from reliab.assessment.rebuilt_error.running_error import Monitor
-from reliab.assessment.rebuilt_error.running_test import FALSE_ERROR_ALARMS
+from reliab.assessment.rebuilt_error.running_test import FALSE_ERROR_ALARMS, RunningTest
 from reliab.assessment.verdict import ERROR_NAMES, Word, error_in_words, word_of_probability
 from reliab.core.encodings import pieces_as_utf8
 from reliab.core.files import written_whole
@@ -51,6 +53,61 @@ if TYPE_CHECKING:
     from reliab.assessment.assessment import Assessment
     from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment
 
+
+def degrees_so_far(monitor: RunningTest) -> dict[str, Any]:
+    """Errors of each displacement at the last sample, and which governs; nothing of one actuator."""
+    if not isinstance(monitor, CoupledMonitor):
+        return {}
+    return {
+        "governing": monitor.governing,
+        "degrees_of_freedom": {
+            name: {
+                "error_m": now.error,
+                "rms": now.rms,
+                "mte": now.mte,
+                "judged": name in monitor.judged,
+            }
+            for name, now in monitor.displacements.items()
+        },
+    }
+
+
+def errors_with_intervals(
+    asked: object, monitor: RunningTest, sizes: Mapping[str, Size], threshold: float, metric: Metric
+) -> dict[str, Any]:
+    """Intervals of the error that was asked for, of several actuators that of each displacement."""
+    by_degree: dict[str, Any] = {}
+    if isinstance(asked, CoupledError):
+        governing = asked.governing(metric)
+        by_degree = {
+            "governing": None if governing is None else governing.name,
+            "degrees_of_freedom": {
+                degree.name: _of_degree(degree, sizes, threshold, metric) for degree in asked.displacements
+            },
+        }
+    return {
+        **_errors(monitor.result, sizes, threshold, metric),
+        "until_s": monitor.now.time,
+        "metric": str(metric),
+        "threshold": threshold,
+        **by_degree,
+    }
+
+
+def _of_degree(
+    degree: DegreeError, sizes: Mapping[str, Size], threshold: float, metric: Metric
+) -> dict[str, Any]:
+    why = {} if degree.judged else {"why_not": degree.why_not_judged}
+    errors = _errors(degree if degree.judged else None, sizes, threshold, metric)
+    return {"judged": degree.judged, **why, **errors}
+
+
+def _errors(error: Any, sizes: Mapping[str, Size], threshold: float, metric: Metric) -> dict[str, Any]:  # noqa: ANN401 - of any kind of test
+    """RMS^R and MTE^R with their intervals, and the probability of staying below a threshold."""
+    probability = None if error is None else as_certain_as(sizes, error.probability(threshold, metric))
+    return {**plain_errors(None if error is None else error.estimate), "probability": probability}
+
+
 AnyMonitor = Monitor | MeasuredMonitor | CoupledMonitor
 
 _MILLISECONDS = 1e-3
@@ -64,27 +121,14 @@ _GLANCE = 0.1  # s of the test between two looks at the alarms
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Message:
-    """State of a running test at one moment.
+    """State of a running test at one moment."""
 
-    Attributes
-    ----------
-    kind : {"update", "alarm", "end"}
-        Why it comes: time has passed, an alarm was raised, the test has ended.
-    content : dict
-        The numbers, with stable keys.
-    monitor : Monitor, MeasuredMonitor or CoupledMonitor
-        The monitor, which goes on with the test.
-    alarms : dict of str to str
-        Sentences of the alarms that were raised so far, by name.
-    assessment : Assessment, FrameAssessment or CoupledAssessment, optional
-        At the end, what :func:`reliab.assess` answers of the same rows; None of a test that is too long to be
-        held, or whose file was replaced.
-    """
-
-    kind: str
-    content: Mapping[str, Any]
-    monitor: AnyMonitor
-    alarms: Mapping[str, str]
+    kind: str  # Why it comes: time has passed, an alarm was raised, the test has ended
+    content: Mapping[str, Any]  # The numbers, with stable keys
+    monitor: AnyMonitor  # The monitor, which goes on with the test
+    alarms: Mapping[str, str]  # Sentences of the alarms that were raised so far, by name
+    # At the end, what :func:`reliab.assess` answers of the same rows; None of a test that is too long to be
+    # held, or whose file was replaced
     assessment: "Assessment | FrameAssessment | CoupledAssessment | None" = None
 
     def to_dict(self) -> dict[str, Any]:

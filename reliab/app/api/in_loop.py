@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Unpack
+from typing import Unpack
 
 from reliab.app import questions
 from reliab.app.api.arguments import require_sound, stated_threshold, stated_values
@@ -12,6 +12,7 @@ from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.files import refuse_unwritable, written_whole
 from reliab.core.physical_range import require_physical
+from reliab.core.plain_values import PlainResult
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import Metric
 from reliab.in_loop.fmu import pack_fmu
@@ -28,20 +29,12 @@ _LONGEST_LAG = 1000.0  # ms
 
 
 @dataclass(frozen=True, kw_only=True)
-class WrittenMonitor:
+class WrittenMonitor(PlainResult):
     """A monitor that was written."""
 
     path: Path
     files: tuple[str, ...]
     degrees_of_freedom: int
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values with stable keys."""
-        return {
-            "path": str(self.path),
-            "files": list(self.files),
-            "degrees_of_freedom": self.degrees_of_freedom,
-        }
 
 
 @asks(questions.MonitorInLoop)

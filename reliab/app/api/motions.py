@@ -1,14 +1,15 @@
 """Ground motions listed, checked and rewritten as a suite; and the synthetic suite, which needs no record."""
 
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Unpack
+from typing import Any, ClassVar, Unpack
 
 from reliab.app import questions
 from reliab.app.api.sources import listed, paths
 from reliab.app.declaration import Files, asks
 from reliab.core.errors import InputError
+from reliab.core.plain_values import PlainResult
 from reliab.core.rows import ResultWithRows
 from reliab.core.vocabulary import STANDARD_GRAVITY
 from reliab.motions.checking import inspect
@@ -31,18 +32,11 @@ class MotionList(ResultWithRows):
     """
 
     rows_in = "motions"
+    keys: ClassVar[Mapping[str, str]] = {"motions": "rows", "faults": "faults", "skipped": "skipped"}
 
     rows: list[dict[str, Any]]
     faults: tuple[Fault, ...] = ()
     skipped: tuple[Fault, ...] = ()
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values with stable keys: `motions`, the rows; `faults` and `skipped`."""
-        return {
-            "motions": self.rows,
-            "faults": [asdict(fault) for fault in self.faults],
-            "skipped": [asdict(fault) for fault in self.skipped],
-        }
 
 
 @asks(questions.MotionFiles)
@@ -101,20 +95,12 @@ def _describe(motion: Motion) -> dict[str, Any]:
 
 
 @dataclass(frozen=True, kw_only=True)
-class MotionCheck:
+class MotionCheck(PlainResult):
     """What is wrong with records, and what deserves a look."""
 
     records: int
     faults: tuple[Fault, ...]
     notes: tuple[Fault, ...]
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values with stable keys: `records`, `faults` and `notes`."""
-        return {
-            "records": self.records,
-            "faults": [asdict(fault) for fault in self.faults],
-            "notes": [asdict(note) for note in self.notes],
-        }
 
 
 @asks(questions.MotionFiles)
@@ -140,34 +126,13 @@ def check_motions(sources: Files, **read: Unpack[questions.MotionFiles]) -> Moti
 
 
 @dataclass(frozen=True, kw_only=True)
-class WrittenSuite:
-    """A suite that was written as text with a catalogue.
+class WrittenSuite(PlainResult):
+    """A suite that was written as text with a catalogue."""
 
-    Attributes
-    ----------
-    catalogue : pathlib.Path
-        The catalogue, in the folder of the suite.
-    motions : tuple of str
-        Names of the motions.
-    events : int
-        Number of earthquakes.
-    skipped : tuple of Fault
-        Files of the sources in formats that are not read.
-    """
-
-    catalogue: Path
-    motions: tuple[str, ...]
-    events: int
-    skipped: tuple[Fault, ...] = ()
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values with stable keys: `catalogue`, `motions`, `events` and `skipped`."""
-        return {
-            "catalogue": str(self.catalogue),
-            "motions": list(self.motions),
-            "events": self.events,
-            "skipped": [asdict(note) for note in self.skipped],
-        }
+    catalogue: Path  # The catalogue, in the folder of the suite
+    motions: tuple[str, ...]  # Names of the motions
+    events: int  # Number of earthquakes
+    skipped: tuple[Fault, ...] = ()  # Files of the sources in formats that are not read
 
 
 def _reading(read: questions.MotionFiles) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from reliab.app.declaration import asks
 from reliab.assessment.default_criterion import ellipses_of_motions
 from reliab.core.errors import InputError
 from reliab.core.files import require_ending
+from reliab.core.plain_values import PlainResult
 from reliab.motions.loading import load_motions, read_motion
 from reliab.rig.memory import MEASURED, NextTest
 from reliab.rig.prediction import Prediction, predict_next, predict_under_motion, predict_under_suite
@@ -35,15 +36,16 @@ _SHIPPED_SUITE = "real_suite"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class RigPrediction:
+class RigPrediction(PlainResult):
     """The next test of a rig, predicted."""
+
+    keys: ClassVar[Mapping[str, str]] = {
+        "rig": "rig",
+        **{key: f"prediction.{name}" for key, name in Prediction.keys.items()},
+    }
 
     rig: Path
     prediction: Prediction
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values for JSON."""
-        return {"rig": str(self.rig), **self.prediction.to_dict()}
 
 
 @asks(questions.NextTest)

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, Unpack, cast
+from typing import Any, ClassVar, Unpack, cast
 
 from reliab.app import questions
 from reliab.app.api.assessment import assess
@@ -16,6 +16,7 @@ from reliab.assessment.frame_assessment import CoupledAssessment
 from reliab.core.encodings import as_text
 from reliab.core.errors import InputError
 from reliab.core.files import ordinary, refuse_unwritable, require_ending, written_whole
+from reliab.core.plain_values import PlainResult
 from reliab.core.progress import Progress, silent
 from reliab.core.rows import ResultWithRows
 from reliab.core.shipped import or_shipped
@@ -32,15 +33,10 @@ class RigList(ResultWithRows):
     """The tests of a rig."""
 
     rows_in = "tests"
+    keys: ClassVar[Mapping[str, str]] = {"rig": "rig", "tests": "table.whole_rows", "faults": "table.faults"}
 
     rig: Path
     table: RigTable
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values for JSON."""
-        columns = self.table.columns
-        rows = [{name: row.get(name) for name in columns} for row in self.table.rows]
-        return {"rig": str(self.rig), "tests": rows, "faults": dict(self.table.faults)}
 
 
 def list_rig(rig: str | Path) -> RigList:
@@ -156,7 +152,7 @@ _TAKEN = ("day", "change", "file_state")
 
 
 @dataclass(frozen=True, kw_only=True)
-class AddedTests:
+class AddedTests(PlainResult):
     """Outcome for each file that was added to a rig."""
 
     rig: Path
@@ -164,16 +160,6 @@ class AddedTests:
     present: tuple[str, ...]  # Names of those that were there already
     faults: Mapping[str, str]  # Why files could not be judged
     tests: int  # In the rig now
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values for JSON."""
-        return {
-            "rig": str(self.rig),
-            "added": list(self.added),
-            "present": list(self.present),
-            "faults": dict(self.faults),
-            "tests": self.tests,
-        }
 
 
 @asks(questions.AddedTest)

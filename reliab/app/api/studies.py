@@ -3,11 +3,12 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Unpack
+from typing import ClassVar, Unpack
 
 from reliab.app import options
 from reliab.app.api.sources import listed
 from reliab.app.declaration import asks
+from reliab.core.plain_values import PlainResult
 from reliab.core.progress import Show, quietly
 from reliab.report.setting import Setting
 from reliab.study.reading import list_shipped, open_study
@@ -17,22 +18,20 @@ _OUT = Path("reliab-run")
 
 
 @dataclass(frozen=True, kw_only=True)
-class PerformedStudy:
+class PerformedStudy(PlainResult):
     """A study that was run."""
+
+    keys: ClassVar[Mapping[str, str]] = {
+        "study": "title",
+        "folder": "folder",
+        "report": "report",
+        "stages": "stages",
+    }
 
     title: str
     folder: Path
     report: Path
     stages: Mapping[str, bool]
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values with stable keys: `study`, `folder`, `report` and `stages`."""
-        return {
-            "study": self.title,
-            "folder": str(self.folder),
-            "report": str(self.report),
-            "stages": dict(self.stages),
-        }
 
 
 @asks(options.MotionSource)
@@ -87,14 +86,12 @@ def perform_study(
 
 
 @dataclass(frozen=True)
-class StudyList:
+class StudyList(PlainResult):
     """Studies that ship."""
 
-    rows: list[dict[str, str]]
+    keys: ClassVar[Mapping[str, str]] = {"studies": "rows"}
 
-    def to_dict(self) -> dict[str, list[dict[str, str]]]:
-        """Plain values with stable keys: `studies`, the rows."""
-        return {"studies": self.rows}
+    rows: list[dict[str, str]]
 
 
 def list_studies() -> StudyList:
@@ -114,15 +111,11 @@ def list_studies() -> StudyList:
 
 
 @dataclass(frozen=True, kw_only=True)
-class WrittenReport:
+class WrittenReport(PlainResult):
     """A report that was made of a finished run."""
 
     folder: Path
     report: Path
-
-    def to_dict(self) -> dict[str, str]:
-        """Plain values with stable keys: `folder` and `report`."""
-        return {"folder": str(self.folder), "report": str(self.report)}
 
 
 def report_run(folder: str | Path, *, setting: Setting | None = None) -> WrittenReport:

@@ -29,17 +29,12 @@ _SUFFIXES: Final = {
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Boundaries(ResultWithRows):
-    """Boundaries of equal error.
-
-    Attributes
-    ----------
-    ellipses : xarray.Dataset
-        `a` [-], `b` [ms²], `sse` [ms⁴] and `n` over motion, structure, error, curve and side, as
-        :func:`reliab.ellipses` returns them.
-    """
+    """Boundaries of equal error."""
 
     rows_in = "ellipses"
 
+    # `a` [-], `b` [ms²], `sse` [ms⁴] and `n` over motion, structure, error, curve and side, as
+    # :func:`reliab.ellipses` returns them
     ellipses: xr.Dataset
 
     @property

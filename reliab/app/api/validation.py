@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Unpack
+from typing import Any, ClassVar, Unpack
 
 import pandas as pd
 import xarray as xr
@@ -252,14 +252,16 @@ class Calibration(ResultWithRows):
     """Probabilities that were stated for tests, against how many of the tests are good."""
 
     rows_in = "bins"
+    keys: ClassVar[Mapping[str, str]] = {"scheme": "scheme", "truth": "truth", "bins": "rows"}
 
     scheme: str
     truth: str
     bins: pd.DataFrame
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values with stable keys: `scheme`, `truth` and `bins`."""
-        return {"scheme": self.scheme, "truth": self.truth, "bins": self.bins.to_dict(orient="records")}
+    @property
+    def rows(self) -> list[dict[Any, Any]]:
+        """The bins, one row each."""
+        return self.bins.to_dict(orient="records")
 
 
 @asks(questions.JudgedCriteria)

@@ -65,7 +65,7 @@ _PANEL_OF = {name: panel for panel, names in _PANELS.items() for name in names}
 _MODULES = {
     **dict.fromkeys(("fetch", "samples", "info"), "reliab.app.cli.installation"),
     **dict.fromkeys(("run", "report"), "reliab.app.cli.studies"),
-    **dict.fromkeys(("assess", "design", "extrapolate"), "reliab.app.cli.assess.command"),
+    **dict.fromkeys(("design", "extrapolate"), "reliab.app.cli.assess"),
     "desk": "reliab.desk.command",
 }
 """Modules of commands that share one or stand in a folder; the others have one of their name."""

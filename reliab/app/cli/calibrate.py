@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, TypedDict
 
 from reliab.app import questions
 from reliab.app.cli.commands import Asked, takes
-from reliab.app.cli.output import console, say, table, write_json
+from reliab.app.cli.output import say, show_table, write_json
 from reliab.app.declaration import argument
 from reliab.core.significant_digits import significant
 
@@ -37,22 +37,24 @@ def calibrate(asked: Asked) -> None:
 
 
 def _show(calibration: "ChannelCalibration") -> None:
-    shown = table(
-        "What the measured channel adds to the motion", {"": "left", "value": "right", "± 1 sd": "right"}
+    quantities = {
+        "delay behind the command's channel [ms]": calibration.skew_ms,
+        "scale relative to the command's channel [-]": calibration.scale,
+        "hysteresis over the range of the motion [-]": calibration.hysteresis,
+    }
+    lengths = {
+        "noise of the measured channel, RMS [m]": calibration.noise_m,
+        "noise of the command's channel, RMS [m]": calibration.command_noise_m,
+        "step between readings [m]": calibration.resolution_m,
+    }
+    show_table(
+        "What the measured channel adds to the motion",
+        {"": "left", "value": "right", "± 1 sd": "right"},
+        [
+            *((name, *_cells(quantity)) for name, quantity in quantities.items()),
+            *((name, significant(metres) if metres else "0", "") for name, metres in lengths.items()),
+        ],
     )
-    for name, quantity in (
-        ("delay behind the command's channel [ms]", calibration.skew_ms),
-        ("scale relative to the command's channel [-]", calibration.scale),
-        ("hysteresis over the range of the motion [-]", calibration.hysteresis),
-    ):
-        shown.add_row(name, *_cells(quantity))
-    for name, metres in (
-        ("noise of the measured channel, RMS [m]", calibration.noise_m),
-        ("noise of the command's channel, RMS [m]", calibration.command_noise_m),
-        ("step between readings [m]", calibration.resolution_m),
-    ):
-        shown.add_row(name, significant(metres) if metres else "0", "")
-    console().print(shown)
 
 
 def _cells(quantity: "StatedValue | None") -> tuple[str, str]:

@@ -2,11 +2,12 @@
 
 import inspect
 import re
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from datetime import datetime
 from functools import partial, wraps
+from glob import glob
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final, TypeVar
 
@@ -24,6 +25,31 @@ from reliab.sweep.several import Names, Numbers
 
 if TYPE_CHECKING:
     from reliab.report.setting import Setting
+
+
+_TABLE_BEGINS = b"file,"
+
+
+def files_of(tests: Sequence[Path] | None, out: Path | None) -> list[Path]:
+    """Files of the tests, also those that a pattern such as ``*.csv`` names where the shell does not."""
+    files = []
+    for path in tests or []:
+        names = [] if path.exists() else glob(str(path))  # noqa: PTH207 - absolute patterns too
+        files += [Path(name) for name in sorted(names)] or [path]
+    if out in files and not _is_table(out):
+        raise InputError(
+            "The table must not be written over a test", value=f"`out` {out}", remedy="Name another file"
+        )
+    return [file for file in files if file != out]
+
+
+def _is_table(path: Path) -> bool:
+    """Tell whether a file is the table of an earlier run, which a pattern names among the tests."""
+    try:
+        return path.read_bytes()[: len(_TABLE_BEGINS)] == _TABLE_BEGINS
+    except OSError:
+        return True  # it is not there yet
+
 
 WRITTEN = ("json_target", "out", "csv", "report", "corrected", "figure")
 """Options that name a file to write."""
@@ -233,6 +259,15 @@ class Command(TyperCommand):
     def further(self) -> frozenset[str]:
         """Names of what few need."""
         return getattr(self.callback, "further", frozenset())
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:  # noqa: ANN401 - Typer hides its types
+        """Read the arguments; refuse two values of an option that takes one."""
+        rest: list[str] = super().parse_args(ctx, list(args))
+        _, _, stated = self.make_parser(ctx).parse_args(args)
+        for parameter in stated:
+            if stated.count(parameter) > 1 and not parameter.multiple and parameter.nargs == 1:
+                raise InputError(f"`{parameter.name}` takes one value", value="several", remedy="Give one")
+        return rest
 
     def get_params(self, ctx: Any) -> list[Any]:  # noqa: ANN401 - Typer hides its types
         """Return the parameters; the help's own stand in the last panel."""

@@ -6,7 +6,7 @@ from typing import Any, Final
 
 from reliab.app import outputs, questions
 from reliab.app.cli.commands import Asked, takes
-from reliab.app.cli.output import console, progress_bar, say, say_for_which_motions, table, write_json
+from reliab.app.cli.output import progress_bar, say, say_for_which_motions, show_table, write_json
 from reliab.core.significant_digits import percent, significant
 
 
@@ -71,23 +71,24 @@ def show_criteria(content: Mapping[str, Any]) -> None:
 
 def _show_limits(rows: Sequence[Mapping[str, Any]], posteriors: Sequence[Mapping[str, Any]]) -> None:
     first = rows[0]
-    shown = table(
-        f"(A − 1)²/a + d²/b ≤ 1 from {first['n_motions']} {first['motions']} of {first['n_events']} "
-        "earthquakes",
-        dict.fromkeys(_HEADINGS, "right"),
-    )
-    for row in rows:
-        shown.add_row(
+    cells = [
+        (
             *(f"{row[key]:g}" for key in ("f", "xi", "alpha", "threshold")),
             "none" if row["confidence"] is None else f"{row['confidence']:g}",
             *(significant(row[key]) for key in ("a", "b", "amplitude_limit", "delay_limit_ms")),
             "-" if row["lead_limit_ms"] is None else significant(row["lead_limit_ms"]),
         )
-    terminal = console()
+        for row in rows
+    ]
     say_for_which_motions(((row["confidence"], row["population"]) for row in rows), first["position"])
     for posterior in posteriors:
         _show_posterior(posterior)
-    terminal.print(shown)
+    show_table(
+        f"(A − 1)²/a + d²/b ≤ 1 from {first['n_motions']} {first['motions']} of {first['n_events']} "
+        "earthquakes",
+        dict.fromkeys(_HEADINGS, "right"),
+        cells,
+    )
     together = "a and b together" if first["joint"] else "a and b separately"
     say(f"Method: {first['method']}, {together}. Law: {first['law']}.")
     say(*_definitions(rows))
@@ -115,24 +116,26 @@ def _definitions(rows: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
 
 
 def _show_posterior(posterior: Mapping[str, Any]) -> None:
-    shown = table(
+    show_table(
         f"Posterior at {posterior['threshold']:g} of {posterior['metric']}: {posterior['ensembles']} "
         f"ensembles of {posterior['walkers']} walkers, {posterior['steps']} steps, "
         f"{percent(posterior['accepted'], decimals=0)} of the moves accepted",
         _DIAGNOSTICS,
+        [
+            (
+                parameter["parameter"],
+                *(
+                    "-" if parameter[key] is None else format(parameter[key], digits)
+                    for key, digits in zip(_KEYS, _FORMATS, strict=True)
+                ),
+            )
+            for parameter in posterior["parameters"]
+        ],
     )
-    for parameter in posterior["parameters"]:
-        numbers = zip(_KEYS, _FORMATS, strict=True)
-        shown.add_row(
-            parameter["parameter"],
-            *("-" if parameter[key] is None else format(parameter[key], digits) for key, digits in numbers),
-        )
-    terminal = console()
-    terminal.print(shown)
     if posterior["converged"]:
-        terminal.print("Converged: R-hat < 1.01 and effective sizes > 1,000 for every parameter.")
+        say("Converged: R-hat < 1.01 and effective sizes > 1,000 for every parameter.")
         return
-    terminal.print("THIS POSTERIOR HAS NOT CONVERGED.", style="bold red")
+    say("THIS POSTERIOR HAS NOT CONVERGED.", style="bold red")
     say(*posterior["complaints"], style="red")
 
 
@@ -150,42 +153,40 @@ def _show_frame(frame: Mapping[str, Any]) -> None:
 def _show_coupling(coupling: Mapping[str, Any]) -> None:
     """Print how far actuators may move with each other's commands."""
     rows, share = coupling["limits"], percent(coupling["share_of_motions"], decimals=0)
-    shown = table(
+    cells = [
+        (f"actuator {number}", *("-" if value is None else percent(value, decimals=2) for value in row))
+        for number, row in enumerate(rows, start=1)
+    ]
+    show_table(
         "Motion by another actuator's command alone that keeps the error below "
         f"{percent(coupling['threshold'])} under "
         f"{share} of these motions",
         {"": "left", **{f"command {number + 1}": "right" for number in range(len(rows))}},
+        cells,
     )
-    for number, row in enumerate(rows):
-        cells = ("-" if value is None else percent(value, decimals=2) for value in row)
-        shown.add_row(f"actuator {number + 1}", *cells)
-    console().print(shown)
 
 
 def _show_rig(rig: Mapping[str, Any]) -> None:
     """Print the error of a rig."""
-    terminal = console()
     if not rig["stable"]:
-        terminal.print("With the described rig, the test of this frame is unstable.", style="yellow")
+        say("With the described rig, the test of this frame is unstable.", style="yellow")
         return
-    shown = table(f"Error of the described rig, {rig['metric']}", {"": "left", "value": "right"})
-    shown.add_row("median of the motions", percent(rig["median"], decimals=2))
-    shown.add_row("largest", percent(rig["largest"], decimals=2))
-    shown.add_row(f"motions below {significant(rig['threshold'])}", percent(rig["share_below"], decimals=0))
+    rows = {
+        "median of the motions": percent(rig["median"], decimals=2),
+        "largest": percent(rig["largest"], decimals=2),
+        f"motions below {significant(rig['threshold'])}": percent(rig["share_below"], decimals=0),
+    }
     for name, form in (("A", ".4f"), ("d_ms", ".3f")):
         values = sorted(motion[name] for motion in rig["motions"])
-        shown.add_row(f"{name}, least to largest", f"{values[0]:{form}} to {values[-1]:{form}}")
-    terminal.print(shown)
+        rows[f"{name}, least to largest"] = f"{values[0]:{form}} to {values[-1]:{form}}"
+    title = f"Error of the described rig, {rig['metric']}"
+    show_table(title, {"": "left", "value": "right"}, rows.items())
 
 
 def _show_shares(share_law: Mapping[str, Any]) -> None:
     """Print how limits of several shares compare with the law."""
-    shown = table(
-        "Limits over the share of the stiffness, and the law (1 + s)/(1 + s α²) with s = 1/8ξ²",
-        dict.fromkeys(_HEADINGS_OF_SHARES, "right"),
-    )
-    for row in share_law["ratios"]:
-        shown.add_row(
+    rows = [
+        (
             *(f"{row[key]:g}" for key in ("f", "xi", "alpha", "threshold", "confidence")),
             *("-" if row[key] is None else significant(row[key]) for key in ("a_ratio", "b_ratio", "law")),
             *(
@@ -193,8 +194,13 @@ def _show_shares(share_law: Mapping[str, Any]) -> None:
                 for key in ("a_deviation", "b_deviation")
             ),
         )
-    terminal = console()
-    terminal.print(shown)
+        for row in share_law["ratios"]
+    ]
+    show_table(
+        "Limits over the share of the stiffness, and the law (1 + s)/(1 + s α²) with s = 1/8ξ²",
+        dict.fromkeys(_HEADINGS_OF_SHARES, "right"),
+        rows,
+    )
     for fit in share_law["fits"]:
         where = f"f = {fit['f']:g} Hz, ξ = {fit['xi']:g}, error {fit['threshold']:g}"
         for name in ("a", "b"):
@@ -220,13 +226,14 @@ def _show_comparison(comparison: Mapping[str, Any]) -> None:
         where = f"f = {judged['f']:g} Hz, ξ = {judged['xi']:g}, error {judged['threshold']:g}"
         heading = f"Distributions of {judged['parameter']} at {where}, earthquakes held out."
         say(f"{heading} p of lognormality: {tests}.")
-        shown = table(
+        show_table(
             "",
             {"distribution": "left", **{name.replace("_", " "): "right" for name in _FIGURES}},
+            [
+                (row["distribution"], *(significant(row[name]) for name in _FIGURES))
+                for row in judged["scores"]
+            ],
         )
-        for row in judged["scores"]:
-            shown.add_row(row["distribution"], *(significant(row[name]) for name in _FIGURES))
-        console().print(shown)
     for threshold in dict.fromkeys(row["threshold"] for row in comparison["laws"]):
         alike = [row for row in comparison["laws"] if row["threshold"] == threshold]
         _show_laws(f"error {threshold:g}", alike)
@@ -239,10 +246,11 @@ def _show_laws(error: str, rows: Sequence[Mapping[str, Any]]) -> None:
         ("region_at_f", "accepted region at equal coverage"),
     ):
         say(f"Laws at {error}: {what} by f [Hz].")
-        shown = table("", {"law": "left", **{f"{f:g}": "right" for f in frequencies}})
-        for law in dict.fromkeys(row["law"] for row in rows):
-            shown.add_row(law, *(significant(row[key]) for row in rows if row["law"] == law))
-        console().print(shown)
+        cells = [
+            (law, *(significant(row[key]) for row in rows if row["law"] == law))
+            for law in dict.fromkeys(row["law"] for row in rows)
+        ]
+        show_table("", {"law": "left", **{f"{f:g}": "right" for f in frequencies}}, cells)
 
 
 def show_choices() -> None:
@@ -269,22 +277,22 @@ def _first_sentence(family: type) -> str:
 
 
 def _show_meanings(option: str, meanings: dict[str, str]) -> None:
-    terminal = console()
-    terminal.print(f"{option}:", style="bold")
+    say(f"{option}:", style="bold")
     say(*(f"  {name}: {meaning}" for name, meaning in meanings.items()), soft_wrap=True)
 
 
 def _show_own_boundary(rows: Sequence[Mapping[str, Any]]) -> None:
-    shown = table(
+    show_table(
         f"Boundary of {rows[0]['motion']} itself: for a test under this very record",
         dict.fromkeys(("f [Hz]", "ξ [-]", "error [-]", "a [-]", "b [ms²]"), "right"),
+        [
+            (
+                *(f"{row[key]:g}" for key in ("f", "xi", "threshold")),
+                *(significant(row[key]) for key in ("a", "b")),
+            )
+            for row in rows
+        ],
     )
-    for row in rows:
-        shown.add_row(
-            *(f"{row[key]:g}" for key in ("f", "xi", "threshold")),
-            *(significant(row[key]) for key in ("a", "b")),
-        )
-    console().print(shown)
 
 
 _BESIDE: Final[dict[str, Callable[[Any], None]]] = {

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from reliab.app import questions
 from reliab.app.cli.commands import Asked, takes
-from reliab.app.cli.output import console, progress_bar, say, table, write_json
+from reliab.app.cli.output import progress_bar, say, show_table, write_json
 from reliab.core.vocabulary import Metric
 
 if TYPE_CHECKING:
@@ -46,12 +46,9 @@ def ellipses(demand: Asked) -> None:
 def _show(traced: "Boundaries", metric: str) -> None:
     """Print one row for each boundary, page by page: a single table of very many would fill the memory."""
     title = f"{len(traced)} boundaries of {metric.upper()}^R"
-    rows, terminal = traced.rows(), console()
+    rows = traced.rows()
     while page := list(itertools.islice(rows, _PAGE)):
-        shown = table(title, _HEADINGS)
-        for row in page:
-            shown.add_row(*_cells(row))
-        terminal.print(shown)
+        show_table(title, _HEADINGS, map(_cells, page))
         title = ""
 
 

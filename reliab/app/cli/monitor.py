@@ -11,7 +11,7 @@ import typer
 
 from reliab.app import completion, outputs, questions
 from reliab.app.cli.commands import Asked, takes
-from reliab.app.cli.output import console, say, table, write_json
+from reliab.app.cli.output import console, say, write_json
 from reliab.app.cli.printable import printable
 from reliab.app.declaration import argument
 from reliab.app.options import OUTPUT
@@ -168,7 +168,7 @@ class Screen:
 
     def _show_end(self, message: "Message") -> None:
         """Show the verdict on the whole test, as `reliab assess` does where it judged it."""
-        from reliab.app.cli.assess.shown_briefly import show_briefly
+        from reliab.app.cli.shown_verdict import show_briefly
 
         content = message.to_dict()
         if "error" in content:
@@ -222,31 +222,31 @@ def _governing(message: Mapping[str, Any]) -> str:
     return f" of {message['governing']}" if "governing" in message else ""
 
 
-def _table(message: "Message", metric: Metric, threshold: float) -> Any:  # noqa: ANN401 - a table of Rich
+def _table(message: "Message", metric: Metric, threshold: float) -> Any:  # noqa: ANN401 - for Rich
+    from rich.console import Group
+
+    from reliab.report.document import text_table
+    from reliab.report.terminal import rich_table
+
     now, result = message.monitor.now, message.monitor.result
-    shown = table(
-        f"{now.time:.2f} s of the test, {now.samples} samples", {"quantity": "left", "value": "right"}
-    )
+    shown: dict[str, str] = {}
     if now.error is None or now.rms is None or now.mte is None:
-        shown.add_row("specimen", "still learning")
+        shown["specimen"] = "still learning"
     else:
         if "governing" in message.to_dict():
-            shown.add_row("displacement with the largest error", message.to_dict()["governing"])
-        shown.add_row("error now, mm", f"{1e3 * now.error:.3f}")
-        shown.add_row("RMS^R so far, with noise", percent(now.rms, decimals=2))
-        shown.add_row("MTE^R so far, with noise", percent(now.mte, decimals=2))
+            shown["displacement with the largest error"] = message.to_dict()["governing"]
+        shown["error now, mm"] = f"{1e3 * now.error:.3f}"
+        shown["RMS^R so far, with noise"] = percent(now.rms, decimals=2)
+        shown["MTE^R so far, with noise"] = percent(now.mte, decimals=2)
     if result is not None:
         error = result.estimate(metric)
-        shown.add_row(
-            f"{metric.upper()} with its 90 % interval",
-            percent_with_interval(error.value, error.low, error.high),
-        )
+        size = percent_with_interval(error.value, error.low, error.high)
+        shown[f"{metric.upper()} with its 90 % interval"] = size
         probability = result.probability(threshold, metric)
-        shown.add_row(f"probability below {percent(threshold)}", f"{probability:.3f}")
-    shown.add_row(
-        "net damping ratio",
-        "not settled" if now.damping is None else _with_deviation(now.damping.ratio, now.damping.deviation),
+        shown[f"probability below {percent(threshold)}"] = f"{probability:.3f}"
+    shown["net damping ratio"] = (
+        "not settled" if now.damping is None else _with_deviation(now.damping.ratio, now.damping.deviation)
     )
-    for alarm in message.alarms.values():
-        shown.add_row("ALARM", alarm)
-    return shown
+    rows = [*shown.items(), *(("ALARM", alarm) for alarm in message.alarms.values())]
+    title = f"{now.time:.2f} s of the test, {now.samples} samples"
+    return Group(title, rich_table(text_table(rows, {"quantity": "left", "value": "left"}, caption=title)))

@@ -9,8 +9,7 @@ import typer
 
 from reliab.app import questions
 from reliab.app.cli.commands import Asked, Command, takes
-from reliab.app.cli.output import console, say, write_json
-from reliab.app.cli.printable import printable
+from reliab.app.cli.output import say, show_table, write_json
 from reliab.app.declaration import Files, argument
 from reliab.app.options import OUTPUT
 from reliab.core.significant_digits import counted, significant
@@ -90,24 +89,17 @@ def _say_written(written: "WrittenSuite", json_target: str | None) -> None:
         say(f"{motions} from {events} written to {folder}", soft_wrap=True)
 
 
-def _show_motions(rows: list[dict[str, Any]]) -> None:
-    from rich import box
-    from rich.table import Table
-    from rich.text import Text
+_COLUMNS = {
+    **dict.fromkeys(("motion", "event", "set"), "left"),
+    **dict.fromkeys(("dt [s]", "T [s]", "PGA [g]", "I_A [m/s]", "D5-95 [s]", "T_m [s]"), "right"),
+}
 
+
+def _show_motions(rows: list[dict[str, Any]]) -> None:
     events = {row["event"] for row in rows}
-    table = Table(
-        title=f"{counted(len(rows), 'motion')} from {counted(len(events), 'event')}",
-        box=box.SIMPLE,
-        padding=(0, 1, 0, 0),
-    )
-    for heading in ("motion", "event", "set"):
-        table.add_column(heading, overflow="fold", no_wrap=heading == "motion")
-    for heading in ("dt [s]", "T [s]", "PGA [g]", "I_A [m/s]", "D5-95 [s]", "T_m [s]"):
-        table.add_column(Text(heading), justify="right", no_wrap=True)
-    for row in rows:
-        table.add_row(
-            *(Text(printable(row[label])) for label in ("motion", "event", "set")),
+    cells = [
+        (
+            *(row["motion"], row["event"], row["set"]),
             f"{row['time_step']:.5g}",
             f"{row['duration']:.2f}",
             f"{row['pga_g']:.4f}",
@@ -115,28 +107,29 @@ def _show_motions(rows: list[dict[str, Any]]) -> None:
             f"{row['significant_duration']:.2f}",
             f"{row['mean_period']:.3f}",
         )
-    console().print(table)
+        for row in rows
+    ]
+    title = f"{counted(len(rows), 'motion')} from {counted(len(events), 'event')}"
+    show_table(title, _COLUMNS, cells)
 
 
 def _show_faults(faults: "Sequence[Fault]", records: int, sources: Sequence[str]) -> None:
     if not faults:
-        console().print(f"{counted(records, 'record')}, no faults.")
+        say(f"{counted(records, 'record')}, no faults.")
         return
-    from rich.table import Table
-    from rich.text import Text
-
     files = len({fault.file for fault in faults})
-    table = Table(title=f"{counted(len(faults), 'fault')} in {counted(files, 'file')}", show_lines=True)
-    for heading in ("file", "line", "rule", "found", "remedy"):
-        right = heading == "line"
-        table.add_column(
-            heading, overflow="fold", no_wrap=heading == "file", justify="right" if right else "left"
+    rows = [
+        (
+            _within(fault.file, sources),
+            "" if fault.line is None else str(fault.line),
+            *(fault.rule, fault.value, fault.remedy),
         )
-    for fault in faults:
-        line = "" if fault.line is None else str(fault.line)
-        cells = (_within(fault.file, sources), line, fault.rule, fault.value, fault.remedy)
-        table.add_row(*(Text(printable(cell)) for cell in cells))
-    console().print(table)
+        for fault in faults
+    ]
+    title = f"{counted(len(faults), 'fault')} in {counted(files, 'file')}"
+    show_table(
+        title, {"file": "left", "line": "right", **dict.fromkeys(("rule", "found", "remedy"), "left")}, rows
+    )
 
 
 def _show_notes(notes: "Sequence[Fault]", sources: Sequence[str]) -> None:

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any, Final, TextIO
 
 import typer
 
-from reliab.app.cli.printable import printable, substituted
 from reliab.app.cli.progress_lines import progress_lines
 from reliab.core.errors import CLOSED_PIPE
 from reliab.core.files import write_json_file
@@ -20,7 +19,6 @@ from reliab.core.progress import Progress, quietly, shows_tasks
 
 if TYPE_CHECKING:
     from rich.console import Console
-    from rich.table import Table
     from typing_extensions import Buffer
 
 _WIDTH_OF_PIPES = 160
@@ -161,17 +159,14 @@ _IN_ASCII: Final = {
 }
 
 
-def table(title: str, headings: Mapping[str, str]) -> "Table":
-    """Make a table with headings and their justification, "left" or "right"."""
-    from rich import box
-    from rich.table import Table
-    from rich.text import Text
+def show_table(
+    title: str, headings: Sequence[str] | Mapping[str, str], rows: Iterable[Sequence[str]]
+) -> None:
+    """Print a table of texts; a mapping says which headings stand "left" and which "right"."""
+    from reliab.report.document import text_table
+    from reliab.report.terminal import print_blocks
 
-    rich_table = Table(title=title, box=box.SIMPLE, padding=(0, 1, 0, 0), title_justify="left")
-    for heading, justify in headings.items():
-        literal = substituted(printable(heading), sys.stdout)
-        rich_table.add_column(Text(literal), justify=justify, no_wrap=True)  # type: ignore[arg-type]
-    return rich_table
+    print_blocks((text_table(rows, headings, caption=title),), console())
 
 
 def write_json(content: Mapping[str, Any] | Sequence[Any], target: str | None) -> bool:

@@ -7,7 +7,7 @@ import typer
 
 from reliab.app import questions
 from reliab.app.cli.commands import Asked, takes
-from reliab.app.cli.output import console, say, table, write_json
+from reliab.app.cli.output import console, say, show_table, write_json
 from reliab.app.declaration import argument
 from reliab.app.options import OUTPUT, TEST
 from reliab.core.errors import InputError
@@ -100,19 +100,21 @@ def _check(asked: Asked) -> None:
 
 def _show(record: "Record") -> None:
     """Print what was recognised, and where it was written."""
-    content, screen = record.to_dict(), console()
-    rows = table(
-        f"{content['source']}: {content['samples']:,} samples at {content['rate_hz']:.6g} Hz", _COLUMNS
+    content = record.to_dict()
+    show_table(
+        f"{content['source']}: {content['samples']:,} samples at {content['rate_hz']:.6g} Hz",
+        _COLUMNS,
+        [
+            (
+                channel["channel"],
+                channel["column"],
+                channel["unit"],
+                f"{channel['factor']:.6g}",
+                channel["reason"],
+            )
+            for channel in content["recording"]["channels"]
+        ],
     )
-    for channel in content["recording"]["channels"]:
-        rows.add_row(
-            channel["channel"],
-            channel["column"],
-            channel["unit"],
-            f"{channel['factor']:.6g}",
-            channel["reason"],
-        )
-    screen.print(rows)
     if content["left"]:
         say(f"Not used: {', '.join(content['left'])}.")
     say(*(f"Note: {note}" for note in content["notes"]))

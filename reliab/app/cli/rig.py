@@ -2,18 +2,21 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, TypedDict
+from typing import TYPE_CHECKING, Annotated, Any, TypedDict
 
 import typer
 
 from reliab.app import outputs, questions
 from reliab.app.cli.commands import Asked, Command, takes
-from reliab.app.cli.output import console, progress_bar, say, table, write_json, write_line
+from reliab.app.cli.output import console, progress_bar, say, show_table, write_json, write_line
 from reliab.app.declaration import argument
 from reliab.app.options import OUTPUT
 from reliab.core.errors import InputError
 from reliab.core.significant_digits import percent, significant
 from reliab.sweep.several import Names
+
+if TYPE_CHECKING:
+    from reliab.app.api.rig_answers import RigPrediction
 
 app = typer.Typer(
     no_args_is_help=True, help="A laboratory's memory: keep a rig's tests, predict the next, notice drift."
@@ -113,9 +116,9 @@ def predict(asked: Asked) -> None:
     """Predict the next test: A, d and error with their intervals, and the probability that it is good."""
     from reliab.app.api.rig_answers import predict_rig
 
-    content = asked.ask(predict_rig, "json_target").to_dict()
-    if not write_json(content, asked.json_target):
-        show_prediction(content)
+    predicted = asked.ask(predict_rig, "json_target")
+    if not write_json(predicted.to_dict(), asked.json_target):
+        show_prediction(predicted)
 
 
 class _Reported(_Rig, total=False):
@@ -183,53 +186,33 @@ def show_test(content: Mapping[str, Any]) -> None:
 
 
 def _show_rows(title: str, rows: list[dict[str, Any]]) -> None:
-    from rich.text import Text
-
     if not rows:
         _say(f"{title}.")
         return
-    shown_rows = table(title, _HEADINGS)
-    for row in rows:
-        error = "" if row["rms"] is None else percent(row["rms"])
-        cells = (
+    cells = [
+        (
             *(row["name"], row["sha256"][:8], row["date"][:10], row["event"]),
-            *(f"{row['A']:.4f}", f"{row['d_ms']:.2f}", significant(row["remainder"]), error),
+            *(f"{row['A']:.4f}", f"{row['d_ms']:.2f}", significant(row["remainder"])),
+            "" if row["rms"] is None else percent(row["rms"]),
             *(row["verdict"].replace("_", " "), row.get("change") or ""),
         )
-        shown_rows.add_row(*(Text(cell) for cell in cells))
-    console().print(shown_rows)
+        for row in rows
+    ]
+    show_table(title, _HEADINGS, cells)
 
 
-def show_prediction(content: Mapping[str, Any]) -> None:
+def show_prediction(predicted: "RigPrediction") -> None:
     """Print what is predicted of the next test."""
-    from_what = f"{content['tests']} tests of {content['earthquakes']} earthquakes"
-    rows = table(
-        f"The next test of {content['rig']}, from {from_what}",
-        {"": "left", "5 %": "right", "median": "right", "95 %": "right"},
-    )
-    ends = ("low", "median", "high")
-    rows.add_row("A", *(f"{content['A'][end]:.4f}" for end in ends))
-    rows.add_row("d [ms]", *(f"{content['d_ms'][end]:.2f}" for end in ends))
-    rows.add_row("remainder", *(percent(content["remainder"][end]) for end in ends))
-    rows.add_row("error RMS^R", *(percent(content["rms"][end]) for end in ends))
-    console().print(rows)
-    shares = ", ".join(f"{name} {percent(share, 2)}" for name, share in content["drivers"].items())
+    from reliab.report.kinds.rig_report import diagnostics_blocks, next_test_blocks
+    from reliab.report.terminal import print_blocks
+
+    prediction = predicted.prediction
     _say(
-        f"Probability {content['probability']:.2f} that the error stays below "
-        f"{percent(content['threshold'])}. "
-        f"Contributions to its square: {shares}."
+        f"The next test of {predicted.rig}, from {prediction.tests} tests of {prediction.earthquakes} "
+        f"earthquakes: probability {prediction.probability:.2f} that its error stays below "
+        f"{percent(prediction.threshold)}."
     )
-    _say(f"By {content['basis']}.")
-    scores = ", ".join(
-        f"{name} {'unknown' if score is None else significant(score)}"
-        for name, score in content["log_scores"].items()
-    )
-    _say(f"Log scores on earthquakes left out: {scores}. Best: {content['better']}.")
-    worst = max(item["r_hat"] for item in content["sampling"].values())
-    least = min(item["effective_size"] for item in content["sampling"].values())
-    _say(f"Posterior of the variances: R-hat at most {worst:.3f}, at least {least:.0f} independent draws.")
-    for note in content["notes"]:
-        _say(f"Note: {note}")
+    print_blocks((*next_test_blocks(prediction), *diagnostics_blocks(prediction)), console())
 
 
 def _say(text: str) -> None:

@@ -5,7 +5,7 @@ from typing import Annotated
 
 from reliab.app import completion, options, outputs
 from reliab.app.cli.commands import Asked, takes
-from reliab.app.cli.output import console, progress_bar, say, table, write_json
+from reliab.app.cli.output import progress_bar, say, show_table, write_json
 from reliab.app.declaration import argument
 
 _COVER = tuple(outputs.Cover.__annotations__)
@@ -32,10 +32,8 @@ def run(asked: Asked) -> None:
     if asked.list_all:
         content = asked.ask(list_studies, "list_all", "json_target", why="together with `list_all`").to_dict()
         if not write_json(content, asked.json_target):
-            shown = table("Studies that ship", {"study": "left", "kind": "left", "title": "left"})
-            for row in content["studies"]:
-                shown.add_row(*row.values())
-            console().print(shown)
+            rows = [tuple(row.values()) for row in content["studies"]]
+            show_table("Studies that ship", ("study", "kind", "title"), rows)
         return
 
     def tell(name: str, done: bool) -> None:  # noqa: FBT001 - called by position

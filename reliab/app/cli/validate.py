@@ -1,16 +1,13 @@
 """`reliab validate`: whether criteria hold on motions that they have not seen."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Annotated, Any, TypedDict
+from typing import Annotated, Any, TypedDict
 
 from reliab.app import questions
 from reliab.app.cli.commands import Asked, takes
-from reliab.app.cli.output import console, progress_bar, say, table, write_json
+from reliab.app.cli.output import progress_bar, say, show_table, write_json
 from reliab.app.options import METHOD
 from reliab.core.significant_digits import percent
-
-if TYPE_CHECKING:
-    from rich.table import Table
 
 
 class _Ways(TypedDict, total=False):
@@ -65,15 +62,15 @@ _ELLIPSE_NOTE = (
 
 def show_criteria(content: dict[str, Any]) -> None:
     """Print the rates of criteria."""
-    terminal = console()
     title = (
         f"{content['scheme'].replace('_', ' ')}: {content['n_motions']} motions of {content['n_events']} "
         f"earthquakes, {content['metric'].upper()} {content['threshold']:g} over "
         f"{_window(content['window'])}"
     )
-    terminal.print(_rates(title, content["rows"]))
+    show_table(title, _RATES, map(_rates, content["rows"]))
     if content["rows_lead"]:
-        terminal.print(_rates("The same for actuators that are early (leads)", content["rows_lead"]))
+        title = "The same for actuators that are early (leads)"
+        show_table(title, _RATES, map(_rates, content["rows_lead"]))
     say(f"Judged on {content['judged_on']}:")
     say(*[*content["outside"], *content["sentences"]])
     if content["n_of_learned_earthquakes"]:
@@ -94,19 +91,16 @@ def show_criteria(content: dict[str, Any]) -> None:
             "times."
         )
     if content["truth"] == "ellipse":
-        terminal.print(_ELLIPSE_NOTE)
+        say(_ELLIPSE_NOTE)
 
 
-def _rates(title: str, rows: list[dict[str, Any]]) -> "Table":
-    shown = table(title, _RATES)
-    for row in rows:
-        shown.add_row(
-            row["candidate"],
-            percent(row["confidence"], decimals=0),
-            *(_interval(row["containment"]), _share(row["containment_by_ellipse"]["rate"])),
-            *(_interval(row[name]) for name in ("false_safe", "accepted_share")),
-        )
-    return shown
+def _rates(row: dict[str, Any]) -> tuple[str, ...]:
+    return (
+        row["candidate"],
+        percent(row["confidence"], decimals=0),
+        *(_interval(row["containment"]), _share(row["containment_by_ellipse"]["rate"])),
+        *(_interval(row[name]) for name in ("false_safe", "accepted_share")),
+    )
 
 
 def _window(label: str) -> str:
@@ -138,10 +132,10 @@ def _interval(rate: dict[str, float | None]) -> str:
 def show_probabilities(content: dict[str, Any]) -> None:
     """Print how many tests are good for which probability."""
     title = f"Probabilities of tests, {content['scheme'].replace('_', ' ')}"
-    shown = table(title, _BINS)
-    for row in content["bins"]:
-        rate = {"rate": row["observed"], "low": row["low"], "high": row["high"]}
-        shown.add_row(percent(row["stated"], decimals=1), _interval(rate), str(row["tests"]))
-    console().print(shown)
+    rows = [
+        (percent(row["stated"], decimals=1), _interval({**row, "rate": row["observed"]}), str(row["tests"]))
+        for row in content["bins"]
+    ]
+    show_table(title, _BINS, rows)
     if content["truth"] == "ellipse":
-        console().print(_ELLIPSE_NOTE)
+        say(_ELLIPSE_NOTE)

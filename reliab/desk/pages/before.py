@@ -95,7 +95,7 @@ class BeforePage(Page):
         self._drawing.update({side: limits for side, limits in region.items() if all(limits)}, motions)
         options = {name: f"{question[name]:g}" for name in ("f", "xi", "alpha", "threshold", "confidence")}
         options |= {} if question["metric"] == "rms" else {"metric": question["metric"]}
-        self._line[:] = [copyable("command", command_line("assess", (), {"design": True, **options}))]
+        self._line[:] = [copyable("command", command_line("design", (), options))]
 
     def _mark_rig(self) -> None:
         self._drawing.mark_tests(points_of_rig(path_of_rig(self)) if self.memory.values.get("rig") else [])

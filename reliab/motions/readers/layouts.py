@@ -9,12 +9,135 @@ Cousins, W. J. (2008). *GNS accelerogram data files: standard format.*
 U.S. Geological Survey. *SMC-format data files.*
 """
 
+import itertools
+import math
 import re
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
-from reliab.motions.readers import events, numeric_headers
-from reliab.motions.readers.source import HEAD, Source
-from reliab.motions.units import AccelerationUnit
+import numpy as np
+
+from reliab.core.text_tables import printed_number
+from reliab.motions.faults import Report
+from reliab.motions.readers import events
+from reliab.motions.readers.header import Header, Statement
+from reliab.motions.readers.samples import split_line
+from reliab.motions.readers.source import HEAD, Line, Source
+from reliab.motions.readers.statements import state_time_step
+from reliab.motions.units import AccelerationUnit, ClockUnit
+
+_LINES_OF_REALS = {4: 6, 5: 7, 7: 7}  # after as many lines of integers: GeoNet, USC, CSMIP and those like it
+_LONGEST = 15  # lines of both, and one of samples
+_PAIRS, _FEWEST_PAIRS = 50, 5  # pairs whose times must increase
+_INTEGERS = re.compile(r"[\s\d+-]*\d[\s\d+-]*")
+
+
+def leave_as_it_is(source: Source, begin: int, header: Header, report: Report) -> Header:  # noqa: ARG001 - as the others
+    """Read nothing: the layout has no such lines."""
+    return header
+
+
+def read_volume(source: Source, begin: int, header: Header, report: Report) -> Header:  # noqa: ARG001
+    """Leave out the numeric header; find times before the samples, and velocity after them."""
+    header = _skip(source, header)
+    if header.count is None:
+        return header
+    stops = [line.stop for line in source.lines(header.start, header.stop)]
+    tokens = [split_line(line, header) for line in source.lines(header.start, header.stop)]
+    values = [printed_number(token) for line in tokens[:_PAIRS] for token in line]
+    times = [math.nan if time is None else time for time in values[: 2 * _PAIRS : 2]]
+    is_paired = len(times) >= _FEWEST_PAIRS and bool((np.diff(times) > 0).all())
+    numbers = np.cumsum([len(line) for line in tokens])
+    expected = header.count.value * (2 if is_paired else 1)
+    if numbers.size and numbers[-1] >= 2 * expected:  # velocity and displacement follow
+        header = replace(header, stop=stops[int(np.searchsorted(numbers, expected))])
+    if not is_paired:
+        return header
+    return replace(header, columns=2, column=1, time_column=0, has_rows=False)
+
+
+def _skip(source: Source, header: Header) -> Header:
+    """Leave out lines of integers and of reals; a file that ends within them has no samples."""
+    lines = list(itertools.islice(source.lines(header.start, header.stop), _LONGEST))
+    integers = len(list(itertools.takewhile(lambda line: _INTEGERS.fullmatch(line.text), lines)))
+    if integers not in _LINES_OF_REALS:
+        return replace(header, start=header.stop) if integers == len(lines) < _LONGEST else header
+    size = integers + _LINES_OF_REALS[integers]
+    return replace(header, start=lines[size - 1].stop if size < len(lines) else header.stop)
+
+
+_COSMOS_REALS = re.compile(
+    rb"^[ \t]*(\d{1,6})[ \t]+Real-header[^\n]*?\(\s*\d*\s*[A-Z]\s*(\d{1,2})[^\n]*$",
+    re.IGNORECASE | re.MULTILINE,
+)
+_STEP_POSITION = 62  # counted from 1, as in the specification; value 34 is the step before processing
+_UNKNOWN = -999.0  # marks an unknown value where the text header names no other mark
+_MILLISECOND = ClockUnit(size=1e-3)
+
+
+def read_cosmos(source: Source, begin: int, header: Header, report: Report) -> Header:
+    """Read the step, value 62 of the real header; it stays open where the header marks it as unknown."""
+    missing = header.missing or (_UNKNOWN,)
+    matches = list(_COSMOS_REALS.finditer(source.content, begin, header.start))
+    if not matches or int(matches[-1][1]) < _STEP_POSITION or int(matches[-1][2]) == 0:
+        report.add(
+            "A COSMOS file must have a real header with the time step as value 62",
+            line=source.line_number(begin),
+            remedy="Obtain the file again",
+        )
+        return replace(header, missing=missing)
+    fields: list[str] = []
+    for line in source.lines(matches[-1].end() + 1, header.start):
+        fields.extend(_fields(line, int(matches[-1][2])))
+        if len(fields) >= _STEP_POSITION:
+            text = fields[_STEP_POSITION - 1]
+            is_open = printed_number(text) in missing
+            step = None if is_open else state_time_step(text, line.number, report, unit=_MILLISECOND)
+            return replace(header, missing=missing, time_step=step)
+    state_time_step("", source.line_number(header.start), report, unit=_MILLISECOND)
+    return replace(header, missing=missing)
+
+
+_SMC_INTEGERS, _SMC_REALS = 6, 10  # lines
+_SMC_COMMENTS, _SMC_COUNT, _SMC_RATE = 16, 17, 2  # positions, counted from 1 as in the specification
+_FASTEST = 1e5  # Hz; a file of times and samples marks its rate as unknown by 1.7e38
+
+
+def read_smc(source: Source, begin: int, header: Header, report: Report) -> Header:
+    """Read count and rate, and leave out the comments before the samples."""
+    lines = list(source.lines(header.start, header.stop))
+    integers = [field for line in lines[:_SMC_INTEGERS] for field in _fields(line, 10)]
+    reals = [field for line in lines[_SMC_INTEGERS:][:_SMC_REALS] for field in _fields(line, 15)]
+    values = [
+        printed_number(field) for field in (*integers[_SMC_COMMENTS - 1 : _SMC_COUNT], *reals[:_SMC_RATE])
+    ]
+    if len(values) < 2 + _SMC_RATE or None in values or not 0 <= (values[0] or 0) < len(lines):
+        report.add(
+            "An SMC file must have six lines of integers and ten of reals",
+            line=source.line_number(begin),
+            remedy="Obtain the file again, or write its samples as text below # dt: … and # units: …",
+        )
+        return header
+    comments, count, _, rate = (value or 0.0 for value in values)
+    start = lines[min(_SMC_INTEGERS + _SMC_REALS + int(comments), len(lines)) - 1].stop
+    header = replace(header, start=start, width=10)
+    if not 0 < rate < _FASTEST:
+        return replace(header, columns=2, column=1, time_column=0, has_rows=False)
+    line = lines[_SMC_INTEGERS].number
+    return replace(
+        header,
+        count=Statement(value=int(count), line=lines[2].number) if count > 1 else None,
+        time_step=Statement(value=1.0 / rate, line=line),
+    )
+
+
+Complete = Callable[[Source, int, Header, Report], Header]
+
+
+def _fields(line: Line, width: int) -> list[str]:
+    text = line.text.rstrip()
+    return [text[start : start + width].strip() for start in range(0, len(text), width)]
+
 
 _FLAGS = re.IGNORECASE | re.MULTILINE
 
@@ -42,7 +165,7 @@ class Layout:
     remove_mean: bool = False  # Whether the publisher subtracts the mean of the whole record
     find_event: events.FindEvent = events.find_event  # Names the earthquake
     # Reads what stands at fixed places between the header's text and the samples
-    complete: numeric_headers.Complete = numeric_headers.leave_as_it_is
+    complete: Complete = leave_as_it_is
 
     @property
     def subject(self) -> str:
@@ -105,7 +228,7 @@ LAYOUTS = (
         states="hold acceleration",
         is_announced=True,
         wraps=True,
-        complete=numeric_headers.read_cosmos,
+        complete=read_cosmos,
         find_event=events.find_american_event,
     ),
     Layout(
@@ -126,7 +249,7 @@ LAYOUTS = (
         last=_pattern(r"\A(?:[^\n]*\n){10}[^\n]*$"),
         states="have eleven lines of text above its numbers",
         wraps=True,
-        complete=numeric_headers.read_smc,
+        complete=read_smc,
         default_units=AccelerationUnit.CENTIMETRE,
         find_event=events.find_event_in_words,
     ),
@@ -138,7 +261,7 @@ LAYOUTS = (
         end=_pattern(r"^[^\n]*[a-z]{3}"),
         states="state its number of points",
         wraps=True,
-        complete=numeric_headers.read_volume,
+        complete=read_volume,
         default_units=AccelerationUnit.MILLIMETRE,
         find_event=events.find_event_in_words,
     ),
@@ -150,7 +273,7 @@ LAYOUTS = (
         end=_pattern(rf"^(?:{_END}|[^\n]*[a-z]{{3}}|\*)"),
         states="state its number of points",
         wraps=True,
-        complete=numeric_headers.read_volume,
+        complete=read_volume,
         has_duration=True,
         find_event=events.find_american_event,
     ),

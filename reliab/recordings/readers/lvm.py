@@ -18,8 +18,7 @@ from reliab.core.errors import InputError
 from reliab.core.files import require_small
 from reliab.core.text_tables import cells_of, lines_of, number_of
 from reliab.recordings.readers.columns import Columns, Series, date_of
-from reliab.recordings.readers.joining import join_tables
-from reliab.recordings.readers.text import TOO_LARGE, tables_of
+from reliab.recordings.readers.text import TOO_LARGE, join_tables, tables_of
 
 _END: Final = "***End_of_Header***"
 _MOST_BYTES: Final = 400_000_000

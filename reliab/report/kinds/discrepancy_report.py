@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from functools import partial
+from typing import Final
 
 import numpy as np
 import pandas as pd
@@ -28,7 +29,7 @@ from reliab.report.kinds.discrepancy_figures import (
 )
 from reliab.report.numbers import Fixed, Significant, in_line
 from reliab.report.prose import Math, Prose, prose
-from reliab.report.provenance import provenance_of
+from reliab.report.sources import provenance_of
 from reliab.report.wording import number, probability, spelled_out
 
 _SIZE, _SHARE = Significant(digits=3, factor=PERCENT), Fixed(decimals=1, factor=PERCENT)
@@ -43,6 +44,10 @@ _NEXT = {
     Verdict.NOT_IDENTIFIABLE: "measure tests of other amplitudes and frequencies, or more channels, and "
     "diagnose again",
 }
+
+
+_WHERE: Final = "Where the model fails"
+_PROOF: Final = "The proof on held-out tests"
 
 
 def discrepancy_report(
@@ -200,11 +205,26 @@ def _method(remarks: Sequence[Prose]) -> Section:
 
 
 def location_section(diagnosis: Diagnosis) -> Section:
-    """Show the block that fails, and what its residuals vary with.
+    """Show the block that fails, what its residuals vary with, and residuals over frequency and state."""
+    blocks: list[Block] = [*drawn("the loop", partial(block_figure, diagnosis)), _places(diagnosis)]
+    for diagnosed in diagnosis.blocks:
+        if diagnosed.findings:
+            blocks += drawn("residuals over frequency", partial(time_frequency_figure, diagnosed))
+            blocks += drawn("residuals over the state plane", partial(state_plane_figure, diagnosed))
+    return Section(title=_WHERE, blocks=tuple(blocks))
 
-    Returns the loop, the findings as a list and as a table, residuals over frequency and state.
-    """
-    blocks: list[Block] = [*drawn("the loop", partial(block_figure, diagnosis))]
+
+def findings_in_words(diagnosis: Diagnosis) -> tuple[Block, ...]:
+    """Give what the report says without its figures, for a terminal."""
+    return (
+        Section(title=_WHERE, blocks=(_places(diagnosis),)),
+        missing_effects_section(diagnosis, {}),
+        Section(title=_PROOF, blocks=_proof(diagnosis)),
+        Points(items=tuple(diagnosis.remarks)),
+    )
+
+
+def _places(diagnosis: Diagnosis) -> Table | Paragraph:
     if diagnosis.where:
         rows = [
             {
@@ -231,18 +251,12 @@ def location_section(diagnosis: Diagnosis) -> Section:
         )
         frame = pd.DataFrame(rows).assign(kind=lambda table: table["kind"].map(spelled_out))
         caption = "What the residual of the calibrated model varies with; p is corrected for all trials."
-        blocks.append(Table(frame=frame, columns=columns, caption=caption, label="tab:where"))
-    else:
-        noise = "The residual of the calibrated model does not differ from noise."
-        open_question = (
-            "The residual of the calibrated model varies with no quantity of the motion that was tried."
-        )
-        blocks.append(Paragraph(text=noise if diagnosis.is_explained else open_question))
-    for diagnosed in diagnosis.blocks:
-        if diagnosed.findings:
-            blocks += drawn("residuals over frequency", partial(time_frequency_figure, diagnosed))
-            blocks += drawn("residuals over the state plane", partial(state_plane_figure, diagnosed))
-    return Section(title="Where the model fails", blocks=tuple(blocks))
+        return Table(frame=frame, columns=columns, caption=caption, label="tab:where")
+    noise = "The residual of the calibrated model does not differ from noise."
+    open_question = (
+        "The residual of the calibrated model varies with no quantity of the motion that was tried."
+    )
+    return Paragraph(text=noise if diagnosis.is_explained else open_question)
 
 
 def _span(ends: tuple[float, float]) -> str:
@@ -375,6 +389,13 @@ def _calibration(diagnosis: Diagnosis) -> Table:
 
 def proof_section(diagnosis: Diagnosis) -> Section:
     """Show how much of the gap between model and measurement closes on held-out tests."""
+    blocks: list[Block] = [*_proof(diagnosis), *drawn("the gap", partial(gap_figure, diagnosis))]
+    for diagnosed in diagnosis.blocks:
+        blocks += drawn("histories and loops", partial(histories_figure, diagnosed))
+    return Section(title=_PROOF, blocks=tuple(blocks))
+
+
+def _proof(diagnosis: Diagnosis) -> tuple[Block, ...]:
     rows = [
         {
             **diagnosed.gap.to_dict(),
@@ -394,12 +415,8 @@ def proof_section(diagnosis: Diagnosis) -> Section:
     )
     caption = "Difference between model and measurement on held-out tests, RMS over that of the signal."
     table = Table(frame=pd.DataFrame(rows), columns=columns, caption=caption)
-    blocks: list[Block] = [Paragraph(text=_floor(diagnosed)) for diagnosed in diagnosis.blocks]
-    blocks += [table, _errors_by_test(diagnosis), *_candidates(diagnosis)]
-    blocks += drawn("the gap", partial(gap_figure, diagnosis))
-    for diagnosed in diagnosis.blocks:
-        blocks += drawn("histories and loops", partial(histories_figure, diagnosed))
-    return Section(title="The proof on held-out tests", blocks=tuple(blocks))
+    floors = (Paragraph(text=_floor(diagnosed)) for diagnosed in diagnosis.blocks)
+    return *floors, table, _errors_by_test(diagnosis), *_candidates(diagnosis)
 
 
 def _candidates(diagnosis: Diagnosis) -> tuple[Table, ...]:

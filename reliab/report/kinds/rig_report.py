@@ -14,11 +14,10 @@ from reliab.core.arrays import Array
 from reliab.core.significant_digits import counted, percent
 from reliab.core.vocabulary import PERCENT
 from reliab.report.axes import legend_below
-from reliab.report.document import Document, Figure, Paragraph, Points, Section, Table
-from reliab.report.kinds.assessment.error import quantities_table
+from reliab.report.document import Block, Document, Figure, Paragraph, Points, Section, Table, text_table
 from reliab.report.numbers import Significant, in_line
 from reliab.report.prose import Prose, prose
-from reliab.report.provenance import provenance_of
+from reliab.report.sources import provenance_of
 from reliab.report.style import BLUE, GREY, INK, PALE, VERMILION, letters, panels, styled
 from reliab.rig.drift import FALSE_ALARMS, DriftChart, drift_chart, known_effects
 from reliab.rig.prediction import Prediction
@@ -59,8 +58,10 @@ def rig_report(
         facts=_facts(table, prediction, structure),
         blocks=(
             Section(title="What the rig does", blocks=_what_it_does(table, chart, prediction)),
-            Section(title="What to expect of the next test", blocks=_next_test(prediction), new_page=True),
-            Section(title="Appendix: diagnostics", blocks=_diagnostics(prediction), new_page=True),
+            Section(
+                title="What to expect of the next test", blocks=next_test_blocks(prediction), new_page=True
+            ),
+            Section(title="Appendix: diagnostics", blocks=diagnostics_blocks(prediction), new_page=True),
         ),
         provenance=provenance_of(provenance),
         sheet=True,
@@ -111,7 +112,7 @@ def _what_it_does(
         values = values[np.isfinite(values)]
         ends = (*np.quantile(values, [0.05, 0.5, 0.95]), np.median(values[-_LAST:]))
         rows.append((_QUANTITIES[name], *(_written(name, float(value)) for value in ends)))
-    summary = quantities_table(
+    summary = text_table(
         rows,
         ("Quantity", "5 %", "Median", "95 %", f"Median of the last {min(_LAST, len(table))}"),
         caption="What the tests showed: nine of ten lie between the outer numbers.",
@@ -148,12 +149,13 @@ def _written(name: str, value: float) -> str:
     return f"{value:.4f}" if name == "A" else f"{value:.2f}"
 
 
-def _next_test(prediction: Prediction) -> tuple[Table | Paragraph | Points, ...]:
+def next_test_blocks(prediction: Prediction) -> tuple[Block, ...]:
+    """Tabulate what the next test will be, and say from what its error comes."""
     rows = [
         (_QUANTITIES[name], *(_written(name, interval[end]) for end in ("low", "median", "high")))
         for name, interval in prediction.intervals.items()
     ]
-    intervals = quantities_table(
+    intervals = text_table(
         rows,
         ("Quantity", "5 %", "Median", "95 %"),
         caption="The next test: it lies between the outer numbers in nine cases of ten.",
@@ -173,7 +175,8 @@ def _article(cause: str) -> str:
     return "errors that are neither gain nor delay, the " if cause == "remainder" else "the "
 
 
-def _diagnostics(prediction: Prediction) -> tuple[Table | Points, ...]:
+def diagnostics_blocks(prediction: Prediction) -> tuple[Block, ...]:
+    """Tabulate whether a prediction can be relied on."""
     rows = []
     for name, quantity in prediction.learned.items():
         baselines = quantity.scores_of_baselines.values()
@@ -183,7 +186,7 @@ def _diagnostics(prediction: Prediction) -> tuple[Table | Points, ...]:
     names = [name for name in prediction.log_scores if name != "hierarchical model"]
     total = [_score(value) for value in prediction.log_scores.values()]
     rows.append(("Sum", "", "", *total))
-    table = quantities_table(
+    table = text_table(
         rows,
         ("Quantity", "R-hat", "Effective draws", "Score of the model", *(f"Of {name}" for name in names)),
         caption=(

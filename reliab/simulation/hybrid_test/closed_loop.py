@@ -5,7 +5,9 @@ the piston follows, the specimen answers, and the integrator corrects. With a de
 correction is needed.
 """
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 import scipy
@@ -14,12 +16,28 @@ from reliab.core.arrays import Array, read_only
 from reliab.core.compiled import compiled
 from reliab.effects.effect import RecordEffect, Role, Setting
 from reliab.effects.integration_error import IntegrationError
-from reliab.effects.kernel import call_kernel, pointer_to
-from reliab.simulation.hybrid_test.compensator import Compensator
+from reliab.effects.kernel import Kernel, call_kernel, pointer_to
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.open_loop import Motion3, read_displacement
 from reliab.simulation.hybrid_test.stepping import STATES, Plan, call_all, plan, read_delayed
 from reliab.simulation.integrators import CoarseExplicit, ExactIntegrator, Integrator
+
+
+class Compensator(ABC):
+    """A delay compensator: it changes the command before it is sent to the actuator.
+
+    A subclass is a frozen dataclass; `studies/laboratory/compensators/` holds those of the studies.
+    """
+
+    name: ClassVar[str]  # Unique name, as files call it
+    # Called once a step with the motion of the command (displacement, velocity, acceleration), which it
+    # changes, and the last measured displacement [m]; arguments: motion, measured, step, coefficients, state
+    kernel: ClassVar[Kernel]
+
+    @abstractmethod
+    def coefficients(self, step: float) -> Array:
+        """Return what the kernel reads, for a step [s]."""
+
 
 BEYOND_ALL = 1e100
 """Command [m] beyond which a loop counts as diverged."""

@@ -7,6 +7,9 @@ line, from a₀ to a₁, that has exactly the same effect on the structure's own
 
 (two real numbers for one complex one). A mode whose pole lies near p, as it does for a small actuator error,
 then responds to the line nearly as to the record. The exact response x_I follows from the same z.
+
+In the compiled loops the mode is z' = pz + a_g. Complex numbers are multiplied in their parts, without the
+search for NaN that a compiler adds to a complex product.
 """
 
 from collections.abc import Sequence
@@ -17,10 +20,178 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.core.arrays import Array, read_only
+from reliab.core.arrays import Array, Spectrum, read_only
+from reliab.core.compiled import compiled
 from reliab.simulation.excitation import Excitation
-from reliab.simulation.linear_loop.block_kernel import Weights, cut_records, peak_of_mode
 from reliab.structures.structure import Structure
+
+_AT_SAMPLE = 1e-9  # of the record's step; a time closer than this to a sample counts as that sample's
+_NEAR_PEAK = 0.97  # a block that ends this high may hold the peak of the exact response
+_PARTS = 16  # into which such a block is divided
+
+Weights = tuple[complex, complex, complex]
+"""F₀, F₁ and decay of a mode, as of `blocks.ramp_weights`."""
+
+Way = tuple[float, float, float, float, float, float]
+"""What the mode becomes some time s after a sample, as factors of z, of the acceleration there and of its
+change to the next sample: z(t + s) = e^(ps)z + a(e^(ps) − 1)/p + a'(e^(ps) − 1 − ps)/p². Real and imaginary
+parts."""
+
+
+@compiled
+def _next(weights: Weights, x: float, y: float, a: float, b: float) -> tuple[float, float]:
+    """Give z at the next sample, up to which the acceleration goes from a to b."""
+    early, late, decay = weights
+    u = (early.real * a + late.real * b) + (decay.real * x - decay.imag * y)
+    v = (early.imag * a + late.imag * b) + (decay.real * y + decay.imag * x)
+    return u, v
+
+
+@compiled
+def at_samples(record: Array, weights: Weights) -> Array:
+    """Exact z at the samples of a record, real and imaginary part, from rest; shape (samples, 2)."""
+    z, x, y = np.zeros((record.size, 2)), 0.0, 0.0
+    for i in range(record.size - 1):
+        x, y = _next(weights, x, y, record[i], record[i + 1])
+        z[i + 1, 0], z[i + 1, 1] = x, y
+    return z
+
+
+@compiled
+def _place_of(time: float, h: float, samples: int) -> tuple[int, float]:
+    """Sample before a time [s], −1 before the record, and the time from there [s]."""
+    if time <= 0.0:
+        return -1, 0.0
+    i = min(int(time * (1.0 / h) + 1e-9), samples - 2)
+    into = time - i * h
+    return i, 0.0 if into < _AT_SAMPLE * h else into
+
+
+@compiled
+def _way(into: float, h: float, pole: complex) -> Way:
+    """Way of the mode from a sample to a time after it [s]."""
+    if into == 0.0:
+        return 1.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    inverse = 1.0 / pole
+    grown = np.exp(pole * into)
+    held = (grown - 1.0) * inverse
+    ramp = (held - into) * inverse
+    return grown.real, grown.imag, held.real, held.imag, ramp.real * (1.0 / h), ramp.imag * (1.0 / h)
+
+
+@compiled
+def _along(way: Way, x: float, y: float, a: float, b: float) -> tuple[float, float]:
+    """Give z between two samples, from z at the first and the accelerations of both."""
+    u = (way[0] * x - way[1] * y) + (a * way[2] + (b - a) * way[4])
+    v = (way[1] * x + way[0] * y) + (a * way[3] + (b - a) * way[5])
+    return u, v
+
+
+@compiled
+def _cut_record(
+    record: Array,
+    pole: complex,
+    weights: tuple[Weights, Weights],
+    edges: tuple[NDArray[np.int64], Array],
+    lines: tuple[Array, Array, Array],
+) -> None:
+    """Lines and exact response of one record, into arrays; the mode advances from sample to sample."""
+    own, (early, late, decay) = weights
+    (place, ways), (left, right, ideal) = edges, lines
+    scale = 1.0 / (early.real * late.imag - early.imag * late.real)
+    height = -1.0 / pole.imag  # x_I = −2Re(z/(p − p̄))
+    x, y, at = 0.0, 0.0, 0
+    p, q = 0.0, 0.0
+    for k in range(ideal.size):
+        i = place[k]
+        while at < i:
+            x, y = _next(own, x, y, record[at], record[at + 1])
+            at += 1
+        r, s = 0.0, 0.0
+        if i >= 0:
+            way = (ways[k, 0], ways[k, 1], ways[k, 2], ways[k, 3], ways[k, 4], ways[k, 5])
+            r, s = _along(way, x, y, record[i], record[i + 1])
+        if k > 0:
+            u = r - (decay.real * p - decay.imag * q)
+            v = s - (decay.real * q + decay.imag * p)
+            left[k - 1] = (late.imag * u - late.real * v) * scale
+            right[k - 1] = (early.real * v - early.imag * u) * scale
+        ideal[k] = s * height
+        p, q = r, s
+
+
+@compiled
+def cut_records(
+    record: tuple[Array, float],
+    poles: Spectrum,
+    weights: tuple[Spectrum, Spectrum],
+    spacings: tuple[Array, Array, NDArray[np.int64]],
+) -> tuple[Array, Array, Array]:
+    """Straight lines that drive modes from edge to edge, and the exact response there.
+
+    `spacings` [s].
+    Returns `left, right`: ground acceleration at the ends of each block, those of one mode after those of
+    another, shape (records, blocks of all modes).
+    Returns `ideal`: exact response x_I [m] at the edges of the blocks, shape (records, blocks of all modes +
+    modes).
+    """
+    (records, h), (starts, steps, counts) = record, spacings
+    number, total, most = records.shape[0], 0, 0
+    for count in counts:
+        total, most = total + count, max(most, count)
+    left, right = np.empty((number, total)), np.empty((number, total))
+    ideal = np.empty((number, total + poles.size))
+    place, ways = np.empty(most + 1, dtype=np.int64), np.empty((most + 1, 6))
+    at = 0
+    for n in range(poles.size):
+        own, longer = weights[0][n], weights[1][n]
+        both = (own[0], own[1], own[2]), (longer[0], longer[1], longer[2])
+        blocks, edges = slice(at, at + counts[n]), slice(at + n, at + n + counts[n] + 1)
+        at_sample = between = _way(0.0, h, poles[n])
+        known = 0.0
+        for k in range(counts[n] + 1):
+            place[k], into = _place_of(starts[n] + steps[n] * k, h, records.shape[1])
+            if into > 0.0 and abs(into - known) > _AT_SAMPLE * h:  # edges often lie alike between samples
+                known, between = into, _way(into, h, poles[n])
+            way = between if into > 0.0 else at_sample
+            ways[k, 0], ways[k, 1], ways[k, 2], ways[k, 3], ways[k, 4], ways[k, 5] = way
+        for m in range(number):
+            lines = left[m, blocks], right[m, blocks], ideal[m, edges]
+            _cut_record(records[m], poles[n], both, (place, ways), lines)
+        at += counts[n]
+    return left, right, ideal
+
+
+@compiled
+def peak_of_mode(
+    record: tuple[Array, float],
+    pole: complex,
+    weights: Weights,
+    ideal: Array,
+    window: tuple[float, float],
+    step: float,
+) -> float:
+    """Largest |x_I| [m] inside the window, between the edges of blocks too.
+
+    `step` [s]; `ideal` [m]; `window` [s].
+    """
+    a, h = record
+    samples = at_samples(a[0], weights)
+    high = 0.0
+    for edge in ideal:
+        high = max(high, abs(edge))
+    largest = 0.0
+    for k in range(ideal.size - 1):
+        if max(abs(ideal[k]), abs(ideal[k + 1])) >= _NEAR_PEAK * high:
+            for place in range(_PARTS + 1):
+                time = min(window[0] + step * (k + place / _PARTS), window[1])
+                i, into = _place_of(time, h, a.shape[1])
+                if i >= 0:
+                    way = _way(into, h, pole)
+                    _, y = _along(way, samples[i, 0], samples[i, 1], a[0, i], a[0, i + 1])
+                    largest = max(largest, abs(y))
+    return largest / pole.imag
+
 
 LARGEST_PHASE_STEP = 0.09
 """Largest ω₀H of a block [rad]. The sampled peak of a harmonic is then within 1e-3 of the true one; for any

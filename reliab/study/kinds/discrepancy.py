@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Final
 from reliab.core.files import written_whole
 from reliab.core.progress import Show
 from reliab.core.shipped import shipped
+from reliab.report.content import save_content, saved_content
 from reliab.report.document import Document
-from reliab.report.saved import save_content, saved_content
 from reliab.study.description import Study, Table
 from reliab.study.kind import Kind
 from reliab.study.stages import Stage, digest, made_with

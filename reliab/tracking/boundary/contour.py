@@ -169,34 +169,14 @@ def trace_contours(
     Below 10 % RMS^R hardly any contour reaches that far. On the side of leads a contour is open where no
     lead, up to the longest that is searched, reaches the threshold.
 
-    Parameters
-    ----------
-    error : callable
-        Error [-] of given amplitudes [-] and delays [s] for the contours of given indices; smallest
-        near A = 1, d = 0.
-    thresholds : numpy.ndarray
-        Error [-] on each contour, positive, shape (contours,).
-    structure : Structure
-        The structure under test, which sets the scale of amplitudes, ξ, and of delays, 1/ω₀.
-    amplitude_step : float, optional
-        Step of the amplitude [-], the paper's 0.001 by default.
-    side : Side or sequence of Side, optional
-        Side of all contours, or of each; actuators that are late by default.
+    `error`: error [-] of given amplitudes [-] and delays [s] for the contours of given indices; smallest near
+    A = 1, d = 0; `thresholds`: error [-] on each contour, positive, shape (contours,); `structure`: the
+    structure under test, which sets the scale of amplitudes, ξ, and of delays, 1/ω₀; `amplitude_step`: step
+    of the amplitude [-], the paper's 0.001 by default; `side`: side of all contours, or of each; actuators
+    that are late by default. Returns one for each threshold, each of at least eleven amplitudes; fewer points
+    where it is open; without points and corners where even the perfect actuator exceeds the threshold,
+    because the loop has other errors.
 
-    Returns
-    -------
-    list of Contour
-        One for each threshold, each of at least eleven amplitudes; fewer points where it is open;
-        without points and corners where even the perfect actuator exceeds the threshold, because the loop
-        has other errors.
-
-    Raises
-    ------
-    InputError
-        If a threshold is smaller than any test can keep, or larger than any error that is simulated.
-
-    Examples
-    --------
     >>> def error(amplitude, delay, contour):
     ...     return np.hypot(amplitude - 1.0, delay)
     >>> structure = Structure(frequency=1.0, damping_ratio=0.02)

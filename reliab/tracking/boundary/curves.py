@@ -80,8 +80,6 @@ class Ellipse(Curve):
 
     Fitted as the straight line d² = b − (b/a)(A − 1)², equation (9), with a [-] and b [ms²].
 
-    Examples
-    --------
     >>> from reliab.tracking.boundary.contour import Contour
     >>> angle = np.linspace(0.0, np.pi, 21)
     >>> circle = Contour(amplitude=1.0 + 0.01 * np.cos(angle), delay=0.002 * np.sin(angle))
@@ -112,8 +110,6 @@ class InscribedEllipse(Ellipse):
     the boundary, on d = 0, are part; so comparing these few edges gives the exact result. Where the boundary
     is cut (in amplitude) or open (towards leads), the ellipse ends where the tracing of the boundary ended.
 
-    Examples
-    --------
     >>> offset = np.linspace(-0.01, 0.01, 21)
     >>> roof = Contour(amplitude=1.0 + offset, delay=0.002 * (1.0 - np.abs(offset) / 0.01))
     >>> inside, fitted = InscribedEllipse.fit(roof), Ellipse.fit(roof)

@@ -90,22 +90,9 @@ def first_order_ellipse(excitation: Excitation, structure: Structure) -> FirstOr
 def ellipse_of_response(response: Array, time_step: float, structure: Structure) -> FirstOrderEllipse:
     """Predict the ellipse of RMS^R from the exact response of the structure, as a test shows it.
 
-    Parameters
-    ----------
-    response : numpy.ndarray
-        Exact displacement from rest, in any unit, shape (n,).
-    time_step : float
-        Step between samples [s].
-    structure : Structure
-        The structure under test.
+    `response`: exact displacement from rest, in any unit, shape (n,); `time_step`: step between samples [s].
+    Returns a and b per squared error, over the whole response.
 
-    Returns
-    -------
-    FirstOrderEllipse
-        a and b per squared error, over the whole response.
-
-    Examples
-    --------
     A steady resonance, long after it began: a = 4 ξ² ε² T/T_x, and T_x is half of the length.
 
     >>> steady = np.sin(0.01 * np.pi * np.arange(80_000))

@@ -9,7 +9,7 @@ import numpy as np
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.effects.kernel import Kernel, Numbers
-from reliab.simulation.hybrid_test.compensator import Compensator
+from reliab.simulation.hybrid_test.closed_loop import Compensator
 
 from .low_pass import butterworth_sections, filter_two
 

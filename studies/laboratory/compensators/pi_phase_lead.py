@@ -9,7 +9,7 @@ import numpy as np
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.effects.kernel import Kernel, Numbers
-from reliab.simulation.hybrid_test.compensator import Compensator
+from reliab.simulation.hybrid_test.closed_loop import Compensator
 
 
 def _control(motion: Numbers, measured: float, step: float, coefficients: Numbers, state: Numbers) -> float:

@@ -12,9 +12,8 @@ from reliab.criterion.provenance import records_checksum
 from reliab.report.document import Column, Document, Paragraph, Section, Table
 from reliab.report.numbers import Fixed, Shortest, Significant, in_line
 from reliab.report.prose import Prose, prose
-from reliab.report.provenance import provenance_of
 from reliab.report.sections.method import limits_section, method_section
-from reliab.report.sources import SOURCES
+from reliab.report.sources import SOURCES, provenance_of
 from reliab.sweep.shares import share_of
 
 from ..audit import items_of, tabulate

@@ -13,7 +13,7 @@ TEST = str(shipped("datasets", "sample_test/test.csv"))
 STRUCTURE = ("--f", "1", "--xi", "0.02")
 QUESTIONS = {
     "assess": ["assess", TEST, *STRUCTURE],
-    "design": ["assess", "--design", *STRUCTURE],
+    "design": ["design", *STRUCTURE],
     "monitor": ["monitor", TEST, *STRUCTURE, "--wait", "0.05"],
     "criterion": ["criterion", "--ellipses", "real_suite", *STRUCTURE],
 }

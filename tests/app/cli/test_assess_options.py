@@ -6,7 +6,7 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from reliab.app.cli.assess.command import assess
+from reliab.app.cli.assess import assess
 
 app = typer.Typer()
 app.command()(assess)
@@ -53,14 +53,11 @@ WITHOUT = {
     "--delimiter": ("bar.csv", *PLAIN),
 }
 SEEN_ELSEWHERE = {
-    "--design": "tests/app/cli/test_assess.py",
     **dict.fromkeys(
         ("--specimen", "--corrected", "--force-channel"), "tests/assessment/test_measured_specimen.py"
     ),
-    "--same-test": "tests/app/cli/test_assess_several.py",
     "--details": "tests/app/cli/test_assess.py",
     "--check": "tests/app/cli/test_assess.py",
-    "--figure": "tests/app/cli/test_assess.py",
     "--report": "test_a_report_and_a_json_file_are_written",
     "--date": "test_a_report_and_a_json_file_are_written",
     **dict.fromkeys(("--title", "--paper", "--laboratory", "--logo"), "tests/report/test_setting.py"),

@@ -30,8 +30,8 @@ def folder(tmp_path_factory):
 def ask(folder, monkeypatch, capsys):
     monkeypatch.chdir(folder)
 
-    def call(*arguments):
-        code = cli.run(["assess", *arguments, *PLAIN])
+    def call(*arguments, command="assess"):
+        code = cli.run([command, *arguments, *PLAIN])
         return code, *capsys.readouterr()
 
     return call
@@ -118,21 +118,21 @@ def runs(folder):
     table = pd.read_csv(folder / "good.csv", comment="#")
     late = table["command_m"] + 1.5 * (table["measured_m"] - table["command_m"])
     table.assign(measured_m=late).to_csv(folder / "late.csv", index=False)
-    return ("good.csv", "late.csv", "--same-test")
+    return ("good.csv", "late.csv")
 
 
 def test_runs_of_the_same_test_are_judged_together(ask, runs):
-    content = json.loads(ask(*runs, "--json", "-")[1])
+    content = json.loads(ask(*runs, "--json", "-", command="extrapolate")[1])
     assert [run["file"] for run in content["runs"]] == ["good.csv", "late.csv"]
     assert "third run" in content["warnings"][0]
-    _, out, _ = ask(*runs)
+    _, out, _ = ask(*runs, command="extrapolate")
     assert "2 runs of one test, RMS against 5 %" in out
     assert f"{100 * content['runs'][0]['error']['value']:.2f} %" in out
 
 
 def test_one_run_or_a_faulty_one_is_no_same_test(ask):
-    assert "two tests or more" in ask("good.csv", "--same-test")[2]
-    code, _, error = ask("good.csv", "faulty.csv", "--same-test")
+    assert "two tests or more" in ask("good.csv", command="extrapolate")[2]
+    code, _, error = ask("good.csv", "faulty.csv", command="extrapolate")
     assert code == 2
     assert "Every run of the same test" in error
 

@@ -40,5 +40,5 @@ def test_what_only_a_verdict_has_is_no_option(files, capsys):
 
 
 def test_compare_has_the_options_of_a_verdict_and_no_others(files, capsys):
-    assert run(["compare", *files, "--f", "1", "--xi", "0.05", "--same-test"]) == 2
-    assert "--same-test" in capsys.readouterr().err
+    assert run(["compare", *files, "--f", "1", "--xi", "0.05", "--corrected", "a.csv"]) == 2
+    assert "--corrected" in capsys.readouterr().err

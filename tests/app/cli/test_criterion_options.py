@@ -265,7 +265,7 @@ def numbers(found):
 
 
 def test_a_model_goes_to_the_simulation(sources, monkeypatch):
-    from reliab.app.api import boundaries as source_of_ellipses
+    from reliab.app.api import sources as source_of_ellipses
     from reliab.sweep.ellipse_file import open_ellipses
 
     asked = {}

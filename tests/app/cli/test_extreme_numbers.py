@@ -10,7 +10,7 @@ from reliab.motions.motion import Motion
 from reliab.motions.suite import MotionSuite
 from reliab.motions.writing import write_suite
 
-DESIGN = ("assess", "--design")
+DESIGN = ("design",)
 TEST = ("assess", "sample_test", "--f", "1", "--xi", "0.02")
 ELLIPSES = ("ellipses", "--motions", "MOTIONS", "--f", "1", "--xi", "0.02")
 OPTIONS = [

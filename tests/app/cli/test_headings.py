@@ -4,32 +4,26 @@ from types import SimpleNamespace
 
 import pytest
 
-from reliab.app.cli import calibrate, ellipses, output, validate
-from reliab.app.cli.assess.shown_design import show_design
-from reliab.app.cli.assess.shown_test import show_several
+from reliab.app.cli import calibrate, validate
+from reliab.app.cli.assess import show_design
 from reliab.app.cli.criterion import show_criteria
+from reliab.app.cli.shown_verdict import show_several
 from reliab.assessment.design import Tolerance
 from reliab.core.stated_value import StatedValue
+from reliab.report import terminal
 
 
 @pytest.fixture
 def drawn(monkeypatch):
     """Tables that were printed, by their titles: headings with how they stand, and rows."""
-    seen, make = {}, output.table
+    seen, make = {}, terminal.rich_table
 
-    def table(title, headings):
-        shown = make(title, headings)
-        seen.setdefault(title or f"table {len(seen)}", shown)
+    def rich_table(table):
+        shown = make(table)
+        seen.setdefault(table.caption or f"table {len(seen)}", shown)
         return shown
 
-    for module in (
-        *(calibrate, ellipses, validate),
-        *(
-            __import__(each.__module__, fromlist=["table"])
-            for each in (show_design, show_several, show_criteria)
-        ),
-    ):
-        monkeypatch.setattr(module, "table", table)
+    monkeypatch.setattr(terminal, "rich_table", rich_table)
     return seen
 
 

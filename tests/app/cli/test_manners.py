@@ -127,7 +127,7 @@ ENDINGS = {
     "assess sample_test --f 1 --xi 0.02 --report": ".pdf",
     "assess sample_test --f 1 --xi 0.02 --out": ".csv",
     "assess sample_test --f 1 --xi 0.02 --corrected": ".csv or .nc",
-    "assess --design --f 1 --xi 0.02 --figure": ".svg or .png or .pdf",
+    "design --f 1 --xi 0.02 --figure": ".svg or .png or .pdf",
     "compare sample_test sample_test --f 1 --xi 0.02 --out": ".csv",
     "compare sample_test sample_test --f 1 --xi 0.02 --figure": ".svg or .png or .pdf",
     "criterion --ellipses real_suite --f 1 --xi 0.02 --out": ".json",

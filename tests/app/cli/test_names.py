@@ -11,7 +11,7 @@ from fuzz.damage import write
 from motions.conftest import AT2
 
 from reliab.app.cli import run
-from reliab.app.cli.output import console, table
+from reliab.app.cli.output import console, show_table
 from reliab.app.cli.printable import printable
 from reliab.sweep.ellipse_file import write_ellipses
 
@@ -30,10 +30,8 @@ NAMES = {
 
 @pytest.mark.parametrize("name", NAMES.values(), ids=NAMES)
 def test_a_terminal_shows_a_name_as_it_is(name, capsys):
-    shown = table(name, {name: "left"})
-    shown.add_row(name)
     console().print(name)
-    console().print(shown)
+    show_table(name, (name,), [(name,)])
     written = capsys.readouterr().out
     assert not set(written) & set("\x1b\x07\x08\r\x9b\u202e\u2066\u2028")
     if len(name) < 100 and printable(name) == name:

@@ -178,11 +178,11 @@ def test_no_character_of_ours_becomes_a_question_mark():
 
 
 def test_bars_and_tolerances_are_written_out(run_with):
-    code, design, _ = run_with("ascii", ["assess", "--design", *STRUCTURE])
+    code, design, _ = run_with("ascii", ["design", *STRUCTURE])
     assert code == 0
     assert "########" in design.decode("ascii")
     assert "?" not in design.decode("ascii")
-    code, _, refusal = run_with("ascii", ["assess", "--design", "--f", "1±0.01", "--xi", "0.02"])
+    code, _, refusal = run_with("ascii", ["design", "--f", "1±0.01", "--xi", "0.02"])
     assert code == 2
     assert b"found --f 1 +- 0.01." in refusal
 
@@ -193,7 +193,7 @@ def test_bars_are_drawn_and_tolerances_read_in_the_c_locale():
     environment = {name: text for name, text in os.environ.items() if name != "PYTHONIOENCODING"}
 
     def asked(frequency):
-        program = [sys.executable, "-m", "reliab", "assess", "--design", "--f", frequency, "--xi", "0.02"]
+        program = [sys.executable, "-m", "reliab", "design", "--f", frequency, "--xi", "0.02"]
         return subprocess.run(  # noqa: S603 - this very package
             program, capture_output=True, env={**environment, **locale}, check=False
         )

@@ -12,7 +12,9 @@ from parsed import nodes
 
 import reliab
 from reliab.app.cli import run
-from reliab.app.cli.output import console, table, write_what_can_be_written
+from reliab.app.cli.output import console, show_table, write_what_can_be_written
+from reliab.report.document import text_table
+from reliab.report.terminal import rich_table
 
 LAW = ("criterion", "--law", "guo_2017_18", "--f", "1", "--xi", "0.02")
 QUICK = (("--help",), ("criterion", "--help"), ("info",))
@@ -89,10 +91,7 @@ def test_a_full_disk_is_bad_input_and_no_answer():
 @pytest.mark.parametrize("length", [3, 50, 700])
 def test_no_cell_and_no_row_of_a_table_is_broken_in_a_pipe(length, capsys):
     cells = [[chr(ord("a") + column) * length + str(row) for column in range(12)] for row in range(3)]
-    shown = table("A title", {f"heading {cell}": "left" for cell in cells[0]})
-    for row in cells:
-        shown.add_row(*row)
-    console().print(shown)
+    show_table("A title", [f"heading {cell}" for cell in cells[0]], cells)
     printed = capsys.readouterr().out
     assert "…" not in printed
     for row in cells:
@@ -101,7 +100,7 @@ def test_no_cell_and_no_row_of_a_table_is_broken_in_a_pipe(length, capsys):
 
 def test_sentences_after_a_wide_table_are_broken_as_before_it(capsys):
     terminal, sentence = console(), "words " * 60
-    for shown in (sentence, table("", {"x" * 500: "left"}), sentence):
+    for shown in (sentence, rich_table(text_table([], ["x" * 500], caption="")), sentence):
         terminal.print(shown)
     lines = capsys.readouterr().out.splitlines()
     assert lines[:3] == lines[-3:]

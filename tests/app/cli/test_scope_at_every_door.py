@@ -99,7 +99,7 @@ def test_the_criterion(case, capsys):
 
 
 def test_the_design(case, capsys):
-    asked = ("assess", "--design", "--criterion", case.folder / "criterion.json", "--f", F, "--xi", XI)
+    asked = ("design", "--criterion", case.folder / "criterion.json", "--f", F, "--xi", XI)
     screen = said(capsys, *asked)
     assert "100 ground motions of 19 earthquakes" in screen
     assert case.states(screen) == (case.promised is not None)

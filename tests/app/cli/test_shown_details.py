@@ -5,13 +5,11 @@ from types import SimpleNamespace
 
 import pytest
 
-from reliab.app.cli.assess.shown_briefly import show_briefly
-from reliab.app.cli.assess.shown_frame import show_frame
 from reliab.app.cli.criterion import _show_own_boundary
-from reliab.app.cli.diagnose import _show
 from reliab.app.cli.monitor import _export
 from reliab.app.cli.record import _check
 from reliab.app.cli.rig import show_added
+from reliab.app.cli.shown_verdict import show_briefly, show_degrees
 from reliab.app.cli.validate import show_criteria as show_rates
 
 
@@ -21,83 +19,9 @@ def wide(monkeypatch):
     monkeypatch.setenv("COLUMNS", "400")
 
 
-def rows_of(text):
-    """Cells of printed tables, row by row."""
-    cells = [[cell.strip() for cell in re.split(r"[│┃|]", line)[1:-1]] for line in text.splitlines()]
-    return [row for row in cells if len(row) > 1]
-
-
-MODE = {"f_hz": 1.25, "xi": 0.03, "alpha": 0.4, "A": 0.9912, "d_ms": 1.234}
-LENGTH = {"value": 1.234, "low": 1.1, "high": 1.3}
-RESPONSE = {
-    "name": "storey 2", "rms_mm": LENGTH, "peak_mm": {**LENGTH, "value": 2.345},
-    "rms": {"value": 0.0123, "low": 0.01, "high": 0.02}, "mte": {"value": 0.0456, "low": 0.04, "high": 0.05},
-}  # fmt: skip
-BUDGET = [
-    {
-        "quantity": "damping ratio",
-        "size": 15.0,
-        "unit": "%",
-        "source": "default",
-        "contribution": 0.0123,
-        "remedy": "Measure it.",
-    },
-]
-FRAME = {
-    "budget": BUDGET,
-    "structure": "portal", "A": 0.9876, "d_ms": 2.345, "critical_delay_ms": 12.5, "stability_margin": 0.812,
-    "by_index": {"index": 0.444, "verdict": "not_reliable"},
-    "error": {"parts": {"delay": {"rms": 0.0321}}},
-    "modes": [MODE, {**MODE, "f_hz": 3.5, "A": None, "d_ms": None}],
-    "over_frequency": {"frequency_hz": [0.5, 2.0, 8.0], "error": {"rms": 0.0123, "remaining_rms": 0.0045}},
-    "warnings": ["Look at this."], "notes": ["A remark."],
-    "responses": {
-        "unit": "mm",
-        "each": [RESPONSE, {**RESPONSE, "name": "floor 1", "rms": None, "mte": None}],
-        "in_words": "Of storeys.",
-    },
-    "recording": {"channels": [{"channel": "command", "column": "u", "unit": "mm", "reason": "its name"}]},
-}  # fmt: skip
-
-
-def show_all(content):
-    show_frame(content, details=True)
-
-
 def printed(capsys, show, *arguments):
     show(*arguments)
     return capsys.readouterr().out
-
-
-def test_details_of_a_frame_stand_beside_their_names(capsys):
-    text = printed(capsys, show_all, FRAME)
-    lines = [" ".join(re.sub(r"[│┃]", " ", line).split()) for line in text.splitlines()]
-    for line in (
-        "Test of portal", "delay 3.21 %", "A 0.9876", "d 2.345 ms", "critical delay 12.500 ms",
-        "stability margin 0.812", "index of the criterion 0.444: not reliable",
-        "Tracking at the modes of the structure",
-        "1 1.250 0.0300 0.400 0.9912 1.234", "2 3.500 0.0300 0.400 unknown unknown",
-        "Errors of floors and storeys", "Of storeys.", "damping ratio 15 % default 1.23 %",
-        "storey 2 1.23 (1.1 to 1.3) 2.35 (1.1 to 1.3) 1.23 % (1.00 to 2.00 %) 4.56 % (4.00 to 5.00 %)",
-        "floor 1 1.23 (1.1 to 1.3) 2.35 (1.1 to 1.3) unknown unknown",
-        "Warning: Look at this.", "Note: A remark.", "Channels: command = 'u' (mm; its name).",
-        "A and d over frequency are known from 0.5 to 8 Hz and account for an RMS^R of 1.23 %; without them 0.45 % would remain.",  # noqa: E501
-    ):  # fmt: skip
-        assert line in lines, line
-
-
-def test_a_frame_whose_numbers_are_not_known_says_so(capsys):
-    unknown = {
-        **FRAME, "critical_delay_ms": None, "stability_margin": None, "over_frequency": None,
-        "by_index": {"index": None, "verdict": "undecided"},
-    }  # fmt: skip
-    text = printed(capsys, show_all, unknown)
-    lines = [" ".join(re.sub(r"[│┃]", " ", line).split()) for line in text.splitlines()]
-    assert {"critical delay none", "stability margin none"} <= set(lines)
-    assert "index of the criterion unknown: undecided" in lines
-    assert "over frequency" not in text
-    without = printed(capsys, show_all, {**FRAME, "by_index": None})
-    assert "index of the criterion" not in without
 
 
 def test_the_boundary_of_a_motion_itself_is_a_row_for_each_structure(capsys):
@@ -106,46 +30,6 @@ def test_the_boundary_of_a_motion_itself_is_a_row_for_each_structure(capsys):
     assert "Boundary of NGA_1 itself" in text
     numbers = [line.replace("│", " ").split() for line in text.splitlines() if "0.03" in line]
     assert numbers == [[f, "0.03", "0.04", "0.000111", "2.22"] for f in ("1.25", "2.5")]
-
-
-def test_a_diagnosis_is_printed_with_its_places_unknowns_remarks_and_proof(capsys):
-    finding = SimpleNamespace(
-        block="specimen", kind="velocity_reversal", share_of_residual=0.37, chance="2e-04", test="t3",
-        band=(0.5, 2.0), time=(3.0, 17.0), begin="1 mm, 20 mm/s",
-    )  # fmt: skip
-    gap = SimpleNamespace(
-        conclusion="90 % closed", floor=0.0012, source="at rest", held_out=["t7", "t8"],
-        channel="force_n", before=0.1111, after=0.0222, tests_after=[0.02, 0.03],
-        by_test=[SimpleNamespace(files=["t8"], kind="sine", before=0.11, after=0.03)],
-    )  # fmt: skip
-    unknown = SimpleNamespace(block="specimen", expression="3 x³", description="a bent spring")
-    fits = [SimpleNamespace(), SimpleNamespace()]
-    block = SimpleNamespace(
-        unknown=unknown, gap=gap, held_out="t7, t8", block=SimpleNamespace(block="specimen"), effects=(),
-        doubtful=(), best=fits[0],
-        candidates=[
-            SimpleNamespace(fit=fit, names=names, left_out=0.04, held_out=0.02)
-            for fit, names in zip(fits, (("hysteresis", "gap"), ()), strict=True)
-        ],
-    )  # fmt: skip
-    diagnosis = SimpleNamespace(
-        where=[finding], effects=(), doubtful=(), blocks=[block], remarks=["Nothing else."]
-    )
-    text = printed(capsys, _show, diagnosis)
-    flat = " ".join(re.sub(r"[│┃]", " ", text).split())
-    assert "Where the calibrated model fails" in text
-    assert "specimen velocity reversal 37 % 2e-04 t3 0.5 to 2 3 to 17 1 mm, 20 mm/s" in flat
-    assert "→ hysteresis + gap 0.0400 0.0200 calibration alone 0.0400" in flat
-    assert "Unknown effect in the specimen: 3 x³" in text
-    assert "Nothing else." in text
-    assert (
-        "held-out t7, t8, force_n: error over the signal's RMS 0.1111 before, 0.0222 after, "
-        "noise 0.0012 (at rest); 90 % closed." in flat
-    )
-    assert "; 90 % closed. The least explained test" in flat
-    assert "The least explained test is t8 (sine): 0.1100 before, 0.0300 after." in flat
-    unknown.expression = ""
-    assert "Unknown effect in the specimen: a bent spring" in printed(capsys, _show, diagnosis)
 
 
 RATE = {"rate": 0.9, "low": 0.8, "high": 0.95}
@@ -219,9 +103,13 @@ DEGREE = {
     "parts": {"actuator_1_gain": {"rms": 0.0111}, "actuator_2_delay": {"rms": 0.0022}},
 }  # fmt: skip
 SEVERAL = {
-    "budget": BUDGET,
-    "responses": FRAME["responses"],
-    "modes": [{**MODE, "A": None, "d_ms": None}], "metric": "rms", "threshold": 0.01, "probability": 0.02,
+    "budget": [
+        {
+            "quantity": "damping ratio", "size": 15.0, "unit": "%", "source": "default",
+            "contribution": 0.0123, "remedy": "Measure it.",
+        }
+    ],
+    "metric": "rms", "threshold": 0.01, "probability": 0.02,
     "verdict": "not_reliable", "reasons": ["First of all this.", "It exceeds the threshold."],
     "would_decide": ["a longer test"], "structure": "corner", "warnings": ["Look at this."],
     "notes": ["A remark."],
@@ -243,14 +131,10 @@ def lines_of(text):
     return [" ".join(re.sub(r"[│┃]", " ", line).split()) for line in text.splitlines()]
 
 
-def shown_of_several(capsys, content, *, details):
-    show_briefly(content, without_details=not details)
-    show_frame(content, details=details)
-    return lines_of(capsys.readouterr().out)
-
-
 def test_a_test_with_several_actuators_is_shown_by_degree_of_freedom(capsys):
-    lines = shown_of_several(capsys, SEVERAL, details=False)
+    show_briefly(SEVERAL, without_details=True)
+    show_degrees(SEVERAL)
+    lines = lines_of(capsys.readouterr().out)
     for line in (
         "NOT RELIABLE: RMS^R of x is 1.23 %, below 1 % with probability 0.02", "First of all this.",
         "Next step: a longer test",
@@ -264,29 +148,6 @@ def test_a_test_with_several_actuators_is_shown_by_degree_of_freedom(capsys):
     assert row.endswith(" 0.87")
     assert row.index("1.23") < row.index("3.4")
     assert not any("Note" in line or "each part" in line for line in lines)
-
-
-def test_details_of_a_test_with_several_actuators_are_its_parts_channels_and_notes(capsys):
-    sentence = (
-        "The critical delay is common to all actuators: with it the loop oscillates at 3.21 Hz in the motion "
-    )
-    lines = shown_of_several(capsys, SEVERAL, details=True)
-    assert f"{sentence}x 0.9, theta 0.43." in lines
-    assert {"critical delay 12.340 ms", "stability margin 0.812", "A of actuator 2 1.0123"} <= set(lines)
-    assert "1 1.250 0.0300 0.400 unknown unknown" in lines
-    calm = {
-        **SEVERAL, "critical_delay_ms": None, "error": {**SEVERAL["error"], "improve_first": None},
-    }  # fmt: skip
-    lines = shown_of_several(capsys, calm, details=True)
-    assert "RMS^R of each part of the error" in " ".join(lines)
-    assert "gain of actuator 1 1.11 %" in lines
-    assert "delay of actuator 2 0.22 %" in lines
-    assert "damping ratio 15 % default 1.23 %" in lines
-    assert "floor 1 1.23 (1.1 to 1.3) 2.35 (1.1 to 1.3) unknown unknown" in lines
-    assert "Channels: command = 'u' (mm; its name)." in lines
-    assert "Note: A remark." in lines
-    assert "Improve first: no single part." in " ".join(lines)
-    assert not any(line.startswith(("The critical delay", "For all results")) for line in lines)
 
 
 def test_tests_added_to_a_rig_are_shown_with_what_was_there_and_what_failed(capsys):

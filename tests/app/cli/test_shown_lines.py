@@ -17,12 +17,6 @@ def wide(monkeypatch):
     monkeypatch.setenv("COLUMNS", "400")
 
 
-def rows_of(text):
-    """Cells of a printed table, row by row, with the headings first."""
-    cells = [[cell.strip() for cell in re.split(r"[│┃|]", line)[1:-1]] for line in text.splitlines()]
-    return [row for row in cells if len(row) > 1]
-
-
 ROW = {
     "f": 1.25, "xi": 0.03, "alpha": 0.75, "threshold": 0.04, "position": "inside", "confidence": 0.9,
     "a": 1.11e-4, "b": 2.22, "amplitude_limit": 0.0333, "delay_limit_ms": 4.44, "lead_limit_ms": 5.55,
@@ -86,10 +80,9 @@ def test_every_fault_has_its_file_line_rule_value_and_remedy(capsys):
     _show_faults(faults, 9, ["/records"])
     text = capsys.readouterr().out
     assert "2 faults in 2 files" in text
-    assert rows_of(text) == [
-        ["file", "line", "rule", "found", "remedy"],
+    assert [re.split(r" {2,}", line.strip()) for line in text.splitlines() if "at2" in line] == [
         ["a.at2", "7", "A rule", "1 value", "A remedy"],
-        ["b.at2", "", "Another", "2 values", "None"],
+        ["b.at2", "Another", "2 values", "None"],
     ]
     _show_notes(faults[:1], ["/records"])
     assert capsys.readouterr().out == "Note: a.at2: 1 value. A remedy.\n"

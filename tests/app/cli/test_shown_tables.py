@@ -1,14 +1,11 @@
 """Tables on the terminal show the numbers that the JSON holds."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from rich.console import Console
 
 from reliab.app.api.followed_test import Message
 from reliab.app.cli import validate
-from reliab.app.cli.diagnose import _show_effects
 from reliab.app.cli.monitor import _table
 from reliab.assessment.rebuilt_error.running_error import Monitor
 from reliab.core.vocabulary import Metric
@@ -27,22 +24,6 @@ def test_probabilities_are_shown_beside_the_share_of_good_tests(truth, noted, ca
     for part in ("leave one event out", "90.0 %", "85", "43"):
         assert part in shown
     assert ("llipse" in shown) is noted
-
-
-def test_missing_effects_are_shown_with_their_parameters_and_bounds(capsys):
-    effect = SimpleNamespace(
-        name="friction",
-        probability=0.987,
-        parameter_texts=("force_n 12.35 N", "other_n (on a bound)"),
-        error_with=0.0123,
-        error_without=0.4,
-    )
-    _show_effects(SimpleNamespace(effects=(effect,), doubtful=()))
-    shown = words_of(capsys.readouterr().out)
-    for part in ("12.35 N", "0.987", "other_n (on a bound)", "0.4000 → 0.0123"):
-        assert part in shown
-    _show_effects(SimpleNamespace(effects=(), doubtful=()))
-    assert capsys.readouterr().out == ""
 
 
 def test_the_table_of_a_running_test_grows_with_what_is_known():

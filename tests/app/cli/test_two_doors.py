@@ -25,8 +25,8 @@ from reliab.simulation.hybrid_test.model_file import read_model
 DRAWS = 200
 COMMAND = typer.main.get_group(cli.application())
 OF_THE_TERMINAL = {
-    *("design", "figure", "report", "title", "date", "paper", "laboratory", "logo"),
-    *("out", "corrected", "details", "check", "json_target", "same_test", "help"),
+    *("report", "title", "date", "paper", "laboratory", "logo"),
+    *("out", "corrected", "details", "check", "json_target", "help"),
 }
 TESTS = [
     *[["test.csv"]] * 16,

@@ -8,7 +8,7 @@ from cli.test_names import NAMES
 
 from reliab.criterion.ellipse_sample import EllipseSample
 from reliab.report.axes import plain
-from reliab.report.kinds.criterion.motions import event_forest
+from reliab.report.kinds.criterion.report import event_forest
 from reliab.report.style import svg
 
 

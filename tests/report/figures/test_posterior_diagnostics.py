@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from reliab.report.figures.posterior_diagnostics import pairs, ranks, traces
+from reliab.report.figures.parameter_distributions import pairs, ranks, traces
 from reliab.report.style import svg
 from reliab.sampling.posterior_sample import PosteriorSample
 

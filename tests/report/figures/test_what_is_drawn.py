@@ -20,17 +20,19 @@ from reliab.report.figures.measured_test import error_over_time, tracking_overvi
 from reliab.report.figures.parameter_distributions import (
     ParameterSeries,
     ellipses_and_criterion,
+    pairs,
     parameter_correlation,
     parameter_distributions,
     parameters_over_damping_ratio,
     parameters_over_frequency,
     posterior_and_predictive,
     quantile_quantile,
+    ranks,
+    traces,
 )
-from reliab.report.figures.posterior_diagnostics import pairs, ranks, traces
 from reliab.report.figures.tests_by_error import tolerable_errors_over_frequency
 from reliab.report.kinds.assessment.frame import amplitude_and_delay_over_frequency
-from reliab.report.kinds.criterion.motions import event_forest
+from reliab.report.kinds.criterion.report import event_forest
 from reliab.report.kinds.criterion.result import criterion_surfaces
 from reliab.report.sections.rates import calibration_curve, coverage_by_frequency
 from reliab.report.style import svg

@@ -5,7 +5,7 @@ import pytest
 from reliab_studies.laboratory.laboratory import Rig, run_laboratory
 
 from reliab.core.errors import InputError
-from reliab.simulation.frames.loop_poles import pole_loop
+from reliab.simulation.frames.reduced_loop import pole_loop
 from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.simulation.integrators import CentralDifference, ChenRicles

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 from typer.testing import CliRunner
 
-from reliab.app.api.boundaries import ellipses
+from reliab.app.api.sources import ellipses
 from reliab.app.cli import application
 from reliab.core.errors import InputError
 from reliab.effects.registry import find_effect, library

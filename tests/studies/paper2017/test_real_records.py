@@ -14,7 +14,7 @@ from reliab.simulation.excitation import Excitation
 from reliab.structures.structure import Structure
 from reliab.sweep.ellipse_table import EllipseRequest, trace_ellipses
 from reliab.tracking.boundary.first_order import first_order_ellipse
-from reliab.validation.law_comparison import compare_laws
+from reliab.validation.comparison import compare_laws
 
 pytestmark = pytest.mark.slow
 

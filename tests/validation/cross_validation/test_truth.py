@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from reliab.app.api.boundaries import ellipses as api_ellipses
 from reliab.app.api.simulation import simulate
+from reliab.app.api.sources import ellipses as api_ellipses
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import Side
 from reliab.criterion.laws.registry import OF_MANY_MOTIONS

@@ -1,10 +1,9 @@
 """The error of a test and where it comes from, for its report."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Final, Literal
 
 import numpy as np
-import pandas as pd
 
 from reliab.assessment.assessment import Assessment
 from reliab.assessment.budget.budget import BudgetItem
@@ -18,7 +17,7 @@ from reliab.core.significant_digits import percent, percent_with_interval, signi
 from reliab.core.vocabulary import MILLI, PERCENT, Metric
 from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
-from reliab.report.document import Column, Figure, Table
+from reliab.report.document import Figure, Table, text_table
 from reliab.report.figures.measured_test import error_over_time
 from reliab.report.numbers import MISSING
 from reliab.report.prose import Prose, prose
@@ -41,7 +40,7 @@ def errors_table(error: ErrorOfTest, recording: Recording) -> Table:
     for name, share in error.parts.by_name.items():
         remaining = f"{PERCENT * share.remaining_rms:.2f}"
         rows.append((f"RMSᴿ from {PART_NAMES[name]} alone", f"{PERCENT * share.rms:.2f}", "", remaining))
-    return quantities_table(
+    return text_table(
         rows,
         ("Error, over the peak of the exact displacement", "Found [%]", "90 % interval", "Without it"),
         caption=(
@@ -68,7 +67,7 @@ def budget_table(budget: tuple[BudgetItem, ...]) -> Table:
         )
         for item in budget
     ]
-    return quantities_table(
+    return text_table(
         rows,
         ("Not known exactly", "Its deviation", "Source", "Effect on the error [%]"),
         caption=(
@@ -97,7 +96,7 @@ def responses_table(responses: ResponseErrors) -> Table:
         )
         for response in responses.each
     ]
-    return quantities_table(
+    return text_table(
         rows,
         ("Response", f"RMS [{responses.unit}]", f"Largest [{responses.unit}]", "RMSᴿ", "MTEᴿ"),
         caption="Deviation of the computed floors and storeys from those of the undisturbed "
@@ -178,20 +177,4 @@ def advice(assessment: Assessment) -> Prose:
             if off > 0.0
             else "At its own delay it is not accepted with any amplitude.",
         )
-    )
-
-
-def quantities_table(
-    rows: Sequence[tuple[str, ...]], headings: Sequence[str], *, caption: Prose, label: str
-) -> Table:
-    """Tabulate quantities."""
-    frame = pd.DataFrame(rows, columns=[str(place) for place in range(len(headings))])
-    return Table(
-        frame=frame,
-        columns=tuple(
-            Column(key=key, heading=heading, wide=key == "0")
-            for key, heading in zip(frame.columns, headings, strict=True)
-        ),
-        caption=caption,
-        label=label,
     )

@@ -13,7 +13,7 @@ from reliab.assessment.verdict import Word, next_steps, probability_text
 from reliab.core.significant_digits import percent, share_in_words, significant
 from reliab.core.vocabulary import MILLI, PERCENT
 from reliab.report.axes import legend_below
-from reliab.report.document import Block, Document, Figure, Paragraph, Points, Section, Table
+from reliab.report.document import Block, Document, Figure, Paragraph, Points, Section, Table, text_table
 from reliab.report.kinds.assessment.error import (
     TONES,
     budget_table,
@@ -21,13 +21,11 @@ from reliab.report.kinds.assessment.error import (
     errors_table,
     histories_figure,
     improve_first,
-    quantities_table,
     responses_table,
 )
 from reliab.report.numbers import MISSING
 from reliab.report.prose import Prose, prose
-from reliab.report.provenance import provenance_of
-from reliab.report.sources import SOURCES
+from reliab.report.sources import SOURCES, provenance_of
 from reliab.report.style import BLUE, GREY, PALE, VERMILION, panels, styled
 from reliab.tracking.indices.tracking_over_frequency import TrackingOverFrequency
 
@@ -155,7 +153,7 @@ def _cautions(assessment: JudgedFrame) -> list[Prose]:
 def _over_frequency(assessment: FrameAssessment) -> tuple[Block, ...]:
     resolved, tracked = assessment.over_frequency, assessment.resolved
     if resolved is None or tracked is None:
-        return (_indices(assessment), _modes(assessment))
+        return (_indices(assessment), modes_table(assessment))
     tracking = assessment.tracking
     figure = Figure(
         drawing=amplitude_and_delay_over_frequency(
@@ -174,7 +172,7 @@ def _over_frequency(assessment: FrameAssessment) -> tuple[Block, ...]:
         f"without them {percent(tracked.remaining_rms, decimals=2)} would remain, which no gain and delay "
         "describes: noise, friction, saturation, or a force that was fed back late."
     )
-    return (_indices(assessment), _modes(assessment), Paragraph(text=text), figure)
+    return (_indices(assessment), modes_table(assessment), Paragraph(text=text), figure)
 
 
 def _indices(assessment: FrameAssessment) -> Table:
@@ -193,7 +191,7 @@ def _indices(assessment: FrameAssessment) -> Table:
         ("Free share of this delay [%]", MISSING if margin is None else f"{PERCENT * margin:.1f}", ""),
         ("Noise in the measured displacement [%]", f"{PERCENT * tracking.noise_share:.2f}", ""),
     ]
-    return quantities_table(
+    return text_table(
         rows,
         ("Quantity", "Found", f"{percent(LEVEL, decimals=0)} interval"),
         caption=prose(
@@ -203,9 +201,10 @@ def _indices(assessment: FrameAssessment) -> Table:
     )
 
 
-def _modes(assessment: FrameAssessment) -> Table:
+def modes_table(assessment: JudgedFrame) -> Table:
+    """Tabulate the modes of the structure, and how the actuator tracked at their frequencies."""
     rows = [(str(place), *_of_mode(mode)) for place, mode in enumerate(assessment.modes, start=1)]
-    return quantities_table(
+    return text_table(
         rows,
         ("Mode", "f [Hz]", "ξ [%]", "Specimen's share [%]", "A(f)", "d(f) [ms]"),
         caption="Modes of the structure, the specimen's share of their stiffness, and how the actuator "
@@ -273,7 +272,7 @@ def _errors(assessment: CoupledAssessment) -> Table:
         ]
         below = probability_text(assessment.error.probability_of(degree))
         rows.append((degree.name, *sizes, below))
-    return quantities_table(
+    return text_table(
         rows,
         ("Displacement", "RMSᴿ [%]", "90 % interval", "MTEᴿ [%]", "90 % interval", "Below"),
         caption="Root mean square and largest value of measured minus exact displacement, over the peak of "
@@ -301,7 +300,7 @@ def _parts(error: ErrorOfSeveral) -> Table:
         )
         for cause in error.parts.by_name
     ]
-    return quantities_table(
+    return text_table(
         rows,
         (
             "Part",
@@ -322,7 +321,7 @@ def _tracking(assessment: CoupledAssessment) -> Table:
         )
         for place, number in enumerate(assessment.recording.actuators)
     ]
-    return quantities_table(
+    return text_table(
         rows,
         ("", "Gain for each command", "Delay for each command [ms]"),
         caption="Response of each actuator to the commands of all actuators, by least squares over the "

@@ -9,7 +9,7 @@ from reliab.assessment.tracking_index import LEVEL
 from reliab.assessment.verdict import Word, next_steps
 from reliab.core.significant_digits import percent, share_in_words, significant
 from reliab.core.vocabulary import MILLI, PERCENT
-from reliab.report.document import Document, Figure, Paragraph, Points, Section, Table
+from reliab.report.document import Document, Figure, Paragraph, Points, Section, Table, text_table
 from reliab.report.figures.measured_test import tracking_overview
 from reliab.report.kinds.assessment.error import (
     TONES,
@@ -18,12 +18,10 @@ from reliab.report.kinds.assessment.error import (
     error_sentence,
     errors_table,
     histories_figure,
-    quantities_table,
 )
 from reliab.report.numbers import MISSING, Fixed, Significant, Written, in_line
 from reliab.report.prose import Prose, prose
-from reliab.report.provenance import provenance_of
-from reliab.report.sources import SOURCES
+from reliab.report.sources import SOURCES, provenance_of
 from reliab.report.wording import meaning_of_confidence, spelled_out
 
 _FAR = 10.0
@@ -134,7 +132,7 @@ def _numbers(assessment: Assessment) -> Table:
         ),
         ("Noise in the measured displacement [%]", f"{PERCENT * tracking.noise_share:.2f}", "", ""),
     ]
-    return quantities_table(
+    return text_table(
         rows,
         ("Quantity", "Found", f"{percent(LEVEL, decimals=0)} interval", "Limit"),
         caption=prose(

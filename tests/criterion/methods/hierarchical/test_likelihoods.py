@@ -5,9 +5,8 @@ import pytest
 from scipy import stats
 
 from reliab.core.errors import InputError
-from reliab.criterion.methods.hierarchical.covariance import covariance_of, factor_of
-from reliab.criterion.methods.hierarchical.model import Hierarchical
-from reliab.criterion.methods.hierarchical.motion_means import MotionMeans
+from reliab.criterion.methods.hierarchical.model import Hierarchical, MotionMeans
+from reliab.criterion.methods.hierarchical.strata import covariance_of, factor_of
 
 EVENTS = np.array(["A", "A", "A", "B", "C", "C"])
 

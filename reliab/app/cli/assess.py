@@ -7,15 +7,19 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from reliab.app import options, outputs, questions
-from reliab.app.cli.commands import Asked, takes
-from reliab.app.cli.test_files import files_of
+from reliab.app import outputs, questions
+from reliab.app.cli.commands import Asked, files_of, takes
+from reliab.app.cli.output import say, say_for_which_motions, show_table
 from reliab.app.options import OUTPUT
 from reliab.core.errors import InputError
 from reliab.core.progress import silent
+from reliab.core.significant_digits import percent
+from reliab.core.vocabulary import MILLI
 
 if TYPE_CHECKING:
+    from reliab.app.api.design import Design
     from reliab.assessment.assessment import Assessment
+    from reliab.assessment.design import Tolerance
     from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment
     from reliab.assessment.several import Assessments
 
@@ -40,35 +44,29 @@ class _OneTest(outputs.Tests, outputs.Check, outputs.Cover, total=False):
     ]
 
 
-class _Former(options.Frequencies, options.Confidences, total=False):
-    """Ways of asking that have become commands of their own, and the lists that one of them needs."""
-
-    design: Annotated[bool, OUTPUT.further_flag("The same as `reliab design`.")]
-    same_test: Annotated[bool, OUTPUT.further_flag("The same as `reliab extrapolate`.")]
-
-
 @takes(
     questions.StatedOfTest,
     _OneTest,
-    outputs.Chart,
-    _Former,
-    needs={"figure": "design", **dict.fromkeys(outputs.Cover.__annotations__, "report")},
-    further=("figure", "confidence"),
+    needs=dict.fromkeys(outputs.Cover.__annotations__, "report"),
 )
 def assess(asked: Asked) -> None:
     """Judge a real test by its error, computed from command and measured displacement."""
-    if asked.design:
-        _answer_design(asked)
-        return
-    judge = _answer_same_test if asked.same_test else _answer_tests
-    if not judge(asked) and asked.check:
+    if not _answer_tests(asked) and asked.check:
         raise typer.Exit(1)
 
 
 @takes(questions.Design, outputs.Chart)
 def design(asked: Asked) -> None:
     """Before a test: print how much amplitude error and delay the rig may have."""
-    _answer_design(asked)
+    from reliab.app.api.assessment_files import draw_chart
+    from reliab.app.api.design import design_test
+    from reliab.app.cli.output import write_json
+
+    found = asked.ask(design_test, "figure", "json_target")
+    if asked.figure is not None:
+        draw_chart(found, asked.figure)
+    if not write_json(found.to_dict(), asked.json_target):
+        show_design(found)
 
 
 @takes(questions.StatedOfTest, outputs.Tests, outputs.Check)
@@ -77,31 +75,21 @@ def extrapolate(asked: Asked) -> None:
 
     The extrapolation itself uses neither structure nor specimen.
     """
-    if not _answer_same_test(asked) and asked.check:
-        raise typer.Exit(1)
-
-
-def _answer_design(asked: Asked) -> None:
-    from reliab.app.api.assessment_files import draw_chart
-    from reliab.app.api.design import design_test
-    from reliab.app.cli.assess.shown_design import show_design
+    from reliab.app.api.assessment_files import write_tests
     from reliab.app.cli.output import write_json
+    from reliab.app.cli.shown_verdict import show_same_test
 
-    if "tests" in asked.given:
-        raise InputError("A test's file has no effect together with `design`", remedy="Leave it out")
-    if "structure" in asked.given:
-        raise InputError(
-            "Tolerable errors before a test are computed for single-degree-of-freedom structures, not for "
-            "frames",
-            value=f"`structure={asked.structure}`",
-            remedy="Judge a trial test of the frame with `reliab assess TEST --structure FRAME`, or predict "
-            "the next one from earlier tests of it with `reliab rig predict RIG --structure FRAME`",
-        )
-    found = asked.ask(design_test, "design", "figure", "json_target", why="together with `design`")
-    if asked.figure is not None:
-        draw_chart(found, asked.figure)
-    if not write_json(found.to_dict(), asked.json_target):
-        show_design(found)
+    files = files_of(asked.tests, asked.out)
+    if len(files) == 1 and asked.test_name != "all":
+        raise InputError("`reliab extrapolate` needs two tests or more", remedy="Name every run of the test")
+    runs = _verdicts(asked, files)
+    together = runs.same_test()
+    if asked.out is not None:
+        write_tests([{"file": file, **found} for file, found in runs.to_dict().items()], asked.out)
+    if not write_json(together.to_dict(), asked.json_target):
+        show_same_test(together.to_dict())
+    if asked.check and not together.reliable:
+        raise typer.Exit(1)
 
 
 def _verdicts(asked: Asked, files: Sequence[Path], *uses: str) -> Any:  # noqa: ANN401 - of one test or several
@@ -116,21 +104,8 @@ def _verdicts(asked: Asked, files: Sequence[Path], *uses: str) -> Any:  # noqa: 
             *_USED,
             *uses,
             test=files[0] if len(files) == 1 else files,
-            f=_only_value(asked.f, "f"),
-            confidence=_only_value(asked.confidence, "confidence"),
             progress=progress,
         )
-
-
-def _only_value(values: Any, name: str) -> Any:  # noqa: ANN401 - of many types
-    """Take the value of an option that may be repeated for a design, but not for a test."""
-    if not isinstance(values, list):
-        return values
-    if len(values) > 1:
-        raise InputError(
-            f"A test has one `{name}`", value=len(values), remedy="Give several with `design` only"
-        )
-    return values[0] if values else None
 
 
 def _answer_tests(asked: Asked) -> bool:
@@ -155,29 +130,12 @@ def _answer_tests(asked: Asked) -> bool:
     return bool(verdicts.reliable)
 
 
-def _answer_same_test(asked: Asked) -> bool:
-    """Extrapolate runs of one test; write and print what is found; return whether it is reliable."""
-    from reliab.app.api.assessment_files import write_tests
-    from reliab.app.cli.assess.shown_test import show_same_test
-    from reliab.app.cli.output import write_json
-
-    files = files_of(asked.tests, asked.out)
-    if len(files) == 1 and asked.test_name != "all":
-        raise InputError("`same_test` needs two tests or more", remedy="Name every run of the test")
-    runs = _verdicts(asked, files, "details", "same_test")
-    together = runs.same_test()
-    if asked.out is not None:
-        write_tests([{"file": file, **found} for file, found in runs.to_dict().items()], asked.out)
-    if not write_json(together.to_dict(), asked.json_target):
-        show_same_test(together.to_dict())
-    return bool(together.reliable)
-
-
 def _write_one(
     assessment: "Assessment | FrameAssessment | CoupledAssessment", test: Path, asked: Asked
 ) -> None:
     from reliab.app.api.assessment_files import write_corrected, write_tests
     from reliab.app.cli.output import say, write_json
+    from reliab.app.cli.shown_verdict import show_briefly, show_degrees, show_details
 
     content = assessment.to_dict()
     if asked.out is not None:
@@ -185,35 +143,19 @@ def _write_one(
     note = None if asked.corrected is None else write_corrected(assessment, asked.corrected)
     if write_json(content, asked.json_target):
         return
-    _show_one(assessment, content, details=asked.details)
+    show_briefly(content, without_details=not asked.details)
+    if asked.details:
+        show_details(assessment)
+    else:
+        show_degrees(content)
     if note is not None:
         say(f"{asked.corrected}: {note}")
 
 
-def _show_one(
-    assessment: "Assessment | FrameAssessment | CoupledAssessment",
-    content: dict[str, Any],
-    *,
-    details: bool,
-) -> None:
-    from reliab.app.cli.assess.shown_briefly import show_briefly
-    from reliab.assessment.assessment import Assessment
-
-    show_briefly(content, without_details=not details)
-    if not isinstance(assessment, Assessment):
-        from reliab.app.cli.assess.shown_frame import show_frame
-
-        show_frame(content, details=details)
-    elif details:
-        from reliab.app.cli.assess.shown_test import show_assessment
-
-        show_assessment(assessment, content)
-
-
 def _write_several(assessments: "Assessments", asked: Asked) -> None:
     from reliab.app.api.assessment_files import write_tests
-    from reliab.app.cli.assess.shown_test import show_several
     from reliab.app.cli.output import write_json
+    from reliab.app.cli.shown_verdict import show_several
 
     contents = [
         {"file": file, **({"fault": asked.in_options(content["fault"])} if "fault" in content else content)}
@@ -229,3 +171,74 @@ def _write_several(assessments: "Assessments", asked: Asked) -> None:
             value=f"{len(assessments.faults)} of {len(contents)} not judged: {', '.join(assessments.faults)}",
             remedy="Correct them as the reasons say, or leave them out; the other tests were judged",
         )
+
+
+_NINETY_FIVE = 0.95
+_BAR = 40
+
+
+def show_design(design: "Design") -> None:
+    """Print tolerable errors, and those over the frequency as bars."""
+    rows, first = design.tolerances, design.tolerances[0]
+    say_for_which_motions(((row.promise, row.population) for row in rows), first.position)
+    show_table(
+        f"Tolerable errors at ξ = {first.damping_ratio:g}{_share(first)} for an error of "
+        f"{percent(first.threshold)}",
+        dict.fromkeys(
+            ("f [Hz]", "confidence", "|A − 1| alone", "d alone [ms]", "|A − 1| and", "d together [ms]"),
+            "right",
+        ),
+        map(_row, rows),
+    )
+    if any(tolerance.outside_validity for tolerance in rows):
+        say(
+            "Note: * lies outside of the criterion's validity; its limits are scaled by dimensionless errors."
+        )
+    _show_chart(design.chart)
+
+
+def _row(tolerance: "Tolerance") -> tuple[str, ...]:
+    amplitude, delay = tolerance.both
+    return (
+        f"{tolerance.frequency:g}{'*' if tolerance.outside_validity else ''}",
+        _in_words(tolerance.promise),
+        f"{tolerance.amplitude_error:.4f}",
+        f"{MILLI * tolerance.delay:.3f}",
+        f"{amplitude:.4f}",
+        f"{MILLI * delay:.3f}",
+    )
+
+
+def _in_words(promise: float | None) -> str:
+    return "none" if promise is None else percent(promise, decimals=0)
+
+
+def _at(promise: float | None) -> str:
+    return "no share promised" if promise is None else f"at {percent(promise, decimals=0)}"
+
+
+def _share(tolerance: "Tolerance") -> str:
+    """Name the share in the laboratory where it is not the whole."""
+    whole = tolerance.experimental_fraction == 1.0
+    return "" if whole else f" and α = {tolerance.experimental_fraction:g}"
+
+
+def _show_chart(chart: "Sequence[Tolerance]") -> None:
+    """Bars of the tolerable delay over the frequency at one confidence, the longest being the widest."""
+    confidence = min((point.confidence for point in chart), key=lambda value: abs(value - _NINETY_FIVE))
+    chosen = [point for point in chart if point.confidence == confidence]
+    longest = max(point.delay for point in chosen)
+    rows = [
+        (
+            f"{point.frequency:g}",
+            f"{point.amplitude_error:.4f}",
+            f"{MILLI * point.delay:.3f}",
+            "█" * max(round(_BAR * point.delay / longest), 1),
+        )
+        for point in chosen
+    ]
+    show_table(
+        f"Over the frequency, {_at(chosen[0].promise)}",
+        {"f [Hz]": "right", "|A − 1| alone": "right", "d alone [ms]": "right", "d": "left"},
+        rows,
+    )

@@ -1,1 +1,0 @@
-"""`reliab assess`: the verdict on a test, or what is tolerable before one."""

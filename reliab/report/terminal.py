@@ -1,0 +1,70 @@
+"""A document on the terminal: its text and tables, without its figures."""
+
+import re
+from collections.abc import Iterable
+from typing import Final
+
+from rich import box
+from rich.console import Console
+from rich.table import Table as RichTable
+
+from reliab.report.document import Block, Document, Equation, Paragraph, Points, Remark, Section, Table
+from reliab.report.numbers import MISSING, cells, in_line
+from reliab.report.prose import formula, words_of
+
+_NUMBER: Final = re.compile(r"[-+−]?\d[\d.,]*(?: %)?")
+_NO_NUMBER: Final = ("", MISSING, "unknown", "none")
+
+
+def print_document(document: Document, console: Console) -> None:
+    """Print what was asked, every block and the sources; the verdict stands above, as its caller words it."""
+    for name, text in document.facts.items():
+        if text:
+            console.print(f"{name}: {words_of(text)}", highlight=False)
+    print_blocks(document.blocks, console)
+    referred = document.referred()
+    for source in document.sources:
+        if source.label in referred:
+            console.print(f"[{source.label}] {source.text}", highlight=False)
+
+
+def print_blocks(blocks: Iterable[Block], console: Console) -> None:
+    """Print blocks one below the other."""
+    for block in blocks:
+        match block:
+            case Section():
+                console.print()
+                console.print(block.title, style="bold", highlight=False)
+                print_blocks(block.blocks, console)
+            case Paragraph() | Remark():
+                console.print(words_of(block.text), highlight=False)
+            case Points():
+                for item in block.items:
+                    console.print(f"- {words_of(item)}", highlight=False)
+            case Equation():
+                console.print(formula(block.math), highlight=False)
+            case Table():
+                if caption := words_of(block.caption):
+                    console.print(caption, style="italic", highlight=False)
+                console.print(rich_table(block))
+
+
+def rich_table(table: Table) -> RichTable:
+    """Make the table that Rich prints; texts are folded where the terminal is narrow, numbers never."""
+    shown = RichTable(box=box.SIMPLE, padding=(0, 1, 0, 0))
+    columns = []
+    for column in table.columns:
+        texts = [
+            cell if isinstance(cell, str) else in_line(cell[0])
+            for cell in cells(table.frame[column.key].tolist(), column.number)
+        ]
+        columns.append(texts)
+        stated = [text for text in texts if text not in _NO_NUMBER]
+        are_numbers = bool(stated) and all(map(_NUMBER.fullmatch, stated))
+        right = column.right or column.number is not None or are_numbers
+        heading = ", ".join(filter(None, map(words_of, (column.group, column.heading))))
+        heading += f" [{column.unit}]" if column.unit else ""
+        shown.add_column(heading, justify="right" if right else "left", no_wrap=right, overflow="fold")
+    for row in zip(*columns, strict=True):
+        shown.add_row(*row)
+    return shown
