@@ -47,13 +47,13 @@ class RecordFile:
         if self.channel is None and len(headers) > 1:
             labels = ", ".join(f"{n} ({header.channel})" for n, header in enumerate(headers, start=1))
             report.add(
-                "A file with several records must be read one channel at a time",
+                "The file holds several channels",
                 value=f"channels {labels}",
                 remedy="Choose a channel, or load the file as a suite",
             )
         elif self.channel is not None and not 1 <= self.channel <= len(headers) and headers:
             report.add(
-                "The channel must be in the file",
+                "No such channel in the file",
                 value=f"channel {self.channel} of {len(headers)}",
                 remedy="Count the channels of the file from 1",
             )

@@ -29,7 +29,7 @@ from reliab.recordings.recording import (
     require_few_samples,
 )
 from reliab.recordings.time_stamps import Clock, clock_of
-from reliab.recordings.units import TIMES, Unit, unit_of
+from reliab.recordings.units import TIMES, Unit, listed_units, unit_of
 from reliab.recordings.words import Quantity
 from reliab.signals.cubic_path import CubicPath
 
@@ -119,9 +119,9 @@ def _readings(columns: Columns, name: str, values: Array) -> Array:
         first = values[wrong[0]]
         kind = "an empty cell, NaN or a sample marked as missing" if np.isnan(first) else first
         raise InputError(
-            f"Every value must be a finite number below {LARGEST_READING:g}",
+            f"Not a finite number below {LARGEST_READING:g}",
             value=f"{kind}, {wrong.size} in all",
-            remedy="Repair the recording; a gap cannot be left empty",
+            remedy="Fill the gap, or cut the test there",
             where=columns.place(int(wrong[0]), name),
         )
     return values
@@ -136,7 +136,7 @@ def _from_one_date(
         return dict(clocks)
     if bare := [key for key in clocks if key not in dated]:
         raise InputError(
-            f"{channels[next(iter(dated))].column!r} states when it begins, "
+            f"{channels[next(iter(dated))].column!r} states when it begins, but "
             f"{channels[bare[0]].column!r} does not",
             remedy="Export them with one clock, or from the program that recorded both",
             where=columns.where,
@@ -281,8 +281,8 @@ def _time_unit(columns: Columns, text: str) -> Unit | None:
     unit = unit_of(text)
     if text and (unit is None or unit.quantity is not Quantity.TIME):
         raise InputError(
-            f"{text!r} is no unit of time",
-            remedy=f"Choose among {', '.join(TIMES)}, or export the channels over time",
+            f"Unknown unit of time: {text!r}",
+            remedy=f"Choose among {listed_units(TIMES)}, or export the channels over time",
             where=columns.where,
         )
     return unit
@@ -294,7 +294,7 @@ def _require_unit(columns: Columns, name: str, clock: Clock, size: int, unit: Un
     if unit is None and stated is not None:
         raise InputError(
             f"Unknown unit of the times: {stated[1]}",
-            remedy=f"State it with `time_units`: {', '.join(TIMES)}",
+            remedy=f"State it with `time_units`: {listed_units(TIMES)}",
             where=columns.where,
         )
     if unit is None and not (_FASTEST <= clock.step < _SLOWEST and clock.step * size >= _SHORTEST_TEST):

@@ -76,13 +76,13 @@ def _no_equal_steps(columns: Columns, name: str, times: Array, row: int) -> Inpu
     """Say where times are not evenly spaced, `row` before the sample that is early or late."""
     step = float(times[row + 1] - times[row])
     if step == 0.0:
-        remedy = "Leave out rows that repeat the time of the row before"
+        remedy = "Remove rows that repeat the time of the row before"
     elif step < 0.0:
-        remedy = "Cut the file where its time goes back, as where another test begins, and name one test"
+        remedy = "Cut the file where the time goes back; another test may begin there"
     else:
         remedy = "Resample the test, or cut it where samples are missing"
     return InputError(
-        f"Samples must follow each other at equal steps, here mostly of {np.median(np.diff(times)):.6g}",
+        f"The times do not increase by equal steps, here mostly of {np.median(np.diff(times)):.6g}",
         value=f"{times[row + 1]:.10g} after {times[row]:.10g}",
         remedy=remedy,
         where=columns.place(row + 1, name),
@@ -123,8 +123,8 @@ def _uneven(columns: Columns, times: Array, off: float) -> Clock:
     mean = float(times[-1] - times[0]) / (times.size - 1)
     if longest > _LARGEST_RATIO * shortest:
         raise InputError(
-            f"Steps between samples range from {significant(shortest)} to {significant(longest)} s, "
-            f"more than {_LARGEST_RATIO:g} times",
+            f"The steps between samples range from {significant(shortest)} to {significant(longest)} s, "
+            f"by more than a factor of {_LARGEST_RATIO:g}",
             remedy="Resample the test, or cut it where the rate changes",
             where=columns.where,
         )
