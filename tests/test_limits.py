@@ -153,7 +153,7 @@ def test_a_recording_of_too_many_samples_is_refused():
 def test_a_file_that_is_too_large_is_refused(tmp_path):
     (tmp_path / "t.csv").write_bytes(bytes(2_000_001))
     require_small(tmp_path / "t.csv", 2_000_001, remedy="Cut it")
-    with pytest.raises(InputError, match=r"may have 2 MB at most; found 2 MB. Cut it"):
+    with pytest.raises(InputError, match=r"larger than 2 MB; found 2 MB. Cut it"):
         require_small(tmp_path / "t.csv", 2_000_000, remedy="Cut it")
 
 
@@ -178,7 +178,7 @@ def test_a_record_in_a_large_file_is_refused_after_reading_no_more_than_allowed(
     assert open_source(path, report, most=400) is not None
     assert not report.faults
     assert open_source(path, report, most=399) is None
-    with pytest.raises(InputError, match=r"A record.s file may have 0\.000399 MB at most; found more\. Keep"):
+    with pytest.raises(InputError, match=r"The file is larger than 0\.000399 MB\. Keep"):
         report.raise_first()
     assert open_source(path, report, limit=100, most=399).content == b"0.1\n" * 25  # a head of any file
 

@@ -27,7 +27,7 @@ class ResultWithRows(PlainResult):
 def write_table(table: "pd.DataFrame", path: str | Path, *, index: bool = False) -> None:
     """Write a table as CSV, whole or not at all; texts that a spreadsheet would compute stay texts."""
     escaped = _with_texts(table, as_cell)
-    with refuse_unwritable("The table's file must be writable", where=path), written_whole(path) as file:
+    with refuse_unwritable("Cannot write the table's file", where=path), written_whole(path) as file:
         escaped.to_csv(file, index=index, errors="backslashreplace")
 
 

@@ -175,7 +175,7 @@ class Criterion:
         """
         if self.population is None:
             raise InputError(
-                "A probability needs the ellipses of ground motions",
+                "This criterion gives no probability, since it has no ellipses of ground motions",
                 value=f"the published law {self.law.name}",
                 remedy="Derive a criterion from motions, a results store or a table of ellipses",
             )
@@ -228,8 +228,8 @@ class Criterion:
         """Refuse to decide by a posterior that has not converged."""
         if not self.provenance.settings.get("converged", True):
             raise InputError(
-                "A criterion decides only where the posterior behind it has converged",
-                value=f"one by {self.method} that has not",
+                "The posterior behind this criterion has not converged",
+                value=f"one of the method {self.method}",
                 remedy="Derive it again with more `steps`",
             )
 
@@ -317,8 +317,7 @@ def _sides(milliseconds: Array) -> list[tuple[str, NDArray[np.bool_]]]:
 
 def _no_leads() -> InputError:
     return InputError(
-        "A test that leads (d < 0) is judged by limits for leads",
-        value="a criterion that was derived from lags alone",
+        "The measured displacement leads (d < 0), and the criterion has no limits for leads",
         remedy="Derive it again from records, stored results or ellipses that hold both sides",
     )
 

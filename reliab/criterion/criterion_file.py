@@ -105,8 +105,7 @@ def _require_schema(content: object, where: str) -> None:
     schema = content.get("schema_version") if isinstance(content, dict) else None
     if schema == 1:
         raise InputError(
-            "A criterion must be of the present schema, which has limits of its own for leads",
-            value="version 1, which had none and rested on fitted ellipses",
+            "This criterion is of version 1, which has no limits for leads",
             remedy="Derive it again with `reliab criterion --out FILE.json`",
             where=where,
         )

@@ -63,7 +63,7 @@ class LearnedSide:
         empty = int((limits <= 0.0).any(axis=-1).sum())
         if empty and kind is not Table:
             raise InputError(
-                "A law is fitted to limits that are positive at every structure",
+                "A law needs positive limits at every structure",
                 value=(
                     f"too few motions or earthquakes for {method.name} at {confidence:g} at "
                     f"{empty} structures"

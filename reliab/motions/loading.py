@@ -91,7 +91,7 @@ def _reason_to_skip(path: Path) -> str:
     report = Report(file=str(path))
     source = open_source(path, report, limit=HEAD, binary=True)
     if source is None:
-        return "an empty file" if "empty" in report.faults[0].rule else report.faults[0].value
+        return "an empty file" if "empty" in report.faults[0].rule else "a file that cannot be read"
     form = detect(source)
     if form is TEXT:
         return "numbers without a known header or the ending of a text record"

@@ -166,7 +166,7 @@ class Study(Table):
             If the study is of no ground motions.
         """
         raise InputError(
-            f"A study of the kind {self.kind} takes no ground motions",
+            f"Studies of the kind {self.kind} take no ground motions",
             value=f"motions {', '.join(sources or sets or ())}",
             remedy="Leave it out",
         )

@@ -82,7 +82,7 @@ def test_nothing_is_left_of_a_suite_that_cannot_be_written(tmp_path: Path) -> No
 
 def test_a_folder_that_cannot_be_made_is_explained(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("x")
-    with pytest.raises(InputError, match="Cannot write to the folder; found Not a directory"):
+    with pytest.raises(InputError, match="Cannot write to the folder: Not a directory"):
         write_suite(MotionSuite.from_motions([motion()]), tmp_path / "file" / "out")
     with pytest.raises(InputError, match="no motions to write"):
         write_suite(MotionSuite([]), tmp_path / "out")

@@ -78,7 +78,12 @@ def test_a_sound_record_has_no_fault_and_a_spoilt_one_names_it(record):
         del file["force"].attrs["transformation"]
         file.attrs["time_step_s"] = 0.01
     faults = " ".join(check_record(record))
-    for words in ("unit of `command`", "`measured` has values", "`transformation`", "steps of `time_step_s`"):
+    for words in (
+        "unit of `command`",
+        "`measured` has values",
+        "`transformation`",
+        "increase by `time_step_s`",
+    ):
         assert words in faults
 
 

@@ -80,7 +80,7 @@ def test_letter_has_the_size_of_letter():
 def test_what_is_no_setting_is_refused(tmp_path):
     with pytest.raises(InputError, match="known format"):
         Setting(paper="a5")
-    with pytest.raises(InputError, match="must be a picture"):
+    with pytest.raises(InputError, match="is no picture"):
         Setting(logo=tmp_path / "logo.txt")
     with pytest.raises(InputError, match="must be readable"):
         Setting(logo=tmp_path / "logo.svg")

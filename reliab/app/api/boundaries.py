@@ -81,7 +81,7 @@ def ellipses(
     if isinstance(source, xr.Dataset):
         if asked["first_order"]:
             raise InputError(
-                "Ellipses are predicted from the spectra of ground motions",
+                "A prediction of ellipses needs ground motions",
                 value="stored results",
                 remedy="Give the ground motions, or leave the prediction out",
             )

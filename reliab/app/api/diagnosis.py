@@ -66,7 +66,7 @@ def diagnose_campaign(
 
 
 def _make(folder: Path) -> None:
-    with refuse_unwritable("The folder for the diagnosis must be writable", where=folder):
+    with refuse_unwritable("Cannot write to the folder for the diagnosis", where=folder):
         folder.mkdir(parents=True, exist_ok=True)
 
 

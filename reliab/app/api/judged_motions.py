@@ -46,7 +46,7 @@ def require_one_share(alpha: Numbers | None) -> None:
     shares = listed(alpha) or []
     if len(shares) > 1:
         raise InputError(
-            "Criteria are judged at one share of the stiffness",
+            "Criteria are judged for one share of the stiffness at a time",
             value=f"`alpha={' '.join(f'{share:g}' for share in shares)}`",
             remedy="Give one, and ask again for the others",
         )
@@ -63,7 +63,7 @@ def judged_ellipses(source: EllipseSource, show: Show) -> xr.Dataset:
         for value in listed(getattr(source, name)) or []:
             if not any(math.isclose(value, stored, rel_tol=1e-9) for stored in held):
                 raise InputError(
-                    "Stored boundaries are judged at the structures that they hold",
+                    "The source has no boundaries for this structure",
                     value=f"`{name}={value:g}`",
                     remedy=f"Choose among {', '.join(f'{stored:g}' for stored in held)}, or give `motions`",
                 )
@@ -143,11 +143,11 @@ def divide(
 def _without(division: Division, name: str, dataset: xr.Dataset) -> Division:
     """Leave out each frequency or damping ratio in turn, too."""
     if name not in {"f", "xi"}:
-        raise InputError("What is left out in turn must be f or xi", value=name, remedy="Choose one of these")
+        raise InputError("`leave_out` is f or xi", value=name, remedy="Choose one of these")
     values = dataset[name].values.tolist()
     if len(values) < 2:  # noqa: PLR2004 - one is left out
         raise InputError(
-            f"To leave out each {name} in turn, at least two are needed",
+            f"Leaving out each {name} in turn needs at least two",
             value=f"{values[0]:g} alone",
             remedy=f"Give more with `{name}`, or leave `leave_out` out",
         )
@@ -190,8 +190,7 @@ def _by_sets(
     """Learn from sets of a catalogue and judge others of its sets."""
     if not (learn and judge and source.motions):
         raise InputError(
-            "To judge sets by others, `motions`, `learn` and `judge` are needed",
-            value="only some of them",
+            "Judging sets by others needs `motions`, `learn` and `judge`",
             remedy=f"Give all three, for example `learn=far_field` `judge=near_field`, or `learn={REAL}`",
         )
     suite = load_motions(*paths(source.motions), sets=source.sets)

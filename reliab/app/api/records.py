@@ -105,7 +105,7 @@ def record(
         delimiter=reading.delimiter,
     )
     written = []
-    with refuse_unwritable("The record must be writable", where=out or csv):
+    with refuse_unwritable("Cannot write the record", where=out or csv):
         if out is not None:
             write_record(dataset, out)
             written.append(Path(out))
@@ -191,8 +191,7 @@ def _write(calibration: ChannelCalibration, out: Path, channels: Path | None, so
     """Write a file of channels, with what another states."""
     if out.exists() and (channels is None or not out.samefile(channels)):
         raise InputError(
-            "A file of channels is not replaced",
-            value=out,
+            f"{out} exists already",
             remedy=f"Name another file, or give `channels` = {out} to keep what it states",
         )
     described = "" if channels is None else channels.read_text(encoding="utf-8")

@@ -110,7 +110,7 @@ class Asked:
             for source in self._read_beside(name):
                 if source.is_file() and source.samefile(target):
                     raise InputError(
-                        "A command must not write over a file that it reads",
+                        "This would overwrite a file that the command reads",
                         value=f"`{name}` {target}",
                         remedy="Name another file",
                         where=str(source),

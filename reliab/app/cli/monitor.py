@@ -86,9 +86,7 @@ def _follow(asked: Asked) -> None:
     from reliab.app.api.following import follow_test
 
     if asked.source is None:
-        raise InputError(
-            "A test can be followed only in a file that is named", remedy="Name it, or - for standard input"
-        )
+        raise InputError("No file to follow", remedy="Name it, or - for standard input")
     messages = asked.ask(
         follow_test, "json_target", "check", say=lambda text: typer.echo(printable(text), file=sys.stderr)
     )

@@ -56,9 +56,8 @@ def add(asked: Asked) -> None:
         show_added(content)
     if outcome.faults:
         raise InputError(
-            "Every file must be a test that can be judged",
-            value=f"{len(outcome.faults)} not judged: {', '.join(outcome.faults)}",
-            remedy="Correct them as the reasons say, or leave them out; the other tests are in the rig",
+            f"Some files could not be judged: {', '.join(outcome.faults)}",
+            remedy="Correct them as stated above, or leave them out; the other tests are in the rig",
         )
 
 

@@ -16,9 +16,7 @@ def files_of(tests: Sequence[Path] | None, out: Path | None) -> list[Path]:
         names = [] if path.exists() else glob(str(path))  # noqa: PTH207 - absolute patterns too
         files += [Path(name) for name in sorted(names)] or [path]
     if out in files and not _is_table(out):
-        raise InputError(
-            "The table must not be written over a test", value=f"`out` {out}", remedy="Name another file"
-        )
+        raise InputError("This would overwrite a test", value=f"`out` {out}", remedy="Name another file")
     return [file for file in files if file != out]
 
 

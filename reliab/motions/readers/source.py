@@ -137,5 +137,5 @@ def _read(path: Path, report: Report, limit: int | None, most: int) -> bytes | N
     except IsADirectoryError:
         report.add("Not a file", value="a folder", remedy="Name one of its files")
     except OSError as error:
-        report.add("Cannot read the file", value=error.strerror, remedy="Check its permissions")
+        report.add(f"Cannot read the file: {error.strerror}", remedy="Check its permissions")
     return None

@@ -146,9 +146,9 @@ def test_check_reports_faults_in_json_with_stable_keys(faulty: Path) -> None:
     assert content["faults"][0] == {
         "file": str(faulty / "cut[1].AT2"),
         "line": 6,
-        "rule": "A record must hold as many samples as its header states",
-        "value": "the end after 6 of 9 samples",
-        "remedy": "The file is cut short; obtain it again",
+        "rule": "Fewer samples than the header states",
+        "value": "6 of 9",
+        "remedy": "The file was cut short: export or download it again",
     }
 
 
@@ -183,7 +183,7 @@ def test_import_declares_units_step_and_event(tmp_path: Path) -> None:
 def test_import_does_not_overwrite(folder: Path) -> None:
     result = run("import", folder, "--out", folder)
     assert isinstance(result.exception, InputError)
-    assert "must be new or empty" in str(result.exception)
+    assert "is not empty" in str(result.exception)
 
 
 def test_synthesize_writes_a_suite_of_its_own(tmp_path: Path) -> None:

@@ -83,7 +83,11 @@ def test_each_named_component_is_a_motion_of_one_event(heading: str, write: Writ
             (times(), SAMPLES, SAMPLES),
             "Unknown unit of acceleration; found 'V'",
         ),
-        ("# units: g\ntime (s), acc (m/s2)", (times(), SAMPLES), "one kind of units; found m/s2 after g"),
+        (
+            "# units: g\ntime (s), acc (m/s2)",
+            (times(), SAMPLES),
+            "Two different units in one file; found m/s2 here and g",
+        ),
         ("# units: g\ntime (s), U(-), N(+)", (times(), SAMPLES, SAMPLES), "columns with names"),
     ],
 )

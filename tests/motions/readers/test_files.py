@@ -24,9 +24,12 @@ def test_every_format_is_recognised_without_its_ending(records: dict[str, str], 
         (b"  \n\t\r\n", "is empty"),
         (b"\xef\xbb\xbf", "is empty"),
         (b"\x1a", "is empty"),
-        (b"PK\x03\x04\x14\x00\x00\x00", "Not a record that reliab reads, SAC or miniSEED; found binary data. Unpack it"),
+        (
+            b"PK\x03\x04\x14\x00\x00\x00",
+            "Not a record that reliab reads, SAC or miniSEED; found binary data. Unpack it",
+        ),
         (b"\x89PNG\r\n\x1a\n\x00\x00", "Not a record that reliab reads"),
-        (b"%PDF-1.4\nsome words\n", "format must be known"),
+        (b"%PDF-1.4\nsome words\n", "Unknown format of record"),
     ],
 )
 @pytest.mark.parametrize("name", ["record", "record.bin"])
@@ -62,12 +65,12 @@ def test_an_unreadable_file_is_explained(write: Write, monkeypatch: pytest.Monke
 
     path = write("a.txt", "0.1\n")
     monkeypatch.setattr(Path, "open", refuse)
-    with pytest.raises(InputError, match="Cannot read the file; found Permission denied"):
+    with pytest.raises(InputError, match="Cannot read the file: Permission denied"):
         read_motion(path)
 
 
 def test_a_path_below_a_file_is_explained(write: Write) -> None:
-    with pytest.raises(InputError, match="Cannot read the file; found Not a directory"):
+    with pytest.raises(InputError, match="Cannot read the file: Not a directory"):
         read_motion(write("a.txt", "0.1\n") / "b.txt")
 
 

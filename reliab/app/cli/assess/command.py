@@ -88,11 +88,10 @@ def _answer_design(asked: Asked) -> None:
     from reliab.app.cli.output import write_json
 
     if "tests" in asked.given:
-        raise InputError("A test's file has no effect together with `design`", remedy="Leave it out")
+        raise InputError("`design` is for the time before a test", remedy="Leave the file out, or `design`")
     if "structure" in asked.given:
         raise InputError(
-            "Tolerable errors before a test are computed for single-degree-of-freedom structures, not for "
-            "frames",
+            "A design is for structures of one mass, not for frames",
             value=f"`structure={asked.structure}`",
             remedy="Judge a trial test of the frame with `reliab assess TEST --structure FRAME`, or predict "
             "the next one from earlier tests of it with `reliab rig predict RIG --structure FRAME`",
@@ -225,7 +224,7 @@ def _write_several(assessments: "Assessments", asked: Asked) -> None:
         show_several(contents)
     if assessments.faults:
         raise InputError(
-            "Every file must be a test that can be judged",
-            value=f"{len(assessments.faults)} of {len(contents)} not judged: {', '.join(assessments.faults)}",
-            remedy="Correct them as the reasons say, or leave them out; the other tests were judged",
+            f"{len(assessments.faults)} of {len(contents)} files could not be judged: "
+            f"{', '.join(assessments.faults)}",
+            remedy="Correct them as stated above, or leave them out; the other tests were judged",
         )
