@@ -122,14 +122,6 @@ def test_a_criterion_between_the_stored_structures_is_that_of_the_command(capsys
         reliab.derive_criterion("real_suite", f=13.0)
 
 
-@pytest.mark.slow
-def test_former_names_of_arguments_do_what_they_did():
-    wanted = {"method": "quantile"}
-    with pytest.warns(DeprecationWarning, match="`frequency` is called `f`"):
-        former = reliab.derive_criterion("real_suite", frequency=1.0, **wanted)  # type: ignore[call-arg]
-    assert former == reliab.derive_criterion("real_suite", f=1.0, **wanted)
-
-
 def test_a_design_is_that_of_the_command(capsys):
     assert cli.run(["assess", "--design", "--f", "1", "2", "--confidence", "0.95", "--json", "-"]) == 0
     design = reliab.design_test(f=[1, 2], confidence=0.95)

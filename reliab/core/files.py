@@ -262,7 +262,7 @@ def require_ending(path: str | Path, *endings: str) -> None:
 def write_json_file(content: object, path: str | Path) -> None:
     """Write plain values as JSON, whole or not at all."""
     text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
-    with refuse_unwritable("The JSON file must be writable", where=path), written_whole(path) as file:
+    with refuse_unwritable("Cannot write the JSON file", where=path), written_whole(path) as file:
         file.write_text(f"{text}\n", encoding="utf-8", errors="backslashreplace")
 
 

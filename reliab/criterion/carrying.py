@@ -405,7 +405,7 @@ def _stating(
     outside = compared.position is Position.OUTSIDE
     last = elsewhere if "magnitude" in scope else ""
     if outside:
-        last = "No share of the population's ground motions is promised there."
+        last = "The criterion promises no share of ground motions there."
     caution = " ".join((*compared.sentences, last)).strip()
     position = str(compared.position)
     return carried.stating(

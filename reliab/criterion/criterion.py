@@ -214,7 +214,7 @@ class Criterion:
     def _share_in_words(self) -> str:
         promise = self.promise
         share = "no stated share" if promise is None else significant(promise)
-        return f"{share} of the population's ground motions"
+        return f"{share} of comparable ground motions"
 
     def _repr_html_(self) -> str:
         promise = {

@@ -115,11 +115,37 @@ def _plain(piece: Piece) -> str:
         case str():
             return piece
         case Math():
-            return piece.source
+            return _spoken(piece.source)
         case Strong():
             return piece.text
         case Reference():
             return piece.label
+
+
+_LETTERS: Final = {
+    "alpha": "α",
+    "beta": "β",
+    "delta": "δ",
+    "dot": "·",
+    "omega": "ω",
+    "phi": "φ",
+    "plus.minus": "±",
+    "sigma": "σ",
+    "tau": "τ",
+    "xi": "ξ",
+}
+
+
+def _spoken(formula: str) -> str:
+    r"""Write a formula of typst as plain text.
+
+    >>> _spoken(r'"RMS"^R < lr((2 dot 10^(-5))) \/ xi <= 1')
+    'RMS^R < (2 · 10^-5) / ξ ≤ 1'
+    """
+    text = formula.replace("\\/", "/").replace("<=", "≤").replace(">=", "≥").replace('"', "")
+    text = re.sub(r"\^\((-?\d+)\)", r"^\1", text)
+    text = re.sub(r"\blr\((\([^()]*\))\)", r"\1", text)
+    return re.sub(r"[A-Za-z.]+", lambda word: _LETTERS.get(word[0], word[0]), text)
 
 
 def references(text: Prose) -> Iterator[str]:

@@ -92,7 +92,7 @@ def test_between_structures_the_same_dimensionless_error_is_as_probable():
 
 
 def test_structures_outside_of_the_grid_are_refused(one):
-    with pytest.raises(InputError, match="must lie where the law is valid"):
+    with pytest.raises(InputError, match="does not hold for this natural frequency"):
         one.probability(1.0, 0.0, 2.0, 0.02)
 
 
@@ -113,7 +113,7 @@ def test_it_comes_back_from_plain_lists(one):
 
 
 def test_too_few_motions_are_refused():
-    with pytest.raises(InputError, match="At least 3 motions"):
+    with pytest.raises(InputError, match=r"Too few motions.*found 2"):
         Population.from_ellipses(dataset([1.0], [0.02], motions=2), threshold=0.05, metric="rms")
 
 

@@ -66,9 +66,9 @@ derived = partial(derive_criterion, method="quantile")
         ),
         (
             lambda: sample(b=np.full(3, 2.0)),
-            "b must differ between ground motions; found 3 times 2",
+            "b is the same for all ground motions; found 3 times 2",
         ),
-        (lambda: derived(ellipses(side=["lead"])), "actuators that are late; found ellipses of lead alone"),
+        (lambda: derived(ellipses(side=["lead"])), "boundaries of lags; found ellipses of lead alone"),
         (lambda: checked_coefficients("a", [1.0, np.nan], 2), "coefficients of a must be 2 finite numbers"),
         (lambda: checked_coefficients("b", [1.0], 2), "coefficients of b must be 2 finite numbers"),
         (lambda: checked_coefficients("b", [[1.0], [1.0, 2.0]], 2), "in rows of one length"),

@@ -70,7 +70,7 @@ def test_channels_of_a_file_are_chosen_by_number(records: dict[str, str], write:
         ("motion,path\nx,a.AT2\n", 1, "No column file in the catalogue"),
         ("a,b\n", 1, "found no column motion or file"),
         ("motion,file\n", 1, "catalogue has no rows"),
-        ("motion,file\nx,a.AT2\nx,a.AT2\n", 3, "must differ; found x, as in line 2"),
+        ("motion,file\nx,a.AT2\nx,a.AT2\n", 3, "have the same name; found x, as in line 2"),
         ("motion,file\nx,gone.AT2\n", 2, "gone.AT2 not found"),
         ("motion,file\nx,.\n", 2, "not found"),
         (f"motion,file\nx,{'long' * 1000}\n", 2, "not found"),

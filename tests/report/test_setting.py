@@ -82,7 +82,7 @@ def test_what_is_no_setting_is_refused(tmp_path):
         Setting(paper="a5")
     with pytest.raises(InputError, match="is no picture"):
         Setting(logo=tmp_path / "logo.txt")
-    with pytest.raises(InputError, match="must be readable"):
+    with pytest.raises(InputError, match="Cannot read the logo"):
         Setting(logo=tmp_path / "logo.svg")
     damaged = tmp_path / "logo.png"
     damaged.write_bytes(b"no picture")

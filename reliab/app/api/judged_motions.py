@@ -208,11 +208,10 @@ def kept_shares(
     >>> rate = {"rate": 0.52, "low": 0.41, "high": 0.63}
     >>> rows = [{"candidate": "power", "confidence": 0.95, "containment": rate}]
     >>> print(*kept_shares(rows))
-    power does not keep the share that it states: it protects 52.0 % of the motions where it states 95 %.
+    power does not keep what it states: it protects 52.0 % of the motions at 95 %.
     >>> of_one_record = {"rate": 1.0, "low": 0.025, "high": 1.0}
     >>> print(*kept_shares([{**rows[0], "containment": of_one_record}]))
-    power may keep the share that it states, as far as so few earthquakes can tell: it protects 100.0 % of the
-    motions where it states 95 %.
+    power may keep what it states (too few earthquakes to tell): it protects 100.0 % of the motions at 95 %.
     """
     for candidate in dict.fromkeys(row["candidate"] for row in rows):
         judged = [
@@ -223,19 +222,18 @@ def kept_shares(
         if not judged:
             continue
         shares = ", ".join(
-            f"{percent(rate['rate'], decimals=1)} where it states {percent(stated, decimals=0)}"
-            for rate, stated in judged
+            f"{percent(rate['rate'], decimals=1)} at {percent(stated, decimals=0)}" for rate, stated in judged
         )
-        first, *others = shares.split(" where", 1)
-        yield f"{candidate} {_keeps(judged)}{of_side}: it protects {first} of {whose} where{others[0]}."
+        first, others = shares.split(" at", 1)
+        yield f"{candidate} {_keeps(judged)}{of_side}: it protects {first} of {whose} at{others}."
 
 
 def _keeps(judged: Sequence[tuple[Mapping[str, Any], float]]) -> str:
     """Whether shares are kept: their intervals lie above what is stated, below it, or hold it."""
     phrases: dict[str, list[str]] = {
-        "does not keep the share that it states": [],
-        "keeps the share that it states": [],
-        "may keep the share that it states": [],
+        "does not keep what it states": [],
+        "keeps what it states": [],
+        "may keep what it states": [],
     }
     broken, kept, open_ = phrases
     for rate, stated in judged:
@@ -244,10 +242,10 @@ def _keeps(judged: Sequence[tuple[Mapping[str, Any], float]]) -> str:
         phrases[phrase].append(percent(stated, decimals=0))
     said = {phrase: shares for phrase, shares in phrases.items() if shares}
     sentences = [
-        phrase if len(said) == 1 else f"{phrase} at {' and '.join(shares)}" for phrase, shares in said.items()
+        phrase if len(said) == 1 else f"{phrase} at {', '.join(shares)}" for phrase, shares in said.items()
     ]
     if open_ in said:
-        sentences[-1] += ", as far as so few earthquakes can tell"
+        sentences[-1] += " (too few earthquakes to tell)"
     return "; it ".join(sentences)
 
 
@@ -275,9 +273,9 @@ def sentences_of_outside(ellipses: xr.Dataset, division: Division) -> Iterator[s
         if outside:
             unit = _UNITS[quantity]
             yield (
-                f"Outside of the population: {len(outside)} of the {len(judged)} motions of {name}, of "
-                f"{quantity} {_range(outside)}{unit}; the motions from which their criterion is learned have "
-                f"{_range(ends)}{unit}. The criterion makes no promise for motions outside."
+                f"No promise for {len(outside)} of the {len(judged)} motions of {name}, of {quantity} "
+                f"{_range(outside)}{unit}: their criterion was learned from motions of "
+                f"{_range(ends)}{unit}."
             )
 
 

@@ -11,7 +11,7 @@ from reliab.app.declaration import asks
 from reliab.core.progress import Show, quietly
 from reliab.report.setting import Setting
 from reliab.study.reading import list_shipped, open_study
-from reliab.study.running import run_study, write_report
+from reliab.study.running import ANSWER, run_study, write_report
 
 _OUT = Path("reliab-run")
 
@@ -24,14 +24,16 @@ class PerformedStudy:
     folder: Path
     report: Path
     stages: Mapping[str, bool]
+    answer: str = ""  # What the report says in one sentence
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain values with stable keys: `study`, `folder`, `report` and `stages`."""
+        """Plain values with stable keys: `study`, `folder`, `report`, `stages` and `answer`."""
         return {
             "study": self.title,
             "folder": str(self.folder),
             "report": str(self.report),
             "stages": dict(self.stages),
+            "answer": self.answer,
         }
 
 
@@ -83,7 +85,8 @@ def perform_study(
         tell(stage, done)
 
     report = run_study(described, folder, show=show, tell=count, setting=setting)
-    return PerformedStudy(title=described.title, folder=folder, report=report, stages=stages)
+    answer = (folder / ANSWER).read_text(encoding="utf-8")
+    return PerformedStudy(title=described.title, folder=folder, report=report, stages=stages, answer=answer)
 
 
 @dataclass(frozen=True)

@@ -151,9 +151,9 @@ def takes(
             say = partial(_in_options, root=context.find_root())
             asked = Asked(values, options=options, given=given, in_options=say, belongs_to=needs)
             asked.refuse_to_overwrite()
-            from reliab.app.cli.output import progress_bar
+            from reliab.app.cli.output import progress_bar, speaking
 
-            with shows_tasks(progress_bar):
+            with speaking(say), shows_tasks(progress_bar):
                 command(asked)
 
         context = inspect.Parameter("context", inspect.Parameter.KEYWORD_ONLY, annotation=typer.Context)

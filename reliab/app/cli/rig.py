@@ -15,9 +15,7 @@ from reliab.core.errors import InputError
 from reliab.core.significant_digits import percent, significant
 from reliab.sweep.several import Names
 
-app = typer.Typer(
-    no_args_is_help=True, help="A laboratory's memory: keep a rig's tests, predict the next, notice drift."
-)
+app = typer.Typer(no_args_is_help=True, help="Store a rig's tests, predict the next one and detect drift.")
 
 _RIG = argument("RIG", "Folder of the rig.")
 

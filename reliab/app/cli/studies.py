@@ -46,7 +46,7 @@ def run(asked: Asked) -> None:
         perform_study, *_COVER, "json_target", setting=asked.setting(), show=progress_bar, tell=tell
     )
     if not write_json(performed.to_dict(), asked.json_target):
-        say(f"Report: {performed.report}")
+        say(*filter(None, (performed.answer, f"Report: {performed.report}")))
 
 
 class _Run(outputs.Cover, total=False):
@@ -55,7 +55,7 @@ class _Run(outputs.Cover, total=False):
 
 @takes(_Run)
 def report(asked: Asked) -> None:
-    """Write the PDF of a finished run again, from its folder alone."""
+    """Rebuild the PDF of a finished run."""
     from reliab.app.api.studies import report_run
 
     written = asked.ask(report_run, *_COVER, "json_target", setting=asked.setting())

@@ -257,7 +257,7 @@ def test_a_test_with_several_actuators_is_shown_by_degree_of_freedom(capsys):
         "Error of corner, with 90 % intervals", "theta not judged", "Warning: Look at this.",
         "Improve first: gain of actuator 1; without it RMS^R of x would be 0.44 %.",
         "Tracking: actuator 1 A = 0.9877, d = 2.35 ms; actuator 2 A = 1.0123, d = -0.567 ms.",
-        "For all results, with 1 note, add --details.",
+        "All results, with 1 note, add --details.",
     ):  # fmt: skip
         assert line in lines, line
     (row,) = [line for line in lines if line.startswith("x ")]
@@ -286,7 +286,7 @@ def test_details_of_a_test_with_several_actuators_are_its_parts_channels_and_not
     assert "Channels: command = 'u' (mm; its name)." in lines
     assert "Note: A remark." in lines
     assert "Improve first: no single part." in " ".join(lines)
-    assert not any(line.startswith(("The critical delay", "For all results")) for line in lines)
+    assert not any(line.startswith(("The critical delay", "All results")) for line in lines)
 
 
 def test_tests_added_to_a_rig_are_shown_with_what_was_there_and_what_failed(capsys):

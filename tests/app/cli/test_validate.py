@@ -93,7 +93,7 @@ def test_every_method_and_law_is_told_whether_its_share_is_kept():
     ):
         assert f"{verb} the share that it states" in sentence
         assert sentence.startswith(f"{name} ")
-        assert f"{100 * rates[name][0]:.1f} % of the motions where it states 95 %" in sentence
+        assert f"{100 * rates[name][0]:.1f} % of the motions at 95 %" in sentence
     assert "does not keep the share that it states at 95 %; it keeps" in sentences[-1]
 
 
@@ -153,14 +153,13 @@ def test_table_6_has_the_same_verdicts(real_motions_folder):
         (("--ellipses", TABLE2, "--results", "real_suite"), r"one source of ellipses; found 2"),
         (("--ellipses", TABLE2, "--scheme", "magic"), "Unknown scheme"),
         (("--ellipses", TABLE2, "--law", "magic"), "Unknown law"),
-        (("--ellipses", TABLE2, "--method", "magic"), "A method must be one of"),
-        (("--ellipses", TABLE2, "--leave-out", "kp"), "--leave-out is f or xi"),
-        (("--ellipses", TABLE2, "--learn", "far_field"), "needs --motions, --learn and --judge"),
+        (("--ellipses", TABLE2, "--method", "magic"), "Unknown method"),
+        (("--ellipses", TABLE2, "--leave-out", "kp"), "`leave_out` is f or xi"),
+        (("--ellipses", TABLE2, "--learn", "far_field"), "needs `motions`, `learn` and `judge`"),
         (("--ellipses", TABLE2, "--confidence", 95), "confidence must lie between"),
-        pytest.param(("--case", "KOBE/KJM000"), "cases need a ground motion", marks=pytest.mark.of_studies),
         pytest.param(
             ("--motions", "synthetic", "--case", "KOBE/KJM000"),
-            "must be in the suite",
+            "in the suite",
             marks=pytest.mark.of_studies,
         ),
         (

@@ -58,7 +58,7 @@ def test_a_factor_on_the_limits_passes_through_the_fit(law):
 def test_use_outside_of_the_grid_is_refused(law):
     fitted = law.fit(F, XI, *grid(law))
     for structure in ((0.2, 0.05), (2.1, 0.05), (1.0, 0.01), (1.0, 0.11)):
-        with pytest.raises(InputError, match="must lie where the law is valid"):
+        with pytest.raises(InputError, match="does not hold for this"):
             fitted.limits(*structure)
 
 

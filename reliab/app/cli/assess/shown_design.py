@@ -42,7 +42,7 @@ def show_design(design: "Design") -> None:
     terminal.print(shown)
     if any(tolerance.outside_validity for tolerance in rows):
         terminal.print(
-            "Note: * lies outside of the criterion's validity; its limits are scaled by dimensionless errors."
+            "Note: the criterion does not cover *; these limits are scaled from the nearest structure."
         )
     _show_chart(design.chart, terminal)
 

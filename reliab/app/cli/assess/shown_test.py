@@ -76,7 +76,7 @@ def _indices(assessment: "Assessment", summary: dict[str, Any]) -> Any:  # noqa:
     share = (
         "" if summary["confidence"] is None else f" for {share_in_words(summary['confidence'], decimals=0)}"
     )
-    promise = f"{share} of the population's ground motions" if share else "; no share of motions is promised"
+    promise = f"{share} of comparable ground motions" if share else "; no share of motions promised"
     against = (
         f"{promise}, window {assessment.criterion.provenance.window}"
         if assessment.placement is None
@@ -115,23 +115,23 @@ def _sentences(assessment: "Assessment", summary: dict[str, Any]) -> Iterator[st
             "its record)."
         )
     if assessment.index_probability is not None:
-        basis = "its own ground motion" if assessment.placement is not None else "further ground motions"
+        basis = "its own ground motion" if assessment.placement is not None else "comparable ground motions"
         yield (
-            f"Probability, by A and d under {basis}, that the error stays below the threshold: "
+            f"By A and d, the error stays below the threshold under {basis} with probability "
             f"{probability_text(assessment.index_probability)}."
         )
     yield index_in_words(summary["by_index"])
     yield from assessment.verdict_by_index.would_decide
     if summary["stability_margin"] is not None:
         yield (
-            f"Stability margin: {percent(summary['stability_margin'], decimals=0)} of the critical delay is "
-            "free."
+            f"Stability margin: {percent(summary['stability_margin'], decimals=0)} of the critical delay, "
+            "from which on the loop is unstable, is free."
         )
     advice = summary["improve"]
     share = advice["share_of_delay"] if advice["first"] == "delay" else 1.0 - advice["share_of_delay"]
     yield (
-        f"Of the index, most comes from the {advice['first']} ({percent(share, decimals=0)}). Tolerable "
-        f"while the other stays as it is: {_or_none('delay', advice['tolerable_delay_ms'], ' ms')}, "
+        f"The {advice['first']} contributes most to the index ({percent(share, decimals=0)}). Tolerable with "
+        f"this amplitude: {_or_none('delay', advice['tolerable_delay_ms'], ' ms')}; with this delay: "
         f"{_or_none('amplitude error', advice['tolerable_amplitude_error'], '')}."
     )
     yield _tracking(summary["tracking"])

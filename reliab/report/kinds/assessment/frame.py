@@ -116,7 +116,7 @@ def _facts_of_one(assessment: FrameAssessment) -> dict[str, Prose]:
     if placed is not None and assessment.criterion is not None:
         index = MISSING if placed.index is None else significant(placed.index)
         population = assessment.criterion.provenance.population
-        motions = f"motions like the {population}" if population else "the population's ground motions"
+        motions = f"motions like the {population}" if population else "comparable ground motions"
         facts["Index of the criterion"] = (
             f"{index} against 1, for {share_in_words(assessment.promise)} of {motions}"
         )

@@ -277,8 +277,7 @@ def _basis(assessment: Assessment) -> Prose:
     if assessment.speaks_for_none:
         return prose("No share of motions is stated for the limits $a$ and $b$.")
     return prose(
-        "The limits $a$ and $b$ are those that {share} of the population's ground motions exceed "
-        "({meaning}).",
+        "The limits $a$ and $b$ are those that {share} of comparable ground motions exceed ({meaning}).",
         share=percent(criterion.confidence),
         meaning=meaning_of_confidence(criterion.method),
     )
