@@ -66,7 +66,7 @@ class TracedBoundaries(Structures, SimulatedModel, Thresholds, ErrorWindow, tota
 
 
 class Boundaries(TracedBoundaries, ResultSource, ErrorMetric, total=False):
-    """What `reliab.trace_boundaries` is asked."""
+    """What `trace_boundaries` is asked."""
 
     out: Annotated[
         str | Path | None,
@@ -110,7 +110,7 @@ class Sweep(Structures, SimulatedModel, total=False):
 
 
 class Simulation(Sweep, MotionSource, total=False):
-    """What `reliab.simulate_suite` is asked."""
+    """What `simulate_suite` is asked."""
 
 
 class CriterionQuestion(
@@ -126,7 +126,7 @@ class CriterionQuestion(
     Joint,
     total=False,
 ):
-    """What `reliab.derive_criteria` is asked."""
+    """What `derive_criteria` is asked."""
 
     actuator: Annotated[
         int | None,

@@ -3,11 +3,16 @@
 from collections.abc import Mapping
 from dataclasses import fields
 from functools import reduce
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from reliab.core.stated_value import StatedValue
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_SHOWN = 20  # rows of a table in a summary
 
 
 class PlainResult:
@@ -32,6 +37,30 @@ class PlainResult:
         dataclass: Any = self
         names = self.keys or {field.name: field.name for field in fields(dataclass)}
         return {key: plain_value(reduce(getattr, name.split("."), self)) for key, name in names.items()}
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Put the values into a table of one row; a value within a value is `outer_inner`."""
+        import pandas as pd
+
+        return pd.json_normalize(self.to_dict(), sep="_")
+
+    def summary(self) -> str:
+        """Say the answer as plain text: a line for each value, or a table of the first rows."""
+        table = self.to_dataframe()
+        if len(table) != 1:
+            return str(table.to_string(index=False, max_rows=_SHOWN, float_format="{:.4g}".format))
+        values = {name: value for name, value in table.iloc[0].items() if not isinstance(value, list)}
+        return "\n".join(f"{name}: {_as_text(value)}" for name, value in values.items())
+
+    def _repr_html_(self) -> str:
+        """Table for notebooks."""
+        table = self.to_dataframe()
+        shown = table.T if len(table) == 1 else table
+        return str(shown.to_html(na_rep="", float_format="{:.4g}".format, max_rows=_SHOWN))
+
+
+def _as_text(value: object) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
 def plain_value(value: Any) -> Any:  # noqa: ANN401 - of any result

@@ -22,7 +22,10 @@ from reliab.criterion.provenance import Provenance
 from reliab.criterion.scope import promised
 
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.axes import Axes
+
+_SHOWN = 20  # structures in a summary
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -203,6 +206,21 @@ class Criterion:
         None for a case that lies outside of the population, or a share too small to be kept.
         """
         return promised(self.confidence, self.provenance.position, self.provenance.promised_from)
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Put the limits into a table, at the structures of the law's table, else at 1 Hz and 2 % damping."""
+        import pandas as pd
+
+        frequencies = getattr(self.law, "frequencies", (1.0,))
+        ratios = getattr(self.law, "damping_ratios", (0.02,))
+        rows = [(f, xi, *map(float, self.limits(f, xi))) for f in frequencies for xi in ratios]
+        table = pd.DataFrame(rows, columns=["f", "xi", "a", "b"])
+        return table.assign(amplitude_limit=np.sqrt(table["a"]), delay_limit_ms=np.sqrt(table["b"]))
+
+    def summary(self) -> str:
+        """Say what the criterion promises, and its limits as a table."""
+        table = self.to_dataframe().to_string(index=False, max_rows=_SHOWN, float_format="{:.4g}".format)
+        return f"{repr(self).strip('<>')}\n{table}"
 
     def __repr__(self) -> str:
         return (

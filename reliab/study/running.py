@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Final
 
-from reliab.core.files import decoding, refuse_links
+from reliab.core.files import decoding, refuse_links, written_whole
 from reliab.core.progress import Show, quietly
 from reliab.report.document import Document
 from reliab.report.pdf import write_pdf
@@ -99,7 +99,8 @@ def _reporting(study: Study, reads: list[str], setting: Setting | None) -> Stage
         document = KINDS[study.kind].report(study, folder)
         _set(document, study, folder, setting)
         answer = plain_text(document.verdict) if isinstance(document, Document) else ""
-        (folder / ANSWER).write_text(answer, encoding="utf-8")
+        with written_whole(folder / ANSWER) as place:
+            place.write_text(answer, encoding="utf-8")
 
     inputs = {**study.model_dump(mode="json"), "setting": (setting or Setting()).to_dict()}
     return Stage(name="report", inputs=inputs, reads=reads, writes=(REPORT, ANSWER), work=work)

@@ -128,7 +128,7 @@ def test_motions_that_were_left_out_are_mentioned(ellipses):
     ellipses["a"][:15:3, 0, 0] = np.nan
     warnings = derive_criterion(ellipses, method=Quantile(), joint=False).provenance.warnings
     assert any("Up to 5 of 60 motions have no ellipse" in warning for warning in warnings)
-    assert any("20 earthquakes only" in warning for warning in warnings)
+    assert any("only 20 earthquakes" in warning for warning in warnings)
 
 
 def test_limits_that_cannot_be_promised_are_zero_with_a_caution_and_fit_no_law(ellipses):

@@ -134,5 +134,5 @@ def test_three_motions_must_have_an_ellipse_at_every_structure(motions, enough):
         population = Population.from_ellipses(ellipses, threshold=0.05, metric="rms")
         assert np.isfinite(population.log_alpha).sum(axis=0).ravel().tolist() == [5, 3]
     else:
-        with pytest.raises(InputError, match=r"3 motions must have an ellipse.*found 2"):
+        with pytest.raises(InputError, match=r"needs 3; found 2"):
             Population.from_ellipses(ellipses, threshold=0.05, metric="rms")

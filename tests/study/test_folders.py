@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from reliab.app.api.studies import perform_study
+from reliab.app.api import studies
 from reliab.core.errors import InputError
 from reliab.core.shipped import shipped_folder
 from reliab.study import folders
@@ -99,7 +99,7 @@ def test_a_study_whose_file_is_broken_breaks_no_other(shipped):
 @pytest.mark.usefixtures("shipped")
 def test_a_study_runs_twice_into_a_folder_of_its_own_name(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    first, second = (perform_study("sound", out="sound").stages for _ in range(2))
+    first, second = (studies.run_study("sound", out="sound").stages for _ in range(2))
     assert (set(first.values()), set(second.values())) == ({True}, {False})
 
 

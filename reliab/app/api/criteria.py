@@ -1,4 +1,4 @@
-"""`reliab.derive_criteria`: how much amplitude error and delay a test may have."""
+"""`derive_criteria`: how much amplitude error and delay a test may have."""
 
 import itertools
 from collections.abc import Mapping

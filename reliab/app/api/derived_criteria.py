@@ -49,6 +49,8 @@ class Criteria(ResultWithRows):
     """
 
     rows_in = "criteria"
+    shown = ("f", "xi", "threshold", "confidence", "a", "b", "amplitude_limit", "delay_limit_ms")
+    plotted = ("f", "delay_limit_ms")
 
     criteria: tuple[Criterion, ...]
     structures: tuple[tuple[float, float], ...]

@@ -27,6 +27,8 @@ class Design(ResultWithRows):
     """
 
     rows_in = "design"
+    shown = ("f", "xi", "confidence", "amplitude_limit", "delay_limit_ms")
+    plotted = ("f", "delay_limit_ms")
 
     tolerances: tuple[Tolerance, ...]
     chart: tuple[Tolerance, ...]

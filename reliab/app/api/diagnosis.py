@@ -1,4 +1,4 @@
-"""`reliab.diagnose_campaign`: where a model fails, what is missing, the proof, and its files."""
+"""`diagnose_campaign`: where a model fails, what is missing, the proof, and its files."""
 
 from collections.abc import Callable
 from datetime import UTC, datetime

@@ -7,6 +7,7 @@ from typing import Any, Unpack
 from reliab.app import questions
 from reliab.app.api.arguments import exact_values
 from reliab.app.declaration import asks
+from reliab.core.plain_values import PlainResult
 from reliab.core.shipped import or_shipped
 from reliab.explore.page import Settings, by_length, write_page
 from reliab.sweep.ellipse_file import open_windows
@@ -16,7 +17,7 @@ _NINETY_FIVE = 0.95
 
 
 @dataclass(frozen=True, kw_only=True)
-class ExplorerPage:
+class ExplorerPage(PlainResult):
     """A page that was written."""
 
     page: Path

@@ -12,6 +12,7 @@ from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.files import refuse_unwritable, written_whole
 from reliab.core.physical_range import require_physical
+from reliab.core.plain_values import PlainResult
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import Metric
 from reliab.in_loop.fmu import pack_fmu
@@ -28,7 +29,7 @@ _LONGEST_LAG = 1000.0  # ms
 
 
 @dataclass(frozen=True, kw_only=True)
-class WrittenMonitor:
+class WrittenMonitor(PlainResult):
     """A monitor that was written."""
 
     path: Path

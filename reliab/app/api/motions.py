@@ -9,6 +9,7 @@ from reliab.app import questions
 from reliab.app.api.sources import listed, paths
 from reliab.app.declaration import Files, asks
 from reliab.core.errors import InputError
+from reliab.core.plain_values import PlainResult
 from reliab.core.rows import ResultWithRows
 from reliab.core.vocabulary import STANDARD_GRAVITY
 from reliab.motions.checking import inspect
@@ -31,6 +32,8 @@ class MotionList(ResultWithRows):
     """
 
     rows_in = "motions"
+    shown = ("motion", "event", "duration", "pga_g", "arias_intensity")
+    plotted = ("duration", "pga_g")
 
     rows: list[dict[str, Any]]
     faults: tuple[Fault, ...] = ()
@@ -101,7 +104,7 @@ def _describe(motion: Motion) -> dict[str, Any]:
 
 
 @dataclass(frozen=True, kw_only=True)
-class MotionCheck:
+class MotionCheck(PlainResult):
     """What is wrong with records, and what deserves a look."""
 
     records: int
@@ -140,7 +143,7 @@ def check_motions(sources: Files, **read: Unpack[questions.MotionFiles]) -> Moti
 
 
 @dataclass(frozen=True, kw_only=True)
-class WrittenSuite:
+class WrittenSuite(PlainResult):
     """A suite that was written as text with a catalogue.
 
     Attributes

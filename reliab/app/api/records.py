@@ -13,6 +13,7 @@ from reliab.app.api.channels import Channels
 from reliab.app.declaration import asks
 from reliab.core.errors import InputError
 from reliab.core.files import refuse_unwritable, require_ending, written_whole
+from reliab.core.plain_values import PlainResult
 from reliab.core.shipped import or_shipped
 from reliab.core.stated_value import StatedValue
 from reliab.recordings.calibration import ChannelCalibration, calibrate_channels, calibration_in_toml
@@ -25,7 +26,7 @@ _STRUCTURE = {"f": 1.0, "xi": 0.05, "alpha": 1.0}
 
 
 @dataclass(frozen=True, kw_only=True)
-class Record:
+class Record(PlainResult):
     """A record that was made: what was recognised in a file, and what was written."""
 
     source: Path

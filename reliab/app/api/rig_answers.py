@@ -16,6 +16,7 @@ from reliab.app.declaration import asks
 from reliab.assessment.default_criterion import ellipses_of_motions
 from reliab.core.errors import InputError
 from reliab.core.files import require_ending
+from reliab.core.plain_values import PlainResult
 from reliab.motions.loading import load_motions, read_motion
 from reliab.rig.memory import MEASURED, NextTest
 from reliab.rig.prediction import Prediction, predict_next, predict_under_motion, predict_under_suite
@@ -35,7 +36,7 @@ _SHIPPED_SUITE = "real_suite"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class RigPrediction:
+class RigPrediction(PlainResult):
     """The next test of a rig, predicted."""
 
     rig: Path

@@ -16,6 +16,7 @@ from reliab.assessment.frame_assessment import CoupledAssessment
 from reliab.core.encodings import as_text
 from reliab.core.errors import InputError
 from reliab.core.files import ordinary, refuse_unwritable, require_ending, written_whole
+from reliab.core.plain_values import PlainResult
 from reliab.core.progress import Progress, silent
 from reliab.core.rows import ResultWithRows
 from reliab.core.shipped import or_shipped
@@ -32,6 +33,8 @@ class RigList(ResultWithRows):
     """The tests of a rig."""
 
     rows_in = "tests"
+    shown = ("name", "date", "A", "d_ms", "rms", "verdict")
+    plotted = ("d_ms", "rms")
 
     rig: Path
     table: RigTable
@@ -156,7 +159,7 @@ _TAKEN = ("day", "change", "file_state")
 
 
 @dataclass(frozen=True, kw_only=True)
-class AddedTests:
+class AddedTests(PlainResult):
     """Outcome for each file that was added to a rig."""
 
     rig: Path

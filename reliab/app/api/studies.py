@@ -1,4 +1,4 @@
-"""`reliab.perform_study`: a study from its name to the report; which studies ship; a report made again."""
+"""`reliab.run_study`: a study from its name to the report; which studies ship; a report made again."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -8,16 +8,19 @@ from typing import Any, Unpack
 from reliab.app import options
 from reliab.app.api.sources import listed
 from reliab.app.declaration import asks
+from reliab.core.plain_values import PlainResult
 from reliab.core.progress import Show, quietly
+from reliab.core.rows import ResultWithRows
 from reliab.report.setting import Setting
+from reliab.study import running
 from reliab.study.reading import list_shipped, open_study
-from reliab.study.running import ANSWER, run_study, write_report
+from reliab.study.running import ANSWER, write_report
 
 _OUT = Path("reliab-run")
 
 
 @dataclass(frozen=True, kw_only=True)
-class PerformedStudy:
+class PerformedStudy(PlainResult):
     """A study that was run."""
 
     title: str
@@ -38,7 +41,7 @@ class PerformedStudy:
 
 
 @asks(options.MotionSource)
-def perform_study(
+def run_study(
     study: str | Path = "quick",
     *,
     out: str | Path | None = None,
@@ -84,14 +87,16 @@ def perform_study(
         stages[stage] = done
         tell(stage, done)
 
-    report = run_study(described, folder, show=show, tell=count, setting=setting)
+    report = running.run_study(described, folder, show=show, tell=count, setting=setting)
     answer = (folder / ANSWER).read_text(encoding="utf-8")
     return PerformedStudy(title=described.title, folder=folder, report=report, stages=stages, answer=answer)
 
 
 @dataclass(frozen=True)
-class StudyList:
+class StudyList(ResultWithRows):
     """Studies that ship."""
+
+    rows_in = "studies"
 
     rows: list[dict[str, str]]
 
@@ -117,7 +122,7 @@ def list_studies() -> StudyList:
 
 
 @dataclass(frozen=True, kw_only=True)
-class WrittenReport:
+class WrittenReport(PlainResult):
     """A report that was made of a finished run."""
 
     folder: Path

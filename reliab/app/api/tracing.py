@@ -1,4 +1,4 @@
-"""`reliab.trace_boundaries`: the boundary of each motion, traced or looked up, as rows of a and b."""
+"""`trace_boundaries`: the boundary of each motion, traced or looked up, as rows of a and b."""
 
 import math
 from collections.abc import Iterator
@@ -39,6 +39,8 @@ class Boundaries(ResultWithRows):
     """
 
     rows_in = "ellipses"
+    shown = ("motion", "f", "xi", "threshold", "metric", "a", "b")
+    plotted = ("a", "b")
 
     ellipses: xr.Dataset
 

@@ -48,6 +48,8 @@ class Validation(ResultWithRows):
     """How often criteria hold on motions from which they were not learned."""
 
     rows_in = "rows"
+    shown = ("candidate", "confidence", "containment_rate")
+    plotted = ("confidence", "containment_rate")
 
     counts: CrossValidation
     ellipses: xr.Dataset

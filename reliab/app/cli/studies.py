@@ -27,7 +27,7 @@ class _Study(options.MotionSource, outputs.Folder, outputs.Listing, outputs.Cove
 @takes(_Study)
 def run(asked: Asked) -> None:
     """Run a study: simulate, fit, derive, validate, report."""
-    from reliab.app.api.studies import list_studies, perform_study
+    from reliab.app.api.studies import list_studies, run_study
 
     if asked.list_all:
         content = asked.ask(list_studies, "list_all", "json_target", why="together with `list_all`").to_dict()
@@ -43,7 +43,7 @@ def run(asked: Asked) -> None:
             say(f"{'done' if done else 'kept':>5}  {name}")
 
     performed = asked.ask(
-        perform_study, *_COVER, "json_target", setting=asked.setting(), show=progress_bar, tell=tell
+        run_study, *_COVER, "json_target", setting=asked.setting(), show=progress_bar, tell=tell
     )
     if not write_json(performed.to_dict(), asked.json_target):
         say(*filter(None, (performed.answer, f"Report: {performed.report}")))

@@ -40,7 +40,7 @@ def ask(folder, monkeypatch, capsys):
 def test_a_faulty_file_costs_its_row_only(ask, folder):
     code, out, error = ask("good.csv", "faulty.csv", "sound.csv", "--out", "verdicts.csv")
     assert code == 2
-    assert "1 of 3 not judged: faulty.csv" in error
+    assert "1 of 3 files could not be judged: faulty.csv" in error
     rows = pd.read_csv(folder / "verdicts.csv").set_index("file")
     assert rows.index.tolist() == ["good.csv", "faulty.csv", "sound.csv"]
     assert rows.loc["good.csv"].drop("test").equals(rows.loc["sound.csv"].drop("test"))

@@ -270,7 +270,7 @@ def test_tolerable_errors_stand_below_their_headings_and_bars_are_as_long_as_the
     ]
     assert list(drawn) == ["Tolerable errors at ξ = 0.03 for an error of 5 %", "Over the frequency, at 90 %"]
     shown = capsys.readouterr().out
-    assert "For ground motions like these: of here." in shown
+    assert "Valid for ground motions like these: of here." in shown
     assert "the criterion does not cover *" in shown
 
 

@@ -55,7 +55,7 @@ def test_list_names_records_that_it_leaves_out(faulty: Path) -> None:
     result = run("list", faulty)
     assert result.exit_code == 0
     assert "2 motions from 1 event" in result.stdout
-    assert "Left out: empty.AT2, line 1: A record must not be empty" in result.stdout
+    assert "Left out: empty.AT2, line 1: The file is empty" in result.stdout
     assert (
         "Left out: slow.txt, line 1: The time step of a record must lie from 0.0005 to 0.1 s" in result.stdout
     )
@@ -100,7 +100,7 @@ def test_json_can_go_to_a_file_beside_the_table(folder: Path, tmp_path: Path) ->
 def test_a_json_file_that_cannot_be_written_is_explained(folder: Path, tmp_path: Path) -> None:
     result = run("list", folder, "--json", tmp_path / "gone" / "out.json")
     assert isinstance(result.exception, InputError)
-    assert "must be writable" in str(result.exception)
+    assert "Cannot write the JSON file" in str(result.exception)
 
 
 def test_sets_are_chosen_by_name(folder: Path) -> None:
