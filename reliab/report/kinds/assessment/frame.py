@@ -29,6 +29,7 @@ from reliab.report.prose import Prose, prose
 from reliab.report.provenance import provenance_of
 from reliab.report.sources import SOURCES
 from reliab.report.style import BLUE, GREY, PALE, VERMILION, panels, styled
+from reliab.report.wording import with_options
 from reliab.tracking.indices.tracking_over_frequency import TrackingOverFrequency
 
 _KILO = 1e3
@@ -143,11 +144,14 @@ def _cautions(assessment: JudgedFrame) -> list[Prose]:
         else "the frame whose matrices without the specimen are as stated, and whose specimen was learned "
         "from its force"
     )
-    return [
+    remarks = [
         *(verdict.reasons[:-1] if verdict.word is Word.UNDECIDED else ()),  # the last one is the headline
         *next_steps(verdict.would_decide, error.would_decide),
         *assessment.warnings,
         *assessment.recording.notes,
+    ]
+    return [
+        *map(with_options, remarks),
         f"The error is that of {of_what}, whatever the actuator did.",
     ]
 
