@@ -161,6 +161,9 @@ def decoding(rule: str, *, remedy: str, where: object) -> Iterator[None]:
         inside = missing.name != Path(str(where)).name
         place = f"{where}: {missing.name}" if inside else str(where)
         raise InputError("No such file", remedy="Check the name", where=place) from error
+    except IsADirectoryError as error:
+        raise InputError("This is a folder", remedy="Name a file in it", where=str(where)) from error
+
     except Exception as error:  # damaged bytes lead decoders into every kind of error
         raise InputError(rule, value=_reason(error), remedy=remedy, where=str(where)) from error
 

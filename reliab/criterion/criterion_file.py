@@ -39,7 +39,7 @@ def to_text(
 
 def from_text(text: str, where: str = "") -> dict[str, Any]:
     """Read the parts of a criterion."""
-    rule = "A criterion must be JSON as written by `reliab criterion --out`"
+    rule = "This is no criterion that `reliab criterion --out` wrote"
     content = parse_json(text, rule=rule, remedy=_REMEDY, where=where)
     _require_schema(content, where)
     rule = "A criterion must be as `reliab criterion --out` writes it"

@@ -56,7 +56,7 @@ _FORMER = re.compile(r"^\[calibration\].*?(?=^\[|\Z)", re.MULTILINE | re.DOTALL)
 
 _HOLDS_DELAY = (
     "The skew includes the actuator's delay, which these two channels cannot show apart: give "
-    "`actuator_delay_ms`, unless you fed one signal to both channels."
+    "`actuator_delay`, unless you fed one signal to both channels."
 )
 _LOCKED = "The measured channel does not move, so that this test shows only its noise and resolution."
 _ACTUATOR_MOVES = (

@@ -83,7 +83,7 @@ def test_what_would_sharpen_a_verdict_most_comes_first_and_the_budget_as_a_table
     assert "skew of the channels" in shown
     left_open = answer(folder / "good.csv")
     assert left_open["verdict"] == "undecided"  # at resonance half a sample of skew is half of the threshold
-    assert "Measure the skew" in left_open["would_decide"][0]
+    assert "Feed one signal to both channels" in left_open["would_decide"][0]
     known = answer(folder / "good.csv", "--skew", "0±0.1")
     assert known["would_decide"][0].startswith("Calibrate the displacement sensor")
 

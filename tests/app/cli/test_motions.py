@@ -57,7 +57,7 @@ def test_list_names_records_that_it_leaves_out(faulty: Path) -> None:
     assert "2 motions from 1 event" in result.stdout
     assert "Left out: empty.AT2, line 1: The file is empty" in result.stdout
     assert (
-        "Left out: slow.txt, line 1: The time step of a record must lie from 0.0005 to 0.1 s" in result.stdout
+        "Left out: slow.txt, line 1: Implausible time step: those of records are 0.0005 to 0.1 s" in result.stdout
     )
     assert "confirm it by --time-step" in result.stdout
     assert "confirm it by --time-step" in " ".join(run("check", faulty / "slow.txt").stdout.split())
