@@ -1,9 +1,7 @@
 from .app.api.assessment import assess as assess
 from .app.api.comparison import compare as compare
-from .app.api.criteria import derive_criteria as derive_criteria
-from .app.api.derived_criteria import Criteria as Criteria
 from .app.api.design import design_test as design_test
-from .app.api.diagnosis import diagnose_campaign as diagnose_campaign, report_diagnosis as report_diagnosis
+from .app.api.diagnosis import report_diagnosis as report_diagnosis
 from .app.api.explorer import write_explorer as write_explorer
 from .app.api.following import follow_test as follow_test
 from .app.api.in_loop import export_monitor as export_monitor
@@ -30,14 +28,9 @@ from .app.api.rigs import (
     remove_from_rig as remove_from_rig,
     show_rig_test as show_rig_test,
 )
-from .app.api.simulation import simulate as simulate, simulate_suite as simulate_suite
+from .app.api.simulation import simulate as simulate
 from .app.api.sources import ellipses as ellipses
-from .app.api.studies import (
-    list_studies as list_studies,
-    perform_study as perform_study,
-    report_run as report_run,
-)
-from .app.api.tracing import trace_boundaries as trace_boundaries
+from .app.api.studies import list_studies as list_studies, report_run as report_run, run_study as run_study
 from .app.api.validation import (
     calibrate_probabilities as calibrate_probabilities,
     validate_criteria as validate_criteria,
@@ -51,8 +44,7 @@ from .discrepancy.diagnose import diagnose as diagnose
 from .motions.loading import load_motions as load_motions
 from .recordings.reading import read_recording as read_recording
 from .structures.structure import Structure as Structure
-from .study.reading import open_study as open_study
-from .study.running import run_study as run_study, write_report as write_report
+from .study.running import write_report as write_report
 from .sweep.results import open_results as open_results
 from .validation.cross_validation.judge import cross_validate as cross_validate
 from .version import __version__ as __version__

@@ -103,7 +103,8 @@ def coupled_response(
     fastest = np.linalg.eigvals(dynamics).real.max()
     if fastest > 0.0:
         raise InputError(
-            "The hybrid test must be stable", value=f"a pole at {fastest:.4g} 1/s to the right of the axis"
+            "hybrid test is unstable even without delay",
+            value=f"a pole at {fastest:.4g} 1/s to the right of the axis",
         )
     moved = _followed(dynamics, load, np.vstack([command, measured]), ground, time_step)
     return CoupledResponse(

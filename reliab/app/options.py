@@ -38,7 +38,7 @@ class Frequency(TypedDict, total=False):
         Quantity | None,
         STRUCTURE.option(
             "HZ",
-            "Natural frequency [Hz], 1.2, or 1.2±0.01 with its standard deviation.",
+            "Natural frequency of the whole structure [Hz]: 1.2, or 1.2±0.01 (± one standard deviation).",
             names=FREQUENCY_NAMES,
             idle_beside=_IN_PLACE,
         ),
@@ -52,7 +52,7 @@ class Frequencies(TypedDict, total=False):
         Quantities | None,
         STRUCTURE.option(
             "HZ",
-            "Natural frequency [Hz], 1.2, or 1.2±0.01 with its standard deviation; several for a design.",
+            "Natural frequency of the whole structure [Hz]: 1.2, or 1.2±0.01 (± one standard deviation).",
             names=FREQUENCY_NAMES,
             idle_beside=_IN_PLACE,
         ),
@@ -65,14 +65,17 @@ class DampingAndShare(TypedDict, total=False):
     xi: Annotated[
         Quantity | None,
         STRUCTURE.option(
-            "RATIO", "Damping ratio, 0.02 for 2 %, or 0.02±0.002.", names=_DAMPING, idle_beside=_IN_PLACE
+            "RATIO",
+            "Damping ratio of the whole structure: 0.02 for 2 %, or 0.02±0.002.",
+            names=_DAMPING,
+            idle_beside=_IN_PLACE,
         ),
     ]
     alpha: Annotated[
         Quantity | None,
         STRUCTURE.option(
             "SHARE",
-            "Share of the structure's stiffness in the laboratory; 1 by default: all of it.",
+            "Fraction of the stiffness that is tested physically (default 1).",
             names=_SHARE,
             idle_beside=_IN_PLACE,
         ),
@@ -97,7 +100,7 @@ class Structures(TypedDict, total=False):
         Numbers | None,
         STRUCTURE.further(
             "SHARE...",
-            "Shares of the structure's stiffness in the laboratory; by default those of the source, or 1.",
+            "Fractions of the stiffness that are tested physically; by default those of the source, or 1.",
             names=_SHARE,
         ),
     ]
@@ -109,7 +112,7 @@ class FrameFile(TypedDict, total=False):
     structure: Annotated[
         str | Path | None,
         STRUCTURE.option(
-            "FRAME.toml", "File of a frame and its specimen, in place of `f`, `xi` and `alpha`."
+            "FRAME.toml", "Description of a frame and its specimen, instead of `f`, `xi` and `alpha`."
         ),
     ]
 
@@ -120,7 +123,7 @@ class SimulatedModel(TypedDict, total=False):
     model: Annotated[
         "str | Path | HybridTest | None",
         STRUCTURE.further(
-            "MODEL.toml", "Structure and effects of an updated model, as `reliab diagnose --out` writes it."
+            "MODEL.toml", "Updated model with its structure, as `reliab diagnose --out` writes it."
         ),
     ]
 
@@ -128,9 +131,7 @@ class SimulatedModel(TypedDict, total=False):
 class ComingMotion(TypedDict, total=False):
     """The ground motion of a test to come."""
 
-    motion: Annotated[
-        str | Path | None, MOTIONS.option("FILE", "Ground motion under which the test will be run.")
-    ]
+    motion: Annotated[str | Path | None, MOTIONS.option("FILE", "Ground motion of the coming test.")]
 
 
 class MotionSets(TypedDict, total=False):
@@ -138,7 +139,7 @@ class MotionSets(TypedDict, total=False):
 
     sets: Annotated[
         Names | None,
-        MOTIONS.further("NAME...", "Sets of a catalogue; the set held_out is left out unless you name it."),
+        MOTIONS.further("NAME...", "Sets of a catalogue to use; held_out is used only if you name it."),
     ]
 
 
@@ -183,7 +184,7 @@ class Threshold(TypedDict, total=False):
         float | None,
         GOOD.option(
             "ERROR",
-            "Largest acceptable error of the whole test, 0.05 (5 %) by default.",
+            "Largest acceptable error of the whole test (default 0.05, 5 %).",
             idle_beside=("criterion",),
         ),
     ]
@@ -196,7 +197,7 @@ class ErrorMetric(TypedDict, total=False):
         str | None,
         GOOD.further(
             "rms|mte",
-            "Error of the whole test: RMS^R (rms, the default) or MTE^R (mte).",
+            "Error that counts: root mean square (rms, default) or largest value (mte).",
             completion=completion.metrics,
             idle_beside=("criterion",),
         ),
@@ -239,7 +240,7 @@ class Confidence(TypedDict, total=False):
         float | None,
         GOOD.further(
             "SHARE",
-            "Share of the population's ground motions that the criterion holds for, 0.95 by default.",
+            "Fraction of comparable ground motions that the limits must cover (default 0.95).",
             idle_beside=("structure", "criterion"),
         ),
     ]
@@ -252,7 +253,7 @@ class Confidences(TypedDict, total=False):
         Numbers | None,
         GOOD.option(
             "SHARE...",
-            "Shares of the population's ground motions that the criterion holds for.",
+            "Fractions of comparable ground motions that the limits must cover.",
             idle_beside=("structure", "criterion"),
         ),
     ]
@@ -265,7 +266,7 @@ class Joint(TypedDict, total=False):
         bool | None,
         METHOD.further(
             "",
-            "Whether the confidence holds for a and b together, or for each; the method decides by default.",
+            "Apply the confidence to a and b together, or to each alone; by default the method decides.",
             names=("--joint/--each",),
         ),
     ]
@@ -280,13 +281,15 @@ class Rate(TypedDict, total=False):
 class Columns(Rate, total=False):
     """Which columns of a file are which channels."""
 
-    command: Annotated[str | None, FILE.further("NAME", "Column of the command, if it is not recognised.")]
-    measured: Annotated[
-        str | None, FILE.further("NAME", "Column of the measured displacement, if it is not recognised.")
+    command: Annotated[
+        str | None, FILE.further("NAME", "Name of the command column, if reliab does not find it.")
     ]
-    time: Annotated[str | None, FILE.further("NAME", "Column of the time, if it is not recognised.")]
+    measured: Annotated[
+        str | None, FILE.further("NAME", "Name of the measured column, if reliab does not find it.")
+    ]
+    time: Annotated[str | None, FILE.further("NAME", "Name of the time column, if reliab does not find it.")]
     units: Annotated[
-        str | None, FILE.option("m|mm|in...", "Unit of both displacements, if the file states none.")
+        str | None, FILE.option("m|mm|in...", "Unit of both displacements, if the file does not state it.")
     ]
     channels: Annotated[
         str | Path | None,
@@ -304,8 +307,10 @@ class TestFile(Columns, total=False):
         str | None,
         FILE.option("NAME", "Name of the test, if the file holds several; all for all.", names=("--test",)),
     ]
-    time_units: Annotated[str | None, FILE.further("s|ms", "Unit of the time, if the file states none.")]
-    delimiter: Annotated[str | None, FILE.further("SIGN", "Character between the columns of a text file.")]
+    time_units: Annotated[
+        str | None, FILE.further("s|ms", "Unit of the time, if the file does not state it.")
+    ]
+    delimiter: Annotated[str | None, FILE.further("SIGN", "Column separator of a text file, such as ';'.")]
 
 
 class Mass(TypedDict, total=False):
@@ -315,7 +320,7 @@ class Mass(TypedDict, total=False):
         Quantity | None,
         STRUCTURE.further(
             "KG",
-            "Mass of the structure [kg]; it checks the unit of a recorded force, too.",
+            "Mass of the structure [kg]; also checks the unit of a recorded force.",
             idle_beside=_IN_PLACE,
         ),
     ]
@@ -328,14 +333,14 @@ class Specimen(TypedDict, total=False):
         str | None,
         STRUCTURE.further(
             "linear|measured",
-            "How it is known: linear, or measured: learned from its force (with `mass` or `structure`).",
+            "linear: it stayed elastic; measured: learn it from its force (with `mass` or `structure`).",
         ),
     ]
     force_channel: Annotated[
         Iterable[str] | None,
         SENSORS.further(
             "NAME=VALUE",
-            "What else the recorded force holds: lag_ms=2±0.5, attached_kg=12±1, friction_n=40±20.",
+            "Lag, attached mass or friction of the force: lag_ms=2±0.5, attached_kg=12±1, friction_n=40±20.",
         ),
     ]
 
@@ -360,12 +365,12 @@ class Loop(TypedDict, total=False):
         Quantity | None,
         SENSORS.option(
             "RATIO",
-            "Scale of the displacement sensor; 1±0.005 if it may be off by 0.5 %; else as calibrated.",
+            "Scale of the displacement sensor: 1±0.005 if it may be off by 0.5 %.",
         ),
     ]
     feedback_lag: Annotated[
         Quantity | None,
-        SENSORS.further("MS", "Time by which the force is fed back late [ms], 0 by default."),
+        SENSORS.further("MS", "Delay of the fed-back force [ms] (default 0)."),
     ]
 
 
@@ -376,11 +381,14 @@ class Accuracy(TypedDict, total=False):
         "str | Path | Equipment | None",
         SENSORS.option(
             "FILE.toml",
-            "Accuracy of your equipment where no option states it; that of ordinary equipment by default.",
+            "Accuracy of your equipment; anything left out gets a typical laboratory uncertainty.",
         ),
     ]
     exact: Annotated[
-        bool, SENSORS.further_flag("Take the channels, and values without a standard deviation, as exact.")
+        bool,
+        SENSORS.further_flag(
+            "Assume that the channels and all values without a standard deviation are exact."
+        ),
     ]
 
 
@@ -391,7 +399,7 @@ class Skew(TypedDict, total=False):
         Quantity | None,
         SENSORS.further(
             "MS",
-            "Time by which the measured displacement was recorded later than the command [ms], 0±0.05.",
+            "Time offset of the measured channel relative to the command [ms], such as 0±0.05.",
         ),
     ]
 
@@ -402,7 +410,7 @@ class CriterionFile(TypedDict, total=False):
     criterion: Annotated[
         "str | Path | Criterion | None",
         GOOD.option(
-            "FILE.json", "Criterion, as `reliab criterion --out` writes it; by default the one that ships."
+            "FILE.json", "Criterion that `reliab criterion --out` wrote; by default the shipped one."
         ),
     ]
 
@@ -426,6 +434,6 @@ class Covariates(TypedDict, total=False):
     covariate: Annotated[
         Iterable[str] | None,
         TEST.further(
-            "NAME=NUMBER...", "Quantities on which the rig may depend, such as current=0.4 or peak_mm=40."
+            "NAME=NUMBER...", "Quantities that may affect the rig, such as current=0.4 or peak_mm=40."
         ),
     ]

@@ -60,13 +60,13 @@ class TracedBoundaries(Structures, SimulatedModel, Thresholds, ErrorWindow, tota
     first_order: Annotated[
         bool,
         METHOD.further_flag(
-            "Predict ellipses from spectra instead of simulating; at 5 % the true b is 16 to 44 % smaller."
+            "Predict ellipses from spectra instead of simulating: fast, but too generous at 5 %."
         ),
     ]
 
 
 class Boundaries(TracedBoundaries, ResultSource, ErrorMetric, total=False):
-    """What `reliab.trace_boundaries` is asked."""
+    """What `trace_boundaries` is asked."""
 
     out: Annotated[
         str | Path | None,
@@ -110,7 +110,7 @@ class Sweep(Structures, SimulatedModel, total=False):
 
 
 class Simulation(Sweep, MotionSource, total=False):
-    """What `reliab.simulate_suite` is asked."""
+    """What `simulate_suite` is asked."""
 
 
 class CriterionQuestion(
@@ -126,19 +126,19 @@ class CriterionQuestion(
     Joint,
     total=False,
 ):
-    """What `reliab.derive_criteria` is asked."""
+    """What `derive_criteria` is asked."""
 
     actuator: Annotated[
         int | None,
         STRUCTURE.further(
-            "N", "Number of the only actuator of `structure` that errs, from 1; all err alike by default."
+            "N", "The one actuator of `structure` that errs, counted from 1; by default all err alike."
         ),
     ]
     duration: Annotated[
         float | None,
         MOTIONS.further(
             "SECONDS",
-            "Length of your tests' records; by default like those of the motions behind the criterion.",
+            "Length of your records; by default like those of the motions behind the criterion.",
         ),
     ]
     suite: Annotated[
@@ -158,7 +158,7 @@ class CriterionQuestion(
     ]
     assurance: Annotated[
         float | None,
-        METHOD.further("SHARE", "Probability that the stated share is kept, for methods that take it."),
+        METHOD.further("SHARE", "Probability that the confidence is kept, for methods that take it."),
     ]
     distribution: Annotated[
         str | None, METHOD.further("NAME", "Family of distributions for the method quantile.")
@@ -268,29 +268,30 @@ class StatedOfTest(
     """What `reliab.assess` is told of a test."""
 
     command_scale: Annotated[
-        Quantity | None, SENSORS.further("RATIO", "Scale of the recorded command, 1±0.001.")
+        Quantity | None, SENSORS.further("RATIO", "Scale of the recorded command, such as 1±0.001.")
     ]
     hysteresis: Annotated[
         Quantity | None,
         SENSORS.further(
-            "SHARE", "Width of the displacement sensor's loop over the span of its motion, 0.001±0.0003."
+            "SHARE",
+            "Hysteresis of the displacement sensor over the span of its motion, such as 0.001±0.0003.",
         ),
     ]
     resolution: Annotated[
         Quantity | None,
-        SENSORS.further("MM", "Step of the converter of the measured displacement [mm]."),
+        SENSORS.further("MM", "ADC step of the displacement sensor [mm]."),
     ]
     filter: Annotated[
         Iterable[str] | None,
         SENSORS.further(
             "CHANNEL=HZ",
-            "Low-pass filters before the converters: measured=200, or command=200/4 with the order.",
+            "Analogue low-pass filter of a channel: measured=200, or command=200/4 with its order.",
         ),
     ]
     motion: Annotated[
         "str | Path | Motion | None",
         STRUCTURE.further(
-            "FILE", "Ground motion of the test; the index is then compared with the boundary of this motion."
+            "FILE", "Ground motion of this test; the limits for A and d are then those of this record."
         ),
     ]
 
@@ -306,12 +307,12 @@ class Followed(OneStructure, FrameFile, NonlinearModel, Loop, Threshold, ErrorMe
 class FollowedTest(Followed, Mass, Specimen, Accuracy, Columns, total=False):
     """What `reliab.follow_test` is asked."""
 
-    every: Annotated[float, OUTPUT.further("SECONDS", "Time of the test between two messages.", default=0.5)]
+    every: Annotated[float, OUTPUT.further("SECONDS", "Test time between two messages.", default=0.5)]
     wait: Annotated[
         float,
         FILE.further(
             "SECONDS",
-            "Time without new rows after which the test has ended; longer than any pause of the test.",
+            "Pause after which the test counts as finished; longer than any pause in it.",
             default=10.0,
         ),
     ]
@@ -319,7 +320,7 @@ class FollowedTest(Followed, Mass, Specimen, Accuracy, Columns, total=False):
         float,
         FILE.further(
             "SECONDS",
-            "Time within which the file must have its first row; Ctrl-C ends the waiting.",
+            "How long to wait for the first row; Ctrl-C stops waiting.",
             default=600.0,
         ),
     ]
@@ -337,7 +338,7 @@ class RecordedTest(OneStructure, Mass, TestFile, About, total=False):
         OUTPUT.option("TEST.csv", "The recognised channels as CSV, in SI units.", endings=(".csv",)),
     ]
     rig: Annotated[str | None, TEST.option("TEXT", "Rig of the test.")]
-    operator: Annotated[str | None, TEST.option("TEXT", "Who performed the test.")]
+    operator: Annotated[str | None, TEST.option("TEXT", "Operator.")]
 
 
 class CalibrationTest(TestFile, total=False):
@@ -386,7 +387,7 @@ class NextTest(ComingMotion, RigReport, FrameFile, About, Covariates, total=Fals
     suite: Annotated[
         str | None,
         MOTIONS.further(
-            "NAME", "Suite of which the next motion may be any: real_suite, synthetic, or a folder."
+            "NAME", "Suite from which the next motion will be taken: real_suite, synthetic, or a folder."
         ),
     ]
 

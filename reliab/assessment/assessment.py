@@ -54,8 +54,8 @@ def _of_scope(findings: Findings) -> Iterator[str]:
         yield from findings.scope.sentences
     if findings.speaks_for_none:
         yield (
-            "No share of the population's ground motions is stated for such a test; the error of the "
-            "test itself does not depend on it."
+            "The criterion promises no share of ground motions for such a test. The error of the test "
+            "itself does not depend on it."
         )
 
 
@@ -102,20 +102,20 @@ def _of_error(findings: Findings) -> Iterator[str]:
         return
     size = findings.error.estimate(Metric(findings.criterion.metric)).value
     basis = (
-        f"{share_in_words(findings.promise, decimals=0)} of the population's ground motions"
+        f"{share_in_words(findings.promise, decimals=0)} of comparable ground motions"
         if findings.placement is None
         else "a gain and a delay alone"
     )
     why = (
-        f"gain and delay leave {percent(findings.tracking.unexplained_share, decimals=2)} of the rig's "
-        "motion unexplained"
+        f"{percent(findings.tracking.unexplained_share, decimals=2)} of the rig's motion is neither gain "
+        "nor delay"
         if findings.tracking.unexplained_share > _UNEXPLAINED * float(np.sqrt(findings.limits[0]))
-        else "this test's ground motion and length are more or less demanding than those"
+        else "this ground motion and length are more or less demanding than those"
     )
     yield (
-        f"The error of this very test ({percent(size, decimals=2)}) and the index "
-        f"({significant(findings.index)} against 1) "
-        f"disagree: the index describes {basis}, the error this test; {why}. The verdict follows the error."
+        f"The error of this test ({percent(size, decimals=2)}) and the index "
+        f"({significant(findings.index)}, limit 1) "
+        f"disagree: the index is for {basis}, and {why}. The verdict follows the error."
     )
 
 
@@ -128,8 +128,8 @@ def _of_columns(findings: Findings) -> Iterator[str]:
     yield from (doubt.finding for doubt in findings.column_doubts)
     if abs(tracking.amplitude - 1.0) > _FAR_FROM_ONE:
         yield (
-            f"A = {tracking.amplitude:.4g} is far from 1: command and measured displacement may be in "
-            "different units."
+            f"A = {tracking.amplitude:.4g} is far from 1. Check the units of command and measured "
+            "displacement."
         )
 
 
@@ -145,23 +145,28 @@ def _of_signal(findings: Findings) -> Iterator[str]:
     recording, tracking = findings.recording, findings.tracking
     periods = recording.duration * findings.structure.frequency
     if periods < _FEW_PERIODS:
-        yield f"The test is short: {significant(periods, 2)} periods of the structure."
+        yield (
+            f"The test is short: {significant(periods, 2)} periods of the structure. "
+            "Give the whole recording."
+        )
     samples = 1.0 / (recording.time_step * tracking.plain.equivalent_frequency)
     if samples < _FEW_SAMPLES:
-        yield f"The test is sampled coarsely: {significant(samples)} samples in a period."
+        yield (
+            f"The test is sampled coarsely: {significant(samples)} samples in a period. "
+            "Record at a higher rate."
+        )
     noise = float(np.sqrt(max(tracking.noise_share**2 - tracking.unexplained_share**2, 0.0)))
     if noise > _NOISY:
         yield (
             f"The test is noisy: {percent(noise, decimals=1)} of the measured displacement is unrelated "
-            "to the command."
+            "to the command. Use a sensor with less noise, or drive the specimen further."
         )
     limit = float(np.sqrt(findings.limits[0]))
     if tracking.unexplained_share > _UNEXPLAINED * limit:
         yield (
-            f"A gain and a delay leave {percent(tracking.unexplained_share, decimals=2)} of the "
-            f"measured motion unexplained, while an amplitude error of {percent(limit, decimals=2)} is "
-            "tolerable. The rig has another fault (friction, backlash, saturation) or slow noise; its error "
-            "may differ by a quarter from that of A and d."
+            f"{percent(tracking.unexplained_share, decimals=2)} of the measured motion is neither gain nor "
+            f"delay, more than the tolerable amplitude error of {percent(limit, decimals=2)}. Look for "
+            "friction, backlash, saturation or slow noise; limits based on A and d may be off by 25 %."
         )
 
 
@@ -172,14 +177,13 @@ def _of_constancy(findings: Findings) -> Iterator[str]:
     if late > _VARYING * np.sqrt(b):
         first, last = (MILLI * delay for delay in (windows.delay.min(), windows.delay.max()))
         yield (
-            f"The delay varies over the test, from {significant(first)} to {significant(last)} ms. A and d "
-            "are averages; in simulated tests whose delay drifted by half either way, the error was "
-            "within 12 % of that of the average delay."
+            f"The delay varies over the test, from {significant(first)} to {significant(last)} ms; A and d "
+            "are averages. Check the compensator."
         )
     if windows.amplitude_range > _VARYING * np.sqrt(a):
         yield (
             f"The amplitude varies over the test, from A = {windows.amplitude.min():.4f} to "
-            f"{windows.amplitude.max():.4f}; A is an average."
+            f"{windows.amplitude.max():.4f}; A is an average. Check the compensator."
         )
 
 
@@ -187,20 +191,19 @@ def _of_validity(findings: Findings) -> Iterator[str]:
     structure, carried = findings.structure, findings.population.carried_from
     if carried is not None and findings.placement is None:
         yield (
-            f"The structure ({structure.frequency:g} Hz, ξ = {structure.damping_ratio:g}) lies outside of "
-            f"the criterion's validity; the limits are scaled from those at {carried[0]:g} Hz, "
-            f"ξ = {carried[1]:g} by dimensionless errors. Give the test's ground motion for exact "
-            "ones."
+            f"The criterion does not cover the structure ({structure.frequency:g} Hz, "
+            f"ξ = {structure.damping_ratio:g}); its limits are scaled from those at {carried[0]:g} Hz, "
+            f"ξ = {carried[1]:g}. Give the `motion` of the test for exact ones."
         )
     if structure.experimental_fraction < 1.0 and findings.placement is None:
         measured = whole_is_worst(structure.frequency, structure.damping_ratio)
         judgement = (
             "it is conservative"
             if measured
-            else "that this is conservative was measured only from 0.5 to 3 Hz and 1 to 10 % damping"
+            else "it may not be conservative outside of 0.5 to 3 Hz and 1 to 10 % damping"
         )
         yield (
-            "The criterion is for a structure with all of its stiffness in the laboratory (α = 1); for "
+            "The criterion is for a specimen with all of the stiffness (α = 1); for "
             f"α = {structure.experimental_fraction:g} {judgement}."
         )
 
@@ -209,8 +212,8 @@ def _of_motion(findings: Findings) -> Iterator[str]:
     placement = findings.placement
     if placement is not None and placement.alignment.matched and placement.alignment.by == _BY_SHAPE:
         yield (
-            f"The test was found in the record of {placement.motion} by the shape of its response; its size "
-            "differs, as if the record was scaled or the displacements are not in metres."
+            f"The response has the shape, but not the size of that under {placement.motion}. "
+            "Check the scale of the record and the unit of the displacements."
         )
 
 

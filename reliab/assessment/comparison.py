@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 _FEWEST: Final = 2
 _LARGEST_PROBABILITY: Final = 0.99  # of an order that only the tests themselves show
 _IN_COMMON: Final = (
-    "All tests are assumed to be of one rig: unknown properties of its structure and channels, such "
-    "as their skew, are the same in all of them. State in a test's header what differs in it."
+    "All tests are assumed to be of one rig: what is unknown, such as the skew of the channels, is the "
+    "same in all of them. State in the header of a test what differs in it."
 )
 _OTHER_MOTION: Final = 0.3  # of the exact response's RMS, by which that of another test differs
 _EVEN: Final = 0.5
@@ -100,7 +100,7 @@ def rank_tests(
     """
     if len(judged) < _FEWEST:
         raise InputError(
-            "A comparison needs at least two tests that can be judged",
+            "Comparing needs at least two tests that can be judged",
             value=len(judged),
             remedy="; ".join((faults or {}).values()) or "Name another test",
         )

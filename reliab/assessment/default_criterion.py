@@ -27,7 +27,7 @@ from reliab.structures.structure import Structure
 from reliab.tracking.boundary.finite_errors import predicted_ellipse
 from reliab.tracking.boundary.first_order import FirstOrderEllipse
 
-SOURCE = "the ellipses that ship with the package, of the motions of FEMA P-695"
+SOURCE = "the shipped ellipses of the motions of FEMA P-695"
 
 
 def default_criterion(

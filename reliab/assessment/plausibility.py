@@ -57,14 +57,14 @@ def require_length(recording: Recording | CoupledRecording, frequency: float) ->
     periods = recording.duration * frequency
     if periods < _FEWEST_PERIODS:
         raise InputError(
-            f"A test must last at least {_FEWEST_PERIODS:g} periods of the structure",
+            f"The test is shorter than {_FEWEST_PERIODS:g} periods of the structure",
             value=f"{significant(periods, 2)} ({recording.duration:g} s at {frequency:g} Hz)",
             remedy="Give the whole test; times are in seconds unless `time_units` says otherwise",
             where=recording.name,
         )
     if recording.time_step * frequency > _LONGEST_STEP:
         raise InputError(
-            f"A step must be at most {_LONGEST_STEP:g} of a period of the structure",
+            f"The time step is longer than {_LONGEST_STEP:g} of a period of the structure",
             value=f"{recording.time_step:g} s at {frequency:g} Hz",
             remedy='Times are in seconds; if they are in milliseconds, give `time_units="ms"`',
             where=recording.name,
@@ -105,14 +105,14 @@ def _require_following(recording: Recording) -> None:
     best, lag = float(products.max()) / size, abs(int(np.argmax(products)) - reach) * recording.time_step
     if correlation < _OPPOSITE and lag > _LONGEST_REACTION:
         raise InputError(
-            "The measured displacement must have the command's sign",
+            "The measured displacement has the opposite sign of the command",
             value=f"a correlation of {correlation:.2f} between the two",
             remedy="Reverse the sign of one channel",
             where=recording.name,
         )
     if best < _UNRELATED:
         raise InputError(
-            "The measured displacement must follow the command",
+            "The measured displacement does not follow the command",
             value=f"a correlation of at most {best:.2f} between the two",
             remedy="Check that the columns and their units are the right ones",
             where=recording.name,
@@ -120,7 +120,7 @@ def _require_following(recording: Recording) -> None:
     noise = white_noise_share(recording.measured)
     if noise > _LARGEST_NOISE and best**2 < 1.0 - _LARGEST_NOISE:  # else it follows a random command
         raise InputError(
-            "The measured displacement must follow the command",
+            "The measured displacement does not follow the command",
             value=f"{percent(noise, decimals=0)} of its power is white noise",
             remedy="Check that the channel was connected",
             where=recording.name,
@@ -135,7 +135,7 @@ def _require_one_unit(ratio: float, where: str) -> None:
         for expected in (factor, 1.0 / factor):
             if abs(ratio / expected - 1.0) < _UNIT_TOLERANCE:
                 raise InputError(
-                    "Command and measured displacement must be in the same unit",
+                    "Command and measured displacement seem to have different units",
                     value=f"a measured displacement of {ratio:.4g} times the command, as if one were in "
                     f"{units}",
                     remedy="State the unit in the column's name (measured_mm), or convert the column",

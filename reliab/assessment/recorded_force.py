@@ -83,7 +83,7 @@ def require_restoring_force(
     """
     if not np.ptp(force) > 0.0:
         raise InputError(
-            "The recorded force must change during the test",
+            "The recorded force does not change during the test",
             value=f"{force[0]:g} throughout",
             remedy="Check that the load cell was connected, or leave the column out",
             where=where,
@@ -94,7 +94,7 @@ def require_restoring_force(
     sign = _Sign.of_force(measured, force, kernel)
     if sign.reverse_explains and not sign.may_be_right:
         raise InputError(
-            "The recorded force must resist the motion",
+            "The recorded force does not resist the motion",
             value="a force that acts along it, as if its sign were reversed",
             remedy="Reverse the sign of the force: it is positive where the specimen is pushed in the "
             "positive direction",
@@ -102,7 +102,7 @@ def require_restoring_force(
         )
     if sign.unexplained > _UNRELATED:
         raise InputError(
-            "The recorded force must follow the measured displacement",
+            "The recorded force does not follow the measured displacement",
             value=f"a force of whose power {percent(sign.unexplained, decimals=0)} follows no spring, "
             "dashpot, mass or friction",
             remedy="Check that the force is the specimen's, and that the load cell was connected",
@@ -188,7 +188,7 @@ def require_order(command: Array, measured: Array, force: Array, time_step: floa
     as_read, as_late = (_left_over(moved, (force,), kernel)[0] for moved in (measured, in_time))
     if as_late < _IN_TIME * as_read and not is_noisier(measured, command):
         raise InputError(
-            "The recorded force must follow the measured displacement",
+            "The recorded force does not follow the measured displacement",
             value="a force that follows the command instead, as if the two columns were exchanged",
             remedy="Exchange the columns, or name them with `command` and `measured`",
             where=where,
@@ -254,8 +254,8 @@ def remark_on_force(recording: Recording, structure: Structure, stated: Mapping[
         )
     mass = stiffness / (structure.experimental_fraction * structure.circular_frequency**2)
     return (
-        "The unit of the recorded force was not examined: in newtons it belongs to a structure of "
-        f"{significant(mass)} kg. State the mass, so that a force in another unit is refused."
+        "The unit of the recorded force was not checked: in newtons it implies a mass of "
+        f"{significant(mass)} kg. Give `mass` to verify it."
     )
 
 
@@ -295,7 +295,7 @@ def other_unit_of_force(ratio: float, where: str) -> InputError:
     unit = unit_like(ratio, tolerance=_UNIT_TOLERANCE)
     alike = f", as {unit} would have" if unit else ""
     return InputError(
-        "The recorded force must be that of the stated specimen",
+        "The recorded force does not fit the stated specimen",
         value=f"a stiffness of {significant(ratio)} times the stated one{alike}",
         remedy="State the unit of the force in the column's name, such as force [lbf], or check mass, "
         "frequency and share of the specimen",

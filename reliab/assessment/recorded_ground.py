@@ -149,7 +149,7 @@ def other_unit_of_ground(recording: Recording | CoupledRecording, factor: float)
     found = f"one in {unit}" if unit else f"one that is {significant(factor, 4)} times as large"
     ask = f"Is it in {unit}? State that in" if unit else "State its unit in"
     return InputError(
-        "The ground acceleration must be in the stated unit",
+        "The ground acceleration does not fit its unit",
         value=f"{stated}, while the motion of the test is that of {found}",
         remedy=f"{ask} the column's name, ground_acceleration [{unit or 'm/s2'}], or in a file "
         "`channels.toml`",

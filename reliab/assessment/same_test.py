@@ -214,7 +214,7 @@ def _curves(places: Array) -> list[_Curve]:
     along = places @ direction
     if not np.ptp(along) > _FEWEST_APART * largest or largest == 0.0:
         raise InputError(
-            "Runs of one test must differ in gain or delay of their actuator",
+            "The runs hardly differ in gain or delay of the actuator",
             value=", ".join(
                 f"{significant(PERCENT * float(np.linalg.norm(place)), 2)} %" for place in places
             ),
@@ -270,12 +270,12 @@ def _interval(size: Estimate) -> str:
 def _require_one_test(runs: Mapping[str, Assessment]) -> None:
     found: Sequence[Assessment] = list(runs.values())
     if len(found) < 2:  # noqa: PLR2004 - a pair
-        raise InputError("The same test must have at least two runs", value=len(found))
+        raise InputError("Extrapolating needs at least two runs", value=len(found))
     first = found[0]
     for name, one in runs.items():
         if not np.isclose(one.recording.time_step, first.recording.time_step, rtol=1e-6):
             raise InputError(
-                "Runs of the same test must have the same sampling rate",
+                "The runs have different sampling rates",
                 value=f"{significant(1.0 / one.recording.time_step)} Hz",
                 remedy="Resample them to one rate",
                 where=name,
@@ -284,14 +284,14 @@ def _require_one_test(runs: Mapping[str, Assessment]) -> None:
         alike, apart = _compared(first.recording.command[:size], one.recording.command[:size])
         if not alike > _ALIKE:
             raise InputError(
-                "Runs of the same test must have nearly the same command",
+                "The runs have different commands",
                 value=f"a correlation of {significant(alike, 2)}",
                 where=name,
             )
         seconds = apart * first.recording.time_step
         if abs(seconds) * first.structure.frequency > _APART_IN_TIME:
             raise InputError(
-                "Runs of the same test must begin at the same instant of its ground motion",
+                "The runs begin at different instants of the ground motion",
                 value=f"{significant(seconds, 2)} s apart",
                 remedy="Cut their beginnings",
                 where=name,

@@ -47,13 +47,11 @@ class Assessments:
         """Judge the tests as runs of one test; see `reliab.assessment.same_test`."""
         if self.faults:
             file, reason = next(iter(self.faults.items()))
-            raise InputError(
-                "Every run of the same test must be one that can be judged", value=reason, where=file
-            )
+            raise InputError(f"This run cannot be judged. {reason.rstrip('.')}", where=file)
         runs = {file: run for file, run in self.judged.items() if isinstance(run, Assessment)}
         if len(runs) < len(self.judged):
             raise InputError(
-                "Runs of the same test can be combined for one degree of freedom only",
+                "Only runs with one actuator can be combined",
                 value="a frame",
                 remedy="Leave `structure` out, or judge each run by itself",
             )

@@ -28,8 +28,8 @@ from reliab.signals.filters import LowPass
 CORNERS: Final = (500.0, 400.0, 300.0, 200.0, 150.0, 120.0, 100.0, 80.0, 60.0, 50.0, 40.0, 30.0, 20.0)
 """Corners of a filter of second order on one channel [Hz], from the weakest filter that is tried."""
 
-_UNKNOWN = "No force was recorded, and nobody stated that the specimen is linear: if it yielded"
-_YIELDING = "Record the force of the specimen, or state `specimen` as linear if it was."
+_UNKNOWN = "No force was recorded. If the specimen yielded"
+_YIELDING = "Record the force of the specimen, or give `specimen` as linear if it stayed elastic."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,9 +76,9 @@ class Turning:
         if self.error_if_yielding is None or self.error_if_hardening is None:
             return ()
         sentence = (
-            f"{_UNKNOWN}, up to a ductility of {significant(DUCTILITIES[-1])}, the error would be "
+            f"{_UNKNOWN} (ductility up to {significant(DUCTILITIES[-1])}), the error would be "
             f"{_between(self.error_if_yielding)}{_turned('ductility', self.smallest_ductility)}; if it "
-            f"hardened, by up to {percent(HARDENINGS[-1])} of its force, "
+            f"hardened (by up to {percent(HARDENINGS[-1])} of its force), "
             f"{_between(self.error_if_hardening)}{_turned('hardening', self.smallest_hardening)}."
         )
         return (sentence,)
@@ -87,9 +87,9 @@ class Turning:
         yield from self._of_specimen
         if self.highest_filter is not None:
             yield (
-                "Filters of the two channels were not stated: one of second order at "
+                "No filters stated. A low-pass filter of second order at "
                 f"{significant(self.highest_filter)} Hz or lower on one channel alone would change the "
-                "verdict."
+                "verdict: give `filter`."
             )
         if self.doubt_of_skew:
             yield self.doubt_of_skew
@@ -113,9 +113,9 @@ def _between(errors: tuple[float, float]) -> str:
 def _turned(what: str, smallest: float | None) -> str:
     """Say with how much of it the verdict would turn."""
     if smallest is None:
-        return ", which would not change the verdict"
+        return " (same verdict)"
     size = significant(smallest) if what == "ductility" else percent(smallest)
-    return f", and a {what} of {size} would change the verdict"
+    return f" (another verdict from a {what} of {size} on)"
 
 
 def examine_turning(

@@ -128,13 +128,13 @@ def verdict_by_index(
         return Verdict(
             word=Word.UNDECIDED,
             reasons=("The measured displacement leads, and the criterion has no limits for leads.",),
-            would_decide=("Give its ground motion, or a criterion that has limits for leads.",),
+            would_decide=("Give the `motion` of the test, or a criterion that has limits for leads.",),
         )
     if outside:
         return Verdict(
             word=Word.UNDECIDED,
             reasons=(*outside, "The criterion does not cover such a test."),
-            would_decide=("Give the test's ground motion; the index is then judged by its boundary.",),
+            would_decide=("Give the `motion` of the test, by whose boundary the index is then judged.",),
         )
     low, high = interval
     if high <= 1.0:
@@ -154,9 +154,9 @@ def verdict_by_index(
         reasons=(
             (
                 f"The index {significant(index)} exceeds 1, yet under {percent(probability, decimals=0)} of "
-                "the population's ground motions the error of such a test stays below the threshold: too "
+                "comparable ground motions the error of such a test stays below the threshold: too "
                 "many to call it bad."
             ),
         ),
-        would_decide=("Give the test's ground motion; the index is then judged by its boundary.",),
+        would_decide=("Give the `motion` of the test, by whose boundary the index is then judged.",),
     )

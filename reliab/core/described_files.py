@@ -99,7 +99,7 @@ def parse_json(text: str, *, rule: str, remedy: str, where: str = "") -> Any:  #
 def _finite(number: str, where: str) -> float:
     value = float(number)
     if not math.isfinite(value):
-        raise InputError("Every number must be finite", value=number, remedy="Correct it", where=where)
+        raise InputError("Not a finite number", value=number, remedy="Correct it", where=where)
     return value
 
 
@@ -129,8 +129,7 @@ def _parts(value: object) -> list[Any]:
 
 def _too_deep(where: str) -> InputError:
     return InputError(
-        f"Tables and lists must not be nested more than {DEEPEST} deep",
-        value="more",
+        f"Tables and lists are nested more than {DEEPEST} deep",
         remedy="Write the description as its examples are written",
         where=where,
     )

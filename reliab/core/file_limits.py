@@ -33,7 +33,7 @@ class FileLimits:
         widest = max((max(*map(line.count, _DELIMITERS), len(line.split())) + 1 for line in lines), default=0)
         if widest > self.columns:
             raise InputError(
-                f"A table may have {self.columns:,} columns at most",
+                f"The table has more than {self.columns:,} columns",
                 value=f"{widest:,} or more",
                 remedy=self.remedy,
                 where=str(path),
@@ -43,7 +43,7 @@ class FileLimits:
         """Refuse numbers that would not fit in memory; `size` [bytes] is what the file declares."""
         if size > self.numbers:
             raise InputError(
-                f"A file of this kind may hold {self.numbers / _MEGABYTE:,.6g} MB of numbers at most",
+                f"The file holds more than {self.numbers / _MEGABYTE:,.6g} MB of numbers",
                 value=f"{size / _MEGABYTE:,.6g} MB",
                 remedy=self.remedy,
                 where=str(where),

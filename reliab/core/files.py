@@ -96,7 +96,7 @@ def require_small(path: str | Path, most: int, *, remedy: str) -> None:
     size = Path(path).stat().st_size
     if size > most:
         raise InputError(
-            f"A file of this kind may have {most / _MEGABYTE:,.6g} MB at most",
+            f"The file is larger than {most / _MEGABYTE:,.6g} MB",
             value=f"{size / _MEGABYTE:,.6g} MB",
             remedy=remedy,
             where=str(path),
@@ -118,8 +118,7 @@ def is_annexed(link: str | Path) -> bool:
         ):
             if not Path(target).is_file():
                 raise InputError(
-                    "The content of a file under git-annex must be on this machine",
-                    value=f"its name alone at {link}",
+                    f"git-annex has not fetched the content of {link}",
                     remedy="Fetch it with `git annex get` or `datalad get`",
                 )
             return True
@@ -135,7 +134,7 @@ def refuse_links(folder: Path, *beside: Path, reads: bool = False) -> None:
     for entry in (*beside, *folder.rglob("*")):
         if entry.is_symlink() and not (reads and is_annexed(entry)):
             raise InputError(
-                "A folder of results must hold its own files, without links to others",
+                "A folder of results must not contain links",
                 value=f"a link at {entry}",
                 remedy="Remove the link, or put the file itself in its place",
                 where=str(folder),
@@ -162,6 +161,9 @@ def decoding(rule: str, *, remedy: str, where: object) -> Iterator[None]:
         inside = missing.name != Path(str(where)).name
         place = f"{where}: {missing.name}" if inside else str(where)
         raise InputError("No such file", remedy="Check the name", where=place) from error
+    except IsADirectoryError as error:
+        raise InputError("This is a folder", remedy="Name a file in it", where=str(where)) from error
+
     except Exception as error:  # damaged bytes lead decoders into every kind of error
         raise InputError(rule, value=_reason(error), remedy=remedy, where=str(where)) from error
 
@@ -231,17 +233,16 @@ def _held_unfinished(place: Path) -> tuple[Path, IO[bytes]]:
 def refuse_unwritable(rule: str, *, where: object, remedy: str = "Name another") -> Iterator[None]:
     """Refuse a place to which what is written inside cannot be written.
 
-    >>> with refuse_unwritable("The page must be writable", where="/dev/null/page"):
+    >>> with refuse_unwritable("Cannot write the page", where="/dev/null/page"):
     ...     _ = Path("/dev/null/page").write_text("")
     Traceback (most recent call last):
     ...
-    reliab.core.errors.InputError: /dev/null/page: The page must be writable; found Not a directory. Name
-    another.
+    reliab.core.errors.InputError: /dev/null/page: Cannot write the page: Not a directory. Name another.
     """
     try:
         yield
     except OSError as error:
-        raise InputError(rule, value=error.strerror, remedy=remedy, where=str(where)) from error
+        raise InputError(f"{rule}: {error.strerror}", remedy=remedy, where=str(where)) from error
 
 
 def require_ending(path: str | Path, *endings: str) -> None:
@@ -264,7 +265,7 @@ def require_ending(path: str | Path, *endings: str) -> None:
 def write_json_file(content: object, path: str | Path) -> None:
     """Write plain values as JSON, whole or not at all."""
     text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
-    with refuse_unwritable("The JSON file must be writable", where=path), written_whole(path) as file:
+    with refuse_unwritable("Cannot write the JSON file", where=path), written_whole(path) as file:
         file.write_text(f"{text}\n", encoding="utf-8", errors="backslashreplace")
 
 

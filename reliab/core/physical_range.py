@@ -67,7 +67,7 @@ RANGES: Final[Mapping[str, PhysicalRange]] = {
     "share of the stiffness in the laboratory": PhysicalRange(
         lowest=1e-6,
         highest=1.0,
-        remedy="Give the specimen's share of the total stiffness, 1 for all of it",
+        remedy="Give the fraction that is tested physically, 0.6 for 60 %",
     ),
     "mass": PhysicalRange(unit="kg", lowest=1e-9, highest=1e12, remedy="Give it in kilograms"),
     "stiffness": PhysicalRange(unit="N/m", lowest=1e-9, highest=1e18, remedy="Give it in N/m"),

@@ -4,11 +4,16 @@ from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from functools import reduce
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from reliab.core.stated_value import StatedValue
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_SHOWN = 20  # rows of a table in a summary
 
 
 class PlainResult:
@@ -34,6 +39,26 @@ class PlainResult:
             return _fields(self)
         return {key: plain_value(reduce(_part, name.split("."), self)) for key, name in self.keys.items()}
 
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Put the values into a table of one row; a value within a value is `outer_inner`."""
+        import pandas as pd
+
+        return pd.json_normalize(self.to_dict(), sep="_")
+
+    def summary(self) -> str:
+        """Say the answer as plain text: a line for each value, or a table of the first rows."""
+        table = self.to_dataframe()
+        if len(table) != 1:
+            return str(table.to_string(index=False, max_rows=_SHOWN, float_format="{:.4g}".format))
+        values = {name: value for name, value in table.iloc[0].items() if not isinstance(value, list)}
+        return "\n".join(f"{name}: {_as_text(value)}" for name, value in values.items())
+
+    def _repr_html_(self) -> str:
+        """Table for notebooks."""
+        table = self.to_dataframe()
+        shown = table.T if len(table) == 1 else table
+        return str(shown.to_html(na_rep="", float_format="{:.4g}".format, max_rows=_SHOWN))
+
 
 def _part(whole: Any, name: str) -> Any:  # noqa: ANN401 - of any result
     return whole[name] if isinstance(whole, Mapping) else getattr(whole, name)
@@ -41,6 +66,10 @@ def _part(whole: Any, name: str) -> Any:  # noqa: ANN401 - of any result
 
 def _fields(dataclass: Any) -> dict[str, Any]:  # noqa: ANN401 - any dataclass
     return {field.name: plain_value(getattr(dataclass, field.name)) for field in fields(dataclass)}
+
+
+def _as_text(value: object) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
 def plain_value(value: Any) -> Any:  # noqa: ANN401 - of any result

@@ -47,9 +47,7 @@ class Registry(Mapping[str, Item]):
     def find(self, name: object) -> Item:
         """Return the item of a name."""
         if not isinstance(name, str) or name not in self:
-            raise InputError(
-                f"{self._phrase} must be one of {', '.join(self)}", value=name, remedy="Choose one of these"
-            )
+            raise InputError(f"Unknown {self._noun}", value=name, remedy=f"Choose among {', '.join(self)}")
         return self[name]
 
     @property

@@ -10,24 +10,53 @@ from reliab.core.plain_values import PlainResult
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.axes import Axes
+
+_SHOWN = 20  # rows in a summary
 
 
 class ResultWithRows(PlainResult):
     """A result whose plain values hold rows: criteria, tests, motions, ellipses."""
 
     rows_in: ClassVar[str]  # The key of `to_dict` that holds the rows
+    shown: ClassVar[tuple[str, ...]] = ()  # Columns of the rows in `summary`; all by default
+    plotted: ClassVar[tuple[str, str]] = (
+        "",
+        "",
+    )  # Columns that `plot` draws; row and first number by default
 
-    def to_frame(self) -> "pd.DataFrame":
+    def to_dataframe(self) -> "pd.DataFrame":
         """Put the rows into a table, with their keys as columns; a value within a value is `outer_inner`."""
         import pandas as pd
 
         return pd.json_normalize(self.to_dict()[self.rows_in], sep="_")
 
+    def summary(self) -> str:
+        """Say the answer as plain text: a table of the first rows."""
+        table = self.to_dataframe()
+        shown = table[list(self.shown)] if self.shown and len(table) else table
+        return str(shown.to_string(index=False, max_rows=_SHOWN, float_format="{:.4g}".format))
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw the rows as points, and return the axes.
+
+        `axes`: those to draw into; new ones by default.
+        """
+        from matplotlib import pyplot as plt
+
+        drawn = axes if axes is not None else plt.figure().gca()
+        table = self.to_dataframe()
+        across, up = self.plotted
+        numbers = table.select_dtypes("number").columns
+        drawn.plot(table[across] if across else table.index, table[up or numbers[0]], "o")
+        drawn.set(xlabel=across or "row", ylabel=up or numbers[0])
+        return drawn
+
 
 def write_table(table: "pd.DataFrame", path: str | Path, *, index: bool = False) -> None:
     """Write a table as CSV, whole or not at all; texts that a spreadsheet would compute stay texts."""
     escaped = _with_texts(table, as_cell)
-    with refuse_unwritable("The table's file must be writable", where=path), written_whole(path) as file:
+    with refuse_unwritable("Cannot write the table's file", where=path), written_whole(path) as file:
         escaped.to_csv(file, index=index, errors="backslashreplace")
 
 

@@ -50,7 +50,7 @@ def shipped(kind: str, name: str) -> Path:
             entry.name for entry in folder.glob("*") if entry.name not in ("README.md", CHECKSUMS)
         )
         raise InputError(
-            f"Nothing of that name ships among the {kind}",
+            f"No {kind} of this name come with reliab",
             value=name,
             remedy=f"Choose among {', '.join(present)}",
         )
@@ -95,7 +95,7 @@ def _verify(path: Path, changed: int, expected: str) -> None:
     del changed  # a file that changes is compared again
     if (actual := checksum_of(path)) != expected:
         raise InputError(
-            "A file that ships must have the checksum listed for it",
+            "A file that came with reliab has changed",
             value=f"SHA-256 {actual}",
             remedy="Install reliab again, or restore the file; SHA256SUMS lists what is right",
             where=str(path),
@@ -126,8 +126,7 @@ def or_shipped(path: Path, kind: str, file: str) -> Path:
         if path.exists():
             return path
         raise InputError(
-            "A name must be that of a file here, or of something that ships",
-            value=str(path),
+            f"{path} not found",
             remedy=f"Check the path, or name {' or '.join(sorted(present | listed))}",
         )
     return shipped(kind, f"{path}/{file}")

@@ -46,7 +46,7 @@ class StatedValue:
             match, value, deviation = None, math.nan, math.nan
         if match is None or not (math.isfinite(value) and math.isfinite(deviation)):
             raise InputError(
-                f"The {quantity} must be a number, or a number with its standard deviation",
+                f"The {quantity} is no number",
                 value=repr(text),
                 remedy="Write 1.5, 1±0.01, 1+-0.01, 1,0.01 or 1±1%",
             )

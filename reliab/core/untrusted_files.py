@@ -35,7 +35,7 @@ def named_within(folder: Path, name: str, *, where: str) -> Path:
     >>> named_within(Path("campaign"), "../secret.csv", where="campaign.toml")
     Traceback (most recent call last):
     ...
-    reliab.core.errors.InputError: campaign.toml: A file that a folder names must lie in that folder; found
+    reliab.core.errors.InputError: campaign.toml: The file lies outside the folder that names it; found
     '../secret.csv'. Copy it there, without links, and name it by its path from the folder.
     """
     path = folder / name
@@ -43,7 +43,7 @@ def named_within(folder: Path, name: str, *, where: str) -> Path:
         inside = Path(os.path.realpath(path)).is_relative_to(os.path.realpath(folder))
     if ".." in PurePath(name).parts or not (inside or is_annexed(path)):
         raise InputError(
-            "A file that a folder names must lie in that folder",
+            "The file lies outside the folder that names it",
             value=repr(name),
             remedy="Copy it there, without links, and name it by its path from the folder",
             where=where,
@@ -117,9 +117,8 @@ class _Probe:
             seconds = _PROBE_SECONDS + state.st_size / _PROBE_BYTES_PER_SECOND
             if self._ask(os.path.realpath(path), seconds) != b"read":
                 raise InputError(
-                    "An HDF5 file must not end the process that reads it",
-                    value="a file on which the HDF5 library fails",
-                    remedy="Export it again; this file is damaged",
+                    "The HDF5 library fails on this file",
+                    remedy="Export it again: it is damaged",
                     where=path.name,
                 )
             self._read = key
@@ -227,8 +226,7 @@ def objects_of(file: "h5py.File") -> "Iterator[tuple[str, h5py.HLObject]]":
             continue
         if path.count("/") >= _DEEPEST:
             raise InputError(
-                f"The groups of an HDF5 file must not be nested more than {_DEEPEST} deep",
-                value="more",
+                f"The groups are nested more than {_DEEPEST} deep",
                 remedy="Export it again, with the data near its root",
                 where=str(file.filename),
             )
@@ -243,8 +241,7 @@ def objects_of(file: "h5py.File") -> "Iterator[tuple[str, h5py.HLObject]]":
 
 def _elsewhere(name: str, path: str | Path) -> InputError:
     return InputError(
-        "An HDF5 file must hold its own data",
-        value=f"{name}, which lies in another file",
+        f"The data of {name} are in another file",
         remedy="Export it again, with all data in one file",
         where=str(path),
     )

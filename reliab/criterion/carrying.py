@@ -170,7 +170,7 @@ def carry_to_length(ellipses: _Given, duration: float) -> _Given:
     table = tabled(ellipses)
     if table.cut_records is None:
         raise InputError(
-            "Ellipses can be transferred to a length only where it is known how their records can be cut",
+            "These ellipses cannot be transferred to a length of record",
             value="ellipses without the ratios of cut records",
             remedy="Derive the criterion from `motions`, whole records, or from real_suite",
         )
@@ -204,7 +204,7 @@ def carry_to_suite(ellipses: "xr.Dataset", suite: "xr.Dataset") -> "xr.Dataset":
         near = ellipses.sel(shared)
     except KeyError as missing:
         raise InputError(
-            "A suite is pooled with a population of the same structures and errors",
+            "The population holds no such structures or errors to pool the suite with",
             value=str(missing),
             remedy="Choose among those of the population, or give the suite as `motions` alone",
         ) from missing
@@ -359,7 +359,7 @@ def _stating(
     outside = compared.position is Position.OUTSIDE
     last = elsewhere if "magnitude" in scope else ""
     if outside:
-        last = "No share of the population's ground motions is promised there."
+        last = "The criterion promises no share of ground motions there."
     caution = " ".join((*compared.sentences, last)).strip()
     position = str(compared.position)
     return carried.stating(
@@ -378,7 +378,7 @@ def _require_rms(table: EllipseTable) -> None:
     metrics = names_along(table, "metric")
     if metrics != [Metric.RMS]:
         raise InputError(
-            "A criterion can be transferred to a response only for the error RMS^R",
+            "For a record, a criterion is known for the error RMS^R only",
             value=", ".join(metrics),
             remedy="Ask for the metric rms",
         )

@@ -95,8 +95,8 @@ def _beyond_the_earthquakes(grid: SampleGrid, method: Method, confidence: float)
     if confidence <= events / (events + 1.0) + 1e-9 or method.distribution_free:
         return ""
     return (
-        f"{_earthquakes(events).capitalize()} support {significant(events / (events + 1.0))} by "
-        f"themselves; at {confidence:g} the limits rest on the shape of a fitted distribution."
+        f"{_earthquakes(events).capitalize()} support {significant(events / (events + 1.0))}; the limits "
+        f"at {confidence:g} extrapolate a fitted distribution."
     )
 
 
@@ -140,7 +140,7 @@ def few_events(fewest: int) -> str:
     """
     if fewest >= _FEW_EVENTS:
         return ""
-    return f"The motions come from {_earthquakes(fewest)} only, and motions of one earthquake are alike."
+    return f"The motions come from only {_earthquakes(fewest)}, and motions of one earthquake are alike."
 
 
 def _unstated_earthquakes(ellipses: EllipseTable) -> str:

@@ -22,7 +22,10 @@ from reliab.criterion.provenance import Provenance
 from reliab.criterion.scope import promised
 
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.axes import Axes
+
+_SHOWN = 20  # structures in a summary
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -175,7 +178,7 @@ class Criterion:
         """
         if self.population is None:
             raise InputError(
-                "A probability needs the ellipses of ground motions",
+                "This criterion gives no probability, since it has no ellipses of ground motions",
                 value=f"the published law {self.law.name}",
                 remedy="Derive a criterion from motions, a results store or a table of ellipses",
             )
@@ -204,6 +207,21 @@ class Criterion:
         """
         return promised(self.confidence, self.provenance.position, self.provenance.promised_from)
 
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Put the limits into a table, at the structures of the law's table, else at 1 Hz and 2 % damping."""
+        import pandas as pd
+
+        frequencies = getattr(self.law, "frequencies", (1.0,))
+        ratios = getattr(self.law, "damping_ratios", (0.02,))
+        rows = [(f, xi, *map(float, self.limits(f, xi))) for f in frequencies for xi in ratios]
+        table = pd.DataFrame(rows, columns=["f", "xi", "a", "b"])
+        return table.assign(amplitude_limit=np.sqrt(table["a"]), delay_limit_ms=np.sqrt(table["b"]))
+
+    def summary(self) -> str:
+        """Say what the criterion promises, and its limits as a table."""
+        table = self.to_dataframe().to_string(index=False, max_rows=_SHOWN, float_format="{:.4g}".format)
+        return f"{repr(self).strip('<>')}\n{table}"
+
     def __repr__(self) -> str:
         return (
             f"<Criterion by {self.method}, law {self.law.name}: {self.metric.upper()} error below "
@@ -214,7 +232,7 @@ class Criterion:
     def _share_in_words(self) -> str:
         promise = self.promise
         share = "no stated share" if promise is None else significant(promise)
-        return f"{share} of the population's ground motions"
+        return f"{share} of comparable ground motions"
 
     def _repr_html_(self) -> str:
         promise = {
@@ -228,8 +246,8 @@ class Criterion:
         """Refuse to decide by a posterior that has not converged."""
         if not self.provenance.settings.get("converged", True):
             raise InputError(
-                "A criterion decides only where the posterior behind it has converged",
-                value=f"one by {self.method} that has not",
+                "The posterior behind this criterion has not converged",
+                value=f"one of the method {self.method}",
                 remedy="Derive it again with more `steps`",
             )
 
@@ -317,8 +335,7 @@ def _sides(milliseconds: Array) -> list[tuple[str, NDArray[np.bool_]]]:
 
 def _no_leads() -> InputError:
     return InputError(
-        "A test that leads (d < 0) is judged by limits for leads",
-        value="a criterion that was derived from lags alone",
+        "The measured displacement leads (d < 0), and the criterion has no limits for leads",
         remedy="Derive it again from records, stored results or ellipses that hold both sides",
     )
 

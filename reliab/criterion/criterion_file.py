@@ -39,7 +39,7 @@ def to_text(
 
 def from_text(text: str, where: str = "") -> dict[str, Any]:
     """Read the parts of a criterion."""
-    rule = "A criterion must be JSON as written by `reliab criterion --out`"
+    rule = "This is no criterion that `reliab criterion --out` wrote"
     content = parse_json(text, rule=rule, remedy=_REMEDY, where=where)
     _require_schema(content, where)
     rule = "A criterion must be as `reliab criterion --out` writes it"
@@ -105,8 +105,7 @@ def _require_schema(content: object, where: str) -> None:
     schema = content.get("schema_version") if isinstance(content, dict) else None
     if schema == 1:
         raise InputError(
-            "A criterion must be of the present schema, which has limits of its own for leads",
-            value="version 1, which had none and rested on fitted ellipses",
+            "This criterion is of version 1, which has no limits for leads",
             remedy="Derive it again with `reliab criterion --out FILE.json`",
             where=where,
         )

@@ -80,7 +80,7 @@ class LearnedSide:
         empty = int((limits <= 0.0).any(axis=-1).sum())
         if empty and kind is not Table:
             raise InputError(
-                "A law is fitted to limits that are positive at every structure",
+                "A law needs positive limits at every structure",
                 value=(
                     f"too few motions or earthquakes for {method.name} at {confidence:g} at "
                     f"{empty} structures"
@@ -128,7 +128,7 @@ def require_meaning(ellipses: Ellipses, *, threshold: float, metric: str) -> Non
     row, column = np.unravel_index(int(shares.argmax()), shares.shape)
     f, xi = float(table.at["f"][row]), float(table.at["xi"][column])
     raise InputError(
-        "An actuator that does not move must exceed the error threshold under at least 95 % of the motions",
+        "At this threshold even an actuator that does not move would pass",
         value=(
             f"{percent(shares.max(), decimals=0)} of the motions under which it stays below "
             f"{threshold:g} at f = {f:g} Hz and "
@@ -307,7 +307,7 @@ class Derivation:
             sides[side] = LearnedSide(grid=grid, learned=learned)
         if Side.LAG not in sides:
             raise InputError(
-                "A criterion is derived from boundaries of actuators that are late",
+                "A criterion needs boundaries of lags",
                 value=f"ellipses of {', '.join(names_along(chosen, 'side'))} alone",
                 remedy="Trace the boundaries of both sides",
             )

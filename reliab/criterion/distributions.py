@@ -30,7 +30,7 @@ class Distribution(ABC):
         sample = np.asarray(values, dtype=np.float64)
         if sample.size < FEWEST_VALUES:
             raise InputError(
-                f"A distribution is fitted to at least {FEWEST_VALUES} values",
+                f"Too few values: a distribution needs {FEWEST_VALUES}",
                 value=sample.size,
                 remedy="Give more ground motions",
             )
@@ -39,7 +39,7 @@ class Distribution(ABC):
             raise InputError("Values of a distribution must be positive and finite", value=sample[wrong][0])
         if (sample == sample[0]).all():
             raise InputError(
-                "Values of a distribution must differ",
+                "All values are equal",
                 value=f"{sample.size} times {sample[0]:g}",
                 remedy="Give different ground motions",
             )

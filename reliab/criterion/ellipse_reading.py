@@ -54,7 +54,7 @@ def read_table(
     repeated = table.duplicated(["motion", *_CELL])
     if repeated.any():
         raise InputError(
-            "A motion may occur only once for each structure and error",
+            "A motion occurs twice for one structure and error",
             value=table["motion"][repeated].iloc[0],
             remedy="Rename one, or add the columns f, xi, alpha, threshold that distinguish them",
             where=f"{path}, line {_line(repeated)}",
@@ -89,23 +89,20 @@ def _named(table: pd.DataFrame, path: str) -> pd.DataFrame:
     table = table.rename(columns={k: v for k, v in _OTHER_NAMES.items() if v not in table})
     if not table.columns.is_unique:
         raise InputError(
-            "A table of ellipses must name each column once",
-            value=f"{table.columns[table.columns.duplicated()][0]!r} more than once",
+            "Two columns have the same name",
+            value=repr(table.columns[table.columns.duplicated()][0]),
             remedy="Remove or rename the other column; capital and small letters are the same",
             where=f"{path}, line 1",
         )
     missing = [name for name in ("a", "b") if name not in table]
     if missing:
         raise InputError(
-            "A table of ellipses must have the columns a and b",
-            value=f"no column {' or '.join(missing)}",
+            f"No column {' and no column '.join(missing)}",
             remedy="Name the columns in the first line; a is dimensionless, b in ms²",
             where=f"{path}, line 1",
         )
     if table.empty:
-        raise InputError(
-            "A table of ellipses must have a row for each ground motion", value="no row", where=path
-        )
+        raise InputError("The table has no rows", remedy="Give a row for each ground motion", where=path)
     if "motion" not in table:
         table["motion"] = [f"row {row}" for row in range(1, len(table) + 1)]
     if "event" not in table:
@@ -119,7 +116,7 @@ def _in_range(column: "pd.Series[str]", name: str, path: str) -> "pd.Series[floa
     wrong = ~limits.includes(numbers)
     if wrong.any():
         raise InputError(
-            f"The column {name} must hold numbers {limits.span}",
+            f"Not a number {limits.span} in the column {name}",
             value=repr(column[wrong].iloc[0]),
             remedy="Correct or remove the row",
             where=f"{path}, line {_line(wrong)}",
@@ -204,7 +201,7 @@ def _of_dataset(dataset: xr.Dataset, threshold: float, metric: str) -> xr.Datase
         return dataset
     if metric not in dataset:
         raise InputError(
-            "A dataset must hold ellipses, a and b, or results, rms and mte",
+            "The dataset holds neither ellipses (a and b) nor results (rms and mte)",
             value=", ".join(map(str, dataset)) or "nothing",
             remedy="Trace ellipses with reliab.ellipses",
         )

@@ -46,7 +46,7 @@ class EllipseSample:
     def __post_init__(self) -> None:
         if self.a.size < FEWEST_MOTIONS:
             raise InputError(
-                f"A criterion is derived from at least {FEWEST_MOTIONS} ground motions",
+                f"Too few ground motions: a criterion needs {FEWEST_MOTIONS}",
                 value=self.a.size,
                 remedy="Give more motions",
             )
@@ -61,7 +61,7 @@ class EllipseSample:
                 )
             if np.ptp(np.log(values)) < _ALIKE:
                 raise InputError(
-                    f"The ellipse parameter {name} must differ between ground motions",
+                    f"The ellipse parameter {name} is the same for all ground motions",
                     value=f"{values.size} times {values[0]:g}",
                     remedy="Give different ground motions, each one once",
                 )
@@ -160,7 +160,7 @@ def position_of_name(ellipses: Ellipses, name: str, value: str) -> int:
 
 def _absent(name: str, value: str, names: list[str]) -> InputError:
     return InputError(
-        f"The ellipses must have been traced for the {LABELS[str(name)].long_name}",
+        f"The ellipses were not traced for this {LABELS[str(name)].long_name}",
         value=value,
         remedy=f"Choose among {', '.join(names)}, or trace the boundaries again",
     )
@@ -186,7 +186,7 @@ def position(table: EllipseTable, name: str, value: float) -> int:
     close = np.flatnonzero(np.isclose(values, value, rtol=1e-9, atol=0.0))
     if close.size == 0:
         raise InputError(
-            f"The ellipses must have been traced for the {table.words.get(name, name)}",
+            f"The ellipses were not traced for this {table.words.get(name, name)}",
             value=f"{value:g}",
             remedy=f"Choose among {', '.join(f'{value:g}' for value in values)}",
         )

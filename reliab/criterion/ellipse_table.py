@@ -171,7 +171,7 @@ class EllipseTable:
             return self.take(threshold=neighbours(stored, threshold))
         if not 0.0 < threshold <= high or (threshold < low and low > _OF_FIRST_ORDER * (1.0 + 1e-9)):
             raise InputError(
-                f"The ellipses must have been traced for the {self.words.get('threshold', 'threshold')}",
+                f"The ellipses were not traced for this {self.words.get('threshold', 'threshold')}",
                 value=f"{threshold:g}",
                 remedy=f"Choose among {', '.join(f'{value:g}' for value in stored)} or between them, or "
                 "trace boundaries of this error with `reliab ellipses --motions`",

@@ -70,8 +70,8 @@ def growth(experimental_fraction: ArrayLike, damping_ratio: ArrayLike) -> Array:
     weak = (share < _WHOLE) & (share < LEAST_SHARE_OVER_DAMPING * xi * (1.0 - 1e-9))
     if weak.any():
         raise InputError(
-            "The law of the share of the stiffness in the laboratory holds for α of at least "
-            f"{LEAST_SHARE_OVER_DAMPING:g} ξ",
+            "The share of the stiffness in the laboratory is too small for this law, which needs α of at "
+            f"least {LEAST_SHARE_OVER_DAMPING:g} ξ",
             value=f"α = {share[weak].flat[0]:g} at ξ = {xi[weak].flat[0]:g}",
             remedy="Choose less damped structures, or give `motions`, whose boundaries are computed for any "
             "fraction",
@@ -94,7 +94,7 @@ def carry_to_share(ellipses: "xr.Dataset", experimental_fraction: float) -> "xr.
     stored = share_of(ellipses)
     if stored != _WHOLE:
         raise InputError(
-            "Ellipses can be transferred only from structures with all stiffness in the laboratory",
+            "These ellipses are not of structures with all stiffness in the laboratory",
             value=f"α = {stored:g}",
             remedy="Give `motions`, whose boundaries are computed for any fraction",
         )

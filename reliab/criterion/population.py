@@ -42,7 +42,7 @@ class Population:
         fewest = int(np.isfinite(self.log_alpha).sum(axis=0).min())
         if fewest < FEWEST_MOTIONS:
             raise InputError(
-                f"At least {FEWEST_MOTIONS} motions must have an ellipse at every structure",
+                f"Too few motions with an ellipse at every structure: a criterion needs {FEWEST_MOTIONS}",
                 value=fewest,
                 remedy="Give more motions, a smaller threshold or less damping",
             )

@@ -54,7 +54,7 @@ def _protected(table: EllipseTable) -> EllipseTable:
     lengths = np.quantile(table.of_motions["duration"], _PROTECTED)
     carried = [carry_to_length(table, float(length)) for length in lengths]
     first, second, third = (f"{length:.0f}" for length in lengths)
-    words = f"each structure at the least favourable of {first}, {second} and {third} s"
+    words = f"with the strictest limit of records of {first}, {second} and {third} s"
     return replace(
         table,
         a=_least_favourable(np.stack([table.a for table in carried])),

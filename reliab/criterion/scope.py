@@ -129,9 +129,9 @@ def populations_in_words(stated: Iterable[tuple[float | None, str]]) -> list[str
         if population:
             shares.setdefault(population, []).append(share_in_words(share))
     if len(shares) == 1:
-        return [f"For ground motions like these: {population}." for population in shares]
+        return [f"Valid for ground motions like these: {population}." for population in shares]
     return [
-        f"At {' and '.join(dict.fromkeys(at))}, for ground motions like these: {population}."
+        f"At {' and '.join(dict.fromkeys(at))}, valid for ground motions like these: {population}."
         for population, at in shares.items()
     ]
 

@@ -40,7 +40,7 @@ class DeskFolder:
                 remedy="Name one that is there",
                 where=str(path),
             )
-        with refuse_unwritable("The desk's folder must be writable", where=folder):
+        with refuse_unwritable("Cannot write the desk's folder", where=folder):
             work = Path(tempfile.mkdtemp(prefix=_PREFIX, dir=folder))
         return cls(path=folder, work=work)
 
@@ -60,13 +60,13 @@ class DeskFolder:
         limit = LIMITS["test"]
         if len(raw) > limit.bytes:
             raise InputError(
-                f"A file of this kind may have {limit.bytes / 1e6:,.6g} MB at most",
+                f"The file is larger than {limit.bytes / 1e6:,.6g} MB",
                 value=f"{len(raw) / 1e6:,.6g} MB",
                 remedy=limit.remedy,
                 where=name,
             )
         path = (place or self.new_place()) / safe_name(name)
-        rule = "The desk's folder must be writable"
+        rule = "Cannot write the desk's folder"
         with refuse_unwritable(rule, where=self.path), written_whole(path) as file:
             file.write_bytes(raw)
         return path

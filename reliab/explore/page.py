@@ -80,7 +80,7 @@ def write_page(
     """
     require_ending(path, ".html")
     content = render(pack(ellipses), settings or Settings(), source=source)
-    with refuse_unwritable("The page must be writable", where=path), written_whole(path) as file:
+    with refuse_unwritable("Cannot write the page", where=path), written_whole(path) as file:
         file.write_text(content, encoding="utf-8", newline="\n")
 
 
@@ -135,7 +135,7 @@ def _opening(packed: Mapping[str, Any], settings: Settings) -> dict[str, Any]:
     metrics = packed["metrics"]
     if settings.metric not in (None, *metrics):
         raise InputError(
-            "The metric must be that of the ellipses",
+            "The ellipses are not of this metric",
             value=settings.metric,
             remedy=f"Choose among {', '.join(metrics)}",
         )
@@ -156,7 +156,7 @@ def _within(name: str, value: float | None, held: list[float], usual: float) -> 
         return min(max(usual, low), high)
     if not low * (1.0 - _ROUNDING) <= value <= high * (1.0 + _ROUNDING):
         raise InputError(
-            f"The {name} must lie in the range of the ellipses, {low:g} to {high:g}",
+            f"The ellipses are of a {name} from {low:g} to {high:g}",
             value=value,
             remedy="Choose one in that range, or trace ellipses of it with `reliab ellipses` and give them "
             "as `ellipses`",

@@ -61,13 +61,13 @@ class RecordFile:
         if self.channel is None and len(headers) > 1:
             labels = ", ".join(f"{n} ({header.channel})" for n, header in enumerate(headers, start=1))
             report.add(
-                "A file with several records must be read one channel at a time",
+                "The file holds several channels",
                 value=f"channels {labels}",
                 remedy="Choose a channel, or load the file as a suite",
             )
         elif self.channel is not None and not 1 <= self.channel <= len(headers) and headers:
             report.add(
-                "The channel must be in the file",
+                "No such channel in the file",
                 value=f"channel {self.channel} of {len(headers)}",
                 remedy="Count the channels of the file from 1",
             )
@@ -98,10 +98,9 @@ def read_catalogue(path: Path, report: Report, defaults: Declared) -> list[Recor
     missing = [name for name in _REQUIRED if name not in columns]
     if missing:
         report.add(
-            "A catalogue must have the columns motion and file",
+            f"No column {' and '.join(missing)} in the catalogue",
             line=1,
-            value=f"no column {' or '.join(missing)}",
-            remedy="Name the columns in the first line",
+            remedy="Name the columns in the first line: motion, file, and what else you know",
         )
         return []
     records: list[RecordFile] = []
@@ -113,9 +112,8 @@ def read_catalogue(path: Path, report: Report, defaults: Declared) -> list[Recor
             records.extend(_record(path, row, line, defaults, report))
     if not seen and not report.faults:
         report.add(
-            "A catalogue must hold at least one motion",
+            "The catalogue has no rows",
             line=1,
-            value="no rows",
             remedy="Add a row for each record",
         )
     return records
@@ -125,20 +123,18 @@ def _rows_with_cells(rows: Iterator[list[str]], report: Report) -> Iterator[list
     try:
         yield from (cells for cells in rows if any(of_cell(cell.strip()) for cell in cells))
     except csv.Error as error:
-        report.add("A catalogue must be comma-separated text", value=error, remedy="Save it as CSV")
+        report.add("The catalogue is no comma-separated text", value=error, remedy="Save it as CSV")
 
 
 def _has_name(row: dict[str, str], seen: dict[str, int], line: int, report: Report) -> bool:
     for column in _REQUIRED:
         if not row.get(column):
-            report.add(
-                f"Every row of a catalogue must fill the column {column}", line=line, value="an empty cell"
-            )
+            report.add(f"The column {column} is empty", line=line, remedy="Fill it in, or remove the row")
             return False
     name = row["motion"]
     if name in seen:
         report.add(
-            "The names of the motions in a catalogue must differ",
+            "Two motions have the same name",
             line=line,
             value=f"{name}, as in line {seen[name]}",
             remedy="Rename one of them",
@@ -158,10 +154,9 @@ def _record(
         return
     if not is_file(file):
         report.add(
-            "Every file of a catalogue must exist",
+            f"{row['file']} not found",
             line=line,
-            value=row["file"],
-            remedy="Correct the path, which starts at the catalogue, or remove the row",
+            remedy="Correct the path, which is relative to the catalogue, or remove the row",
         )
     declared = Declared(
         time_step=_one_of(
@@ -188,10 +183,10 @@ def _one_of(noted: T | None, default: T | None, what: str, line: int, report: Re
     """Return the value from the catalogue or from the caller; the two must not differ."""
     if noted is not None and default is not None and noted != default:
         report.add(
-            f"The {what} that are given must be those of the catalogue",
+            f"The catalogue states other {what} than you",
             line=line,
-            value=f"{default} against {noted}",
-            remedy="Give none, since the catalogue has them",
+            value=f"{noted} in the catalogue, {default} from you",
+            remedy="Leave yours out, or correct the catalogue",
         )
     return default if noted is None else noted
 
@@ -200,7 +195,7 @@ def _positive(row: dict[str, str], column: str, line: int, report: Report) -> fl
     text = row.get(column, "")
     value = printed_number(text) if text else None
     if text and (value is None or not 0 < value < float("inf")):
-        report.add(f"The column {column} must hold a positive number", line=line, value=text)
+        report.add(f"Not a positive number in the column {column}", line=line, value=text)
         return None
     return value
 
@@ -208,7 +203,7 @@ def _positive(row: dict[str, str], column: str, line: int, report: Report) -> fl
 def _whole(row: dict[str, str], column: str, line: int, report: Report) -> int | None:
     value = _positive(row, column, line, report)
     if value is not None and not (0 < value < 1e9 and value.is_integer()):  # noqa: PLR2004 - no record has more
-        report.add(f"The column {column} must hold a whole number", line=line, value=row[column])
+        report.add(f"Not a whole number in the column {column}", line=line, value=row[column])
         return None
     return None if value is None else int(value)
 
@@ -217,5 +212,5 @@ def _units(row: dict[str, str], line: int, report: Report) -> AccelerationUnit |
     text = row.get("units", "")
     unit = find_unit(text) if text else None
     if text and unit is None:
-        report.add("The column units must hold g, cm/s2 or m/s2", line=line, value=text)
+        report.add("Unknown unit of acceleration", line=line, value=text, remedy="Write g, cm/s2 or m/s2")
     return unit

@@ -117,7 +117,7 @@ def _find_spikes(acceleration: Array, time_step: float, peak: float) -> Iterator
         more = f" and {spikes.size - 1} more" if spikes.size > 1 else ""
         height = significant(float(acceleration[sample]))
         value = f"a single spike of {height} m/s² at {sample * time_step:.2f} s{more}"
-        yield value, "Remove it if it is none of the ground"
+        yield value, "Remove it, unless the ground moved like this"
 
 
 class Copies:
@@ -198,7 +198,7 @@ def inspect(
     source, declared = Path(path), declare(time_step, units)
     if not (is_folder(source) or is_file(source)):
         raise InputError(
-            "A source of motions must exist", value=str(path), remedy="Name a folder of records or one file"
+            f"{path} not found", remedy="Name a folder of records, a file or the built-in suite synthetic"
         )
     faults: list[Fault] = []
     peaks: list[_Peak] = []
@@ -238,15 +238,15 @@ def _notes(record: RecordFile, reading: Reading, copies: Copies) -> Iterator[Fau
         return Fault(file=str(record.path), line=None, rule=rule, value=f"{channel}{value}", remedy=remedy)
 
     for applied in reading.applied:
-        yield note("What a header says of its numbers is applied", applied, "Check that this is meant")
+        yield note("Applied what the header states", applied, "Check that this is meant")
     for value, remedy in find_flaws(reading.acceleration, reading.time_step):
-        yield note("Samples should be those of the ground", value, remedy)
+        yield note("Suspicious samples", value, remedy)
     if copy := copies.find(record.name, reading.acceleration, reading.time_step):
         original, factor = copy
         scale = "" if abs(abs(factor) - 1) < _SAME else f" times {significant(abs(factor))}"
         reversal = " with its sign reversed" if factor < 0 else ""
         yield note(
-            "Each record should be there once",
+            "Duplicate record",
             f"the same record as {original}{scale}{reversal}",
             "Keep one: a criterion counts equal copies once, but a scaled one as a record of its own",
         )
@@ -278,8 +278,7 @@ def _no_records(source: Path, sets: Sequence[str] | None) -> Fault:
     return Fault(
         file=str(source),
         line=None,
-        rule="A source of motions must hold a record",
-        value="none" if sets is None else f"none in the sets {', '.join(sets)}",
+        rule="No records found" if sets is None else f"No records in the sets {', '.join(sets)}",
         remedy=f"Put records or a {CATALOGUE} into it",
     )
 
@@ -295,10 +294,10 @@ def _unlike_peaks(peaks: list[_Peak]) -> Iterator[tuple[bool, Fault]]:
             fault = Fault(
                 file=peak.file,
                 line=None,
-                rule=f"Peaks in one folder must lie within a factor of {_LIKENESS:g} of their median",
+                rule=f"The peak differs from the median of its folder by more than a factor of {_LIKENESS:g}",
                 value=f"{significant(peak.value / STANDARD_GRAVITY)} g against "
                 f"{significant(middle / STANDARD_GRAVITY)} g",
-                remedy=f"A weak record, or wrong units in its header; {remedy}"
+                remedy=f"Check whether the record is weak or its header states wrong units; {remedy}"
                 if peak.has_units
                 else f"Check for mixed units; {remedy}",
             )

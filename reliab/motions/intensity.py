@@ -81,9 +81,7 @@ def arias_times(acceleration: ArrayLike, time_step: float, fractions: Sequence[f
     samples = samples / (np.abs(samples).max() or 1.0)
     reached = np.concatenate([[0.0], np.cumsum(_segment_energies(samples, time_step))])
     if not reached[-1] > 0:
-        raise InputError(
-            "The Arias intensity needs a record that is not zero throughout", value="nothing but zeros"
-        )
+        raise InputError("The record is zero throughout, so that it has no Arias intensity")
     target = shares * reached[-1]
     segment = np.clip(np.searchsorted(reached, target, side="left") - 1, 0, samples.size - 2)
     energy = (target - reached[segment]) / time_step

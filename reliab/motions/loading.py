@@ -65,9 +65,9 @@ def skipped_files(source: str | Path) -> list[Fault]:
         Fault(
             file=str(path),
             line=None,
-            rule="A record must be in a format that is read",
+            rule="Skipped",
             value=reason,
-            remedy="Skipped; export it as text or CSV if it is a record",
+            remedy="If it is a record, export it as text or CSV",
         )
         for path, reason in _survey(folder)
         if reason
@@ -90,11 +90,11 @@ def _reason_to_skip(path: Path) -> str:
     report = Report(file=str(path))
     source = open_source(path, report, limit=HEAD, binary=True)
     if source is None:
-        return "an empty file" if "empty" in report.faults[0].rule else report.faults[0].value
+        return "an empty file" if "empty" in report.faults[0].rule else "a file that cannot be read"
     form = detect(source)
     if form is TEXT:
-        return "numbers, but neither the ending of a text record nor a header that is known"
-    return "" if form else "a format that is not known"
+        return "numbers without a known header or the ending of a text record"
+    return "" if form else "an unknown format"
 
 
 def scan_file(path: Path, name: str, declared: Declared, report: Report) -> list[RecordFile]:
@@ -184,9 +184,7 @@ def load_motions(
     event; `reliab.motions.loading` gives the rule. A catalogue with a column ``event`` declares events.
     """
     if not sources:
-        raise InputError(
-            "At least one source of motions must be given", remedy="Name a file, a folder or synthetic"
-        )
+        raise InputError("No ground motions given", remedy="Name a file, a folder or synthetic")
     suite, faults = find_motions(*sources, sets=sets, time_step=time_step, units=units)
     if faults:
         raise faults[0].error()
@@ -210,8 +208,7 @@ def find_motions(
     selected = suite.select(sets=sets if sets is not None else set(suite.set_names) - {HELD_OUT})
     if not selected:
         raise InputError(
-            "At least one motion must remain",
-            value=f"only motions of the set {HELD_OUT}",
+            f"No motions left: all belong to the set {HELD_OUT}",
             remedy=f"Name the set {HELD_OUT} to use it",
         )
     return selected, faults
@@ -279,9 +276,8 @@ def _entries(source: str | Path, declared: Declared, faults: list[Fault]) -> lis
         faults.extend(report.faults)
         return [] if report.faults else list(records)
     raise InputError(
-        "A source of motions must be a file, a folder or a built-in suite",
-        value=str(source),
-        remedy=f"Correct the path; built in is {', '.join(BUILT_IN)}",
+        f"{source} not found",
+        remedy=f"Name a file, a folder or a built-in suite ({', '.join(BUILT_IN)})",
     )
 
 
@@ -299,8 +295,7 @@ def _folder_entries(folder: Path, declared: Declared, faults: list[Fault]) -> li
         entries.extend(() if report.faults else records)
     if not entries and len(faults) == before:
         raise InputError(
-            "A folder of motions must hold a record",
-            value="none",
+            "No records in this folder",
             remedy=f"Put records or a {CATALOGUE} into it",
             where=str(folder),
         )

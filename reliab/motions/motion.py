@@ -114,7 +114,7 @@ def require_short(samples: int, name: str) -> None:
     """
     if samples > MOST_SAMPLES:
         raise InputError(
-            f"A motion may have {MOST_SAMPLES:,} samples at most",
+            f"Too many samples, above {MOST_SAMPLES:,}",
             value=f"{samples:,}",
             remedy="Keep the strong part of the record, or resample it",
             where=name,
@@ -132,7 +132,7 @@ def _check_samples(samples: Array, name: str) -> Array:
     if not np.isfinite(copied).all():
         first = int(np.flatnonzero(~np.isfinite(copied))[0])
         raise InputError(
-            "Every sample of a motion must be finite",
+            "Not a finite number",
             value=f"{copied[first]} at sample {first}",
             remedy="Repair or leave out the record",
             where=name,
@@ -140,7 +140,7 @@ def _check_samples(samples: Array, name: str) -> Array:
     peak = float(np.abs(copied).max()) / STANDARD_GRAVITY
     if peak > PEAK_LIMIT_G:
         raise InputError(
-            f"The peak of a motion must not exceed {PEAK_LIMIT_G:g} g",
+            f"Implausible peak, above {PEAK_LIMIT_G:g} g",
             value=f"{peak:.4g} g",
             remedy="Check the units; a motion is in m/s²",
             where=name,
@@ -175,7 +175,7 @@ def resample(motion: Motion, rate_hz: float = 1024.0) -> Motion:
     steps = math.floor(motion.duration * rate_hz + _WHOLE)
     if steps < 1:
         raise InputError(
-            "The sampling rate must leave at least two samples",
+            "At this sampling rate fewer than two samples are left",
             value=f"{rate_hz} Hz over {motion.duration} s",
             where=motion.name,
         )
@@ -197,7 +197,7 @@ def truncate(motion: Motion, duration: float) -> Motion:
     """
     if not duration * (1 + _WHOLE) >= motion.time_step:
         raise InputError(
-            "The duration must be at least one time step of the record",
+            "The duration is shorter than a time step of the record",
             value=f"{duration} s against a step of {motion.time_step} s",
             where=motion.name,
         )

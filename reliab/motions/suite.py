@@ -61,8 +61,8 @@ class MotionSuite(Sequence[Motion]):
         repeated = [name for name, count in Counter(self.names).items() if count > 1]
         if repeated:
             raise InputError(
-                "The names of the motions in a suite must differ",
-                value=f"{', '.join(repeated[:3])} more than once",
+                "Several motions have the same name",
+                value=", ".join(repeated[:3]),
                 remedy="Load the sources one by one, or name the motions in a catalogue",
             )
 
@@ -144,8 +144,7 @@ def _require_names(requested: Iterable[str] | None, present: tuple[str, ...], wh
         choices = sorted({name for name in present if name})
         close = get_close_matches(unknown[0], choices, n=3, cutoff=0.4) or choices[:5]
         raise InputError(
-            f"A chosen {what} must be in the suite",
-            value=unknown[0],
+            f"No {what} {unknown[0]!r} in the suite",
             remedy=f"Choose for example {', '.join(close)}" if close else f"The suite has no {what}s",
         )
     return names

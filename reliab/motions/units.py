@@ -75,9 +75,9 @@ def parse_unit(text: str) -> AccelerationUnit:
     unit = find_unit(text)
     if unit is None:
         raise InputError(
-            "The units of acceleration must be known",
+            "Unknown unit of acceleration",
             value=repr(text),
-            remedy=f"Give {', '.join(AccelerationUnit)}; gal is the same as cm/s2",
+            remedy=f"Use {', '.join(AccelerationUnit)}; gal is cm/s2",
         )
     return unit
 

@@ -31,14 +31,14 @@ def write_suite(suite: MotionSuite, folder: str | Path, *, event: str | None = N
     """
     target = Path(folder)
     if not len(suite):
-        raise InputError("Only a suite with at least one motion can be written", value="none")
+        raise InputError("The suite has no motions to write")
     if target.exists() and (not target.is_dir() or any(target.iterdir())):
         raise InputError(
-            "The folder to write to must be new or empty",
+            "The folder is not empty",
             value=str(folder),
             remedy="Name another folder, or empty this one",
         )
-    rule = "The folder to write to must be writable, new or empty"
+    rule = "Cannot write to the folder"
     with refuse_unwritable(rule, where=target), folder_written_whole(target) as unfinished:
         _write_all(suite, unfinished, event)
     return target / CATALOGUE

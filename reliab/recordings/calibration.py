@@ -55,14 +55,13 @@ _PLAIN = ("resolution_m", "noise_m", "command_noise_m")
 _FORMER = re.compile(r"^\[calibration\].*?(?=^\[|\Z)", re.MULTILINE | re.DOTALL)
 
 _HOLDS_DELAY = (
-    "The skew includes the actuator's own delay, which only a test with a third channel could separate: "
-    "give `actuator_delay_ms` unless one signal was fed to both channels."
+    "The skew includes the actuator's delay, which these two channels cannot show apart: give "
+    "`actuator_delay`, unless you fed one signal to both channels."
 )
-_LOCKED = "The measured channel does not move: only its noise and resolution follow from this test."
+_LOCKED = "The measured channel does not move, so that this test shows only its noise and resolution."
 _ACTUATOR_MOVES = (
-    "The measured displacement differs from the command by more than skew, scale, hysteresis and noise: "
-    "the actuator's own dynamics are in it. Scale and hysteresis were taken from the samples at rest; the "
-    "skew cannot be determined."
+    "The measured displacement also contains the dynamics of the actuator. Scale and hysteresis come from "
+    "the samples at rest; the skew cannot be determined."
 )
 
 

@@ -12,8 +12,8 @@ from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import MILLI
 from reliab.recordings.recording import Part, Stated, StatedChannels
 
-_RULE: Final = "The channels of a laboratory must be described in TOML"
-_REMEDY: Final = "Compare with the page on recordings of the documentation"
+_RULE: Final = "This is no file of channels"
+_REMEDY: Final = "Compare it with one that `reliab calibrate --out` writes"
 _PARTS: Final = {
     "time": Part.TIME,
     "command": Part.COMMAND,

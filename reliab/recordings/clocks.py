@@ -30,7 +30,7 @@ from reliab.recordings.recording import (
     Channel,
     require_few_samples,
 )
-from reliab.recordings.units import TIMES, Unit, unit_of
+from reliab.recordings.units import TIMES, Unit, listed_units, unit_of
 from reliab.recordings.words import Quantity
 from reliab.signals.cubic_path import CubicPath
 
@@ -97,13 +97,13 @@ def _no_equal_steps(columns: Columns, name: str, times: Array, row: int) -> Inpu
     """Say where times are not evenly spaced, `row` before the sample that is early or late."""
     step = float(times[row + 1] - times[row])
     if step == 0.0:
-        remedy = "Leave out rows that repeat the time of the row before"
+        remedy = "Remove rows that repeat the time of the row before"
     elif step < 0.0:
-        remedy = "Cut the file where its time goes back, as where another test begins, and name one test"
+        remedy = "Cut the file where the time goes back; another test may begin there"
     else:
         remedy = "Resample the test, or cut it where samples are missing"
     return InputError(
-        f"Samples must follow each other at equal steps, here mostly of {np.median(np.diff(times)):.6g}",
+        f"The times do not increase by equal steps, here mostly of {np.median(np.diff(times)):.6g}",
         value=f"{times[row + 1]:.10g} after {times[row]:.10g}",
         remedy=remedy,
         where=columns.place(row + 1, name),
@@ -144,8 +144,8 @@ def _uneven(columns: Columns, times: Array, off: float) -> Clock:
     mean = float(times[-1] - times[0]) / (times.size - 1)
     if longest > _LARGEST_RATIO * shortest:
         raise InputError(
-            f"Steps between samples range from {significant(shortest)} to {significant(longest)} s, "
-            f"more than {_LARGEST_RATIO:g} times",
+            f"The steps between samples range from {significant(shortest)} to {significant(longest)} s, "
+            f"by more than a factor of {_LARGEST_RATIO:g}",
             remedy="Resample the test, or cut it where the rate changes",
             where=columns.where,
         )
@@ -273,9 +273,9 @@ def _readings(columns: Columns, name: str, values: Array) -> Array:
         kind = "an empty cell, NaN or a sample marked as missing" if np.isnan(first) else first
         kind = kind if mark is None else f"{mark:g}, which marks missing samples"
         raise InputError(
-            f"Every value must be a finite number below {LARGEST_READING:g}",
+            f"Not a finite number below {LARGEST_READING:g}",
             value=f"{kind}, {wrong.size} in all",
-            remedy="Repair the recording; a gap cannot be left empty",
+            remedy="Fill the gap, or cut the test there",
             where=columns.place(int(wrong[0]), name),
         )
     return values
@@ -290,7 +290,7 @@ def _from_one_date(
         return dict(clocks)
     if bare := [key for key in clocks if key not in dated]:
         raise InputError(
-            f"{channels[next(iter(dated))].column!r} states when it begins, "
+            f"{channels[next(iter(dated))].column!r} states when it begins, but "
             f"{channels[bare[0]].column!r} does not",
             remedy="Export them with one clock, or from the program that recorded both",
             where=columns.where,
@@ -435,8 +435,8 @@ def _time_unit(columns: Columns, text: str) -> Unit | None:
     unit = unit_of(text)
     if text and (unit is None or unit.quantity is not Quantity.TIME):
         raise InputError(
-            f"{text!r} is no unit of time",
-            remedy=f"Choose among {', '.join(TIMES)}, or export the channels over time",
+            f"Unknown unit of time: {text!r}",
+            remedy=f"Choose among {listed_units(TIMES)}, or export the channels over time",
             where=columns.where,
         )
     return unit
@@ -448,7 +448,7 @@ def _require_unit(columns: Columns, name: str, clock: Clock, size: int, unit: Un
     if unit is None and stated is not None:
         raise InputError(
             f"Unknown unit of the times: {stated[1]}",
-            remedy=f"State it with `time_units`: {', '.join(TIMES)}",
+            remedy=f"State it with `time_units`: {listed_units(TIMES)}",
             where=columns.where,
         )
     if unit is None and not (_FASTEST <= clock.step < _SLOWEST and clock.step * size >= _SHORTEST_TEST):

@@ -105,7 +105,7 @@ def step_of_rows(rows: Iterator[Rows], rate: float | None) -> tuple[float, Itera
     step = float(times[-1] - times[0]) / (times.size - 1)
     if not step > 0.0:
         raise InputError(
-            "Times must grow",
+            "The times do not increase",
             value=f"{times[-1]:g} s after {times[0]:g} s",
             remedy="Check the column of the times",
             where=first[-1].place(-1),

@@ -173,9 +173,8 @@ def rows_as_written(
         *whole, remainder = (remainder + piece).split(b"\n")
         if len(remainder) > _LONGEST_LINE:
             raise InputError(
-                f"A line of a test must be shorter than {_LONGEST_LINE} characters",
-                value=f"more after line {number + len(whole)}",
-                remedy="Write one sample in a line",
+                f"Line {number + len(whole) + 1} has more than {_LONGEST_LINE} characters",
+                remedy="Write one sample in each line",
                 where=name,
             )
         lines = [
@@ -313,8 +312,7 @@ def _parsed(lines: list[tuple[int, str]], layout: _Layout, name: str) -> Rows:
         cells = cells_of(line, layout.delimiter)
         if len(cells) != layout.width:
             raise InputError(
-                f"Every line must have {layout.width} columns, as the first has",
-                value=len(cells),
+                f"{len(cells)} columns, but {layout.width} in the first line",
                 remedy="Correct the line",
                 where=f"{name}, line {number}",
             )
@@ -323,7 +321,7 @@ def _parsed(lines: list[tuple[int, str]], layout: _Layout, name: str) -> Rows:
             value = time_of_day(cells[place]) if of_day else number_of(cells[place])
             if value is None or not abs(value) < LARGEST_READING:
                 raise InputError(
-                    f"Every value must be a finite number below {LARGEST_READING:g}",
+                    f"Not a finite number below {LARGEST_READING:g}",
                     value=repr(cells[place]),
                     remedy="Correct the line",
                     where=f"{name}, line {number}, column {channel.column}",

@@ -25,7 +25,7 @@ from reliab.recordings.recording import (
     Stated,
     StatedChannels,
 )
-from reliab.recordings.units import ANGLES, LENGTHS, split_unit, unit_of
+from reliab.recordings.units import ANGLES, LENGTHS, listed_units, split_unit, unit_of
 from reliab.recordings.zero import extent_of_test
 
 if TYPE_CHECKING:
@@ -258,7 +258,7 @@ def stated_by_options(
 
         laboratory = read_channels_file(channels)
     if units is not None and units not in LENGTHS:
-        raise InputError(f"{units!r} is no unit of length", remedy=f"Choose among {', '.join(LENGTHS)}")
+        raise InputError(f"Unknown unit of length: {units!r}", remedy=f"Choose among {listed_units(LENGTHS)}")
     result = dict(laboratory.stated)
     for part, name in names.items():
         if name is not None:

@@ -29,7 +29,7 @@ from reliab.recordings.naming import (
 )
 from reliab.recordings.readers.columns import Columns
 from reliab.recordings.recording import DISPLACEMENTS, LARGEST_READING, QUANTITY_OF, Channel, Part, Stated
-from reliab.recordings.units import UNITS, Unit, unit_of
+from reliab.recordings.units import UNITS, Unit, listed_units, unit_of
 from reliab.recordings.words import Quantity, Role
 
 _SIMILAR = 0.7
@@ -203,8 +203,8 @@ class _Search:
         if unit is None or unit.quantity is not QUANTITY_OF[part]:
             kind = {Quantity.DISPLACEMENT: "length"}.get(QUANTITY_OF[part], str(QUANTITY_OF[part]))
             raise InputError(
-                f"{text!r} is no unit of {kind}",
-                remedy=f"Choose among {', '.join(UNITS[QUANTITY_OF[part]])}",
+                f"Unknown unit of {kind}: {text!r}",
+                remedy=f"Choose among {listed_units(UNITS[QUANTITY_OF[part]])}",
             )
         return unit
 

@@ -107,7 +107,7 @@ def write_csv(record: "xr.Dataset", histories: Histories, path: str | Path) -> N
 
 def check_record(path: str | Path) -> list[str]:
     """Say in sentences what is wrong with a record, if anything is; what is no NetCDF file is refused."""
-    with decoding("A record must be a NetCDF file", remedy="Make it with `reliab record`", where=path):
+    with decoding("This is no record", remedy="Make it with `reliab record`", where=path):
         require_small(ordinary(path), _MOST_BYTES, remedy="Cut the test")
         with opened_hdf5(path) as file:
             if sum(int(getattr(item, "nbytes", 0)) for _, item in objects_of(file)) > _MOST_BYTES:
@@ -214,7 +214,7 @@ def _have_one_clock(first: Series, second: Series) -> bool:
 def _faults(file: "h5py.File") -> Iterator[str]:
     schema = text_of(file.attrs.get("schema", ""))
     if schema != SCHEMA:
-        yield f"The attribute `schema` must be {SCHEMA!r}; it is {schema!r}."
+        yield f"The attribute `schema` is {schema!r} instead of {SCHEMA!r}."
         return
     missing = [f"attribute `{name}`" for name in _NEEDED if name not in file.attrs]
     missing += [
@@ -236,17 +236,17 @@ def _faults_of_variable(
     variable: "h5py.Dataset", name: str, unit: str, shape: tuple[int, ...]
 ) -> Iterator[str]:
     if variable.shape != shape:
-        yield f"The variable `{name}` must have the shape {shape}; it has {variable.shape}."
+        yield f"The variable `{name}` has the shape {variable.shape} instead of {shape}."
     elif variable.dtype.kind != "f" or "scale_factor" in variable.attrs:
-        yield f"The numbers of `{name}` must be stored as they are, without a scale."
+        yield f"The numbers of `{name}` are stored with a scale; store them as they are."
     elif not bool(np.isfinite(variable[()]).all()):
-        yield f"Every value of `{name}` must be a finite number."
+        yield f"`{name}` has values that are not finite numbers."
     stated = text_of(variable.attrs.get("units", ""))
     if stated != unit:
-        yield f"The unit of `{name}` must be {unit!r}; it is {stated!r}."
+        yield f"The unit of `{name}` is {stated!r} instead of {unit!r}."
     for attribute in ("long_name", "source_column", "transformation"):
         if attribute not in variable.attrs:
-            yield f"The variable `{name}` must state its `{attribute}`."
+            yield f"The variable `{name}` lacks its `{attribute}`."
 
 
 def _faults_of_time(file: "h5py.File") -> Iterator[str]:
@@ -254,7 +254,7 @@ def _faults_of_time(file: "h5py.File") -> Iterator[str]:
     if not RANGES["time step"].includes(step):
         yield f"The attribute `time_step_s` must be {RANGES['time step'].span}."
     elif times.size < FEWEST_SAMPLES or not np.abs(np.diff(times) / step - 1.0).max() <= _EVEN:
-        yield f"At least {FEWEST_SAMPLES} times must follow each other at steps of `time_step_s`."
+        yield f"`time` has less than {FEWEST_SAMPLES} values, or does not increase by `time_step_s`."
     digest = text_of(file.attrs["source_sha256"])
     if len(digest) != _DIGITS or set(digest) - set("0123456789abcdef"):
-        yield "The attribute `source_sha256` must be 64 hexadecimal digits."
+        yield "The attribute `source_sha256` is not 64 hexadecimal digits."

@@ -121,7 +121,7 @@ def require_few_samples(samples: int, where: str) -> None:
     """Refuse a test whose statistics would not fit in memory."""
     if samples > MOST_SAMPLES:
         raise InputError(
-            f"{samples:,} samples are too many; a test may have {MOST_SAMPLES:,}",
+            f"Too many samples: {samples:,}, above {MOST_SAMPLES:,}",
             remedy="Resample it at a lower rate, or cut it where everything stands still",
             where=where,
         )
@@ -193,8 +193,8 @@ def require_finite(values: NDArray[np.float64], what: str, where: str) -> None:
     if wrong.any():
         row = int(np.flatnonzero(wrong)[0])
         raise InputError(
-            f"Every value must be a finite number below {LARGEST_READING:g}",
+            f"Not a finite number below {LARGEST_READING:g}",
             value=f"{values[row]} in the {what}, sample {row + 1}",
-            remedy="Repair the recording; a gap cannot be left empty",
+            remedy="Fill the gap, or cut the test there",
             where=where,
         )

@@ -109,6 +109,18 @@ _MULTIPLE: Final = re.compile(r"(\d{0,9}\.?\d+(?:e-?\d{1,2})?)\s*[*x]?\s*([^\d/]
 _LAST_WORD: Final = re.compile(r"(?<!\d)[\s,;-]+(?:in\s+|/\s*)?([^\s\[({]+)$")
 
 
+def listed_units(units: Mapping[str, float]) -> str:
+    """List units for a message, each by its first spelling.
+
+    >>> listed_units(LENGTHS)
+    'm, cm, mm, um, in, ft, mil'
+    """
+    first: dict[float, str] = {}
+    for name, factor in units.items():
+        first.setdefault(factor, name)
+    return ", ".join(first.values())
+
+
 @dataclass(frozen=True, kw_only=True)
 class Unit:
     """A unit of a channel."""

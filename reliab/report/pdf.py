@@ -37,7 +37,7 @@ def write_pdf(
     another; `setting`: paper, title, date, and name and logo of the laboratory.
     """
     content = compiled_report(document, date=date, setting=setting)
-    with refuse_unwritable("The file of a report must be writable", where=path), written_whole(path) as file:
+    with refuse_unwritable("Cannot write the file of a report", where=path), written_whole(path) as file:
         file.write_bytes(content)
 
 

@@ -115,7 +115,7 @@ def _plain(piece: Piece) -> str:
         case str():
             return piece
         case Math():
-            return piece.source
+            return formula(piece.source)
         case Strong():
             return piece.text
         case Reference():
@@ -126,7 +126,7 @@ def words_of(text: Prose) -> str:
     """Text for a screen: mathematics in letters and signs, sources by their labels in brackets.
 
     >>> words_of(prose("Where $alpha <= 1$, as in @guo2017, see @fig:limits."))
-    'Where α <= 1, as in [guo2017], see the figure or table.'
+    'Where α ≤ 1, as in [guo2017], see the figure or table.'
     """
     return "".join(_words(piece) for piece in ((text,) if isinstance(text, str) else text))
 
@@ -146,7 +146,8 @@ def _words(piece: Piece) -> str:
 _SYMBOLS: Final = {
     "alpha": "α", "beta": "β", "delta": "δ", "Delta": "Δ", "xi": "ξ", "tau": "τ", "omega": "ω", "phi": "φ",
     "gamma": "γ", "lambda": "λ", "sigma": "σ", "epsilon": "ε", "sqrt": "√", "times": "×", "dot": "·",
-    "quad": " ", "lt.eq": "≤", "gt.eq": "≥", "approx": "≈", "minus": "−", "sum": "Σ", "pi": "π",
+    "quad": " ", "plus.minus": "±",
+    "lt.eq": "≤", "gt.eq": "≥", "approx": "≈", "minus": "−", "sum": "Σ", "pi": "π",
 }  # fmt: skip
 _WORD_OF_FORMULA: Final = re.compile(r"\.?[A-Za-z]+(?:\.[a-z]+)?")
 
@@ -154,11 +155,12 @@ _WORD_OF_FORMULA: Final = re.compile(r"\.?[A-Za-z]+(?:\.[a-z]+)?")
 def formula(source: str) -> str:
     """Write a formula of typst in letters and signs.
 
-    >>> formula("alpha k <= sqrt(a)")
-    'α k <= √(a)'
+    >>> formula("alpha k <= sqrt(a)"), formula("lr((2 dot 10^(-5)))")
+    ('α k ≤ √(a)', '(2 · 10^-5)')
     """
     signs = _WORD_OF_FORMULA.sub(lambda word: _SYMBOLS.get(word.group(), word.group()), source)
-    return signs.replace('"', "").replace("\\/", "/")
+    text = signs.replace('"', "").replace("\\/", "/").replace("<=", "≤").replace(">=", "≥")
+    return re.sub(r"\blr\((\([^()]*\))\)", r"\1", re.sub(r"\^\((-?\d+)\)", r"^\1", text))
 
 
 def references(text: Prose) -> Iterator[str]:

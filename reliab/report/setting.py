@@ -30,13 +30,13 @@ class Setting:
         """Check paper and logo."""
         if self.paper not in PAPERS:
             raise InputError(
-                "The paper of a report must be a known format",
+                "Unknown format of paper",
                 value=self.paper,
                 remedy=f"Choose {' or '.join(PAPERS)}",
             )
         if self.logo is not None and self.logo.suffix.lower() not in _PICTURES:
             raise InputError(
-                "A logo must be a picture",
+                "The logo is no picture",
                 value=self.logo.name,
                 remedy=f"Give one that ends in {', '.join(_PICTURES)}",
             )
@@ -56,10 +56,7 @@ class Setting:
             return {self.inputs()["logo"]: ordinary(self.logo).read_bytes()}
         except OSError as error:
             raise InputError(
-                "The logo must be readable",
-                value=error.strerror,
-                remedy="Check the path",
-                where=str(self.logo),
+                f"Cannot read the logo: {error.strerror}", remedy="Check the path", where=str(self.logo)
             ) from error
 
     def to_dict(self) -> dict[str, Any]:

@@ -24,6 +24,15 @@ MEANINGS_OF_ERRORS: Final = {
 """What each error of the whole test is, in a clause."""
 
 
+def with_options(sentence: str) -> str:
+    """Write arguments that a sentence names as options of the command line, which a filed report came from.
+
+    >>> with_options("Give its `force_channel`; see `reliab calibrate`.")
+    'Give its --force-channel; see `reliab calibrate`.'
+    """
+    return re.sub(r"`([a-z]\w*)`", lambda name: f"--{name[1].replace('_', '-')}", sentence)
+
+
 def window_in_words(window: str) -> str:
     """Part of the record over which the error is computed.
 

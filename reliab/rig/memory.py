@@ -83,7 +83,7 @@ class Memory:
             numbers[name] = _scaled(name, values)
             if not np.isfinite(values).all():
                 raise InputError(
-                    "A `covariate` of the next test must be known of all tests",
+                    "Not all tests of the rig have this `covariate`",
                     value=f"{name} of {int(np.isfinite(values).sum())} of {values.size}",
                     remedy="Leave it out",
                 )
@@ -211,7 +211,7 @@ def _too_few(table: RigTable, frame: str, count: int) -> InputError:
             "plans are for single-degree-of-freedom structures"
         )
     return InputError(
-        f"A rig is learned from at least {FEWEST} tests with a finite error",
+        f"Too few tests: a prediction needs {FEWEST} with a finite error",
         value=f"{count} {kind}{beside}",
         remedy=remedy,
     )

@@ -29,7 +29,7 @@ _TESTS, _RECORDS, _TABLE = "tests", "records", "table.csv"
 _CHECKSUM: Final = re.compile(r"[0-9a-f]{64}")
 _SHORTEST = 4  # digits of a checksum that name a test
 _RULE, _REMEDY = (
-    "A test of a rig must be a sound JSON file",
+    "This file of the rig is damaged",
     "Add the test again, from its record or its file",
 )
 
@@ -46,9 +46,8 @@ class RigFolder:
         folder = cls(Path(path))
         if not (folder.path / _TESTS).is_dir():
             raise InputError(
-                "A rig must be a folder with tests",
-                value="no folder of a rig" if folder.path.is_dir() else "no such folder",
-                remedy="Add tests with `reliab rig add`",
+                "This folder is no rig" if folder.path.is_dir() else "No such folder",
+                remedy="Add tests to it with `reliab rig add`",
                 where=str(path),
             )
         return folder
@@ -73,7 +72,7 @@ class RigFolder:
         """
         from reliab.recordings.record import write_record
 
-        with refuse_unwritable("The folder of a rig must be writable", where=self.path):
+        with refuse_unwritable("Cannot write to the folder of a rig", where=self.path):
             for name in (_RECORDS, _TESTS):
                 (self.path / name).mkdir(parents=True, exist_ok=True)
             write_record(record, self.record_path(test.sha256))
@@ -95,7 +94,7 @@ class RigFolder:
 
     def remove(self, sha256: str) -> None:
         """Remove a test: its JSON first, so that no test is ever there without its record."""
-        with refuse_unwritable("The folder of a rig must be writable", where=self.path):
+        with refuse_unwritable("Cannot write to the folder of a rig", where=self.path):
             self._test_path(sha256).unlink(missing_ok=True)
             self.record_path(sha256).unlink(missing_ok=True)
 
@@ -109,8 +108,7 @@ class RigFolder:
         if len(rows) == 1:
             return dict(rows[0])
         raise InputError(
-            "A test must be named by its name, or by the first digits of its checksum",
-            value=f"{name!r}, which is {'that of several' if rows else 'none of this rig'}",
+            f"{'Several tests' if rows else 'No test'} of the name or checksum {name!r}",
             remedy="Take a checksum that `reliab rig list` shows",
             where=str(self.path),
         )
@@ -150,7 +148,7 @@ class RigFolder:
                     continue
                 if entry.is_symlink():
                     raise InputError(
-                        "A rig must hold its own files, without links to others",
+                        "A rig must not contain links",
                         value=f"a link at {entry.path}",
                         remedy="Remove the link, or put the file itself in its place",
                         where=str(self.path),

@@ -80,7 +80,7 @@ def require_date(text: str) -> str:
         moment = datetime.fromisoformat(text)
     except ValueError:
         raise InputError(
-            "The value of `date` must be a day or a time in ISO 8601",
+            "`date` is neither a day nor a time",
             value=repr(text),
             remedy="Write 2026-03-01 or 2026-03-01T14:30",
         ) from None

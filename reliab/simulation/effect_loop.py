@@ -106,7 +106,7 @@ class EffectLoop:
         """
         if cells.leads.any():
             raise InputError(
-                "A loop with effects is solved for delays only; a lead needs future values",
+                "A loop with effects takes no leads",
                 value=f"a lead of {-1e3 * cells.delay.min():.4g} ms",
                 remedy="Give delays of zero or more, or leave the effects out",
             )

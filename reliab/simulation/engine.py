@@ -111,7 +111,7 @@ class Loop:
         if self.engine is Engine.DELAY:
             if cells.leads.any():
                 raise InputError(
-                    "The delay equation can be stepped for delays only; a lead needs future values",
+                    "The engine delay takes no leads",
                     value=f"a lead of {-1e3 * cells.delay.min():.4g} ms",
                     remedy="Use the engine 'automatic', 'pole' or 'spectral'",
                 )
@@ -123,8 +123,7 @@ class Loop:
         if self.engine is Engine.POLE:
             worst = int(np.argmax(error / tolerance))
             raise InputError(
-                "The dominant pole may replace the loop only where the error of RMS^R that this causes "
-                f"is at most {tolerance[worst]:g}",
+                f"The engine pole would change RMS^R by more than {tolerance[worst]:g}",
                 value=f"{significant(error[worst], 2)} at k_p = {cells.gain[worst]:g}, τ = "
                 f"{cells.delay[worst]:g} s",
                 remedy="Use the engine 'automatic'",

@@ -93,7 +93,7 @@ def _require_stable_without_delay(partition: Partition, gains: Array) -> None:
     )
     if not np.linalg.eigvals(dynamics).real.max() < 0.0:
         raise InputError(
-            "The hybrid test must be stable with actuators that have no delay",
+            "This hybrid test is unstable even without delay",
             value=f"an unstable partition with a gain of {np.array2string(np.squeeze(gains), precision=4)}",
             remedy="Leave more stiffness, damping or mass to the computer, or couple the actuators less",
         )

@@ -151,7 +151,7 @@ class Partition:
 
     def _check_substructure(self) -> None:
         if not any(matrix.any() for matrix in self._specimen) and not self.effects:
-            raise InputError("A specimen needs stiffness, damping or mass", value="none")
+            raise InputError("The specimen has neither stiffness nor damping nor mass")
         require_positive_semidefinite(self.mass, "mass matrix", "Masses must not be negative")
         require_positive_definite(
             self.stiffness, "stiffness matrix", "A structure that can move without a force is not supported"

@@ -142,7 +142,7 @@ class Study(Table):
         `sources`, `sets`: as the keys of `[motions]`; None keeps what the study says.
         """
         raise InputError(
-            f"A study of the kind {self.kind} takes no ground motions",
+            f"Studies of the kind {self.kind} take no ground motions",
             value=f"motions {', '.join(sources or sets or ())}",
             remedy="Leave it out",
         )

@@ -76,7 +76,7 @@ def kind_of(folder: Path) -> Kind | None:
         kind = getattr(import_module(f"{_package(folder.parent)}.{folder.name}.{_CODE}"), "KIND", None)
     except Exception as error:  # whatever the code of a study raises
         raise InputError(
-            "The code of a study must be importable",
+            "The code of the study cannot be imported",
             value=error,
             remedy="Correct it, or install what it imports",
             where=str(folder / f"{_CODE}.py"),

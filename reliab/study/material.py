@@ -105,7 +105,7 @@ class Material(Records):
             self._select(results)
         except KeyError:
             raise InputError(
-                "A study of stored results uses structures that they hold",
+                "The stored results hold no such structures",
                 value=f"f = {list(structures.f)}, xi = {list(structures.xi)}",
                 remedy=f"Choose among f = {results['f'].values.tolist()}, "
                 f"xi = {results['xi'].values.tolist()}, or give ground motions",

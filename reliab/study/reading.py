@@ -23,8 +23,7 @@ def study_from(content: Mapping[str, Any], *, where: str = "") -> Study:
     name = content.get("kind")
     if not isinstance(name, str) or name not in KINDS:
         raise InputError(
-            "A study must state its kind",
-            value=f"kind = {name!r}" if name is not None else "no key kind",
+            "The study has no kind" if name is None else f"Unknown kind of study: {name!r}",
             remedy=f"Choose among {', '.join(KINDS)}",
             where=where,
         )
@@ -63,8 +62,7 @@ def open_study(name: str | Path) -> Study:
         present = shipped_folders()
         if path.name not in present:
             raise InputError(
-                "A study is a folder with study.toml, a TOML file, or the name of one that ships",
-                value=str(name),
+                f"No study {str(name)!r}",
                 remedy=f"Choose among {', '.join(present) or 'your own: none ships with this installation'}",
             )
         path = present[path.name]

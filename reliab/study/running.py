@@ -4,10 +4,11 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Final
 
-from reliab.core.files import decoding, refuse_links
+from reliab.core.files import decoding, refuse_links, written_whole
 from reliab.core.progress import Show, quietly
 from reliab.report.document import Document
 from reliab.report.pdf import write_pdf
+from reliab.report.prose import plain_text
 from reliab.report.setting import Setting
 from reliab.study.description import Study
 from reliab.study.kinds import KINDS
@@ -16,6 +17,9 @@ from reliab.study.stages import RunFolder, Stage, date_of, study_of
 
 REPORT: Final = "report.pdf"
 """File of the report in the folder of a run."""
+
+ANSWER: Final = "answer.txt"
+"""File of the report's answer in one sentence, empty for kinds whose reports have none."""
 
 
 def run_study(
@@ -92,10 +96,14 @@ def write_report(folder: str | Path, *, setting: Setting | None = None) -> Path:
 
 def _reporting(study: Study, reads: list[str], setting: Setting | None) -> Stage:
     def work(folder: Path) -> None:
-        _set(KINDS[study.kind].report(study, folder), study, folder, setting)
+        document = KINDS[study.kind].report(study, folder)
+        _set(document, study, folder, setting)
+        answer = plain_text(document.verdict) if isinstance(document, Document) else ""
+        with written_whole(folder / ANSWER) as place:
+            place.write_text(answer, encoding="utf-8")
 
     inputs = {**study.model_dump(mode="json"), "setting": (setting or Setting()).to_dict()}
-    return Stage(name="report", inputs=inputs, reads=reads, writes=(REPORT,), work=work)
+    return Stage(name="report", inputs=inputs, reads=reads, writes=(REPORT, ANSWER), work=work)
 
 
 def _set(

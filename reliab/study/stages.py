@@ -59,9 +59,8 @@ class RunFolder:
         strangers = [file for file in path.iterdir() if not file.name.startswith(UNFINISHED)]
         if not (path / MANIFEST).exists() and strangers:
             raise InputError(
-                "The folder for the results must be new, empty or that of an earlier run of a study",
-                value=f"{path} holds other files",
-                remedy="Name another folder",
+                f"{path} holds files that no run of a study wrote",
+                remedy="Name a new or empty folder",
             )
         remove_abandoned(path.rglob(f"{UNFINISHED}*"))
         stages = _read(path).get("stages", {})
@@ -72,7 +71,7 @@ class RunFolder:
     @contextlib.contextmanager
     def opened(cls, path: Path, *, study: Mapping[str, Any]) -> Iterator["RunFolder"]:
         """Open a run folder, and keep every other process from running a study in it."""
-        with refuse_unwritable("The run folder must be writable", where=path):
+        with refuse_unwritable("Cannot write the run folder", where=path):
             path.mkdir(parents=True, exist_ok=True)
         with written_by_one_process(path, "Only one process may run a study in a folder"):
             try:
@@ -133,8 +132,7 @@ def study_of(path: Path) -> dict[str, Any]:
     study = _read(path).get("study")
     if study is None:
         raise InputError(
-            "A report can be made only from the folder of a run",
-            value=f"no {MANIFEST} in it that a run wrote",
+            f"This is no folder of a run: it has no {MANIFEST}",
             remedy="Name the folder that `reliab run --out` wrote",
             where=str(path),
         )

@@ -35,7 +35,7 @@ def write_ellipses(ellipses: xr.Dataset, path: str | Path) -> None:
         str(name): {"zlib": True, "complevel": 9, "shuffle": True, "chunksizes": _chunks(variable)}
         for name, variable in ellipses.data_vars.items()
     }
-    with refuse_unwritable("The file of ellipses must be writable", where=path):
+    with refuse_unwritable("Cannot write the file of ellipses", where=path):
         write_netcdf(ellipses, path, encoding=encoding)
 
 
@@ -169,8 +169,8 @@ def _in_window(dataset: xr.Dataset, window: str | None, path: str | Path) -> xr.
     label = window or (Window().label if Window().label in stored else stored[0])
     if label not in stored:
         raise InputError(
-            "The window must be one for which there are ellipses",
-            value=f"{label!r}, there are {', '.join(stored)}",
+            "No ellipses for this window",
+            value=f"{label!r}; the file has {', '.join(stored)}",
             remedy="Choose one of these, or trace the boundaries in that window",
             where=str(path),
         )

@@ -58,8 +58,7 @@ class EllipseRequest:
         check_model(self.model, self.structures)
         if self.model is not None and Side.LEAD in self.sides:
             raise InputError(
-                "A model with effects is marched in time, so that its boundary holds for delays only",
-                value="a request for leads",
+                "A model with effects has boundaries of lags only",
                 remedy="Ask for the side of the lag",
             )
 

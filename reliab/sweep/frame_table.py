@@ -65,7 +65,7 @@ class FrameRequest:
         actuators = self.frame.partition.degrees
         if self.actuator is not None and not 1 <= self.actuator <= actuators:
             raise InputError(
-                f"The actuator that errs is one of the structure's {actuators}",
+                f"No such actuator; the structure has {actuators}",
                 value=self.actuator,
                 remedy="Count them from 1, as the rows of [kinematics]",
             )

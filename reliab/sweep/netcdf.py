@@ -123,6 +123,6 @@ def _refuse_empty_promises(promised: int, path: Path) -> None:
             "A NetCDF file must hold the numbers that it declares, at most "
             f"{_MOST_EXPANSION} bytes in each byte of its own",
             value=f"{significant(promised)} bytes declared in {size}",
-            remedy="Obtain the file again",
+            remedy="Export or download the file again",
             where=str(path),
         )

@@ -58,8 +58,8 @@ class StatedStructures:
             )
         if frequencies or ratios or shares != (WHOLLY_EXPERIMENTAL,):
             raise InputError(
-                "A model brings its own structure",
-                value="a model together with f, xi or alpha",
+                "The model contains its structure",
+                value="f, xi or alpha beside it",
                 remedy="Leave these out, or change the [structure] table of the model",
             )
         test = _test(model)
@@ -120,9 +120,7 @@ def sweep_request(
 def one_of(name: str, choices: dict[str, _Choice], what: str) -> _Choice:
     """Return the choice of a name, and refuse any other name."""
     if name not in choices:
-        raise InputError(
-            f"The {what} is one of {', '.join(choices)}", value=name, remedy="Choose one of these"
-        )
+        raise InputError(f"Unknown {what}", value=name, remedy=f"Choose among {', '.join(choices)}")
     return choices[name]
 
 

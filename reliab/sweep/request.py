@@ -61,7 +61,7 @@ class SweepRequest:
         labels = [window.label for window in self.windows]
         if not labels or len(set(labels)) < len(labels):
             raise InputError(
-                "A sweep needs at least one window, and no window twice",
+                "A sweep needs at least one window, and each only once",
                 value=labels,
                 remedy="Give each window once",
             )
@@ -69,7 +69,7 @@ class SweepRequest:
         self._require_memory()
         if self.model is not None and self.grid.leads:
             raise InputError(
-                "A model with effects is marched in time, so that only delays can be simulated",
+                "A model with effects can be simulated for delays only",
                 value="a grid with leads",
                 remedy="Use a grid without leads, ScaledGrid(lead_steps=0)",
             )
@@ -80,7 +80,7 @@ class SweepRequest:
         size = _BYTES_OF_CELL * actuators * len(structures) * len(self.windows)
         if size > _MOST_BYTES:
             raise InputError(
-                f"The results of one motion may take {_MOST_BYTES / 1e9:g} GB at most",
+                f"The results of one motion would take more than {_MOST_BYTES / 1e9:g} GB",
                 value=f"{significant(size / 1e9)} GB for {len(structures):,} structures, "
                 f"{len(self.windows)} windows and {actuators:,} actuators",
                 remedy="Simulate fewer structures or windows at once, each part into a store of its own",
@@ -133,8 +133,7 @@ def structures_of(
     number = len(frequencies) * len(damping_ratios) * len(experimental_fractions)
     if number > MOST_STRUCTURES:
         raise InputError(
-            f"There may be {MOST_STRUCTURES:,} structures at most, every frequency with every damping ratio "
-            "and share",
+            f"More than {MOST_STRUCTURES:,} structures: each frequency meets each damping ratio and share",
             value=f"{number:,}",
             remedy="Ask for fewer at once, and for the others afterwards",
         )

@@ -109,8 +109,8 @@ def open_results(path: str | Path, *, window: str | None = None) -> xr.Dataset:
     window = window or first
     if window not in windows:
         raise InputError(
-            "The window must be one that was stored",
-            value=f"{window!r}, stored are {', '.join(windows)}",
+            "No results for this window",
+            value=f"{window!r}; the store has {', '.join(windows)}",
             remedy="Choose one of these, or simulate with that window",
         )
     if compact is not None:
@@ -182,8 +182,7 @@ def _stored(path: Path, group: str | None) -> xr.Dataset:
     missing = int(np.isnan(dataset["duration"].values).sum())
     if missing:
         raise InputError(
-            "A store must be complete before it is used",
-            value=f"{missing} motions missing in {path}",
+            f"{path} is not complete: {missing} motions are missing",
             remedy="Finish it with `resume`",
         )
     _check_chunks(folder)

@@ -164,15 +164,13 @@ def _connect(address: str) -> "Client":
         from distributed import Client
     except ImportError:
         raise InputError(
-            "A scheduler needs dask.distributed",
-            value="not installed",
+            "A scheduler needs dask.distributed, which is not installed",
             remedy="Install it with: pip install 'reliab[cluster]'",
         ) from None
     try:
         return Client(address, timeout=_CONNECT_SECONDS)
     except (OSError, ValueError, TimeoutError) as error:
         raise InputError(
-            "A dask scheduler must answer at the address",
-            value=f"{address} ({error})",
+            f"No dask scheduler answers at {address}: {error}",
             remedy="Start one with 'dask scheduler' and give its address, tcp://host:8786",
         ) from None

@@ -66,8 +66,8 @@ def at_share(dataset: xr.Dataset, share: float | None = None) -> xr.Dataset:
     near = [place for place, stored in enumerate(shares) if np.isclose(requested, stored, rtol=1e-9)]
     if not near:
         raise InputError(
-            "The share of the stiffness must be among those of the dataset",
-            value=f"α = {requested:g}, it is of α = {_list_shares(shares)}",
+            "The dataset has no such share of the stiffness",
+            value=f"α = {requested:g}; it has α = {_list_shares(shares)}",
             remedy="Choose one of these, or simulate that one",
         )
     if Dimension.SHARE not in dataset.coords:

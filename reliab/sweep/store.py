@@ -207,7 +207,7 @@ class ResultsStore:
 
 
 def _make_writable(folder: Path) -> None:
-    with refuse_unwritable("The folder of a results store must be writable", where=folder):
+    with refuse_unwritable("Cannot write to the folder of a results store", where=folder):
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             pass
@@ -224,7 +224,7 @@ def _digest(windows: Sequence[Sequence[NDArray[np.generic]]]) -> str:
 
 def _create(path: Path, request: SweepRequest, names: Sequence[str], events: Sequence[str]) -> None:
     with refuse_unwritable(
-        "The folder of a results store must be writable, with room for it",
+        "Cannot write to the folder of a results store",
         where=path,
         remedy="Make room, or name another folder",
     ):
@@ -234,8 +234,7 @@ def _create(path: Path, request: SweepRequest, names: Sequence[str], events: Seq
 def _check_resumable(path: Path, request: SweepRequest, names: Sequence[str], *, resume: bool) -> None:
     if not resume:
         raise InputError(
-            "A results store is not overwritten",
-            value=f"{path} exists",
+            f"{path} exists already",
             remedy="Continue it with `resume`, remove it, or name another",
         )
     attributes = read_attributes(path)
@@ -247,8 +246,7 @@ def _check_resumable(path: Path, request: SweepRequest, names: Sequence[str], *,
         )
     if attributes.get("study_hash") != request.digest():
         raise InputError(
-            "Only the same sweep can be resumed",
-            value=f"{path} holds a sweep of other structures, actuators, windows or engine",
+            f"{path} holds a sweep of other structures, actuators, windows or another engine",
             remedy="Give the options of the first run, or name another store",
         )
     with decoding(_RULE, remedy=_REMEDY, where=path):
@@ -261,8 +259,7 @@ def _check_resumable(path: Path, request: SweepRequest, names: Sequence[str], *,
             stored = []
     if stored != list(names):
         raise InputError(
-            "Only a sweep of the same ground motions can be resumed",
-            value=f"{path} holds {motions} motions that are not the {len(names)} given",
+            f"{path} holds {motions} motions, not the {len(names)} that you gave",
             remedy="Give the motions of the first run, or name another store",
         )
 

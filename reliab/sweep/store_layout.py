@@ -138,9 +138,7 @@ def create_store(path: Path, request: SweepRequest, names: Sequence[str], events
     import zarr
 
     if not names:
-        raise InputError(
-            "A sweep needs ground motions", value="none", remedy="Name files, folders or a suite"
-        )
+        raise InputError("No ground motions given", remedy="Name files, folders or a suite")
     unfinished = path.with_name(path.name + ".unfinished")
     shutil.rmtree(unfinished, ignore_errors=True)
     root = zarr.create_group(unfinished, zarr_format=ZARR_FORMAT)

@@ -179,7 +179,7 @@ def compare_laws(
     values = np.stack([population.log_alpha, population.log_beta], axis=-1)
     if not np.isfinite(values).all():
         raise InputError(
-            "Laws are compared on motions with an ellipse at every structure",
+            "Comparing laws needs an ellipse of every motion at every structure",
             value=f"{np.isnan(values).any(axis=(1, 2, 3)).sum()} motions without",
             remedy="Choose a smaller threshold or less damping",
         )

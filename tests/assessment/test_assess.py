@@ -84,7 +84,7 @@ def test_structure_outside_the_criterion_is_warned_of_and_carried_over(simulate)
     structure = Structure(frequency=3.0, damping_ratio=0.02)
     test = simulate(f=3.0, delay=0.0001)
     found = assess(test, structure)
-    assert any("outside of the criterion's validity" in warning for warning in found.warnings)
+    assert any("criterion does not cover the structure" in warning for warning in found.warnings)
     at_edge = default_criterion(2.0, 0.02, duration=test.duration).limits(2.0, 0.02)
     assert found.population.a == pytest.approx(float(at_edge[0]))
     assert found.population.b == pytest.approx(float(at_edge[1]) * (2.0 / 3.0) ** 2)
@@ -152,9 +152,7 @@ def test_partial_experimental_fraction_is_said(simulate):
     half = Structure(frequency=1.0, damping_ratio=0.02, experimental_fraction=0.5)
     assert any("it is conservative." in warning for warning in assess(simulate(), half).warnings)
     stiff = Structure(frequency=15.0, damping_ratio=0.05, experimental_fraction=0.5)
-    assert any(
-        "was measured only from 0.5 to 3 Hz" in warning for warning in assess(simulate(), stiff).warnings
-    )
+    assert any("outside of 0.5 to 3 Hz" in warning for warning in assess(simulate(), stiff).warnings)
 
 
 def test_wrong_frequency_is_suspected(simulate):

@@ -48,7 +48,10 @@ def test_numbers_are_those_of_the_verdicts(compared):
 
 def test_what_is_taken_to_be_the_same_is_said(compared):
     comparison, _ = compared
-    assert "their skew, are the same in all of them" in comparison.to_dict()["assumed"]
+    assert (
+        "what is unknown, such as the skew of the channels, is the same in all of them"
+        in comparison.to_dict()["assumed"]
+    )
     first, second = comparison.tests
     rebuilt = replace(second.assessment.error.rebuilt, seed=1)
     apart = replace(second.assessment, error=replace(second.assessment.error, rebuilt=rebuilt))

@@ -116,7 +116,7 @@ def test_a_copied_channel_is_never_reliable(good):
 @pytest.mark.parametrize(
     ("factor", "rule"),
     [
-        (-1.0, "command's sign"),
+        (-1.0, "opposite sign of the command"),
         (1e3, "the same unit"),
         (1e-3, "the same unit"),
         (39.37, "the same unit"),

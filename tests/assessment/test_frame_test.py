@@ -9,6 +9,7 @@ from reliab_studies.laboratory.laboratory import Rig, Sensors, run_laboratory
 from reliab.assessment.budget.sizes import Source, ordinary_equipment
 from reliab.assessment.frame_test import assess_frame
 from reliab.core.errors import InputError
+from reliab.core.shipped import shipped
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import Metric
 from reliab.criterion.published import published_criterion
@@ -16,7 +17,7 @@ from reliab.effects.registry import find_effect
 from reliab.motions.synthetic.suite import synthetic_suite
 from reliab.recordings.recording import Recording
 from reliab.report.kinds.assessment.frame import frame_assessment_report
-from reliab.simulation.frames.frame_file import FrameUnderTest
+from reliab.simulation.frames.frame_file import FrameUnderTest, read_structure
 from reliab.simulation.frames.governing_mode import governing_mode
 from reliab.simulation.frames.tolerances_table import TolerancesTable
 from reliab.simulation.transfer_systems.transfer_function import TransferFunction
@@ -141,7 +142,7 @@ def test_a_criterion_of_another_structure_is_refused(frame, test_and_truth):
 
 def test_a_recording_that_cannot_be_judged_is_refused(frame, test_and_truth):
     recording, _ = test_and_truth
-    with pytest.raises(InputError, match="command's sign"):
+    with pytest.raises(InputError, match="opposite sign of the command"):
         assess_frame(replace(recording, measured=-recording.measured), frame)
     short = replace(recording, command=recording.command[:400], measured=recording.measured[:400])
     with pytest.raises(InputError, match="2 periods"):
@@ -273,3 +274,10 @@ def test_what_nobody_stated_of_a_frame_is_as_uncertain_as_equipment_leaves_it(fr
     assert assumed.error.estimate(Metric.RMS).low < linear.error.estimate(Metric.RMS).low
     assert any("No force was recorded" in warning for warning in assumed.warnings)
     assert assumed.to_dict()["would_turn"] == assumed.turning.to_dict()
+
+
+@pytest.mark.parametrize(
+    "path", sorted(shipped("datasets", "frames/README.md").parent.glob("*.toml")), ids=lambda path: path.stem
+)
+def test_every_shipped_frame_can_judge_a_test(path):
+    assert read_structure(path).output is None

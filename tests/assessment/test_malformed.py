@@ -137,7 +137,7 @@ def test_noise_is_warned_of_and_then_rejected(simulate, noise):
     if noise < 1.0:
         assert any("noisy" in warning for warning in assess(test, ONE_HERTZ).warnings)
         return
-    with pytest.raises(InputError, match="must follow the command"):
+    with pytest.raises(InputError, match="does not follow the command"):
         assess(test, ONE_HERTZ)
 
 

@@ -116,7 +116,7 @@ _STATED = {"f": 1, "xi": 0.02}
     ("stated", "says"),
     [
         ({"specimen": "measured"}, "needs the `mass`"),
-        ({"specimen": "elastic"}, "linear or measured"),
+        ({"specimen": "elastic"}, "Unknown kind of specimen"),
         ({"mass": 1.0}, "unless the `specimen` is measured"),
         ({"force_channel": ["lag_ms=2"]}, "unless the `specimen` is measured"),
         ({"specimen": "measured", "mass": 1.0}, "needs a column of its force"),

@@ -486,7 +486,7 @@ def test_the_corrected_response_of_a_linear_test_is_written_as_text(tmp_path: Pa
     ("stated", "says"),
     [
         ({"specimen": "measured", "mass": 1.0}, "without a column of force"),
-        ({"specimen": "elastic"}, "linear or measured"),
+        ({"specimen": "elastic"}, "Unknown kind of specimen"),
         ({"force_channel": ["lag_ms=2"]}, "unless the `specimen` is measured"),
         ({"specimen": "measured"}, "needs its force"),
     ],

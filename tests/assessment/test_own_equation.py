@@ -88,7 +88,7 @@ UNITS = {"g": 9.80665, "gal": 0.01, "mm/s2": 0.001, "ft/s2": 0.3048, "in/s2": 0.
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("unit", UNITS)
 def test_a_ground_acceleration_in_another_unit_is_refused_by_its_name(judged, unit, sign, power):
-    with pytest.raises(InputError, match="must be in the stated unit") as refusal:
+    with pytest.raises(InputError, match="does not fit its unit") as refusal:
         judged(sign=sign * UNITS[unit] ** -power)
     assert (f"Is it in {unit}?" in str(refusal.value)) is (power > 0.0)
     assert ("times as large" in str(refusal.value)) is (power < 0.0)

@@ -92,7 +92,7 @@ def test_a_scaled_record_is_found_by_shape_and_said_so(motion, simulate):
     test = simulate(0.3 * motion.acceleration, motion.time_step, seconds=25.0, delay=0.001)
     found = judged(test, motion)
     assert found.placement.alignment.begin == pytest.approx(0.0, abs=0.01)
-    assert any("by the shape of its response" in warning for warning in found.warnings)
+    assert any("has the shape, but not the size" in warning for warning in found.warnings)
 
 
 @pytest.mark.slow

@@ -45,7 +45,7 @@ def test_a_changed_file_is_refused(installed):
     content = bytearray(file.read_bytes())
     content[1000] ^= 1
     file.write_bytes(content)
-    with pytest.raises(InputError, match="checksum"):
+    with pytest.raises(InputError, match="has changed"):
         real_results([1.0], [0.02])
 
 

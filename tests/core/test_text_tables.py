@@ -116,7 +116,7 @@ def test_commas_that_may_be_decimal_or_part_thousands_are_asked_about(tmp_path):
     cells = (
         f"{t:.6f}\t{c:,.0f}\t{m:,.0f}" for t, c, m in zip(TIME, 1e3 * COMMAND, 1e3 * MEASURED, strict=True)
     )
-    with pytest.raises(InputError, match=r"t\.csv, line 2: It must be clear whether a comma is decimal"):
+    with pytest.raises(InputError, match=r"t\.csv, line 2: It is unclear whether the comma is a decimal"):
         read_recording(written(tmp_path, "Time (s)\tCommand (um)\tMeasured (um)", *cells))
 
 
@@ -183,5 +183,5 @@ def test_a_message_names_the_line_of_the_file(tmp_path):
     table[500] = "x,y,z,1"
     content = b"Rig 3 \x85 second\r\n" + "\r\n".join([NAMES, *table]).encode()
     (tmp_path / "t.csv").write_bytes(content)
-    with pytest.raises(InputError, match=r"t\.csv, line 503: Every line must have 3 columns"):
+    with pytest.raises(InputError, match=r"t\.csv, line 503: 4 columns, but 3 in the first line"):
         read_recording(tmp_path / "t.csv")

@@ -144,7 +144,7 @@ def test_a_link_that_leads_out_of_the_folder_is_refused(name, kind, folder, tmp_
     own = next(path for path in folder.rglob(Path(place.file).name) if path.as_posix().endswith(place.file))
     elsewhere = Path(shutil.move(own, tmp_path / "elsewhere"))
     own.symlink_to(os.path.relpath(elsewhere, own.parent) if kind == "relative" else elsewhere)
-    with pytest.raises(InputError, match=r"must lie in that folder|must hold its own files"):
+    with pytest.raises(InputError, match=r"lies outside the folder|must not contain links"):
         place.read(folder)
 
 
@@ -160,7 +160,7 @@ def test_a_name_that_leads_out_of_the_folder_is_refused(name, written, folder):
     hostile = written.replace("NAME", own.name).replace("FOLDER", str(own.parent.parent))
     listed = folder / place.listed
     listed.write_text(listed.read_text().replace(place.file, hostile, 1))
-    with pytest.raises(InputError, match=r"must lie in that folder|a figure of the name"):
+    with pytest.raises(InputError, match=r"lies outside the folder|a figure of the name"):
         place.read(folder)
 
 
@@ -180,7 +180,7 @@ def test_a_folder_that_is_a_link_itself_is_read(folder, tmp_path):
 
 @pytest.mark.parametrize("name", ["a\0b", "../a", "/a", ".."])
 def test_names_that_are_none_are_refused(name, folder):
-    with pytest.raises(InputError, match=r"catalog\.csv, line 2: A file"):
+    with pytest.raises(InputError, match=r"catalog\.csv, line 2: (The|A) file"):
         named_within(folder, name, where="catalog.csv, line 2")
 
 
@@ -239,7 +239,7 @@ def test_data_of_another_hdf5_file_are_refused(what, kind, tmp_path):
     seeds, read = HDF5[what]
     path = hdf5_of(seeds(), tmp_path)
     replaced(path, kind)
-    with pytest.raises(InputError, match="An HDF5 file must hold its own data"):
+    with pytest.raises(InputError, match="are in another file"):
         read(path)
 
 
@@ -258,7 +258,7 @@ def test_many_groups_in_each_other_are_refused_without_going_through_them(tmp_pa
         group = file
         for _ in range(1000):
             group = group.create_group("g")
-    refused = pytest.raises(InputError, match="must not be nested more than 32 deep")
+    refused = pytest.raises(InputError, match="are nested more than 32 deep")
     with refused, opened_hdf5(tmp_path / "a.h5"):
         pass
 
@@ -336,7 +336,7 @@ def test_a_file_that_ends_its_reader_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(received, "_PROBE", received._Probe(probe))  # noqa: SLF001 - in place of the shared one
     for answer in ("os.abort()", "print('failed', flush=True)"):
         probe.write_text(f"import os, sys\nprint('ready', flush=True)\nsys.stdin.readline()\n{answer}\n")
-        with pytest.raises(InputError, match=r"a\.h5: An HDF5 file must not end"), opened_hdf5(path):
+        with pytest.raises(InputError, match=r"a\.h5: The HDF5 library fails"), opened_hdf5(path):
             pass
         received._PROBE.end()  # noqa: SLF001
     probe.write_text(
@@ -360,5 +360,5 @@ def test_an_attribute_of_scales_that_holds_anything_else_is_refused(tmp_path, va
         file["a"] = np.zeros((300, 3))
         file["a"].attrs["DIMENSION_LIST"] = value
     for read in (read_tests, open_ellipses):
-        with pytest.raises(InputError, match=r"DIMENSION_LIST|must not end the process"):
+        with pytest.raises(InputError, match=r"DIMENSION_LIST|The HDF5 library fails"):
             read(tmp_path / "a.h5")

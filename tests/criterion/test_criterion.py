@@ -62,7 +62,7 @@ def test_one_structure_can_be_chosen(ellipses, derived):
     alone = derive_criterion(ellipses, method=Dirichlet(), joint=True, f=0.5, xi=0.05)
     for one, of_many in zip(alone.limits(0.5, 0.05), derived.limits(0.5, 0.05), strict=True):
         assert float(one) == pytest.approx(float(of_many))
-    with pytest.raises(InputError, match="must lie where the law is valid"):
+    with pytest.raises(InputError, match="does not hold for this natural frequency"):
         alone.limits(1.0, 0.05)
 
 
@@ -105,7 +105,7 @@ def test_what_is_no_criterion_is_refused(text):
 def test_a_published_law_has_an_index_but_no_probability():
     criterion = published_criterion("guo_2017_18")
     assert float(criterion.index(1.0080, 0.78e-3, 1.0, 0.02)) == pytest.approx(3.830, abs=0.001)
-    with pytest.raises(InputError, match="needs the ellipses of ground motions"):
+    with pytest.raises(InputError, match="has no ellipses of ground motions"):
         criterion.probability(1.008, 0.78e-3, 1.0, 0.02)
 
 
@@ -128,7 +128,7 @@ def test_motions_that_were_left_out_are_mentioned(ellipses):
     ellipses["a"][:15:3, 0, 0] = np.nan
     warnings = derive_criterion(ellipses, method=Quantile(), joint=False).provenance.warnings
     assert any("Up to 5 of 60 motions have no ellipse" in warning for warning in warnings)
-    assert any("20 earthquakes only" in warning for warning in warnings)
+    assert any("only 20 earthquakes" in warning for warning in warnings)
 
 
 def test_limits_that_cannot_be_promised_are_zero_with_a_caution_and_fit_no_law(ellipses):

@@ -104,5 +104,5 @@ def test_no_number_that_is_not_finite_is_written(two_sided):
 
 
 def test_a_file_of_the_first_schema_says_what_it_lacks(text):
-    with pytest.raises(InputError, match="which had none and rested on fitted ellipses"):
+    with pytest.raises(InputError, match="version 1, which has no limits for leads"):
         Criterion.from_json(broken(text, set_in("schema_version", value=1)))

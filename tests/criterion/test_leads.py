@@ -52,7 +52,7 @@ def test_a_lead_is_not_judged_by_lags_alone(ellipses):
     assert any("lags alone" in sentence for sentence in lags_only.provenance.warnings)
     assert summarise(lags_only, *STRUCTURE)["lead_limit_ms"] is None
     for judge in (lags_only.index, lags_only.probability):
-        with pytest.raises(InputError, match="judged by limits for leads"):
+        with pytest.raises(InputError, match="has no limits for leads"):
             judge(1.0, [1e-4, -1e-4], *STRUCTURE)
 
 

@@ -114,7 +114,7 @@ def test_two_earthquakes_carry_no_99_percent():
 def test_motions_that_are_all_alike_are_refused():
     logarithms = np.random.default_rng(1).normal(size=(5, 2))
     logarithms[:, 1] = 0.3
-    with pytest.raises(InputError, match="b must differ between ground motions"):
+    with pytest.raises(InputError, match="b is the same for all ground motions"):
         sample_of(logarithms, range(5))
 
 

@@ -92,7 +92,7 @@ def test_between_structures_the_same_dimensionless_error_is_as_probable():
 
 
 def test_structures_outside_of_the_grid_are_refused(one):
-    with pytest.raises(InputError, match="must lie where the law is valid"):
+    with pytest.raises(InputError, match="does not hold for this natural frequency"):
         one.probability(1.0, 0.0, 2.0, 0.02)
 
 
@@ -113,7 +113,7 @@ def test_it_comes_back_from_plain_lists(one):
 
 
 def test_too_few_motions_are_refused():
-    with pytest.raises(InputError, match="At least 3 motions"):
+    with pytest.raises(InputError, match=r"Too few motions.*found 2"):
         Population.from_ellipses(dataset([1.0], [0.02], motions=2), threshold=0.05, metric="rms")
 
 
@@ -134,5 +134,5 @@ def test_three_motions_must_have_an_ellipse_at_every_structure(motions, enough):
         population = Population.from_ellipses(ellipses, threshold=0.05, metric="rms")
         assert np.isfinite(population.log_alpha).sum(axis=0).ravel().tolist() == [5, 3]
     else:
-        with pytest.raises(InputError, match=r"3 motions must have an ellipse.*found 2"):
+        with pytest.raises(InputError, match=r"needs 3; found 2"):
             Population.from_ellipses(ellipses, threshold=0.05, metric="rms")

@@ -136,7 +136,7 @@ def test_a_criterion_says_whether_lengths_are_protected(population):
     protected, recorded = (
         derive_criterion(given).provenance for given in (population, population.drop_dims("length"))
     )
-    assert "least favourable of" in protected.population
+    assert "with the strictest limit of records of" in protected.population
     assert not any(told in sentence for sentence in protected.warnings)
     assert "least" not in recorded.population
     assert any(told in sentence for sentence in recorded.warnings)

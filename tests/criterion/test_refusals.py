@@ -58,7 +58,7 @@ derived = partial(derive_criterion, method="quantile")
 @pytest.mark.parametrize(
     ("make", "rule"),
     [
-        (lambda: sample(a=A[:1], b=B[:1]), "at least .* ground motions; found 1"),
+        (lambda: sample(a=A[:1], b=B[:1]), "Too few ground motions.*found 1"),
         (lambda: sample(a=A * [1.0, 0.0, 1.0]), "E2: .* parameter a must be between .*; found 0.0"),
         (
             lambda: sample(b=B * [1.0, 1.0, np.inf]),
@@ -66,9 +66,9 @@ derived = partial(derive_criterion, method="quantile")
         ),
         (
             lambda: sample(b=np.full(3, 2.0)),
-            "b must differ between ground motions; found 3 times 2",
+            "b is the same for all ground motions; found 3 times 2",
         ),
-        (lambda: derived(ellipses(side=["lead"])), "actuators that are late; found ellipses of lead alone"),
+        (lambda: derived(ellipses(side=["lead"])), "boundaries of lags; found ellipses of lead alone"),
         (lambda: checked_coefficients("a", [1.0, np.nan], 2), "coefficients of a must be 2 finite numbers"),
         (lambda: checked_coefficients("b", [1.0], 2), "coefficients of b must be 2 finite numbers"),
         (lambda: checked_coefficients("b", [[1.0], [1.0, 2.0]], 2), "in rows of one length"),
@@ -76,7 +76,7 @@ derived = partial(derive_criterion, method="quantile")
         (lambda: checked_grid("frequencies", []), "frequencies of a law must be positive"),
         (
             lambda: Quantile(distribution="gumbel of nobody"),
-            "must be one of the known ones; found gumbel of nobody",
+            "Unknown distribution; found gumbel of nobody",
         ),
         (lambda: population(log_alpha=np.log(A).reshape(3, 1, 1) - 1e4), "Logarithms .* must be between"),
         (lambda: population(log_beta=np.log(B).reshape(1, 3, 1)), "a pair of ellipse parameters for each"),
@@ -90,7 +90,7 @@ def test_what_cannot_be_is_refused_by_its_own_rule(make, rule):
 
 def test_a_table_without_rows_is_refused(tmp_path):
     (tmp_path / "ellipses.csv").write_text("motion,a,b\n")
-    with pytest.raises(InputError, match="a row for each ground motion; found no row"):
+    with pytest.raises(InputError, match="table has no rows"):
         read_ellipses(tmp_path / "ellipses.csv")
 
 
@@ -110,7 +110,7 @@ def test_motions_without_an_ellipse_somewhere_do_not_count_in_the_hierarchical_m
         log_alpha=values,
         log_beta=2.0 * values,
     )
-    with pytest.raises(InputError, match="with an ellipse everywhere; found 2"):
+    with pytest.raises(InputError, match=r"with an ellipse at every structure.*found 2"):
         hierarchical_model(gaps)
 
 

@@ -42,7 +42,7 @@ def test_long_names_keep_their_ending():
 def test_files_that_are_too_large_are_refused_as_on_the_command_line(folder, monkeypatch):
     small = FileLimits(bytes=3, remedy="Cut it")
     monkeypatch.setattr(FOLDER, "LIMITS", {**LIMITS, "test": small})
-    with pytest.raises(InputError, match="may have 3e-06 MB at most"):
+    with pytest.raises(InputError, match="larger than 3e-06 MB"):
         folder.keep("test.csv", b"1234")
 
 

@@ -65,7 +65,7 @@ def test_a_file_whose_channels_are_not_recognised_lists_its_columns_so_that_they
 def test_a_file_that_is_no_test_is_refused(tmp_path):
     path = tmp_path / "test.csv"
     path.write_bytes(b"\x7fELF" + bytes(2000))
-    with pytest.raises(InputError, match="must be text in columns"):
+    with pytest.raises(InputError, match="reliab does not read"):
         look_at(str(path))
 
 

@@ -64,7 +64,7 @@ def test_a_blunder_in_one_run_names_the_file_and_the_rule(name, channel, factor)
     [
         (FORCE, -1.0, "resist the motion"),
         (FORCE, 1000.0, "stated specimen"),
-        (MEASURED, -1.0, "command's sign"),
+        (MEASURED, -1.0, "opposite sign of the command"),
         (MEASURED, 1000.0, "the same unit"),
         (COMMAND, 0.0254, "the same unit"),
     ],

@@ -64,7 +64,7 @@ SPOILT_TABLES = [
     (11, "0.5,0.1,0.1", "line 11.*equal steps"),
     (1, "time_s,command,measured", "state its unit.*command_m"),
     (1, "command_m,measured_m,time_s", "equal steps|Samples"),
-    (1, "time_s,command_m,command_m", "must occur only once"),
+    (1, "time_s,command_m,command_m", "Two columns have the same name"),
 ]
 
 

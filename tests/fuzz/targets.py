@@ -209,7 +209,7 @@ def _criterion(folder: Path) -> None:
     try:
         text = ordinary(folder / "criterion.json").read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError("The file must be readable", value=str(error)) from error
+        raise InputError("Cannot read the file", value=str(error)) from error
     criterion = Criterion.from_json(text)
     a, b = criterion.limits(1.0, 0.02)
     assert math.isfinite(float(a))

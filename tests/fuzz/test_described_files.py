@@ -85,7 +85,7 @@ def test_a_manifest_that_no_run_has_written_is_none(tmp_path, hostile):
 
     for text in (hostile, "[]", '{"study": [], "stages": {}}', json.dumps({"study": {}, "stages": {"a": 1}})):
         (tmp_path / "manifest.json").write_text(text)
-        with pytest.raises(InputError, match="A report can be made only from the folder of a run"):
+        with pytest.raises(InputError, match="This is no folder of a run"):
             study_of(tmp_path)
 
 

@@ -52,14 +52,14 @@ def test_a_matlab_file_whose_compressed_part_is_damaged_is_explained(tmp_path):
     content = bytearray((tmp_path / "test.mat").read_bytes())
     content[-6] ^= 255
     (tmp_path / "test.mat").write_bytes(content)
-    with pytest.raises(InputError, match="A test's file must be readable"):
+    with pytest.raises(InputError, match="Cannot read the file"):
         read_tests(tmp_path / "test.mat")
 
 
 def test_an_hdf5_file_with_a_damaged_tree_is_explained(tmp_path):
     content = corpus.tests()[4]["test.csv"].replace(b"SNOD", b"SNAD")
     (tmp_path / "test.h5").write_bytes(content)
-    with pytest.raises(InputError, match="A test's file must be readable"):
+    with pytest.raises(InputError, match="Cannot read the file"):
         read_tests(tmp_path / "test.h5")
 
 
@@ -293,7 +293,7 @@ def test_a_test_without_ends_of_lines_is_not_followed_for_ever(tmp_path):
 
     (tmp_path / "test.csv").write_bytes(b"x" * 200_000)
     pieces = chunks_of_text(str(tmp_path / "test.csv"), wait=0.01, start_within=0.01)
-    with pytest.raises(InputError, match="A line of a test must be shorter"):
+    with pytest.raises(InputError, match="characters"):
         list(rows_as_written(pieces, name="test.csv", stated={}))
 
 
@@ -324,7 +324,7 @@ def test_an_ellipse_beyond_any_boundary_is_refused(tmp_path):
 
 def test_a_table_of_ellipses_without_rows_is_refused(tmp_path):
     (tmp_path / "ellipses.csv").write_text("a,b\n\n")
-    with pytest.raises(InputError, match="must have a row for each ground motion"):
+    with pytest.raises(InputError, match="has no rows"):
         read_ellipses(tmp_path / "ellipses.csv")
 
 

@@ -105,7 +105,7 @@ def test_a_short_record_is_padded_to_the_frequency_interval_of_rathje() -> None:
 
 
 def test_a_record_without_content_is_refused() -> None:
-    with pytest.raises(InputError, match="not zero throughout"):
+    with pytest.raises(InputError, match="is zero throughout"):
         arias_times([0.0, 0.0], 0.01, [0.5])
     with pytest.raises(InputError, match="content"):
         mean_period(np.zeros(100), 0.01)

@@ -78,7 +78,7 @@ def test_a_square_sign_in_utf8_read_as_latin1_is_recognised() -> None:
 )
 def test_anything_else_is_no_unit_of_acceleration(text: str) -> None:
     assert find_unit(text) is None
-    with pytest.raises(InputError, match="must be known"):
+    with pytest.raises(InputError, match="Unknown unit"):
         parse_unit(text)
 
 

@@ -67,7 +67,7 @@ def test_an_empty_folder_is_filled_and_another_is_left_alone(tmp_path: Path) -> 
     assert write_suite(suite, tmp_path / "empty").is_file()
     (tmp_path / "file").write_text("x")
     for taken in ("empty", "file"):
-        with pytest.raises(InputError, match="must be new or empty"):
+        with pytest.raises(InputError, match="is not empty"):
             write_suite(suite, tmp_path / taken)
 
 
@@ -82,9 +82,9 @@ def test_nothing_is_left_of_a_suite_that_cannot_be_written(tmp_path: Path) -> No
 
 def test_a_folder_that_cannot_be_made_is_explained(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("x")
-    with pytest.raises(InputError, match="must be writable, new or empty; found Not a directory"):
+    with pytest.raises(InputError, match="Cannot write to the folder: Not a directory"):
         write_suite(MotionSuite.from_motions([motion()]), tmp_path / "file" / "out")
-    with pytest.raises(InputError, match="at least one motion"):
+    with pytest.raises(InputError, match="no motions to write"):
         write_suite(MotionSuite([]), tmp_path / "out")
 
 

@@ -115,7 +115,7 @@ def test_steps_of_an_actuator_give_scale_and_hysteresis_but_no_skew():
     truth, recording = calibration(steps, seed=8, actuator=actuator)
     measured = calibrate_channels(recording)
     assert measured.skew_ms is None
-    assert "actuator's own dynamics" in measured.notes[0]
+    assert "dynamics of the actuator" in measured.notes[0]
     assert measured.scale.value == pytest.approx(truth.scale, abs=5e-4)
     assert abs(measured.hysteresis.value - truth.hysteresis) < 3.0 * measured.hysteresis.deviation
 

@@ -93,5 +93,5 @@ def test_a_broken_row_of_labview_is_named_by_its_line_in_the_file(tmp_path):
     lines = lvm_of("\t", ".")
     lines[700] = f"x{lines[700]}"
     (tmp_path / "t.lvm").write_text("\n".join(lines), encoding="utf-8")
-    with pytest.raises(InputError, match=r"t\.lvm, line 701, column X_Value 0: Every value must be a number"):
+    with pytest.raises(InputError, match=r"t\.lvm, line 701, column X_Value 0: Not a number"):
         read_recording(tmp_path / "t.lvm")

@@ -78,13 +78,18 @@ def test_a_sound_record_has_no_fault_and_a_spoilt_one_names_it(record):
         del file["force"].attrs["transformation"]
         file.attrs["time_step_s"] = 0.01
     faults = " ".join(check_record(record))
-    for words in ("unit of `command`", "value of `measured`", "`transformation`", "steps of `time_step_s`"):
+    for words in (
+        "unit of `command`",
+        "`measured` has values",
+        "`transformation`",
+        "increase by `time_step_s`",
+    ):
         assert words in faults
 
 
 def test_what_is_no_record_is_said(tmp_path):
     (tmp_path / "a.nc").write_bytes(b"no")
-    with pytest.raises(InputError, match="must be a NetCDF file"):
+    with pytest.raises(InputError, match="This is no record"):
         check_record(tmp_path / "a.nc")
 
 
@@ -124,7 +129,7 @@ def test_a_laboratory_states_its_channels_once(tmp_path):
     [
         (("sign = -1", "sign = 3"), "sign"),
         (("[channels.command]", "[channels.comand]"), "comand is not a known"),
-        (('unit = "mm"', 'unit = "kN"'), "is no unit of length"),
+        (('unit = "mm"', 'unit = "kN"'), "Unknown unit of length"),
         (("rate_hz = 256", "rate_hz = -1"), "rate_hz"),
     ],
 )

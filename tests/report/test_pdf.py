@@ -136,7 +136,7 @@ def test_any_text_can_be_set(text):
 
 
 def test_a_file_that_cannot_be_written_is_explained(tmp_path):
-    with pytest.raises(InputError, match="must be writable"):
+    with pytest.raises(InputError, match="Cannot write the file"):
         write_pdf(report(), tmp_path / "missing" / "report.pdf", date=DATE)
 
 

@@ -189,13 +189,13 @@ def test_a_link_in_the_folder_is_refused(sent, capsys, part):
     own = sent / part
     elsewhere = own.rename(sent.parent / "moved")
     own.symlink_to(elsewhere)
-    assert "without links to others" in refused(sent, capsys)
+    assert "must not contain links" in refused(sent, capsys)
 
 
 @pytest.mark.parametrize("content", ["", "[]", "1", "null", "{}", "[" * 100_000, '{"blocks": NaN}', "\ud800"])
 def test_content_that_is_none_is_refused(sent, capsys, content):
     (sent / "report" / "document.json").write_bytes(content.encode(errors="surrogatepass"))
-    rules = ("A report is set from its content", "must not be nested more than 32 deep", "must be finite")
+    rules = ("A report is set from its content", "are nested more than 32 deep", "Not a finite number")
     message = refused(sent, capsys)
     assert any(rule in message for rule in rules)
 
@@ -203,7 +203,7 @@ def test_content_that_is_none_is_refused(sent, capsys, content):
 def test_a_report_that_is_too_large_is_refused(sent, capsys):
     with (sent / "report" / "figure-1.svg").open("r+b") as file:
         file.truncate(60_000_000)
-    assert "50 MB at most" in refused(sent, capsys)
+    assert "larger than 50 MB" in refused(sent, capsys)
 
 
 def test_text_is_never_markup(sent):

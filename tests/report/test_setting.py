@@ -80,9 +80,9 @@ def test_letter_has_the_size_of_letter():
 def test_what_is_no_setting_is_refused(tmp_path):
     with pytest.raises(InputError, match="known format"):
         Setting(paper="a5")
-    with pytest.raises(InputError, match="must be a picture"):
+    with pytest.raises(InputError, match="is no picture"):
         Setting(logo=tmp_path / "logo.txt")
-    with pytest.raises(InputError, match="must be readable"):
+    with pytest.raises(InputError, match="Cannot read the logo"):
         Setting(logo=tmp_path / "logo.svg")
     damaged = tmp_path / "logo.png"
     damaged.write_bytes(b"no picture")

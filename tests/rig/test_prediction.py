@@ -90,7 +90,7 @@ def test_a_user_names_the_peak_as_a_covariate():
 
 
 def test_fewer_than_three_tests_are_refused(table):
-    with pytest.raises(InputError, match="at least 3 tests"):
+    with pytest.raises(InputError, match="needs 3 with a finite error"):
         predict_next(table.only([0, 1]), STRUCTURE, NextTest(), threshold=0.05)
     with pytest.raises(InputError, match="0 tests of the frame"):
         predict_next(table, None, NextTest(), threshold=0.05, frame="three storeys")

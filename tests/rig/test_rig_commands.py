@@ -42,7 +42,7 @@ def test_tests_are_added_once_listed_shown_exported_and_removed(tests_of_lab, tm
     assert asked(capsys, "rig", "add", rig, *files, *STRUCTURE)[1]["present"] == ["test_1.csv", "test_2.csv"]
     code, _, err = asked(capsys, "rig", "add", rig, files[0], "--f", "2")
     assert code == 2
-    assert "f 2 after 1" in err
+    assert "f 2 now, 1 then" in err
     assert list_rig(rig).to_dict()["tests"][0]["current"] == 0.4
     _, content, _ = asked(capsys, "rig", "show", rig, "test_1.csv")
     assert content["terms"]["event"] == "KOBE"

@@ -137,7 +137,7 @@ def test_a_damaged_test_is_named_and_costs_no_other(tmp_path):
 def test_a_link_in_a_folder_is_refused(tmp_path):
     keep(tmp_path, rig_test(1))
     (tmp_path / "tests" / f"{'0' * 64}.json").symlink_to("/etc/passwd")
-    with pytest.raises(InputError, match="without links"):
+    with pytest.raises(InputError, match="must not contain links"):
         RigFolder.opened(tmp_path).table()
 
 
@@ -147,19 +147,19 @@ def test_a_test_is_known_by_its_name_or_the_beginning_of_its_checksum(tmp_path):
     assert folder.find(rig_test(2).sha256[:8])["name"] == "test_2.csv"
     assert folder.find("test_1.csv")["sha256"] == rig_test(1).sha256
     for name in ("test_2.csv", "nothing", ""):
-        with pytest.raises(InputError, match="A test must be named"):
+        with pytest.raises(InputError, match="of the name or checksum"):
             folder.find(name)
 
 
 def test_what_is_no_rig_is_refused(tmp_path):
     for place in (tmp_path, tmp_path / "nowhere"):
-        with pytest.raises(InputError, match="A rig must be a folder with tests"):
+        with pytest.raises(InputError, match=r"This folder is no rig|No such folder"):
             RigFolder.opened(place)
 
 
 @pytest.mark.parametrize("text", ["yesterday", "2026-13-01", ""])
 def test_a_date_that_is_none_is_refused(text):
-    with pytest.raises(InputError, match="ISO 8601"):
+    with pytest.raises(InputError, match="neither a day nor a time"):
         require_date(text)
 
 

@@ -156,13 +156,13 @@ def loop(random_record):
 
 def test_stepping_engine_refuses_a_lead(loop):
     stepping = replace(loop, engine=Engine.DELAY)
-    with pytest.raises(InputError, match=r"a lead needs future values.*2 ms"):
+    with pytest.raises(InputError, match=r"takes no leads.*2 ms"):
         stepping.deviation(stepping.cells(gain=1.0, delay=[0.001, -0.002]))
 
 
 def test_loop_with_effects_refuses_a_lead(loop):
     effects = EffectLoop(excitation=loop.excitation, test=HybridTest(structure=loop.structure))
-    with pytest.raises(InputError, match="a lead needs future values"):
+    with pytest.raises(InputError, match="takes no leads"):
         effects.deviation(effects.cells(gain=1.0, delay=-0.002))
 
 

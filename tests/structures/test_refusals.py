@@ -69,7 +69,7 @@ def partition(**changed):
         (lambda: partition(interface=np.ones(2)), "needs 1 finite numbers"),
         (lambda: partition(interface=np.array([math.nan])), "not all zero; found"),
         (lambda: partition(effects=(FORCE, READING)), "must act on its force; found sensor_bias"),
-        (lambda: partition(specimen=Specimen(stiffness=0.0)), "needs stiffness, damping or mass"),
+        (lambda: partition(specimen=Specimen(stiffness=0.0)), "neither stiffness nor damping nor mass"),
         (
             lambda: FRICTION(force_n=math.nan),
             "force_n of coulomb_friction must be finite",

@@ -91,7 +91,7 @@ def test_other_motions_change_the_digest_and_displace_stored_results():
 @pytest.mark.of_studies
 def test_a_study_of_no_ground_motions_takes_none():
     for name in ("hidden_effect", "blind_evaluation"):
-        with pytest.raises(InputError, match="takes no ground motions"):
+        with pytest.raises(InputError, match="take no ground motions"):
             open_study(name).on(["elsewhere"], None)
     with pytest.raises(InputError, match="sets"):
         open_study("quick").on(None, ["far_field"])

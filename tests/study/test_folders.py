@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from reliab.app.api.studies import perform_study
+from reliab.app.api import studies
 from reliab.core.errors import InputError
 from reliab.core.shipped import shipped_folder
 from reliab.study import folders
@@ -56,8 +56,8 @@ def test_a_copy_under_another_name_is_a_study_of_its_own(name, tmp_path):
     ("code", "said"),
     [
         ("KIND = 1", "must define KIND"),
-        ("import nothing_of_this_name", "must be importable"),
-        ("KIND = (", "must be importable"),
+        ("import nothing_of_this_name", "cannot be imported"),
+        ("KIND = (", "cannot be imported"),
     ],
 )
 def test_code_that_is_no_study_is_refused_with_its_place(code, said, tmp_path):
@@ -86,7 +86,7 @@ def shipped(tmp_path, monkeypatch):
 def test_a_broken_study_breaks_no_other():
     assert [row["name"] for row in list_shipped()] == ["broken", "sound"]
     assert open_study("sound").kind == "peaks"
-    with pytest.raises(InputError, match="must be importable; found broken"):
+    with pytest.raises(InputError, match="cannot be imported; found broken"):
         open_study("broken")
 
 
@@ -99,7 +99,7 @@ def test_a_study_whose_file_is_broken_breaks_no_other(shipped):
 @pytest.mark.usefixtures("shipped")
 def test_a_study_runs_twice_into_a_folder_of_its_own_name(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    first, second = (perform_study("sound", out="sound").stages for _ in range(2))
+    first, second = (studies.run_study("sound", out="sound").stages for _ in range(2))
     assert (set(first.values()), set(second.values())) == ({True}, {False})
 
 

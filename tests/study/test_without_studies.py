@@ -51,4 +51,4 @@ def test_criteria_need_no_study(answered):
 def test_a_run_says_that_no_study_ships_and_what_to_name_instead(answered):
     assert answered.stderr.splitlines()[-1] == "[0, 2]"
     assert "none ships" in answered.stderr
-    assert "folder with study.toml" in answered.stderr
+    assert "No study" in answered.stderr

@@ -42,5 +42,5 @@ def test_what_the_closed_form_does_not_know_is_refused(motions, wrong):
 
 def test_stored_results_have_no_spectra(motions, tmp_path):
     results = reliab.simulate(motions[:1], out=tmp_path / "results.zarr")
-    with pytest.raises(InputError, match="spectra"):
+    with pytest.raises(InputError, match="needs ground motions"):
         reliab.ellipses(results, first_order=True)

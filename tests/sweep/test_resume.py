@@ -161,7 +161,7 @@ def test_a_disk_that_is_full_from_the_start_is_named(tmp_path, suite, request_, 
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     monkeypatch.setattr(store, "create_store", create_store)
-    with pytest.raises(InputError, match=r"room for it; found No space left.*Make room"):
+    with pytest.raises(InputError, match=r"No space left.*Make room"):
         run_sweep(suite, request_, tmp_path / "results.zarr")
 
 
@@ -175,7 +175,7 @@ def test_second_process_is_refused(tmp_path, suite, request_):
 
 
 def test_existing_store_is_not_overwritten(own_store, suite, request_):
-    with pytest.raises(InputError, match="not overwritten"):
+    with pytest.raises(InputError, match="exists already"):
         run_sweep(suite, request_, own_store)
 
 
@@ -193,7 +193,7 @@ def test_what_a_link_in_a_store_names_is_not_written(own_store, suite, request_,
         own.unlink(missing_ok=True)
     own.symlink_to(elsewhere)
     before = contents(elsewhere) if elsewhere.is_dir() else elsewhere.read_bytes()
-    with pytest.raises(InputError, match="own files, without links"):
+    with pytest.raises(InputError, match="must not contain links"):
         run_sweep(suite, request_, own_store, resume=True)
     assert (contents(elsewhere) if elsewhere.is_dir() else elsewhere.read_bytes()) == before
 
@@ -202,9 +202,9 @@ def test_another_sweep_is_not_mixed_in(own_store, suite, request_):
     other = SweepRequest(
         frequencies=(0.7,), damping_ratios=(0.02,), grid=ScaledGrid(gain_steps=5, delay_steps=6)
     )
-    with pytest.raises(InputError, match="same sweep"):
+    with pytest.raises(InputError, match="holds a sweep of other"):
         run_sweep(suite, other, own_store, resume=True)
-    with pytest.raises(InputError, match="same ground motions"):
+    with pytest.raises(InputError, match="motions, not the"):
         run_sweep(suite[:5], request_, own_store, resume=True)
 
 
@@ -245,7 +245,7 @@ def test_a_store_of_another_version_is_named(own_store):
 
 def test_a_folder_that_cannot_be_written_is_named(tmp_path, suite, request_):
     (tmp_path / "file").write_bytes(b"")
-    with pytest.raises(InputError, match="folder of a results store must be writable"):
+    with pytest.raises(InputError, match="Cannot write to the folder of a results store"):
         run_sweep(suite, request_, tmp_path / "file" / "results.zarr")
 
 

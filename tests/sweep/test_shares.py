@@ -107,7 +107,7 @@ def test_compact_files_keep_the_dimension(tmp_path, results):
 def test_what_is_asked_of_one_share_is_refused_for_several(results):
     with pytest.raises(InputError, match="one share"):
         results.reliab.structure(1.0, 0.02)
-    with pytest.raises(InputError, match="among those of the dataset"):
+    with pytest.raises(InputError, match="has no such share"):
         at_share(results, 0.5)
     chosen = results.sel(alpha=0.25)  # by xarray's own means, which leaves a coordinate
     assert chosen.reliab.structure(1.0, 0.02).experimental_fraction == 0.25

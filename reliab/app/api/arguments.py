@@ -54,7 +54,7 @@ def exact_values(**quantities: Quantity | None) -> dict[str, float]:
     for name, quantity in stated.items():
         if quantity.deviation:
             raise InputError(
-                "Tolerable errors before a test are computed for exact values",
+                "A design takes exact values",
                 value=f"`{name}={quantity}`",
                 remedy="Leave the standard deviation out, or give several exact values",
             )
@@ -100,9 +100,9 @@ def require_known_specimen(specimen: str | None, *, beside_model: bool = False) 
     """
     if specimen not in (None, LINEAR, _MEASURED):
         raise InputError(
-            "The specimen must be linear or measured",
+            "Unknown kind of specimen",
             value=repr(specimen),
-            remedy=f"Give `specimen` as one of: {LINEAR}, {_MEASURED}",
+            remedy=f"Give `specimen` as {LINEAR} or {_MEASURED}",
         )
     if specimen is not None and beside_model:
         raise unused("specimen", "together with `model`, which describes the specimen")
@@ -123,7 +123,7 @@ def stated_filters(texts: Iterable[str]) -> "dict[str, LowPass]":
         channel, _, low_pass = text.partition("=")
         if channel not in CHANNELS or channel in filters:
             raise InputError(
-                "A `filter` must be that of one channel, stated once",
+                "A `filter` is stated once for each channel",
                 value=repr(text),
                 remedy="Write measured=200 or command=200/4",
             )
@@ -166,16 +166,15 @@ def stated_of_test(
     require_sound(stated)
     if "f" not in stated:
         raise InputError(
-            "The natural frequency of the structure must be stated",
-            value="no `f`",
-            remedy='Give it in hertz, `f=1` or `f="1±0.01"`; the verdict depends on it',
+            "The verdict depends on the natural frequency of the structure",
+            remedy='Give it in hertz: `f=1`, or `f="1±0.01"` with its standard deviation',
             where=recording.name,
         )
     for name, value in of_model.items():
         if abs(stated[name].value / value.value - 1.0) > _SAME:
             raise InputError(
-                "The structure must be that of the model",
-                value=f"{name} = {stated[name]} against {value}",
+                "The model is of another structure",
+                value=f"{name} = {stated[name]} from you, {value} in the model",
                 remedy=f"Leave `{name}` out, or calibrate the model for this structure",
                 where=recording.name,
             )

@@ -100,9 +100,9 @@ def draw_chart(answer: "Design | Comparison", figure: str | Path) -> None:
             file.write_bytes(picture(drawn, Path(figure).suffix.lower()))
     except (OSError, ValueError) as error:
         raise InputError(
-            "The figure's file must be writable and end in .svg, .png or .pdf",
+            "Cannot write the figure",
             value=str(error),
-            remedy="Name another file",
+            remedy="Name a file that ends in .svg, .png or .pdf",
             where=str(figure),
         ) from error
 
@@ -120,7 +120,7 @@ def write_corrected(assessment: "Assessment | FrameAssessment | CoupledAssessmen
     if Path(out).suffix.lower() == ".csv":
         write_table(response.to_dataframe(), out, index=True)
         return str(response.attrs["note"])
-    rule = "The file of the corrected response must be writable"
+    rule = "Cannot write the file of the corrected response"
     with refuse_unwritable(rule, where=out), written_whole(out) as file:
         file.write_bytes(response.to_netcdf(engine="h5netcdf"))
     return str(response.attrs["note"])

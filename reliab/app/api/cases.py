@@ -37,10 +37,9 @@ class Case:
     def __post_init__(self) -> None:
         if len(self.stated) > 1:
             raise InputError(
-                "A criterion can be asked for one length, one record or one suite",
+                "Only one of `motion`, `suite` and `duration` can be given",
                 value=" and ".join(f"`{name}`" for name in self.stated),
-                remedy="Give only the most specific one that is known: `motion`, else `suite`, else "
-                "`duration`",
+                remedy="Give the most specific one you know: `motion`, else `suite`, else `duration`",
             )
 
     @property
@@ -115,7 +114,7 @@ class Case:
                 return measure_responses(motions, **_structures(places), progress=progress)
         if POPULATION not in {str(source.ellipses), str(source.results)}:
             raise InputError(
-                "A criterion can be transferred to a record only from motions whose responses are known",
+                "This source has no responses of its motions, so it cannot be transferred to a record",
                 value=f"{source.ellipses or source.results}, which holds none",
                 remedy=f"Give the records as `motions`, or leave the source out; the default is {POPULATION}",
             )
@@ -131,8 +130,7 @@ def _require_whole_records(ellipses: xr.Dataset) -> None:
     window, share = str(ellipses.attrs.get("window", "record")), share_of(ellipses)
     if window != "record" or share != 1.0:
         raise InputError(
-            "A criterion can be transferred to an earthquake only for whole records and all stiffness in "
-            "the laboratory",
+            "For a motion or suite, a criterion holds for whole records and all stiffness in the laboratory",
             value=f"window {window}, α = {share:g}",
             remedy="Leave `window` and `alpha` out",
         )

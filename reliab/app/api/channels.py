@@ -97,7 +97,7 @@ class Channels:
                 )
         if isinstance(test, Recording):
             raise InputError(
-                "The test of a structure with several actuators needs the channels of all of them",
+                "This structure has several actuators, and the test needs the channels of all of them",
                 value="a recording of one",
                 remedy="Give its file, a data frame or a `CoupledRecording`",
             )
@@ -121,7 +121,7 @@ class Channels:
             return test
         if isinstance(test, CoupledRecording):
             raise InputError(
-                "A recording of several actuators needs the `structure` that they drove",
+                "Several actuators need the `structure` that they drove",
                 value=f"{len(test.actuators)} actuators",
                 remedy="Give the file of the frame with `structure`",
             )
@@ -162,17 +162,14 @@ def assess_each(
     for file, channels, test in tests:
         if file in by_file:
             raise InputError(
-                "Every test must be given once",
-                value=f"{file} twice",
-                remedy="Leave it out, or give the recordings different names",
+                f"{file} is given twice",
+                remedy="Leave it out once, or give the recordings different names",
             )
         by_file[file] = channels, test
     if not by_file:
         raise InputError(
-            "A test's file is needed",
-            value="none",
-            remedy="Name it, or ask before a test what is tolerable (`reliab design`, in Python "
-            "`reliab.design_test`)",
+            "No test given",
+            remedy="Name its file; before a test use `reliab design`, in Python `reliab.design_test`",
         )
     judged, faults = {}, {}
     for done, (file, (channels, test)) in enumerate(by_file.items(), start=1):

@@ -63,7 +63,7 @@ def compare_assessments(assessments: Assessments) -> Comparison:
     }
     if len(judged) < len(assessments.judged):
         raise InputError(
-            "Tests of one actuator are compared",
+            "Only tests of one actuator can be compared",
             value="a frame with several",
             remedy="Judge each with `reliab assess`: its governing displacement is listed first",
         )

@@ -1,4 +1,4 @@
-"""`reliab.derive_criteria`: how much amplitude error and delay a test may have."""
+"""`derive_criteria`: how much amplitude error and delay a test may have."""
 
 import itertools
 from collections.abc import Mapping
@@ -110,7 +110,7 @@ class _Question:
             self.origin["ellipses"] = POPULATION
         require_thresholds(self.errors)
         if self.figures is not None and self.figures.exists() and not self.figures.is_dir():
-            raise InputError("Figures go into a folder", value=self.figures, remedy="Name another folder")
+            raise InputError("This is no folder for figures", value=self.figures, remedy="Name a folder")
 
     @property
     def has_source(self) -> bool:
@@ -150,7 +150,7 @@ class _Question:
         strange += [f"`{name}={value}`" for name, value in settings.items() if value is not None]
         if strange:
             raise InputError(
-                f"A printed law states only {percent(printed.confidence)}, by the quantile of each limit",
+                f"A published law is for {percent(printed.confidence)}, by the quantile of each limit",
                 value=", ".join(strange),
                 remedy="Leave these out, or derive a criterion from ellipses",
             )
@@ -159,13 +159,12 @@ class _Question:
         """Refuse figures without motions, and motions or their arguments that a printed law would not use."""
         if self.figures is not None and not self.has_source:
             raise InputError(
-                "A criterion is drawn over ellipses of motions",
-                value="`figures` without a source of ellipses",
+                "`figures` needs a source of ellipses",
                 remedy="Give `motions`, `results` or `ellipses` too, real_suite for example",
             )
         if self.has_source and self.figures is None and not self.compare:
             raise InputError(
-                "A printed law needs no motions",
+                "A published law needs no motions",
                 value=f"{self.law} with a source of ellipses",
                 remedy="Leave the source out, or give `figures` or `compare`",
             )
@@ -173,7 +172,7 @@ class _Question:
         idle += [f"`{name}`" for name in self.case.stated]
         if idle and not self.has_source:
             raise InputError(
-                "A printed law is for whole records and all stiffness in the laboratory, as in the paper",
+                "A published law holds for whole records and all stiffness in the laboratory",
                 value=f"{self.law} with {', '.join(idle)}",
                 remedy="Leave these out, or derive a criterion from ellipses",
             )
@@ -183,7 +182,7 @@ class _Question:
         law, method = known(FITTED, self.law), method_of(self.method or RECOMMENDED, **self.settings)
         if self.chains is not None and not method.samples_chains:
             raise InputError(
-                "Only the hierarchical methods sample chains",
+                "Only the hierarchical methods have chains",
                 value=f"`chains` with {method.name}",
                 remedy="Leave it out, or choose a hierarchical `method`",
             )
@@ -235,7 +234,7 @@ class _Question:
         """Refuse a file for several criteria, before any of them is derived."""
         if self.out is not None and count > 1:
             raise InputError(
-                "A criterion's file can hold one criterion only",
+                "A file holds one criterion",
                 value=f"{count} of them",
                 remedy="Give one threshold, one confidence and one share of the stiffness",
                 where=str(self.out),

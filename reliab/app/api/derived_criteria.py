@@ -49,6 +49,8 @@ class Criteria(ResultWithRows):
     """
 
     rows_in = "criteria"
+    shown = ("f", "xi", "threshold", "confidence", "a", "b", "amplitude_limit", "delay_limit_ms")
+    plotted = ("f", "delay_limit_ms")
 
     criteria: tuple[Criterion, ...]
     structures: tuple[tuple[float, float], ...]
@@ -144,7 +146,7 @@ def _kept_by(criterion: Criterion, summary: Mapping[str, Any]) -> dict[str, Any]
 def write_criterion(criterion: Criterion, out: str | Path) -> None:
     """Write a criterion to a file, whole or not at all."""
     require_ending(out, ".json")
-    with refuse_unwritable("The criterion's file must be writable", where=out), written_whole(out) as file:
+    with refuse_unwritable("Cannot write the criterion's file", where=out), written_whole(out) as file:
         file.write_text(criterion.to_json(), encoding="utf-8")
 
 
@@ -163,8 +165,7 @@ def compare_candidates(
 
     if dataset is None:
         raise InputError(
-            "Distributions and laws are compared on ellipses of motions",
-            value="`compare` without a source of ellipses",
+            "`compare` needs a source of ellipses",
             remedy="Give `motions`, `results` or `ellipses` too, real_suite for example",
         )
     thresholds = list(dict.fromkeys(criterion.threshold for criterion in criteria))
@@ -172,7 +173,7 @@ def compare_candidates(
     curve = criteria[0].provenance.curve
     if np.unique(dataset["event"]).size < 2:  # noqa: PLR2004 - one is held out
         raise InputError(
-            "Earthquakes are held out in turn, so at least two are needed",
+            "Comparing needs motions of at least two earthquakes",
             value=1,
             remedy="Give motions of more earthquakes, or leave `compare` out",
         )
@@ -340,7 +341,7 @@ def _posterior_figures(posterior: "PosteriorSample") -> Mapping[str, "Figure"]:
 def _write(folder: Path, name: str, drawn: Any) -> str:  # noqa: ANN401 - matplotlib's figure
     from reliab.report.style import svg
 
-    with refuse_unwritable("The folder of the figures must be writable", where=folder):
+    with refuse_unwritable("Cannot write to the folder of the figures", where=folder):
         folder.mkdir(parents=True, exist_ok=True)
         with written_whole(folder / name) as file:
             file.write_bytes(svg(drawn))

@@ -21,6 +21,8 @@ class Design(ResultWithRows):
 
     rows_in = "design"
     keys: ClassVar[Mapping[str, str]] = {"design": "tolerances", "chart": "chart"}
+    shown = ("f", "xi", "confidence", "amplitude_limit", "delay_limit_ms")
+    plotted = ("f", "delay_limit_ms")
 
     # Of the structures that were asked for, by frequency, then by confidence
     tolerances: tuple[Tolerance, ...]

@@ -1,4 +1,4 @@
-"""`reliab.diagnose_campaign`: where a model fails, what is missing, the proof, and its files."""
+"""`diagnose_campaign`: where a model fails, what is missing, the proof, and its files."""
 
 from collections.abc import Callable
 from datetime import UTC, datetime
@@ -66,7 +66,7 @@ def diagnose_campaign(
 
 
 def _make(folder: Path) -> None:
-    with refuse_unwritable("The folder for the diagnosis must be writable", where=folder):
+    with refuse_unwritable("Cannot write to the folder for the diagnosis", where=folder):
         folder.mkdir(parents=True, exist_ok=True)
 
 

@@ -71,9 +71,9 @@ def export_monitor(
     kind, place = export[0], Path(export[1])
     if kind != "c" and kind not in _FMUS:
         raise InputError(
-            "`export` writes c, fmu or fmu3",
+            "Unknown kind of `export`",
             value=kind,
-            remedy="Name one of them, and the folder or file to write",
+            remedy="Name c, fmu or fmu3, and the folder or file to write",
         )
     monitor = _monitor(asked)
     if kind in _FMUS:
@@ -89,7 +89,7 @@ def _monitor(asked: questions.MonitorInLoop) -> LoopMonitor:
     """Read what the monitor is made for."""
     rate = asked["rate"]
     if rate is None:
-        raise InputError("A monitor in a loop needs `rate`, the rate of the loop", remedy="Give it in hertz")
+        raise InputError("The monitor needs `rate`, the rate of the loop", remedy="Give it in hertz")
     threshold = stated_threshold(asked["threshold"])
     require_physical("sampling rate", rate, called="value of `rate`")
     stated = {
@@ -173,7 +173,7 @@ def _of_frame(frame: FrameUnderTest, where: str) -> tuple[Partition, Array | Non
 
 def _write(content: dict[Path, bytes]) -> None:
     for path, data in content.items():
-        with refuse_unwritable("The folder or file of a monitor must be writable", where=path):
+        with refuse_unwritable("Cannot write the folder or file of a monitor", where=path):
             path.parent.mkdir(parents=True, exist_ok=True)
             with written_whole(path) as unfinished:
                 unfinished.write_bytes(data)

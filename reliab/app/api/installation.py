@@ -104,7 +104,7 @@ def copy_samples(folder: str | Path = "datasets") -> tuple[Path, ...]:
     """
     folder, home = Path(folder), shipped("datasets", "")
     copies = {folder / file.relative_to(home): file for sample in _SAMPLES for file in _files(home / sample)}
-    with refuse_unwritable("The folder for the samples must be writable", where=folder):
+    with refuse_unwritable("Cannot write to the folder for the samples", where=folder):
         contents = {path: file.read_bytes() for path, file in copies.items()}
         _refuse_others(contents)
         for path, content in contents.items():
@@ -123,8 +123,7 @@ def _refuse_others(contents: dict[Path, bytes]) -> None:
     for path, content in contents.items():
         if path.exists() and path.read_bytes() != content:
             raise InputError(
-                "A sample must not overwrite another file",
-                value="a file with other content; nothing was written",
+                "You have changed this file, so nothing was written",
                 remedy="Name another folder, or move the file",
                 where=str(path),
             )
@@ -159,7 +158,7 @@ def fetch_dataset(source: str | Path) -> Path:
             _check(file, name, source)
     except OSError as error:
         raise InputError(
-            "The file must be readable, and the data folder writable",
+            "Cannot fetch the file",
             value=str(error),
             remedy="Check the path or address, or name another folder in RELIAB_DATA",
             where=source,
@@ -173,7 +172,7 @@ def _name_of(source: str) -> str:
     names = [name for name in checksums(_KIND) if PurePosixPath(name).name == last and name.endswith(".nc")]
     if len(names) != 1:
         raise InputError(
-            "A file is fetched by its name in the list of datasets",
+            "No dataset of this name",
             value=last,
             remedy=f"Choose among {', '.join(name for name in checksums(_KIND) if name.endswith('.nc'))}",
         )
@@ -200,8 +199,8 @@ def _opened(source: str) -> AbstractContextManager[IO[bytes]]:
 def _check(file: Path, name: str, source: str) -> None:
     if (actual := checksum_of(file)) != checksums(_KIND)[name]:
         raise InputError(
-            "What is fetched must have the listed checksum",
+            "The fetched file has another checksum than this version of reliab expects",
             value=f"SHA-256 {actual}",
-            remedy="Take the file of this version of reliab; nothing was kept",
+            remedy="Fetch the file of this version; nothing was kept",
             where=source,
         )

@@ -46,7 +46,7 @@ def require_one_share(alpha: Numbers | None) -> None:
     shares = listed(alpha) or []
     if len(shares) > 1:
         raise InputError(
-            "Criteria are judged at one share of the stiffness",
+            "Criteria are judged for one share of the stiffness at a time",
             value=f"`alpha={' '.join(f'{share:g}' for share in shares)}`",
             remedy="Give one, and ask again for the others",
         )
@@ -63,7 +63,7 @@ def judged_ellipses(source: EllipseSource, show: Show) -> xr.Dataset:
         for value in listed(getattr(source, name)) or []:
             if not any(math.isclose(value, stored, rel_tol=1e-9) for stored in held):
                 raise InputError(
-                    "Stored boundaries are judged at the structures that they hold",
+                    "The source has no boundaries for this structure",
                     value=f"`{name}={value:g}`",
                     remedy=f"Choose among {', '.join(f'{stored:g}' for stored in held)}, or give `motions`",
                 )
@@ -143,11 +143,11 @@ def divide(
 def _without(division: Division, name: str, dataset: xr.Dataset) -> Division:
     """Leave out each frequency or damping ratio in turn, too."""
     if name not in {"f", "xi"}:
-        raise InputError("What is left out in turn must be f or xi", value=name, remedy="Choose one of these")
+        raise InputError("`leave_out` is f or xi", value=name, remedy="Choose one of these")
     values = dataset[name].values.tolist()
     if len(values) < 2:  # noqa: PLR2004 - one is left out
         raise InputError(
-            f"To leave out each {name} in turn, at least two are needed",
+            f"Leaving out each {name} in turn needs at least two",
             value=f"{values[0]:g} alone",
             remedy=f"Give more with `{name}`, or leave `leave_out` out",
         )
@@ -190,8 +190,7 @@ def _by_sets(
     """Learn from sets of a catalogue and judge others of its sets."""
     if not (learn and judge and source.motions):
         raise InputError(
-            "To judge sets by others, `motions`, `learn` and `judge` are needed",
-            value="only some of them",
+            "Judging sets by others needs `motions`, `learn` and `judge`",
             remedy=f"Give all three, for example `learn=far_field` `judge=near_field`, or `learn={REAL}`",
         )
     suite = load_motions(*paths(source.motions), sets=source.sets)
@@ -209,11 +208,10 @@ def kept_shares(
     >>> rate = {"rate": 0.52, "low": 0.41, "high": 0.63}
     >>> rows = [{"candidate": "power", "confidence": 0.95, "containment": rate}]
     >>> print(*kept_shares(rows))
-    power does not keep the share that it states: it protects 52.0 % of the motions where it states 95 %.
+    power does not keep what it states: it protects 52.0 % of the motions at 95 %.
     >>> of_one_record = {"rate": 1.0, "low": 0.025, "high": 1.0}
     >>> print(*kept_shares([{**rows[0], "containment": of_one_record}]))
-    power may keep the share that it states, as far as so few earthquakes can tell: it protects 100.0 % of the
-    motions where it states 95 %.
+    power may keep what it states (too few earthquakes to tell): it protects 100.0 % of the motions at 95 %.
     """
     for candidate in dict.fromkeys(row["candidate"] for row in rows):
         judged = [
@@ -224,19 +222,18 @@ def kept_shares(
         if not judged:
             continue
         shares = ", ".join(
-            f"{percent(rate['rate'], decimals=1)} where it states {percent(stated, decimals=0)}"
-            for rate, stated in judged
+            f"{percent(rate['rate'], decimals=1)} at {percent(stated, decimals=0)}" for rate, stated in judged
         )
-        first, *others = shares.split(" where", 1)
-        yield f"{candidate} {_keeps(judged)}{of_side}: it protects {first} of {whose} where{others[0]}."
+        first, others = shares.split(" at", 1)
+        yield f"{candidate} {_keeps(judged)}{of_side}: it protects {first} of {whose} at{others}."
 
 
 def _keeps(judged: Sequence[tuple[Mapping[str, Any], float]]) -> str:
     """Whether shares are kept: their intervals lie above what is stated, below it, or hold it."""
     phrases: dict[str, list[str]] = {
-        "does not keep the share that it states": [],
-        "keeps the share that it states": [],
-        "may keep the share that it states": [],
+        "does not keep what it states": [],
+        "keeps what it states": [],
+        "may keep what it states": [],
     }
     broken, kept, open_ = phrases
     for rate, stated in judged:
@@ -245,10 +242,10 @@ def _keeps(judged: Sequence[tuple[Mapping[str, Any], float]]) -> str:
         phrases[phrase].append(percent(stated, decimals=0))
     said = {phrase: shares for phrase, shares in phrases.items() if shares}
     sentences = [
-        phrase if len(said) == 1 else f"{phrase} at {' and '.join(shares)}" for phrase, shares in said.items()
+        phrase if len(said) == 1 else f"{phrase} at {', '.join(shares)}" for phrase, shares in said.items()
     ]
     if open_ in said:
-        sentences[-1] += ", as far as so few earthquakes can tell"
+        sentences[-1] += " (too few earthquakes to tell)"
     return "; it ".join(sentences)
 
 
@@ -276,9 +273,9 @@ def sentences_of_outside(ellipses: xr.Dataset, division: Division) -> Iterator[s
         if outside:
             unit = _UNITS[quantity]
             yield (
-                f"Outside of the population: {len(outside)} of the {len(judged)} motions of {name}, of "
-                f"{quantity} {_range(outside)}{unit}; the motions from which their criterion is learned have "
-                f"{_range(ends)}{unit}. The criterion makes no promise for motions outside."
+                f"No promise for {len(outside)} of the {len(judged)} motions of {name}, of {quantity} "
+                f"{_range(outside)}{unit}: their criterion was learned from motions of "
+                f"{_range(ends)}{unit}."
             )
 
 

@@ -33,6 +33,8 @@ class MotionList(ResultWithRows):
 
     rows_in = "motions"
     keys: ClassVar[Mapping[str, str]] = {"motions": "rows", "faults": "faults", "skipped": "skipped"}
+    shown = ("motion", "event", "duration", "pga_g", "arias_intensity")
+    plotted = ("duration", "pga_g")
 
     rows: list[dict[str, Any]]
     faults: tuple[Fault, ...] = ()

@@ -13,6 +13,7 @@ from reliab.app.api.channels import Channels
 from reliab.app.declaration import asks
 from reliab.core.errors import InputError
 from reliab.core.files import refuse_unwritable, require_ending, written_whole
+from reliab.core.plain_values import PlainResult
 from reliab.core.shipped import or_shipped
 from reliab.core.stated_value import StatedValue
 from reliab.recordings.calibration import ChannelCalibration, calibrate_channels, calibration_in_toml
@@ -25,7 +26,7 @@ _STRUCTURE = {"f": 1.0, "xi": 0.05, "alpha": 1.0}
 
 
 @dataclass(frozen=True, kw_only=True)
-class Record:
+class Record(PlainResult):
     """A record that was made: what was recognised in a file, and what was written."""
 
     source: Path
@@ -105,7 +106,7 @@ def record(
         delimiter=reading.delimiter,
     )
     written = []
-    with refuse_unwritable("The record must be writable", where=out or csv):
+    with refuse_unwritable("Cannot write the record", where=out or csv):
         if out is not None:
             write_record(dataset, out)
             written.append(Path(out))
@@ -191,8 +192,7 @@ def _write(calibration: ChannelCalibration, out: Path, channels: Path | None, so
     """Write a file of channels, with what another states."""
     if out.exists() and (channels is None or not out.samefile(channels)):
         raise InputError(
-            "A file of channels is not replaced",
-            value=out,
+            f"{out} exists already",
             remedy=f"Name another file, or give `channels` = {out} to keep what it states",
         )
     described = "" if channels is None else channels.read_text(encoding="utf-8")

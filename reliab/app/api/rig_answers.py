@@ -86,8 +86,7 @@ def _structure(asked: questions.NextTest) -> Structure:
     stated = stated_values(f=asked["f"], xi=asked["xi"], alpha=asked["alpha"])
     if "f" not in stated:
         raise InputError(
-            "The natural frequency of the structure must be stated",
-            value="no `f`",
+            "The natural frequency of the structure is missing",
             remedy="Give it in hertz, `f=1`, or a frame as `structure`",
         )
     return Structure(
@@ -180,7 +179,7 @@ def document_of_rig(rig: str | Path, **asked: Unpack[questions.RigReport]) -> "D
 
     table = RigFolder.opened(rig).table()
     if not table.rows:
-        raise InputError("A rig must have tests", value="none", remedy="Add tests with `reliab rig add`")
+        raise InputError("The rig has no tests", remedy="Add some with `reliab rig add`")
     last = table.rows[-1]
     limit = stated_threshold(float(last["threshold"]) if asked["threshold"] is None else asked["threshold"])
     structure: Structure | None = None

@@ -34,6 +34,8 @@ class RigList(ResultWithRows):
 
     rows_in = "tests"
     keys: ClassVar[Mapping[str, str]] = {"rig": "rig", "tests": "table.whole_rows", "faults": "table.faults"}
+    shown = ("name", "date", "A", "d_ms", "rms", "verdict")
+    plotted = ("d_ms", "rms")
 
     rig: Path
     table: RigTable
@@ -137,7 +139,7 @@ def export_rig(rig: str | Path, out: str | Path) -> int:
     """
     require_ending(out, ".csv")
     table = RigFolder.opened(rig).table()
-    with refuse_unwritable("The table's file must be writable", where=out), written_whole(out) as file:
+    with refuse_unwritable("Cannot write the table's file", where=out), written_whole(out) as file:
         file.write_text(table.to_csv(), encoding="utf-8", errors="backslashreplace")
     return len(table)
 
@@ -196,7 +198,7 @@ def add_to_rig(
     """
     files = [tests] if isinstance(tests, str | Path) else list(tests)
     if not files:
-        raise InputError("A test's file is needed", value="none", remedy="Name it")
+        raise InputError("No test given", remedy="Name its file")
     stated: Mapping[str, Any] = {**asked}
     moment = require_date(asked["date"]) if asked["date"] else None
     labels = {"date": moment, **{name: stated[name] for name in ("event", "specimen", "note")}}
@@ -223,7 +225,7 @@ def stated_covariates(texts: Iterable[str], measured: tuple[str, ...] = ()) -> d
         name, sign, number = text.partition("=")
         if not sign or not name.isidentifier() or name in {*COLUMNS, *_TAKEN} - {*measured} | {*covariates}:
             raise InputError(
-                "A `covariate` must be a new name and a number",
+                "A `covariate` is a new name and a number",
                 value=repr(text),
                 remedy="Write current=0.4",
             )
@@ -329,8 +331,8 @@ class _Keeper:
         for name, text in self._stated().items():
             if former.get(name) != text:
                 raise InputError(
-                    "A test that is in the rig already must be stated as it was then",
-                    value=f"{name} {text} after {former.get(name) or 'nothing'}",
+                    "The rig holds this test with other statements",
+                    value=f"{name} {text} now, {former.get(name) or 'nothing'} then",
                     remedy="Remove it first with `reliab rig remove` to add it anew",
                     where=str(path),
                 )
@@ -347,8 +349,7 @@ def _checksum(path: Path, test_name: str | None) -> str:
             digest = hashlib.file_digest(file, "sha256")
     except OSError as error:
         raise InputError(
-            "A test must be a file that can be read",
-            value=error.strerror or os.fspath(path),
+            f"Cannot read the file: {error.strerror or os.fspath(path)}",
             remedy="Check the path",
             where=str(path),
         ) from None

@@ -9,6 +9,7 @@ import xarray as xr
 from reliab.app import questions
 from reliab.app.api.sources import listed, paths
 from reliab.app.declaration import asks
+from reliab.core.plain_values import PlainResult
 from reliab.core.progress import Progress, Show, quietly, silent
 from reliab.motions.loading import load_motions
 from reliab.motions.suite import MotionSuite
@@ -93,7 +94,7 @@ def _sweep(
 
 
 @dataclass(frozen=True, kw_only=True)
-class Simulation:
+class Simulation(PlainResult):
     """A suite of ground motions that was simulated and stored."""
 
     store: Path

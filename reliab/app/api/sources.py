@@ -91,7 +91,7 @@ def ellipses(
     if isinstance(source, xr.Dataset):
         if asked["first_order"]:
             raise InputError(
-                "Ellipses are predicted from the spectra of ground motions",
+                "A prediction of ellipses needs ground motions",
                 value="stored results",
                 remedy="Give the ground motions, or leave the prediction out",
             )
@@ -175,17 +175,15 @@ class EllipseSource:
         given = [source for source in (self.motions, self.results, self.ellipses) if source is not None]
         if len(given) != 1:
             raise InputError(
-                "Ellipses must come from exactly one source: ground motions, stored results or a file of "
-                "ellipses",
-                value=f"{len(given)} of them",
-                remedy="Give `motions` (records or 'synthetic'), `results` or `ellipses`",
+                "Give one source of ellipses" if given else "No source of ellipses",
+                value=f"{len(given)} of them" if given else None,
+                remedy="Choose `motions` (records or synthetic), `results` or `ellipses`, such as real_suite",
             )
         if self.motions is None:
             self._refuse_options_of_motions()
         if self.actuator is not None and self.structure is None:
             raise InputError(
-                "An actuator can be chosen only among those of a frame",
-                value=f"`actuator={self.actuator}` without `structure`",
+                "`actuator` needs the `structure` of a frame",
                 remedy="Describe the frame, or leave it out",
             )
         require_thresholds(self.threshold)
@@ -202,7 +200,7 @@ class EllipseSource:
             ),
             (
                 "`first_order`" if self.first_order else None,
-                "Ellipses are predicted from the spectra of ground motions",
+                "A prediction of ellipses needs ground motions",
                 "Give `motions`, or leave `first_order` out",
             ),
             (
@@ -257,7 +255,7 @@ class EllipseSource:
             return at_structures(open_ellipses(path, window=self.window), self.f, self.xi)
         if self.window is not None:
             raise InputError(
-                "A CSV table of ellipses does not state over which window its errors were computed",
+                "A CSV table of ellipses does not say to which window it belongs",
                 value=f"`window={self.window}`",
                 remedy="Leave it out, or give `motions`, `results` or a file of ellipses in NetCDF",
             )
@@ -285,7 +283,7 @@ class EllipseSource:
         given = [f"`{name}`" for name in ("f", "xi", "alpha", "model") if getattr(self, name) is not None]
         if given:
             raise InputError(
-                "The file of a frame states its frequencies, damping ratios and shares",
+                "The file of a frame already states frequencies, damping ratios and shares",
                 value=f"`structure` with {', '.join(given)}",
                 remedy="Leave them out",
             )
@@ -318,8 +316,8 @@ def _require_column(dataset: xr.Dataset, name: str, values: Any, path: Path) -> 
         known = np.isclose(held, value, rtol=1e-9).any() if numeric else value in held.tolist()
         if not known and held.size == 1:
             raise InputError(
-                f"A table of ellipses holds only for the {name} with which the ellipses were traced",
-                value=f"{value} for {path.name}, whose {name} is {held[0]}",
+                f"These ellipses were traced for another {name}",
+                value=f"{value} instead of {held[0]}",
                 remedy=(
                     f"Leave `{name}` out, or add the column {name} to the table if its "
                     f"ellipses are of another"
@@ -347,7 +345,7 @@ def _of_share(dataset: xr.Dataset, alpha: float, path: Path) -> xr.Dataset:
     stated = "alpha" in dataset.coords or SHARE_ATTRIBUTE in dataset.attrs
     if not stated or not _near(_WHOLE, shares):
         raise InputError(
-            "The share of the stiffness in the laboratory must be that of the boundaries",
+            "The boundaries are of another share of the stiffness",
             value=f"`alpha={alpha:g}`, where it is {', '.join(f'{share:g}' for share in shares)}",
             remedy="Leave `alpha` out, or give `motions`, whose boundaries are computed for any fraction",
             where=str(path),
@@ -377,8 +375,8 @@ def with_room(dataset: xr.Dataset) -> xr.Dataset:
     if full.any():
         motions = full.any([name for name in full.dims if name != "motion"])
         raise InputError(
-            "The effects of the model must leave room for errors of the actuator",
-            value=f"none under {int(motions.sum())} of {motions.size} motions, even for a perfect actuator",
+            "The effects of the model alone exceed the threshold",
+            value=f"{int(motions.sum())} of {motions.size} motions above it even with a perfect actuator",
             remedy="Remove or compensate the effects, or allow a larger error by `threshold`",
         )
     return dataset

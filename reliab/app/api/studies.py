@@ -1,4 +1,4 @@
-"""`reliab.perform_study`: a study from its name to the report; which studies ship; a report made again."""
+"""`reliab.run_study`: a study from its name to the report; which studies ship; a report made again."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -10,9 +10,11 @@ from reliab.app.api.sources import listed
 from reliab.app.declaration import asks
 from reliab.core.plain_values import PlainResult
 from reliab.core.progress import Show, quietly
+from reliab.core.rows import ResultWithRows
 from reliab.report.setting import Setting
+from reliab.study import running
 from reliab.study.reading import list_shipped, open_study
-from reliab.study.running import run_study, write_report
+from reliab.study.running import ANSWER, write_report
 
 _OUT = Path("reliab-run")
 
@@ -26,16 +28,18 @@ class PerformedStudy(PlainResult):
         "folder": "folder",
         "report": "report",
         "stages": "stages",
+        "answer": "answer",
     }
 
     title: str
     folder: Path
     report: Path
     stages: Mapping[str, bool]
+    answer: str = ""  # What the report says in one sentence
 
 
 @asks(options.MotionSource)
-def perform_study(
+def run_study(
     study: str | Path = "quick",
     *,
     out: str | Path | None = None,
@@ -81,14 +85,16 @@ def perform_study(
         stages[stage] = done
         tell(stage, done)
 
-    report = run_study(described, folder, show=show, tell=count, setting=setting)
-    return PerformedStudy(title=described.title, folder=folder, report=report, stages=stages)
+    report = running.run_study(described, folder, show=show, tell=count, setting=setting)
+    answer = (folder / ANSWER).read_text(encoding="utf-8")
+    return PerformedStudy(title=described.title, folder=folder, report=report, stages=stages, answer=answer)
 
 
 @dataclass(frozen=True)
-class StudyList(PlainResult):
+class StudyList(ResultWithRows):
     """Studies that ship."""
 
+    rows_in = "studies"
     keys: ClassVar[Mapping[str, str]] = {"studies": "rows"}
 
     rows: list[dict[str, str]]

@@ -1,4 +1,4 @@
-"""`reliab.trace_boundaries`: the boundary of each motion, traced or looked up, as rows of a and b."""
+"""`trace_boundaries`: the boundary of each motion, traced or looked up, as rows of a and b."""
 
 import math
 from collections.abc import Iterator
@@ -32,6 +32,8 @@ class Boundaries(ResultWithRows):
     """Boundaries of equal error."""
 
     rows_in = "ellipses"
+    shown = ("motion", "f", "xi", "threshold", "metric", "a", "b")
+    plotted = ("a", "b")
 
     # `a` [-], `b` [ms²], `sse` [ms⁴] and `n` over motion, structure, error, curve and side, as
     # :func:`reliab.ellipses` returns them

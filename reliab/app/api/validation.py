@@ -48,6 +48,8 @@ class Validation(ResultWithRows):
     """How often criteria hold on motions from which they were not learned."""
 
     rows_in = "rows"
+    shown = ("candidate", "confidence", "containment_rate")
+    plotted = ("confidence", "containment_rate")
 
     counts: CrossValidation
     ellipses: xr.Dataset
@@ -158,7 +160,7 @@ class _Candidates:
         idle = "`method`" if methods else "`joint`" if joint is not None else ""
         if idle and not any(isinstance(candidate, Derived) for candidate in candidates):
             raise InputError(
-                f"{idle} has no effect on laws that are printed",
+                f"{idle} has no effect on published laws",
                 value=", ".join(names),
                 remedy="Leave it out",
             )
@@ -170,7 +172,7 @@ class _Candidates:
         candidate = Printed(name=name, law=law)
         if asked and not any(candidate.promises(confidence) for confidence in self.confidences):
             raise InputError(
-                f"The law {name} states {percent(candidate.confidence, decimals=0)}",
+                f"The law {name} has a confidence of {percent(candidate.confidence, decimals=0)}",
                 value=", ".join(f"{confidence:g}" for confidence in self.confidences),
                 remedy=f"Ask for `confidence={candidate.confidence:g}`, or leave the law out",
             )

@@ -167,9 +167,9 @@ def _write_several(assessments: "Assessments", asked: Asked) -> None:
         show_several(contents)
     if assessments.faults:
         raise InputError(
-            "Every file must be a test that can be judged",
-            value=f"{len(assessments.faults)} of {len(contents)} not judged: {', '.join(assessments.faults)}",
-            remedy="Correct them as the reasons say, or leave them out; the other tests were judged",
+            f"{len(assessments.faults)} of {len(contents)} files could not be judged: "
+            f"{', '.join(assessments.faults)}",
+            remedy="Correct them as stated above, or leave them out; the other tests were judged",
         )
 
 
@@ -191,9 +191,7 @@ def show_design(design: "Design") -> None:
         map(_row, rows),
     )
     if any(tolerance.outside_validity for tolerance in rows):
-        say(
-            "Note: * lies outside of the criterion's validity; its limits are scaled by dimensionless errors."
-        )
+        say("Note: the criterion does not cover *; these limits are scaled from the nearest structure.")
     _show_chart(design.chart)
 
 

@@ -37,9 +37,7 @@ def files_of(tests: Sequence[Path] | None, out: Path | None) -> list[Path]:
         names = [] if path.exists() else glob(str(path))  # noqa: PTH207 - absolute patterns too
         files += [Path(name) for name in sorted(names)] or [path]
     if out in files and not _is_table(out):
-        raise InputError(
-            "The table must not be written over a test", value=f"`out` {out}", remedy="Name another file"
-        )
+        raise InputError("This would overwrite a test", value=f"`out` {out}", remedy="Name another file")
     return [file for file in files if file != out]
 
 
@@ -136,7 +134,7 @@ class Asked:
             for source in self._read_beside(name):
                 if source.is_file() and source.samefile(target):
                     raise InputError(
-                        "A command must not write over a file that it reads",
+                        "This would overwrite a file that the command reads",
                         value=f"`{name}` {target}",
                         remedy="Name another file",
                         where=str(source),
@@ -177,9 +175,9 @@ def takes(
             say = partial(_in_options, root=context.find_root())
             asked = Asked(values, options=options, given=given, in_options=say, belongs_to=needs)
             asked.refuse_to_overwrite()
-            from reliab.app.cli.output import progress_bar
+            from reliab.app.cli.output import progress_bar, speaking
 
-            with shows_tasks(progress_bar):
+            with speaking(say), shows_tasks(progress_bar):
                 command(asked)
 
         context = inspect.Parameter("context", inspect.Parameter.KEYWORD_ONLY, annotation=typer.Context)

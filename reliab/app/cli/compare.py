@@ -10,7 +10,7 @@ from reliab.app.cli.output import console, progress_bar, write_json
 
 @takes(questions.StatedOfTest, outputs.Tests, outputs.Chart)
 def compare(asked: Asked) -> None:
-    """Rank tests, the one whose error is probably smallest first, and say how certain their order is.
+    """Rank tests by error and say how certain the ranking is.
 
     The tests are of one structure and rig, such as one motion with each compensator.
     """

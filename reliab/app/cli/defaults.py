@@ -79,7 +79,7 @@ def without_config(arguments: Sequence[str]) -> tuple[list[str], str | None]:
             continue
         named = value if equals else next(rest, "")
         if not named:
-            raise InputError(f"The option {OPTION} needs a file", value="none", remedy="Name the file")
+            raise InputError(f"{OPTION} needs a file", remedy="Name it")
     return kept, named
 
 
@@ -108,7 +108,7 @@ def _of_command(name: str, table: object, group: Any, path: Path) -> dict[str, A
     commands = {key: item for key, item in group.commands.items() if not hasattr(item, "commands")}
     if name not in commands or not isinstance(table, dict):
         raise InputError(
-            "A file of defaults has a table for each command",
+            "Not a table of a command",
             value=f"[{name}]" if isinstance(table, dict) else name,
             remedy=f"Choose among {', '.join(sorted(commands))}",
             where=str(path),
@@ -123,14 +123,14 @@ def _of_command(name: str, table: object, group: Any, path: Path) -> dict[str, A
     for key in table:
         if key in options and key not in allowed:
             raise InputError(
-                "A file of defaults states no outputs, and nothing that decides a verdict",
+                "Outputs, and what decides a verdict, cannot be defaults",
                 value=f"{key} of [{name}]",
                 remedy=f"Remove it from the file, and give --{key} on the command line",
                 where=str(path),
             )
         if key not in options:
             raise InputError(
-                f"Defaults of {name} are its options, without the dashes",
+                f"{name} has no such option",
                 value=key,
                 remedy=f"Choose among {', '.join(allowed)}",
                 where=str(path),

@@ -50,20 +50,8 @@ class _Source(outputs.Check, total=False):
 def monitor(asked: Asked) -> None:
     """Follow the error of a test while it runs, and judge the whole test at its end.
 
-    The verdict at the end is that of `reliab assess` on the same file; exit code 1 where it is not reliable,
-    0 where it is reliable or undecided. With --check the exit code is 1 unless it is reliable. With --json
-    one object is written per line for each message.
-
-    Alarms are printed as soon as they are raised, and do not change the exit code. The alarm of a loop that
-    may diverge is raised in at most one of a hundred stable tests, and not for energy that play explains.
-    The alarm of the error waits until its interval is above twice the threshold and the peak of the response
-    has not doubled for 12 s. A reversed sign of the measured displacement is told after two periods.
-
-    A test may last as long as you like: its memory stays below 1 GB. One that is too long to be held, from
-    about 1000 periods on, is judged by the interval that was drawn piece by piece. With --model, a measured
-    specimen or several actuators it is held whole, and may last about an hour. What --export writes has no
-    such limit. A measured specimen is learned anew whenever the test has grown by a fourth; until its force
-    is predicted to 10 % on parts of the test that were held out, no error is stated.
+    Alarms appear immediately and do not change the exit code. At the end the exit code is 1 if the test is
+    not reliable, with --check also if it is undecided. --json writes one object per line.
     """
     if asked.export is not None:
         _export(asked)
@@ -86,9 +74,7 @@ def _follow(asked: Asked) -> None:
     from reliab.app.api.following import follow_test
 
     if asked.source is None:
-        raise InputError(
-            "A test can be followed only in a file that is named", remedy="Name it, or - for standard input"
-        )
+        raise InputError("No file to follow", remedy="Name it, or - for standard input")
     messages = asked.ask(
         follow_test, "json_target", "check", say=lambda text: typer.echo(printable(text), file=sys.stderr)
     )
@@ -105,11 +91,7 @@ def _follow(asked: Asked) -> None:
             screen.show(message)
             verdict = message.to_dict().get("verdict", verdict)
     if asked.source != "-" and not quiet:
-        say(
-            f"No new row came for {asked.wait:g} s: the test counts as finished. When called again, it "
-            "reads "
-            "the file from its beginning; of a replaced file it reads only the new rows."
-        )
+        say(f"No new rows for {asked.wait:g} s: test considered finished.")
     if verdict == "not_reliable" or (asked.check and verdict != "reliable"):
         raise typer.Exit(_NO)
 
@@ -119,7 +101,7 @@ def _opened(target: str | None) -> AbstractContextManager[TextIO | None]:
         return nullcontext()
     if target == "-":
         return nullcontext(typer.get_text_stream("stdout"))
-    with refuse_unwritable("The JSON file must be writable", where=target):
+    with refuse_unwritable("Cannot write the JSON file", where=target):
         return Path(target).open("w", encoding="utf-8")
 
 
@@ -175,7 +157,7 @@ class Screen:
             self._print(_line(content, self._metric, self._threshold))
         if message.assessment is not None:
             show_briefly(message.assessment.to_dict(), without_details=False)
-            self._print("For warnings and all results: `reliab assess` with the same options, and --details.")
+            self._print("Warnings and all results: `reliab assess` with the same options and --details.")
             return
         if "error" not in content:
             self._print(_still_learning(content) if "specimen" in content else _NO_MOTION)

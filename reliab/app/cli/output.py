@@ -6,8 +6,9 @@ import json
 import os
 import sys
 import unicodedata
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import TYPE_CHECKING, Any, Final, TextIO
 
 import typer
@@ -33,10 +34,23 @@ def console() -> "Console":
 
 
 def say(*sentences: str, style: str | None = None, soft_wrap: bool = False) -> None:
-    """Print sentences as they are, each from the beginning of a line."""
+    """Print sentences, each from the beginning of a line, with the arguments that they name as options."""
     terminal = console()
     for sentence in sentences:
-        terminal.print(sentence, style=style, highlight=False, soft_wrap=soft_wrap)
+        terminal.print(_IN_OPTIONS.get()(sentence), style=style, highlight=False, soft_wrap=soft_wrap)
+
+
+_IN_OPTIONS: ContextVar[Callable[[str], str]] = ContextVar("in_options", default=str)
+
+
+@contextmanager
+def speaking(in_options: Callable[[str], str]) -> Iterator[None]:
+    """Write arguments that printed sentences name as options of the command line."""
+    token = _IN_OPTIONS.set(in_options)
+    try:
+        yield
+    finally:
+        _IN_OPTIONS.reset(token)
 
 
 def say_for_which_motions(stated: Iterable[tuple[float | None, str]], position: str) -> None:

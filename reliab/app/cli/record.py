@@ -52,8 +52,8 @@ def _require_own_names(asked: Asked) -> None:
     twice = next((stem for stem in stems if stems.count(stem) > 1), None)
     if asked.out is not None and twice is not None:
         raise InputError(
-            "Files that are kept in one folder must have different names",
-            value=f"{stems.count(twice)} files {twice}",
+            "Several files have the same name",
+            value=twice,
             remedy="Rename them, or name another `out` for each",
         )
 
@@ -78,7 +78,7 @@ def _attribute(text: str) -> tuple[str, str]:
     name, sign, value = text.partition("=")
     if not sign or not name.isidentifier():
         raise InputError(
-            "An attribute must be written as NAME=TEXT", value=text, remedy="Write specimen_grade=S355"
+            "An attribute is written as NAME=TEXT", value=text, remedy="Write specimen_grade=S355"
         )
     return name, value
 

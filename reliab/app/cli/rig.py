@@ -18,9 +18,7 @@ from reliab.sweep.several import Names
 if TYPE_CHECKING:
     from reliab.app.api.rig_answers import RigPrediction
 
-app = typer.Typer(
-    no_args_is_help=True, help="A laboratory's memory: keep a rig's tests, predict the next, notice drift."
-)
+app = typer.Typer(no_args_is_help=True, help="Store a rig's tests, predict the next one and detect drift.")
 
 _RIG = argument("RIG", "Folder of the rig.")
 
@@ -59,9 +57,8 @@ def add(asked: Asked) -> None:
         show_added(content)
     if outcome.faults:
         raise InputError(
-            "Every file must be a test that can be judged",
-            value=f"{len(outcome.faults)} not judged: {', '.join(outcome.faults)}",
-            remedy="Correct them as the reasons say, or leave them out; the other tests are in the rig",
+            f"Some files could not be judged: {', '.join(outcome.faults)}",
+            remedy="Correct them as stated above, or leave them out; the other tests are in the rig",
         )
 
 

@@ -55,9 +55,9 @@ def _by_index(assessment: "Assessment") -> Iterator[str]:
     from reliab.assessment.verdict import probability_text
 
     if assessment.index_probability is not None:
-        basis = "its own ground motion" if assessment.placement is not None else "further ground motions"
+        basis = "its own ground motion" if assessment.placement is not None else "comparable ground motions"
         yield (
-            f"Probability, by A and d under {basis}, that the error stays below the threshold: "
+            f"By A and d, the error stays below the threshold under {basis} with probability "
             f"{probability_text(assessment.index_probability)}."
         )
     yield from assessment.verdict_by_index.would_decide
@@ -129,15 +129,15 @@ _LARGEST = 3  # entries of the budget
 def show_briefly(content: dict[str, Any], *, without_details: bool) -> None:
     """Print verdict, error, doubts and remedies; warnings as far as they fit where no details follow."""
     say(_headline(content), style=_STYLES[content["verdict"]])
-    sentences = list(_sentences(content))
+    found, actions = list(_findings(content)), list(_actions(content))
     if without_details:
         further = [warning for warning in content["warnings"] if warning not in content["reasons"]]
         more = [*map("Warning: {}".format, further), *_channels(content["recording"]["channels"])]
-        room = _LINES - 2 - sum(map(_lines, sentences))
+        room = _LINES - 2 - sum(map(_lines, [*found, *actions]))
         while more and sum(map(_lines, more)) > room:
             more.pop()
-        sentences += [*more, _hidden(max(len(further) - len(more), 0), len(content["notes"]))]
-    say(*sentences)
+        found += [*more, _hidden(max(len(further) - len(more), 0), len(content["notes"]))]
+    say(*found, *actions)
 
 
 def _lines(sentence: str) -> int:
@@ -167,16 +167,11 @@ def _of_governing(error: dict[str, Any]) -> str:
     return f" of {error['governing']}" if "governing" in error else ""
 
 
-def _sentences(content: dict[str, Any]) -> Iterator[str]:
-    from reliab.assessment.verdict import next_steps
-
+def _findings(content: dict[str, Any]) -> Iterator[str]:
+    """Say how large the error is, what its interval comes from, and how the actuator tracked."""
     yield from content["reasons"][:-1]  # the last one says the size, as the headline does
     if content["error"][content["metric"]]["value"] is not None:
         yield f"Errors with 90 % intervals: {_error(content, 'rms')}; {_error(content, 'mte')}."
-    narrowing = content["error"].get("would_decide", ())
-    yield from next_steps(content["would_decide"], narrowing)
-    yield from (f"What would narrow the interval most: {remedy}" for remedy in narrowing)
-    yield from _improve(content["error"])
     yield from _widest(content)
     yield _tracking(content)
 
@@ -209,7 +204,17 @@ def _widest(content: dict[str, Any]) -> Iterator[str]:
         entries = (
             f"{item['quantity']} ±{percent(item['contribution'], decimals=2)}" for item in budget[:_LARGEST]
         )
-        yield f"Most uncertain: {', '.join(entries)}."
+        yield f"Largest contributions to the interval: {', '.join(entries)}."
+
+
+def _actions(content: dict[str, Any]) -> Iterator[str]:
+    """Say what to do next."""
+    from reliab.assessment.verdict import next_steps
+
+    narrowing = content["error"].get("would_decide", ())
+    yield from _improve(content["error"])
+    yield from (f"To narrow the interval: {remedy[:1].lower()}{remedy[1:]}" for remedy in narrowing)
+    yield from next_steps(content["would_decide"], narrowing)
 
 
 def _tracking(content: dict[str, Any]) -> str:
@@ -240,7 +245,7 @@ def _hidden(warnings: int, notes: int) -> str:
     counts = [
         counted(count, word) for count, word in ((warnings, "further warning"), (notes, "note")) if count
     ]
-    return f"For all results{', with ' if counts else ''}{' and '.join(counts)}, add --details."
+    return f"{' and '.join(counts) or 'All results'}: run with --details."
 
 
 def show_degrees(content: dict[str, Any]) -> None:

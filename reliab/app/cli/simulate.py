@@ -7,6 +7,7 @@ from reliab.app import questions
 from reliab.app.cli.commands import Asked, takes
 from reliab.app.cli.output import progress_bar, say, write_json
 from reliab.app.options import OUTPUT
+from reliab.core.significant_digits import counted
 
 
 class _Store(TypedDict):
@@ -25,4 +26,5 @@ def simulate(asked: Asked) -> None:
     simulation = asked.ask(simulate_suite, "json_target", show=progress_bar)
     if not write_json(simulation.to_dict(), asked.json_target):
         structures = len(simulation.request.structures)
-        say(f"{simulation.motions} motions × {structures} structures stored in {simulation.store}")
+        done = f"{counted(simulation.motions, 'motion')} × {counted(structures, 'structure')}"
+        say(f"{done} stored in {simulation.store}")

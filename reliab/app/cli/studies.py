@@ -27,7 +27,7 @@ class _Study(options.MotionSource, outputs.Folder, outputs.Listing, outputs.Cove
 @takes(_Study)
 def run(asked: Asked) -> None:
     """Run a study: simulate, fit, derive, validate, report."""
-    from reliab.app.api.studies import list_studies, perform_study
+    from reliab.app.api.studies import list_studies, run_study
 
     if asked.list_all:
         content = asked.ask(list_studies, "list_all", "json_target", why="together with `list_all`").to_dict()
@@ -41,10 +41,10 @@ def run(asked: Asked) -> None:
             say(f"{'done' if done else 'kept':>5}  {name}")
 
     performed = asked.ask(
-        perform_study, *_COVER, "json_target", setting=asked.setting(), show=progress_bar, tell=tell
+        run_study, *_COVER, "json_target", setting=asked.setting(), show=progress_bar, tell=tell
     )
     if not write_json(performed.to_dict(), asked.json_target):
-        say(f"Report: {performed.report}")
+        say(*filter(None, (performed.answer, f"Report: {performed.report}")))
 
 
 class _Run(outputs.Cover, total=False):
@@ -53,7 +53,7 @@ class _Run(outputs.Cover, total=False):
 
 @takes(_Run)
 def report(asked: Asked) -> None:
-    """Write the PDF of a finished run again, from its folder alone."""
+    """Rebuild the PDF of a finished run."""
     from reliab.app.api.studies import report_run
 
     written = asked.ask(report_run, *_COVER, "json_target", setting=asked.setting())

@@ -67,12 +67,12 @@ _FACTORS = {"%": PERCENT, "mm": MILLI, "ms": MILLI, "kg": 1.0, "N": 1.0}
 """From the unit in which a quantity is drawn to that of the budget."""
 
 _REMEDIES = {
-    "frequency": "Measure the natural frequency by a free vibration, and state its deviation.",
-    "damping_ratio": "Measure the damping ratio by a free vibration, and state its deviation.",
+    "frequency": "Measure the natural frequency in a free vibration, and state its standard deviation.",
+    "damping_ratio": "Measure the damping ratio in a free vibration, and state its standard deviation.",
     "experimental_fraction": "Measure the specimen's stiffness, and state the deviation of its share.",
-    "sensor_scale": "Calibrate the displacement sensor against the command, and state its scale.",
+    "sensor_scale": "Calibrate the displacement sensor and give its `scale`.",
     "sensor_offset": "Record some seconds of rest before the test, which show the sensor's offset.",
-    "time_shift": "Measure the skew, by one signal on both channels, and state it.",
+    "time_shift": "Feed one signal to both channels (`reliab calibrate`) and give the `skew`.",
     "feedback_lag": "Measure by how much the force is fed back late, and state it.",
     "filter_delay": "State the filters of both channels, or use the same on both.",
     "hysteresis": "Measure the sensor's hysteresis by a slow cycle, and state it.",

@@ -86,11 +86,9 @@ class Equipment:
         if self.skew_ms is not None or time_step <= _SLOW:
             return ""
         return (
-            f"The recording has {significant(1.0 / time_step, 3)} samples a second, and the skew of its "
-            f"channels was not stated: {significant(MILLI * self.skew(time_step), 2)} ms is assumed, one "
-            "standard deviation, as for converters that run at this rate. If the recording was thinned "
-            "from that of a faster controller, state the skew of that controller, for the test or in the "
-            "file of its equipment."
+            f"No skew stated: ±{significant(MILLI * self.skew(time_step), 2)} ms is assumed, as for "
+            f"converters at the {significant(1.0 / time_step, 3)} Hz of this recording. If a faster "
+            "controller sampled the channels, give its `skew`."
         )
 
 

@@ -62,7 +62,7 @@ def _require(what: str, given: ArrayLike, bounds: tuple[float, float], unit: str
     if not inside.all():
         where = f"at {low:g}{unit}" if low == high else f"between {low:g} and {high:g}{unit}"
         raise InputError(
-            f"The {what} must lie where the law is valid, {where}",
+            f"The law does not hold for this {what}, only {where}",
             value=f"{values[~inside].flat[0]:g}{unit}",
             remedy="Choose another law, or derive a criterion from ellipses of that structure",
         )

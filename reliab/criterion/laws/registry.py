@@ -85,9 +85,7 @@ def _checked(law: type[Law], name: str, value: object) -> object:
 def known(laws: Mapping[str, LawKind], name: object) -> LawKind:
     """Take a law by its name, or say which there are."""
     if not isinstance(name, str) or name not in laws:
-        raise InputError(
-            "The law must be one of the known ones", value=name, remedy=f"Choose among {', '.join(laws)}"
-        )
+        raise InputError("Unknown law", value=name, remedy=f"Choose among {', '.join(laws)}")
     return laws[name]
 
 

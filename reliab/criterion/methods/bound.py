@@ -78,7 +78,7 @@ class BoundMethod(Method):
         del law, progress
         if chains is not None:
             raise InputError(
-                "Only the hierarchical methods sample chains",
+                "Only the hierarchical methods have chains",
                 value=f"chains for {self.name}",
                 remedy="Leave them out, or choose a hierarchical method",
             )

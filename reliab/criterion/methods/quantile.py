@@ -42,7 +42,7 @@ class Quantile(BoundMethod):
     def __post_init__(self) -> None:
         if self.distribution not in DISTRIBUTIONS:
             raise InputError(
-                "The distribution must be one of the known ones",
+                "Unknown distribution",
                 value=self.distribution,
                 remedy=f"Choose among {', '.join(DISTRIBUTIONS)}",
             )

@@ -117,10 +117,10 @@ def arrange(
     columns = _columns(lines, count, has_times=has_times)
     for name in offsets.keys() - {column.name for column in columns}:
         report.add(
-            "An offset in a header must be removed from the samples",
+            "It is unclear to which column this offset belongs",
             line=offsets[name].line,
             value=f"{offsets[name].value:g}",
-            remedy="Subtract or add it, and remove the line",
+            remedy="Correct the samples by it, and remove the line",
         )
     if columns or layout.holds_components:
         yield from _components(replace(header, columns=count), columns, offsets, report)
@@ -130,11 +130,11 @@ def arrange(
         yield replace(header, columns=2, column=1, time_column=0)
     else:
         report.add(
-            f"{layout.subject} must have one column, times and samples, or columns with names",
+            "It is unclear what the columns hold",
             line=first.number,
-            value=f"{count} columns",
-            remedy="Name them in a line above, as in # time [s], N-S [gal], E-W [gal]; "
-            "or state # samples: N if samples follow one another through the lines",
+            value=f"{count} columns without names",
+            remedy="Name them in a line above, such as # time [s], N-S [gal], E-W [gal]; "
+            "or state # samples: N if one series continues from line to line",
         )
 
 
@@ -181,10 +181,10 @@ def _components(
     unread = [column.name for place, column in enumerate(columns) if place not in {*clocks, *samples}]
     if not samples:
         report.add(
-            "A record must be of acceleration",
+            "Not a record of acceleration",
             line=columns[0].line,
             value=f"columns {', '.join(column.name for column in columns)}",
-            remedy="Obtain the file of acceleration, or name its column acceleration",
+            remedy="Use the file of the acceleration, or name its column acceleration",
         )
     for place in samples:
         column = columns[place] if columns else None
@@ -211,9 +211,9 @@ def _units(header: Header, column: Column, report: Report) -> Statement[Accelera
         return statements.state_units(column.unit, column.line, report) if is_unit else header.units
     if header.units and header.units.value is not unit:
         report.add(
-            "A file must state one kind of units",
+            "Two different units in one file",
             line=column.line,
-            value=f"{unit} after {header.units.value} in line {header.units.line}",
+            value=f"{unit} here and {header.units.value} in line {header.units.line}",
             remedy="Correct whichever is wrong",
         )
     return Statement(value=unit, line=column.line)

@@ -81,9 +81,9 @@ def read_cosmos(source: Source, begin: int, header: Header, report: Report) -> H
     matches = list(_COSMOS_REALS.finditer(source.content, begin, header.start))
     if not matches or int(matches[-1][1]) < _STEP_POSITION or int(matches[-1][2]) == 0:
         report.add(
-            "A COSMOS file must have a real header with the time step as value 62",
+            "The time step, value 62 of the COSMOS real header, is missing",
             line=source.line_number(begin),
-            remedy="Obtain the file again",
+            remedy="Export or download the file again",
         )
         return replace(header, missing=missing)
     fields: list[str] = []
@@ -113,9 +113,9 @@ def read_smc(source: Source, begin: int, header: Header, report: Report) -> Head
     ]
     if len(values) < 2 + _SMC_RATE or None in values or not 0 <= (values[0] or 0) < len(lines):
         report.add(
-            "An SMC file must have six lines of integers and ten of reals",
+            "The SMC header is incomplete: it has six lines of integers and ten of reals",
             line=source.line_number(begin),
-            remedy="Obtain the file again, or write its samples as text below # dt: … and # units: …",
+            remedy="Download the file again, or save its samples as text below # dt: … and # units: …",
         )
         return header
     comments, count, _, rate = (value or 0.0 for value in values)

@@ -43,15 +43,14 @@ def headers(source: Source, report: Report) -> list[Header]:
             import obspy
         except ModuleNotFoundError:
             report.add(
-                "A miniSEED file needs the library ObsPy",
-                value="none installed",
+                "Reading miniSEED needs ObsPy, which is not installed",
                 remedy='Install it with pip install "reliab[records]", or export the record as text',
             )
             return []
         warnings.simplefilter("error")  # a file that ends early is only worth a warning to ObsPy
         warnings.simplefilter("ignore", DeprecationWarning)
         try:
-            with decoding("A miniSEED file must be sound", remedy="Obtain the file again", where=report.file):
+            with decoding("The miniSEED file is damaged", remedy="Download it again", where=report.file):
                 traces = list(obspy.read(io.BytesIO(source.content), format="MSEED"))
                 _report_gaps([trace.id for trace in traces], report)
                 return [_header(trace, report) for trace in traces]
@@ -64,9 +63,9 @@ def _report_gaps(channels: list[str], report: Report) -> None:
     """Report channels that stand in several pieces."""
     for channel in sorted({channel for channel in channels if channels.count(channel) > 1}):
         report.add(
-            "A record must have no gaps",
+            "The record has gaps",
             value=f"channel {channel} in {channels.count(channel)} pieces",
-            remedy="Fill the gaps or write the pieces to files of their own",
+            remedy="Fill the gaps, or save each piece as its own file",
         )
 
 
@@ -74,15 +73,15 @@ def _header(trace: Any, report: Report) -> Header:  # noqa: ANN401 - ObsPy has n
     stats = trace.stats
     if is_of_seismometer(stats.channel):
         report.add(
-            "A record must be of acceleration",
-            value=f"channel {stats.channel} of a seismometer, which is velocity",
-            remedy="Obtain acceleration, or name the channel so, as in HNE, if it is acceleration",
+            "Not a record of acceleration",
+            value=f"velocity (channel {stats.channel} belongs to a seismometer)",
+            remedy="Export the acceleration; if this is acceleration, rename its channel, for example HNE",
         )
     if trace.data.dtype.kind != "f":
         report.add(
-            "The samples must be acceleration",
+            "The samples are not acceleration",
             value="counts of a digitizer",
-            remedy="Remove the instrument's response, as ObsPy does, and write floating-point numbers",
+            remedy="Remove the instrument response, for example with ObsPy, and save floating-point numbers",
         )
     with np.errstate(invalid="ignore"):  # of damaged numbers, which are refused later
         values = np.asarray(trace.data if trace.data.dtype.kind in "fiu" else [], dtype=np.float64)

@@ -74,7 +74,9 @@ def _read_samples(source: Source, header: Header, report: Report) -> tuple[Array
     if header.values is not None:
         if np.isfinite(header.values).all():
             return header.values, header
-        report.add("Every sample must be finite", value="NaN or infinity", remedy="Obtain the file again")
+        report.add(
+            "Samples are missing", value="NaN or infinity", remedy="Fill the gap or leave the record out"
+        )
         return None, header
     regular = check_columns(source, header, report)
     numbers = parse_samples(source, header, report)
@@ -96,7 +98,7 @@ def _settle_units(
     of_header = header.units
     if of_header is not None and declared.units not in {None, of_header.value}:
         report.add(
-            "The units in the header must be those that are declared for the record",
+            "The header contradicts the stated units",
             line=of_header.line,
             value=f"{of_header.value} in the header, {declared.units} in {declared.where}",
             remedy="Correct whichever is wrong",
@@ -105,9 +107,8 @@ def _settle_units(
     units = of_header.value if of_header is not None else declared.units or header.default_units
     if units is None and sound:
         report.add(
-            "The units must be stated",
-            value="none in the header",
-            remedy="State them in a line such as # units: g, in a catalogue, or on import by `units`",
+            "No units stated",
+            remedy="State them with `units`, in a line such as # units: g, or in a catalogue",
         )
     return units
 
@@ -117,25 +118,24 @@ def _settle_time_step(header: Header, declared: Declared, report: Report, *, sou
     if of_header is None:
         if declared.time_step is None and sound:
             report.add(
-                "The time step must be stated",
-                value="none in the header",
+                "No time step stated",
                 remedy="Give `time_step` in seconds, or a column dt_s in a catalogue",
             )
         return declared.time_step
     if declared.time_step is None:
         if not _SHORTEST_STEP * (1 - _EXACT) <= of_header.value <= _LONGEST_STEP * (1 + _EXACT):
             report.add(
-                f"The time step of a record must lie from {_SHORTEST_STEP:g} to {_LONGEST_STEP:g} s",
+                f"Implausible time step: those of records are {_SHORTEST_STEP:g} to {_LONGEST_STEP:g} s",
                 line=of_header.line,
                 value=f"{of_header.value:.6g} s",
-                remedy="Correct the header or state its unit, as in 10 ms, 0.1 kHz or time [ms]; "
-                "if the step is right, confirm it by `time_step` or a column dt_s in a catalogue",
+                remedy="Correct the header or state its unit, such as 10 ms, 0.1 kHz or time [ms]; "
+                "if the step is right, confirm it with `time_step` or a column dt_s in a catalogue",
             )
             return None
         return of_header.value
     if not may_round(declared.time_step, of_header):
         report.add(
-            "A declared time step must be the header's, except for rounding in the header",
+            "The header contradicts the stated time step",
             line=of_header.line,
             value=f"{of_header.value:g} s in the header, {declared.time_step:g} s in {declared.where}",
             remedy="Correct whichever is wrong",
@@ -148,7 +148,7 @@ def _check_against_catalogue(header: Header, declared: Declared, report: Report)
     count, step = header.count, header.time_step
     if count is not None and declared.header_count not in {None, count.value}:
         report.add(
-            "The header must state the number of samples that the catalogue notes for it",
+            "The header and the catalogue state different numbers of samples",
             line=count.line,
             value=f"{count.value} in the header, {declared.header_count} in {declared.where}",
             remedy="Check that the catalogue names the right file",
@@ -156,7 +156,7 @@ def _check_against_catalogue(header: Header, declared: Declared, report: Report)
     noted = declared.header_time_step
     if step is not None and noted is not None and not may_round(noted, step):
         report.add(
-            "The header must state the time step that the catalogue notes for it",
+            "The header and the catalogue state different time steps",
             line=step.line,
             value=f"{step.value:g} s in the header, {noted:g} s in {declared.where}",
             remedy="Check that the catalogue names the right file",
@@ -169,23 +169,28 @@ def _settle_count(source: Source, header: Header, values: Array, report: Report)
     if count is None:
         if samples > 1:
             return values
-        report.add("A record must hold at least two samples", line=last_line, value=samples)
+        report.add(
+            "Too few samples",
+            line=last_line,
+            value=samples,
+            remedy="Export or download the file again, or leave it out",
+        )
         return None
     if samples < count.value:
         report.add(
-            "A record must hold as many samples as its header states",
+            "Fewer samples than the header states",
             line=last_line,
-            value=f"the end after {samples} of {count.value} samples",
-            remedy="The file is cut short; obtain it again",
+            value=f"{samples} of {count.value}",
+            remedy="The file was cut short: export or download it again",
         )
         return None
     if samples > count.value and line_of_sample(source, header, samples - 1) != line_of_sample(
         source, header, count.value - 1
     ):
         report.add(
-            "A record must hold as many samples as its header states",
+            "More samples than the header states",
             line=line_of_sample(source, header, count.value),
-            value=f"{samples} samples instead of {count.value}",
+            value=f"{samples} instead of {count.value}",
             remedy="Check whether two records were joined, or correct the header",
         )
         return None
@@ -201,16 +206,15 @@ def _in_si(source: Source, header: Header, values: Array, units: AccelerationUni
     acceleration = values * (header.scale * units.in_si)
     if not acceleration.any():
         report.add(
-            "A record must hold a sample other than zero",
+            "All samples are zero",
             line=source.line_number(header.start),
-            value="nothing but zeros",
             remedy="Leave it out",
         )
     largest = int(np.abs(acceleration).argmax())
     peak = abs(float(acceleration[largest])) / STANDARD_GRAVITY
     if not peak <= PEAK_LIMIT_G:
         report.add(
-            f"The peak of a record must not exceed {PEAK_LIMIT_G:g} g",
+            f"Implausible peak, above {PEAK_LIMIT_G:g} g",
             line=line_of_sample(source, header, largest),
             value=f"{peak:.4g} g with samples in {units}",
             remedy="Check the units; cm/s2 read as g is 981 times too large",
@@ -224,7 +228,7 @@ def _check_gaps(source: Source, header: Header, values: Array, report: Report) -
     gaps = np.flatnonzero(np.isin(values, marks)) if marks else np.array([])
     if gaps.size:
         report.add(
-            "A record must have no gaps",
+            "The record has gaps",
             line=line_of_sample(source, header, int(gaps[0])),
             value=f"the mark of a missing sample, {values[gaps[0]]:g}"
             + (f", {gaps.size} times" if gaps.size > 1 else ""),
@@ -250,7 +254,7 @@ def check_columns(source: Source, header: Header, report: Report) -> bool:
         tokens = split_line(line, header)
         if tokens and len(tokens) != expected:
             report.add(
-                "Every line must have as many columns as the first",
+                "The number of columns changes",
                 line=line.number,
                 value=f"{len(tokens)} instead of {expected}",
                 remedy="Correct the line",
@@ -279,10 +283,10 @@ def split_times(
     unit = header.time_unit.size if header.time_unit else 1.0
     if faulty is not None:
         report.add(
-            "The times of a record must increase by equal steps",
+            "The times do not increase by equal steps",
             line=line_of_sample(source, header, faulty),
             value=f"{times[faulty] * unit:.12g} s after {times[faulty - 1] * unit:.12g} s",
-            remedy="Interpolate the record at equal steps; columns must be time and acceleration",
+            remedy="Interpolate the record at equal steps; check that the columns are time and acceleration",
         )
         return None, header
     if unit != 1:
@@ -324,10 +328,10 @@ def _with_step(source: Source, header: Header, step: float, tolerance: float, re
     if not may_round(step, of_header):
         milliseconds = may_round(step / _MILLI, of_header)
         report.add(
-            "The time step in the header must be the one between the times",
+            "The header contradicts the column of times",
             line=of_header.line,
             value=f"{of_header.value:g} s in the header, {step:g} s between the times",
-            remedy="Head the column of times with its unit, time [ms]"
+            remedy="State the unit in the name of the column of times: time [ms]"
             if milliseconds
             else "Correct the header",
         )

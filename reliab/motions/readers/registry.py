@@ -115,7 +115,7 @@ def open_records(path: Path, report: Report, *, whole: bool = True) -> tuple[Sou
     if form is None:
         kind = UNREAD.get(path.suffix.lower(), "binary data")
         report.add(
-            "The format must be known" if source.is_text else "A record must be a text file, SAC or miniSEED",
+            "Unknown format of record" if source.is_text else "Not a record that reliab reads",
             line=1,
             value=f"none of {', '.join(FORMATS)}" if source.is_text else kind,
             remedy="Export the record as text" if source.is_text else "Unpack it or export it as text",

@@ -40,9 +40,7 @@ def headers(source: Source, report: Report) -> list[Header]:
     """Read the header and the samples of the one component; empty if a rule is broken."""
     order = _byte_order(source.content)
     if order is None:
-        report.add(
-            "A SAC file must have its header of 632 bytes", value="none", remedy="Obtain the file again"
-        )
+        report.add("The SAC header of 632 bytes is missing", remedy="Export or download the file again")
         return []
     reals = np.frombuffer(source.content, f"{order}f4", _SIZES[0] // 4)
     integers = np.frombuffer(source.content, f"{order}i4", _SIZES[1] // 4, _SIZES[0])
@@ -72,23 +70,23 @@ def _objections(reals: Any, integers: Any, channel: str, samples: int) -> Iterat
     scale, quantity = float(reals[_SCALE]), int(integers[_QUANTITY])
     if integers[_TYPE] != _TIME_SERIES or not integers[_EVEN]:
         yield (
-            "A SAC file must be a time series at equal steps",
-            "another kind",
+            "Not a time series at equal steps",
+            "another kind of SAC file",
             "Interpolate it at equal steps",
         )
     if quantity in _QUANTITIES or (quantity != _ACCELERATION and is_of_seismometer(channel)):
-        value = _QUANTITIES.get(quantity, f"channel {channel} of a seismometer, which is velocity")
+        value = _QUANTITIES.get(quantity, f"velocity (channel {channel} belongs to a seismometer)")
         yield (
-            "A record must be of acceleration",
+            "Not a record of acceleration",
             value,
-            "Obtain acceleration, or set IDEP to IACC if this is it",
+            "Export the acceleration; if this is acceleration, set IDEP to IACC",
         )
     if scale not in {1, _UNDEFINED}:
-        yield "A SAC file must have the scale 1", f"{scale:g}", "Multiply the samples by it, and set it to 1"
+        yield "The SAC scale is not 1", f"{scale:g}", "Multiply the samples by it, and set it to 1"
     if samples < integers[_COUNT]:
-        value = f"the end after {samples} of {integers[_COUNT]} samples"
-        rule = "A record must hold as many samples as its header states"
-        yield rule, value, "The file is cut short; obtain it again"
+        value = f"{samples} of {integers[_COUNT]}"
+        rule = "Fewer samples than the header states"
+        yield rule, value, "The file was cut short: export or download it again"
 
 
 def _byte_order(content: bytes) -> str | None:

@@ -20,9 +20,9 @@ _CLOCK = re.compile(
 _NOT_FINITE = re.compile(r"[-+]?(?:nan(?:\(\w*\))?|inf(?:inity)?|1\.#(?:qnan|ind|inf)\w*)", re.IGNORECASE)
 _GLUED = re.compile(r"[-+]?[0-9]*\.[0-9]+(?:[EeDd][-+][0-9]{2}(?=[-+.]|$)|(?=[-+]|$))")
 
-_MUST_BE_NUMBER = "Every sample must be a number"
-_MUST_BE_FINITE = "Every sample must be finite"
-_REMEDY = "Correct the line, obtain the file again or leave it out"
+_MUST_BE_NUMBER = "Not a number"
+_MUST_BE_FINITE = "Not a finite number"
+_REMEDY = "Correct the line, export or download the file again, or leave it out"
 
 
 def parse_samples(source: Source, header: Header, report: Report) -> Array | None:

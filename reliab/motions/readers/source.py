@@ -107,13 +107,13 @@ def open_source(
     if b"\r" in content:
         content = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     if not content.strip():
-        report.add("A record must not be empty", line=1, remedy="Obtain the file again or leave it out")
+        report.add("The file is empty", line=1, remedy="Export or download it again, or leave it out")
         return None
     if len(content[:HEAD].translate(None, _CONTROL)) < len(content[:HEAD]):
         if binary:
             return Source(path=path, content=raw, is_text=False)
         report.add(
-            "A record must be a text file",
+            "Not a text file",
             line=1,
             value="binary data",
             remedy="Unpack it or export it as text",
@@ -127,16 +127,15 @@ def _read(path: Path, report: Report, limit: int | None, most: int) -> bytes | N
         with ordinary(path).open("rb") as stream:
             if limit is None and os.fstat(stream.fileno()).st_size > most:
                 report.add(
-                    f"A record's file may have {most / _MEGABYTE:,.6g} MB at most",
-                    value="more",
+                    f"The file is larger than {most / _MEGABYTE:,.6g} MB",
                     remedy="Keep the strong part of the record, or write its channels to files of their own",
                 )
                 return None
             return stream.read(limit)
     except FileNotFoundError:
-        report.add("A record must exist", value="no such file", remedy="Correct the path")
+        report.add("No such file", remedy="Correct the path")
     except IsADirectoryError:
-        report.add("A record must be a file", value="a folder", remedy="Name one of its files")
+        report.add("Not a file", value="a folder", remedy="Name one of its files")
     except OSError as error:
-        report.add("A record must be readable", value=error.strerror, remedy="Check the file's permissions")
+        report.add(f"Cannot read the file: {error.strerror}", remedy="Check its permissions")
     return None

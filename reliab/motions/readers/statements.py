@@ -197,7 +197,7 @@ def _state_clock(
     units = {find_clock_unit(text) or default for place in ("before", "after") if (text := groups.get(place))}
     if len(units) > 1:
         report.add(
-            "A step or rate in a header must have one unit",
+            "The header gives its step or rate in two units",
             line=line.number,
             value=f"{groups['before']} and {groups['after']}",
             remedy="Correct the header",
@@ -285,17 +285,21 @@ def scales(lines: list[Line], report: Report) -> Iterator[Scale]:
         value, divisor = printed_number(match["value"] or ""), printed_number(match["divisor"] or "1")
         factor = value / divisor if value and divisor else 0.0
         if not 0 < abs(factor) < float("inf"):
-            rule = "The scale factor in a header must be a number, or gal over counts as in 3920(gal)/6182761"
-            report.add(rule, line=line.number, value=line.text.strip(), remedy="Correct the header")
+            report.add(
+                "The scale factor in the header is no number",
+                line=line.number,
+                value=line.text.strip(),
+                remedy="Write a number, or gal over counts such as 3920(gal)/6182761",
+            )
         elif match["scale"]:
             unit = find_unit(_COUNTS.sub("", match["unit"])) if match["unit"] else None
             yield Scale(factor=factor, units=unit, line=line.number)
         elif factor != 1:
             report.add(
-                "A factor in a header must be a scale factor of the samples",
+                "It is unclear whether this factor scales the samples",
                 line=line.number,
                 value=line.text.strip(),
-                remedy="Write 'scale factor: …' if it is one; else convert the samples and remove the line",
+                remedy="If it does, write 'scale factor: …'; if not, convert the samples and remove the line",
             )
 
 
@@ -327,10 +331,10 @@ def refuse_another_quantity(lines: list[Line], report: Report) -> list[Line]:
     for line, quantity in zip(lines, quantities, strict=True):
         if quantity:
             report.add(
-                "A record must be of acceleration",
+                "Not a record of acceleration",
                 line=line.number,
                 value=quantity,
-                remedy="Obtain the file of acceleration",
+                remedy="Use the file of the acceleration",
             )
     return [line for line, quantity in zip(lines, quantities, strict=True) if not quantity]
 
@@ -349,7 +353,7 @@ def state_count(text: str, line: int, report: Report) -> Statement[int] | None:
         if count > 1:
             return Statement(value=count, line=line)
     report.add(
-        "The number of samples in a header must be a whole number from 2 on",
+        "The header's number of samples is no whole number of at least 2",
         line=line,
         value=text or "nothing",
         remedy="Correct the header",
@@ -366,7 +370,7 @@ def state_time_step(text: str, line: int, report: Report, *, unit: ClockUnit) ->
             tolerance = 0.0 if unit.is_frequency else last_place(text) * unit.size
             return Statement(value=step, line=line, tolerance=tolerance)
     report.add(
-        "The time step in a header must be a positive number",
+        "The header's time step is no positive number",
         line=line,
         value=text or "nothing",
         remedy="Correct the header or leave the record out",
@@ -380,9 +384,9 @@ def state_units(text: str, line: int, report: Report) -> Statement[AccelerationU
     if unit is not None:
         return Statement(value=unit, line=line)
     report.add(
-        "The units in a header must be g, cm/s2, m/s2, mm/s2 or g/10",
+        "Unknown unit of acceleration",
         line=line,
         value=repr(text.strip()),
-        remedy="Convert the record to acceleration in one of them",
+        remedy="Use g, cm/s2, m/s2, mm/s2 or g/10, and convert the record if necessary",
     )
     return None

@@ -66,7 +66,7 @@ def headers(source: Source, report: Report, *, layout: Layout = PLAIN) -> list[H
             f"{layout.subject} must {layout.states}",
             line=1,
             value="no line of numbers" if layout is PLAIN else "no such line",
-            remedy="Leave the file out, or write its samples as text below # dt: … and # units: …",
+            remedy="Leave the file out, or save its samples as text below # dt: … and # units: …",
         )
     return records
 
@@ -158,8 +158,8 @@ def _state(statement_lines: list[Line], lines: list[Line], layout: Layout, repor
     )
     header = Header(
         count=next(statements.counts(statement_lines, report), None),
-        time_step=_agreeing(list(statements.time_steps(statement_lines, report)), "time step", report),
-        units=_agreeing(units or peaks[:1], "kind of units", report),
+        time_step=_agreeing(list(statements.time_steps(statement_lines, report)), "time steps", report),
+        units=_agreeing(units or peaks[:1], "units", report),
         default_units=layout.default_units,
         scale=factor.value if factor else 1.0,
         remove_mean=layout.remove_mean,
@@ -174,9 +174,9 @@ def _agreeing(claims: list[Statement[T]], what: str, report: Report) -> Statemen
     for later in claims[1:]:
         if not _agree(*sorted((later, claims[0]), key=_tolerance)):
             report.add(
-                f"A file must state one {what}",
+                f"Two different {what} in one file",
                 line=later.line,
-                value=f"{later.value} after {claims[0].value} in line {claims[0].line}",
+                value=f"{later.value} here and {claims[0].value} in line {claims[0].line}",
                 remedy="Correct whichever is wrong",
             )
     return min(claims, key=_tolerance, default=None)
@@ -203,10 +203,10 @@ def _complete_by_duration(header: Header, lines: list[Line], report: Report) -> 
     count = round(duration / header.time_step.value) if header.time_step and duration < _LONGEST else 2
     if not 0 < duration < _LONGEST or count < 2:  # noqa: PLR2004 - two samples make a record
         report.add(
-            "The duration in a header must be a positive number of seconds",
+            "The header's duration is not a positive number of seconds",
             line=printed.line,
             value=printed.value or "nothing",
-            remedy="Obtain the file again",
+            remedy="Correct the header",
         )
     elif header.time_step:
         return replace(header, count=Statement(value=count, line=printed.line))
@@ -246,7 +246,7 @@ def _read_leading_sizes(source: Source, header: Header, report: Report) -> Heade
                 header,
                 start=last.stop,
                 count=Statement(value=counts[0], line=lines[0].number),
-                time_step=_agreeing([*known, *step], "time step", report),
+                time_step=_agreeing([*known, *step], "time steps", report),
             )
     if (
         len(tokens[0]) == 1

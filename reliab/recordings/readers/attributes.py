@@ -170,7 +170,7 @@ def _numbers(value: object, name: str, where: str) -> Array:
     single = numbers.size == 1 and bool(np.isfinite(numbers[0]))
     if not numbers.size or (plain(name) in {_SCALE, _OFFSET} and not single):
         raise InputError(
-            f"The attribute {name} of a channel must be a number",
+            f"The attribute {name} of this channel is no number",
             value=str(value)[:40],
             remedy="Correct it, or export the channel in its unit",
             where=where,

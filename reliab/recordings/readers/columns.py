@@ -111,7 +111,7 @@ def series_of_frame(frame: "pd.DataFrame", units: Mapping[str, str] | None = Non
 
     if not frame.columns.is_unique:
         raise InputError(
-            "Each column must occur only once",
+            "Two columns have the same name",
             value=repr(frame.columns[frame.columns.duplicated()][0]),
             remedy="Rename one of the columns",
         )

@@ -62,7 +62,7 @@ def header_of(
     if len(set(names)) < len(names):
         repeated = next(name for name in names if names.count(name) > 1)
         raise InputError(
-            "Each column must occur only once",
+            "Two columns have the same name",
             value=repr(repeated),
             remedy="Rename one of the columns",
             where=where,

@@ -198,9 +198,8 @@ class _Contents:
         self._bytes += int(item.nbytes)
         if self._bytes > _MOST_BYTES:
             raise InputError(
-                f"A test's file may hold {_MOST_BYTES / 1e6:,.6g} MB of numbers at most",
-                value="more",
-                remedy="Export the channels of the test only",
+                f"The file holds more than {_MOST_BYTES / 1e6:,.6g} MB of numbers",
+                remedy="Export only the channels of the test",
                 where=self._path.name,
             )
         values = np.asarray(item[()])
@@ -251,8 +250,7 @@ class _Contents:
         self._items += item.size
         if self._items > _MOST_ITEMS:
             raise InputError(
-                f"Cells and elements of structures may be {_MOST_ITEMS:,} at most",
-                value="more",
+                f"The file holds more than {_MOST_ITEMS:,} cells and elements of structures",
                 remedy="Save the channels as vectors",
                 where=self._path.name,
             )
@@ -269,8 +267,7 @@ class _Contents:
     def _require_shallow(self, depth: int) -> None:
         if depth > _DEEPEST:
             raise InputError(
-                f"Structures must not be nested more than {_DEEPEST} deep",
-                value="more",
+                f"Structures are nested more than {_DEEPEST} deep",
                 remedy="Save the channels as vectors",
                 where=self._path.name,
             )

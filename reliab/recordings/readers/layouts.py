@@ -46,9 +46,8 @@ class _Histories:
     def add(self, name: str, series: Series) -> None:
         if len(self.series) >= MOST_COLUMNS:
             raise InputError(
-                f"A test's file may hold {MOST_COLUMNS} channels at most",
-                value="more",
-                remedy="Export those of the test only",
+                f"The file holds more than {MOST_COLUMNS} channels",
+                remedy="Export only those of the test",
             )
         free, count = name, 1
         while free in self.series:
@@ -70,7 +69,7 @@ def tests_of_tree(path: Path, tree: Mapping[str, Tree]) -> list[Columns]:
     ]
     if not tests:
         raise InputError(
-            "A test's file must hold vectors of numbers",
+            "No vectors of numbers in the file",
             value=", ".join(map(str, tree)) or "nothing",
             remedy="Save command and measured displacement as vectors",
             where=path.name,

@@ -88,9 +88,8 @@ def _table(lines: Sequence[str], first: int, last: int, separator: str, path: Pa
     table, *further = tables_of([separator.join(names), *rows], path, separator, above=first)
     if further:
         raise InputError(
-            "The rows of a segment must follow each other",
-            value="a line without numbers among them",
-            remedy="Leave it out",
+            "A line without numbers between the rows of a segment",
+            remedy="Remove it",
             where=f"{path.name}, {further[0].place(0).rpartition(', ')[2]}",
         )
     return table

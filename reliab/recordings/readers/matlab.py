@@ -41,8 +41,7 @@ def as_tree(item: Any, depth: int = 0) -> Tree:  # noqa: ANN401 - what SciPy mak
     """Structures as mappings, cells and arrays of structures as lists, characters as text."""
     if depth > _DEEPEST:
         raise InputError(
-            f"Structures must not be nested more than {_DEEPEST} deep",
-            value="more",
+            f"Structures are nested more than {_DEEPEST} deep",
             remedy="Save the channels as vectors",
         )
     if isinstance(item, Mapping):
@@ -50,9 +49,9 @@ def as_tree(item: Any, depth: int = 0) -> Tree:  # noqa: ANN401 - what SciPy mak
     if isinstance(item, np.ndarray) and item.dtype == object:
         if item.size > _MOST_ITEMS:
             raise InputError(
-                f"A cell array may have {_MOST_ITEMS:,} cells at most",
-                value=item.size,
-                remedy="Save vectors of numbers",
+                f"A cell array has more than {_MOST_ITEMS:,} cells",
+                value=f"{item.size:,}",
+                remedy="Save the channels as vectors of numbers",
             )
         return [as_tree(value, depth + 1) for value in item.reshape(-1, order="F")]
     if isinstance(item, list | tuple):

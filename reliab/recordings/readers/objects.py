@@ -39,8 +39,7 @@ def tree_of_objects(path: Path) -> dict[str, Tree]:
 def _as_tree(item: Any, depth: int = 0) -> Tree:  # noqa: ANN401 - what mat-io makes of a variable
     if depth > _DEEPEST:
         raise InputError(
-            f"Structures must not be nested more than {_DEEPEST} deep",
-            value="more",
+            f"Structures are nested more than {_DEEPEST} deep",
             remedy="Save the channels as vectors",
         )
     if is_frame(item):
@@ -110,7 +109,7 @@ def _start_date(about: Mapping[str, Tree]) -> np.datetime64 | None:
         return None
     if (start := date_of(text)) is None:
         raise InputError(
-            "The start of a timeseries must be a date",
+            "The start of the timeseries is no date",
             value=repr(text),
             remedy="Set TimeInfo.StartDate to one, such as 2026-05-05 10:00:00, or to ''",
         )

@@ -65,9 +65,7 @@ FORMATS = Registry(
 def read_tests(path: str | Path, *, delimiter: str | None = None) -> list[Columns]:
     """Read all tests that a file holds."""
     path = Path(path)
-    with decoding(
-        "A test's file must be readable", remedy="Check the name, or export the test again", where=path
-    ):
+    with decoding("Cannot read the file", remedy="Check the name, or export the test again", where=path):
         with ordinary(path).open("rb") as file:
             head = file.read(_HEAD)
         LIMITS["test"].require_small(path)
@@ -79,11 +77,10 @@ def read_tests(path: str | Path, *, delimiter: str | None = None) -> list[Column
                 return form.read(path, delimiter)
     kind, remedy = next(
         (what for begin, what in _NOT_READ.items() if begin in head[:_BEGIN]),
-        ("another binary format", "Export it in one of these"),
+        ("this binary format", "Export the test as text in columns, MATLAB, HDF5, TDMS or NetCDF"),
     )
     raise InputError(
-        "A test's file must be text in columns, MATLAB, HDF5, TDMS or NetCDF",
-        value=kind,
+        f"reliab does not read {kind}",
         remedy=remedy,
         where=path.name,
     )

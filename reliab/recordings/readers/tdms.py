@@ -70,18 +70,18 @@ def _require_bounded(channels: list[Any], path: Path) -> None:
     """Refuse what would not fit in memory, before it is read."""
     if len(channels) > MOST_COLUMNS:
         raise InputError(
-            f"A test's file may hold {MOST_COLUMNS} channels at most",
+            f"The file holds more than {MOST_COLUMNS} channels",
             value=len(channels),
-            remedy="Export those of the test only",
+            remedy="Export only those of the test",
             where=path.name,
         )
     for channel in channels:
         require_few_samples(len(channel), f"{path.name}, {channel.name}")
     if (total := 8 * sum(len(channel) for channel in channels)) > _MOST_BYTES:
         raise InputError(
-            f"A test's file may hold {_MOST_BYTES / 1e6:,.6g} MB of numbers at most",
+            f"The file holds more than {_MOST_BYTES / 1e6:,.6g} MB of numbers",
             value=f"{total / 1e6:,.6g} MB",
-            remedy="Export the channels of the test only",
+            remedy="Export only the channels of the test",
             where=path.name,
         )
 

@@ -122,9 +122,8 @@ def tables_of(
         tables.append(table)
     if not tables:
         raise InputError(
-            "A test's file must hold rows of at least two numbers",
-            value="none",
-            remedy="Export command and measured displacement as columns, or give `delimiter`",
+            "No rows of at least two numbers in the file",
+            remedy="Export command and measured displacement as columns, or give their `delimiter`",
             where=path.name,
         )
     return join_tables([table for table in tables if next(iter(table.values.values())).size > 1] or tables)
@@ -198,9 +197,8 @@ class _Text:
         cells = cells_of(self.lines[place], self.delimiter)
         if len(cells) < FEWEST_COLUMNS:
             raise InputError(
-                "A test's file must hold rows of at least two numbers",
-                value=len(cells),
-                remedy="Export command and measured displacement as columns, or give `delimiter`",
+                "Only one column of numbers",
+                remedy="Export command and measured displacement as columns, or give their `delimiter`",
                 where=self._where(place),
             )
         comma = self._has_decimal_comma(place)
@@ -239,9 +237,9 @@ class _Text:
         ]
         if may_be_thousands(cells):
             raise InputError(
-                "It must be clear whether a comma is decimal or parts thousands",
+                "It is unclear whether the comma is a decimal comma or separates thousands",
                 value=repr(next(cell for cell in cells if has_decimal_comma(cell))),
-                remedy="Export the numbers with a decimal point and without signs between thousands",
+                remedy="Export the numbers with a decimal point and without separators of thousands",
                 where=self._where(place),
             )
         return any(map(has_decimal_comma, cells))
@@ -309,9 +307,8 @@ class _Text:
         where = f"{self.path.name}, line {row.number}"
         if len(row.cells) != len(names):
             raise InputError(
-                f"Every line must have {len(names)} columns, as the first has",
-                value=len(row.cells),
-                remedy="Correct the line, or leave out this line and all later ones",
+                f"{len(row.cells)} columns, but {len(names)} in the first line",
+                remedy="Correct the line, or cut the file before it",
                 where=where,
             )
         for place, (name, cell) in enumerate(zip(names, row.cells, strict=True)):
@@ -320,9 +317,9 @@ class _Text:
                 number = float("nan")
             if number is None:
                 raise InputError(
-                    "Every value must be a number",
+                    "Not a number",
                     value=repr(cell if len(cell) <= _LONGEST_CELL else f"{cell[:_LONGEST_CELL]} …"),
-                    remedy="Correct the line, or leave out this line and all later ones",
+                    remedy="Correct the line, or cut the file before it",
                     where=f"{where}, column {name}",
                 )
             yield number

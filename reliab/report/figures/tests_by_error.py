@@ -34,7 +34,7 @@ def tolerable_errors_over_frequency(tolerances: Sequence[Tolerance]) -> Figure:
         f = np.array([tolerance.frequency for tolerance in by_frequency])
         promised = all(tolerance.promise is not None for tolerance in by_frequency)
         share = share_in_words(confidence if promised else None, decimals=0)
-        name = f"{share} of the population's ground motions"
+        name = f"{share} of comparable ground motions"
         axes[0, 0].plot(
             f,
             [tolerance.amplitude_error for tolerance in by_frequency],

@@ -73,8 +73,8 @@ def _verdict(table: RigTable, prediction: Prediction) -> Prose:
     share = good / len(table)
     return prose(
         "*{good} of {tests} tests were judged reliable* ({share}): their error was below the threshold "
-        "beyond doubt. The next test, under a motion like those of the rig's tests, keeps its error below "
-        "{threshold} with probability {probability}{doubt}.",
+        "with at least 95 % probability. The next test, under a motion like those of the rig's tests, keeps "
+        "its error below {threshold} with probability {probability}{doubt}.",
         good=good,
         tests=len(table),
         share=percent(share),
@@ -93,7 +93,7 @@ def _facts(table: RigTable, prediction: Prediction, structure: Structure | None)
     }
     if structure is not None:
         facts["Next test"] = prose(
-            "$f =$ {f:g} Hz, $xi =$ {xi:g}, share of the stiffness in the laboratory $alpha =$ {alpha:g}",
+            "$f =$ {f:g} Hz, $xi =$ {xi:g}, physically tested fraction of the stiffness $alpha =$ {alpha:g}",
             f=structure.frequency,
             xi=structure.damping_ratio,
             alpha=structure.experimental_fraction,
@@ -115,14 +115,14 @@ def _what_it_does(
     summary = text_table(
         rows,
         ("Quantity", "5 %", "Median", "95 %", f"Median of the last {min(_LAST, len(table))}"),
-        caption="What the tests showed: nine of ten lie between the outer numbers.",
+        caption="Past tests: 5 %, median and 95 % of what they showed.",
         label="tab:tests",
     )
     figure = Figure(
         drawing=rig_over_time(table, chart, prediction.intervals, prediction.threshold),
         caption=(
-            "Every test with its 90 % interval, predicted from the tests before it; the prediction begins "
-            "anew after a change and needs some tests. At the right end: the next test. Broken lines: a "
+            "Look for tests outside of the grey band, the 90 % interval predicted from the tests before. The "
+            "prediction begins anew after a change. At the right end: the next test. Broken lines: a "
             "change was noticed; dotted: the next tests did not confirm it."
         ),
         label="fig:time",
@@ -158,7 +158,7 @@ def next_test_blocks(prediction: Prediction) -> tuple[Block, ...]:
     intervals = text_table(
         rows,
         ("Quantity", "5 %", "Median", "95 %"),
-        caption="The next test: it lies between the outer numbers in nine cases of ten.",
+        caption="The next test: nine of ten such tests lie between the 5 % and the 95 % column.",
         label="tab:next",
     )
     first = max(prediction.drivers, key=lambda name: prediction.drivers[name])

@@ -151,7 +151,7 @@ class FrameUnderTest:
         names = self.partition.names
         if len(numbers) != len(names):
             raise InputError(
-                "A test must have a command and a measured displacement for each actuator",
+                "Each actuator needs a command and a measured displacement",
                 value=f"those of {', '.join(number or '1' for number in numbers)} for {len(names)} actuators",
                 remedy="Name the columns command_1, measured_1, command_2, …",
                 where=where,

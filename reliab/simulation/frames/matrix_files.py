@@ -48,9 +48,7 @@ def _rows(name: str, folder: Path) -> list[list[float]]:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeError) as error:
         reason = getattr(error, "strerror", None) or "bytes that are not text"
-        raise InputError(
-            "The file of a matrix must be readable text", value=reason, remedy=_REMEDY, where=name
-        ) from None
+        raise InputError("Cannot read the matrix", value=reason, remedy=_REMEDY, where=name) from None
     return list(_numbers(lines, name))
 
 
@@ -61,7 +59,7 @@ def _numbers(lines: Iterable[str], name: str) -> Iterable[list[float]]:
             row = [float(word) for word in text]
         except ValueError:
             raise InputError(
-                "A matrix holds numbers only", value=f"line {number}", remedy=_REMEDY, where=name
+                "Not only numbers in the matrix", value=f"a text in line {number}", remedy=_REMEDY, where=name
             ) from None
         if row:
             yield row
@@ -72,6 +70,6 @@ def matrix_of_rows(rows: tuple[Row, ...] | None) -> Array:
     rows = rows or ()
     if len({len(row) for row in rows}) != 1:
         raise InputError(
-            "The rows of a matrix must be of one length", value=f"lengths {[len(row) for row in rows]}"
+            "The rows of the matrix have different lengths", value=f"lengths {[len(row) for row in rows]}"
         )
     return np.array(rows, dtype=np.float64)

@@ -74,7 +74,7 @@ class EntriesTable(DescribedTable):
             changed[row, column] = changed[column, row] = (1.0 + far) * matrix[row, column]
             if np.linalg.eigvalsh(changed)[0] < least_of(matrix):
                 raise InputError(
-                    "A matrix must stay that of a structure where an entry is three deviations off",
+                    "The standard deviation of an entry is too large",
                     value=f"{self.deviation:g} for {where}",
                     remedy="State a smaller deviation, or those of storeys or modes",
                 )

@@ -52,7 +52,7 @@ class UpdatedModel:
 def write_model(path: Path | str, model: UpdatedModel) -> None:
     """Write an updated model."""
     path = Path(path)
-    with refuse_unwritable("The model's file must be writable", where=path), written_whole(path) as file:
+    with refuse_unwritable("Cannot write the model's file", where=path), written_whole(path) as file:
         file.write_text(_text(model, path.name), encoding="utf-8")
 
 

@@ -84,7 +84,7 @@ def read_matlab(path: str | Path, variable: str | None = None, delay: float = 0.
             return _build(_Held(held, str(path)), delay)
     except (FloatingPointError, OverflowError, np.linalg.LinAlgError) as error:
         raise InputError(
-            "The numbers of a transfer system must not be so large that its poles are none",
+            "The numbers of this transfer system are too large",
             value=str(error),
             remedy="Check the units: 1/s",
             where=str(path),
@@ -167,9 +167,8 @@ def _variables(path: str | Path, variable: str | None) -> Mapping[str, Any]:
     if variable not in content:
         names = [name for name in content if not name.startswith("__")]
         raise InputError(
-            f"The file holds {', '.join(names) or 'nothing'}",
-            value=f"no {variable}",
-            remedy="Name one of these",
+            f"No variable {variable} in the file",
+            remedy=f"It holds {', '.join(names) or 'nothing'}",
             where=str(path),
         )
     structure = content[variable]

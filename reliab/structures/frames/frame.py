@@ -168,7 +168,7 @@ def place_of(names: tuple[str, ...], name: str | int) -> int:
     """Place of a degree of freedom among the names of all."""
     if str(name) not in names:
         raise InputError(
-            "A degree of freedom must be one of the structure",
+            "No such degree of freedom",
             value=repr(name),
             remedy=f"Name one of {', '.join(names)}",
         )

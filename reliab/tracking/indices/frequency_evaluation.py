@@ -117,7 +117,6 @@ def _check(command: Array, measured: Array) -> None:
         )
     if np.ptp(command) == 0.0:
         raise InputError(
-            "The command must move",
-            value="a constant command",
+            "The command does not move",
             remedy="Check that the column of the command is the right one",
         )

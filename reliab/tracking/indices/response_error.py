@@ -25,7 +25,7 @@ def relative_error(deviation: Deviation, metric: Metric) -> Array:
     """
     if not deviation.ideal_peak > 0.0:
         raise InputError(
-            "The exact response must not be zero throughout",
+            "The exact response is zero throughout",
             value=f"a peak of {deviation.ideal_peak} m",
             remedy="Check that the ground motion is not zero inside the window",
         )

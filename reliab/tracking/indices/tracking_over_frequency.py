@@ -97,7 +97,7 @@ def tracking_over_frequency(command: Array, measured: Array, time_step: float) -
     coherent[0] = False
     if int(coherent.sum()) < _FEWEST:
         raise InputError(
-            "A and d over frequency need a test whose displacements are coherent",
+            "Command and measured displacement are hardly coherent",
             value=f"coherent at {int(coherent.sum())} frequencies",
             remedy="Record longer, or with less noise",
         )

@@ -36,9 +36,7 @@ class Window:
 
     def __post_init__(self) -> None:
         if self.kind not in list(_Kind):
-            raise InputError(
-                f"The window must be one of {', '.join(_Kind)}", value=self.kind, remedy="Choose one of them"
-            )
+            raise InputError("Unknown window", value=self.kind, remedy=f"Choose among {', '.join(_Kind)}")
         if self.kind == _Kind.SECONDS and not (np.isfinite(self.seconds) and self.seconds >= _SHORTEST):
             raise InputError(
                 f"The window's length must be at least {_SHORTEST:g} s, and finite",
@@ -55,9 +53,9 @@ class Window:
             seconds = float(text)
         except ValueError:
             raise InputError(
-                "A window is 'record', 'arias' or a number of seconds",
+                "Unknown window",
                 value=repr(text),
-                remedy="Give one of these",
+                remedy="Give 'record', 'arias' or a number of seconds",
             ) from None
         return cls(kind=_Kind.SECONDS, seconds=seconds)
 

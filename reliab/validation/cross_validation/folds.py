@@ -88,7 +88,7 @@ def transfer(
     unknown = sorted({*learned, *judged} - set(sets.tolist()))
     if unknown:
         raise InputError(
-            "A set must be among those of the motions",
+            "The motions have no such set",
             value=unknown[0],
             remedy=f"Choose among {', '.join(choices)}"
             if (choices := sorted(set(sets.tolist()) - {""}))
@@ -118,7 +118,7 @@ def _distinct(events: NDArray[np.str_], fewest: int) -> NDArray[np.str_]:
     distinct = np.unique(events)
     if distinct.size < fewest:
         raise InputError(
-            f"This cross-validation needs at least {fewest} earthquakes",
+            f"Too few earthquakes: this cross-validation needs {fewest}",
             value=distinct.size,
             remedy="Use more motions, or fewer folds",
         )
@@ -167,7 +167,7 @@ def _groups(scheme: str, events: NDArray[np.str_], lengths: NDArray[np.float64] 
     magnitudes, regions = magnitudes_of(names), regions_of(names)
     if scheme == "length" or magnitudes is None or regions is None:
         raise InputError(
-            f"To leave out each {scheme}, that of every motion must be known",
+            f"The {scheme} of some motions is not known",
             value="motions without lengths" if scheme == "length" else ", ".join(sorted(set(names))[:3]),
             remedy="Choose leave_one_event_out, or judge real_suite, whose earthquakes are known",
         )
@@ -195,7 +195,7 @@ def folds_of(scheme: str, events: NDArray[np.str_], lengths: NDArray[np.float64]
         return list(leave_groups_out(_groups(scheme, events, lengths), events))
     if scheme not in SCHEMES:
         raise InputError(
-            "The scheme must be one of the known ones",
+            "Unknown scheme",
             value=scheme,
             remedy=f"Choose among {', '.join((*SCHEMES, *GROUP_SCHEMES))}",
         )

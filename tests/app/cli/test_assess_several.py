@@ -40,7 +40,7 @@ def ask(folder, monkeypatch, capsys):
 def test_a_faulty_file_costs_its_row_only(ask, folder):
     code, out, error = ask("good.csv", "faulty.csv", "sound.csv", "--out", "verdicts.csv")
     assert code == 2
-    assert "1 of 3 not judged: faulty.csv" in error
+    assert "1 of 3 files could not be judged: faulty.csv" in error
     rows = pd.read_csv(folder / "verdicts.csv").set_index("file")
     assert rows.index.tolist() == ["good.csv", "faulty.csv", "sound.csv"]
     assert rows.loc["good.csv"].drop("test").equals(rows.loc["sound.csv"].drop("test"))
@@ -134,7 +134,7 @@ def test_one_run_or_a_faulty_one_is_no_same_test(ask):
     assert "two tests or more" in ask("good.csv", command="extrapolate")[2]
     code, _, error = ask("good.csv", "faulty.csv", command="extrapolate")
     assert code == 2
-    assert "Every run of the same test" in error
+    assert "This run cannot be judged" in error
 
 
 @pytest.mark.parametrize("option", ["--json", "--out", "--corrected"])

@@ -133,10 +133,10 @@ def test_two_like_actuators_have_the_criterion_and_the_rig_of_one(records, tmp_p
 @pytest.mark.parametrize(
     ("frame", "actuator", "rule"),
     [
-        (SEVERAL, 3, "one of the structure's 2"),
-        (SEVERAL, 0, "one of the structure's 2"),
+        (SEVERAL, 3, "the structure has 2"),
+        (SEVERAL, 0, "the structure has 2"),
         (FRAME, 2, "one of the structure's 1"),
-        (None, 1, "without `structure`"),
+        (None, 1, "needs the `structure` of a frame"),
     ],
 )
 def test_an_actuator_must_drive_the_frame(records, tmp_path, frame, actuator, rule):

@@ -25,7 +25,7 @@ from reliab.app.api.records import calibrate, record
 from reliab.app.api.rig_answers import predict_rig, report_rig
 from reliab.app.api.rigs import add_to_rig, export_rig, list_rig, remove_from_rig, show_rig_test
 from reliab.app.api.simulation import simulate_suite
-from reliab.app.api.studies import list_studies, perform_study, report_run
+from reliab.app.api.studies import list_studies, report_run, run_study
 from reliab.app.api.tracing import trace_boundaries
 from reliab.app.api.validation import calibrate_probabilities, validate_criteria
 from reliab.app.cli.commands import as_options
@@ -48,7 +48,7 @@ SERVICES: dict[str, Any] = {
     "samples": [copy_samples],
     "validate": [validate_criteria, calibrate_probabilities],
     "diagnose": [diagnose_campaign, report_diagnosis],
-    "run": [perform_study, list_studies],
+    "run": [run_study, list_studies],
     "report": [report_run],
     "info": [describe_installation],
     "motions list": [list_motions],

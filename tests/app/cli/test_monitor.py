@@ -143,7 +143,7 @@ def test_a_reversed_sign_is_told_while_the_test_runs_and_refused_at_its_end(good
     assert alarm["alarms"] == ["sign"]
     assert alarm["time_s"] < 4.0
     assert not any("error" in one for one in first if one["time_s"] > alarm["time_s"])
-    assert "must have the command's sign" in said.err
+    assert "has the opposite sign of the command" in said.err
 
 
 def test_a_replaced_file_is_judged_by_what_was_followed(good, tmp_path):
@@ -348,8 +348,8 @@ def test_columns_may_have_units_and_names_of_their_own(tmp_path, good, capsys):
     ("text", "more", "rule"),
     [
         ("0,0,0\n1,0,0\n", (), "names no columns"),
-        ("time,command,measured\n0,0\n", (), "must have 3 columns"),
-        ("time,command,measured\n0,0,x\n", (), "must be a finite number"),
+        ("time,command,measured\n0,0\n", (), "3 in the first line"),
+        ("time,command,measured\n0,0,x\n", (), "Not a finite number"),
         ("time,command,measured\n0,0,0\n", (), "more than 64 are needed"),
         ("command,measured\n" + "0,0\n" * 100, (), "No times and no sampling rate"),
         ("time,command,measured\n" + "0,0,0\n", ("--threshold", "0"), "--threshold must be positive"),
@@ -510,7 +510,7 @@ def test_a_frame_is_followed_as_it_is_assessed(good, tmp_path, capsys):
     ("driven", "more", "sentence"),
     [
         (ONE, ["--f", "1"], "--f has no effect together with"),
-        (TWO, [], "measured displacement for each"),
+        (TWO, [], "Each actuator needs"),
     ],
 )
 def test_a_frame_that_cannot_be_followed_is_refused(good, tmp_path, capsys, driven, more, sentence):

@@ -37,7 +37,7 @@ def test_a_file_of_another_content_is_not_written_over(empty_folder, capsys):
 def test_a_folder_that_cannot_be_written_is_named(empty_folder, capsys):
     (empty_folder / "file").write_text("no folder", encoding="utf-8")
     assert run(["samples", "file"]) == 2
-    assert "file: The folder for the samples must be writable" in capsys.readouterr().err
+    assert "file: Cannot write to the folder for the samples" in capsys.readouterr().err
 
 
 def test_a_campaign_that_ships_goes_by_name_unless_one_of_that_name_stands_there(empty_folder):

@@ -141,7 +141,7 @@ def test_a_test_with_several_actuators_is_shown_by_degree_of_freedom(capsys):
         "Error of corner, with 90 % intervals", "theta not judged", "Warning: Look at this.",
         "Improve first: gain of actuator 1; without it RMS^R of x would be 0.44 %.",
         "Tracking: actuator 1 A = 0.9877, d = 2.35 ms; actuator 2 A = 1.0123, d = -0.567 ms.",
-        "For all results, with 1 note, add --details.",
+        "1 note: run with --details.",
     ):  # fmt: skip
         assert line in lines, line
     (row,) = [line for line in lines if line.startswith("x ")]

@@ -42,7 +42,8 @@ def test_a_criterion_is_a_row_in_the_order_of_its_headings(capsys):
     assert first == ["1.25", "0.03", "0.75", "0.04", "0.9", "0.000111", "2.22", "0.0333", "4.44", "5.55"]
     assert (second[4], second[-1]) == ("none", "-")
     for sentence in (
-        "from 61 motions of 17 earthquakes", "For ground motions like these: M 6 to 7.", "few earthquakes",
+        "from 61 motions of 17 earthquakes", "Valid for ground motions like these: M 6 to 7.",
+        "few earthquakes",
         "Method: dirichlet, a and b together. Law: none.",
         "Share α of the stiffness in the laboratory: 0.75.",
         "Window: record.",
@@ -57,7 +58,7 @@ def test_a_population_elsewhere_and_separate_limits_are_told(capsys, joint):
     assert "The case asked for lies outside of these motions." in text
     assert ("a and b together" in text) is joint
     without = shown_of(capsys, [{**ROW, "population": "", "warnings": []}])
-    assert "For ground motions like these" not in without
+    assert "Valid for ground motions like these" not in without
     assert "Note:" not in without
 
 

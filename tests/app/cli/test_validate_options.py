@@ -103,7 +103,7 @@ def test_calibration_answers_by_bins():
     [
         (("--law", "guo_2017_18", "--method", "dirichlet", "--confidence", 0.95), "`method` has no effect"),
         (("--law", "guo_2017_18", "--each", "--confidence", 0.95), "`joint` has no effect"),
-        (("--law", "guo_2017_18", "--confidence", 0.9), "states 95 %"),
+        (("--law", "guo_2017_18", "--confidence", 0.9), "has a confidence of 95 %"),
         (("--law", "guo_2017_18", "--threshold", 0.1), "0.05"),
     ],
 )

@@ -320,7 +320,7 @@ def test_no_error_is_stated_of_the_noise_in_a_rest_before_the_motion():
         stated_at_rest.append(begin < 3200 and monitor.result is not None)
         assert not monitor.exceeds(0.05)
     assert not any(stated_at_rest)
-    assert monitor.result.rms.value < 0.05
+    assert monitor.result.estimate(Metric.RMS).value < 0.05
 
 
 def test_a_skew_that_is_not_known_is_no_gain_of_energy():

@@ -58,7 +58,7 @@ def test_a_factor_on_the_limits_passes_through_the_fit(law):
 def test_use_outside_of_the_grid_is_refused(law):
     fitted = law.fit(F, XI, *grid(law))
     for structure in ((0.2, 0.05), (2.1, 0.05), (1.0, 0.01), (1.0, 0.11)):
-        with pytest.raises(InputError, match="must lie where the law is valid"):
+        with pytest.raises(InputError, match="does not hold for this"):
             fitted.limits(*structure)
 
 
@@ -75,7 +75,7 @@ def test_one_structure_is_enough(law):
 
 
 def test_an_unknown_law_is_refused():
-    with pytest.raises(InputError, match="The law must be one of the known ones"):
+    with pytest.raises(InputError, match="Unknown law"):
         law_from_dict({"name": "magic"})
 
 
@@ -92,5 +92,7 @@ def test_a_table_keeps_a_limit_of_zero():
 def test_a_law_with_logarithms_refuses_a_limit_of_zero(law, place):
     limits = list(map(np.copy, grid(law)))
     limits[place][1, 2] = 0.0
-    with pytest.raises(InputError, match="positive at every structure; found limits of zero at 1 structures"):
+    with pytest.raises(
+        InputError, match="positive limits at every structure; found limits of zero at 1 structures"
+    ):
         law.fit(F, XI, *limits)

@@ -55,9 +55,11 @@ def test_rate_with_a_separator_of_thousands_is_read(write: Write) -> None:
 )
 def test_step_that_is_not_plausible_is_asked_back(line: str, found: str, write: Write) -> None:
     path = write("a.txt", f"# {line}\n# units: m/s2\n{ONE}")
-    with pytest.raises(InputError, match=f"line 1: .*must lie from 0.0005 to 0.1 s; found {found}") as caught:
+    with pytest.raises(
+        InputError, match=f"line 1: .*those of records are 0.0005 to 0.1 s; found {found}"
+    ) as caught:
         read_motion(path)
-    assert "confirm it by `time_step`" in caught.value.remedy
+    assert "confirm it with `time_step`" in caught.value.remedy
 
 
 def test_step_that_is_not_plausible_can_be_confirmed(write: Write) -> None:
@@ -94,21 +96,21 @@ def test_scale_factor_is_applied(line: str, factor: float, write: Write) -> None
 @pytest.mark.parametrize(
     ("line", "rule"),
     [
-        ("scale factor: 0", "scale factor in a header must be a number"),
-        ("scale factor: see manual", "scale factor in a header must be a number"),
+        ("scale factor: 0", "scale factor in the header is no number"),
+        ("scale factor: see manual", "scale factor in the header is no number"),
         ("scale factor: 2\n# scale factor: 3", "one scale factor; found 3.0 after 2.0 in line 3"),
-        ("multiply the samples by 9.81", "must be a scale factor of the samples"),
-        ("1 count = 0.01 gal", "must be a scale factor of the samples"),
-        ("offset: 0.5", "offset in a header must be removed"),
-        ("units: 0.1 m/s2", "units in a header must be g, .*; found '0.1 m/s2'"),
-        ("acceleration [0.1 g]", "units in a header must be g, .*; found '0.1 g'"),
-        ("acceleration [counts]", "units in a header must be g, .*; found 'counts'"),
-        ("dt: 5 ms", "one time step; found 0.005 after 0.01 in line 1"),
-        ("dt (s): 10 ms", "must have one unit; found s and ms"),
-        ("velocity [cm/s]", "must be of acceleration; found velocity"),
-        ("Displacement, cm", "must be of acceleration; found displacement"),
-        ("DATA_TYPE: VELOCITY", "must be of acceleration; found velocity"),
-        ("Response spectrum, 5 % damping", "must be of acceleration; found a spectrum"),
+        ("multiply the samples by 9.81", "whether this factor scales the samples"),
+        ("1 count = 0.01 gal", "whether this factor scales the samples"),
+        ("offset: 0.5", "to which column this offset belongs"),
+        ("units: 0.1 m/s2", "Unknown unit of acceleration; found '0.1 m/s2'"),
+        ("acceleration [0.1 g]", "Unknown unit of acceleration; found '0.1 g'"),
+        ("acceleration [counts]", "Unknown unit of acceleration; found 'counts'"),
+        ("dt: 5 ms", "Two different time steps in one file; found 0.005 here and 0.01 in line 1"),
+        ("dt (s): 10 ms", "in two units; found s and ms"),
+        ("velocity [cm/s]", "Not a record of acceleration; found velocity"),
+        ("Displacement, cm", "Not a record of acceleration; found displacement"),
+        ("DATA_TYPE: VELOCITY", "Not a record of acceleration; found velocity"),
+        ("Response spectrum, 5 % damping", "Not a record of acceleration; found a spectrum"),
     ],
 )
 def test_statement_that_cannot_be_applied_is_refused_by_name(line: str, rule: str, write: Write) -> None:
@@ -155,7 +157,7 @@ def test_units_of_the_peak_are_used_where_no_others_are_stated(write: Write) -> 
 )
 def test_at2_of_velocity_or_displacement_is_refused(third: str, kind: str, write: Write) -> None:
     text = f"PEER\nSomequake 1/2/2003, STA 1\n{third}\nNPTS= 4, DT= .01 SEC\n{ONE}"
-    with pytest.raises(InputError, match=f"line 3: A record must be of acceleration; found {kind}"):
+    with pytest.raises(InputError, match=f"line 3: Not a record of acceleration; found {kind}"):
         read_motion(write("a.AT2", text))
 
 
@@ -171,9 +173,7 @@ def test_gap_marks_are_refused(mark: str, declared: str, write: Write) -> None:
     samples = [f"{value:.4f}" for value in np.sin(np.arange(60.0))]
     samples[20:24] = [mark] * 4
     header = f"# dt = 0.01\n# units: cm/s2\n# {declared}\n"
-    with pytest.raises(
-        InputError, match=r"must have no gaps; found the mark of a missing sample, .*, 4 times"
-    ):
+    with pytest.raises(InputError, match=r"has gaps; found the mark of a missing sample, .*, 4 times"):
         read_motion(write("a.txt", header + "\n".join(samples)))
 
 

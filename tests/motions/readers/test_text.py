@@ -87,39 +87,47 @@ def test_an_event_can_be_declared_in_the_header(write: Write) -> None:
 @pytest.mark.parametrize(
     ("text", "line", "rule"),
     [
-        (ONE, None, "units must be stated"),
-        ("# units: g\n" + ONE, None, "time step must be stated"),
+        (ONE, None, "No units stated"),
+        ("# units: g\n" + ONE, None, "No time step stated"),
         (
             "# units: furlongs\n" + TWO,
             1,
-            "units in a header must be g, cm/s2, m/s2, mm/s2 or g/10; found 'furlongs'",
+            "Unknown unit of acceleration; found 'furlongs'",
         ),
         (
             "# acceleration (in/s2)\n" + TWO,
             1,
-            "units in a header must be g, cm/s2, m/s2, mm/s2 or g/10; found 'in/s2'",
+            "Unknown unit of acceleration; found 'in/s2'",
         ),
-        ("# units: g\n# acceleration [m/s2]\n" + TWO, 2, "one kind of units; found m/s2 after g in line 1"),
-        ("# units: g\n# dt = 0.01\n# dt = 0.02\n" + ONE, 3, "one time step; found 0.02 after 0.01 in line 2"),
+        (
+            "# units: g\n# acceleration [m/s2]\n" + TWO,
+            2,
+            "Two different units in one file; found m/s2 here and g in line 1",
+        ),
+        (
+            "# units: g\n# dt = 0.01\n# dt = 0.02\n" + ONE,
+            3,
+            "Two different time steps in one file; found 0.02 here and 0.01 in line 2",
+        ),
         ("# units: g\n# dt = 0\n" + ONE, 2, "positive number; found 0"),
         ("# units: g\n# dt = often\n" + ONE, 2, "positive number; found often"),
         ("# units: g\n# sampling rate: 0 Hz\n" + ONE, 2, "positive number; found 0"),
         (
             "# units: g\n# dt = 0.02\n" + TWO,
             2,
-            "the one between the times; found 0.02 s in the header, 0.01 s",
+            "contradicts the column of times; found 0.02 s in the header, 0.01 s",
         ),
         ("# units: g\n# samples: 5\n# dt = 0.01\n" + ONE, 7, "found the end after 4 of 5"),
         ("# units: g\n# samples: 3\n# dt = 0.01\n" + ONE, 7, "found 4 samples instead of 3"),
-        ("# units: g\n# samples: many\n# dt = 0.01\n" + ONE, 2, "whole number from 2 on; found many"),
+        ("# units: g\n# samples: many\n# dt = 0.01\n" + ONE, 2, "whole number of at least 2; found many"),
         ("# units: g\n" + TWO.replace("0.02", "0.025"), 5, "equal steps; found 0.03 s after 0.025 s"),
         ("# units: g\n" + TWO.replace("0.02", "0.01"), 4, "equal steps; found 0.01 s after 0.01 s"),
-        ("# units: g\n" + TWO.replace("0.02 ", ""), 4, "as many columns as the first; found 1 instead of 2"),
+        ("# units: g\n" + TWO.replace("0.02 ", ""), 4, "number of columns changes; found 1 instead of 2"),
         ("# units: g\n# dt = 0.01\n" + ONE.replace("0.3", "0.3 0.4"), 5, "found 2 instead of 1"),
         (
             "# units: g\n1 2 3\n4 5 6\n",
             2,
-            "one column, times and samples, or columns with names; found 3 columns",
+            "one column, times and samples, or what the columns hold; found 3 columns without names",
         ),
         ("# units: g\n0,00;0,1\n0,01;0,2\n", 2, "must be a number; found '0,00'"),
         ("# units: g\n# dt = 0.01\n0.5\n", 3, "at least two samples; found 1"),
@@ -129,7 +137,7 @@ def test_an_event_can_be_declared_in_the_header(write: Write) -> None:
         ("# units: g\n# dt = 0.01\n0.5\nnan\n", 4, "must be finite; found 'nan'"),
         ("# units: g\n# dt = 0.01\ninf\n0.5\n", 3, "must be finite; found 'inf'"),
         ("# units: g\n# dt = 0.01\n0.5\n350.0\n", 4, "must not exceed 5 g; found 350 g with samples in g"),
-        ("# units: g\n# dt = 0.01\n0\n0\n", 3, "a sample other than zero"),
+        ("# units: g\n# dt = 0.01\n0\n0\n", 3, "All samples are zero"),
         ("only words\nand more\n", 1, "must hold samples"),
         ("# nothing but comments\n", 1, "must hold samples"),
         (",,,\n", 1, "must hold samples"),
@@ -149,5 +157,5 @@ def test_prose_about_acceleration_is_not_taken_for_units(write: Write) -> None:
 
 
 def test_the_symbol_of_ground_acceleration_is_not_taken_for_units(write: Write) -> None:
-    with pytest.raises(InputError, match="units must be stated"):
+    with pytest.raises(InputError, match="No units stated"):
         read_motion(write("a.csv", "t,a_g\n" + TWO.replace(" ", ",")))

@@ -190,14 +190,14 @@ def test_tolerable_errors_have_a_line_for_each_confidence():
         ("Natural frequency $f$ [Hz]", r"Delay $\sqrt{b}$ [ms]"),
     ]
     assert legend(figure) == [
-        "90 % of the population's ground motions",
-        "99 % of the population's ground motions",
+        "90 % of comparable ground motions",
+        "99 % of comparable ground motions",
     ]
     amplitude, delay = figure.axes
     f = np.array([0.5, 1.0, 2.0])
     for name, confidence in (
-        ("90 % of the population's ground motions", 0.9),
-        ("99 % of the population's ground motions", 0.99),
+        ("90 % of comparable ground motions", 0.9),
+        ("99 % of comparable ground motions", 0.99),
     ):
         np.testing.assert_allclose(curve(amplitude, name), (f, np.sqrt(1e-4 * confidence * f)))
         np.testing.assert_allclose(curve(delay, name), (f, np.sqrt(4.0 * confidence / f)))

@@ -57,7 +57,7 @@ def test_adding_a_specimen_and_taking_it_out_again_is_the_bare_frame(frame):
         (Specimen(stiffness=1e5, mass=1000.0), "mass must be smaller than the mass that moves"),
         (Specimen(stiffness=3e6), "must not have a negative stiffness"),
         (Specimen(stiffness=1e5, damping=1e6), "must not have a negative damping"),
-        (Specimen(stiffness=0.0), "needs stiffness, damping or mass"),
+        (Specimen(stiffness=0.0), "neither stiffness nor damping nor mass"),
     ],
 )
 def test_specimens_that_the_structure_cannot_spare_are_refused(frame, specimen, sentence):

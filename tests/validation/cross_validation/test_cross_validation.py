@@ -153,7 +153,7 @@ def test_bootstrap_interval_covers_the_rate():
 
 
 def test_too_few_earthquakes_are_refused():
-    with pytest.raises(InputError, match="at least 2 earthquakes"):
+    with pytest.raises(InputError, match="Too few earthquakes"):
         list(leave_one_event_out(np.array(["a", "a"])))
 
 

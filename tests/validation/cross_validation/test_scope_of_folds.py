@@ -25,7 +25,7 @@ def test_a_region_whose_records_are_shorter_than_all_others_is_named(by_region):
     count = int((lengths[nahanni] < lengths[~nahanni].min()).sum())
     assert count
     (sentence,) = [sentence for sentence in by_region if "Canada" in sentence and "length" in sentence]
-    assert sentence.startswith(f"Outside of the population: {count} of the {nahanni.sum()} motions")
+    assert sentence.startswith(f"No promise for {count} of the {nahanni.sum()} motions")
 
 
 @pytest.mark.slow

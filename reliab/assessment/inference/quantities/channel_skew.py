@@ -16,7 +16,7 @@ class ChannelSkew(Quantity):
     words = "skew of the channels"
     unit = "ms"
     factor = 1000.0
-    remedy = "Measure the skew, by one signal on both channels, and state it."
+    remedy = "Feed one signal to both channels (`reliab calibrate`) and give the `skew`."
     per_actuator = True
     option = "skew"
     option_unit = 1000.0

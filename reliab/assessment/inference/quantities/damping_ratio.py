@@ -17,7 +17,7 @@ class DampingRatio(Quantity):
     words = "damping ratio"
     unit = "%"
     factor = 100.0
-    remedy = "Measure the damping ratio by a free vibration, and state its deviation."
+    remedy = "Measure the damping ratio in a free vibration, and state its standard deviation."
     shape = Shape.LOGNORMAL
     option = "xi"
     relative = True

@@ -17,7 +17,7 @@ class NaturalFrequency(Quantity):
     words = "natural frequency"
     unit = "%"
     factor = 100.0
-    remedy = "Measure the natural frequency by a free vibration, and state its deviation."
+    remedy = "Measure the natural frequency in a free vibration, and state its standard deviation."
     shape = Shape.LOGNORMAL
     option = "f"
     relative = True

@@ -18,7 +18,7 @@ class SensorScale(Quantity):
     words = "scale of the displacement sensor"
     unit = "%"
     factor = 100.0
-    remedy = "Calibrate the displacement sensor against the command, and state its scale."
+    remedy = "Calibrate the displacement sensor and give its `scale`."
     per_actuator = True
     option = "scale"
     relative = True

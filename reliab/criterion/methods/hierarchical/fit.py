@@ -365,7 +365,7 @@ def hierarchical_model(population: Population, *, curved: bool = True, robust: b
     complete = known.all(axis=(1, 2, 3))
     if complete.sum() < FEWEST_MOTIONS:
         raise InputError(
-            f"The hierarchical model needs at least {FEWEST_MOTIONS} motions with an ellipse everywhere",
+            f"Too few motions with an ellipse at every structure: this method needs {FEWEST_MOTIONS}",
             value=int(complete.sum()),
             remedy="Give more motions, a smaller threshold or less damping",
         )

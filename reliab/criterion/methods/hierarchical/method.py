@@ -59,7 +59,7 @@ class HierarchicalMethod(Method):
 
         if law not in _CURVED:
             raise InputError(
-                "The hierarchical model has a law inside that is linear or quadratic in ln f and ln ξ",
+                "The hierarchical methods do not take this law",
                 value=law,
                 remedy=f"Choose among {', '.join(_CURVED)}",
             )

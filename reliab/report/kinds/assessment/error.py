@@ -21,7 +21,7 @@ from reliab.report.document import Figure, Table, text_table
 from reliab.report.figures.measured_test import error_over_time
 from reliab.report.numbers import MISSING
 from reliab.report.prose import Prose, prose
-from reliab.report.wording import ERRORS, spelled_out
+from reliab.report.wording import ERRORS, spelled_out, with_options
 
 TONES: Final[Mapping[Word, Literal["plain", "good", "bad"]]] = {
     Word.RELIABLE: "good",
@@ -45,7 +45,7 @@ def errors_table(error: ErrorOfTest, recording: Recording) -> Table:
         ("Error, over the peak of the exact displacement", "Found [%]", "90 % interval", "Without it"),
         caption=(
             f"Error over the test's own {recording.duration:.4g} s: root mean square and largest "
-            "value of measured minus exact displacement. The last column is what would remain without the "
+            "value of measured minus exact displacement. The last column: what would remain without this "
             "part."
         ),
         label="tab:errors",
@@ -69,10 +69,10 @@ def budget_table(budget: tuple[BudgetItem, ...]) -> Table:
     ]
     return text_table(
         rows,
-        ("Not known exactly", "Its deviation", "Source", "Effect on the error [%]"),
+        ("Not known exactly", "Std. deviation", "Source", "Effect on the error [%]"),
         caption=(
-            "Standard deviations of what is not known exactly, and of the error that each alone causes; "
-            "what would narrow the interval most: " + budget[0].remedy
+            "What is not known exactly, and the standard deviation of the error that each alone causes. "
+            f"To narrow the interval: {with_options(budget[0].remedy)}"
             if budget
             else "Nothing widens the interval."
         ),
@@ -125,7 +125,10 @@ def histories_figure(
             band=(rebuilt.low, rebuilt.high),
             parts={_label(cause): over_time[cause] for cause in over_time if cause in largest},
         ),
-        caption=f"Exact and measured {name}, the error with its 90 % band, and where it comes from.",
+        caption=(
+            f"Top: exact and measured {name}. Middle: their difference, the error, with its 90 % band. "
+            "Bottom: what the error comes from."
+        ),
         label="fig:error",
     )
 
@@ -143,9 +146,7 @@ def improve_first(error: ErrorWithThreshold) -> str:
     if first is None:
         return CANCELLING
     remaining = percent(error.parts.by_name[first].remaining_rms, decimals=2)
-    return (
-        f"Improve first: {part_in_words(first)}. Without its part RMSᴿ{error.of_which} would be {remaining}."
-    )
+    return f"Improve first: {part_in_words(first)}. Without it RMSᴿ{error.of_which} would be {remaining}."
 
 
 def error_sentence(error: ErrorWithThreshold, word: Word) -> Prose:
@@ -169,12 +170,12 @@ def advice(assessment: Assessment) -> Prose:
     return " ".join(
         (
             improve_first(assessment.error),
-            f"By the index, {percent(share, 2)} comes from the {by_index.first}.",
-            f"At its own amplitude the test is accepted up to a delay of {late:.2f} ms."
+            f"The {by_index.first} contributes {percent(share, 2)} of the index.",
+            f"With this amplitude a delay of {late:.2f} ms is tolerable."
             if late > 0.0
-            else "At its own amplitude the test is not accepted with any delay.",
-            f"At its own delay it is accepted up to an amplitude error of {percent(off, 2)}."
+            else "With this amplitude no delay is tolerable.",
+            f"With this delay an amplitude error of {percent(off, 2)} is tolerable."
             if off > 0.0
-            else "At its own delay it is not accepted with any amplitude.",
+            else "With this delay no amplitude error is tolerable.",
         )
     )

@@ -27,6 +27,7 @@ from reliab.report.numbers import MISSING
 from reliab.report.prose import Prose, prose
 from reliab.report.sources import SOURCES, provenance_of
 from reliab.report.style import BLUE, GREY, PALE, VERMILION, panels, styled
+from reliab.report.wording import with_options
 from reliab.tracking.indices.tracking_over_frequency import TrackingOverFrequency
 
 _KILO = 1e3
@@ -114,7 +115,7 @@ def _facts_of_one(assessment: FrameAssessment) -> dict[str, Prose]:
     if placed is not None and assessment.criterion is not None:
         index = MISSING if placed.index is None else significant(placed.index)
         population = assessment.criterion.provenance.population
-        motions = f"motions like the {population}" if population else "the population's ground motions"
+        motions = f"motions like the {population}" if population else "comparable ground motions"
         facts["Index of the criterion"] = (
             f"{index} against 1, for {share_in_words(assessment.promise)} of {motions}"
         )
@@ -141,11 +142,14 @@ def _cautions(assessment: JudgedFrame) -> list[Prose]:
         else "the frame whose matrices without the specimen are as stated, and whose specimen was learned "
         "from its force"
     )
-    return [
+    remarks = [
         *(verdict.reasons[:-1] if verdict.word is Word.UNDECIDED else ()),  # the last one is the headline
         *next_steps(verdict.would_decide, error.would_decide),
         *assessment.warnings,
         *assessment.recording.notes,
+    ]
+    return [
+        *map(with_options, remarks),
         f"The error is that of {of_what}, whatever the actuator did.",
     ]
 

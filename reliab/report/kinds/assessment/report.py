@@ -22,7 +22,7 @@ from reliab.report.kinds.assessment.error import (
 from reliab.report.numbers import MISSING, Fixed, Significant, Written, in_line
 from reliab.report.prose import Prose, prose
 from reliab.report.sources import SOURCES, provenance_of
-from reliab.report.wording import meaning_of_confidence, spelled_out
+from reliab.report.wording import meaning_of_confidence, spelled_out, with_options
 
 _FAR = 10.0
 
@@ -78,7 +78,7 @@ def _facts(assessment: Assessment) -> dict[str, Prose]:
     return {
         "Test": f"{recording.name}, {recording.duration:.1f} s at {1.0 / recording.time_step:.5g} Hz",
         "Structure": prose(
-            "$f =$ {f} Hz, $xi =$ {xi}, share of the stiffness in the laboratory $alpha =$ {alpha}",
+            "$f =$ {f} Hz, $xi =$ {xi}, physically tested fraction of the stiffness $alpha =$ {alpha}",
             f=_with_deviation(assessment, "f", structure.frequency),
             xi=_with_deviation(assessment, "xi", structure.damping_ratio),
             alpha=_with_deviation(assessment, "alpha", structure.experimental_fraction),
@@ -86,9 +86,10 @@ def _facts(assessment: Assessment) -> dict[str, Prose]:
         "Threshold and window": (
             f"{percent(assessment.error.threshold)}, over the test's own {recording.duration:.4g} s"
         ),
-        "Index judged by": (
-            f"{basis}: {spelled_out(assessment.verdict_by_index.word)}. "
-            f"{assessment.verdict_by_index.reasons[-1]} Window of its errors: {window}"
+        "Check by A and d": (
+            f"{spelled_out(assessment.verdict_by_index.word).capitalize()}. "
+            f"{assessment.verdict_by_index.reasons[-1]} "
+            f"Limits of {basis}; window of the error: {window}"
         ),
     }
 
@@ -99,7 +100,7 @@ def _of_ground_motions(assessment: Assessment) -> str:
     share = share_in_words(assessment.promise)
     if not population or position is None:
         return f"{share} of the ground motions behind the criterion"
-    return f"{share} of motions like the {population}, with the test {position} of them"
+    return f"{share} of motions like these ({position} of which the test lies): {population}"
 
 
 def _with_deviation(assessment: Assessment, name: str, value: float) -> str:
@@ -216,7 +217,7 @@ def _plane(assessment: Assessment) -> Figure:
         ""
         if windows is None
         else f" Right: both in windows of {significant(windows.length)} s (bars: two standard "
-        "deviations); a rig that behaves alike throughout shows no trend."
+        "deviations); look for a trend, which a steady rig does not show."
     )
     return Figure(
         drawing=tracking_overview(
@@ -237,12 +238,15 @@ def _plane(assessment: Assessment) -> Figure:
 def _cautions(assessment: Assessment) -> list[Prose]:
     warnings = () if assessment.placement else assessment.criterion.provenance.warnings
     verdict = assessment.verdict
-    return [
+    remarks = [
         *(verdict.reasons[:-1] if verdict.word is Word.UNDECIDED else ()),  # the last one is the headline
         *next_steps(verdict.would_decide, assessment.error.would_decide),
         *assessment.warnings,
         *assessment.recording.notes,
         *warnings,
+    ]
+    return [
+        *map(with_options, remarks),
         prose(
             "The error is that of a linear structure with the stated properties, whatever the actuator did; "
             "$A$ and $d$ do not describe friction, backlash or saturation."
@@ -275,8 +279,7 @@ def _basis(assessment: Assessment) -> Prose:
     if assessment.speaks_for_none:
         return prose("No share of motions is stated for the limits $a$ and $b$.")
     return prose(
-        "The limits $a$ and $b$ are those that {share} of the population's ground motions exceed "
-        "({meaning}).",
+        "The limits $a$ and $b$ are those that {share} of comparable ground motions exceed ({meaning}).",
         share=percent(criterion.confidence),
         meaning=meaning_of_confidence(criterion.method),
     )

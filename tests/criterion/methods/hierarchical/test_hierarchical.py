@@ -159,5 +159,5 @@ def test_settings_that_a_method_lacks_are_refused():
 
 
 def test_chains_without_a_posterior_are_refused(ellipses):
-    with pytest.raises(InputError, match="sample chains"):
+    with pytest.raises(InputError, match="have chains"):
         derive_criterion(ellipses, chains="chains.h5", **ERROR)
