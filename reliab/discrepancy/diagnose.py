@@ -155,17 +155,25 @@ def _block(
     motions: tuple[Motion3, ...],
     diagnoses: Sequence[BlockDiagnosis],
 ) -> ObservedBlock:
-    if kind is ActuatorBlock:
-        return ActuatorBlock(campaign, scales)
-    if kind is BalanceBlock:
-        return BalanceBlock(campaign, scales)
-    if kind is FrameBalanceBlock:
-        return FrameBalanceBlock(campaign, scales)
     if kind is LoopBlock:
         return LoopBlock(campaign, scales, motions)
-    if diagnoses:
-        return SpecimenBlock(campaign, scales, _pistons(diagnoses[0]))
-    return SpecimenBlock(campaign, scales, motions, smoothed=True)
+    if kind is SpecimenBlock:
+        actuator = diagnoses[0] if diagnoses else None
+        return _specimen(campaign, scales, motions, actuator)
+    return kind(campaign, scales)  # type: ignore[call-arg] - the others follow from these
+
+
+def _specimen(
+    campaign: Campaign, scales: Scales, motions: tuple[Motion3, ...], actuator: BlockDiagnosis | None
+) -> SpecimenBlock:
+    """Build the specimen's block under the motion of the piston that is known best."""
+    if actuator is None:
+        return SpecimenBlock(campaign, scales, motions, smoothed=True)
+    modelled, seen = _pistons(actuator)
+    if seen is None:
+        return SpecimenBlock(campaign, scales, modelled)
+    blocks = [SpecimenBlock(campaign, scales, seen), SpecimenBlock(campaign, scales, modelled, timed=False)]
+    return min(blocks, key=lambda block: _linear_energy(block, campaign))
 
 
 def _on_one_clock(
@@ -201,24 +209,33 @@ def _possible_lag(specimen: BlockDiagnosis) -> float:
     return sum(effect.lag_s for effect in model.effects if isinstance(effect, ClockOffset))
 
 
-def _pistons(actuator: BlockDiagnosis) -> list[Motion3]:
-    """Motion of the piston in every test: the actuator's best model, and what the sensor saw beside it.
+def _pistons(actuator: BlockDiagnosis) -> tuple[list[Motion3], list[Motion3] | None]:
+    """Motion of the piston in every test: by the actuator's best model, and with what the sensor saw beside.
 
-    What the model leaves beyond noise is motion of the piston, of which the specimen must not be blamed.
+    What the model leaves beyond noise is motion of the piston or an error of its sensor. Of neither the
+    specimen must be blamed, and its force tells which: under the true motion it is explained better. Where
+    only noise is left, there is no second motion.
     """
     block, best = actuator.block, actuator.best
     if not isinstance(block, ActuatorBlock):
         raise TypeError
     model = best.space.model(best.coordinates)
-    pistons = [block.piston(model, test) for test in range(len(block.tests))]
+    modelled = [block.piston(model, test) for test in range(len(block.tests))]
     if actuator.leaves_noise:
-        return pistons
+        return modelled, None
     missed = [block.measured(test) - block.predict(model, test) for test in range(len(block.tests))]
     step, highest = 1.0 / block.rate, block.highest_signal
-    return [
+    seen = [
         Motion3(values=piston.values + smoothed_motion(error, step, highest).values, step=piston.step)
-        for piston, error in zip(pistons, missed, strict=True)
+        for piston, error in zip(modelled, missed, strict=True)
     ]
+    return modelled, seen
+
+
+def _linear_energy(block: SpecimenBlock, campaign: Campaign) -> float:
+    """Energy that the best linear model of a specimen leaves, whatever stiffness is stated."""
+    search = Search(_problem(block.with_open_stiffness(), campaign, campaign.training))
+    return _energy(search.linear, search)
 
 
 def _examined(block: ObservedBlock, campaign: Campaign, advance: Callable[[], None]) -> BlockDiagnosis:

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from reliab.discrepancy.terms.clock_offset import ClockOffset
 from reliab.effects.effect import Parameter, Scales
 from reliab.effects.excitation_scale import ExcitationScale
 from reliab.effects.force_bias import ForceBias
@@ -192,6 +193,15 @@ def force_not_fed_back() -> Calibration:
         ),
         nominal=lambda _model: 0.0,
         apply=lambda model, value: model.adding(ForceBias(bias_n=value)),
+    )
+
+
+def lag_of_force() -> Calibration:
+    """Time [s] by which a force is later than a motion whose delay is badly known."""
+    return Calibration(
+        parameter=replace(ClockOffset.parameters[0], name="force_lag_s"),
+        nominal=lambda _model: 0.0,
+        apply=lambda model, value: model.adding(ClockOffset(lag_s=value)),
     )
 
 

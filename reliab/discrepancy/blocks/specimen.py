@@ -14,6 +14,7 @@ from reliab.core.vocabulary import Block
 from reliab.discrepancy.blocks.calibration import (
     Calibration,
     free_stiffness,
+    lag_of_force,
     stiffness,
 )
 from reliab.discrepancy.blocks.observed import ObservedBlock
@@ -51,8 +52,15 @@ class SpecimenBlock(ObservedBlock):
     twins = MappingProxyType({ViscousDamping: (ClockOffset,), ClockOffset: (ViscousDamping, AddedMass)})
 
     def __init__(
-        self, campaign: Campaign, scales: Scales, pistons: Sequence[Motion3], *, smoothed: bool = False
+        self,
+        campaign: Campaign,
+        scales: Scales,
+        pistons: Sequence[Motion3],
+        *,
+        smoothed: bool = False,
+        timed: bool = True,
     ) -> None:
+        """Take the motion of the piston; unless it is `timed`, the lag of the force is calibrated."""
         self.tests = campaign.tests
         self.rate = campaign.rate
         self.scales = scales
@@ -67,7 +75,9 @@ class SpecimenBlock(ObservedBlock):
             effect for effect in library().values() if effect.role is Role.FORCE and effect.refines is None
         )
         of_sensor: tuple[type[Effect], ...] = (SensorDrift,) if smoothed else ()
-        self.candidates = (*in_force, *of_sensor, ClockOffset)
+        self.candidates = (*in_force, *of_sensor, *((ClockOffset,) if timed else ()))
+        if not timed:
+            self.calibrations += (lag_of_force(),)
         self.outside = general_terms(self.block)
         self.smoothed = smoothed
         self._spreads = self._velocity_spreads() if smoothed else []
@@ -85,7 +95,7 @@ class SpecimenBlock(ObservedBlock):
         """Return the same block, whose stiffness may be any multiple of the stated one."""
         opened = copy(self)
         opened.__dict__.pop("sketch", None)
-        opened.calibrations = (free_stiffness(self.nominal, self.scales),)
+        opened.calibrations = (free_stiffness(self.nominal, self.scales), *self.calibrations[1:])
         opened.move(self.motions)
         return opened
 
