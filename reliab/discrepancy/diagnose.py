@@ -155,12 +155,15 @@ def _block(
     motions: tuple[Motion3, ...],
     diagnoses: Sequence[BlockDiagnosis],
 ) -> ObservedBlock:
+    if kind is ActuatorBlock:
+        return ActuatorBlock(campaign, scales)
+    if kind is BalanceBlock:
+        return BalanceBlock(campaign, scales)
+    if kind is FrameBalanceBlock:
+        return FrameBalanceBlock(campaign, scales)
     if kind is LoopBlock:
         return LoopBlock(campaign, scales, motions)
-    if kind is SpecimenBlock:
-        actuator = diagnoses[0] if diagnoses else None
-        return _specimen(campaign, scales, motions, actuator)
-    return kind(campaign, scales)  # type: ignore[call-arg] - the others follow from these
+    return _specimen(campaign, scales, motions, diagnoses[0] if diagnoses else None)
 
 
 def _specimen(
