@@ -58,7 +58,9 @@ _FEWEST_SAMPLES = 3  # samples in a field
 _REACH = 0.995  # quantile of the motion at which the axes end
 _COLOURS = "RdBu_r"
 _TIME_FREQUENCY_HEIGHT = 62.0
-_STRETCHES = 24.0  # of the window, in a test
+STRETCHES = 24.0
+"""Lengths of a spectrogram's window in a test."""
+
 _OVERLAP = 8
 _RANGE = (-10.0, 40.0)  # dB
 
@@ -375,7 +377,7 @@ def discrepancy_time_frequency(
 def _levels(
     values: NDArray[np.float64], density: NDArray[np.float64], rate: float, highest: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    length = 2 * int(values.size / _STRETCHES / 2) + 2
+    length = 2 * int(values.size / STRETCHES / 2) + 2
     window = np.hanning(length + 1)[:-1]
     transform = ShortTimeFFT(window, max(1, length // _OVERLAP), rate)
     power = np.abs(transform.stft(values)) ** 2 / (window**2).sum()
