@@ -124,7 +124,7 @@ def time_frequency_figure(diagnosed: BlockDiagnosis) -> Figure:
         channel=str(diagnosed.block.channel),
         test=_test_in_words(diagnosed, file),
     )
-    return Figure(drawing=drawing, caption=caption, label=f"fig:time-{diagnosed.block.block}", floats=True)
+    return Figure(drawing=drawing, caption=caption, label=f"fig:time-{diagnosed.block.block}")
 
 
 def state_plane_figure(diagnosed: BlockDiagnosis) -> Figure:
@@ -139,11 +139,11 @@ def state_plane_figure(diagnosed: BlockDiagnosis) -> Figure:
         channel=str(diagnosed.block.channel),
         test=_test_in_words(diagnosed, file),
     )
-    return Figure(drawing=drawing, caption=caption, label=f"fig:state-{diagnosed.block.block}", floats=True)
+    return Figure(drawing=drawing, caption=caption, label=f"fig:state-{diagnosed.block.block}")
 
 
 def histories_figure(diagnosed: BlockDiagnosis) -> Figure:
-    """Draw measured against modelled channel of a held-out test where it moves most."""
+    """Draw the channel of a held-out test where it moves most, and what the models leave of it."""
     file, before, after = _held_out(diagnosed)
     test = _place(diagnosed, file)
     measured, driven = (
@@ -157,13 +157,14 @@ def histories_figure(diagnosed: BlockDiagnosis) -> Figure:
         time=np.arange(measured.size)[cut] / diagnosed.block.rate,
         driven=input_factor * driven[cut],
         measured=factor * measured[cut],
-        before=factor * (measured - before)[cut],
-        after=factor * (measured - after)[cut],
+        before=factor * before[cut],
+        after=factor * after[cut],
         input_label=f"{diagnosed.block.inputs[-1]} [{input_unit}]",
         label=f"{diagnosed.block.channel} [{unit}]",
+        residual_label=f"Residual [{unit}]",
     )
     caption = prose(
-        "Measured and modelled {channel} of {test}, in the stretch in which it is strongest: "
+        "Measured {channel} of {test} in the stretch in which it is strongest, and its residual below: "
         "over time, and over {driven}.",
         channel=str(diagnosed.block.channel),
         test=_test_in_words(diagnosed, file),
@@ -173,7 +174,6 @@ def histories_figure(diagnosed: BlockDiagnosis) -> Figure:
         drawing=discrepancy_histories(history),
         caption=caption,
         label=f"fig:histories-{diagnosed.block.block}",
-        floats=True,
     )
 
 
@@ -260,7 +260,7 @@ def posterior_figure(diagnosis: Diagnosis, block: str, posterior: Posterior) -> 
         block=block,
     )
     drawing = discrepancy_posterior(names, posterior.draws[:, places] / scales)
-    return Figure(drawing=drawing, caption=caption, label=f"fig:posterior-{block}", floats=True)
+    return Figure(drawing=drawing, caption=caption, label=f"fig:posterior-{block}")
 
 
 def _power_of_ten(values: NDArray[np.float64]) -> float:

@@ -91,13 +91,13 @@ def _verdict(diagnosis: Diagnosis) -> Prose:
         case Verdict.NAMED:
             return prose("The model lacks *{names}*. {closed}", names=names, closed=_closed(diagnosis))
         case Verdict.UNKNOWN_EFFECT:
-            where = "" if diagnosis.unknown is None else diagnosis.unknown.block
-            if not names:
-                return prose("The *{where}* has an effect that is none of the known ones.", where=where)
+            unknown = diagnosis.unknown
+            first = "The model lacks *{names}*, and the" if names else "The"
             return prose(
-                "The model lacks *{names}*, and the *{where}* has an effect that is none of the known ones.",
+                first + " *{where}* has an effect that is none of the known ones: {description}.",
                 names=names,
-                where=where,
+                where="" if unknown is None else unknown.block,
+                description="" if unknown is None else unknown.description,
             )
         case Verdict.NOT_IDENTIFIABLE:
             doubtful = " or ".join(spelled_out(effect.name) for effect in diagnosis.doubtful)
@@ -391,7 +391,8 @@ def proof_section(diagnosis: Diagnosis) -> Section:
     blocks += [table, _errors_by_test(diagnosis), *_candidates(diagnosis)]
     blocks += drawn("the gap", partial(gap_figure, diagnosis))
     for diagnosed in diagnosis.blocks:
-        blocks += drawn("histories and loops", partial(histories_figure, diagnosed))
+        if diagnosed.gap.missing:
+            blocks += drawn("histories and loops", partial(histories_figure, diagnosed))
     return Section(title="The proof on held-out tests", blocks=tuple(blocks))
 
 
