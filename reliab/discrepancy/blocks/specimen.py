@@ -21,7 +21,7 @@ from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
 from reliab.discrepancy.spectra.segment import Segment
 from reliab.discrepancy.spectra.smoothing import harmonics_up_to, reliable_frequency, velocity_spread
-from reliab.discrepancy.terms.clock_offset import ClockOffset, lag_of, recorded_late, with_clock
+from reliab.discrepancy.terms.clock_offset import ClockOffset, lag_of, path_through, read_late, with_clock
 from reliab.effects.added_mass import AddedMass
 from reliab.effects.effect import Effect, Role, Scales, SteppedEffect
 from reliab.effects.force_bias import ForceBias
@@ -39,7 +39,7 @@ from reliab.structures.specimen import Specimen
 _NODES = np.sqrt(3.0) * np.array([-1.0, 0.0, 1.0])  # of Gauss and Hermite
 _WEIGHTS = np.array([1.0, 4.0, 1.0]) / 6.0
 _SKETCHED_RATE = 250.0  # Hz
-_CACHED_FORCES, _CACHED_SPECTRA = 12, 40  # terms that are remembered for each test
+_CACHED_FORCES, _CACHED_SPECTRA, _CACHED_PATHS = 12, 40, 4  # terms that are remembered for each test
 
 
 class SpecimenBlock(ObservedBlock):
@@ -89,6 +89,7 @@ class SpecimenBlock(ObservedBlock):
         peaks = [float(np.abs(piston.values[0]).max()) for piston in self.motions]
         self._moved_before = np.maximum.accumulate([0.0, *peaks]).tolist()
         self._followed = lru_cache(maxsize=_CACHED_FORCES * len(self.tests))(self._follow_one)
+        self._path = lru_cache(maxsize=_CACHED_PATHS * len(self.tests))(self._path_of_one)
         self._seen = lru_cache(maxsize=_CACHED_SPECTRA * len(self.tests))(self._seen_one)
 
     def with_open_stiffness(self) -> "SpecimenBlock":
@@ -188,8 +189,13 @@ class SpecimenBlock(ObservedBlock):
     def _seen_one(self, term: "Term", lag: float, segments: tuple[Segment, ...]) -> tuple[Spectrum, ...]:
         """Spectrum of one term in each of some segments of one test, recorded by a clock that lags [s]."""
         test = segments[0].test
-        force = recorded_late(self._followed(term, test), lag, self.motions[test].step)
+        late = lag / self.motions[test].step
+        force = read_late(self._path(term, test), late) if late else self._followed(term, test)
         return tuple(segment.coarse_spectrum(force, self.every) for segment in segments)
+
+    def _path_of_one(self, term: "Term", test: int) -> Array:
+        """Coefficients of the path through the force of one term in a test."""
+        return path_through(self._followed(term, test))
 
     def _coupled(self, model: HybridTest, test: int) -> Array:
         """Predict the force where effects change the motion that others see, as if there were one clock."""
