@@ -175,8 +175,10 @@ def _specimen(
     modelled, seen = _pistons(actuator)
     if seen is None:
         return SpecimenBlock(campaign, scales, modelled)
-    blocks = [SpecimenBlock(campaign, scales, seen), SpecimenBlock(campaign, scales, modelled, timed=False)]
-    return min(blocks, key=lambda block: _linear_energy(block, campaign))
+    by_sensor = SpecimenBlock(campaign, scales, seen)
+    by_model = SpecimenBlock(campaign, scales, modelled, timed=False)
+    energies = [_linear_energy(block, campaign) for block in (by_model, by_sensor)]
+    return by_model if energies[0] < _LEAST_EXPLAINED * energies[1] else by_sensor
 
 
 def _on_one_clock(
@@ -215,9 +217,9 @@ def _possible_lag(specimen: BlockDiagnosis) -> float:
 def _pistons(actuator: BlockDiagnosis) -> tuple[list[Motion3], list[Motion3] | None]:
     """Motion of the piston in every test: by the actuator's best model, and with what the sensor saw beside.
 
-    What the model leaves beyond noise is motion of the piston or an error of its sensor. Of neither the
-    specimen must be blamed, and its force tells which: under the true motion it is explained better. Where
-    only noise is left, there is no second motion.
+    What the model leaves beyond noise is motion of the piston or, where the force is explained far better
+    without it, an error of the sensor. Of neither the specimen must be blamed. Where only noise is left,
+    there is no second motion.
     """
     block, best = actuator.block, actuator.best
     if not isinstance(block, ActuatorBlock):
