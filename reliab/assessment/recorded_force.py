@@ -42,7 +42,7 @@ _FITTED = (0.01, 100.0)  # the same where what is stated is a first value only
 _STRAIGHT, _OF_LINEAR = 0.95, (0.5, 2.0)  # correlation with the displacement, and the same of a linear one
 _AGREES = 0.1  # of the stiffness, by which mass, frequency, share and force may be off
 _UNIT_TOLERANCE = 0.25
-_SAME_UNIT = 0.1
+_SAME_UNIT, _SAME_UNIT_FITTED = 0.1, 0.03  # of a stated stiffness, and of one that is a first value only
 _UNITS: Final = {
     1e6: "meganewtons for newtons, or newtons for meganewtons",
     1e3: "kilonewtons for newtons, or newtons for kilonewtons",
@@ -283,7 +283,8 @@ def _require_unit(
         return
     ratio = slope / stiffness
     # a specimen of which only the force is known may have another stiffness, but hardly that of a unit
-    exact = straight and not linear and bool(unit_like(ratio, tolerance=_SAME_UNIT))
+    near = _SAME_UNIT_FITTED if fitted else _SAME_UNIT
+    exact = straight and not linear and bool(unit_like(ratio, tolerance=near))
     of_unknown = _FITTED if fitted else _STIFFNESSES
     least, most = _OF_LINEAR if exact or (straight and linear) else of_unknown
     if not least <= ratio <= most:

@@ -163,9 +163,22 @@ def _block(
         return FrameBalanceBlock(campaign, scales)
     if kind is LoopBlock:
         return LoopBlock(campaign, scales, motions)
-    if diagnoses:
-        return SpecimenBlock(campaign, scales, _pistons(diagnoses[0]))
-    return SpecimenBlock(campaign, scales, motions, smoothed=True)
+    return _specimen(campaign, scales, motions, diagnoses[0] if diagnoses else None)
+
+
+def _specimen(
+    campaign: Campaign, scales: Scales, motions: tuple[Motion3, ...], actuator: BlockDiagnosis | None
+) -> SpecimenBlock:
+    """Build the specimen's block under the motion of the piston that is known best."""
+    if actuator is None:
+        return SpecimenBlock(campaign, scales, motions, smoothed=True)
+    modelled, seen = _pistons(actuator)
+    if seen is None:
+        return SpecimenBlock(campaign, scales, modelled)
+    by_sensor = SpecimenBlock(campaign, scales, seen)
+    by_model = SpecimenBlock(campaign, scales, modelled, timed=False)
+    energies = [_linear_energy(block, campaign) for block in (by_model, by_sensor)]
+    return by_model if energies[0] < _LEAST_EXPLAINED * energies[1] else by_sensor
 
 
 def _on_one_clock(
@@ -201,24 +214,33 @@ def _possible_lag(specimen: BlockDiagnosis) -> float:
     return sum(effect.lag_s for effect in model.effects if isinstance(effect, ClockOffset))
 
 
-def _pistons(actuator: BlockDiagnosis) -> list[Motion3]:
-    """Motion of the piston in every test: the actuator's best model, and what the sensor saw beside it.
+def _pistons(actuator: BlockDiagnosis) -> tuple[list[Motion3], list[Motion3] | None]:
+    """Motion of the piston in every test: by the actuator's best model, and with what the sensor saw beside.
 
-    What the model leaves beyond noise is motion of the piston, of which the specimen must not be blamed.
+    What the model leaves beyond noise is motion of the piston or, where the force is explained far better
+    without it, an error of the sensor. Of neither the specimen must be blamed. Where only noise is left,
+    there is no second motion.
     """
     block, best = actuator.block, actuator.best
     if not isinstance(block, ActuatorBlock):
         raise TypeError
     model = best.space.model(best.coordinates)
-    pistons = [block.piston(model, test) for test in range(len(block.tests))]
+    modelled = [block.piston(model, test) for test in range(len(block.tests))]
     if actuator.leaves_noise:
-        return pistons
+        return modelled, None
     missed = [block.measured(test) - block.predict(model, test) for test in range(len(block.tests))]
     step, highest = 1.0 / block.rate, block.highest_signal
-    return [
+    seen = [
         Motion3(values=piston.values + smoothed_motion(error, step, highest).values, step=piston.step)
-        for piston, error in zip(pistons, missed, strict=True)
+        for piston, error in zip(modelled, missed, strict=True)
     ]
+    return modelled, seen
+
+
+def _linear_energy(block: SpecimenBlock, campaign: Campaign) -> float:
+    """Energy that the best linear model of a specimen leaves, whatever stiffness is stated."""
+    search = Search(_problem(block.with_open_stiffness(), campaign, campaign.training))
+    return _energy(search.linear, search)
 
 
 def _examined(block: ObservedBlock, campaign: Campaign, advance: Callable[[], None]) -> BlockDiagnosis:

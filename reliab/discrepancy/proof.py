@@ -13,7 +13,6 @@ from reliab.discrepancy.campaign.campaign import Channel, MeasuredTest
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.result.gap import Gap
-from reliab.discrepancy.spectra.segment import Segment
 from reliab.effects.effect import Effect
 from reliab.signals.noise import converter_step, near_mains
 
@@ -25,6 +24,7 @@ _LINE = 0.1  # of a sine's frequency to either side
 _NEARLY_ALL = 0.9  # of the power
 _FEWEST_CROSSINGS, _ORDERED = 8, 0.9  # of zero, and the rank correlation of their distances with time
 _CLEAR = 0.2  # standard deviations from zero that noise does not cross
+_NOTHING = 1e-300  # energy of a channel that does not move
 _WHITE = 1.25  # ratio of the power in both halves of a band of white noise
 
 
@@ -35,18 +35,31 @@ def residuals(proof: Problem, fitted: Fit, *, without: Sequence[type[Effect]] = 
 
 def held_out_nrmse(proof: Problem, residual: dict[int, Array]) -> float:
     """RMS of residuals over RMS of the signal, over all held-out stretches."""
-    return float(np.sqrt(_energy(proof, residual) / _signal_energy(proof)))
+    missed, signal_energy = _energies(proof, residual), _energies(proof, _measured(proof))
+    return float(np.sqrt(sum(missed.values()) / max(sum(signal_energy.values()), _NOTHING)))
 
 
 def errors_by_test(proof: Problem, residual: dict[int, Array]) -> dict[str, float]:
     """RMS of residuals over RMS of the signal in each held-out test, by file."""
-    values = {}
-    for test in dict.fromkeys(segment.test for segment in proof.segments):
-        segments = [segment for segment in proof.segments if segment.test == test]
-        energy = sum(float((_cut(s, residual[test]) ** 2).sum()) for s in segments)
-        signal = sum(float((_cut(s, proof.block.measured(test)) ** 2).sum()) for s in segments)
-        values[proof.block.tests[test].file] = float(np.sqrt(energy / max(signal, 1e-300)))
-    return values
+    missed, whole = _energies(proof, residual), _energies(proof, _measured(proof))
+    return {
+        proof.block.tests[test].file: float(np.sqrt(energy / max(whole[test], _NOTHING)))
+        for test, energy in missed.items()
+    }
+
+
+def _measured(proof: Problem) -> dict[int, Array]:
+    """Measured channel of every held-out test."""
+    return {segment.test: proof.block.measured(segment.test) for segment in proof.segments}
+
+
+def _energies(proof: Problem, values: dict[int, Array]) -> dict[int, float]:
+    """Energy of values over the held-out stretches of each test."""
+    energies: dict[int, float] = {}
+    for segment in proof.segments:
+        part = values[segment.test][segment.begin : segment.end]
+        energies[segment.test] = energies.get(segment.test, 0.0) + float((part**2).sum())
+    return energies
 
 
 def gap(
@@ -60,12 +73,13 @@ def gap(
     `noise_like` holds the tests in which what the model leaves is spread as noise is.
     """
     block = proof.block
-    tests = tuple(dict.fromkeys(segment.test for segment in proof.segments))
+    signals = _energies(proof, _measured(proof))
+    tests = tuple(signals)
     noise_floors = floors(
         block.tests, tests, block.channel, block.inputs, rate=block.rate, highest=block.highest_signal
     )
-    samples = sum(segment.end - segment.begin for segment in proof.segments)
-    unit = _signal_energy(proof) / samples
+    samples = _energies(proof, {test: np.ones(block.tests[test].size) for test in tests})
+    unit = max(sum(signals.values()), _NOTHING) / sum(samples.values())
     return Gap(
         held_out=tuple(block.tests[test].file for test in tests),
         channel=str(block.channel),
@@ -74,19 +88,16 @@ def gap(
         floors={str(floor.source): float(np.sqrt(floor.mean_square / unit)) for floor in noise_floors},
         tests_before=errors_by_test(proof, before),
         tests_after=errors_by_test(proof, after),
-        sizes={block.tests[test].file: float(np.sqrt(_mean_square(proof, test) / unit)) for test in tests},
+        sizes={
+            block.tests[test].file: float(np.sqrt(max(signals[test], _NOTHING) / samples[test] / unit))
+            for test in tests
+        },
         kinds={
             block.tests[test].file: kind_of_motion(block.tests[test].channels[block.inputs[0]], block.rate)
             for test in tests
         },
         noise_like=frozenset(block.tests[test].file for test in noise_like),
     )
-
-
-def _mean_square(proof: Problem, test: int) -> float:
-    """Mean square of the channel over the held-out stretches of a test."""
-    parts = [_cut(s, proof.block.measured(test)) for s in proof.segments if s.test == test]
-    return max(float(np.mean(np.concatenate(parts) ** 2)), 1e-300)
 
 
 def kind_of_motion(driven: Array, rate: float) -> str:
@@ -111,20 +122,6 @@ def kind_of_motion(driven: Array, rate: float) -> str:
         if abs(float(order)) > _ORDERED:
             return "sweep"
     return "irregular motion"
-
-
-def _cut(segment: Segment, values: Array) -> Array:
-    return values[segment.begin : segment.end]
-
-
-def _energy(proof: Problem, residual: dict[int, Array]) -> float:
-    return sum(float((_cut(segment, residual[segment.test]) ** 2).sum()) for segment in proof.segments)
-
-
-def _signal_energy(proof: Problem) -> float:
-    """Energy of the channel over all held-out stretches."""
-    parts = [_cut(segment, proof.block.measured(segment.test)) for segment in proof.segments]
-    return max(sum(float((stretch**2).sum()) for stretch in parts), 1e-300)
 
 
 class Source(StrEnum):

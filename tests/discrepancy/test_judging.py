@@ -46,16 +46,6 @@ def test_tests_count_alike_whatever_their_amplitude():
     assert errors([3.0, 1.0]).nrmse == pytest.approx(np.sqrt(4.0 / 8.0))
 
 
-@pytest.mark.parametrize(("ratios", "undecided"), [([2.0, 0.6], True), ([2.0, 2.2], False), ([2.0], True)])
-def test_a_difference_within_its_standard_error_is_undecided(ratios, undecided):
-    """Of two logarithms x and y, the mean is (x + y)/2 and its standard error |x − y|/2."""
-    rival = errors(np.ones(len(ratios)))
-    assert errors(ratios).undecided(rival) is undecided
-    if len(ratios) > 1:
-        x, y = np.log(ratios)
-        assert bool(abs(x + y) < abs(x - y)) is undecided
-
-
 class Judged(Search):
     """Models with given energies in training and on a left-out test; noise judges."""
 

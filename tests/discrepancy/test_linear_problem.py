@@ -229,19 +229,6 @@ def test_errors_on_left_out_tests_are_relative_to_what_counts_as_one():
     assert not partly.at_most(0.624, rival)
 
 
-def test_a_difference_within_its_standard_error_is_undecided():
-    rival = errors_of([1.0, 1.0, 1.0])
-    ratios = np.array([0.1, 0.5, 0.9])
-    for shift in (-0.5, -0.26, -0.3, 0.1):
-        logs = ratios + shift
-        expected = abs(logs.mean()) < stats.sem(logs)
-        assert errors_of(np.exp(logs)).undecided(rival) is bool(expected)
-    single = LeftOut(
-        energies=np.ones(1), signals=np.ones(1), units=np.ones(1), foretold=np.ones(1, dtype=bool)
-    )
-    assert single.undecided(single)
-
-
 RATE = 64.0
 TIME = np.arange(0.0, 32.0, 1.0 / RATE)
 

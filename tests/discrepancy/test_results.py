@@ -73,7 +73,7 @@ def test_the_gap_is_drawn_as_a_pair_of_bars_for_each_block():
     ]
     assert (before.get_label(), after.get_label()) == ("before", "after")
     assert [label.get_text() for label in plot.get_xticklabels()] == ["a: u", "b: f"]
-    assert (plot.get_ylabel(), plot.get_yscale(), plot.get_title()) == ("error [% of RMS]", "log", "rig")
+    assert (plot.get_ylabel(), plot.get_yscale(), plot.get_title()) == ("error [% of RMS]", "linear", "rig")
     assert [text.get_text() for text in plot.get_legend().get_texts()] == ["before", "after"]
     assert draw_gap("rig", blocks, plot) is plot
     diagnosis = SimpleNamespace(campaign=SimpleNamespace(name="other"), blocks=blocks)

@@ -1,8 +1,12 @@
-"""A force with the wrong sign is refused: the specimen would deliver energy."""
+"""A force of another sign or unit is refused, one of another stiffness is not."""
 
+from contextlib import nullcontext
+
+import numpy as np
 import pandas as pd
 import pytest
 
+from reliab.assessment.recorded_force import require_restoring_force
 from reliab.core.errors import InputError
 from reliab.core.shipped import shipped
 from reliab.discrepancy.campaign.reading import read_campaign
@@ -39,6 +43,15 @@ def test_a_specimen_that_delivers_energy_is_refused(damper):
         diagnose(read_campaign(damper(FACTORS["sign"])))
     assert refused.value.where is not None
     assert "positive where the specimen resists" in str(refused.value)
+
+
+@pytest.mark.parametrize(("stated", "refused"), [(9.8, True), (8.9, False), (0.2, False)])
+def test_stated_stiffness_is_a_first_value_unless_it_is_off_by_a_unit(stated, refused):
+    """A force in kilograms-force makes it 9.81 times too large; a calibration finds any other factor."""
+    time = np.arange(0.0, 20.0, 0.005)
+    moved = np.sin(6.0 * time) * np.sin(0.15 * time)
+    with pytest.raises(InputError, match="kilograms-force") if refused else nullcontext():
+        require_restoring_force(moved, 40.0 * moved, 0.005, stiffness=40.0 * stated, fitted=True)
 
 
 @pytest.mark.slow

@@ -9,25 +9,32 @@ from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.diagnose import diagnose
 from reliab.discrepancy.naming.unexplained import standstill
 from reliab.simulation.hybrid_test.model import Actuator
+from reliab.structures.specimen import Specimen
 
 RATE = 512.0
 TIME = np.arange(0.0, 20.0, 1.0 / RATE)
 
 
-def campaign(*, holds=0, step=0.0, noise=2e-5):
+STIFFNESS = 2.0e5
+
+
+def campaign(*, holds=0, step=0.0, noise=2e-5, specimen=None):
     rng = np.random.default_rng(3)
     tests = []
     for k in range(4):
         waves = [np.sin(2.0 * np.pi * f * TIME + rng.uniform(0.0, 7.0)) for f in rng.uniform(0.4, 4.0, 6)]
         command = 0.002 * np.sum(waves, axis=0) * np.sin(np.pi * TIME / TIME[-1]) ** 2
-        read = np.interp(TIME - 0.004, TIME, command) + noise * rng.standard_normal(TIME.size)
+        piston = np.interp(TIME - 0.004, TIME, command)
+        read = piston + noise * rng.standard_normal(TIME.size)
         read = np.round(read / step) * step if step else read
         for begin in rng.integers(1000, TIME.size - 1000, holds):
             read[begin : begin + 40] = read[begin]
         channels = {Channel.COMMAND: command, Channel.MEASURED: read}
+        if specimen is not None:
+            channels[Channel.FORCE] = STIFFNESS * piston + 8.0 * rng.standard_normal(TIME.size)
         tests.append(MeasuredTest(file=f"{k}", motion="waves", held_out=k == 3, channels=channels))
     return Campaign(
-        name="", structure=None, mass=1.0, actuator=Actuator(delay=0.003), specimen=None, rate=RATE,
+        name="", structure=None, mass=1.0, actuator=Actuator(delay=0.003), specimen=specimen, rate=RATE,
         tests=tuple(tests),
     )  # fmt: skip
 
@@ -38,6 +45,14 @@ def test_a_reading_that_is_held_is_unknown(step):
     found = diagnose(campaign(holds=8, step=step))
     assert str(found.verdict) == "unknown_effect"
     assert "stands still" in found.unknown.description
+
+
+def test_specimen_is_not_blamed_for_a_sensor_that_drops_out():
+    found = diagnose(campaign(holds=16, specimen=Specimen(stiffness=STIFFNESS)))
+    actuator, specimen = found.blocks
+    assert "stands still" in actuator.unknown.description
+    assert str(specimen.verdict) == "no_missing_effect"
+    assert specimen.leaves_noise
 
 
 @pytest.mark.slow

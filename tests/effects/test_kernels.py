@@ -8,6 +8,7 @@ from scipy.integrate import solve_ivp
 
 from reliab.core.errors import InputError
 from reliab.effects.effect import Parameter, Scales, Setting
+from reliab.effects.general.general_terms import general_term
 from reliab.effects.registry import find_effect
 
 SETTING = Setting(step=0.04, stiffness=7.0, damping=3.0)
@@ -51,6 +52,19 @@ def test_a_stop_takes_speed_and_acceleration():
         "stroke_saturation", [[0.2, 4.0, 2.0], [0.4, 4.0, 2.0], [-0.5, -4.0, 2.0]], stroke_m=0.3
     )
     np.testing.assert_array_equal(left, [[0.2, 4.0, 2.0], [0.3, 0.0, 0.0], [-0.3, 0.0, 0.0]])
+
+
+def test_a_term_that_moves_the_piston_adds_its_speed_and_acceleration():
+    kind = general_term("position_dependent_gain")
+    time = np.arange(0.0, 2.0, 0.001)
+    motions = np.stack([np.sin(3.0 * time), 3.0 * np.cos(3.0 * time), -9.0 * np.sin(3.0 * time)], axis=1)
+    coefficients, state = kind(coefficient=0.2).coefficients(SETTING), np.zeros(kind.kernel.states)
+    left = motions.copy()
+    for moved in left:
+        kind.kernel(moved, 0.0, 0.001, coefficients, state)
+    x, v, a = motions.T
+    expected = motions + 0.2 * np.stack([x**2, 2.0 * x * v, 2.0 * (v**2 + x * a)], axis=1)
+    np.testing.assert_allclose(left[2:], expected[2:], atol=0.03)
 
 
 @pytest.mark.parametrize(

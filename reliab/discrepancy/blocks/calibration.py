@@ -3,10 +3,11 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from reliab.discrepancy.terms.clock_offset import ClockOffset
 from reliab.effects.effect import Parameter, Scales
 from reliab.effects.excitation_scale import ExcitationScale
 from reliab.effects.force_bias import ForceBias
-from reliab.simulation.hybrid_test.model import Actuator, HybridTest
+from reliab.simulation.hybrid_test.model import HybridTest
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -18,14 +19,6 @@ class Calibration:
     apply: Callable[[HybridTest, float], HybridTest]  # The model with another value
 
 
-def _with_gain(model: HybridTest, gain: float) -> HybridTest:
-    return replace(model, actuator=Actuator(gain=gain, delay=model.actuator.delay))
-
-
-def _with_delay(model: HybridTest, delay: float) -> HybridTest:
-    return replace(model, actuator=Actuator(gain=model.actuator.gain, delay=max(delay, 0.0)))
-
-
 def _stiffness(model: HybridTest) -> float:
     return 0.0 if model.specimen is None else model.specimen.stiffness
 
@@ -34,17 +27,6 @@ def _with_stiffness(model: HybridTest, stiffness: float) -> HybridTest:
     if model.specimen is None:
         return model
     return replace(model, specimen=replace(model.specimen, stiffness=max(stiffness, 0.0)))
-
-
-def _with_damping(model: HybridTest, factor: float) -> HybridTest:
-    if model.structure is None:
-        return model
-    ratio = factor * model.structure.damping_ratio
-    return replace(model, structure=replace(model.structure, damping_ratio=ratio))
-
-
-def _with_scale(model: HybridTest, scale: float) -> HybridTest:
-    return model.adding(ExcitationScale(scale=scale))
 
 
 def _with_structure(model: HybridTest, *, frequency: float = 1.0, damping: float = 1.0) -> HybridTest:
@@ -68,7 +50,7 @@ def gain(nominal: HybridTest, spread: float = 0.05) -> Calibration:
             neutral=1.0, typical=spread, lower=0.3, upper=3.0, starts=(1.0,),
         ),
         nominal=lambda model: model.actuator.gain / unit,
-        apply=lambda model, value: _with_gain(model, value * unit),
+        apply=lambda model, value: replace(model, actuator=replace(model.actuator, gain=value * unit)),
     )  # fmt: skip
 
 
@@ -81,7 +63,9 @@ def delay(nominal: HybridTest, spread: float = 0.005) -> Calibration:
             neutral=believed, typical=spread, lower=-1e-9, upper=believed + 0.2, starts=(believed,),
         ),
         nominal=lambda model: model.actuator.delay,
-        apply=_with_delay,
+        apply=lambda model, value: replace(
+            model, actuator=replace(model.actuator, delay=max(value, 0.0))
+        ),
     )  # fmt: skip
 
 
@@ -137,7 +121,9 @@ def damping(nominal: HybridTest) -> Calibration:
             neutral=0.5, typical=0.29, lower=-1e-9, upper=1.0, starts=(0.5,),
         ),
         nominal=lambda _model: 0.0,
-        apply=lambda model, value: _with_damping(model, (_stiffness(model) / unit) ** (0.5 * value)),
+        apply=lambda model, value: _with_structure(
+            model, damping=(_stiffness(model) / unit) ** (0.5 * value)
+        ),
     )  # fmt: skip
 
 
@@ -195,6 +181,15 @@ def force_not_fed_back() -> Calibration:
     )
 
 
+def lag_of_force() -> Calibration:
+    """Time [s] by which a force is later than a motion whose delay is badly known."""
+    return Calibration(
+        parameter=replace(ClockOffset.parameters[0], name="force_lag_s"),
+        nominal=lambda _model: 0.0,
+        apply=lambda model, value: model.adding(ClockOffset(lag_s=value)),
+    )
+
+
 def scale_of_excitation(expected: float, spread: float = 0.5) -> Calibration:
     """Scale of the ground motion over what a linear model expects of it, where no rig states it.
 
@@ -206,5 +201,5 @@ def scale_of_excitation(expected: float, spread: float = 0.5) -> Calibration:
             typical=1.0, spread=spread, lower=1e-3, upper=1e3, starts=(1.0,),
         ),
         nominal=lambda _model: 1.0 / expected,
-        apply=lambda model, value: _with_scale(model, value * expected),
+        apply=lambda model, value: model.adding(ExcitationScale(scale=value * expected)),
     )  # fmt: skip

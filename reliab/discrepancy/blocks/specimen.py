@@ -14,13 +14,14 @@ from reliab.core.vocabulary import Block
 from reliab.discrepancy.blocks.calibration import (
     Calibration,
     free_stiffness,
+    lag_of_force,
     stiffness,
 )
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
 from reliab.discrepancy.spectra.segment import Segment
 from reliab.discrepancy.spectra.smoothing import harmonics_up_to, reliable_frequency, velocity_spread
-from reliab.discrepancy.terms.clock_offset import ClockOffset, lag_of, recorded_late, with_clock
+from reliab.discrepancy.terms.clock_offset import ClockOffset, lag_of, path_through, read_late, with_clock
 from reliab.effects.added_mass import AddedMass
 from reliab.effects.effect import Effect, Role, Scales, SteppedEffect
 from reliab.effects.force_bias import ForceBias
@@ -38,7 +39,7 @@ from reliab.structures.specimen import Specimen
 _NODES = np.sqrt(3.0) * np.array([-1.0, 0.0, 1.0])  # of Gauss and Hermite
 _WEIGHTS = np.array([1.0, 4.0, 1.0]) / 6.0
 _SKETCHED_RATE = 250.0  # Hz
-_CACHED_FORCES, _CACHED_SPECTRA = 12, 40  # terms that are remembered for each test
+_CACHED_FORCES, _CACHED_SPECTRA, _CACHED_PATHS = 12, 40, 4  # terms that are remembered for each test
 
 
 class SpecimenBlock(ObservedBlock):
@@ -51,8 +52,15 @@ class SpecimenBlock(ObservedBlock):
     twins = MappingProxyType({ViscousDamping: (ClockOffset,), ClockOffset: (ViscousDamping, AddedMass)})
 
     def __init__(
-        self, campaign: Campaign, scales: Scales, pistons: Sequence[Motion3], *, smoothed: bool = False
+        self,
+        campaign: Campaign,
+        scales: Scales,
+        pistons: Sequence[Motion3],
+        *,
+        smoothed: bool = False,
+        timed: bool = True,
     ) -> None:
+        """Take the motion of the piston; unless it is `timed`, the lag of the force is calibrated."""
         self.tests = campaign.tests
         self.rate = campaign.rate
         self.scales = scales
@@ -67,7 +75,9 @@ class SpecimenBlock(ObservedBlock):
             effect for effect in library().values() if effect.role is Role.FORCE and effect.refines is None
         )
         of_sensor: tuple[type[Effect], ...] = (SensorDrift,) if smoothed else ()
-        self.candidates = (*in_force, *of_sensor, ClockOffset)
+        self.candidates = (*in_force, *of_sensor, *((ClockOffset,) if timed else ()))
+        if not timed:
+            self.calibrations += (lag_of_force(),)
         self.outside = general_terms(self.block)
         self.smoothed = smoothed
         self._spreads = self._velocity_spreads() if smoothed else []
@@ -79,13 +89,14 @@ class SpecimenBlock(ObservedBlock):
         peaks = [float(np.abs(piston.values[0]).max()) for piston in self.motions]
         self._moved_before = np.maximum.accumulate([0.0, *peaks]).tolist()
         self._followed = lru_cache(maxsize=_CACHED_FORCES * len(self.tests))(self._follow_one)
+        self._path = lru_cache(maxsize=_CACHED_PATHS * len(self.tests))(self._path_of_one)
         self._seen = lru_cache(maxsize=_CACHED_SPECTRA * len(self.tests))(self._seen_one)
 
     def with_open_stiffness(self) -> "SpecimenBlock":
         """Return the same block, whose stiffness may be any multiple of the stated one."""
         opened = copy(self)
         opened.__dict__.pop("sketch", None)
-        opened.calibrations = (free_stiffness(self.nominal, self.scales),)
+        opened.calibrations = (free_stiffness(self.nominal, self.scales), *self.calibrations[1:])
         opened.move(self.motions)
         return opened
 
@@ -178,8 +189,13 @@ class SpecimenBlock(ObservedBlock):
     def _seen_one(self, term: "Term", lag: float, segments: tuple[Segment, ...]) -> tuple[Spectrum, ...]:
         """Spectrum of one term in each of some segments of one test, recorded by a clock that lags [s]."""
         test = segments[0].test
-        force = recorded_late(self._followed(term, test), lag, self.motions[test].step)
+        late = lag / self.motions[test].step
+        force = read_late(self._path(term, test), late) if late else self._followed(term, test)
         return tuple(segment.coarse_spectrum(force, self.every) for segment in segments)
+
+    def _path_of_one(self, term: "Term", test: int) -> Array:
+        """Coefficients of the path through the force of one term in a test."""
+        return path_through(self._followed(term, test))
 
     def _coupled(self, model: HybridTest, test: int) -> Array:
         """Predict the force where effects change the motion that others see, as if there were one clock."""

@@ -121,20 +121,8 @@ def _require_numbers(values: NDArray[np.float64], channel: Channel, where: str) 
 
 
 def campaign_folder(folder: Path | str) -> Path:
-    """Take the path of a campaign as it is, or as the name of one that ships where there is no such path.
+    """Take the path of a campaign, or the name of one that ships where there is no such path.
 
-    Parameters
-    ----------
-    folder : path
-        A path, or a name such as ``rig_a``.
-
-    Returns
-    -------
-    pathlib.Path
-        The path, or that of the campaign that ships.
-
-    Examples
-    --------
     >>> campaign_folder("rig_a").parts[-2:]
     ('campaigns', 'rig_a')
     """
@@ -324,10 +312,20 @@ def _campaign(described: CampaignDescription, tests: tuple[MeasuredTest, ...], f
     one_mode = structure if isinstance(structure, StructureTable) else None
     return Campaign(
         name=described.name or folder.name,
-        structure=None if one_mode is None else _as_structure(one_mode),
+        structure=None
+        if one_mode is None
+        else Structure(
+            frequency=one_mode.frequency_hz,
+            damping_ratio=one_mode.damping_ratio,
+            experimental_fraction=one_mode.experimental_fraction,
+        ),
         mass=(one_mode.mass_kg if one_mode else None) or 1.0,
         actuator=None if actuator is None else Actuator(gain=actuator.gain, delay=actuator.delay_s),
-        specimen=None if specimen is None else _as_specimen(specimen),
+        specimen=None
+        if specimen is None
+        else Specimen(
+            stiffness=specimen.stiffness_n_per_m, damping=specimen.damping_n_s_per_m, mass=specimen.mass_kg
+        ),
         rate=described.sampling.rate_hz,
         tests=tests,
         partition=_as_partition(structure, described) if isinstance(structure, FrameTables) else None,
@@ -352,18 +350,6 @@ def _as_partition(table: FrameTables, described: CampaignDescription) -> Partiti
             where=CAMPAIGN_FILE,
         )
     return partition
-
-
-def _as_structure(table: StructureTable) -> Structure:
-    return Structure(
-        frequency=table.frequency_hz,
-        damping_ratio=table.damping_ratio,
-        experimental_fraction=table.experimental_fraction,
-    )
-
-
-def _as_specimen(table: SpecimenTable) -> Specimen:
-    return Specimen(stiffness=table.stiffness_n_per_m, damping=table.damping_n_s_per_m, mass=table.mass_kg)
 
 
 def _described(path: Path) -> CampaignDescription:

@@ -20,7 +20,6 @@ from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.spectra.segment import Segment, energy_of
 
 _RAN_AWAY = 1e300
-_FEWEST_TESTS = 2  # that have a standard error
 _AS_BEFORE = 0.5  # of a parameter's prior variance: data and prior say as much of it
 _STEPS = 2  # of a refit without one test, from the fit to all of them
 
@@ -55,13 +54,6 @@ class LeftOut:
         """Whether the error is at most a multiple of another model's, in tests that the others foretell."""
         foretold = self.foretold
         return float(self.relative[foretold].sum()) <= multiple * float(rival.relative[foretold].sum())
-
-    def undecided(self, rival: "LeftOut") -> bool:
-        """Whether the mean difference to another model is within its standard error over the tests."""
-        ratios = np.log(np.maximum(self.energies, 1e-300) / np.maximum(rival.energies, 1e-300))
-        if ratios.size < _FEWEST_TESTS:
-            return True
-        return bool(abs(ratios.mean()) < ratios.std(ddof=1) / np.sqrt(ratios.size))
 
 
 def left_out(problem: Problem, fitted: Fit, fixed: tuple[int, ...] = ()) -> LeftOut:

@@ -13,6 +13,7 @@ import numpy as np
 from reliab.core.arrays import Array, Spectrum
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
+from reliab.discrepancy.spectra.segment import by_segment
 from reliab.signals.noise import near_mains
 
 LARGEST_STRUCTURED_SHARE = 0.02
@@ -81,10 +82,7 @@ def _tests_within_steps(problem: Problem, fitted: Fit) -> frozenset[int]:
 def _spectra(problem: Problem, residual: Array) -> dict[int, list[Spectrum]]:
     """Whitened complex spectra of the segments of each test, without zero frequency and pickup."""
     spectra: dict[int, list[Spectrum]] = {}
-    begin = 0
-    for segment in problem.segments:
-        rows = residual[begin : begin + 2 * segment.bins - 1]
-        begin += rows.size
+    for segment, rows in by_segment(problem.segments, residual):
         spectrum = (rows[1 : segment.bins] + 1j * rows[segment.bins :]) / np.sqrt(2.0)
         clean = ~near_mains(segment.frequency[1:], 0.5 * problem.block.rate)
         spectra.setdefault(segment.test, []).append(np.asarray(spectrum[clean], dtype=np.complex128))

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from reliab.core.arrays import Array
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.discrepancy.spectra.segment import Segment
+from reliab.discrepancy.spectra.segment import Segment, by_segment
 from reliab.signals.noise import NoiseModel, Periodogram, converter_step, expected_error, fit_noise
 
 _LEAST_OF_CONVERSION = 0.2  # of the mean square of a converter's error
@@ -143,17 +143,14 @@ class Problem:
     def noise_left(self, rows: Array, noise: NoiseModel) -> NoiseModel:
         """Fit the noise to residuals that are whitened by another one, shape (rows,)."""
         powers = rows**2 * self.densities(noise)
-        periodograms, begin = [], 0
-        for segment, beyond in zip(self.segments, self._beyond, strict=True):
-            real = powers[begin + 1 : begin + segment.bins]
-            imaginary = powers[begin + segment.bins : begin + 2 * segment.bins - 1]
-            inside = Periodogram(frequency=segment.frequency[1:], power=0.5 * (real + imaginary))
-            periodograms += [inside, beyond]
-            begin += 2 * segment.bins - 1
         if self.flat:
             share = np.array(self.tempering)[self.owners]
             level = float(share @ (powers / np.array(self.powers)[self.owners]) / share.sum())
             return NoiseModel.white(self.block.rate, max(level, self.least_noise, 1e-300))
+        periodograms = []
+        for (segment, power), beyond in zip(by_segment(self.segments, powers), self._beyond, strict=True):
+            mean = 0.5 * (power[1 : segment.bins] + power[segment.bins :])
+            periodograms += [Periodogram(frequency=segment.frequency[1:], power=mean), beyond]
         return fit_noise(periodograms, self.block.rate, least=self.least_noise)
 
     def _density(self, place: int, noise: NoiseModel) -> Array:

@@ -11,6 +11,7 @@ from reliab.core.vocabulary import Block
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import ModelSpace
+from reliab.discrepancy.spectra.segment import by_segment
 from reliab.effects.effect import Effect, Role
 from reliab.effects.general.periodic import Disturbance, disturbance
 from reliab.signals.noise import near_mains
@@ -90,10 +91,12 @@ def line_terms(problem: Problem, fitted: Fit) -> tuple[type[Disturbance], ...]:
     frequency = longest.frequency
     if frequency.size <= _NEAR_ZERO + 1:
         return ()
-    power = np.mean(
-        [np.interp(frequency, frequencies, rows) for frequencies, rows in _powers(problem, fitted.residual)],
-        axis=0,
-    )
+    powers = []
+    for segment, rows in by_segment(problem.segments, fitted.residual):
+        real, imaginary = rows[1 : segment.bins], rows[segment.bins :]
+        power = np.concatenate([rows[:1] ** 2, 0.5 * (real**2 + imaginary**2)])
+        powers.append(np.interp(frequency, segment.frequency, power))
+    power = np.mean(powers, axis=0)
     power[: _NEAR_ZERO + 1] = 0.0
     power[(frequency < _LOWEST) | near_mains(frequency, 0.5 * problem.block.rate)] = 0.0
     place = int(np.argmax(power))
@@ -101,15 +104,3 @@ def line_terms(problem: Problem, fitted: Fit) -> tuple[type[Disturbance], ...]:
         return ()
     role = Role.FORCE if problem.block.block is Block.SPECIMEN else Role.DISPLACEMENT_READING
     return (disturbance(role, float(frequency[place]), float(frequency[1])),)
-
-
-def _powers(problem: Problem, residual: Array) -> list[tuple[Array, Array]]:
-    """Frequencies and whitened power of each segment."""
-    spectra, begin = [], 0
-    for segment in problem.segments:
-        rows = residual[begin : begin + 2 * segment.bins - 1]
-        begin += rows.size
-        real, imaginary = rows[1 : segment.bins], rows[segment.bins :]
-        power = np.concatenate([rows[:1] ** 2, 0.5 * (real**2 + imaginary**2)])
-        spectra.append((segment.frequency, power))
-    return spectra

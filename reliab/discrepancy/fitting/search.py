@@ -61,7 +61,7 @@ class Search:
     def __init__(self, problem: Problem) -> None:
         self.fitted: dict[frozenset[str], Fit] = {}
         self.rejected: dict[frozenset[str], Fit] = {}
-        self.with_clocks: dict[frozenset[str], Fit] = {}  # filled by `fitting/clocks.py`
+        self.with_clocks: dict[frozenset[str], Fit] = {}  # filled by `diagnose.py`
         self._errors: WeakKeyDictionary[Fit, LeftOut] = WeakKeyDictionary()
         block = problem.block
         space = ModelSpace(block, ())

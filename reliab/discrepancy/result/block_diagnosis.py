@@ -95,74 +95,39 @@ class Ranked(PlainResult):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class BlockDiagnosis:
-    """All that was found in one observed block.
+    """All that was found in one observed block."""
 
-    Attributes
-    ----------
-    problem, proof : Problem
-        The block's data on the tests that are not held out, and on those that are.
-    calibrated : Fit
-        Calibration and offsets alone.
-    ranked : tuple of Ranked
-        All fitted models, the most probable first.
-    effects : tuple of MissingEffect
-        Effects of the library that are named, offsets among them.
-    doubtful : tuple of MissingEffect
-        Effects one of which acts, though the data do not tell which.
-    uncertain_offsets : tuple of MissingEffect
-        Offsets that are calibrated and not named, because another effect could stand in their place.
-    unknown : Unknown or None
-        The effect outside the library.
-    findings : tuple of Finding
-        Where the calibrated model fails.
-    residuals_before, residuals_after : dict of str to numpy.ndarray
-        Measured minus predicted channel of the held-out tests by file, shape (n,) each.
-    gap : Gap
-        The same in numbers.
-    structured_share : float
-        Share of the best model's residual, on the tests to which it was fitted, that is more concentrated
-        than noise.
-    leaves_noise : bool
-        Whether that passes for noise, or for the error of a converter.
-    calibration : tuple of Estimate
-        Gain, delay, stiffness or scale as calibrated in the best model.
-    further : FurtherError or None
-        Error to expect on a further test, None from too few tests.
-    believed : Ranked
-        The best model in the ranking.
-    choice_remarks : tuple of str, optional
-        Sentences on models that held-out tests contradict, and on effects that change nothing there.
-    linear : tuple of Estimate, optional
-        Parameters of the best linear model, where the block has one of its own.
-    refining : tuple of type of Effect, optional
-        Effects of the best model that are too little to be named.
-    converged : bool, optional
-        Whether the posterior of the parameters has converged, where it was sampled.
-    inseparable : tuple of str, optional
-        Sentences on parameters that the tests show in combination only, where the posterior was sampled.
-    """
-
+    # problem, proof: The block's data on the tests that are not held out, and on those that are
     problem: Problem
     proof: Problem
-    calibrated: Fit
-    ranked: tuple[Ranked, ...]
-    effects: tuple[MissingEffect, ...]
-    doubtful: tuple[MissingEffect, ...]
+    calibrated: Fit  # Calibration and offsets alone
+    ranked: tuple[Ranked, ...]  # All fitted models, the most probable first
+    effects: tuple[MissingEffect, ...]  # Effects of the library that are named, offsets among them
+    doubtful: tuple[MissingEffect, ...]  # Effects one of which acts, though the data do not tell which
+    # Offsets that are calibrated and not named, because another effect could stand in their place
     uncertain_offsets: tuple[MissingEffect, ...]
-    unknown: Unknown | None
-    findings: tuple[Finding, ...]
+    unknown: Unknown | None  # The effect outside the library
+    findings: tuple[Finding, ...]  # Where the calibrated model fails
+    # residuals_before, residuals_after: Measured minus predicted channel of the held-out tests by file, shape
+    # (n,) each
     residuals_before: dict[str, Array]
     residuals_after: dict[str, Array]
-    gap: Gap
+    gap: Gap  # The same in numbers
+    # Share of the best model's residual, on the tests to which it was fitted, that is more concentrated than
+    # noise
     structured_share: float
-    leaves_noise: bool
-    calibration: tuple[Estimate, ...]
-    further: FurtherError | None
-    believed: Ranked
+    leaves_noise: bool  # Whether that passes for noise, or for the error of a converter
+    calibration: tuple[Estimate, ...]  # Gain, delay, stiffness or scale as calibrated in the best model
+    further: FurtherError | None  # Error to expect on a further test, None from too few tests
+    believed: Ranked  # The best model in the ranking
+    # Sentences on models that held-out tests contradict, and on effects that change nothing there
     choice_remarks: tuple[str, ...] = ()
+    # Parameters of the best linear model, where the block has one of its own
     linear: tuple[Estimate, ...] = ()
-    refining: tuple[type[Effect], ...] = ()
+    refining: tuple[type[Effect], ...] = ()  # Effects of the best model that are too little to be named
+    # Whether the posterior of the parameters has converged, where it was sampled
     converged: bool | None = None
+    # Sentences on parameters that the tests show in combination only, where the posterior was sampled
     inseparable: tuple[str, ...] = ()
 
     @property

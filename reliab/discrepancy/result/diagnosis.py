@@ -263,7 +263,6 @@ def table_of_diagnosis(
 def draw_gap(name: str, blocks: Sequence[BlockDiagnosis], axes: "Axes | None" = None) -> "Axes":
     """Draw the error of the model on held-out tests before and after the effects are added."""
     from matplotlib import pyplot as plt
-    from matplotlib.ticker import LogLocator
 
     plot = plt.subplots(figsize=(6.0, 3.0))[1] if axes is None else axes
     names = [f"{block.block.block}: {block.gap.channel}" for block in blocks]
@@ -271,10 +270,7 @@ def draw_gap(name: str, blocks: Sequence[BlockDiagnosis], axes: "Axes | None" = 
         shares = [PERCENT * float(getattr(block.gap, label)) for block in blocks]
         plot.bar([place + shift for place in range(len(names))], shares, width=0.4, label=label)
     plot.set_xticks(range(len(names)), names)
-    plot.set(ylabel="error [% of RMS]", yscale="log", title=name)
-    plot.yaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
-    plot.yaxis.set_major_formatter("{x:g}")
-    plot.yaxis.set_minor_formatter("{x:g}")
+    plot.set(ylabel="error [% of RMS]", title=name)
     plot.legend(frameon=False)
     return plot
 

@@ -31,53 +31,32 @@ class Remainder(StrEnum):
 
 @dataclass(frozen=True, kw_only=True)
 class Gap:
-    """Difference between model and measurement on held-out tests, before and after the effects are added.
+    """Difference between model and measurement on held-out tests, before and after the effects are added."""
 
-    Attributes
-    ----------
-    held_out : tuple of str
-        Files.
-    channel : str
-        Column.
-    before, after : float
-        RMS of the difference over RMS of the signal, calibrated model and model with the effects.
-    floors : mapping of str to float
-        RMS of the part that is not repeatable over RMS of the signal, by its source, the most reliable first;
-        empty where the recordings do not show it. One above what the model leaves is no floor, and does not
-        count.
-    tests_before, tests_after : mapping of str to float
-        `before` and `after` of each held-out test, by file.
-    sizes : mapping of str to float, optional
-        RMS of the signal of each held-out test over that of all of them, by file; alike unless given.
-    kinds : mapping of str to str, optional
-        Kind of motion of each held-out test ("sine"), by file; one kind unless given.
-    noise_like : set of str, optional
-        Held-out tests, by file, in which what the model with the effects leaves is spread over time and
-        frequency as noise is: it is taken for noise, unless a known floor is far below it.
-    missing : bool, optional
-        Whether anything was found to be missing, so that there is a gap to explain.
-    linear : float, optional
-        The same size for the best linear model, whatever was stated; as `before` unless given.
-    rival : float, optional
-        The same size for the best model that lacks one of the effects.
-    rival_effects : tuple of str, optional
-        Effects of that model.
-    """
-
-    held_out: tuple[str, ...]
-    channel: str
+    held_out: tuple[str, ...]  # Files
+    channel: str  # Column
+    # before, after: RMS of the difference over RMS of the signal, calibrated model and model with the effects
     before: float
     after: float
+    # RMS of the part that is not repeatable over RMS of the signal, by its source, the most reliable first;
+    # empty where the recordings do not show it. One above what the model leaves is no floor, and does not
+    # count
     floors: Mapping[str, float]
+    # tests_before, tests_after: `before` and `after` of each held-out test, by file
     tests_before: Mapping[str, float]
     tests_after: Mapping[str, float]
+    # RMS of the signal of each held-out test over that of all of them, by file; alike unless given
     sizes: Mapping[str, float] = field(default_factory=dict)
+    # Kind of motion of each held-out test ("sine"), by file; one kind unless given
     kinds: Mapping[str, str] = field(default_factory=dict)
+    # Held-out tests, by file, in which what the model with the effects leaves is spread over time and
+    # frequency as noise is: it is taken for noise, unless a known floor is far below it
     noise_like: frozenset[str] = frozenset()
-    missing: bool = True
+    missing: bool = True  # Whether anything was found to be missing, so that there is a gap to explain
+    # The same size for the best linear model, whatever was stated; as `before` unless given
     linear: float | None = None
-    rival: float | None = None
-    rival_effects: tuple[str, ...] = ()
+    rival: float | None = None  # The same size for the best model that lacks one of the effects
+    rival_effects: tuple[str, ...] = ()  # Effects of that model
 
     @property
     def source(self) -> str | None:

@@ -11,7 +11,7 @@ from reliab.core.plain_values import PlainResult
 from reliab.core.significant_digits import percent, significant
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.terms.stated_damping import StatedDamping
-from reliab.effects.effect import Effect
+from reliab.effects.effect import Effect, Parameter
 
 _TELLS = {
     frozenset({"first_order_lag", "second_order_dynamics"}):
@@ -65,7 +65,8 @@ class Estimate:
         """Value with its unit and standard deviation, as they are shown."""
         if not self.determined:
             return "not determined", ""
-        return f"{self.value:.4g} {self.units}".strip(), significant(self.sd, 2)
+        value = f"{self.value:.4g}"
+        return f"{value} {self.units}".strip(), f"{self.sd:.2g}" if "e" in value else significant(self.sd, 2)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the entry of `parameters`."""
@@ -96,35 +97,19 @@ class Rival(PlainResult):
 
 @dataclass(frozen=True, kw_only=True)
 class MissingEffect:
-    """An effect that the nominal model lacks.
+    """An effect that the nominal model lacks."""
 
-    Attributes
-    ----------
-    effect : type of Effect
-        Which.
-    probability : float
-        Sum of the probabilities of all fitted models that contain it.
-    estimates : tuple of Estimate
-        Its parameters.
-    rivals : tuple of Rival
-        Other effects that were tried in its place, the most probable first.
-    error_with, error_without : float
-        Error on held-out tests of the model with it, and of the same model refitted without it: RMS over
-        that of the signal.
-    on_bounds : tuple of str
-        Parameters that lie on a bound of their range, so that their values and deviations mean little.
-    member : type of Effect, optional
-        Member of a composition, or simpler effect, as which it is reported.
-    """
-
-    effect: type[Effect]
-    probability: float
-    estimates: tuple[Estimate, ...]
-    rivals: tuple[Rival, ...]
+    effect: type[Effect]  # Which
+    probability: float  # Sum of the probabilities of all fitted models that contain it
+    estimates: tuple[Estimate, ...]  # Its parameters
+    rivals: tuple[Rival, ...]  # Other effects that were tried in its place, the most probable first
+    # error_with, error_without: Error on held-out tests of the model with it, and of the same model refitted
+    # without it: RMS over that of the signal
     error_with: float
     error_without: float
+    # Parameters that lie on a bound of their range, so that their values and deviations mean little
     on_bounds: tuple[str, ...] = ()
-    member: type[Effect] | None = None
+    member: type[Effect] | None = None  # Member of a composition, or simpler effect, as which it is reported
 
     @property
     def name(self) -> str:
@@ -227,9 +212,12 @@ def _names(effect: type[Effect]) -> set[str]:
 
 def estimates(effect: type[Effect], fitted: Fit) -> tuple[Estimate, ...]:
     """Parameters of an effect with their standard deviations, SI units."""
-    place = fitted.space.places(effect)
-    values = fitted.space.values(fitted.coordinates)[place]
-    spread = fitted.space.standard_deviations(fitted.coordinates, fitted.covariance)[place]
+    return _estimates(fitted, effect.parameters, fitted.space.places(effect))
+
+
+def _estimates(fitted: Fit, parameters: Sequence[Parameter], places: slice) -> tuple[Estimate, ...]:
+    values = fitted.space.values(fitted.coordinates)[places].tolist()
+    spread = fitted.space.standard_deviations(fitted.coordinates, fitted.covariance)[places].tolist()
     return tuple(
         Estimate(
             name=parameter.name,
@@ -238,7 +226,7 @@ def estimates(effect: type[Effect], fitted: Fit) -> tuple[Estimate, ...]:
             units=parameter.units,
             signed=parameter.signed,
         )
-        for parameter, value, sd in zip(effect.parameters, values.tolist(), spread.tolist(), strict=True)
+        for parameter, value, sd in zip(parameters, values, spread, strict=True)
     )
 
 
@@ -263,18 +251,8 @@ def calibration(fitted: Fit, *, restated: bool = False) -> tuple[Estimate, ...]:
 
     `restated`: a damping that is not the stated one is calibrated, not missing.
     """
-    values = fitted.space.values(fitted.coordinates)
-    spread = fitted.space.standard_deviations(fitted.coordinates, fitted.covariance)
-    calibrated = tuple(
-        Estimate(
-            name=c.parameter.name,
-            value=float(values[k]),
-            sd=float(spread[k]),
-            units=c.parameter.units,
-            signed=c.parameter.signed,
-        )
-        for k, c in enumerate(fitted.space.block.calibrations)
-    )
+    parameters = [item.parameter for item in fitted.space.block.calibrations]
+    calibrated = _estimates(fitted, parameters, slice(len(parameters)))
     if not restated:
         return calibrated
     return tuple(_restated(item, fitted) if item.name == _DAMPING else item for item in calibrated)

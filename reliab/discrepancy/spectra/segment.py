@@ -4,7 +4,7 @@ Ends that a model cannot predict are left out: at the start of a record that doe
 forgets an unknown initial state; what an integration demands at its end moves the command after it.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -90,6 +90,12 @@ class Segment:
         n = self.end - self.begin
         power = np.abs(self.full_spectrum(values)) ** 2
         return Periodogram(frequency=fft.rfftfreq(n, 1.0 / self.rate)[1:], power=power[1:])
+
+
+def by_segment(segments: Sequence[Segment], rows: Array) -> Iterator[tuple[Segment, Array]]:
+    """Divide residuals, shape (rows,), into those of each segment: real parts, then imaginary ones."""
+    ends = np.cumsum([2 * segment.bins - 1 for segment in segments])
+    return zip(segments, np.split(rows, ends[:-1]), strict=True)
 
 
 def energy_of(spectrum: Spectrum) -> float:

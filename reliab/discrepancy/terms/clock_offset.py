@@ -94,8 +94,7 @@ class LateGround(RecordEffect):
 
     def applied(self, acceleration: Array, step: float) -> Array:
         """Ground acceleration that acted [m/s²], that of τ later in the record."""
-        path = CubicPath.through(np.arange(acceleration.size, dtype=np.float64), acceleration)
-        return _read_late(path.coefficients, -self.ground_lag_s / step)
+        return read_late(path_through(acceleration), -self.ground_lag_s / step)
 
 
 def with_clock(model: HybridTest, values: Array, step: float) -> Array:
@@ -114,14 +113,16 @@ def recorded_late(values: Array, lag: float, step: float) -> Array:
 
     Beyond its ends it goes on straight for two steps, and keeps that value.
     """
-    if not lag:
-        return values
-    path = CubicPath.through(np.arange(values.size, dtype=np.float64), values)
-    return _read_late(path.coefficients, lag / step)
+    return read_late(path_through(values), lag / step) if lag else values
+
+
+def path_through(values: Array) -> Array:
+    """Coefficients of the cubic path through a channel, shape (4, n − 1)."""
+    return CubicPath.through(np.arange(values.size, dtype=np.float64), values).coefficients
 
 
 @compiled
-def _read_late(coefficients: Array, late: float) -> Array:
+def read_late(coefficients: Array, late: float) -> Array:
     """Read a path through samples at 0, 1, …, n − 1 so many steps late, straight beyond its ends."""
     last = coefficients.shape[1]
     values = np.empty(last + 1)

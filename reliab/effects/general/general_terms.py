@@ -50,18 +50,20 @@ def _force(motion: Numbers, time: float, _step: float, coefficients: Numbers, _s
 
 
 def _move(motion: Numbers, time: float, step: float, coefficients: Numbers, state: Numbers) -> float:
-    # State: started, the term one step earlier.
+    # State: number of steps, at most two, and the term one step and two steps earlier.
     exponents = (coefficients[1], coefficients[2], coefficients[3], coefficients[4], coefficients[5])
     added = coefficients[0] * _product(time, motion[0], motion[1], exponents)
-    rate = (added - state[1]) / step if state[0] != 0.0 else 0.0
-    state[0], state[1] = 1.0, added
+    bend = added - 2.0 * state[1] + state[2] if state[0] > 1.0 else 0.0
+    rise = added - state[1] if state[0] > 0.0 else 0.0
+    state[0], state[1], state[2] = min(state[0] + 1.0, 2.0), added, state[1]
     motion[0] += added
-    motion[1] += rate
+    motion[1] += (rise + 0.5 * bend) / step
+    motion[2] += bend / step**2
     return 0.0
 
 
 _ON_FORCE = Kernel(function=_force, linear=0)
-_ON_PISTON = Kernel(function=_move, states=2)
+_ON_PISTON = Kernel(function=_move, states=3)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -58,7 +58,9 @@ _FEWEST_SAMPLES = 3  # samples in a field
 _REACH = 0.995  # quantile of the motion at which the axes end
 _COLOURS = "RdBu_r"
 _TIME_FREQUENCY_HEIGHT = 62.0
-_STRETCHES = 24.0  # of the window, in a test
+STRETCHES = 24.0
+"""Lengths of a spectrogram's window in a test."""
+
 _OVERLAP = 8
 _RANGE = (-10.0, 40.0)  # dB
 
@@ -190,45 +192,38 @@ def _arrow(axes: Axes, points: list[tuple[float, float]]) -> None:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ModelledHistory:
-    """A stretch of a held-out test, measured and modelled."""
+    """A stretch of a held-out test with what models leave of it."""
 
     time: Array  # Time [s], shape (n,)
     driven: Array  # What drives the block, in the unit of `input_label`, shape (n,)
-    # The channel as measured, by the calibrated model, and by the model with the effects
-    measured: Array
-    before: Array
+    measured: Array  # The channel
+    before: Array  # before, after: Residual of the calibrated model, and of the model with the effects
     after: Array
-    input_label: str  # input_label, label: Names of both quantities with their units
+    input_label: str  # input_label, label, residual_label: Names of the quantities with their units
     label: str
+    residual_label: str
 
 
 @styled
 def discrepancy_histories(history: ModelledHistory) -> Figure:
-    """Draw measured and modelled channel over time and as loops, before and after effects were added.
+    """Draw a measured channel, and the residuals before and after effects were added.
 
-    Returns above each other the calibrated model and the model with the effects; left over time, right over
-    what drives the block.
+    Returns above each other the channel and the residuals; left over time, right over what drives the block.
     """
     figure, axes = panels(2, 2, height=_HISTORIES_HEIGHT, ratios=(1.7, 1.0))
-    every = max(1, history.time.size // _MOST_SAMPLES)
-    cut = slice(None, None, every)
-    for row, (values, colour, name) in enumerate(
-        ((history.before, VERMILION, "calibrated model"), (history.after, BLUE, "with the effects found"))
-    ):
-        _lines(axes[row, 0], history.time[cut], history.measured[cut], values[cut], colour, name)
-        _lines(axes[row, 1], history.driven[cut], history.measured[cut], values[cut], colour, name)
-        name_axes(axes[row, 0], "Time [s]" if row else "", "")
-        name_axes(axes[row, 1], history.input_label if row else "", "")
-    figure.supylabel(history.label, fontsize="medium")
-    for place in axes[0]:
-        place.tick_params(labelbottom=False)
+    cut = slice(None, None, max(1, history.time.size // _MOST_SAMPLES))
+    for column, x in enumerate((history.time[cut], history.driven[cut])):
+        above, below = axes[:, column]
+        above.plot(x, history.measured[cut], color=INK, linewidth=0.8, label="measured")
+        below.plot(x, history.before[cut], color=VERMILION, linewidth=0.8, label="residual before")
+        below.plot(x, history.after[cut], color=BLUE, linewidth=0.8, label="after")
+        above.tick_params(labelbottom=False)
+        name_axes(above, "", "" if column else history.label)
+        name_axes(
+            below, history.input_label if column else "Time [s]", "" if column else history.residual_label
+        )
     legend_below(figure, *axes[:, 0])
     return figure
-
-
-def _lines(place: Axes, x: Array, measured: Array, modelled: Array, colour: str, name: str) -> None:
-    place.plot(x, measured, color=INK, linewidth=1.0, label="measured")
-    place.plot(x, modelled, color=colour, linewidth=0.8, linestyle=(0, (4, 1.5)), label=name)
 
 
 @styled
@@ -375,7 +370,7 @@ def discrepancy_time_frequency(
 def _levels(
     values: NDArray[np.float64], density: NDArray[np.float64], rate: float, highest: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    length = 2 * int(values.size / _STRETCHES / 2) + 2
+    length = 2 * int(values.size / STRETCHES / 2) + 2
     window = np.hanning(length + 1)[:-1]
     transform = ShortTimeFFT(window, max(1, length // _OVERLAP), rate)
     power = np.abs(transform.stft(values)) ** 2 / (window**2).sum()

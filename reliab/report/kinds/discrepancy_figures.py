@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import signal
 
 from reliab.core.vocabulary import Block
 from reliab.discrepancy.adding.posterior import Posterior
@@ -13,6 +14,7 @@ from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
 from reliab.discrepancy.result.diagnosis import Diagnosis
 from reliab.report.document import Block as DocumentBlock, Figure, Paragraph
 from reliab.report.figures.discrepancy import (
+    STRETCHES,
     GapPanel,
     ModelledHistory,
     discrepancy_blocks,
@@ -35,6 +37,9 @@ _UNITS = {
 _HIGHEST = 45.0  # Hz
 _DENSITY_POINTS = 1025
 _MOST_PARAMETERS = 5
+_NEARLY_ALL, _FEWEST_ROWS = 0.99, 6.0  # of a residual's power; rows of a spectrogram
+_SMALL, _LARGE = 1e-3, 1e5  # largest values of a parameter that are shown as they are
+_KILO = 1e4  # N, of the force from which it is shown in kN
 
 
 def block_figure(diagnosis: Diagnosis) -> Figure:
@@ -73,6 +78,13 @@ def _test_in_words(diagnosed: BlockDiagnosis, file: str) -> str:
     return f"held-out test {file}" if len(diagnosed.block.tests) > 1 else f"{file}, {third} held out"
 
 
+def _unit(diagnosed: BlockDiagnosis) -> tuple[str, float]:
+    """Return the unit in which the channel of a block is shown, and the factor to it."""
+    unit, factor = _UNITS[diagnosed.block.channel]
+    largest = max(float(np.abs(diagnosed.block.measured(s.test)).max()) for s in diagnosed.proof.segments)
+    return ("kN", 1e-3) if unit == "N" and largest > _KILO else (unit, factor)
+
+
 def _noise(diagnosed: BlockDiagnosis) -> float | None:
     """RMS of what the recordings do not repeat, in the unit of the channel; None where it is not known."""
     residuals = np.concatenate(list(diagnosed.residuals_before.values()))
@@ -88,6 +100,14 @@ def _density(diagnosed: BlockDiagnosis) -> NDArray[np.float64]:
     return plain.noise_of(diagnosed.best.space, diagnosed.best.coordinates).density(frequency)
 
 
+def _shown_up_to(residual: NDArray[np.float64], rate: float) -> float:
+    """Frequency [Hz] of twice the band that holds nearly all of a residual, no fewer than some pixels."""
+    frequency, power = signal.periodogram(residual, fs=rate, window="hann")
+    summed = np.cumsum(power)
+    band = float(frequency[np.searchsorted(summed, _NEARLY_ALL * summed[-1])])
+    return max(2.0 * band, _FEWEST_ROWS * STRETCHES * rate / residual.size)
+
+
 def time_frequency_figure(diagnosed: BlockDiagnosis) -> Figure:
     """Draw residuals of a block over time and frequency."""
     file, before, after = _held_out(diagnosed)
@@ -97,14 +117,14 @@ def time_frequency_figure(diagnosed: BlockDiagnosis) -> Figure:
         after,
         density=_density(diagnosed),
         rate=rate,
-        highest=min(_HIGHEST, 0.5 * rate),
+        highest=min(_shown_up_to(before, rate), _HIGHEST, 0.5 * rate),
     )
     caption = prose(
         "Power of the residual of {channel} over that of the noise, {test}.",
         channel=str(diagnosed.block.channel),
         test=_test_in_words(diagnosed, file),
     )
-    return Figure(drawing=drawing, caption=caption, label=f"fig:time-{diagnosed.block.block}", floats=True)
+    return Figure(drawing=drawing, caption=caption, label=f"fig:time-{diagnosed.block.block}")
 
 
 def state_plane_figure(diagnosed: BlockDiagnosis) -> Figure:
@@ -112,18 +132,18 @@ def state_plane_figure(diagnosed: BlockDiagnosis) -> Figure:
     file, before, after = _held_out(diagnosed)
     test = _place(diagnosed, file)
     motion = diagnosed.block.motions[test].values
-    unit, factor = _UNITS[diagnosed.block.channel]
+    unit, factor = _unit(diagnosed)
     drawing = discrepancy_state_plane(motion[0], motion[1], before, after, unit=unit, factor=factor)
     caption = prose(
         "Mean residual of {channel} over displacement and velocity, {test}.",
         channel=str(diagnosed.block.channel),
         test=_test_in_words(diagnosed, file),
     )
-    return Figure(drawing=drawing, caption=caption, label=f"fig:state-{diagnosed.block.block}", floats=True)
+    return Figure(drawing=drawing, caption=caption, label=f"fig:state-{diagnosed.block.block}")
 
 
 def histories_figure(diagnosed: BlockDiagnosis) -> Figure:
-    """Draw measured against modelled channel of a held-out test where it moves most."""
+    """Draw the channel of a held-out test where it moves most, and what the models leave of it."""
     file, before, after = _held_out(diagnosed)
     test = _place(diagnosed, file)
     measured, driven = (
@@ -131,19 +151,20 @@ def histories_figure(diagnosed: BlockDiagnosis) -> Figure:
         diagnosed.block.tests[test].channels[diagnosed.block.inputs[-1]],
     )
     cut = _strongest(measured, diagnosed.block.rate)
-    unit, factor = _UNITS[diagnosed.block.channel]
+    unit, factor = _unit(diagnosed)
     input_unit, input_factor = _UNITS[diagnosed.block.inputs[-1]]
     history = ModelledHistory(
         time=np.arange(measured.size)[cut] / diagnosed.block.rate,
         driven=input_factor * driven[cut],
         measured=factor * measured[cut],
-        before=factor * (measured - before)[cut],
-        after=factor * (measured - after)[cut],
+        before=factor * before[cut],
+        after=factor * after[cut],
         input_label=f"{diagnosed.block.inputs[-1]} [{input_unit}]",
         label=f"{diagnosed.block.channel} [{unit}]",
+        residual_label=f"Residual [{unit}]",
     )
     caption = prose(
-        "Measured and modelled {channel} of {test}, in the stretch in which it is strongest: "
+        "Measured {channel} of {test} in the stretch in which it is strongest, and its residual below: "
         "over time, and over {driven}.",
         channel=str(diagnosed.block.channel),
         test=_test_in_words(diagnosed, file),
@@ -153,7 +174,6 @@ def histories_figure(diagnosed: BlockDiagnosis) -> Figure:
         drawing=discrepancy_histories(history),
         caption=caption,
         label=f"fig:histories-{diagnosed.block.block}",
-        floats=True,
     )
 
 
@@ -192,7 +212,7 @@ def gap_figure(diagnosis: Diagnosis) -> Figure:
 
 def _panel(diagnosed: BlockDiagnosis) -> GapPanel:
     file, before, after = _held_out(diagnosed)
-    unit, factor = _UNITS[diagnosed.block.channel]
+    unit, factor = _unit(diagnosed)
     noise = _noise(diagnosed)
     return GapPanel(
         title=f"{diagnosed.block.block}: {diagnosed.block.channel}, {file}",
@@ -227,10 +247,23 @@ def posterior_figure(diagnosis: Diagnosis, block: str, posterior: Posterior) -> 
     ]
     if not (places and posterior.converged):
         return None
-    names = [f"{posterior.names[k].rpartition('.')[2]} [{posterior.units[k]}]" for k in places]
+    scales = [_power_of_ten(posterior.draws[:, k]) for k in places]
+    units = [
+        posterior.units[k] if scale == 1.0 else f"{scale:g} {posterior.units[k]}"
+        for k, scale in zip(places, scales, strict=True)
+    ]
+    names = [
+        f"{posterior.names[k].rpartition('.')[2]} [{unit}]" for k, unit in zip(places, units, strict=True)
+    ]
     caption = prose(
         "Posterior of the effects in the {block}: 90 % intervals, and contours around 50 and 90 % of draws.",
         block=block,
     )
-    drawing = discrepancy_posterior(names, posterior.draws[:, places])
-    return Figure(drawing=drawing, caption=caption, label=f"fig:posterior-{block}", floats=True)
+    drawing = discrepancy_posterior(names, posterior.draws[:, places] / scales)
+    return Figure(drawing=drawing, caption=caption, label=f"fig:posterior-{block}")
+
+
+def _power_of_ten(values: NDArray[np.float64]) -> float:
+    """Power of ten in which values are shown, one unless they are very large or small."""
+    largest = float(np.abs(values).max(initial=0.0))
+    return 1.0 if _SMALL < largest < _LARGE or not largest else float(10.0 ** np.floor(np.log10(largest)))

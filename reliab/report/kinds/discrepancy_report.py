@@ -16,7 +16,7 @@ from reliab.discrepancy.naming.unexplained import LARGEST_REMAINDER
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis, Verdict
 from reliab.discrepancy.result.diagnosis import Diagnosis
 from reliab.discrepancy.result.gap import Gap, Remainder
-from reliab.discrepancy.result.missing_effect import MissingEffect, Unknown
+from reliab.discrepancy.result.missing_effect import Estimate, MissingEffect, Unknown
 from reliab.report.document import Block, Column, Document, Paragraph, Points, Section, Table
 from reliab.report.kinds.discrepancy_figures import (
     block_figure,
@@ -96,13 +96,13 @@ def _verdict(diagnosis: Diagnosis) -> Prose:
         case Verdict.NAMED:
             return prose("The model lacks *{names}*. {closed}", names=names, closed=_closed(diagnosis))
         case Verdict.UNKNOWN_EFFECT:
-            where = "" if diagnosis.unknown is None else diagnosis.unknown.block
-            if not names:
-                return prose("The *{where}* has an effect that is none of the known ones.", where=where)
+            unknown = diagnosis.unknown
+            first = "The model lacks *{names}*, and the" if names else "The"
             return prose(
-                "The model lacks *{names}*, and the *{where}* has an effect that is none of the known ones.",
+                first + " *{where}* has an effect that is none of the known ones: {description}.",
                 names=names,
-                where=where,
+                where="" if unknown is None else unknown.block,
+                description="" if unknown is None else unknown.description,
             )
         case Verdict.NOT_IDENTIFIABLE:
             doubtful = " or ".join(spelled_out(effect.name) for effect in diagnosis.doubtful)
@@ -287,40 +287,33 @@ def missing_effects_section(diagnosis: Diagnosis, sampled: Mapping[str, Posterio
 
 
 def _parameters(diagnosis: Diagnosis) -> Table:
-    rows = []
-    for diagnosed in diagnosis.blocks:
-        for effect in (*diagnosed.effects, *diagnosed.doubtful):
-            for estimate in effect.estimates:
-                determined = estimate.determined
-                low, high = estimate.interval or (np.nan, np.nan)
-                mark = " (on a bound)" if estimate.name in effect.on_bounds else ""
-                mark += "" if determined else " (not determined)"
-                rows.append(
-                    {
-                        "effect": spelled_out(effect.name),
-                        "probability": effect.probability,
-                        "parameter": f"{estimate.name} [{estimate.units}]{mark}",
-                        "value": estimate.value if determined else np.nan,
-                        "sd": estimate.sd if determined else np.nan,
-                        "low": low,
-                        "high": high,
-                    }
-                )
-    digits = Significant(digits=4)
+    """Tabulate the effects, each in one row with all its parameters."""
+    rows = [
+        {
+            "effect": spelled_out(effect.name),
+            "probability": effect.probability,
+            "parameters": "; ".join(map(_with_interval, effect.parameter_texts, effect.estimates)),
+        }
+        for effect in diagnosis.all_effects
+    ]
     columns = (
         Column(key="effect", heading="Effect"),
         Column(key="probability", heading="Probability", number=Fixed(decimals=3)),
-        Column(key="parameter", heading="Parameter"),
-        Column(key="value", heading="Value", number=digits),
-        Column(key="sd", heading="± sd", number=Significant(digits=2)),
-        Column(key="low", heading="from", number=digits, group="90 % interval"),
-        Column(key="high", heading="to", number=digits, group="90 % interval"),
+        Column(key="parameters", heading="Parameters ± standard deviation (90 % interval)"),
     )
     return Table(
         frame=pd.DataFrame(rows),
         columns=columns,
         caption="Effects with the most probable values of their parameters.",
     )
+
+
+def _with_interval(text: str, estimate: Estimate) -> str:
+    """Add the 90 % interval to a parameter where it is known."""
+    if estimate.interval is None or not estimate.determined:
+        return text
+    low, high = estimate.interval
+    return f"{text} ({low:.3g} to {high:.3g})"
 
 
 def _sentence(effect: MissingEffect) -> Prose:
@@ -391,7 +384,8 @@ def proof_section(diagnosis: Diagnosis) -> Section:
     """Show how much of the gap between model and measurement closes on held-out tests."""
     blocks: list[Block] = [*_proof(diagnosis), *drawn("the gap", partial(gap_figure, diagnosis))]
     for diagnosed in diagnosis.blocks:
-        blocks += drawn("histories and loops", partial(histories_figure, diagnosed))
+        if diagnosed.gap.missing:
+            blocks += drawn("histories and loops", partial(histories_figure, diagnosed))
     return Section(title=_PROOF, blocks=tuple(blocks))
 
 

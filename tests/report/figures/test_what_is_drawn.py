@@ -650,23 +650,18 @@ def test_the_loop_names_what_is_missing_and_what_is_not_seen():
     assert len(place.lines) == 5
 
 
-def test_measured_and_modelled_histories():
+def test_measured_history_stands_above_both_residuals():
     time = np.arange(7000) / 100.0
     values = {name: np.sin(time + k) for k, name in enumerate(("driven", "measured", "before", "after"))}
-    history = discrepancy.ModelledHistory(time=time, **values, input_label="command [mm]", label="force [N]")
-    figure = discrepancy.discrepancy_histories(history)
+    labels = {"input_label": "command [mm]", "label": "force [N]", "residual_label": "Residual [N]"}
+    figure = discrepancy.discrepancy_histories(discrepancy.ModelledHistory(time=time, **values, **labels))
     above, beside, below, last = figure.axes
-    assert legend(figure) == ["measured", "calibrated model", "with the effects found"]
-    for place, x, name, model in (
-        (above, time, "calibrated model", "before"),
-        (beside, values["driven"], "calibrated model", "before"),
-        (below, time, "with the effects found", "after"),
-        (last, values["driven"], "with the effects found", "after"),
-    ):
-        np.testing.assert_allclose(curve(place, "measured"), (x[::2], values["measured"][::2]))
-        np.testing.assert_allclose(curve(place, name), (x[::2], values[model][::2]))
-    assert names(figure) == [("", ""), ("", ""), ("Time [s]", ""), ("command [mm]", "")]
-    assert figure.get_supylabel() == "force [N]"
+    assert legend(figure) == ["measured", "residual before", "after"]
+    for x, measured, left in ((time, above, below), (values["driven"], beside, last)):
+        np.testing.assert_allclose(curve(measured, "measured"), (x[::2], values["measured"][::2]))
+        np.testing.assert_allclose(curve(left, "residual before"), (x[::2], values["before"][::2]))
+        np.testing.assert_allclose(curve(left, "after"), (x[::2], values["after"][::2]))
+    assert names(figure) == [("", "force [N]"), ("", ""), ("Time [s]", "Residual [N]"), ("command [mm]", "")]
     assert not any(label.get_visible() for place in (above, beside) for label in place.get_xticklabels())
 
 
