@@ -1,6 +1,7 @@
 """Kernels step by step without compilation, with numbers of which none is one."""
 
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -55,7 +56,7 @@ def test_a_stop_takes_speed_and_acceleration():
 
 
 def test_a_term_that_moves_the_piston_adds_its_speed_and_acceleration():
-    kind = general_term("position_dependent_gain")
+    kind: Any = general_term("position_dependent_gain")
     time = np.arange(0.0, 2.0, 0.001)
     motions = np.stack([np.sin(3.0 * time), 3.0 * np.cos(3.0 * time), -9.0 * np.sin(3.0 * time)], axis=1)
     coefficients, state = kind(coefficient=0.2).coefficients(SETTING), np.zeros(kind.kernel.states)
