@@ -6,10 +6,10 @@ import pandas as pd
 
 from reliab.app.api.rig_answers import document_of_rig
 from reliab.core.shipped import shipped
-from reliab.desk.document_html import document_html, formula
+from reliab.desk.document_html import document_html
 from reliab.report.document import Column, Document, Paragraph, Points, Section, Table
 from reliab.report.numbers import Fixed
-from reliab.report.prose import prose
+from reliab.report.prose import formula, prose
 
 HOSTILE = "<img src=x onerror=alert(1)>"
 
