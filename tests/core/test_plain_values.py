@@ -4,6 +4,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
+from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
@@ -64,3 +65,27 @@ def test_a_key_without_a_value_is_an_error():
 
     with pytest.raises(AttributeError, match="absent"):
         Wrong().to_dict()
+
+
+@dataclass(frozen=True)
+class Fault:
+    rule: str
+    line: int | None
+
+
+@dataclass(frozen=True)
+class Written(PlainResult):
+    keys: ClassVar[Mapping[str, str]] = {"folder": "place", "low": "interval.low", "faults": "faults"}
+
+    place: Path
+    interval: Mapping[str, float]
+    faults: tuple[Fault, ...]
+
+
+def test_paths_parts_of_mappings_and_plain_dataclasses_are_written():
+    written = Written(Path("a/b"), {"low": 0.5}, (Fault("No rate.", None),))
+    assert json.loads(json.dumps(written.to_dict())) == {
+        "folder": "a/b",
+        "low": 0.5,
+        "faults": [{"rule": "No rate.", "line": None}],
+    }

@@ -263,7 +263,10 @@ class Command(TyperCommand):
         rest: list[str] = super().parse_args(ctx, list(args))
         _, _, stated = self.make_parser(ctx).parse_args(args)
         for parameter in stated:
-            if stated.count(parameter) > 1 and not parameter.multiple and parameter.nargs == 1:
+            takes_one = parameter.nargs == 1 and not (
+                parameter.multiple or getattr(parameter, "is_flag", False)
+            )
+            if takes_one and stated.count(parameter) > 1:
                 raise InputError(f"`{parameter.name}` takes one value", value="several", remedy="Give one")
         return rest
 

@@ -45,7 +45,6 @@ _NEXT = {
     "diagnose again",
 }
 
-
 _WHERE: Final = "Where the model fails"
 _PROOF: Final = "The proof on held-out tests"
 
@@ -231,8 +230,8 @@ def _places(diagnosis: Diagnosis) -> Table | Paragraph:
                 **finding.to_dict(),
                 "block": str(finding.block),
                 "p": finding.chance,
-                "band": _span(finding.band),
-                "time": _span(finding.time),
+                "band": " to ".join(map(significant, finding.band)),
+                "time": " to ".join(map(significant, finding.time)),
                 "begin": finding.begin,
             }
             for finding in diagnosis.where
@@ -257,11 +256,6 @@ def _places(diagnosis: Diagnosis) -> Table | Paragraph:
         "The residual of the calibrated model varies with no quantity of the motion that was tried."
     )
     return Paragraph(text=noise if diagnosis.is_explained else open_question)
-
-
-def _span(ends: tuple[float, float]) -> str:
-    """Write both ends of a band or a stretch."""
-    return " to ".join(significant(end, 3) for end in ends)
 
 
 def missing_effects_section(diagnosis: Diagnosis, sampled: Mapping[str, Posterior]) -> Section:
@@ -356,13 +350,7 @@ def _unknown(unknown: Unknown) -> Prose:
 
 def _calibration(diagnosis: Diagnosis) -> Table:
     rows = [
-        {
-            "block": str(diagnosed.block.block),
-            "parameter": e.name,
-            "value": e.value,
-            "sd": e.sd,
-            "units": e.units,
-        }
+        (str(diagnosed.block.block), e.name, e.value, e.sd, e.units)
         for diagnosed in diagnosis.blocks
         for e in diagnosed.calibration
     ]
@@ -374,7 +362,7 @@ def _calibration(diagnosis: Diagnosis) -> Table:
         Column(key="units", heading="Unit"),
     )
     return Table(
-        frame=pd.DataFrame(rows),
+        frame=pd.DataFrame(rows, columns=[column.key for column in columns]),
         columns=columns,
         caption="Parameters of the model that were calibrated together with the effects.",
     )
