@@ -56,7 +56,7 @@ class _Former(options.Frequencies, options.Confidences, total=False):
     further=("figure", "confidence"),
 )
 def assess(asked: Asked) -> None:
-    """Judge a real test by its error, computed from command and measured displacement."""
+    """Judge a test by its error, from command and measured displacement."""
     if asked.design:
         _answer_design(asked)
         return
@@ -67,13 +67,13 @@ def assess(asked: Asked) -> None:
 
 @takes(questions.Design, outputs.Chart)
 def design(asked: Asked) -> None:
-    """Before a test: print how much amplitude error and delay the rig may have."""
+    """Print how much amplitude error and delay are tolerable, before a test."""
     _answer_design(asked)
 
 
 @takes(questions.StatedOfTest, outputs.Tests, outputs.Check)
 def extrapolate(asked: Asked) -> None:
-    """Extrapolate repeated runs of a test, with other delays or gains of the actuator, to zero error.
+    """Extrapolate runs of one test with different delays or gains to zero error.
 
     The extrapolation itself uses neither structure nor specimen.
     """
