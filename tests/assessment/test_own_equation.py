@@ -194,7 +194,7 @@ def test_what_a_skew_looks_like_is_said_and_decides_nothing(judged_with_skew, ch
     (said,) = [reason for reason in found.verdict.reasons if "cannot tell which" in reason]
     assert words in said
     assert "ms between command and measured displacement" in said
-    assert any("Feed one signal to both channels" in remedy for remedy in found.verdict.would_decide)
+    assert any("Measure the skew" in remedy for remedy in found.verdict.would_decide)
     assert not any("> 0.99" in reason for reason in found.verdict.reasons)
 
 
