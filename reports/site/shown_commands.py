@@ -6,7 +6,7 @@ import subprocess
 import sys
 from typing import Final
 
-WIDTH: Final = 100  # characters that a page shows in a line
+WIDTH: Final = 92  # characters that a page shows in a line
 
 
 def show_answer(line: str, *, lines: int | None = None) -> None:

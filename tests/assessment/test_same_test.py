@@ -90,7 +90,7 @@ def test_runs_that_cannot_be_combined_are_refused(found):
     with pytest.raises(InputError, match="differ in gain or delay"):
         combine_runs({"a": first, "b": first})
     later = replace(first.recording, command=np.roll(first.recording.command, 300))
-    with pytest.raises(InputError, match="same instant"):
+    with pytest.raises(InputError, match="different instants"):
         combine_runs({"a": first, "b": replace(first, recording=later)})
     backwards = replace(first.recording, command=first.recording.command[::-1].copy())
     with pytest.raises(InputError, match="different commands"):

@@ -95,7 +95,7 @@ def test_the_smallest_hardening_is_the_first_that_crosses_the_threshold(linear, 
     assert turning.smallest_hardening == next(h for h in HARDENINGS if (sizes[h] < threshold) != below)
     assert turning.error_if_hardening == (min(sizes.values()), max(sizes.values()))
     share = f"{100.0 * turning.smallest_hardening:g} %"
-    assert f"a hardening of {share} would change the verdict" in turning.sentences[0]
+    assert f"from a hardening of {share} on)" in turning.sentences[0]
 
 
 def through(values, corner):

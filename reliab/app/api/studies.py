@@ -86,7 +86,8 @@ def run_study(
         tell(stage, done)
 
     report = running.run_study(described, folder, show=show, tell=count, setting=setting)
-    answer = (folder / ANSWER).read_text(encoding="utf-8")
+    said = folder / ANSWER
+    answer = said.read_text(encoding="utf-8") if said.exists() else ""
     return PerformedStudy(title=described.title, folder=folder, report=report, stages=stages, answer=answer)
 
 

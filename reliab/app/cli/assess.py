@@ -50,14 +50,14 @@ class _OneTest(outputs.Tests, outputs.Check, outputs.Cover, total=False):
     needs=dict.fromkeys(outputs.Cover.__annotations__, "report"),
 )
 def assess(asked: Asked) -> None:
-    """Judge a real test by its error, computed from command and measured displacement."""
+    """Judge a test by its error, from command and measured displacement."""
     if not _answer_tests(asked) and asked.check:
         raise typer.Exit(1)
 
 
 @takes(questions.Design, outputs.Chart)
 def design(asked: Asked) -> None:
-    """Before a test: print how much amplitude error and delay the rig may have."""
+    """Print how much amplitude error and delay are tolerable, before a test."""
     from reliab.app.api.assessment_files import draw_chart
     from reliab.app.api.design import design_test
     from reliab.app.cli.output import write_json
@@ -71,7 +71,7 @@ def design(asked: Asked) -> None:
 
 @takes(questions.StatedOfTest, outputs.Tests, outputs.Check)
 def extrapolate(asked: Asked) -> None:
-    """Extrapolate repeated runs of a test, with other delays or gains of the actuator, to zero error.
+    """Extrapolate runs of one test with different delays or gains to zero error.
 
     The extrapolation itself uses neither structure nor specimen.
     """

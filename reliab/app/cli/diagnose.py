@@ -25,7 +25,7 @@ class _Campaign(outputs.Folder, outputs.Cover, total=False):
 
 @takes(_Campaign, needs=dict.fromkeys(outputs.Cover.__annotations__, "out"))
 def diagnose(asked: Asked) -> None:
-    """Find where simulation and measurement disagree, name what is missing, verify it on held-out tests."""
+    """Find where model and test disagree, name what is missing, verify it on held-out tests."""
     from reliab.app.api.diagnosis import diagnose_campaign, report_diagnosis
     from reliab.report.kinds.discrepancy_report import findings_in_words
     from reliab.report.terminal import print_blocks

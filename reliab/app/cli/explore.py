@@ -9,7 +9,7 @@ _MEGABYTE = 1e6
 
 @takes(questions.Explorer)
 def explore(asked: Asked) -> None:
-    """Write a web page, for use offline, with sliders that show tolerable errors before a test."""
+    """Write an offline web page with sliders that show tolerable errors before a test."""
     from reliab.app.api.explorer import write_explorer
 
     written = asked.ask(write_explorer, "json_target")

@@ -16,7 +16,7 @@ class _Source(TypedDict):
 
 @takes(_Source)
 def fetch(asked: Asked) -> None:
-    """Fetch data that are too large for the package, results.nc of real_suite, and compare their checksum."""
+    """Fetch the data that are too large for the package: results.nc of real_suite."""
     from reliab.app.api.installation import fetch_dataset
 
     fetched = asked.ask(fetch_dataset, "json_target")
@@ -32,7 +32,7 @@ class _Folder(TypedDict):
 
 @takes(_Folder)
 def samples(asked: Asked) -> None:
-    """Write the samples that come with reliab into a folder; files with other content are not overwritten."""
+    """Write sample files into a folder; files that you changed are kept."""
     from reliab.app.api.installation import copy_samples
 
     copied = [str(sample) for sample in asked.ask(copy_samples, "json_target")]

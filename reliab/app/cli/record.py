@@ -30,7 +30,7 @@ class _Files(TypedDict, total=False):
 
 @takes(questions.RecordedTest, _Files)
 def record(asked: Asked) -> None:
-    """Recognise the channels of a laboratory's file, and keep them as one open record."""
+    """Recognise the channels of your file and save them as one open record."""
     if asked.check:
         _check(asked)
         return

@@ -18,7 +18,7 @@ class _Ways(TypedDict, total=False):
 
 @takes(questions.Validation, _Ways)
 def validate(asked: Asked) -> None:
-    """Test criteria on earthquakes from which they were not learned."""
+    """Test criteria on earthquakes that they have not seen."""
     from reliab.app.api.validation import calibrate_probabilities, validate_criteria
 
     if asked.calibration:

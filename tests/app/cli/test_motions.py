@@ -60,10 +60,10 @@ def test_list_names_records_that_it_leaves_out(faulty: Path) -> None:
         "Left out: slow.txt, line 1: Implausible time step: those of records are 0.0005 to 0.1 s"
         in result.stdout
     )
-    assert "confirm it by --time-step" in result.stdout
-    assert "confirm it by --time-step" in " ".join(run("check", faulty / "slow.txt").stdout.split())
-    assert "Left out: cut[1].AT2, line 6: A record must hold as many samples" in result.stdout
-    assert "strange.v9: a format that is not known" in result.stdout
+    assert "confirm it with --time-step" in result.stdout
+    assert "confirm it with --time-step" in " ".join(run("check", faulty / "slow.txt").stdout.split())
+    assert "Left out: cut[1].AT2, line 6: Fewer samples than the header states" in result.stdout
+    assert "strange.v9: an unknown format" in result.stdout
     content = json.loads(run("list", faulty, "--json", "-").stdout)
     assert [row["motion"] for row in content["motions"]] == ["N180", "N90"]
     names = [Path(fault["file"]).name for fault in content["faults"]]

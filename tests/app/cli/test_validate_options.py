@@ -132,7 +132,7 @@ def test_options_of_run_reach_the_study(monkeypatch, tmp_path):
         seen.update(study=study, folder=folder)
         return folder / "report.pdf"
 
-    monkeypatch.setattr("reliab.app.api.studies.run_study", remember)
+    monkeypatch.setattr("reliab.study.running.run_study", remember)
     invoke(runs, "thresholds", "--out", tmp_path / "here", "--motions", tmp_path, "--sets", "far_field")
     assert isinstance(seen["study"], Study)
     assert seen["folder"] == tmp_path / "here"

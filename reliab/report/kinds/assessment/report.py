@@ -100,7 +100,7 @@ def _of_ground_motions(assessment: Assessment) -> str:
     share = share_in_words(assessment.promise)
     if not population or position is None:
         return f"{share} of the ground motions behind the criterion"
-    return f"{share} of motions like these ({position} of which the test lies): {population}"
+    return f"{share} of motions like these, with the test {position} of them: {population}"
 
 
 def _with_deviation(assessment: Assessment, name: str, value: float) -> str:
