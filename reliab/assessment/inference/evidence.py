@@ -68,26 +68,14 @@ class Evidence(ABC):
         squares = self.cells(experiment) ** 2 / self._variance + np.log(self._variance)
         return -0.5 * self.weight * float(squares.sum()) - self.determinant(experiment)
 
-    def determinant(self, experiment: Experiment) -> float:  # noqa: ARG002
-        """Return what the logarithm of the likelihood loses beside the squares of the residual."""
-        return 0.0
-
-
-@dataclass(kw_only=True, eq=False)
-class EquationOfMotion(Evidence):
-    """The equation of motion, against the recorded ground acceleration.
-
-    The noise of the displacement sensors enters as forces of the specimen. A softer specimen, or a sensor of
-    larger scale, would leave less of it to explain, so that both would be found where they are not (errors
-    in variables). The determinant takes that from the likelihood again, as far as noise is that of sensors.
-    """
-
-    def spectrum(self, experiment: Experiment) -> Spectrum:
-        """Residual of the equation [N]."""
-        return residual(self.channels, self.partition, experiment)
-
     def determinant(self, experiment: Experiment) -> float:
-        """Logarithm of the determinant of the map from readings to residuals, with its sign turned."""
+        """Return what the logarithm of the likelihood loses beside the squares of the residual.
+
+        The noise of the displacement sensors enters as forces of the specimen. A softer specimen, or a sensor
+        of larger scale, would leave less of it to explain, so that both would be found where they are not
+        (errors in variables: Fuller 1987, Measurement Error Models, 1.3). What that gains is taken away
+        again, as far as the noise is that of sensors.
+        """
         stiffness = (self.partition.specimen_stiffness @ self.channels.to_interface) ** 2
         of_sensors = stiffness * self.channels.noise
         total = np.maximum(of_sensors.sum(axis=1, keepdims=True), np.finfo(float).tiny)
@@ -96,6 +84,15 @@ class EquationOfMotion(Evidence):
         )
         share = np.sum(self.noise[:, np.newaxis, np.newaxis] / self._variance, axis=(1, 2))
         return -self.weight * float(share @ softer)
+
+
+@dataclass(kw_only=True, eq=False)
+class EquationOfMotion(Evidence):
+    """The equation of motion, against the recorded ground acceleration."""
+
+    def spectrum(self, experiment: Experiment) -> Spectrum:
+        """Residual of the equation [N]."""
+        return residual(self.channels, self.partition, experiment)
 
 
 @dataclass(kw_only=True, eq=False)

@@ -60,6 +60,35 @@ def test_ground_acceleration_shows_frequency_and_damping(late_test):
     assert posterior.deviations["frequency"] < 0.05 * 0.02
 
 
+def test_noise_of_the_displacement_makes_no_specimen_softer():
+    """Errors in variables: noise that is multiplied by the stiffness is not explained by a lower one."""
+    ground = earthquake(duration=30.0, time_step=STEP, seed=4)
+    told = {"frequency": 3.8, "damping_ratio": 0.03}
+    test = simulate(**told, share=0.8, gain=0.98, delay=0.0015, ground=ground, time_step=STEP, noise=0.03)
+    partition = Partition.of_structure(Structure(**told, experimental_fraction=0.8))
+    channels = ChannelSpectra.of_channels(
+        test.command[np.newaxis],
+        test.measured[np.newaxis],
+        STEP,
+        partition,
+        ground=test.ground,
+        force=test.force[np.newaxis],
+    )
+    stated = {
+        "f": StatedValue(3.8, 0.08),
+        "alpha": StatedValue(0.8, 0.04),
+        "mass": StatedValue(1.0, 0.02),
+        "scale": StatedValue(1.0, 0.003),
+    }
+    posterior = infer(
+        Circumstances(
+            partition=partition, channels=channels, stated=stated, equipment=None, specimen_force=True
+        ),
+        draws=50,
+    )
+    assert abs(posterior.means["experimental_fraction"]) < 0.01  # -0.041 if noise counts as softness
+
+
 def test_recorded_excitation_never_widens_the_interval(late_test):
     widths = []
     for ground in (False, True):
