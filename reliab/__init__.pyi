@@ -30,7 +30,7 @@ from .app.api.rigs import (
 )
 from .app.api.simulation import simulate as simulate
 from .app.api.sources import ellipses as ellipses
-from .app.api.studies import list_studies as list_studies, report_run as report_run, run_study as run_study
+from .app.api.studies import list_studies as list_studies, run_study as run_study
 from .app.api.validation import (
     calibrate_probabilities as calibrate_probabilities,
     validate_criteria as validate_criteria,

@@ -54,7 +54,7 @@ def _of_scope(findings: Findings) -> Iterator[str]:
         yield from findings.scope.sentences
     if findings.speaks_for_none:
         yield (
-            "The criterion promises no share of ground motions for such a test. The error of the test "
+            "The criterion promises nothing for such a test. The error of the test "
             "itself does not depend on it."
         )
 

@@ -77,9 +77,9 @@ def require_restoring_force(
     >>> require_restoring_force(moved, -40.0 * moved, 0.005)
     Traceback (most recent call last):
     ...
-    reliab.core.errors.InputError: The recorded force must resist the motion; found a force that acts along
-    it, as if its sign were reversed. Reverse the sign of the force: it is positive where the specimen is
-    pushed in the positive direction.
+    reliab.core.errors.InputError: The recorded force does not resist the motion; found a force that acts
+    along it, as if its sign were reversed. Reverse the sign of the force: it is positive where the specimen
+    is pushed in the positive direction.
     """
     if not np.ptp(force) > 0.0:
         raise InputError(

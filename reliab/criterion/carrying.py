@@ -359,7 +359,7 @@ def _stating(
     outside = compared.position is Position.OUTSIDE
     last = elsewhere if "magnitude" in scope else ""
     if outside:
-        last = "The criterion promises no share of ground motions there."
+        last = "The criterion promises nothing there."
     caution = " ".join((*compared.sentences, last)).strip()
     position = str(compared.position)
     return carried.stating(

@@ -136,7 +136,7 @@ def few_events(fewest: int) -> str:
     """Say that there are few earthquakes; nothing from thirty on.
 
     >>> few_events(1)
-    'The motions come from one earthquake only, and motions of one earthquake are alike.'
+    'The motions come from only one earthquake, and motions of one earthquake are alike.'
     """
     if fewest >= _FEW_EVENTS:
         return ""

@@ -40,7 +40,7 @@ def protect_over_lengths(
     >>> from reliab.criterion.ellipse_reading import read_ellipses
     >>> protected = protect_over_lengths(read_ellipses("real_suite"))
     >>> protected.attrs["carried_to"]
-    'each structure at the least favourable of 21, 39 and 90 s'
+    'with the strictest limit of records of 21, 39 and 90 s'
     """
     if metric != Metric.RMS or curve != CurveName.INSCRIBED or not _shows_lengths(ellipses):
         return ellipses

@@ -121,8 +121,8 @@ def populations_in_words(stated: Iterable[tuple[float | None, str]]) -> list[str
     A share is None where nothing is promised.
 
     >>> print(*populations_in_words([(0.5, "all lengths"), (0.95, "every length")]), sep="\n")
-    At 50 %, for ground motions like these: all lengths.
-    At 95 %, for ground motions like these: every length.
+    At 50 %, valid for ground motions like these: all lengths.
+    At 95 %, valid for ground motions like these: every length.
     """
     shares: dict[str, list[str]] = {}
     for share, population in stated:

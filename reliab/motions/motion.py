@@ -109,8 +109,8 @@ def require_short(samples: int, name: str) -> None:
     >>> require_short(10_000_000, "long")
     Traceback (most recent call last):
     ...
-    reliab.core.errors.InputError: long: A motion may have 2,000,000 samples at most; found 10,000,000. Keep
-    the strong part of the record, or resample it.
+    reliab.core.errors.InputError: long: Too many samples, above 2,000,000; found 10,000,000. Keep the
+    strong part of the record, or resample it.
     """
     if samples > MOST_SAMPLES:
         raise InputError(

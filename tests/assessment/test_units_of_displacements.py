@@ -30,7 +30,7 @@ def recording(factor, late=0.02):
 )
 def test_two_units_are_told_by_their_ratio(factor, units):
     with pytest.raises(
-        InputError, match=f"in the same unit; found .* times the command, as if one were in {units}"
+        InputError, match=f"different units; found .* times the command, as if one were in {units}"
     ):
         require_plausible(recording(factor))
 
@@ -43,7 +43,7 @@ def test_other_ratios_are_no_units(factor):
 def test_a_rig_that_is_so_late_that_it_attenuates_has_no_wrong_unit():
     """A quarter of a period late, the two are not alike enough for their sizes to be compared."""
     require_plausible(recording(2.54, late=0.25))
-    with pytest.raises(InputError, match="in the same unit"):
+    with pytest.raises(InputError, match="different units"):
         require_plausible(recording(2.54, late=0.05))
 
 

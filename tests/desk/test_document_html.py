@@ -41,7 +41,7 @@ def test_formulas_are_written_in_signs():
             kind="k", title="t", verdict=prose("where $alpha k <= sqrt(a)$ is *small*"), blocks=(), sheet=True
         )
     )
-    assert "<i>α k &lt;= √(a)</i> is <b>small</b>" in text
+    assert "<i>α k ≤ √(a)</i> is <b>small</b>" in text
     assert formula("omega^2 tau_c") == "ω^2 τ_c"
 
 

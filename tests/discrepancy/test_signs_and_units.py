@@ -39,7 +39,7 @@ def damper(tmp_path):
 
 
 def test_a_specimen_that_delivers_energy_is_refused(damper):
-    with pytest.raises(InputError, match="must resist the motion") as refused:
+    with pytest.raises(InputError, match="does not resist the motion") as refused:
         diagnose(read_campaign(damper(FACTORS["sign"])))
     assert refused.value.where is not None
     assert "positive where the specimen resists" in str(refused.value)

@@ -342,7 +342,7 @@ def test_record_is_played_with_another_time_step():
 
 
 def test_errors_say_what_to_do():
-    with pytest.raises(InputError, match="Choose one of these"):
+    with pytest.raises(InputError, match="Choose among command_saturation"):
         find_effect("gremlins")
     with pytest.raises(InputError, match=r"gap_m of gap must be positive; found -0\.1"):
         find_effect("gap")(gap_m=-0.1)

@@ -94,7 +94,7 @@ def test_settings_at_the_ends_of_the_ellipses_are_within_them_in_spite_of_roundi
         for rounded in (f * (1.0 - 1e-12), f, f * (1.0 + 1e-12)):
             assert f'"frequency": {rounded}' in render(packed, Settings(frequency=rounded), source="a test")
     for f in (min(packed["frequencies"]) * (1.0 - 1e-6), max(packed["frequencies"]) * (1.0 + 1e-6)):
-        with pytest.raises(InputError, match="in the range of the ellipses"):
+        with pytest.raises(InputError, match="ellipses are of a natural frequency"):
             render(packed, Settings(frequency=f), source="a test")
 
 

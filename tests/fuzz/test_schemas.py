@@ -145,5 +145,5 @@ def test_groups_deep_within_each_other_are_refused(tmp_path, read):
         for _ in range(100):
             group = group.create_group("group")
         group["a"] = group["b"] = np.arange(99.0)
-    with pytest.raises(InputError, match="must not be nested more than 32 deep"):
+    with pytest.raises(InputError, match="are nested more than 32 deep"):
         read(tmp_path / "deep.h5")

@@ -48,7 +48,7 @@ def test_every_block_but_a_figure_is_printed():
         Equation(math="a / b"),
     )
     assert lines_of(print_blocks, blocks) == [
-        *("Where α <= 1, see the figure or table.", ""),
+        *("Where α ≤ 1, see the figure or table.", ""),
         *("Inner", "- first", "- second", "Look.", "a / b"),
     ]
 

@@ -307,7 +307,7 @@ def _with_interval(text: str, estimate: Estimate) -> str:
     if estimate.interval is None or not estimate.determined:
         return text
     low, high = estimate.interval
-    return f"{text} ({low:.3g} to {high:.3g})"
+    return f"{text} ({low:.4g} to {high:.4g})"
 
 
 def _sentence(effect: MissingEffect) -> Prose:

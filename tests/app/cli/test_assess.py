@@ -59,7 +59,7 @@ def test_good_test_is_reliable_and_says_so(folder):
     assert shown.startswith("RELIABLE: RMS^R is ")
     assert "below 5 % with probability > 0.99" in shown
     for said in (
-        "Structure: f = 1 Hz, ξ = 0.02, share of the stiffness in the laboratory α = 1",
+        "Structure: f = 1 Hz, ξ = 0.02, physically tested fraction of the stiffness α = 1",
         "Threshold and window: 5 %, over the test's own 40 s",
         "root mean square and largest value of measured minus exact displacement",
         "Delay that makes the loop unstable [ms], free share of it [%]",

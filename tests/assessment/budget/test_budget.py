@@ -137,9 +137,9 @@ def test_a_calibration_that_found_no_hysteresis_replaces_the_default(tmp_path):
 def test_a_slow_recording_whose_skew_was_not_stated_says_what_is_assumed():
     equipment = ordinary_equipment()
     assert equipment.doubt_of_skew(1.0 / 1000.0) == ""
-    assert "512 samples a second" in equipment.doubt_of_skew(1.0 / 512.0)
-    assert "256 samples a second" in equipment.doubt_of_skew(1.0 / 256.0)
-    assert "1.2 ms is assumed" in equipment.doubt_of_skew(1.0 / 256.0)
+    assert "the 512 Hz" in equipment.doubt_of_skew(1.0 / 512.0)
+    assert "the 256 Hz" in equipment.doubt_of_skew(1.0 / 256.0)
+    assert "±1.2 ms is assumed" in equipment.doubt_of_skew(1.0 / 256.0)
     assert replace(equipment, skew_ms=0.1).doubt_of_skew(1.0 / 256.0) == ""
 
 

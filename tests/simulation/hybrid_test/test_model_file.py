@@ -92,7 +92,7 @@ def test_a_file_that_is_none_is_refused(tmp_path, content):
 
 
 def test_a_folder_cannot_be_written_as_a_file(tmp_path):
-    with pytest.raises(InputError, match="writable"):
+    with pytest.raises(InputError, match="Cannot write"):
         write_model(tmp_path, UpdatedModel(name="", test=HybridTest()))
 
 

@@ -137,7 +137,7 @@ def test_other_matlab_files_are_refused(tmp_path):
     savemat(tmp_path / "model.mat", {"something": 1.0})
     with pytest.raises(InputError, match="num and den"):
         read_matlab(tmp_path / "model.mat")
-    with pytest.raises(InputError, match="The file holds something"):
+    with pytest.raises(InputError, match="It holds something"):
         read_matlab(tmp_path / "model.mat", "servo")
     two_inputs = {"A": -np.eye(2), "B": np.eye(2), "C": [[1.0, 0.0]], "D": [[0.0, 0.0]]}
     savemat(tmp_path / "model.mat", two_inputs)
