@@ -66,7 +66,8 @@ class Estimate:
         if not self.determined:
             return "not determined", ""
         value = f"{self.value:.4g}"
-        return f"{value} {self.units}".strip(), f"{self.sd:.1e}" if "e" in value else significant(self.sd, 2)
+        unit = "" if self.units == "-" else self.units
+        return f"{value} {unit}".strip(), f"{self.sd:.1e}" if "e" in value else significant(self.sd, 2)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the entry of `parameters`."""
