@@ -196,7 +196,7 @@ def test_a_response_unlike_those_of_the_population_is_outside(change, named):
     carried = carry_to_response(ellipses, known, changed)
     assert carried.attrs["position"] == "outside"
     assert named in carried.attrs["caution"]
-    assert "promises no share" in carried.attrs["caution"]
+    assert "promises nothing" in carried.attrs["caution"]
 
 
 def test_of_the_earthquakes_that_ship_it_says_what_other_kinds_of_motions_keep():
