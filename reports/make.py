@@ -30,7 +30,7 @@ from reliab.report.figures.parameter_distributions import ellipses_and_criterion
 from reliab.report.kinds.assessment.error import histories_figure
 from reliab.report.pdf import write_pdf
 from reliab.report.style import svg
-from reliab.study.reading import shipped_studies
+from reliab.study.folders import shipped_folders
 from reliab.sweep.ellipse_file import open_ellipses
 
 if TYPE_CHECKING:
@@ -125,7 +125,7 @@ def main(arguments: list[str]) -> int:
     asked = parser.parse_args(arguments)
     makers: dict[str, Callable[[], bool]] = {
         name: lambda name=name: of_study(name, asked.motions)  # type: ignore[misc]
-        for name in shipped_studies()
+        for name in shipped_folders()
     }
     makers |= {
         "assessment": assessment,
