@@ -120,7 +120,6 @@ class _Writer:
                     "kind": "section",
                     "opens": level == 1 and not self._document.sheet,
                     "appendix": block.appendix,
-                    "new_page": block.new_page and self._document.sheet,
                     "title": title,
                     "level": level,
                     "label": block.label,

@@ -178,15 +178,12 @@ class Section:
         What references call it.
     appendix : bool, optional
         Whether it stands behind the others, in smaller type, beside words, provenance and references.
-    new_page : bool, optional
-        Whether it begins a page of a sheet.
     """
 
     title: str
     blocks: "tuple[Block, ...]"
     label: str = ""
     appendix: bool = False
-    new_page: bool = False
 
 
 Block = Paragraph | Points | Remark | Equation | Table | Figure | Section

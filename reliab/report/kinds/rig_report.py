@@ -1,4 +1,4 @@
-"""Report of a rig: two pages for the head of the laboratory, and an appendix for those who doubt them."""
+"""Report of a rig: what it did, what to expect of its next test, and an appendix of diagnostics."""
 
 import math
 from collections.abc import Mapping
@@ -58,10 +58,8 @@ def rig_report(
         facts=_facts(table, prediction, structure),
         blocks=(
             Section(title="What the rig does", blocks=_what_it_does(table, chart, prediction)),
-            Section(
-                title="What to expect of the next test", blocks=next_test_blocks(prediction), new_page=True
-            ),
-            Section(title="Appendix: diagnostics", blocks=diagnostics_blocks(prediction), new_page=True),
+            Section(title="What to expect of the next test", blocks=next_test_blocks(prediction)),
+            Section(title="Appendix: diagnostics", blocks=diagnostics_blocks(prediction)),
         ),
         provenance=provenance_of(provenance),
         sheet=True,
