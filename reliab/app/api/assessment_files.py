@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from reliab.assessment.assessment import Assessment
-from reliab.core.errors import InputError
 from reliab.core.files import refuse_unwritable, require_ending, written_whole
 from reliab.core.rows import write_table
 from reliab.core.shipped import or_shipped
@@ -95,16 +94,8 @@ def draw_chart(answer: "Design | Comparison", figure: str | Path) -> None:
         tolerable_errors_over_frequency(answer.chart) if isinstance(answer, Design) else ranked_tests(answer)
     )
     require_ending(figure, ".svg", ".png", ".pdf")
-    try:
-        with written_whole(figure) as file:
-            file.write_bytes(picture(drawn, Path(figure).suffix.lower()))
-    except (OSError, ValueError) as error:
-        raise InputError(
-            "Cannot write the figure",
-            value=str(error),
-            remedy="Name a file that ends in .svg, .png or .pdf",
-            where=str(figure),
-        ) from error
+    with refuse_unwritable("Cannot write the figure", where=figure), written_whole(figure) as file:
+        file.write_bytes(picture(drawn, Path(figure).suffix.lower()))
 
 
 def write_corrected(assessment: "Assessment | FrameAssessment | CoupledAssessment", out: str | Path) -> str:

@@ -91,7 +91,7 @@ def _facts(table: RigTable, prediction: Prediction, structure: Structure | None)
     }
     if structure is not None:
         facts["Next test"] = prose(
-            "$f =$ {f:g} Hz, $xi =$ {xi:g}, physically tested fraction of the stiffness $alpha =$ {alpha:g}",
+            "$f =$ {f:g} Hz, $xi =$ {xi:g}, share of the stiffness in the laboratory $alpha =$ {alpha:g}",
             f=structure.frequency,
             xi=structure.damping_ratio,
             alpha=structure.experimental_fraction,

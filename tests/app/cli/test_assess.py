@@ -59,7 +59,7 @@ def test_good_test_is_reliable_and_says_so(folder):
     assert shown.startswith("RELIABLE: RMS^R is ")
     assert "below 5 % with probability > 0.99" in shown
     for said in (
-        "Structure: f = 1 Hz, ξ = 0.02, physically tested fraction of the stiffness α = 1",
+        "Structure: f = 1 Hz, ξ = 0.02, share of the stiffness in the laboratory α = 1",
         "Threshold and window: 5 %, over the test's own 40 s",
         "root mean square and largest value of measured minus exact displacement",
         "Delay that makes the loop unstable [ms], free share of it [%]",
@@ -198,7 +198,7 @@ def test_design_states_tolerable_errors_and_a_chart(folder):
         ((), "No test given"),
         (("none.csv",), "No such file|Cannot read"),
         (("good.csv",), "depends on the natural frequency of the structure"),
-        (("good.csv", "--f", 1, "--f", 2), "A test has one"),
+        (("good.csv", "--f", 1, "--f", 2), "takes one value"),
         (("good.csv", "--f", "one"), "is no number"),
         (("good.csv", "--f", "1±"), "is no number"),
         (("good.csv", "--f", "1±0.5"), "below 0.333"),
@@ -236,8 +236,8 @@ def test_bad_input_is_explained(folder, wrong, rule, monkeypatch):
     [
         (("--alpha", 0.1), "at least 10 ξ"),
         (("--threshold", 0), "must be (positive, and )?at most 2"),
-        (("--f", "1±0.01"), "are computed for exact values"),
-        (("--figure", "none/chart.svg"), "figure's file must be writable"),
+        (("--f", "1±0.01"), "takes exact values"),
+        (("--figure", "none/chart.svg"), "Cannot write the figure"),
     ],
 )
 def test_bad_input_of_a_design_is_explained(wrong, rule):

@@ -78,7 +78,7 @@ def _facts(assessment: Assessment) -> dict[str, Prose]:
     return {
         "Test": f"{recording.name}, {recording.duration:.1f} s at {1.0 / recording.time_step:.5g} Hz",
         "Structure": prose(
-            "$f =$ {f} Hz, $xi =$ {xi}, physically tested fraction of the stiffness $alpha =$ {alpha}",
+            "$f =$ {f} Hz, $xi =$ {xi}, share of the stiffness in the laboratory $alpha =$ {alpha}",
             f=_with_deviation(assessment, "f", structure.frequency),
             xi=_with_deviation(assessment, "xi", structure.damping_ratio),
             alpha=_with_deviation(assessment, "alpha", structure.experimental_fraction),
