@@ -56,8 +56,8 @@ def _with_interval(size: Estimate) -> tuple[str, str]:
     return f"{PERCENT * size.value:.2f}", f"{PERCENT * size.low:.2f} to {PERCENT * size.high:.2f}"
 
 
-def budget_table(budget: tuple[BudgetItem, ...]) -> Table:
-    """Tabulate what is not known exactly, the largest contribution first."""
+def budget_table(budget: tuple[BudgetItem, ...], narrowing: tuple[str, ...]) -> Table:
+    """Tabulate what is not known exactly, the largest first; `narrowing`: what would help most."""
     rows = [
         (
             item.quantity,
@@ -72,7 +72,7 @@ def budget_table(budget: tuple[BudgetItem, ...]) -> Table:
         ("Not known exactly", "Std. deviation", "Source", "Effect on the error [%]"),
         caption=(
             "What is not known exactly, and the standard deviation of the error that each alone causes. "
-            f"To narrow the interval: {with_options(budget[0].remedy)}"
+            f"To narrow the interval: {with_options(' '.join(narrowing))}"
             if budget
             else "Nothing widens the interval."
         ),

@@ -69,7 +69,7 @@ def _of_interface(assessment: FrameAssessment) -> tuple[tuple[Block, ...], Secti
     error, recording = assessment.error, assessment.recording
     of_error = (
         errors_table(error, recording),
-        budget_table(error.budget),
+        budget_table(error.budget, error.would_decide),
         histories_figure(error.rebuilt, error.parts, recording),
     )
     return of_error, Section(title="Amplitude and delay over frequency", blocks=_over_frequency(assessment))
@@ -81,7 +81,7 @@ def _of_displacements(assessment: CoupledAssessment) -> tuple[tuple[Block, ...],
     drawn: tuple[Block, ...] = ()
     if governing is not None:
         drawn = (histories_figure(governing, error.parts, assessment.recording, name=governing.name),)
-    of_error = (_errors(assessment), budget_table(assessment.budget), *drawn)
+    of_error = (_errors(assessment), budget_table(assessment.budget, assessment.error.would_decide), *drawn)
     blocks = (_parts(error), _tracking(assessment))
     return of_error, Section(title="Where the error comes from", blocks=blocks)
 

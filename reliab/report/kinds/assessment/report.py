@@ -41,7 +41,7 @@ def assessment_report(
             title="The error of this test",
             blocks=(
                 errors_table(error, recording),
-                budget_table(error.budget),
+                budget_table(error.budget, error.would_decide),
                 histories_figure(error.rebuilt, error.parts, recording),
             ),
         ),
