@@ -33,7 +33,7 @@ def tracking_overview(
     `draws` (2, draws).
     Returns delay [ms] over amplitude error [%] with 95 % intervals, and beside it both over time.
     """
-    figure = blank(height=40.0)
+    figure = blank(height=46.0)
     columns = 1 if windows is None else 2
     grid = figure.add_gridspec(2, columns, width_ratios=(1.0, 1.0)[:columns])
     plane = figure.add_subplot(grid[:, 0])
@@ -109,7 +109,7 @@ def error_over_time(
     returns [s].
     Returns three panels over one scale of time [s]; displacements over the peak of the exact one.
     """
-    figure, axes = panels(3, 1, height=68.0, share_x=True)
+    figure, axes = panels(3, 1, height=64.0, share_x=True)
     histories, errors, divided = axes[:, 0]
     peak = float(np.abs(reference).max())
     samples = np.linspace(0, times.size - 1, min(times.size, _MOST_SAMPLES)).astype(int)

@@ -547,7 +547,7 @@ def test_the_error_of_a_test_and_its_parts_over_the_peak():
     assert [legend(place) for place in figure.axes] == [
         ["exact $x_I$", "measured $x_m$"], ["90 % band", "$x_m - x_I$"], [r"\$delay", "amplitude"]
     ]  # fmt: skip
-    assert size(figure)[1] == pytest.approx(76.0)
+    assert size(figure)[1] == pytest.approx(64.0)
     assert {place.get_xlim() for place in figure.axes} == {(times[0], times[-1])}
 
 
