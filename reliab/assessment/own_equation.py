@@ -9,6 +9,7 @@ from reliab.assessment.rebuilt_error.kernel import Kernel
 from reliab.assessment.rebuilt_error.noise import estimate_noise
 from reliab.assessment.rebuilt_error.specimen_check import examine_specimen
 from reliab.assessment.recorded_ground import ShownGround
+from reliab.core.arrays import Array
 from reliab.core.significant_digits import percent, significant
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import MILLI
@@ -77,11 +78,12 @@ def compare_with_stated(
 
 def looks_nonlinear(recording: Recording, structure: Structure) -> str:
     """Say that the recorded force is that of a nonlinear specimen; empty where it is not."""
-    if recording.force is None or recording.duration * structure.frequency < _FEWEST_PERIODS:
+    force = _force_of_specimen(recording, structure)
+    if force is None:
         return ""
     noise = estimate_noise(recording.command, recording.measured, recording.time_step)
     smoothed = noise.smooth(recording.measured)
-    found = examine_specimen(smoothed, recording.force, recording.time_step, structure.frequency)
+    found = examine_specimen(smoothed, force, recording.time_step, structure.frequency)
     if not found.nonlinear:
         return ""
     share = percent(found.share, decimals=1)
@@ -91,12 +93,18 @@ def looks_nonlinear(recording: Recording, structure: Structure) -> str:
     )
 
 
+def _force_of_specimen(recording: Recording, structure: Structure) -> Array | None:
+    """Return the recorded force [N], shape (n,); None if it has too few periods to show its specimen."""
+    return recording.force if recording.duration * structure.frequency >= _FEWEST_PERIODS else None
+
+
 def _skew_of_force(recording: Recording, structure: Structure, tolerated: float) -> str:
     """Say that force and measured displacement are not of one time, or nothing; `tolerated` [ms]."""
-    if recording.force is None or recording.duration * structure.frequency < _FEWEST_PERIODS:
+    force = _force_of_specimen(recording, structure)
+    if force is None:
         return ""
     kernel = Kernel.of_frequency(structure.frequency, recording.time_step)
-    spring = fit_spring(recording.measured, recording.force, kernel)
+    spring = fit_spring(recording.measured, force, kernel)
     late, deviation = MILLI * spring.late, MILLI * spring.late_deviation
     if abs(late) <= max(_SIGNIFICANT * deviation, _AGREES * tolerated, _LEAST_SKEW):
         return ""

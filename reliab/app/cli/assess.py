@@ -145,7 +145,7 @@ def _write_one(
         return
     show_briefly(content, without_details=not asked.details)
     if asked.details:
-        show_details(assessment)
+        show_details(assessment, content["recording"]["channels"])
     else:
         show_degrees(content)
     if note is not None:

@@ -151,6 +151,7 @@ class Screen:
     def _show_end(self, message: "Message") -> None:
         """Show the verdict on the whole test, as `reliab assess` does where it judged it."""
         from reliab.app.cli.shown_verdict import show_briefly
+        from reliab.assessment.verdict import Word
 
         content = message.to_dict()
         if "error" in content:
@@ -161,7 +162,7 @@ class Screen:
             return
         if "error" not in content:
             self._print(_still_learning(content) if "specimen" in content else _NO_MOTION)
-        self._print(f"{content['verdict'].replace('_', ' ').upper()}: {' '.join(content['reasons'])}")
+        self._print(f"{Word(content['verdict']).shout}: {' '.join(content['reasons'])}")
 
     def _print(self, text: str, style: str | None = None) -> None:
         """Print a line at once, in a pipe too."""

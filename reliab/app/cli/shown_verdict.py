@@ -24,9 +24,10 @@ _COLUMNS = {
 }
 
 
-def show_details(assessment: "Assessment | FrameAssessment | CoupledAssessment") -> None:
-    """Print what the report of a test says, below the verdict, and the columns that were recognised."""
-    from reliab.app.cli.output import console
+def show_details(
+    assessment: "Assessment | FrameAssessment | CoupledAssessment", channels: list[dict[str, Any]]
+) -> None:
+    """Print what the report of a test says, below the verdict, and the `channels` that were recognised."""
     from reliab.assessment.assessment import Assessment
     from reliab.assessment.frame_assessment import CoupledAssessment
     from reliab.report.kinds.assessment.frame import frame_assessment_report, modes_table
@@ -40,7 +41,7 @@ def show_details(assessment: "Assessment | FrameAssessment | CoupledAssessment")
         print_document(frame_assessment_report(assessment, provenance={}), console())
     if isinstance(assessment, CoupledAssessment):
         print_blocks((modes_table(assessment),), console())
-    if channels := assessment.to_dict()["recording"]["channels"]:
+    if channels:
         read = (f"{channel['channel']} = {_column(channel)}" for channel in channels)
         say(f"Channels: {'; '.join(read)}.")
 
@@ -150,9 +151,9 @@ def _lines(sentence: str) -> int:
 
 def _headline(content: dict[str, Any]) -> str:
     from reliab.assessment.rebuilt_error.spread import Estimate
-    from reliab.assessment.verdict import ERROR_NAMES, error_in_words
+    from reliab.assessment.verdict import ERROR_NAMES, Word, error_in_words
 
-    word, metric, error = content["verdict"].replace("_", " ").upper(), content["metric"], content["error"]
+    word, metric, error = Word(content["verdict"]).shout, content["metric"], content["error"]
     if error[metric]["value"] is None:
         return f"{word}: {content['reasons'][-1]}"
     name, size = (

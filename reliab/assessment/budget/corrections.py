@@ -45,15 +45,9 @@ def corrected(
     for low_pass in filters.values():
         others = {name: low_pass.passed(values, step) for name, values in others.items()}
     skew = stated.get("skew", StatedValue(0.0)).value / MILLI
-    return without_skew(replace(recording, command=command, measured=measured, **others), skew)
-
-
-def without_skew(recording: _OfTest, skew: float) -> _OfTest:
-    """Read the measured displacements at the times to which they belong; `skew` [s]."""
-    if skew == 0.0:
-        return recording
-    read = np.apply_along_axis(_earlier, -1, recording.measured, skew, recording.time_step)
-    return replace(recording, measured=read)
+    if skew != 0.0:
+        measured = np.apply_along_axis(_earlier, -1, measured, skew, step)
+    return replace(recording, command=command, measured=measured, **others)
 
 
 def _earlier(values: Array, time: float, step: float) -> Array:

@@ -61,12 +61,11 @@ class CoupledMonitor(RunningTest):
         metric: Metric = Metric.RMS,
         seed: int = 0,
     ) -> None:
-        super().__init__(
-            structure.with_masses, time_step, 0.0 if tolerances is None else tolerances.time_shift
-        )
+        tolerances = tolerances or Tolerances()
+        super().__init__(structure.with_masses, time_step, tolerances.time_shift)
         self._partition, self._lag, self._metric, self._seed = structure, feedback_lag, metric, seed
         self._carry = np.eye(structure.degrees) if to_interface is None else np.asarray(to_interface)
-        self._tolerances, self._stated_recursion = tolerances or Tolerances(), recursion
+        self._tolerances, self._stated_recursion = tolerances, recursion
         self._recursion = recursion or Recursion.of_displacement(self.structure, time_step)
         self._parts = [np.zeros((2, structure.degrees, 0))]
         self._lows: dict[str, dict[Metric, float]] = {}

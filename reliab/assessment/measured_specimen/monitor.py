@@ -12,7 +12,7 @@ import numpy as np
 
 from reliab.assessment.measured_specimen.force_channel import ForceChannel
 from reliab.assessment.measured_specimen.rebuild import MeasuredSpecimen, rebuild_with_force
-from reliab.assessment.rebuilt_error.noise import LOST_IN_NOISE, noise_of_steps
+from reliab.assessment.rebuilt_error.noise import is_lost_in_noise
 from reliab.assessment.rebuilt_error.rebuild import RebuiltError
 from reliab.assessment.rebuilt_error.running_test import Now, RunningTest, require_readings
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
@@ -109,10 +109,12 @@ class MeasuredMonitor(RunningTest):
             known = self._specimen.learned if at_end else self._specimen.held_out <= _ENOUGH
             self._known = self._specimen.rebuilt if known else None
         error = self._known
-        largest = 0.0 if error is None else float(np.abs(error.reference).max())
         command, measured, _ = self._parts[0]
-        lost = error is not None and noise_of_steps(command - measured) >= LOST_IN_NOISE * largest
-        self._conclude(error, lost_in_noise=lost)
+        self._conclude(
+            error,
+            lost_in_noise=error is not None
+            and is_lost_in_noise(command - measured, float(np.abs(error.reference).max())),
+        )
         return error
 
     def _learned(self, *, at_end: bool) -> MeasuredSpecimen | None:

@@ -15,7 +15,7 @@ this one: with D_j = s² + 2ξ_jω_js + ω_j² + κ_jj(a + b s) and κ_ij = ν�
 
 a and b are those of least squares over a window that forgets exponentially, so that a wrong gain is not taken
 for damping while the motion grows; an offset does not pass the band. A skew s between the recorded channels
-looks like a damping ratio of αω₀s/2, and is granted with its largest size.
+looks like a damping ratio of αω₀s/2; the alarm allows for the largest one.
 
 Play feeds energy in as well, and sets a small motion going; but the error that it causes does not grow with
 the motion, and a large motion does not diverge from it. Play of half width δ takes the damping

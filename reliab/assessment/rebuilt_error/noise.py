@@ -51,16 +51,19 @@ _STANDING = (
 _UPDATES_OF_FILTER = 200
 
 
-def noise_of_steps(difference: Array) -> float:
-    """Estimate white noise by second differences, which a slow motion hardly has, shape (n,).
+def is_lost_in_noise(difference: Array, largest: float) -> bool:
+    """Tell whether a motion is too small for the noise of its sensor.
 
-    Returns its standard deviation [m].
+    `difference`: command minus measured displacement [m], shape (n,), whose second differences show white
+    noise and hardly the motion; `largest`: the largest motion [m].
 
-    >>> round(noise_of_steps(0.02 * np.random.default_rng(1).standard_normal(10_000)), 3)
-    0.02
+    >>> noise = 0.02 * np.random.default_rng(1).standard_normal(10_000)
+    >>> is_lost_in_noise(noise, 0.39), is_lost_in_noise(noise, 0.41)
+    (True, False)
     """
     steps = np.diff(difference, n=2)
-    return float(np.sqrt(np.mean(steps**2) / 6.0)) if steps.size else 0.0
+    white = float(np.sqrt(np.mean(steps**2) / 6.0)) if steps.size else 0.0
+    return white >= LOST_IN_NOISE * largest
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -16,7 +16,7 @@ import sys
 
 import numpy as np
 
-from reliab.assessment.rebuilt_error.noise import LOST_IN_NOISE, noise_of_steps
+from reliab.assessment.rebuilt_error.noise import is_lost_in_noise
 from reliab.assessment.rebuilt_error.nonlinear_reference import (
     DRAWS as DRAWS_OF_MODEL,
     rebuild_with_specimen,
@@ -204,7 +204,7 @@ class Monitor(RunningTest):
             if isinstance(structure, UpdatedModel)
             else whole_structure(structure),
             time_step,
-            0.0 if tolerances is None else tolerances.time_shift,
+            (tolerances or Tolerances()).time_shift,
         )
         self._test = Stated(
             structure=self.structure,
@@ -336,7 +336,7 @@ class Monitor(RunningTest):
             if self._model is None
             else self._drawn_with_model(self._model, draws)
         )
-        noise = noise_of_steps(self._running.command - self._running.measured)
-        lost = noise >= LOST_IN_NOISE * self._running.sums.largest
+        running = self._running
+        lost = is_lost_in_noise(running.command - running.measured, running.sums.largest)
         self._conclude(error, lost_in_noise=lost)
         return error
