@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import reliab
+from reliab.app.api.comparison import compare_assessments
 from reliab.assessment.default_criterion import default_criterion
 from reliab.core.shipped import shipped
 from reliab.recordings.reading import read_recording
@@ -20,6 +21,28 @@ mpl.use("Agg")
 def verdict():
     recording = read_recording(shipped("datasets", "sample_test/test.csv"))
     return reliab.assess(replace(recording, name="<b>mine</b>"), f=1.0, xi=0.02)
+
+
+@pytest.fixture(scope="module")
+def judged(verdict):
+    again = replace(verdict.recording, name="again")
+    return reliab.assess([verdict.recording, again], f=1.0, xi=0.02)
+
+
+@pytest.mark.parametrize("kind", ["one", "several", "compared"])
+def test_judged_tests_show_themselves(judged, kind):
+    answer = {"one": judged.judged["again"], "several": judged}.get(kind) or compare_assessments(judged)
+    rows, lines = answer.to_dataframe(), answer.summary().splitlines()
+    assert list(rows["verdict"]) == ["reliable"] * len(rows)
+    assert len(lines) > len(rows)
+    assert answer.plot().get_xlabel()
+    assert answer._repr_html_().startswith("<table")
+
+
+def test_verdict_is_a_word_and_errors_have_intervals(verdict):
+    assert verdict.verdict == "reliable"
+    assert verdict.error.rms.low < verdict.error.rms.value < verdict.error.rms.high < verdict.error.mte.value
+    assert verdict.summary().startswith(f"{verdict.verdict.shout}: {verdict.reasons[0][:5]}")
 
 
 class Cells(HTMLParser):

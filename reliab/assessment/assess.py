@@ -208,7 +208,7 @@ def _examined(
         error=judged.error,
         faults=judged.effects,
         equation=judged.equation,
-        verdict=turning.limit(verdict, judged.error.probability),
+        judgement=turning.limit(verdict, judged.error.probability),
         turning=turning,
         assumed=(*assumed, *learned),
         column_doubts=tuple(of_columns(recording, tracking)),
@@ -240,7 +240,7 @@ def _with_contradictions(assessment: Assessment, clean: Recording, question: Que
         *(assessment.column_doubts if _depends_on_columns(assessment, clean, question) else ()),
     )
     return replace(
-        assessment, contradictions=contradictions, verdict=limited(assessment.verdict, contradictions)
+        assessment, contradictions=contradictions, judgement=limited(assessment.judgement, contradictions)
     )
 
 

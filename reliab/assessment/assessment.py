@@ -2,21 +2,17 @@
 
 from collections.abc import Iterator
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from reliab.assessment.findings import FaultEffect, Findings
 from reliab.assessment.recorded_force import doubts_of_force, remark_on_force
 from reliab.assessment.summary import summarise
-from reliab.assessment.verdict import ERROR_NAMES, Word, probability_text
-from reliab.core.html_table import html_table
-from reliab.core.significant_digits import percent, percent_with_interval, share_in_words, significant
+from reliab.assessment.verdict import ERROR_NAMES, Word
+from reliab.core.significant_digits import percent, share_in_words, significant
 from reliab.core.vocabulary import MILLI, Metric
 from reliab.criterion.experimental_share import whole_is_worst
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 _BY_SHAPE = "shape of the response"
 _FEW_PERIODS = 10.0
@@ -97,7 +93,7 @@ def _of_error(findings: Findings) -> Iterator[str]:
     yield from findings.equation.notes
     if findings.equation.identified is None:
         yield from findings.error.frequency_shown
-    by_error, by_index = findings.verdict.word, findings.verdict_by_index.word
+    by_error, by_index = findings.verdict, findings.verdict_by_index.word
     if Word.UNDECIDED in (by_error, by_index) or by_error is by_index or findings.index is None:
         return
     size = findings.error.estimate(Metric(findings.criterion.metric)).value
@@ -120,7 +116,7 @@ def _of_error(findings: Findings) -> Iterator[str]:
 
 
 def _of_what_was_not_stated(findings: Findings) -> Iterator[str]:
-    yield from findings.turning.warnings(findings.verdict)
+    yield from findings.turning.warnings(findings.judgement)
 
 
 def _of_columns(findings: Findings) -> Iterator[str]:
@@ -232,45 +228,3 @@ class Assessment(Findings):
     def to_dict(self) -> dict[str, Any]:
         """Put everything into plain numbers with stable keys; see `reliab.assessment.summary`."""
         return {**summarise(self), "warnings": list(self.warnings)}
-
-    def plot(self, axes: "Axes | None" = None) -> "Axes":
-        """Draw the error over time: x_m − x_I [mm] over [s] with its 90 % band.
-
-        Dashed: the threshold times the peak of the exact response.
-        """
-        from matplotlib import pyplot as plt
-
-        shown = plt.subplots(figsize=(8.0, 3.0))[1] if axes is None else axes
-        rebuilt = self.error.rebuilt
-        time = np.arange(rebuilt.error.size) * rebuilt.time_step
-        bound = MILLI * self.error.threshold * float(np.abs(rebuilt.reference).max())
-        shown.fill_between(time, MILLI * rebuilt.low, MILLI * rebuilt.high, alpha=0.3, label="90 % band")
-        shown.plot(time, MILLI * rebuilt.smooth_error, linewidth=0.8, label="rebuilt error")
-        for sign in (-1.0, 1.0):
-            shown.axhline(sign * bound, color="0.3", linewidth=0.8, linestyle="--")
-        shown.set(xlabel="time [s]", ylabel="x_m − x_I [mm]", title=self.recording.name)
-        shown.legend(frameon=False)
-        return shown
-
-    def __repr__(self) -> str:
-        error = self.error.rebuilt.rms
-        return (
-            f"<Assessment of {self.recording.name}: {str(self.verdict.word).replace('_', ' ')}, RMS error "
-            f"{percent_with_interval(error.value, error.low, error.high)}>"
-        )
-
-    def _repr_html_(self) -> str:
-        """Write verdict, error, A, d and index as a table for notebooks."""
-        error, index = self.error, self.population.index
-        rms, mte = error.rebuilt.rms, error.rebuilt.mte
-        below = f"probability of an error below {significant(error.threshold)} {error.metric.upper()}"
-        rows = {
-            "verdict": str(self.verdict.word).replace("_", " "),
-            below: probability_text(error.probability),
-            "RMS error": percent_with_interval(rms.value, rms.low, rms.high),
-            "largest error": percent_with_interval(mte.value, mte.low, mte.high),
-            "amplitude A": f"{self.tracking.amplitude:.4f}",
-            "equivalent delay d": f"{MILLI * self.tracking.delay:.3f} ms",
-            "index by the criterion": "none" if index is None else significant(index),
-        }
-        return html_table(self.recording.name, rows, self.verdict.reasons)

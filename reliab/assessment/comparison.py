@@ -13,16 +13,19 @@ import numpy as np
 from reliab.assessment.assessment import Assessment
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.frame_assessment import FrameAssessment
+from reliab.assessment.judged_test import plot_errors
 from reliab.assessment.plain_error import plain_estimate
 from reliab.assessment.rebuilt_error.spread import ENDS, LEVEL, Estimate, weighted_quantiles
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
+from reliab.core.rows import ResultWithRows
 from reliab.core.significant_digits import significant
 from reliab.core.vocabulary import Metric
 from reliab.signals.spectra import correlated
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.axes import Axes
 
 _FEWEST: Final = 2
 _LARGEST_PROBABILITY: Final = 0.99  # of an order that only the tests themselves show
@@ -48,8 +51,11 @@ class RankedTest:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Comparison:
+class Comparison(ResultWithRows):
     """Tests ranked by their errors."""
+
+    rows_in = "tests"
+    shown = ("rank", "file", "rms", "rms_low", "rms_high", "mte", "mte_low", "mte_high", "verdict")
 
     metric: Metric  # Which error
     threshold: float  # Error with which each test is compared [-]
@@ -69,25 +75,14 @@ class Comparison:
             "assumed": self.assumed,
         }
 
-    def to_frame(self) -> "pd.DataFrame":
+    def to_dataframe(self) -> "pd.DataFrame":
         """Put the ranking into a table, one row for each test."""
-        import pandas as pd
+        names = {"rms_value": "rms", "mte_value": "mte"}
+        return super().to_dataframe().rename(columns=names).drop(columns="difference")
 
-        rows = []
-        for test in self.to_dict()["tests"]:
-            ends = {f"{name}_{end}": test[name][end] for name in ("rms", "mte") for end in ("low", "high")}
-            values = {name: test[name]["value"] for name in ("rms", "mte")}
-            difference = test["difference"] or {}
-            beyond = {f"difference_{end}": difference.get(end) for end in ("value", "low", "high")}
-            plain = {name: value for name, value in test.items() if not isinstance(value, dict | None)}
-            rows.append(
-                {**plain, **values, **ends, **beyond, "probability_larger": test["probability_larger"]}
-            )
-        return pd.DataFrame(rows)
-
-    def _repr_html_(self) -> str:
-        """Table for notebooks."""
-        return str(self.to_frame().set_index("rank").to_html(na_rep="", float_format="{:.4g}".format))
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw the error of each test with its 90 % interval [%], the smallest above, and the threshold."""
+        return plot_errors({test.file: test.error for test in self.tests}, self.metric, self.threshold, axes)
 
 
 def rank_tests(

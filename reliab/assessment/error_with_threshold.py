@@ -46,6 +46,16 @@ class ErrorWithThreshold(ABC):
         return self.rebuilt.estimate(metric)
 
     @property
+    def rms(self) -> Estimate:
+        """RMS^R with its 90 % interval [-]."""
+        return self.estimate(Metric.RMS)
+
+    @property
+    def mte(self) -> Estimate:
+        """MTE^R with its 90 % interval [-]."""
+        return self.estimate(Metric.MTE)
+
+    @property
     def probability(self) -> float:
         """Probability that the error asked about stays below the threshold.
 

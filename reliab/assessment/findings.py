@@ -10,15 +10,16 @@ from reliab.assessment.contradictions import Contradiction
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.error_with_threshold import ErrorWithThreshold
 from reliab.assessment.faults import Fault
+from reliab.assessment.judged_test import JudgedTest
 from reliab.assessment.own_equation import OwnEquation
 from reliab.assessment.placement import Placement
 from reliab.assessment.plain_error import finite
 from reliab.assessment.scope_of_test import ScopeOfTest, why_for_none
 from reliab.assessment.tracking_index import TrackingIndex, TrackingMeasures, Windows
 from reliab.assessment.turning import Turning
-from reliab.assessment.verdict import Verdict, Word, verdict_by_index
+from reliab.assessment.verdict import Verdict, verdict_by_index
 from reliab.core.stated_value import StatedValue
-from reliab.core.vocabulary import MILLI, Metric
+from reliab.core.vocabulary import MILLI
 from reliab.criterion.criterion import Criterion
 from reliab.recordings.recording import Recording
 from reliab.structures.stability import critical_delay, stability_margin
@@ -101,11 +102,11 @@ def _part(square: float, limit: float) -> float:
     return 0.0 if square == 0.0 else np.inf
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Findings:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Findings(JudgedTest):
     """What is found about a test."""
 
-    recording: Recording  # The test
+    recording: Recording
     structure: Structure  # The structure under test
     # Frequency "f", damping ratio "xi", share "alpha" and sensor "scale" with their tolerances
     stated: Mapping[str, StatedValue]
@@ -118,21 +119,15 @@ class Findings:
     # The test against the motions that ship, carried to its own response; None where they cannot be
     by_response: Placement | None
     placement: "OwnPlacement | None"  # The test against its own ground motion's boundary, where that is known
-    error: ErrorOfTest  # The error of this test, rebuilt from its command and measured displacement
+    error: ErrorOfTest
     faults: tuple[FaultEffect, ...]  # Faults of the recording
     equation: OwnEquation  # What the test's equation of motion shows about the structure
-    verdict: Verdict  # The verdict on the test, by its error
     turning: Turning  # What was not stated and would turn it
     assumed: tuple[str, ...] = ()  # What was not stated and had to be assumed, in sentences
     column_doubts: tuple[Contradiction, ...] = ()  # Why command and measured displacement may be swapped
     # Where the recording contradicts what is stated, so that the verdict is undecided at best; doubts about
     # the columns where the verdict depends on them
     contradictions: tuple[Contradiction, ...] = ()
-
-    @property
-    def metric(self) -> Metric:
-        """Which error is asked about."""
-        return Metric(self.criterion.metric)
 
     @property
     def index(self) -> float | None:
@@ -178,16 +173,6 @@ class Findings:
     def promise(self) -> float | None:
         """Share of the population's ground motions that is promised for the test; None where none is."""
         return None if self.speaks_for_none else self.criterion.confidence
-
-    @property
-    def reliable(self) -> bool:
-        """Whether the verdict is "reliable"."""
-        return self.verdict.word is Word.RELIABLE
-
-    @property
-    def probability(self) -> float:
-        """Probability that the error of the test stays below the threshold."""
-        return self.error.probability
 
     @property
     def stability_margin(self) -> float:

@@ -10,18 +10,18 @@ import numpy as np
 from reliab.assessment.budget.budget import BudgetItem
 from reliab.assessment.contradictions import Contradiction, of_stability
 from reliab.assessment.error_of_test import ErrorOfTest
-from reliab.assessment.error_with_threshold import ErrorOfSeveral, ErrorWithThreshold
+from reliab.assessment.error_with_threshold import ErrorOfSeveral
 from reliab.assessment.findings import FaultEffect, capped
 from reliab.assessment.frame_responses import ResponseErrors
+from reliab.assessment.judged_test import JudgedTest
 from reliab.assessment.placement import Placement
 from reliab.assessment.plain_error import finite, plain_part, plain_specimen
 from reliab.assessment.rebuilt_error.parts import Part
 from reliab.assessment.scope_of_test import compared, why_for_none
 from reliab.assessment.tracking_index import TrackingIndex
 from reliab.assessment.turning import Turning
-from reliab.assessment.verdict import Verdict, Word, verdict_by_index
-from reliab.core.significant_digits import percent_with_interval
-from reliab.core.vocabulary import MILLI, Metric
+from reliab.assessment.verdict import Word, verdict_by_index
+from reliab.core.vocabulary import MILLI
 from reliab.criterion.criterion import Criterion
 from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
@@ -59,16 +59,13 @@ class ModeOfTest:
         }
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class JudgedFrame(ABC):
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class JudgedFrame(JudgedTest, ABC):
     """Assessment of a test of a partitioned frame, as far as it is the same for any number of actuators."""
 
-    recording: Recording | CoupledRecording  # The test
     frame: FrameUnderTest  # The frame and its actuators
-    error: ErrorWithThreshold  # The error of the measured interface displacements, from the test alone
     responses: ResponseErrors  # Errors of all floors and storeys, as the computer had them in the test
     faults: tuple[FaultEffect, ...]  # Faults of the recording and what they do to the error
-    verdict: Verdict  # The verdict, by the test's own error
     turning: Turning  # What was not stated and would turn it
     limit: StabilityLimit  # Where the test would become unstable with the measured gains
     # Where the recording contradicts what is stated, so that the verdict is undecided at best
@@ -87,29 +84,9 @@ class JudgedFrame(ABC):
         return self.limit.delay
 
     @property
-    def metric(self) -> Metric:
-        """Which error is asked about."""
-        return self.error.metric
-
-    @property
-    def threshold(self) -> float:
-        """Largest error of a reliable test [-]."""
-        return self.error.threshold
-
-    @property
-    def probability(self) -> float:
-        """Probability that the error is below the threshold."""
-        return self.error.probability
-
-    @property
     def budget(self) -> tuple[BudgetItem, ...]:
         """What makes the interval of the error, the largest contribution first."""
         return self.error.budget
-
-    @property
-    def reliable(self) -> bool:
-        """Whether the verdict is "reliable"."""
-        return self.verdict.word is Word.RELIABLE
 
     @property
     def modes(self) -> tuple[ModeOfTest, ...]:
@@ -137,7 +114,7 @@ class JudgedFrame(ABC):
             *self.error.not_judged,
             *self.error.frequency_shown,
             *dict.fromkeys(contradiction.finding for contradiction in contradictions),
-            *self.turning.warnings(self.verdict),
+            *self.turning.warnings(self.judgement),
             *self.responses.warnings,
         )
 
@@ -160,10 +137,10 @@ class JudgedFrame(ABC):
             "metric": str(self.metric),
             "threshold": self.threshold,
             "probability": self.probability,
-            "verdict": str(self.verdict.word),
+            "verdict": str(self.verdict),
             "reliable": self.reliable,
-            "reasons": list(self.verdict.reasons),
-            "would_decide": list(self.verdict.would_decide),
+            "reasons": list(self.reasons),
+            "would_decide": list(self.would_decide),
             "faults": [effect.to_dict(self.error) for effect in self.faults],
             "warnings": list(self.warnings),
             "recording": {"channels": [channel.summary() for channel in self.recording.channels]},
@@ -172,16 +149,8 @@ class JudgedFrame(ABC):
             "notes": list(self.recording.notes),
         }
 
-    def __repr__(self) -> str:
-        size, word = self.error.estimate(self.metric), str(self.verdict.word).replace("_", " ")
-        about = f"{type(self).__name__} of {self.recording.name}"
-        if math.isnan(size.value):
-            return f"<{about}: {word}, all motion is lost in noise>"
-        interval = percent_with_interval(size.value, size.low, size.high)
-        return f"<{about}: {word}, {self.metric.upper()} error{self.error.of_which} {interval}>"
 
-
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class FrameAssessment(JudgedFrame):
     """Assessment of a test of a partitioned frame with one actuator."""
 
@@ -249,7 +218,7 @@ class FrameAssessment(JudgedFrame):
         }
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class CoupledAssessment(JudgedFrame):
     """Assessment of a test of a partitioned frame with several actuators."""
 

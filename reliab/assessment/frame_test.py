@@ -204,7 +204,7 @@ def _of_one(
         resolved=_resolved(sound, over_frequency, error),
         responses=responses,
         faults=effects,
-        verdict=turning.limit(_verdict(error, effects, sound)),
+        judgement=turning.limit(_verdict(error, effects, sound)),
         turning=turning,
         limit=stability_limit(partition, tracking.amplitude),
         criterion=criterion,
@@ -240,7 +240,7 @@ def _of_several(
         error=error,
         responses=_responses(error, recording, partition, motion),
         faults=effects,
-        verdict=_verdict(error, effects, repaired(recording, faults)),
+        judgement=_verdict(error, effects, repaired(recording, faults)),
         turning=examine_turning(error, recording, question),
         limit=limit,
         limit_of_gains=of_gains,
@@ -285,7 +285,7 @@ def _verdict(
 def _contradicted(assessment: _Assessment, *contradictions: Contradiction) -> _Assessment:
     """Add where the recording contradicts what is stated, which limits the verdict."""
     return replace(
-        assessment, contradictions=contradictions, verdict=limited(assessment.verdict, contradictions)
+        assessment, contradictions=contradictions, judgement=limited(assessment.judgement, contradictions)
     )
 
 

@@ -10,20 +10,25 @@ parabola, show how far the extrapolation is to be trusted.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from reliab.assessment.assessment import Assessment
+from reliab.assessment.judged_test import plot_errors
 from reliab.assessment.rebuilt_error.error_statistics import relative_error
 from reliab.assessment.rebuilt_error.parts import follow
 from reliab.assessment.rebuilt_error.spread import Estimate
 from reliab.assessment.verdict import Word, word_of_probability
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
+from reliab.core.rows import ResultWithRows
 from reliab.core.significant_digits import percent, significant
 from reliab.core.vocabulary import MILLI, PERCENT, Metric
 from reliab.signals.spectra import correlated
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _FEWEST_APART = 0.25  # of the largest tracking error: spread that the runs must have
 _ALIKE = 0.8  # correlation of the responses of two runs of one test
@@ -63,8 +68,10 @@ class RunOfTest:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class SameTest:
+class SameTest(ResultWithRows):
     """Runs of one test, and the response to which they extrapolate."""
+
+    rows_in = "runs"
 
     metric: Metric  # Which error was asked about
     threshold: float  # Error with which it is compared [-]
@@ -97,6 +104,10 @@ class SameTest:
                     f"together {_interval(run.error)}. The structure, the specimen or a channel is not as "
                     "stated; the result of all runs together depends on neither structure nor specimen."
                 )
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw the error of each run against the extrapolated response with its 90 % interval [%]."""
+        return plot_errors({run.file: run.error for run in self.runs}, self.metric, self.threshold, axes)
 
     def to_dict(self) -> dict[str, Any]:
         """Put it into plain values."""

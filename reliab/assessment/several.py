@@ -1,30 +1,28 @@
 """Verdicts on several tests, with the reasons why some could not be judged."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 from reliab.assessment.assessment import Assessment
 from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment
+from reliab.assessment.judged_test import plot_errors, verdict_table
 from reliab.assessment.same_test import SameTest, combine_runs
+from reliab.assessment.verdict import Word
 from reliab.core.errors import InputError
+from reliab.core.rows import ResultWithRows
 from reliab.core.significant_digits import counted
 
 if TYPE_CHECKING:
     import pandas as pd
-
-_IN_NOTEBOOKS = ("verdict", "probability", "rms", "rms_low", "rms_high", "mte", "A", "d_ms", "fault")
-
-_PLAIN: Final = (
-    *("file", "test", "verdict", "probability", "metric", "threshold"),
-    *("A", "d_ms", "index", "stability_margin"),
-)
-_ENDS: Final = ("value", "low", "high")
+    from matplotlib.axes import Axes
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Assessments:
+class Assessments(ResultWithRows):
     """What is found about several tests."""
+
+    shown = ("file", "verdict", "probability", "rms", "rms_low", "rms_high", "mte", "A", "d_ms", "fault")
 
     files: tuple[str, ...]  # Files of the tests, in the order in which they were given
     # By file, what is found about the tests that could be judged
@@ -57,48 +55,18 @@ class Assessments:
             )
         return combine_runs(runs)
 
-    def to_frame(self) -> "pd.DataFrame":
-        """Put the verdicts into a table; see `reliab.assessment.several`."""
-        return verdict_table({"file": file, **summary} for file, summary in self.to_dict().items())
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Put the verdicts into a table, one row for each test; see :func:`verdict_table`."""
+        return verdict_table({"file": file, **content} for file, content in self.to_dict().items())
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw the error of each judged test with its 90 % interval [%], and the threshold."""
+        errors = {file: test.error.estimate(test.metric) for file, test in self.judged.items()}
+        first = next(iter(self.judged.values()))
+        return plot_errors(errors, first.metric, first.threshold, axes)
 
     def __repr__(self) -> str:
-        verdicts = [str(assessment.verdict.word).replace("_", " ") for assessment in self.judged.values()]
-        counts = [f"{verdicts.count(word)} {word}" for word in ("reliable", "undecided", "not reliable")]
+        words = [test.verdict for test in self.judged.values()]
+        counts = [f"{words.count(word)} {word.in_words}" for word in Word]
         judged = ", ".join([*counts, f"{len(self.faults)} not judged"])
         return f"<Assessments of {counted(len(self.files), 'test')}: {judged}>"
-
-    def _repr_html_(self) -> str:
-        """Table for notebooks."""
-        shown = self.to_frame().set_index("file")[list(_IN_NOTEBOOKS)]
-        return str(shown.to_html(na_rep="", float_format="{:.4g}".format))
-
-
-def verdict_table(summaries: Iterable[Mapping[str, Any]]) -> "pd.DataFrame":
-    """Put the answers about several tests into a table.
-
-    Returns `file`, `test`, `verdict`, `probability` [-], `metric`, `threshold` [-], `A` [-], `d_ms` [ms],
-    `index` [-], `stability_margin` [-], `rms`, `rms_low`, `rms_high`, `mte`, `mte_low`, `mte_high` [-],
-    `reasons`, `warnings` and `fault`; empty where a value is unknown.
-
-    >>> verdict_table([{"file": "a.csv", "fault": "It must not be empty."}]).loc[0, "fault"]
-    'It must not be empty.'
-    """
-    import pandas as pd
-
-    return pd.DataFrame([_row(summary) for summary in summaries])
-
-
-def _row(summary: Mapping[str, Any]) -> dict[str, Any]:
-    error = summary.get("error", {})
-    sizes = {
-        name if end == "value" else f"{name}_{end}": error.get(name, {}).get(end)
-        for name in ("rms", "mte")
-        for end in _ENDS
-    }
-    sentences = {name: " ".join(summary.get(name, ())) or None for name in ("reasons", "warnings")}
-    return {
-        **{name: summary.get(name) for name in _PLAIN},
-        **sizes,
-        **sentences,
-        "fault": summary.get("fault"),
-    }

@@ -25,9 +25,14 @@ class Word(StrEnum):
     NOT_RELIABLE = "not_reliable"
 
     @property
+    def in_words(self) -> str:
+        """The word in a sentence."""
+        return self.value.replace("_", " ")
+
+    @property
     def shout(self) -> str:
         """The word as a headline."""
-        return self.value.replace("_", " ").upper()
+        return self.in_words.upper()
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from functools import reduce
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 
@@ -13,7 +13,8 @@ from reliab.core.stated_value import StatedValue
 if TYPE_CHECKING:
     import pandas as pd
 
-_SHOWN = 20  # rows of a table in a summary
+AS_SHOWN: Final[Mapping[str, Any]] = {"max_rows": 20, "float_format": "{:.4g}".format}
+"""How pandas writes a table in a summary and in a notebook."""
 
 
 class PlainResult:
@@ -49,7 +50,7 @@ class PlainResult:
         """Say the answer as plain text: a line for each value, or a table of the first rows."""
         table = self.to_dataframe()
         if len(table) != 1:
-            return str(table.to_string(index=False, max_rows=_SHOWN, float_format="{:.4g}".format))
+            return str(table.to_string(index=False, **AS_SHOWN))
         values = {name: value for name, value in table.iloc[0].items() if not isinstance(value, list)}
         return "\n".join(f"{name}: {_as_text(value)}" for name, value in values.items())
 
@@ -57,7 +58,7 @@ class PlainResult:
         """Table for notebooks."""
         table = self.to_dataframe()
         shown = table.T if len(table) == 1 else table
-        return str(shown.to_html(na_rep="", float_format="{:.4g}".format, max_rows=_SHOWN))
+        return str(shown.to_html(na_rep="", **AS_SHOWN))
 
 
 def _part(whole: Any, name: str) -> Any:  # noqa: ANN401 - of any result

@@ -6,20 +6,18 @@ from typing import TYPE_CHECKING, ClassVar
 
 from reliab.core.encodings import as_cell, of_cell
 from reliab.core.files import refuse_unwritable, written_whole
-from reliab.core.plain_values import PlainResult
+from reliab.core.plain_values import AS_SHOWN, PlainResult
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
-
-_SHOWN = 20  # rows in a summary
 
 
 class ResultWithRows(PlainResult):
     """A result whose plain values hold rows: criteria, tests, motions, ellipses."""
 
     rows_in: ClassVar[str]  # The key of `to_dict` that holds the rows
-    shown: ClassVar[tuple[str, ...]] = ()  # Columns of the rows in `summary`; all by default
+    shown: ClassVar[tuple[str, ...]] = ()  # Columns in `summary` and in notebooks; all by default
     plotted: ClassVar[tuple[str, str]] = (
         "",
         "",
@@ -33,9 +31,15 @@ class ResultWithRows(PlainResult):
 
     def summary(self) -> str:
         """Say the answer as plain text: a table of the first rows."""
+        return str(self._shown().to_string(index=False, **AS_SHOWN))
+
+    def _repr_html_(self) -> str:
+        """Table for notebooks."""
+        return str(self._shown().to_html(index=False, na_rep="", **AS_SHOWN))
+
+    def _shown(self) -> "pd.DataFrame":
         table = self.to_dataframe()
-        shown = table[list(self.shown)] if self.shown and len(table) else table
-        return str(shown.to_string(index=False, max_rows=_SHOWN, float_format="{:.4g}".format))
+        return table[list(self.shown)] if self.shown and len(table) else table
 
     def plot(self, axes: "Axes | None" = None) -> "Axes":
         """Draw the rows as points, and return the axes.

@@ -106,7 +106,7 @@ def _row(
         "low": rebuilt.rms.low,
         "high": rebuilt.rms.high,
         "held_out": found.error.specimen.held_out if found.error.specimen else np.nan,
-        "word": str(found.verdict.word),
+        "word": str(found.verdict),
         "left": np.sqrt(np.mean((rebuilt.reference - test.exact) ** 2) / np.mean(original**2)),
         "inside": np.mean(inside),
     }
@@ -120,7 +120,7 @@ def _as_stated(
     found = assess(recording, structure, threshold=threshold, linear_specimen=True)
     size = found.error.rebuilt.rms
     yield from (("stated_value", size.value), ("stated_low", size.low), ("stated_high", size.high))
-    yield "stated_word", str(found.verdict.word)
+    yield "stated_word", str(found.verdict)
 
 
 ALL: Final = "all"

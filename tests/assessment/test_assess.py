@@ -44,7 +44,7 @@ def test_worse_rig_is_less_probable_and_rejected(simulate):
     assert better.index_probability > 0.97
     assert worse.probability < 0.03
     assert worse.index_probability < 0.5
-    assert worse.verdict.word == "not_reliable"
+    assert worse.verdict == "not_reliable"
 
 
 @pytest.mark.slow

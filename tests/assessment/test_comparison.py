@@ -43,7 +43,7 @@ def test_numbers_are_those_of_the_verdicts(compared):
     alone = reliab.assess(runs_of(3)[0][1], f=1, xi=0.05).to_dict()
     assert content["rms"] == alone["error"]["rms"]
     assert (content["verdict"], content["A"]) == (alone["verdict"], alone["A"])
-    assert list(comparison.to_frame()["rank"]) == [1, 2]
+    assert list(comparison.to_dataframe()["rank"]) == [1, 2]
 
 
 def test_what_is_taken_to_be_the_same_is_said(compared):

@@ -514,7 +514,7 @@ def test_a_specimen_that_no_element_explains_leaves_the_test_undecided() -> None
         frame, f=loop.frequency, xi=loop.damping_ratio, alpha=loop.share, specimen="measured", mass=1.0
     )
     assert not verdict.reliable
-    assert any("None of the specimen models" in reason for reason in verdict.verdict.reasons)
+    assert any("None of the specimen models" in reason for reason in verdict.reasons)
 
 
 def test_the_corrected_response_needs_one_test_and_a_known_kind_of_file(tmp_path: Path) -> None:

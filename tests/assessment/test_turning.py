@@ -160,11 +160,11 @@ def test_a_specimen_that_yielded_turns_a_verdict_by_its_odds():
     assert found.turning.smallest_ductility is not None
     assert found.probability > 0.95
     likely = found.probability / (1.0 + found.turning.odds) >= 0.95
-    said = found.warnings if likely else found.verdict.reasons
+    said = found.warnings if likely else found.reasons
     assert any("if it yielded, up to a ductility of 6" in sentence for sentence in said)
     assert found.reliable == likely
     linear = assess(recording, structure, equipment=known, threshold=0.026, linear_specimen=True)
-    assert not any("yielded" in reason for reason in linear.verdict.reasons)
+    assert not any("yielded" in reason for reason in linear.reasons)
 
 
 @pytest.mark.parametrize("word", Word)

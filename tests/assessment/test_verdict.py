@@ -23,24 +23,24 @@ def near(ground_motions, simulate_rig):
 
 def test_a_tolerance_of_the_frequency_leaves_a_close_test_undecided_and_says_so(near):
     sure = assess(near, ONE_HERTZ, threshold=0.048)
-    assert sure.verdict.word is Word.NOT_RELIABLE
+    assert sure.verdict is Word.NOT_RELIABLE
     stated = {"f": StatedValue(1.0, 0.05), "xi": StatedValue(0.02)}
     unsure = assess(near, ONE_HERTZ, threshold=0.048, stated=stated)
-    assert unsure.verdict.word is Word.UNDECIDED
-    assert "natural frequency" in unsure.verdict.would_decide[0]
+    assert unsure.verdict is Word.UNDECIDED
+    assert "natural frequency" in unsure.would_decide[0]
     assert unsure.error.rebuilt.rms.low < 0.048 < unsure.error.rebuilt.rms.high
 
 
 def test_the_threshold_turns_the_verdict(near):
     strict = assess(near, ONE_HERTZ, threshold=0.03)
-    assert strict.verdict.word is Word.NOT_RELIABLE
+    assert strict.verdict is Word.NOT_RELIABLE
     assert strict.probability < 0.05
     assert not strict.reliable
 
 
 def test_a_disagreement_of_error_and_index_is_explained(near):
     found = assess(near, ONE_HERTZ, criterion=published_criterion("guo_2017_15"))
-    assert (found.verdict.word, found.verdict_by_index.word) == (Word.RELIABLE, Word.NOT_RELIABLE)
+    assert (found.verdict, found.verdict_by_index.word) == (Word.RELIABLE, Word.NOT_RELIABLE)
     assert any("disagree" in warning for warning in found.warnings)
 
 

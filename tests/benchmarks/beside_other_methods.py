@@ -97,7 +97,7 @@ def measures(seed: int) -> dict[str, float | str]:
         "rebuilt": rms.value,
         "low": rms.low,
         "high": rms.high,
-        "word": str(found.verdict.word),
+        "word": str(found.verdict),
     }
 
 

@@ -76,7 +76,7 @@ def judged(name: str, seed: int, records: list[Path], clock: float) -> Iterator[
     recording = Recording(command=run.command[0], measured=read, time_step=1.0 / RATE, name=name)
     for known, equipment in (("ordinary equipment", ordinary_equipment()), ("all exact", None)):
         found = assess_frame(recording, frame, equipment=equipment)
-        size, word = found.error.estimate(Metric.RMS), str(found.verdict.word)
+        size, word = found.error.estimate(Metric.RMS), str(found.verdict)
         yield {
             "frame": name,
             "known": known,

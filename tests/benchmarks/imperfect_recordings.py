@@ -384,7 +384,7 @@ def judge(
         )
     except InputError as error:
         return row | {"word": "refused", "why": str(error)}
-    word = str(found.verdict.word)
+    word = str(found.verdict)
     answer = {"probability": found.probability, "word": word, "parts": parts(found.error)}
     return row | size(found.error.rebuilt.rms) | answer
 

@@ -251,7 +251,7 @@ def measure(name, seed, tests, kind, motions):
         verdict = ask(world, generator, **asked)
         took += time.perf_counter() - began
         rms = verdict.error.rebuilt.rms
-        found.append((world.rms, rms.value, rms.low, rms.high, str(verdict.verdict.word)))
+        found.append((world.rms, rms.value, rms.low, rms.high, str(verdict.verdict)))
     true, value, low, high = np.array([row[:4] for row in found]).T
     word = np.array([row[4] for row in found])
 

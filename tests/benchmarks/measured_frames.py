@@ -49,7 +49,7 @@ def judged(family: str, test: FrameTest) -> dict[str, object]:
         "value": rebuilt.rms.value,
         "low": rebuilt.rms.low,
         "high": rebuilt.rms.high,
-        "word": str(found.verdict.word),
+        "word": str(found.verdict),
         "inside": np.mean((rebuilt.low <= original) & (original <= rebuilt.high)),
         "left": np.sqrt(np.mean((rebuilt.reference - test.exact) ** 2) / np.mean(original**2)),
     }

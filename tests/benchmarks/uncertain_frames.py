@@ -162,7 +162,7 @@ def judged(row: str, name: str, seed: int, records: list[Path], rate: float = RA
     of_responses = true_errors(outcome)
     held = [one.rms.low <= of_responses[one.name] <= one.rms.high for one in found.responses.each]
     storeys = {key: value for key, value in of_responses.items() if key.startswith("storey")}
-    size, word = found.error.rebuilt.rms, str(found.verdict.word)
+    size, word = found.error.rebuilt.rms, str(found.verdict)
     true = outcome.rms
     return {
         "row": row,

@@ -74,9 +74,9 @@ def write_tests(tests: "Comparison | Iterable[Mapping[str, Any]]", out: str | Pa
     assessment, with its `file`; or `file` and `fault`.
     """
     from reliab.assessment.comparison import Comparison
-    from reliab.assessment.several import verdict_table
+    from reliab.assessment.judged_test import verdict_table
 
-    rows = tests.to_frame() if isinstance(tests, Comparison) else verdict_table(tests)
+    rows = tests.to_dataframe() if isinstance(tests, Comparison) else verdict_table(tests)
     require_ending(out, ".csv")
     write_table(rows, out)
 

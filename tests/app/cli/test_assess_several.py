@@ -99,7 +99,7 @@ def test_python_gives_the_same_table(ask, folder):
     ask("good.csv", "faulty.csv", "--out", "verdicts.csv")
     found = reliab.assess(["good.csv", "faulty.csv"], f=1, xi=0.02)
     written = pd.read_csv(folder / "verdicts.csv")
-    table = found.to_frame()
+    table = found.to_dataframe()
     table["fault"] = table["fault"].str.replace("`delimiter`", "--delimiter")  # each in its own words
     pd.testing.assert_frame_equal(table, written, check_dtype=False)
     assert (found.reliable, list(found.faults)) == (False, ["faulty.csv"])

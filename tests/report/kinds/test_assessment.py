@@ -66,4 +66,4 @@ def test_a_test_is_reported_on_two_pages(
     sizes = {"undecided": f"{interval} (90 % interval)"}
     assert f"is {sizes.get(word, f'{value} % (90 % interval {interval})')}, below 5 %" in read
     assert f"RMSR {value} {low} to {high} " in read  # as the table has them
-    assert all(with_options(remedy) in read for remedy in found.verdict.would_decide)
+    assert all(with_options(remedy) in read for remedy in found.would_decide)

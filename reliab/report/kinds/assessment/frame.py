@@ -54,8 +54,8 @@ def frame_assessment_report(
     return Document(
         kind="Assessment of a real-time hybrid simulation",
         title=assessment.recording.name,
-        verdict=error_sentence(assessment.error, assessment.verdict.word),
-        tone=TONES[assessment.verdict.word],
+        verdict=error_sentence(assessment.error, assessment.verdict),
+        tone=TONES[assessment.verdict],
         facts=_facts(assessment),
         blocks=sections,
         provenance=provenance_of(provenance, *([] if criterion is None else [criterion.provenance])),
@@ -135,7 +135,7 @@ def _specimen(assessment: FrameAssessment) -> str:
 
 
 def _cautions(assessment: JudgedFrame) -> list[Prose]:
-    verdict, error = assessment.verdict, assessment.error
+    error = assessment.error
     of_what = (
         "a linear frame with the stated matrices"
         if not isinstance(error, ErrorOfTest) or error.specimen is None
@@ -143,8 +143,9 @@ def _cautions(assessment: JudgedFrame) -> list[Prose]:
         "from its force"
     )
     remarks = [
-        *(verdict.reasons[:-1] if verdict.word is Word.UNDECIDED else ()),  # the last one is the headline
-        *next_steps(verdict.would_decide, error.would_decide),
+        # the last reason is the headline
+        *(assessment.reasons[:-1] if assessment.verdict is Word.UNDECIDED else ()),
+        *next_steps(assessment.would_decide, error.would_decide),
         *assessment.warnings,
         *assessment.recording.notes,
     ]

@@ -53,8 +53,8 @@ def assessment_report(
     return Document(
         kind="Assessment of a real-time hybrid simulation",
         title=title or assessment.recording.name,
-        verdict=error_sentence(assessment.error, assessment.verdict.word),
-        tone=TONES[assessment.verdict.word],
+        verdict=error_sentence(assessment.error, assessment.verdict),
+        tone=TONES[assessment.verdict],
         facts=_facts(assessment),
         blocks=tuple(sections),
         provenance=provenance_of(provenance, assessment.criterion.provenance),
@@ -237,10 +237,10 @@ def _plane(assessment: Assessment) -> Figure:
 
 def _cautions(assessment: Assessment) -> list[Prose]:
     warnings = () if assessment.placement else assessment.criterion.provenance.warnings
-    verdict = assessment.verdict
     remarks = [
-        *(verdict.reasons[:-1] if verdict.word is Word.UNDECIDED else ()),  # the last one is the headline
-        *next_steps(verdict.would_decide, assessment.error.would_decide),
+        # the last reason is the headline
+        *(assessment.reasons[:-1] if assessment.verdict is Word.UNDECIDED else ()),
+        *next_steps(assessment.would_decide, assessment.error.would_decide),
         *assessment.warnings,
         *assessment.recording.notes,
         *warnings,

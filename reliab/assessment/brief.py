@@ -1,0 +1,73 @@
+"""The answer about a test in a dozen sentences, from what its `to_dict` holds."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any, Final
+
+from reliab.assessment.error_of_test import CANCELLING, part_in_words
+from reliab.assessment.rebuilt_error.spread import Estimate
+from reliab.assessment.verdict import ERROR_NAMES, Word, error_in_words, next_steps
+from reliab.core.significant_digits import percent, percent_with_interval, significant
+from reliab.core.vocabulary import Metric
+
+_LARGEST: Final = 3  # entries of the budget
+
+
+def headline(content: Mapping[str, Any]) -> str:
+    """State the verdict, the error and the probability that it is small enough."""
+    word, metric, error = Word(content["verdict"]).shout, content["metric"], content["error"]
+    if error[metric]["value"] is None:
+        return f"{word}: {content['reasons'][-1]}"
+    size = Estimate(**{end: error[metric][end] for end in ("value", "low", "high")})
+    name = f"{ERROR_NAMES[metric]}{_of_governing(error)}"
+    return f"{word}: {error_in_words(name, size, content['threshold'], content['probability'])}"
+
+
+def _of_governing(error: Mapping[str, Any]) -> str:
+    """Of several displacements the one with the largest error, to follow a name."""
+    return f" of {error['governing']}" if "governing" in error else ""
+
+
+def findings(content: Mapping[str, Any]) -> Iterator[str]:
+    """Say how large the error is, what its interval comes from, and how the actuator tracked."""
+    error, budget = content["error"], content.get("budget", [])
+    yield from content["reasons"][:-1]  # the last one says the size, as the headline does
+    if error[content["metric"]]["value"] is not None:
+        sizes = (f"{ERROR_NAMES[name]} {percent_with_interval(**error[name])}" for name in Metric)
+        yield f"Errors with 90 % intervals: {'; '.join(sizes)}."
+    if budget:
+        entries = (
+            f"{item['quantity']} ±{percent(item['contribution'], decimals=2)}" for item in budget[:_LARGEST]
+        )
+        yield f"Largest contributions to the interval: {', '.join(entries)}."
+    yield _tracking(content)
+
+
+def _tracking(content: Mapping[str, Any]) -> str:
+    actuators = [{"name": "", **actuator} for actuator in content.get("actuators", [content])]
+    each = (
+        f"{'actuator ' if one['name'] else ''}{one['name']} A = {one['A']:.4f}, d = "
+        f"{significant(one['d_ms'])} ms".lstrip()
+        for one in actuators
+    )
+    tracked = f"Tracking: {'; '.join(each)}"
+    by_index = content.get("by_index")
+    if by_index is None or by_index["index"] is None:
+        return f"{tracked}."
+    judged = f"By the criterion for A and d: {by_index['verdict'].replace('_', ' ')}"
+    return f"{tracked}. {judged}. {by_index['reasons'][-1]}"
+
+
+def actions(content: Mapping[str, Any]) -> Iterator[str]:
+    """Say what to do next."""
+    error = content["error"]
+    first, narrowing = error["improve_first"], error.get("would_decide", ())
+    if first is not None:
+        remaining = percent(error["parts"][first]["remaining_rms"], decimals=2)
+        yield (
+            f"Improve first: {part_in_words(first)}; without it RMS^R{_of_governing(error)} would be "
+            f"{remaining}."
+        )
+    elif error["parts"]:
+        yield CANCELLING
+    yield from (f"To narrow the interval: {remedy[:1].lower()}{remedy[1:]}" for remedy in narrowing)
+    yield from next_steps(content["would_decide"], narrowing)

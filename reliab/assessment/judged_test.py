@@ -1,0 +1,183 @@
+"""A test with its verdict, and how every such result shows itself: as text, table, plot and in a notebook."""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from reliab.assessment import brief
+from reliab.assessment.error_with_threshold import ErrorWithThreshold
+from reliab.assessment.rebuilt_error.spread import Estimate
+from reliab.assessment.verdict import Verdict, Word, probability_text
+from reliab.core.html_table import html_table
+from reliab.core.plain_values import PlainResult
+from reliab.core.significant_digits import percent_with_interval, significant
+from reliab.core.vocabulary import MILLI, PERCENT, Metric
+from reliab.recordings.coupled_recording import CoupledRecording
+from reliab.recordings.recording import Recording
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+
+_COLUMNS: Final = (
+    *("test", "verdict", "probability", "metric", "threshold"),
+    *("A", "d_ms", "index", "stability_margin"),
+)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class JudgedTest(PlainResult):
+    """A test with its error and the verdict on it."""
+
+    recording: Recording | CoupledRecording  # The test
+    error: ErrorWithThreshold  # The error, from the test alone
+    judgement: Verdict  # The verdict with its reasons
+
+    @property
+    def verdict(self) -> Word:
+        """The verdict: "reliable", "undecided" or "not_reliable"."""
+        return self.judgement.word
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """Why the verdict is what it is, in sentences."""
+        return self.judgement.reasons
+
+    @property
+    def would_decide(self) -> tuple[str, ...]:
+        """What to do about an undecided test, in sentences."""
+        return self.judgement.would_decide
+
+    @property
+    def reliable(self) -> bool:
+        """Whether the verdict is "reliable"."""
+        return self.verdict is Word.RELIABLE
+
+    @property
+    def metric(self) -> Metric:
+        """Which error is asked about."""
+        return self.error.metric
+
+    @property
+    def threshold(self) -> float:
+        """Largest error of a reliable test [-]."""
+        return self.error.threshold
+
+    @property
+    def probability(self) -> float:
+        """Probability that the error of the test stays below the threshold."""
+        return self.error.probability
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Warnings to read before relying on the verdict, in sentences."""
+        return ()
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Put verdict, error, A, d and index into a table of one row."""
+        import pandas as pd
+
+        return pd.DataFrame([_row(self.to_dict())])
+
+    def summary(self) -> str:
+        """Say verdict, error, what to improve and what to do next, a sentence in each line."""
+        content = self.to_dict()
+        return "\n".join((brief.headline(content), *brief.findings(content), *brief.actions(content)))
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw the error over time, x_m − x_I [mm] over [s], with its 90 % band.
+
+        Dashed: the threshold times the peak of the exact response. Of several displacements the one with
+        the largest error is drawn.
+        """
+        from matplotlib import pyplot as plt
+
+        shown = plt.subplots(figsize=(8.0, 3.0))[1] if axes is None else axes
+        displacement = max(self.error.displacements, key=lambda one: one.estimate(self.metric).value)
+        time = np.arange(displacement.error.size) * self.recording.time_step
+        bound = MILLI * self.threshold * float(np.abs(displacement.reference).max())
+        low, high = MILLI * displacement.low, MILLI * displacement.high
+        shown.fill_between(time, low, high, alpha=0.3, label="90 % band")
+        shown.plot(time, MILLI * displacement.smooth_error, linewidth=0.8, label="rebuilt error")
+        for sign in (-1.0, 1.0):
+            shown.axhline(sign * bound, color="0.3", linewidth=0.8, linestyle="--")
+        shown.set(
+            xlabel="time [s]", ylabel="x_m − x_I [mm]", title=f"{self.recording.name}{self.error.of_which}"
+        )
+        shown.legend(frameon=False)
+        return shown
+
+    def __repr__(self) -> str:
+        about = f"{type(self).__name__} of {self.recording.name}: {self.verdict.in_words}"
+        size = self.error.estimate(self.metric)
+        if math.isnan(size.value):
+            return f"<{about}, all motion is lost in noise>"
+        interval = percent_with_interval(size.value, size.low, size.high)
+        return f"<{about}, {self.metric.upper()} error{self.error.of_which} {interval}>"
+
+    def _repr_html_(self) -> str:
+        """Write verdict, error, A, d and index as a table for notebooks."""
+        content = self.to_dict()
+        below = f"probability of an error below {significant(self.threshold)} {self.metric.upper()}"
+        rows = {"verdict": self.verdict.in_words, below: probability_text(self.probability)}
+        for name, metric in (("RMS error", Metric.RMS), ("largest error", Metric.MTE)):
+            size = content["error"][metric]
+            rows[name] = "unknown" if size["value"] is None else percent_with_interval(**size)
+        rows["amplitude A"] = f"{content['A']:.4f}"
+        rows["equivalent delay d"] = f"{content['d_ms']:.3f} ms"
+        if content.get("by_index"):
+            index = content["by_index"]["index"]
+            rows["index by the criterion"] = "none" if index is None else significant(index)
+        return html_table(self.recording.name, rows, self.reasons)
+
+
+def verdict_table(contents: Iterable[Mapping[str, Any]]) -> "pd.DataFrame":
+    """Put the answers about several tests into a table.
+
+    Returns `file`, `test`, `verdict`, `probability` [-], `metric`, `threshold` [-], `A` [-], `d_ms` [ms],
+    `index` [-], `stability_margin` [-], `rms`, `rms_low`, `rms_high`, `mte`, `mte_low`, `mte_high` [-],
+    `reasons`, `warnings` and `fault`; empty where a value is unknown.
+
+    >>> verdict_table([{"file": "a.csv", "fault": "It must not be empty."}]).loc[0, "fault"]
+    'It must not be empty.'
+    """
+    import pandas as pd
+
+    return pd.DataFrame(
+        [{"file": content["file"], **_row(content), "fault": content.get("fault")} for content in contents]
+    )
+
+
+def _row(content: Mapping[str, Any]) -> dict[str, Any]:
+    error = content.get("error", {})
+    sizes = {
+        name if end == "value" else f"{name}_{end}": error.get(name, {}).get(end)
+        for name in Metric
+        for end in ("value", "low", "high")
+    }
+    sentences = {name: " ".join(content.get(name, ())) or None for name in ("reasons", "warnings")}
+    return {**{name: content.get(name) for name in _COLUMNS}, **sizes, **sentences}
+
+
+def plot_errors(
+    errors: Mapping[str, Estimate], metric: Metric, threshold: float, axes: "Axes | None" = None
+) -> "Axes":
+    """Draw the errors of tests with their 90 % intervals [%] from top to bottom, and the threshold."""
+    from matplotlib import pyplot as plt
+
+    height = 1.2 + 0.3 * len(errors)
+    shown = plt.subplots(figsize=(8.0, height), layout="constrained")[1] if axes is None else axes
+    sizes = PERCENT * np.array([(size.low, size.value, size.high) for size in errors.values()])
+    rows: Sequence[int] = range(len(errors))
+    shown.hlines(rows, sizes[:, 0], sizes[:, 2], label="90 % interval")
+    shown.plot(sizes[:, 1], rows, "o", label="error of the whole test")
+    shown.axvline(PERCENT * threshold, color="0.3", linestyle="--", label="threshold")
+    shown.set_yticks(rows, list(errors))
+    shown.invert_yaxis()
+    shown.set_xlim(left=0.0)
+    shown.set_xlabel(f"{metric.upper()} error of the whole test [%]")
+    shown.legend(frameon=False)
+    return shown
