@@ -32,7 +32,7 @@ def findings(content: Mapping[str, Any]) -> Iterator[str]:
     error, budget = content["error"], content.get("budget", [])
     yield from content["reasons"][:-1]  # the last one says the size, as the headline does
     if error[content["metric"]]["value"] is not None:
-        sizes = (f"{ERROR_NAMES[name]} {percent_with_interval(**error[name])}" for name in Metric)
+        sizes = (f"{ERROR_NAMES[name]} {_interval(error[name])}" for name in Metric)
         yield f"Errors with 90 % intervals: {'; '.join(sizes)}."
     if budget:
         entries = (
@@ -40,6 +40,10 @@ def findings(content: Mapping[str, Any]) -> Iterator[str]:
         )
         yield f"Largest contributions to the interval: {', '.join(entries)}."
     yield _tracking(content)
+
+
+def _interval(size: Mapping[str, Any]) -> str:
+    return percent_with_interval(*(size[end] for end in ("value", "low", "high")))
 
 
 def _tracking(content: Mapping[str, Any]) -> str:

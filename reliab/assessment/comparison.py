@@ -33,6 +33,11 @@ _IN_COMMON: Final = (
     "All tests are assumed to be of one rig: what is unknown, such as the skew of the channels, is the "
     "same in all of them. State in the header of a test what differs in it."
 )
+_COLUMNS: Final = (
+    *("rank", "file", "A", "d_ms", "verdict", "probability"),
+    *("rms", "mte", "rms_low", "rms_high", "mte_low", "mte_high"),
+    *("difference_value", "difference_low", "difference_high", "probability_larger"),
+)
 _OTHER_MOTION: Final = 0.3  # of the exact response's RMS, by which that of another test differs
 _EVEN: Final = 0.5
 _WIDER_STEP: Final = 1e-6  # relative difference of two time steps that are the same
@@ -78,7 +83,7 @@ class Comparison(ResultWithRows):
     def to_dataframe(self) -> "pd.DataFrame":
         """Put the ranking into a table, one row for each test."""
         names = {"rms_value": "rms", "mte_value": "mte"}
-        return super().to_dataframe().rename(columns=names).drop(columns="difference")
+        return super().to_dataframe().rename(columns=names)[list(_COLUMNS)]
 
     def plot(self, axes: "Axes | None" = None) -> "Axes":
         """Draw the error of each test with its 90 % interval [%], the smallest above, and the threshold."""

@@ -6,8 +6,18 @@ from typing import Any, Final
 
 from reliab.app import outputs, questions
 from reliab.app.cli.commands import Asked, takes
-from reliab.app.cli.output import progress_bar, say, say_for_which_motions, show_table, write_json
+from reliab.app.cli.output import (
+    Columns,
+    digits,
+    progress_bar,
+    say,
+    say_for_which_motions,
+    show_rows,
+    show_table,
+    write_json,
+)
 from reliab.core.significant_digits import percent, significant
+from reliab.core.vocabulary import PERCENT
 
 
 @takes(questions.CriterionQuestion, outputs.Listing)
@@ -29,36 +39,56 @@ def criterion(asked: Asked) -> None:
     derived.require_converged(asked.chains)
 
 
-_HEADINGS = (
-    *("f [Hz]", "ξ [-]", "α [-]", "error [-]", "confidence [-]", "a [-]", "b [ms²]"),
-    *("|A − 1| alone ≤", "lag alone ≤ [ms]", "lead alone ≤ [ms]"),
-)
+_WHERE: Columns = {
+    "f [Hz]": ("f", "g"),
+    "ξ [-]": ("xi", "g"),
+    "α [-]": ("alpha", "g"),
+    "error [-]": ("threshold", "g"),
+}
+_ELLIPSE: Columns = {"a [-]": ("a", digits), "b [ms²]": ("b", digits)}
+_LIMITS: Columns = {
+    **_WHERE,
+    "confidence [-]": ("confidence", lambda promise: "none" if promise is None else f"{promise:g}"),
+    **_ELLIPSE,
+    "|A − 1| alone ≤": ("amplitude_limit", digits),
+    "lag alone ≤ [ms]": ("delay_limit_ms", digits),
+    "lead alone ≤ [ms]": ("lead_limit_ms", digits),
+}
+_DIAGNOSTICS: Columns = {
+    "parameter": ("parameter", ""),
+    "mean": ("mean", ".3f"),
+    "spread": ("spread", ".3f"),
+    "R-hat": ("r_hat", ".4f"),
+    "bulk size": ("bulk_size", ".0f"),
+    "tail size": ("tail_size", ".0f"),
+    "autocorrelation time": ("autocorrelation_time", ".1f"),
+}
+
+
+def _deviation(share: float | None) -> str:
+    return "-" if share is None else f"{PERCENT * share:+.1f} %"
+
+
+_SHARES: Columns = {
+    **_WHERE,
+    "confidence [-]": ("confidence", "g"),
+    "a over a of the largest α": ("a_ratio", digits),
+    "b over b of the largest α": ("b_ratio", digits),
+    "law": ("law", digits),
+    "a off by": ("a_deviation", _deviation),
+    "b off by": ("b_deviation", _deviation),
+}
+_SCORES: Columns = {
+    "distribution": ("distribution", ""),
+    **{
+        name.replace("_", " "): (name, digits)
+        for name in ("log_score", "gain", "standard_error", "tail_score", "quantile_05")
+    },
+}
 _CURVES = {
     "inscribed": "inscribed in the motions' boundaries",
     "ellipse": "fitted to the motions' boundaries by least squares, as in the paper",
 }
-_DIAGNOSTICS = {
-    "parameter": "left",
-    "mean": "right",
-    "spread": "right",
-    "R-hat": "right",
-    "bulk size": "right",
-    "tail size": "right",
-    "autocorrelation time": "right",
-}
-_KEYS = ("mean", "spread", "r_hat", "bulk_size", "tail_size", "autocorrelation_time")
-_FORMATS = (".3f", ".3f", ".4f", ".0f", ".0f", ".1f")
-_FIGURES = ("log_score", "gain", "standard_error", "tail_score", "quantile_05")
-_HEADINGS_OF_SHARES = (
-    *("f [Hz]", "ξ [-]", "α [-]", "error [-]", "confidence [-]"),
-    *(
-        "a over a of the largest α",
-        "b over b of the largest α",
-        "law",
-        "a off by",
-        "b off by",
-    ),
-)
 
 
 def show_criteria(content: Mapping[str, Any]) -> None:
@@ -71,33 +101,15 @@ def show_criteria(content: Mapping[str, Any]) -> None:
 
 def _show_limits(rows: Sequence[Mapping[str, Any]], posteriors: Sequence[Mapping[str, Any]]) -> None:
     first = rows[0]
-    cells = [
-        (
-            *(f"{row[key]:g}" for key in ("f", "xi", "alpha", "threshold")),
-            "none" if row["confidence"] is None else f"{row['confidence']:g}",
-            *(significant(row[key]) for key in ("a", "b", "amplitude_limit", "delay_limit_ms")),
-            "-" if row["lead_limit_ms"] is None else significant(row["lead_limit_ms"]),
-        )
-        for row in rows
-    ]
     say_for_which_motions(((row["confidence"], row["population"]) for row in rows), first["position"])
     for posterior in posteriors:
         _show_posterior(posterior)
-    show_table(
-        f"(A − 1)²/a + d²/b ≤ 1 from {first['n_motions']} {first['motions']} of {first['n_events']} "
-        "earthquakes",
-        dict.fromkeys(_HEADINGS, "right"),
-        cells,
-    )
+    behind = f"{first['n_motions']} {first['motions']} of {first['n_events']} earthquakes"
+    show_rows(f"(A − 1)²/a + d²/b ≤ 1 from {behind}", _LIMITS, rows)
     together = "a and b together" if first["joint"] else "a and b separately"
     say(f"Method: {first['method']}, {together}. Law: {first['law']}.")
     say(*_definitions(rows))
-    say(
-        *(
-            f"Note: {warning}"
-            for warning in dict.fromkeys(warning for row in rows for warning in row["warnings"])
-        )
-    )
+    say(*dict.fromkeys(f"Note: {warning}" for row in rows for warning in row["warnings"]))
 
 
 def _definitions(rows: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
@@ -116,21 +128,12 @@ def _definitions(rows: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
 
 
 def _show_posterior(posterior: Mapping[str, Any]) -> None:
-    show_table(
+    show_rows(
         f"Posterior at {posterior['threshold']:g} of {posterior['metric']}: {posterior['ensembles']} "
         f"ensembles of {posterior['walkers']} walkers, {posterior['steps']} steps, "
         f"{percent(posterior['accepted'], decimals=0)} of the moves accepted",
         _DIAGNOSTICS,
-        [
-            (
-                parameter["parameter"],
-                *(
-                    "-" if parameter[key] is None else format(parameter[key], digits)
-                    for key, digits in zip(_KEYS, _FORMATS, strict=True)
-                ),
-            )
-            for parameter in posterior["parameters"]
-        ],
+        posterior["parameters"],
     )
     if posterior["converged"]:
         say("Converged: R-hat < 1.01 and effective sizes > 1,000 for every parameter.")
@@ -185,22 +188,8 @@ def _show_rig(rig: Mapping[str, Any]) -> None:
 
 def _show_shares(share_law: Mapping[str, Any]) -> None:
     """Print how limits of several shares compare with the law."""
-    rows = [
-        (
-            *(f"{row[key]:g}" for key in ("f", "xi", "alpha", "threshold", "confidence")),
-            *("-" if row[key] is None else significant(row[key]) for key in ("a_ratio", "b_ratio", "law")),
-            *(
-                "-" if row[key] is None else f"{100.0 * row[key]:+.1f} %"
-                for key in ("a_deviation", "b_deviation")
-            ),
-        )
-        for row in share_law["ratios"]
-    ]
-    show_table(
-        "Limits over the share of the stiffness, and the law (1 + s)/(1 + s α²) with s = 1/8ξ²",
-        dict.fromkeys(_HEADINGS_OF_SHARES, "right"),
-        rows,
-    )
+    title = "Limits over the share of the stiffness, and the law (1 + s)/(1 + s α²) with s = 1/8ξ²"
+    show_rows(title, _SHARES, share_law["ratios"])
     for fit in share_law["fits"]:
         where = f"f = {fit['f']:g} Hz, ξ = {fit['xi']:g}, error {fit['threshold']:g}"
         for name in ("a", "b"):
@@ -226,14 +215,7 @@ def _show_comparison(comparison: Mapping[str, Any]) -> None:
         where = f"f = {judged['f']:g} Hz, ξ = {judged['xi']:g}, error {judged['threshold']:g}"
         heading = f"Distributions of {judged['parameter']} at {where}, earthquakes held out."
         say(f"{heading} p of lognormality: {tests}.")
-        show_table(
-            "",
-            {"distribution": "left", **{name.replace("_", " "): "right" for name in _FIGURES}},
-            [
-                (row["distribution"], *(significant(row[name]) for name in _FIGURES))
-                for row in judged["scores"]
-            ],
-        )
+        show_rows("", _SCORES, judged["scores"])
     for threshold in dict.fromkeys(row["threshold"] for row in comparison["laws"]):
         alike = [row for row in comparison["laws"] if row["threshold"] == threshold]
         _show_laws(f"error {threshold:g}", alike)
@@ -282,17 +264,8 @@ def _show_meanings(option: str, meanings: dict[str, str]) -> None:
 
 
 def _show_own_boundary(rows: Sequence[Mapping[str, Any]]) -> None:
-    show_table(
-        f"Boundary of {rows[0]['motion']} itself: for a test under this very record",
-        dict.fromkeys(("f [Hz]", "ξ [-]", "error [-]", "a [-]", "b [ms²]"), "right"),
-        [
-            (
-                *(f"{row[key]:g}" for key in ("f", "xi", "threshold")),
-                *(significant(row[key]) for key in ("a", "b")),
-            )
-            for row in rows
-        ],
-    )
+    title = f"Boundary of {rows[0]['motion']} itself: for a test under this very record"
+    show_rows(title, {name: _LIMITS[name] for name in ("f [Hz]", "ξ [-]", "error [-]", *_ELLIPSE)}, rows)
 
 
 _BESIDE: Final[dict[str, Callable[[Any], None]]] = {
