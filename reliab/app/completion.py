@@ -1,15 +1,23 @@
 """Names that the shell completes: what ships, and what is registered.
 
-Each function takes the beginning of a word; what it needs is imported when the shell asks. Where a file may
-stand as well, an empty word is left to the shell, which offers files.
+Each function takes the beginning of a word; what it needs is imported when the shell asks. If a file may
+stand in place of a name, an empty word is left to the shell, which offers files.
 """
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
-_SAMPLES = ("sample_test",)
-_CAMPAIGNS = ("rig_a", "rig_b", "rig_c")
-_SUITES = ("synthetic",)
-_RESULTS = ("real_suite",)
+
+def _any_of(*names: str, beside_files: bool = False) -> Callable[[str], list[str]]:
+    """Complete one of some names; `beside_files`: whether a file may stand in its place."""
+    return lambda incomplete: _begun(incomplete, names) if incomplete or not beside_files else []
+
+
+samples = _any_of("sample_test", beside_files=True)
+campaigns = _any_of("rig_a", "rig_b", "rig_c", beside_files=True)
+suites = _any_of("synthetic", beside_files=True)
+results = _any_of("real_suite", beside_files=True)
+metrics = _any_of("rms", "mte")
+papers = _any_of("a4", "letter")
 
 
 def studies(incomplete: str) -> list[str]:
@@ -19,26 +27,6 @@ def studies(incomplete: str) -> list[str]:
     return _begun(
         incomplete, sorted(file.parent.name for file in shipped("studies", "").glob("*/study.toml"))
     )
-
-
-def samples(incomplete: str) -> list[str]:
-    """Complete the name of a test that ships."""
-    return _begun(incomplete, _SAMPLES) if incomplete else []
-
-
-def campaigns(incomplete: str) -> list[str]:
-    """Complete the name of a campaign that ships."""
-    return _begun(incomplete, _CAMPAIGNS) if incomplete else []
-
-
-def suites(incomplete: str) -> list[str]:
-    """Complete the name of a suite of ground motions that is built in."""
-    return _begun(incomplete, _SUITES) if incomplete else []
-
-
-def results(incomplete: str) -> list[str]:
-    """Complete the name of results and ellipses that ship."""
-    return _begun(incomplete, _RESULTS) if incomplete else []
 
 
 def methods(incomplete: str) -> list[str]:
@@ -53,16 +41,6 @@ def laws(incomplete: str) -> list[str]:
     from reliab.criterion.laws.registry import FITTED, OF_MANY_MOTIONS
 
     return _begun(incomplete, [*FITTED, *OF_MANY_MOTIONS])
-
-
-def metrics(incomplete: str) -> list[str]:
-    """Complete the name of an error."""
-    return _begun(incomplete, ("rms", "mte"))
-
-
-def papers(incomplete: str) -> list[str]:
-    """Complete the name of a paper."""
-    return _begun(incomplete, ("a4", "letter"))
 
 
 def _begun(incomplete: str, names: Iterable[str]) -> list[str]:

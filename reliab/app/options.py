@@ -31,32 +31,24 @@ FREQUENCY_NAMES, _DAMPING, _SHARE = ("", "--frequency"), ("", "--damping"), ("",
 _IN_PLACE = ("structure",)
 
 
+_FREQUENCY = STRUCTURE.option(
+    "HZ",
+    "Natural frequency of the whole structure [Hz]: 1.2, or 1.2±0.01 (± one standard deviation).",
+    names=FREQUENCY_NAMES,
+    idle_beside=_IN_PLACE,
+)
+
+
 class Frequency(TypedDict, total=False):
     """The natural frequency of a structure of one mass."""
 
-    f: Annotated[
-        Quantity | None,
-        STRUCTURE.option(
-            "HZ",
-            "Natural frequency of the whole structure [Hz]: 1.2, or 1.2±0.01 (± one standard deviation).",
-            names=FREQUENCY_NAMES,
-            idle_beside=_IN_PLACE,
-        ),
-    ]
+    f: Annotated[Quantity | None, _FREQUENCY]
 
 
 class Frequencies(TypedDict, total=False):
     """Natural frequencies, of which a design takes several."""
 
-    f: Annotated[
-        Quantities | None,
-        STRUCTURE.option(
-            "HZ",
-            "Natural frequency of the whole structure [Hz]: 1.2, or 1.2±0.01 (± one standard deviation).",
-            names=FREQUENCY_NAMES,
-            idle_beside=_IN_PLACE,
-        ),
-    ]
+    f: Annotated[Quantities | None, _FREQUENCY]
 
 
 class DampingAndShare(TypedDict, total=False):

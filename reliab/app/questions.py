@@ -299,6 +299,11 @@ class StatedOfTest(
 class Design(Frequencies, DampingAndShare, CriterionFile, Threshold, Confidences, ErrorMetric, total=False):
     """What `reliab.design_test` is asked."""
 
+    structure: Annotated[
+        str | Path | None,
+        STRUCTURE.further("FRAME.toml", "Refused with what to ask of a frame.", limits={"hidden": True}),
+    ]
+
 
 class Followed(OneStructure, FrameFile, NonlinearModel, Loop, Threshold, ErrorMetric, total=False):
     """What every monitor is told of its test."""

@@ -16,28 +16,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class Paragraph:
-    """A paragraph.
+    """A paragraph."""
 
-    Parameters
-    ----------
-    text : Prose
-        What it says.
-    """
-
-    text: Prose
+    text: Prose  # What it says
 
 
 @dataclass(frozen=True, kw_only=True)
 class Points:
-    """A list of points.
+    """A list of points."""
 
-    Parameters
-    ----------
-    items : tuple of Prose
-        One for each point.
-    """
-
-    items: tuple[Prose, ...]
+    items: tuple[Prose, ...]  # One for each point
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,60 +48,25 @@ class Equation:
 
 @dataclass(frozen=True, kw_only=True)
 class Column:
-    """A column of a table.
+    """A column of a table."""
 
-    Parameters
-    ----------
-    key : str
-        Column of the data frame.
-    heading : Prose
-        What stands above it.
-    unit : str, optional
-        Unit, which stands below the heading in brackets.
-    number : Number, optional
-        How its numbers are written; without it the values are text.
-    group : Prose, optional
-        What stands above this and neighbouring columns of the same group.
-    wide : bool, optional
-        Whether it takes what width is left.
-    right : bool, optional
-        Whether its texts stand at the right on a terminal, as numbers do.
-    """
-
-    key: str
-    heading: Prose
-    unit: str = ""
-    number: Number | None = None
-    group: Prose = ""
-    wide: bool = False
-    right: bool = False
+    key: str  # Column of the data frame
+    heading: Prose  # What stands above it
+    unit: str = ""  # Unit, which stands below the heading in brackets
+    number: Number | None = None  # How its numbers are written; without it the values are text
+    group: Prose = ""  # What stands above this and neighbouring columns of the same group
+    wide: bool = False  # Whether it takes what width is left
+    right: bool = False  # Whether its texts stand at the right on a terminal, as numbers do
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Table:
-    """A table.
+    """A table; a column that its data frame lacks is a ValueError."""
 
-    Parameters
-    ----------
-    frame : pandas.DataFrame
-        The values.
-    columns : tuple of Column
-        Which of its columns are shown, in their order.
-    caption : Prose
-        What to see.
-    label : str, optional
-        What references call it.
-
-    Raises
-    ------
-    ValueError
-        If the data frame lacks a column.
-    """
-
-    frame: pd.DataFrame
-    columns: tuple[Column, ...]
-    caption: Prose
-    label: str = ""
+    frame: pd.DataFrame  # The values
+    columns: tuple[Column, ...]  # Which of its columns are shown, in their order
+    caption: Prose  # What to see
+    label: str = ""  # What references call it
 
     def __post_init__(self) -> None:
         if missing := [column.key for column in self.columns if column.key not in self.frame]:
@@ -140,49 +93,25 @@ def text_table(
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Figure:
-    """A figure.
+    """A figure."""
 
-    Parameters
-    ----------
-    drawing : matplotlib.figure.Figure
-        What is drawn, at its size in print.
-    caption : Prose
-        What to see.
-    label : str, optional
-        What references call it.
-    floats : bool, optional
-        Whether it may stand at the top or bottom of a page, so that text fills the gap; never in a
-        sheet.
-    leads : bool, optional
-        Whether it stands on the first page, before the contents; at most one figure of a report.
-    """
-
-    drawing: "Drawing"
-    caption: Prose
-    label: str = ""
+    drawing: "Drawing"  # What is drawn, at its size in print
+    caption: Prose  # What to see
+    label: str = ""  # What references call it
+    # Whether it may stand at the top or bottom of a page, so that text fills the gap; never in a sheet
     floats: bool = False
+    # Whether it stands on the first page, before the contents; at most one figure of a report
     leads: bool = False
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Section:
-    """A section, or a section of a section.
+    """A section, or a section of a section."""
 
-    Parameters
-    ----------
-    title : str
-        Its heading.
-    blocks : tuple of Block
-        What it holds.
-    label : str, optional
-        What references call it.
-    appendix : bool, optional
-        Whether it stands behind the others, in smaller type, beside words, provenance and references.
-    """
-
-    title: str
-    blocks: "tuple[Block, ...]"
-    label: str = ""
+    title: str  # Its heading
+    blocks: "tuple[Block, ...]"  # What it holds
+    label: str = ""  # What references call it
+    # Whether it stands behind the others, in smaller type, beside words, provenance and references
     appendix: bool = False
 
 
@@ -200,36 +129,8 @@ class Source:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Document:
-    """A report.
+    """A report; a label that is used twice or names nothing, or a second leading figure, is a ValueError.
 
-    Parameters
-    ----------
-    kind : str
-        What it reports, "Reliability criterion".
-    title : str
-        Its title.
-    verdict : Prose
-        The outcome in one sentence.
-    blocks : tuple of Block
-        What it says.
-    tone : {"plain", "good", "bad"}, optional
-        Whether the verdict is neither good nor bad, good, or bad.
-    facts : mapping of str to Prose, optional
-        What was asked and of what, for the first page; empty ones are left out.
-    provenance : mapping of str to str, optional
-        Versions, checksums and settings from which it can be made again.
-    sources : tuple of Source, optional
-        The references; those that are not referred to are left out.
-    sheet : bool, optional
-        Whether it is a sheet of a page or two, without a title page and contents.
-
-    Raises
-    ------
-    ValueError
-        If a label is used twice or refers to nothing, or if two figures lead.
-
-    Examples
-    --------
     >>> report = Document(
     ...     kind="Reliability criterion", title="Example", verdict="Nothing was tested.",
     ...     blocks=(Section(title="Results", blocks=(Paragraph(text="None."),)),),
@@ -238,15 +139,18 @@ class Document:
     False
     """
 
-    kind: str
-    title: str
-    verdict: Prose
-    blocks: tuple[Block, ...]
+    kind: str  # What it reports, "Reliability criterion"
+    title: str  # Its title
+    verdict: Prose  # The outcome in one sentence
+    blocks: tuple[Block, ...]  # What it says
+    # Whether the verdict is neither good nor bad, good, or bad
     tone: Literal["plain", "good", "bad"] = "plain"
+    # What was asked and of what, for the first page; empty ones are left out
     facts: Mapping[str, Prose] = field(default_factory=dict)
+    # Versions, checksums and settings from which it can be made again
     provenance: Mapping[str, str] = field(default_factory=dict)
-    sources: tuple[Source, ...] = ()
-    sheet: bool = False
+    sources: tuple[Source, ...] = ()  # The references; those that are not referred to are left out
+    sheet: bool = False  # Whether it is a sheet of a page or two, without a title page and contents
 
     def __post_init__(self) -> None:
         labels = Counter([*_labels(self.blocks), *(source.label for source in self.sources)])

@@ -83,7 +83,7 @@ def prose(template: str, **values: object) -> tuple[Piece, ...]:
     ('95 % of ', Strong(text='a*b$'), ' lie within ', Math(source='a'), ', see ',
      Reference(label='fig:limits'), '.')
     """
-    return tuple(_merged(_pieces(template, values)))
+    return tuple(filter(None, _pieces(template, values)))
 
 
 def literal(text: str) -> str:
@@ -215,10 +215,6 @@ def _evaluable(value: object) -> object:
 
 def _filled(template: str, values: dict[str, object]) -> str:
     return string.Formatter().vformat(template, (), values)
-
-
-def _merged(pieces: Iterator[Piece]) -> Iterator[Piece]:
-    return (piece for piece in pieces if piece)
 
 
 def require_formula(source: str) -> None:

@@ -16,7 +16,6 @@ from typing import Any, Final, ParamSpec
 import matplotlib as mpl
 import numpy as np
 import seaborn as sns
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
@@ -190,8 +189,4 @@ def letters(axes: NDArray[np.object_], titles: tuple[str, ...] = ()) -> None:
     """Letter axes (a), (b), … with an optional title each, row by row."""
     for rank, place in enumerate(axes.ravel()):
         title = f" {titles[rank]}" if rank < len(titles) else ""
-        _titled(place, f"({chr(ord('a') + rank)}){title}")
-
-
-def _titled(axes: Axes, title: str) -> None:
-    axes.set_title(title, loc="left")
+        place.set_title(f"({chr(ord('a') + rank)}){title}", loc="left")

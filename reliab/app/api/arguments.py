@@ -151,6 +151,14 @@ def exactly_stated(structure: "Structure") -> dict[str, StatedValue]:
     }
 
 
+def structure_of(stated: Mapping[str, StatedValue], **usual: float) -> "Structure":
+    """Make a structure of what is stated, and of usual values of `f`, `xi` and `alpha` (1) for the rest."""
+    from reliab.structures.structure import Structure
+
+    known = {"alpha": 1.0, **usual, **{name: quantity.value for name, quantity in stated.items()}}
+    return Structure(frequency=known["f"], damping_ratio=known["xi"], experimental_fraction=known["alpha"])
+
+
 def stated_by_model(model: "UpdatedModel") -> dict[str, StatedValue]:
     """Take what a model states of its structure."""
     return {} if model.test.structure is None else exactly_stated(model.test.structure)

@@ -16,6 +16,7 @@ from reliab.app.api.arguments import (
     stated_of_test,
     stated_threshold,
     stated_values,
+    structure_of,
     unused,
 )
 from reliab.app.api.channels import Channels, Judge, Test, assess_each, is_test, name_of_test
@@ -32,11 +33,8 @@ from reliab.structures.structure import Structure
 
 if TYPE_CHECKING:
     from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment
-    from reliab.assessment.measured_specimen.force_channel import ForceChannel
     from reliab.assessment.several import Assessments
-    from reliab.motions.motion import Motion
     from reliab.simulation.frames.frame_file import FrameUnderTest
-    from reliab.simulation.hybrid_test.model_file import UpdatedModel
 
 _ALL_TESTS = "all"
 _OF_THE_STRUCTURE = ("f", "xi", "alpha")
@@ -154,29 +152,24 @@ class _Terms:
     def __init__(
         self, structure: "Structure | FrameUnderTest | str | Path | None", stated: questions.StatedOfTest
     ) -> None:
-        self.structure, self.stated = structure, stated
-        given: Mapping[str, Any] = {**stated}
-        self.numbers = stated_values(**{name: given[name] for name in _NUMBERS})
-        self.filters = stated_filters(stated["filter"] or ())
-        self.force_channel = tuple(stated["force_channel"] or ())
+        self.structure = structure
+        self.stated: Mapping[str, Any] = {**stated}
+        self.numbers = stated_values(**{name: self.stated[name] for name in _NUMBERS})
+        self.filters = stated_filters(self.stated["filter"] or ())
+        self.force_channel = tuple(self.stated["force_channel"] or ())
 
     def judge(self) -> Judge:
         """Read what tests share, and return what judges one of them."""
         if self.stated["criterion"] is not None:
-            self._refuse(
-                ("threshold", "confidence", "metric"), "together with `criterion`, which states its own"
-            )
+            for name in ("threshold", "confidence", "metric"):
+                if self.stated[name] is not None:
+                    raise unused(name, "together with `criterion`, which states its own")
         if self.structure is not None:
             for name in _OF_THE_STRUCTURE:
                 self._refuse_beside_structure(name)
         if self.structure is None or isinstance(self.structure, Structure):
             return self._judge_of_structures(self.structure)
         return self._judge_of_frames(self.structure)
-
-    def _refuse(self, names: tuple[str, ...], why: str) -> None:
-        for name in names:
-            if {**self.stated}[name] is not None:
-                raise unused(name, why)
 
     def _refuse_beside_structure(self, name: str) -> None:
         if name in self.numbers:
@@ -185,33 +178,37 @@ class _Terms:
                 remedy="Leave it out; the structure describes the test",
             )
 
-    def _own_criterion(self) -> Criterion | None:
-        return (
-            Criterion.read(self.stated["criterion"])
-            if isinstance(self.stated["criterion"], str | Path)
-            else self.stated["criterion"]
-        )
+    def _shared(self) -> dict[str, Any]:
+        """Read what one mass and frames are judged by alike."""
+        criterion, motion, specimen = (self.stated[name] for name in ("criterion", "motion", "specimen"))
+        measured = require_known_specimen(specimen, beside_model=self.stated["model"] is not None)
+        if self.force_channel and not measured:
+            raise unused("force_channel", "unless the `specimen` is measured")
+        of_force = None
+        if self.force_channel:
+            from reliab.assessment.measured_specimen.force_channel import ForceChannel
 
-    def _own_model(self) -> "UpdatedModel | None":
-        if not isinstance(self.stated["model"], str | Path):
-            return self.stated["model"]
-        from reliab.simulation.hybrid_test.model_file import read_model
+            of_force = ForceChannel.parse(self.force_channel)
+        if isinstance(motion, str | Path):
+            from reliab.motions.loading import read_motion
 
-        return read_model(self.stated["model"])
-
-    def _own_motion(self) -> "Motion | None":
-        if not isinstance(self.stated["motion"], str | Path):
-            return self.stated["motion"]
-        from reliab.motions.loading import read_motion
-
-        return read_motion(self.stated["motion"])
+            motion = read_motion(motion)
+        return {
+            "criterion": Criterion.read(criterion) if isinstance(criterion, str | Path) else criterion,
+            "equipment": known_equipment(self.stated["equipment"], exact=self.stated["exact"]),
+            "motion": motion,
+            "measured_specimen": measured,
+            "linear_specimen": specimen == LINEAR,
+            "force_channel": of_force,
+        }
 
     def _judge_of_structures(self, structure: Structure | None) -> Judge:
-        model, motion, criterion = self._own_model(), self._own_motion(), self._own_criterion()
-        measured = self._specimen_is_measured()
-        of_force = self._channel_of_force()
+        model, shared = self.stated["model"], self._shared()
+        if isinstance(model, str | Path):
+            from reliab.simulation.hybrid_test.model_file import read_model
+
+            model = read_model(model)
         numbers = {**({} if structure is None else exactly_stated(structure)), **self.numbers}
-        equipment = known_equipment(self.stated["equipment"], exact=self.stated["exact"])
 
         def judge(channels: Channels, test: Test) -> Assessment:
             recording = channels.read(test)
@@ -227,44 +224,23 @@ class _Terms:
             }
             return assess_structure(
                 corrected(recording, complete, filters),
-                Structure(
-                    frequency=complete["f"].value,
-                    damping_ratio=complete["xi"].value,
-                    experimental_fraction=complete["alpha"].value,
-                ),
+                structure_of(complete),
                 stated=complete,
-                equipment=equipment,
-                motion=motion,
-                criterion=criterion,
                 threshold=stated_threshold(self.stated["threshold"]),
                 confidence=0.95 if self.stated["confidence"] is None else float(self.stated["confidence"]),
                 metric=str(self.stated["metric"] or Metric.RMS),
                 model=model,
-                measured_specimen=measured,
-                linear_specimen=self.stated["specimen"] == LINEAR,
-                force_channel=of_force,
                 assumed=assumed,
+                **shared,
             )
 
         return judge
-
-    def _specimen_is_measured(self) -> bool:
-        return require_known_specimen(self.stated["specimen"], beside_model=self.stated["model"] is not None)
-
-    def _channel_of_force(self) -> "ForceChannel | None":
-        if self.force_channel and not self._specimen_is_measured():
-            raise unused("force_channel", "unless the `specimen` is measured")
-        if not self.force_channel:
-            return None
-        from reliab.assessment.measured_specimen.force_channel import ForceChannel
-
-        return ForceChannel.parse(self.force_channel)
 
     def _refuse_beside_a_frame(self) -> None:
         for name in ("mass", "resolution"):
             self._refuse_beside_structure(name)
         for name, reason in _NOT_FOR_FRAMES.items():
-            if {**self.stated}[name] is not None:
+            if self.stated[name] is not None:
                 raise InputError(
                     f"`{name}` has no effect together with the `structure` of a frame. {reason}",
                     remedy="Leave it out",
@@ -275,20 +251,15 @@ class _Terms:
         from reliab.simulation.frames.frame_file import read_structure
 
         self._refuse_beside_a_frame()
-        measured, of_force = self._specimen_is_measured(), self._channel_of_force()
+        shared = self._shared()
         frame = read_structure(structure) if isinstance(structure, str | Path) else structure
         require_answerable(
             frame,
-            criterion=self.stated["criterion"] is not None,
+            criterion=shared["criterion"] is not None,
             specimen=self.stated["specimen"] is not None,
-            force_channel=of_force is not None,
-            measured=measured,
+            force_channel=shared["force_channel"] is not None,
+            measured=shared["measured_specimen"],
         )
-        criterion, equipment = (
-            self._own_criterion(),
-            known_equipment(self.stated["equipment"], exact=self.stated["exact"]),
-        )
-        motion = self._own_motion()
 
         def judge(channels: Channels, test: Test) -> "FrameAssessment | CoupledAssessment":
             recording = channels.read_several_actuators(test) if frame.several else channels.read(test)
@@ -298,15 +269,10 @@ class _Terms:
             return assess_frame(
                 corrected(recording, stated, filters),
                 frame,
-                criterion=criterion,
                 threshold=stated_threshold(self.stated["threshold"]),
                 metric=Metric.parse(self.stated["metric"] or Metric.RMS),
                 stated={**stated, **stated_of_filters(filters)},
-                equipment=equipment,
-                linear_specimen=self.stated["specimen"] == LINEAR,
-                motion=motion,
-                measured_specimen=measured,
-                force_channel=of_force,
+                **shared,
             )
 
         return judge

@@ -53,25 +53,8 @@ def derive_criteria(*, show: Show = quietly, **asked: Unpack[questions.Criterion
     :func:`reliab.derive_criterion` derives one from ellipses; this function also traces them, serves several
     structures, errors, confidences and shares of the stiffness at once, and learns once for all of them.
     Without a source it derives them from real_suite, the ellipses of 100 real ground motions that ship.
+    `require_converged` refuses criteria of a posterior that has not converged; they are there to be seen.
 
-    Parameters
-    ----------
-    show : callable, optional
-        Takes the name of a task and shows its progress.
-
-    Returns
-    -------
-    Criteria
-        The criteria, their limits at each structure, and what else was asked for. Those of a posterior
-        that has not converged are there to be looked at; `require_converged` refuses them.
-
-    Raises
-    ------
-    InputError
-        If there is not one source, a value is not allowed, or an argument would have no effect.
-
-    Examples
-    --------
     >>> asked = {"ellipses": "real_suite", "f": 1, "xi": 0.02, "method": "quantile"}
     >>> derived = derive_criteria(**asked, confidence=[0.9, 0.95])
     >>> [round(row["b"], 2) for row in derived.rows]
@@ -188,7 +171,9 @@ class _Question:
             )
         confidences = self.confidences or [_NINETY_FIVE]
         dataset = self._population(method)
-        errors, shares = self.errors or _default_errors(dataset), shares_of(dataset)
+        stored: list[float] = dataset["threshold"].values.tolist()
+        errors = self.errors or ([FIVE_PERCENT] if FIVE_PERCENT in stored else stored)
+        shares = shares_of(dataset)
         self._require_one_share(shares)
         self._require_one_criterion(len(shares) * len(errors) * len(confidences))
         learned = []
@@ -300,12 +285,6 @@ class _Question:
                 tried = errors_of_rig(frame, suite, window=window, progress=progress)
             found["rig"] = summary_of_rig(tried, self.metric, threshold)
         return found
-
-
-def _default_errors(dataset: xr.Dataset) -> list[float]:
-    """Return 5 % where the ellipses hold it, else all their thresholds."""
-    stored: list[float] = dataset["threshold"].values.tolist()
-    return [FIVE_PERCENT] if FIVE_PERCENT in stored else stored
 
 
 def _structures(

@@ -31,31 +31,19 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Criteria(ResultWithRows):
-    """Criteria with what they were derived from.
-
-    Attributes
-    ----------
-    criteria : tuple of Criterion
-        One for each share of the stiffness, error and share of the population's ground motions.
-    structures : tuple of (float, float)
-        Natural frequency [Hz] and damping ratio [-] of each structure that is asked for.
-    ellipses : xarray.Dataset, optional
-        Ellipses of the motions; none for a printed law without a source of them.
-    derivations : tuple of Derivation
-        What was learned, one for each share of the stiffness and error; none for a printed law.
-    beside : dict
-        What else was asked for: `figures`, `comparison`; of frames `frame` and `rig`, of
-        several actuators `cross_coupling`, of several shares of the stiffness `share_law`.
-    """
+    """Criteria with what they were derived from."""
 
     rows_in = "criteria"
     shown = ("f", "xi", "threshold", "confidence", "a", "b", "amplitude_limit", "delay_limit_ms")
     plotted = ("f", "delay_limit_ms")
 
+    # One for each share of the stiffness, error and share of the population's ground motions
     criteria: tuple[Criterion, ...]
-    structures: tuple[tuple[float, float], ...]
-    ellipses: xr.Dataset | None = None
-    derivations: tuple[Derivation, ...] = ()
+    structures: tuple[tuple[float, float], ...]  # Natural frequencies [Hz] and damping ratios [-]
+    ellipses: xr.Dataset | None = None  # None for a printed law without a source of them
+    derivations: tuple[Derivation, ...] = ()  # One for each share of the stiffness and error
+    # What else was asked for: `figures`, `comparison`; of frames `frame` and `rig`, of several actuators
+    # `cross_coupling`, of several shares of the stiffness `share_law`
     beside: Mapping[str, Any] = field(default_factory=dict)
 
     @cached_property
@@ -97,17 +85,9 @@ class Criteria(ResultWithRows):
         }
 
     def require_converged(self, chains: str | Path | None = None) -> None:
-        """Refuse criteria of posteriors that cannot be relied on.
+        """Refuse criteria of posteriors that have not converged, and say how to go on.
 
-        Parameters
-        ----------
-        chains : str or pathlib.Path, optional
-            The file that kept the chains.
-
-        Raises
-        ------
-        IncompleteError
-            If a posterior has not converged; it says how to go on.
+        `chains`: the file that kept the chains.
         """
         failed = [posterior for posterior in self.posteriors if not posterior["converged"]]
         if failed:

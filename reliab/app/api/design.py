@@ -9,6 +9,7 @@ from reliab.app import questions
 from reliab.app.api.arguments import exact_values, stated_threshold, unused
 from reliab.app.declaration import Quantity, asks
 from reliab.assessment.design import CONFIDENCES, Tolerance, chart_frequencies, tolerable_errors
+from reliab.core.errors import InputError
 from reliab.core.rows import ResultWithRows
 from reliab.core.vocabulary import Metric
 from reliab.criterion.criterion import Criterion
@@ -53,6 +54,13 @@ def design_test(**asked: Unpack[questions.Design]) -> Design:
     >>> [(tolerance.frequency, tolerance.confidence) for tolerance in design.tolerances]
     [(1.0, 0.95)]
     """
+    if asked["structure"] is not None:
+        raise InputError(
+            "Tolerable errors before a test are computed for structures of one mass, not for frames",
+            value=f"`structure={asked['structure']}`",
+            remedy="Judge a trial test of the frame with `reliab assess TEST --structure FRAME`, or predict "
+            "the next one from earlier tests of it with `reliab rig predict RIG --structure FRAME`",
+        )
     criterion, confidence = asked["criterion"], asked["confidence"]
     stated = exact_values(xi=asked["xi"], alpha=asked["alpha"])
     share = stated.get("alpha", 1.0)

@@ -29,32 +29,14 @@ def diagnose_campaign(
 ) -> Addition:
     """Find where simulation and measurement disagree, name what is missing, and add it to the model.
 
-    Parameters
-    ----------
-    campaign : str or pathlib.Path
-        Folder of the campaign, or the name of one that ships ("rig_a").
-    out : str or pathlib.Path, optional
-        Folder for the diagnosis, the updated model and the chains of posteriors; `report_diagnosis` adds the
-        report.
-    show : callable, optional
-        Takes the name of a task and shows its progress.
-    tell : callable, optional
-        Called with the diagnosis once it is there, before its posteriors are sampled.
-
-    Returns
-    -------
-    Addition
-        The diagnosis (:func:`reliab.diagnose`) with its posteriors and the updated model.
-
-    Raises
-    ------
-    InputError
-        If the campaign cannot be read or diagnosed, or the folder cannot be written.
+    Diagnosis, updated model and chains of posteriors are written to `out`; `report_diagnosis` adds the
+    report. `tell` is called with the diagnosis once it is there, before its posteriors are sampled.
     """
     folder = campaign_folder(campaign)
     measured = read_campaign(folder)
     if out is not None:
-        _make(Path(out))
+        with refuse_unwritable("Cannot write to the folder for the diagnosis", where=out):
+            Path(out).mkdir(parents=True, exist_ok=True)
     with show("Searching the blocks") as progress:
         diagnosis = diagnose(measured, progress=progress)
     tell(diagnosis)
@@ -63,11 +45,6 @@ def diagnose_campaign(
     if out is not None:
         write_json_file(addition.to_dict(), Path(out) / _RESULT)
     return addition
-
-
-def _make(folder: Path) -> None:
-    with refuse_unwritable("Cannot write to the folder for the diagnosis", where=folder):
-        folder.mkdir(parents=True, exist_ok=True)
 
 
 def report_diagnosis(

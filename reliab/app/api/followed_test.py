@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from reliab.app.api.arguments import require_sound, stated_filters
+from reliab.app.api.arguments import require_sound, stated_filters, structure_of
 from reliab.assessment.budget.sizes import (
     Equipment,
     Size,
@@ -47,7 +47,6 @@ from reliab.recordings.recording import StatedChannels
 from reliab.simulation.frames.frame_file import FrameUnderTest
 from reliab.simulation.hybrid_test.model_file import UpdatedModel
 from reliab.structures.partition import Partition, whole_structure
-from reliab.structures.structure import Structure
 
 if TYPE_CHECKING:
     from reliab.assessment.assessment import Assessment
@@ -227,8 +226,7 @@ class FollowedTest:
         return self.stated[name].value if name in self.stated else 0.0
 
     def _monitor(self, step: float) -> AnyMonitor:
-        f, xi, alpha, lag = (self.stated[name].value for name in ("f", "xi", "alpha", "feedback_lag"))
-        structure = Structure(frequency=f, damping_ratio=xi, experimental_fraction=alpha)
+        structure, lag = structure_of(self.stated), self.stated["feedback_lag"].value * _MILLISECONDS
         calibrated = self.model is not None
         self.sizes.update(
             sizes_of_unknown(self.stated, structure, self.equipment, step, calibrated=calibrated)
@@ -243,7 +241,6 @@ class FollowedTest:
             apart -= filters["command"].delay if "command" in filters else 0.0
             tolerances = replace(tolerances, filter_delay=float(np.hypot(tolerances.filter_delay, apart)))
         followed = structure if self.frame is None else self.frame.partition
-        lag *= _MILLISECONDS
         if self.frame is not None and self.frame.several:
             return CoupledMonitor(
                 self.frame.partition,

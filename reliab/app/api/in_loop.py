@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Unpack
 
 from reliab.app import questions
-from reliab.app.api.arguments import require_sound, stated_threshold, stated_values
+from reliab.app.api.arguments import require_sound, stated_threshold, stated_values, structure_of
 from reliab.app.api.following import model_of, refuse_beside
 from reliab.app.declaration import asks
 from reliab.core.arrays import Array
@@ -20,7 +20,6 @@ from reliab.in_loop.sources import LoopMonitor, monitor_sources
 from reliab.simulation.frames.frame_file import FrameUnderTest, read_structure
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.structures.partition import Partition
-from reliab.structures.structure import Structure
 
 _MILLISECONDS = 1e-3
 _FMUS = {"fmu": 2, "fmu3": 3}
@@ -131,15 +130,9 @@ def _structure(asked: questions.MonitorInLoop) -> tuple[Partition | HybridTest, 
                 f"A monitor in a loop needs `{name}`, or the `structure` of a frame, or a `model`",
                 remedy="State one of them",
             )
-    alpha = 1.0 if asked["alpha"] is None else asked["alpha"]
-    stated = stated_values(f=asked["f"], xi=asked["xi"], alpha=alpha)
+    stated = stated_values(f=asked["f"], xi=asked["xi"], alpha=asked["alpha"])
     require_sound(stated)
-    structure = Structure(
-        frequency=stated["f"].value,
-        damping_ratio=stated["xi"].value,
-        experimental_fraction=stated["alpha"].value,
-    )
-    return Partition.of_structure(structure), None
+    return Partition.of_structure(structure_of(stated)), None
 
 
 def _of_frame(frame: FrameUnderTest, where: str) -> tuple[Partition, Array | None]:

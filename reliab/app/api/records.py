@@ -8,20 +8,18 @@ from typing import Any, Unpack
 import pandas as pd
 
 from reliab.app import questions
-from reliab.app.api.arguments import require_sound, stated_values
+from reliab.app.api.arguments import require_sound, stated_values, structure_of
 from reliab.app.api.channels import Channels
 from reliab.app.declaration import asks
 from reliab.core.errors import InputError
 from reliab.core.files import refuse_unwritable, require_ending, written_whole
 from reliab.core.plain_values import PlainResult
 from reliab.core.shipped import or_shipped
-from reliab.core.stated_value import StatedValue
 from reliab.recordings.calibration import ChannelCalibration, calibrate_channels, calibration_in_toml
 from reliab.recordings.reading import Histories
 from reliab.recordings.record import About, check_record, record_test, write_csv, write_record
-from reliab.structures.structure import Structure
 
-_STRUCTURE = {"f": 1.0, "xi": 0.05, "alpha": 1.0}
+_USUAL = {"f": 1.0, "xi": 0.05}
 """A structure, of which a user may state any part."""
 
 
@@ -87,7 +85,7 @@ def record(
     path = or_shipped(Path(source), "datasets", "test.csv")
     structure = stated_values(f=stated["f"], xi=stated["xi"], alpha=stated["alpha"], mass=stated["mass"])
     require_sound(structure)
-    _require_a_structure(structure)
+    structure_of(structure, **_USUAL)  # refuses values that no structure has
     about = About(
         **{name: str(value) for name, value in structure.items()},
         specimen=stated["specimen"] or "",
@@ -117,7 +115,7 @@ def record(
 
 
 def check_records(sources: list[Path]) -> dict[str, list[str]]:
-    """Examine records; return what is wrong with each, in sentences.
+    """Examine NetCDF files of records; return what is wrong with each, in sentences by file.
 
     Parameters
     ----------
@@ -135,12 +133,6 @@ def check_records(sources: list[Path]) -> dict[str, list[str]]:
         If a file is no NetCDF file.
     """
     return {str(path): check_record(path) for path in sources}
-
-
-def _require_a_structure(stated: Mapping[str, StatedValue]) -> None:
-    """Refuse a frequency, a damping ratio or a share that no structure has."""
-    f, xi, alpha = (stated[name].value if name in stated else known for name, known in _STRUCTURE.items())
-    Structure(frequency=f, damping_ratio=xi, experimental_fraction=alpha)
 
 
 @asks(questions.CalibrationTest)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 import numpy as np
 
 from reliab.app import questions
-from reliab.app.api.arguments import stated_threshold, stated_values, unused
+from reliab.app.api.arguments import stated_threshold, stated_values, structure_of, unused
 from reliab.app.api.rigs import stated_covariates
 from reliab.app.declaration import asks
 from reliab.assessment.default_criterion import ellipses_of_motions
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from reliab.report.document import Document
     from reliab.report.setting import Setting
 
+_USUAL = {"f": 1.0, "xi": 0.02}
 _SHIPPED_SUITE = "real_suite"
 
 
@@ -89,11 +90,7 @@ def _structure(asked: questions.NextTest) -> Structure:
             "The natural frequency of the structure is missing",
             remedy="Give it in hertz, `f=1`, or a frame as `structure`",
         )
-    return Structure(
-        frequency=stated["f"].value,
-        damping_ratio=stated["xi"].value if "xi" in stated else 0.02,
-        experimental_fraction=stated["alpha"].value if "alpha" in stated else 1.0,
-    )
+    return structure_of(stated, xi=_USUAL["xi"])
 
 
 def _of_frame(table: RigTable, following: NextTest, limit: float, asked: questions.NextTest) -> Prediction:
@@ -201,9 +198,5 @@ def document_of_rig(rig: str | Path, **asked: Unpack[questions.RigReport]) -> "D
 def _structure_of_next(last: Mapping[str, Any], asked: questions.RigReport) -> Structure:
     """Return what is stated of the next structure, and the rest as in the last test."""
     stated = stated_values(f=asked["f"], xi=asked["xi"], alpha=asked["alpha"])
-    usual = {"f": 1.0, "xi": 0.02, "alpha": 1.0}
-    frequency, damping, share = (
-        stated[name].value if name in stated else float(value if last[name] is None else last[name])
-        for name, value in usual.items()
-    )
-    return Structure(frequency=frequency, damping_ratio=damping, experimental_fraction=share)
+    of_last = {name: float(last[name]) for name in ("f", "xi", "alpha") if last[name] is not None}
+    return structure_of(stated, **{**_USUAL, **of_last})

@@ -3,7 +3,7 @@
 import hashlib
 import os
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, ClassVar, Unpack, cast
@@ -21,7 +21,6 @@ from reliab.core.progress import Progress, silent
 from reliab.core.rows import ResultWithRows
 from reliab.core.shipped import or_shipped
 from reliab.core.stated_value import StatedValue
-from reliab.recordings.readers.registry import read_tests
 from reliab.recordings.record import About, record_test
 from reliab.rig.rig_folder import RigFolder
 from reliab.rig.rig_table import RigTable
@@ -250,10 +249,10 @@ class _Keeper:
         faults: dict[str, str] = {}
         for count, file in enumerate(every, start=1):
             try:
-                for reading in self._readings_of(file):
-                    row = self._keep_test(file, reading)
+                for name, reading in self._readings_of(file).items():
+                    row = self._keep_test(file, name, reading)
                     if row is None:
-                        present.append(_name(file, reading))
+                        present.append(name)
                     else:
                         added.append(row)
             except InputError as error:
@@ -266,19 +265,19 @@ class _Keeper:
             rig=self.folder.path, added=tuple(added), present=tuple(present), faults=faults, tests=tests
         )
 
-    def _readings_of(self, file: Path) -> list[Channels]:
-        """How each test of a file is read."""
-        if self.reading.test_name != _ALL_TESTS:
-            return [self.reading]
-        names = [columns.test for columns in read_tests(file, delimiter=self.reading.delimiter)]
-        return [replace(self.reading, test_name=name or None) for name in names]
+    def _readings_of(self, file: Path) -> dict[str, Channels]:
+        """How each test of a file is read, by its name."""
+        if self.reading.test_name == _ALL_TESTS:
+            return self.reading.of_each_test(file)
+        named = f", {self.reading.test_name}" if self.reading.test_name else ""
+        return {f"{file.name}{named}": self.reading}
 
     def _stated(self) -> dict[str, str]:
         """Put what is stated of the test into texts."""
         numbers = {name: f"{value:.17g}" for name, value in self.covariates.items()}
         return {**{name: as_text(str(value)) for name, value in self.terms.items()}, **self.labels, **numbers}
 
-    def _keep_test(self, file: Path, reading: Channels) -> dict[str, Any] | None:
+    def _keep_test(self, file: Path, name: str, reading: Channels) -> dict[str, Any] | None:
         """Judge and keep a test; None where it is there."""
         path = or_shipped(file, "datasets", "test.csv")
         checksum = _checksum(path, reading.test_name)
@@ -296,7 +295,7 @@ class _Keeper:
         now = datetime.now(tz=UTC).replace(tzinfo=None).isoformat(timespec="microseconds")
         texts = {
             "sha256": checksum,
-            "name": as_text(_name(file, reading)),
+            "name": as_text(name),
             "file": as_text(path.name),
             "added": now,
             **self.labels,
@@ -336,10 +335,6 @@ class _Keeper:
                     remedy="Remove it first with `reliab rig remove` to add it anew",
                     where=str(path),
                 )
-
-
-def _name(file: Path, reading: Channels) -> str:
-    return f"{file.name}, {reading.test_name}" if reading.test_name else file.name
 
 
 def _checksum(path: Path, test_name: str | None) -> str:

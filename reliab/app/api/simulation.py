@@ -12,7 +12,6 @@ from reliab.app.declaration import asks
 from reliab.core.plain_values import PlainResult
 from reliab.core.progress import Progress, Show, quietly, silent
 from reliab.motions.loading import load_motions
-from reliab.motions.suite import MotionSuite
 from reliab.sweep.plain import WHOLLY_EXPERIMENTAL, Motions, suite_of, sweep_request
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.results import open_results
@@ -64,7 +63,7 @@ def simulate(
     >>> results["rms"].dims, results["rms"].shape
     (('motion', 'f', 'xi', 'kp', 'tau'), (2, 1, 1, 41, 57))
     """
-    return open_results(_sweep(suite_of(motions), _request(asked), out, asked, progress))
+    return open_results(run_sweep(suite_of(motions), _request(asked), out, **_run(asked), progress=progress))
 
 
 def _request(asked: questions.Sweep) -> SweepRequest:
@@ -79,18 +78,8 @@ def _request(asked: questions.Sweep) -> SweepRequest:
     )
 
 
-def _sweep(
-    suite: MotionSuite, request: SweepRequest, out: str | Path, asked: questions.Sweep, progress: Progress
-) -> Path:
-    return run_sweep(
-        suite,
-        request,
-        out,
-        resume=asked["resume"],
-        workers=asked["workers"],
-        scheduler=asked["scheduler"],
-        progress=progress,
-    )
+def _run(asked: questions.Sweep) -> dict[str, Any]:
+    return {"resume": asked["resume"], "workers": asked["workers"], "scheduler": asked["scheduler"]}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -122,32 +111,9 @@ class Simulation(PlainResult):
 def simulate_suite(
     *, out: str | Path, show: Show = quietly, **asked: Unpack[questions.Simulation]
 ) -> Simulation:
-    """Simulate motions from several sources and sets for all structures and actuators, and store the results.
-
-    With `model` the structure and the effects are the model's, and gain, delay and the index (A, d) of the
-    results are those of its actuator alone.
-
-    Parameters
-    ----------
-    out : str or pathlib.Path
-        The Zarr store to write.
-    show : callable, optional
-        Takes the name of a task and shows its progress.
-
-    Returns
-    -------
-    Simulation
-        Where the results are stored, and what was simulated.
-
-    Raises
-    ------
-    InputError
-        If a value is not allowed, a record is bad or the store cannot be written to.
-    IncompleteError
-        If the disk is full; what is stored is safe.
-    """
+    """Simulate motions from several sources and sets as :func:`simulate` does, and say what was stored."""
     suite = load_motions(*paths(asked["motions"] or "synthetic"), sets=listed(asked["sets"]))
     request = _request(asked)
     with show("Simulating") as progress:
-        _sweep(suite, request, out, asked, progress)
+        run_sweep(suite, request, out, **_run(asked), progress=progress)
     return Simulation(store=Path(out), motions=len(suite), request=request)

@@ -126,23 +126,5 @@ class WrittenReport(PlainResult):
 
 
 def report_run(folder: str | Path, *, setting: Setting | None = None) -> WrittenReport:
-    """Write the PDF of a finished run again, from its folder alone.
-
-    Parameters
-    ----------
-    folder : str or pathlib.Path
-        The run folder.
-    setting : Setting, optional
-        Paper, title, date, and name and logo of the laboratory.
-
-    Returns
-    -------
-    WrittenReport
-        Where it is.
-
-    Raises
-    ------
-    InputError
-        If nothing was run there, or the run is not finished.
-    """
+    """Write the PDF of a finished run again, from its folder alone."""
     return WrittenReport(folder=Path(folder), report=write_report(folder, setting=setting))

@@ -82,23 +82,6 @@ class Boundaries(ResultWithRows):
 def trace_boundaries(*, show: Show = quietly, **asked: Unpack[questions.Boundaries]) -> Boundaries:
     """Trace the boundary of equal error of each motion, for late and early actuators, as ellipses.
 
-    Parameters
-    ----------
-    show : callable, optional
-        Takes the name of a task and shows its progress.
-
-    Returns
-    -------
-    Boundaries
-        The ellipses, as a dataset and as rows.
-
-    Raises
-    ------
-    InputError
-        If there is not one source, it cannot serve what is asked for, or a value is not allowed.
-
-    Examples
-    --------
     >>> traced = trace_boundaries(results="real_suite", f=1, xi=0.02)
     >>> len(traced), round(next(traced.rows())["b"], 2)
     (100, 1.35)

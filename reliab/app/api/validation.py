@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Unpack
 
+import numpy as np
 import pandas as pd
 import xarray as xr
 
@@ -226,7 +227,7 @@ def _rows(validation: CrossValidation, over: tuple[str, ...], side: str = "lag")
         }
         for name in RATES:
             ends = {"rate": name, "low": f"{name}_low", "high": f"{name}_high"}
-            row[name] = {end: _number(line[key]) for end, key in ends.items()}
+            row[name] = {end: None if np.isnan(line[key]) else float(line[key]) for end, key in ends.items()}
         row["confusion"] = {name: int(line[name]) for name in _CONFUSION}
         rows.append(row)
     return rows
@@ -243,10 +244,6 @@ def _not_carried(validation: CrossValidation) -> list[dict[str, Any]]:
         if candidate not in OF_MANY_MOTIONS
         and not int(touched.sel(candidate=candidate, confidence=confidence))
     ]
-
-
-def _number(value: float) -> float | None:
-    return float(value) if value == value else None  # noqa: PLR0124 - NaN where nothing was accepted
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

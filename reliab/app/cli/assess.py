@@ -180,10 +180,10 @@ _BAR = 40
 def show_design(design: "Design") -> None:
     """Print tolerable errors, and those over the frequency as bars."""
     rows, first = design.tolerances, design.tolerances[0]
+    share = "" if first.experimental_fraction == 1.0 else f" and α = {first.experimental_fraction:g}"
     say_for_which_motions(((row.promise, row.population) for row in rows), first.position)
     show_table(
-        f"Tolerable errors at ξ = {first.damping_ratio:g}{_share(first)} for an error of "
-        f"{percent(first.threshold)}",
+        f"Tolerable errors at ξ = {first.damping_ratio:g}{share} for an error of {percent(first.threshold)}",
         dict.fromkeys(
             ("f [Hz]", "confidence", "|A − 1| alone", "d alone [ms]", "|A − 1| and", "d together [ms]"),
             "right",
@@ -193,13 +193,15 @@ def show_design(design: "Design") -> None:
     if any(tolerance.outside_validity for tolerance in rows):
         say("Note: the criterion does not cover *; these limits are scaled from the nearest structure.")
     _show_chart(design.chart)
+    structure = f"--f {first.frequency:g} --xi {first.damping_ratio:g}"
+    say(f"Next step: judge a test with `reliab assess TEST {structure}`, of a frame with --structure FRAME.")
 
 
 def _row(tolerance: "Tolerance") -> tuple[str, ...]:
     amplitude, delay = tolerance.both
     return (
         f"{tolerance.frequency:g}{'*' if tolerance.outside_validity else ''}",
-        _in_words(tolerance.promise),
+        "none" if tolerance.promise is None else percent(tolerance.promise, decimals=0),
         f"{tolerance.amplitude_error:.4f}",
         f"{MILLI * tolerance.delay:.3f}",
         f"{amplitude:.4f}",
@@ -207,25 +209,12 @@ def _row(tolerance: "Tolerance") -> tuple[str, ...]:
     )
 
 
-def _in_words(promise: float | None) -> str:
-    return "none" if promise is None else percent(promise, decimals=0)
-
-
-def _at(promise: float | None) -> str:
-    return "no share promised" if promise is None else f"at {percent(promise, decimals=0)}"
-
-
-def _share(tolerance: "Tolerance") -> str:
-    """Name the share in the laboratory where it is not the whole."""
-    whole = tolerance.experimental_fraction == 1.0
-    return "" if whole else f" and α = {tolerance.experimental_fraction:g}"
-
-
 def _show_chart(chart: "Sequence[Tolerance]") -> None:
     """Bars of the tolerable delay over the frequency at one confidence, the longest being the widest."""
     confidence = min((point.confidence for point in chart), key=lambda value: abs(value - _NINETY_FIVE))
     chosen = [point for point in chart if point.confidence == confidence]
-    longest = max(point.delay for point in chosen)
+    promise, longest = chosen[0].promise, max(point.delay for point in chosen)
+    share = "no share promised" if promise is None else f"at {percent(promise, decimals=0)}"
     rows = [
         (
             f"{point.frequency:g}",
@@ -236,7 +225,7 @@ def _show_chart(chart: "Sequence[Tolerance]") -> None:
         for point in chosen
     ]
     show_table(
-        f"Over the frequency, {_at(chosen[0].promise)}",
+        f"Over the frequency, {share}",
         {"f [Hz]": "right", "|A − 1| alone": "right", "d alone [ms]": "right", "d": "left"},
         rows,
     )

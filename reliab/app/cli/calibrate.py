@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, TypedDict
 
 from reliab.app import questions
 from reliab.app.cli.commands import Asked, takes
-from reliab.app.cli.output import say, show_table, write_json
+from reliab.app.cli.output import say, show_table
 from reliab.app.declaration import argument
 from reliab.core.significant_digits import significant
 
@@ -30,10 +30,7 @@ def calibrate(asked: Asked) -> None:
     """Measure skew, scale, hysteresis, noise and resolution of the two displacement channels."""
     from reliab.app.api.records import calibrate as api_calibrate
 
-    calibration = asked.ask(api_calibrate, "json_target")
-    if not write_json(calibration.to_dict(), asked.json_target):
-        _show(calibration)
-        say(*(f"Note: {asked.in_options(note)}" for note in calibration.notes))
+    asked.answer(api_calibrate, _show)
 
 
 def _show(calibration: "ChannelCalibration") -> None:
@@ -55,6 +52,7 @@ def _show(calibration: "ChannelCalibration") -> None:
             *((name, significant(metres) if metres else "0", "") for name, metres in lengths.items()),
         ],
     )
+    say(*(f"Note: {note}" for note in calibration.notes))
 
 
 def _cells(quantity: "StatedValue | None") -> tuple[str, str]:

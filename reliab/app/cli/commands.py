@@ -108,6 +108,26 @@ class Asked:
         used = (name for name, value in stated.items() if value is not None and not self._is_idle(name))
         return service(**{name: stated[name] for name in used})
 
+    def answer(
+        self,
+        service: Callable[..., _Answer],
+        screen: Callable[[_Answer], None],
+        *uses: str,
+        content: Callable[[Any], Any] = lambda answer: answer.to_dict(),
+        **arguments: Any,  # noqa: ANN401 - whatever the service takes
+    ) -> _Answer:
+        """Ask a service; write what it answers as JSON if that is asked for, else show it on the screen.
+
+        `content`: plain values of the answer; the other arguments are those of `ask`.
+        """
+        from reliab.app.cli.output import write_json
+
+        answer = self.ask(service, *uses, "json_target", **arguments)
+        target = self._values["json_target"]
+        if target is None or not write_json(content(answer), target):
+            screen(answer)
+        return answer
+
     def setting(self) -> "Setting":
         """How the report is set."""
         from reliab.report.setting import Setting

@@ -14,7 +14,6 @@ from reliab.app.cli.output import (
     say_for_which_motions,
     show_rows,
     show_table,
-    write_json,
 )
 from reliab.core.significant_digits import percent, significant
 from reliab.core.vocabulary import PERCENT
@@ -32,10 +31,9 @@ def criterion(asked: Asked) -> None:
         return
     from reliab.app.api.criteria import derive_criteria
 
-    derived = asked.ask(derive_criteria, "json_target", show=progress_bar)
-    content = derived.to_dict()
-    if not write_json(content, asked.json_target):
-        show_criteria(content)
+    derived = asked.answer(
+        derive_criteria, lambda criteria: show_criteria(criteria.to_dict()), show=progress_bar
+    )
     derived.require_converged(asked.chains)
 
 
@@ -244,18 +242,13 @@ def show_choices() -> None:
     laws = {**FITTED, **OF_MANY_MOTIONS}
     _show_meanings("--method", {name: _of_method(method) for name, method in METHODS.items()})
     _show_meanings("--law", {name: str(law.equation) for name, law in laws.items()})
-    _show_meanings(
-        "--distribution", {name: _first_sentence(family) for name, family in DISTRIBUTIONS.items()}
-    )
+    families = {name: (family.__doc__ or "").partition(".")[0] for name, family in DISTRIBUTIONS.items()}
+    _show_meanings("--distribution", families)
 
 
 def _of_method(method: Any) -> str:  # noqa: ANN401 - a class of the registry
     assured = any(field.name == "assurance" for field in fields(method))
     return f"{method.meaning}{' (takes --assurance)' if assured else ''}"
-
-
-def _first_sentence(family: type) -> str:
-    return (family.__doc__ or "").partition(".")[0]
 
 
 def _show_meanings(option: str, meanings: dict[str, str]) -> None:

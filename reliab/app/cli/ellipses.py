@@ -1,72 +1,70 @@
 """`reliab ellipses`: the boundary of each motion, as a and b."""
 
 import itertools
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from reliab.app import questions
 from reliab.app.cli.commands import Asked, takes
-from reliab.app.cli.output import progress_bar, say, show_table, write_json
+from reliab.app.cli.output import Columns, progress_bar, say, show_rows
 from reliab.core.vocabulary import Metric
 
 if TYPE_CHECKING:
     from reliab.app.api.tracing import Boundaries
 
-_HEADINGS = {
-    "motion": "left",
-    "f [Hz]": "right",
-    "ξ [-]": "right",
-    "α [-]": "right",
-    "error [-]": "right",
-    "a [-]": "right",
-    "b [ms²]": "right",
-    "a, lead": "right",
-    "b, lead": "right",
-    "a, inscribed": "right",
-    "b, inscribed": "right",
-    "a, inscribed, lead": "right",
-    "b, inscribed, lead": "right",
-    "points": "right",
-}
+_ELLIPSES = {"": "", "_lead": ", lead", "_inscribed": ", inscribed", "_lead_inscribed": ", inscribed, lead"}
+"""Headings of the ellipses by the ending of their keys."""
 _PAGE = 1000  # rows
 
 
 @takes(questions.Boundaries)
-def ellipses(demand: Asked) -> None:
+def ellipses(asked: Asked) -> None:
     """Trace the boundary of equal error of each motion, for late and early actuators, as ellipses."""
     from reliab.app.api.tracing import trace_boundaries
 
-    traced = demand.ask(trace_boundaries, "json_target", show=progress_bar)
-    if demand.json_target is not None and write_json(traced.to_dict(), demand.json_target):
-        return
-    _show(traced, demand.metric or Metric.RMS)
-    if traced.caution:
-        say(f"Note: {traced.caution}")
+    metric = asked.metric or Metric.RMS
+    asked.answer(trace_boundaries, lambda traced: _show(traced, metric), show=progress_bar)
 
 
 def _show(traced: "Boundaries", metric: str) -> None:
     """Print one row for each boundary, page by page: a single table of very many would fill the memory."""
     title = f"{len(traced)} boundaries of {metric.upper()}^R"
-    rows = traced.rows()
+    rows = map(_with_reasons, traced.rows())
     while page := list(itertools.islice(rows, _PAGE)):
-        show_table(title, _HEADINGS, map(_cells, page))
+        show_rows(title, _COLUMNS, page)
         title = ""
+    if traced.caution:
+        say(f"Note: {traced.caution}")
 
 
-def _cells(row: dict[str, Any]) -> list[str]:
-    where = [
-        str(row["motion"]),
-        f"{row['f']:g}",
-        f"{row['xi']:g}",
-        f"{row['alpha']:g}",
-        f"{row['threshold']:g}",
-    ]
-    shown = [_parameters(row, suffix) for suffix in ("", "_lead", "_inscribed", "_lead_inscribed")]
-    return [*where, *(cell for pair in shown for cell in pair), str(row["n"])]
+def _with_reasons(row: dict[str, Any]) -> dict[str, Any]:
+    """Put why there is no ellipse in place of a and b."""
+    shown = dict(row)
+    for ending in _ELLIPSES:
+        reason = row.get(f"no_ellipse{ending}")
+        if reason is not None:
+            shown |= {f"a{ending}": reason.replace("_", " "), f"b{ending}": None}
+    return shown
 
 
-def _parameters(row: dict[str, Any], suffix: str) -> tuple[str, str]:
-    """Show a and b of one ellipse, or why there is none."""
-    a, b, reason = (row.get(f"{name}{suffix}") for name in ("a", "b", "no_ellipse"))
-    if reason is not None:
-        return str(reason).replace("_", " "), ""
-    return ("", "") if a is None or b is None else (f"{a:.3e}", f"{b:.4g}")
+def _number(form: str) -> Callable[[float | str | None], str]:
+    """Write numbers; leave texts, and nothing, as they are."""
+    return lambda value: format(value, form) if isinstance(value, float) else value or ""
+
+
+_COLUMNS: Columns = {
+    "motion": ("motion", ""),
+    "f [Hz]": ("f", "g"),
+    "ξ [-]": ("xi", "g"),
+    "α [-]": ("alpha", "g"),
+    "error [-]": ("threshold", "g"),
+    "a [-]": ("a", _number(".3e")),
+    "b [ms²]": ("b", _number(".4g")),
+    **{
+        f"{name}{heading}": (f"{name}{ending}", _number(form))
+        for ending, heading in _ELLIPSES.items()
+        if ending
+        for name, form in (("a", ".3e"), ("b", ".4g"))
+    },
+    "points": ("n", "d"),
+}

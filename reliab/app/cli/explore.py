@@ -2,7 +2,7 @@
 
 from reliab.app import questions
 from reliab.app.cli.commands import Asked, takes
-from reliab.app.cli.output import say, write_json
+from reliab.app.cli.output import say
 
 _MEGABYTE = 1e6
 
@@ -10,9 +10,9 @@ _MEGABYTE = 1e6
 @takes(questions.Explorer)
 def explore(asked: Asked) -> None:
     """Write an offline web page with sliders that show tolerable errors before a test."""
-    from reliab.app.api.explorer import write_explorer
+    from reliab.app.api.explorer import ExplorerPage, write_explorer
 
-    written = asked.ask(write_explorer, "json_target")
-    if not write_json(written.to_dict(), asked.json_target):
-        size = written.size / _MEGABYTE
-        say(f"{written.page}: {size:.1f} MB, open it in any browser.")
+    def show(written: ExplorerPage) -> None:
+        say(f"{written.page}: {written.size / _MEGABYTE:.1f} MB, open it in any browser.")
+
+    asked.answer(write_explorer, show)

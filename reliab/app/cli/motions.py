@@ -9,7 +9,7 @@ import typer
 
 from reliab.app import questions
 from reliab.app.cli.commands import Asked, Command, takes
-from reliab.app.cli.output import say, show_table, write_json
+from reliab.app.cli.output import Columns, say, show_rows, show_table
 from reliab.app.declaration import Files, argument
 from reliab.app.options import OUTPUT
 from reliab.core.significant_digits import counted, significant
@@ -33,34 +33,32 @@ class _Suite(TypedDict, total=False):
 @takes(questions.MotionFiles, _Sources)
 def list_motions(asked: Asked) -> None:
     """List motions with their events and measures of intensity."""
-    from reliab.app.api.motions import list_motions as api_list_motions
+    from reliab.app.api.motions import MotionList, list_motions as api_list_motions
 
-    listed = asked.ask(api_list_motions, "json_target")
-    content = listed.to_dict()
-    if not write_json(content, asked.json_target):
-        _show_motions(content["motions"])
+    def show(listed: MotionList) -> None:
+        _show_motions(listed.rows)
         for fault in listed.faults:
             line = "" if fault.line is None else f", line {fault.line}"
             value = f"; found {fault.value}" if fault.value else ""
-            text = (
-                f"Left out: {_within(fault.file, asked.sources)}{line}: {fault.rule}{value}. {fault.remedy}."
-            )
-            say(asked.in_options(text), style="yellow", soft_wrap=True)
+            place = f"{_within(fault.file, asked.sources)}{line}"
+            say(f"Left out: {place}: {fault.rule}{value}. {fault.remedy}.", style="yellow", soft_wrap=True)
         _show_notes(listed.skipped, asked.sources)
+
+    asked.answer(api_list_motions, show)
 
 
 @app.command("check", cls=Command)
 @takes(questions.MotionFiles, _Sources)
 def check(asked: Asked) -> None:
     """Read every record; report all faults (exit code 2), and note what deserves a look."""
-    from reliab.app.api.motions import check_motions
+    from reliab.app.api.motions import MotionCheck, check_motions
 
-    checked = asked.ask(check_motions, "json_target")
-    if not write_json(checked.to_dict(), asked.json_target):
+    def show(checked: MotionCheck) -> None:
         faults = [replace(fault, remedy=asked.in_options(fault.remedy)) for fault in checked.faults]
         _show_faults(faults, checked.records, asked.sources)
         _show_notes(checked.notes, asked.sources)
-    if checked.faults:
+
+    if asked.answer(check_motions, show).faults:
         raise typer.Exit(2)
 
 
@@ -70,7 +68,7 @@ def import_motions(asked: Asked) -> None:
     """Rewrite motions as a suite: one text format in m/s² and a catalogue."""
     from reliab.app.api.motions import import_motions as api_import_motions
 
-    _say_written(asked.ask(api_import_motions, "json_target"), asked.json_target)
+    asked.answer(api_import_motions, _show_written)
 
 
 @app.command("synthesize", cls=Command)
@@ -79,38 +77,30 @@ def synthesize(asked: Asked) -> None:
     """Write the synthetic suite, which needs no record."""
     from reliab.app.api.motions import synthesize_motions
 
-    _say_written(asked.ask(synthesize_motions, "json_target"), asked.json_target)
+    asked.answer(synthesize_motions, _show_written)
 
 
-def _say_written(written: "WrittenSuite", json_target: str | None) -> None:
-    if not write_json(written.to_dict(), json_target):
-        folder = written.catalogue.parent
-        motions, events = counted(len(written.motions), "motion"), counted(written.events, "event")
-        say(f"{motions} from {events} written to {folder}", soft_wrap=True)
+def _show_written(written: "WrittenSuite") -> None:
+    motions, events = counted(len(written.motions), "motion"), counted(written.events, "event")
+    say(f"{motions} from {events} written to {written.catalogue.parent}", soft_wrap=True)
 
 
-_COLUMNS = {
-    **dict.fromkeys(("motion", "event", "set"), "left"),
-    **dict.fromkeys(("dt [s]", "T [s]", "PGA [g]", "I_A [m/s]", "D5-95 [s]", "T_m [s]"), "right"),
+_MOTIONS: Columns = {
+    "motion": ("motion", ""),
+    "event": ("event", ""),
+    "set": ("set", ""),
+    "dt [s]": ("time_step", ".5g"),
+    "T [s]": ("duration", ".2f"),
+    "PGA [g]": ("pga_g", ".4f"),
+    "I_A [m/s]": ("arias_intensity", significant),
+    "D5-95 [s]": ("significant_duration", ".2f"),
+    "T_m [s]": ("mean_period", ".3f"),
 }
 
 
 def _show_motions(rows: list[dict[str, Any]]) -> None:
     events = {row["event"] for row in rows}
-    cells = [
-        (
-            *(row["motion"], row["event"], row["set"]),
-            f"{row['time_step']:.5g}",
-            f"{row['duration']:.2f}",
-            f"{row['pga_g']:.4f}",
-            significant(row["arias_intensity"]),
-            f"{row['significant_duration']:.2f}",
-            f"{row['mean_period']:.3f}",
-        )
-        for row in rows
-    ]
-    title = f"{counted(len(rows), 'motion')} from {counted(len(events), 'event')}"
-    show_table(title, _COLUMNS, cells)
+    show_rows(f"{counted(len(rows), 'motion')} from {counted(len(events), 'event')}", _MOTIONS, rows)
 
 
 def _show_faults(faults: "Sequence[Fault]", records: int, sources: Sequence[str]) -> None:

@@ -7,7 +7,7 @@ import typer
 
 from reliab.app import questions
 from reliab.app.cli.commands import Asked, takes
-from reliab.app.cli.output import console, say, show_table, write_json
+from reliab.app.cli.output import Columns, console, say, show_rows, write_json
 from reliab.app.declaration import argument
 from reliab.app.options import OUTPUT, TEST
 from reliab.core.errors import InputError
@@ -16,7 +16,13 @@ from reliab.sweep.several import Names
 if TYPE_CHECKING:
     from reliab.app.api.records import Record
 
-_COLUMNS = {"channel": "left", "column": "left", "unit": "left", "factor to SI": "right", "reason": "left"}
+_COLUMNS: Columns = {
+    "channel": ("channel", ""),
+    "column": ("column", ""),
+    "unit": ("unit", ""),
+    "factor to SI": ("factor", ".6g"),
+    "reason": ("reason", ""),
+}
 
 
 class _Files(TypedDict, total=False):
@@ -101,20 +107,8 @@ def _check(asked: Asked) -> None:
 def _show(record: "Record") -> None:
     """Print what was recognised, and where it was written."""
     content = record.to_dict()
-    show_table(
-        f"{content['source']}: {content['samples']:,} samples at {content['rate_hz']:.6g} Hz",
-        _COLUMNS,
-        [
-            (
-                channel["channel"],
-                channel["column"],
-                channel["unit"],
-                f"{channel['factor']:.6g}",
-                channel["reason"],
-            )
-            for channel in content["recording"]["channels"]
-        ],
-    )
+    title = f"{content['source']}: {content['samples']:,} samples at {content['rate_hz']:.6g} Hz"
+    show_rows(title, _COLUMNS, content["recording"]["channels"])
     if content["left"]:
         say(f"Not used: {', '.join(content['left'])}.")
     say(*(f"Note: {note}" for note in content["notes"]))

@@ -8,7 +8,7 @@ import typer
 
 from reliab.app import outputs, questions
 from reliab.app.cli.commands import Asked, Command, takes
-from reliab.app.cli.output import console, progress_bar, say, show_table, write_json, write_line
+from reliab.app.cli.output import Columns, console, progress_bar, say, show_rows, write_json, write_line
 from reliab.app.declaration import argument
 from reliab.app.options import OUTPUT
 from reliab.core.errors import InputError
@@ -68,10 +68,7 @@ def list_tests(asked: Asked) -> None:
     """List the tests of a rig, and where it has changed."""
     from reliab.app.api.rigs import list_rig
 
-    listed = asked.ask(list_rig, "json_target")
-    content = listed.to_dict()
-    if not write_json(content, asked.json_target):
-        show_list(content)
+    asked.answer(list_rig, lambda listed: show_list(listed.to_dict()))
 
 
 @app.command("show", cls=Command)
@@ -80,9 +77,7 @@ def show(asked: Asked) -> None:
     """Show all that is kept of a test."""
     from reliab.app.api.rigs import show_rig_test
 
-    content = asked.ask(show_rig_test, "json_target")
-    if not write_json(content, asked.json_target):
-        show_test(content)
+    asked.answer(show_rig_test, show_test, content=dict)
 
 
 @app.command("remove", cls=Command)
@@ -91,9 +86,11 @@ def remove(asked: Asked) -> None:
     """Remove tests from a rig."""
     from reliab.app.api.rigs import remove_from_rig
 
-    removed = asked.ask(remove_from_rig, "json_target")
-    if not write_json({"removed": list(removed)}, asked.json_target):
-        write_line(f"Removed: {', '.join(removed)}.")
+    asked.answer(
+        remove_from_rig,
+        lambda removed: write_line(f"Removed: {', '.join(removed)}."),
+        content=lambda removed: {"removed": list(removed)},
+    )
 
 
 @app.command("export", cls=Command)
@@ -102,9 +99,11 @@ def export(asked: Asked) -> None:
     """Write the table of a rig's tests as CSV."""
     from reliab.app.api.rigs import export_rig
 
-    tests = asked.ask(export_rig, "json_target")
-    if not write_json({"out": str(asked.out), "tests": tests}, asked.json_target):
-        write_line(f"{tests} tests written to {asked.out}")
+    asked.answer(
+        export_rig,
+        lambda tests: write_line(f"{tests} tests written to {asked.out}"),
+        content=lambda tests: {"out": str(asked.out), "tests": tests},
+    )
 
 
 @app.command("predict", cls=Command)
@@ -113,9 +112,7 @@ def predict(asked: Asked) -> None:
     """Predict the next test: A, d and error with their intervals, and the probability that it is good."""
     from reliab.app.api.rig_answers import predict_rig
 
-    predicted = asked.ask(predict_rig, "json_target")
-    if not write_json(predicted.to_dict(), asked.json_target):
-        show_prediction(predicted)
+    asked.answer(predict_rig, show_prediction)
 
 
 class _Reported(_Rig, total=False):
@@ -131,23 +128,27 @@ def report(asked: Asked) -> None:
     """
     from reliab.app.api.rig_answers import report_rig
 
-    written = asked.ask(report_rig, *outputs.Cover.__annotations__, "json_target", setting=asked.setting())
-    if not write_json({"report": str(written)}, asked.json_target):
-        write_line(f"Report: {written}")
+    asked.answer(
+        report_rig,
+        lambda written: write_line(f"Report: {written}"),
+        *outputs.Cover.__annotations__,
+        content=lambda written: {"report": str(written)},
+        setting=asked.setting(),
+    )
 
 
 _LAST = 40
-_HEADINGS = {
-    "test": "left",
-    "SHA-256": "left",
-    "date": "left",
-    "event": "left",
-    "A": "right",
-    "d [ms]": "right",
-    "remainder": "right",
-    "error": "right",
-    "verdict": "left",
-    "change": "left",
+_COLUMNS: Columns = {
+    "test": ("name", ""),
+    "SHA-256": ("sha256", ""),
+    "date": ("date", ""),
+    "event": ("event", ""),
+    "A": ("A", ".4f"),
+    "d [ms]": ("d_ms", ".2f"),
+    "remainder": ("remainder", significant),
+    "error": ("rms", lambda error: "" if error is None else percent(error)),
+    "verdict": ("verdict", ""),
+    "change": ("change", ""),
 }
 
 
@@ -186,16 +187,17 @@ def _show_rows(title: str, rows: list[dict[str, Any]]) -> None:
     if not rows:
         _say(f"{title}.")
         return
-    cells = [
-        (
-            *(row["name"], row["sha256"][:8], row["date"][:10], row["event"]),
-            *(f"{row['A']:.4f}", f"{row['d_ms']:.2f}", significant(row["remainder"])),
-            "" if row["rms"] is None else percent(row["rms"]),
-            *(row["verdict"].replace("_", " "), row.get("change") or ""),
-        )
+    short = (
+        {
+            **row,
+            "sha256": row["sha256"][:8],
+            "date": row["date"][:10],
+            "verdict": row["verdict"].replace("_", " "),
+            "change": row.get("change") or "",
+        }
         for row in rows
-    ]
-    show_table(title, _HEADINGS, cells)
+    )
+    show_rows(title, _COLUMNS, short)
 
 
 def show_prediction(predicted: "RigPrediction") -> None:

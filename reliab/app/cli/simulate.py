@@ -5,7 +5,7 @@ from typing import Annotated, TypedDict
 
 from reliab.app import questions
 from reliab.app.cli.commands import Asked, takes
-from reliab.app.cli.output import progress_bar, say, write_json
+from reliab.app.cli.output import progress_bar, say
 from reliab.app.options import OUTPUT
 from reliab.core.significant_digits import counted
 
@@ -21,10 +21,10 @@ def simulate(asked: Asked) -> None:
     With --model the structure and the effects are the model's, and gain, delay and the index (A, d) of the
     results are those of its actuator alone.
     """
-    from reliab.app.api.simulation import simulate_suite
+    from reliab.app.api.simulation import Simulation, simulate_suite
 
-    simulation = asked.ask(simulate_suite, "json_target", show=progress_bar)
-    if not write_json(simulation.to_dict(), asked.json_target):
-        structures = len(simulation.request.structures)
-        done = f"{counted(simulation.motions, 'motion')} × {counted(structures, 'structure')}"
-        say(f"{done} stored in {simulation.store}")
+    def show(simulation: Simulation) -> None:
+        structures = counted(len(simulation.request.structures), "structure")
+        say(f"{counted(simulation.motions, 'motion')} × {structures} stored in {simulation.store}")
+
+    asked.answer(simulate_suite, show, show=progress_bar)

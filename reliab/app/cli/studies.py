@@ -1,12 +1,15 @@
 """`reliab run` and `report`: a study from its motions to the report, and its report again."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from reliab.app import completion, options, outputs
 from reliab.app.cli.commands import Asked, takes
-from reliab.app.cli.output import progress_bar, say, show_table, write_json
+from reliab.app.cli.output import progress_bar, say, show_table
 from reliab.app.declaration import argument
+
+if TYPE_CHECKING:
+    from reliab.app.api.studies import StudyList
 
 _COVER = tuple(outputs.Cover.__annotations__)
 
@@ -27,24 +30,25 @@ class _Study(options.MotionSource, outputs.Folder, outputs.Listing, outputs.Cove
 @takes(_Study)
 def run(asked: Asked) -> None:
     """Run a study: simulate, fit, derive, validate, report."""
-    from reliab.app.api.studies import list_studies, run_study
+    from reliab.app.api.studies import PerformedStudy, list_studies, run_study
 
     if asked.list_all:
-        content = asked.ask(list_studies, "list_all", "json_target", why="together with `list_all`").to_dict()
-        if not write_json(content, asked.json_target):
-            rows = [tuple(row.values()) for row in content["studies"]]
-            show_table("Studies that ship", ("study", "kind", "title"), rows)
+        why = "together with `list_all`"
+        asked.answer(list_studies, _show_studies, "list_all", why=why)
         return
 
     def tell(name: str, done: bool) -> None:  # noqa: FBT001 - called by position
         if asked.json_target != "-":
             say(f"{'done' if done else 'kept':>5}  {name}")
 
-    performed = asked.ask(
-        run_study, *_COVER, "json_target", setting=asked.setting(), show=progress_bar, tell=tell
-    )
-    if not write_json(performed.to_dict(), asked.json_target):
+    def show(performed: PerformedStudy) -> None:
         say(*filter(None, (performed.answer, f"Report: {performed.report}")))
+
+    asked.answer(run_study, show, *_COVER, setting=asked.setting(), show=progress_bar, tell=tell)
+
+
+def _show_studies(studies: "StudyList") -> None:
+    show_table("Studies that ship", ("study", "kind", "title"), [tuple(row.values()) for row in studies.rows])
 
 
 class _Run(outputs.Cover, total=False):
@@ -56,6 +60,4 @@ def report(asked: Asked) -> None:
     """Rebuild the PDF of a finished run."""
     from reliab.app.api.studies import report_run
 
-    written = asked.ask(report_run, *_COVER, "json_target", setting=asked.setting())
-    if not write_json(written.to_dict(), asked.json_target):
-        say(f"Report: {written.report}")
+    asked.answer(report_run, lambda run: say(f"Report: {run.report}"), *_COVER, setting=asked.setting())

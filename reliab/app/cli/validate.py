@@ -1,11 +1,12 @@
 """`reliab validate`: whether criteria hold on motions that they have not seen."""
 
-from collections.abc import Callable
+from collections.abc import Mapping
+from functools import partial
 from typing import Annotated, Any, TypedDict
 
 from reliab.app import questions
 from reliab.app.cli.commands import Asked, takes
-from reliab.app.cli.output import progress_bar, say, show_table, write_json
+from reliab.app.cli.output import Columns, progress_bar, say, show_rows
 from reliab.app.options import METHOD
 from reliab.core.significant_digits import percent
 
@@ -22,37 +23,41 @@ def validate(asked: Asked) -> None:
     from reliab.app.api.validation import calibrate_probabilities, validate_criteria
 
     if asked.calibration:
-        _answer(asked, "calibration", calibrate_probabilities, show_probabilities)
+        asked.answer(
+            calibrate_probabilities,
+            lambda found: show_probabilities(found.to_dict()),
+            "calibration",
+            why="together with `calibration`",
+            show=progress_bar,
+        )
     else:
-        _answer(asked, "", validate_criteria, show_criteria)
+        asked.answer(validate_criteria, lambda found: show_criteria(found.to_dict()), show=progress_bar)
 
 
-def _answer(
-    asked: Asked,
-    way: str,
-    service: Callable[..., Any],
-    show: Callable[[dict[str, Any]], None],
-) -> None:
-    """Ask for a way of judging; write and print what it answers."""
-    why = f"together with `{way}`" if way else ""
-    names = [*filter(None, ["json_target", way])]
-    content = asked.ask(service, *names, why=why, show=progress_bar).to_dict()
-    if not write_json(content, asked.json_target):
-        show(content)
+def _share(value: float | None) -> str:
+    return "none" if value is None else percent(value, decimals=1)
 
 
-_RATES = {
-    "criterion": "left",
-    "stated": "right",
-    "contained (95 % interval)": "right",
-    "by ellipses": "right",
-    "false-safe": "right",
-    "good tests accepted": "right",
+def _interval(rate: Mapping[str, float | None]) -> str:
+    """Write a rate [-] with its interval, where it has one."""
+    value, low, high = rate["rate"], rate["low"], rate["high"]
+    if value is None or low is None or high is None:
+        return _share(value)
+    return f"{_share(value)} ({_share(low)} … {_share(high)})"
+
+
+_RATES: Columns = {
+    "criterion": ("candidate", ""),
+    "stated": ("confidence", partial(percent, decimals=0)),
+    "contained (95 % interval)": ("containment", _interval),
+    "by ellipses": ("containment_by_ellipse", lambda rate: _share(rate["rate"])),
+    "false-safe": ("false_safe", _interval),
+    "good tests accepted": ("accepted_share", _interval),
 }
-_BINS = {
-    "stated probability": "right",
-    "good tests (95 % interval)": "right",
-    "tests": "right",
+_BINS: Columns = {
+    "stated probability": ("stated", _share),
+    "good tests (95 % interval)": ("good", _interval),
+    "tests": ("tests", "d"),
 }
 _ELLIPSE_NOTE = (
     "Note: without --motions or --results no simulated errors are known; the motions' own ellipses "
@@ -67,10 +72,10 @@ def show_criteria(content: dict[str, Any]) -> None:
         f"earthquakes, {content['metric'].upper()} {content['threshold']:g} over "
         f"{_window(content['window'])}"
     )
-    show_table(title, _RATES, map(_rates, content["rows"]))
+    show_rows(title, _RATES, content["rows"])
     if content["rows_lead"]:
         title = "The same for actuators that are early (leads)"
-        show_table(title, _RATES, map(_rates, content["rows_lead"]))
+        show_rows(title, _RATES, content["rows_lead"])
     say(f"Judged on {content['judged_on']}:")
     say(*[*content["outside"], *content["sentences"]])
     if content["n_of_learned_earthquakes"]:
@@ -94,15 +99,6 @@ def show_criteria(content: dict[str, Any]) -> None:
         say(_ELLIPSE_NOTE)
 
 
-def _rates(row: dict[str, Any]) -> tuple[str, ...]:
-    return (
-        row["candidate"],
-        percent(row["confidence"], decimals=0),
-        *(_interval(row["containment"]), _share(row["containment_by_ellipse"]["rate"])),
-        *(_interval(row[name]) for name in ("false_safe", "accepted_share")),
-    )
-
-
 def _window(label: str) -> str:
     lengths = {
         "record": "whole records",
@@ -112,30 +108,9 @@ def _window(label: str) -> str:
     return lengths.get(label, f"the first {label} s")
 
 
-def _share(value: float | None) -> str:
-    return "none" if value is None else percent(value, decimals=1)
-
-
-def _interval(rate: dict[str, float | None]) -> str:
-    """Write a rate with its interval.
-
-    `rate` [-].
-    """
-    value, low, high = rate["rate"], rate["low"], rate["high"]
-    if value is None:
-        return "none"
-    if low is None or high is None:
-        return percent(value, decimals=1)
-    return f"{percent(value, decimals=1)} ({percent(low, decimals=1)} … {percent(high, decimals=1)})"
-
-
 def show_probabilities(content: dict[str, Any]) -> None:
     """Print how many tests are good for which probability."""
     title = f"Probabilities of tests, {content['scheme'].replace('_', ' ')}"
-    rows = [
-        (percent(row["stated"], decimals=1), _interval({**row, "rate": row["observed"]}), str(row["tests"]))
-        for row in content["bins"]
-    ]
-    show_table(title, _BINS, rows)
+    show_rows(title, _BINS, ({**row, "good": {**row, "rate": row["observed"]}} for row in content["bins"]))
     if content["truth"] == "ellipse":
         say(_ELLIPSE_NOTE)

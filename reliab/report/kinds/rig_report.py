@@ -160,17 +160,14 @@ def next_test_blocks(prediction: Prediction) -> tuple[Block, ...]:
         label="tab:next",
     )
     first = max(prediction.drivers, key=lambda name: prediction.drivers[name])
+    kind = "errors that are neither gain nor delay, " if first == "remainder" else ""
     shares = ", ".join(f"{percent(share, 2)} from {name}" for name, share in prediction.drivers.items())
     says = (
-        f"Most of the error comes from {_article(first)}{first}: of its square, {shares}. "
+        f"Most of the error comes from {kind}the {first}: of its square, {shares}. "
         f"The prediction follows from {prediction.basis}."
     )
     notes = (Points(items=prediction.notes),) if prediction.notes else ()
     return intervals, Paragraph(text=says), *notes
-
-
-def _article(cause: str) -> str:
-    return "errors that are neither gain nor delay, the " if cause == "remainder" else "the "
 
 
 def diagnostics_blocks(prediction: Prediction) -> tuple[Block, ...]:

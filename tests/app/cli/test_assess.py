@@ -238,6 +238,7 @@ def test_bad_input_is_explained(folder, wrong, rule, monkeypatch):
         (("--threshold", 0), "must be (positive, and )?at most 2"),
         (("--f", "1±0.01"), "takes exact values"),
         (("--figure", "none/chart.svg"), "Cannot write the figure"),
+        (("--structure", "frame.toml"), "Judge a trial test of the frame"),
     ],
 )
 def test_bad_input_of_a_design_is_explained(wrong, rule):

@@ -277,6 +277,7 @@ def test_channels_that_were_calibrated_stand_below_their_headings(drawn):
             noise_m=1.5e-5,
             command_noise_m=0.0,
             resolution_m=2e-6,
+            notes=(),
         )
     )
     shown = cells(drawn["What the measured channel adds to the motion"])

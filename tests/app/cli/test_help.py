@@ -34,6 +34,8 @@ def told(path, command):
     yield from (f"    {line}".rstrip() for line in (command.help or "").splitlines())
     panel = None
     for parameter in command.params:
+        if getattr(parameter, "hidden", False):
+            continue
         if parameter.param_type_name == "argument":
             yield f"    {parameter.metavar}  {parameter.help}"
             continue

@@ -10,17 +10,19 @@ from reliab.assessment.budget.budget import BudgetItem
 from reliab.assessment.error_of_test import CANCELLING, PART_NAMES, ErrorOfTest, part_in_words
 from reliab.assessment.error_with_threshold import ErrorWithThreshold
 from reliab.assessment.frame_responses import ResponseErrors
+from reliab.assessment.judged_test import JudgedTest
 from reliab.assessment.rebuilt_error.parts import Parts
 from reliab.assessment.rebuilt_error.spread import DisplacementError, Estimate
-from reliab.assessment.verdict import Word, error_in_words
+from reliab.assessment.verdict import Word, error_in_words, next_steps
 from reliab.core.significant_digits import percent, percent_with_interval, significant
 from reliab.core.vocabulary import MILLI, PERCENT, Metric
 from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
-from reliab.report.document import Figure, Table, text_table
+from reliab.report.document import Block, Document, Figure, Source, Table, text_table
 from reliab.report.figures.measured_test import error_over_time
 from reliab.report.numbers import MISSING
 from reliab.report.prose import Prose, prose
+from reliab.report.sources import SOURCES
 from reliab.report.wording import ERRORS, spelled_out, with_options
 
 TONES: Final[Mapping[Word, Literal["plain", "good", "bad"]]] = {
@@ -30,13 +32,52 @@ TONES: Final[Mapping[Word, Literal["plain", "good", "bad"]]] = {
 }
 """How a report shows each verdict."""
 
+
+def document_of_test(
+    assessment: JudgedTest,
+    blocks: tuple[Block, ...],
+    *,
+    facts: Mapping[str, Prose],
+    provenance: Mapping[str, str],
+    title: str = "",
+    sources: tuple[Source, ...] = SOURCES,
+) -> Document:
+    """Head the blocks about a test with its verdict and with what was asked."""
+    recording = assessment.recording
+    test = f"{recording.name}, {recording.duration:.1f} s at {1.0 / recording.time_step:.5g} Hz"
+    return Document(
+        kind="Assessment of a real-time hybrid simulation",
+        title=title or recording.name,
+        verdict=error_sentence(assessment.error, assessment.verdict),
+        tone=TONES[assessment.verdict],
+        facts={"Test": test, **facts},
+        blocks=blocks,
+        provenance=provenance,
+        sources=sources,
+        sheet=True,
+    )
+
+
+def remarks(assessment: JudgedTest, *further: str) -> list[Prose]:
+    """Say why a test is undecided, what to do next, and what to read before relying on the verdict."""
+    sentences = (
+        # the last reason is the headline
+        *(assessment.reasons[:-1] if assessment.verdict is Word.UNDECIDED else ()),
+        *next_steps(assessment.would_decide, assessment.error.would_decide),
+        *assessment.warnings,
+        *assessment.recording.notes,
+        *further,
+    )
+    return [with_options(sentence) for sentence in sentences]
+
+
 _STRETCHES, _PARTS_DRAWN = 40, 4
 
 
 def errors_table(error: ErrorOfTest, recording: Recording) -> Table:
     """Tabulate the error with its interval, and its parts."""
     sizes = {"RMSᴿ": Metric.RMS, "MTEᴿ": Metric.MTE}
-    rows = [(name, *_with_interval(error.estimate(metric)), "") for name, metric in sizes.items()]
+    rows = [(name, *with_interval(error.estimate(metric)), "") for name, metric in sizes.items()]
     for name, share in error.parts.by_name.items():
         remaining = f"{PERCENT * share.remaining_rms:.2f}"
         rows.append((f"RMSᴿ from {PART_NAMES[name]} alone", f"{PERCENT * share.rms:.2f}", "", remaining))
@@ -52,7 +93,8 @@ def errors_table(error: ErrorOfTest, recording: Recording) -> Table:
     )
 
 
-def _with_interval(size: Estimate) -> tuple[str, str]:
+def with_interval(size: Estimate) -> tuple[str, str]:
+    """Write an error and its 90 % interval [%]."""
     return f"{PERCENT * size.value:.2f}", f"{PERCENT * size.low:.2f} to {PERCENT * size.high:.2f}"
 
 

@@ -9,25 +9,25 @@ from reliab.assessment.error_of_test import ErrorOfTest, part_in_words
 from reliab.assessment.error_with_threshold import ErrorOfSeveral
 from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment, JudgedFrame, ModeOfTest
 from reliab.assessment.tracking_index import LEVEL
-from reliab.assessment.verdict import Word, next_steps, probability_text
+from reliab.assessment.verdict import probability_text
 from reliab.core.significant_digits import percent, share_in_words, significant
 from reliab.core.vocabulary import MILLI, PERCENT
 from reliab.report.axes import legend_below
 from reliab.report.document import Block, Document, Figure, Paragraph, Points, Section, Table, text_table
 from reliab.report.kinds.assessment.error import (
-    TONES,
     budget_table,
-    error_sentence,
+    document_of_test,
     errors_table,
     histories_figure,
     improve_first,
+    remarks,
     responses_table,
+    with_interval,
 )
 from reliab.report.numbers import MISSING
 from reliab.report.prose import Prose, prose
 from reliab.report.sources import SOURCES, provenance_of
 from reliab.report.style import BLUE, GREY, PALE, VERMILION, panels, styled
-from reliab.report.wording import with_options
 from reliab.tracking.indices.tracking_over_frequency import TrackingOverFrequency
 
 _KILO = 1e3
@@ -51,16 +51,12 @@ def frame_assessment_report(
         of_tracking,
         Section(title="How it was judged", blocks=(Paragraph(text=_method(several=several)),)),
     )
-    return Document(
-        kind="Assessment of a real-time hybrid simulation",
-        title=assessment.recording.name,
-        verdict=error_sentence(assessment.error, assessment.verdict),
-        tone=TONES[assessment.verdict],
+    return document_of_test(
+        assessment,
+        sections,
         facts=_facts(assessment),
-        blocks=sections,
         provenance=provenance_of(provenance, *([] if criterion is None else [criterion.provenance])),
         sources=() if several else SOURCES,
-        sheet=True,
     )
 
 
@@ -89,7 +85,6 @@ def _of_displacements(assessment: CoupledAssessment) -> tuple[tuple[Block, ...],
 def _facts(assessment: FrameAssessment | CoupledAssessment) -> dict[str, Prose]:
     recording, partition = assessment.recording, assessment.frame.partition
     facts: dict[str, Prose] = {
-        "Test": f"{recording.name}, {recording.duration:.1f} s at {1.0 / recording.time_step:.5g} Hz",
         "Structure": f"{assessment.frame.name}: {partition.frame.size} degrees of freedom",
         "Threshold and window": (
             f"{percent(assessment.threshold)} of {assessment.error_of}, over the test's own "
@@ -142,17 +137,7 @@ def _cautions(assessment: JudgedFrame) -> list[Prose]:
         else "the frame whose matrices without the specimen are as stated, and whose specimen was learned "
         "from its force"
     )
-    remarks = [
-        # the last reason is the headline
-        *(assessment.reasons[:-1] if assessment.verdict is Word.UNDECIDED else ()),
-        *next_steps(assessment.would_decide, error.would_decide),
-        *assessment.warnings,
-        *assessment.recording.notes,
-    ]
-    return [
-        *map(with_options, remarks),
-        f"The error is that of {of_what}, whatever the actuator did.",
-    ]
+    return [*remarks(assessment), f"The error is that of {of_what}, whatever the actuator did."]
 
 
 def _over_frequency(assessment: FrameAssessment) -> tuple[Block, ...]:
@@ -267,16 +252,8 @@ def _errors(assessment: CoupledAssessment) -> Table:
         if not degree.judged:
             rows.append((degree.name, "not judged", "", "", "", ""))
             continue
-        sizes = [
-            text
-            for size in (degree.rms, degree.mte)
-            for text in (
-                f"{PERCENT * size.value:.2f}",
-                f"{PERCENT * size.low:.2f} to {PERCENT * size.high:.2f}",
-            )
-        ]
         below = probability_text(assessment.error.probability_of(degree))
-        rows.append((degree.name, *sizes, below))
+        rows.append((degree.name, *with_interval(degree.rms), *with_interval(degree.mte), below))
     return text_table(
         rows,
         ("Displacement", "RMSᴿ [%]", "90 % interval", "MTEᴿ [%]", "90 % interval", "Below"),

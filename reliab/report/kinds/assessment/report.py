@@ -6,23 +6,22 @@ import numpy as np
 
 from reliab.assessment.assessment import Assessment
 from reliab.assessment.tracking_index import LEVEL
-from reliab.assessment.verdict import Word, next_steps
 from reliab.core.significant_digits import percent, share_in_words, significant
 from reliab.core.vocabulary import MILLI, PERCENT
 from reliab.report.document import Document, Figure, Paragraph, Points, Section, Table, text_table
 from reliab.report.figures.measured_test import tracking_overview
 from reliab.report.kinds.assessment.error import (
-    TONES,
     advice,
     budget_table,
-    error_sentence,
+    document_of_test,
     errors_table,
     histories_figure,
+    remarks,
 )
 from reliab.report.numbers import MISSING, Fixed, Significant, Written, in_line
 from reliab.report.prose import Prose, prose
-from reliab.report.sources import SOURCES, provenance_of
-from reliab.report.wording import meaning_of_confidence, spelled_out, with_options
+from reliab.report.sources import provenance_of
+from reliab.report.wording import meaning_of_confidence, spelled_out
 
 _FAR = 10.0
 
@@ -50,16 +49,12 @@ def assessment_report(
         Section(title="Amplitude and delay", blocks=(_numbers(assessment), _plane(assessment))),
         Section(title="How it was judged", blocks=(Paragraph(text=_method(assessment)),)),
     ]
-    return Document(
-        kind="Assessment of a real-time hybrid simulation",
-        title=title or assessment.recording.name,
-        verdict=error_sentence(assessment.error, assessment.verdict),
-        tone=TONES[assessment.verdict],
+    return document_of_test(
+        assessment,
+        tuple(sections),
+        title=title,
         facts=_facts(assessment),
-        blocks=tuple(sections),
         provenance=provenance_of(provenance, assessment.criterion.provenance),
-        sources=SOURCES,
-        sheet=True,
     )
 
 
@@ -76,7 +71,6 @@ def _facts(assessment: Assessment) -> dict[str, Prose]:
         else f"{assessment.placement.window[0]:.4g} to {assessment.placement.window[1]:.4g} s of the record"
     )
     return {
-        "Test": f"{recording.name}, {recording.duration:.1f} s at {1.0 / recording.time_step:.5g} Hz",
         "Structure": prose(
             "$f =$ {f} Hz, $xi =$ {xi}, share of the stiffness in the laboratory $alpha =$ {alpha}",
             f=_with_deviation(assessment, "f", structure.frequency),
@@ -111,6 +105,7 @@ def _numbers(assessment: Assessment) -> Table:
     tracking = assessment.tracking
     (low_a, high_a), (low_d, high_d) = tracking.interval(LEVEL)
     a, b = assessment.limits
+    critical = MILLI * assessment.critical_delay
     rows = [
         ("Amplitude A", f"{tracking.amplitude:.5f}", f"{low_a:.5f} to {high_a:.5f}", f"1 ± {np.sqrt(a):.5f}"),
         ("Equivalent delay d [ms]", *_milliseconds(tracking.delay, low_d, high_d), f"{np.sqrt(b):.3f}"),
@@ -125,7 +120,7 @@ def _numbers(assessment: Assessment) -> Table:
         (
             "Delay that makes the loop unstable [ms], free share of it [%]",
             (
-                f"{_unstable(assessment)}, "
+                f"{f'{critical:.2f}' if np.isfinite(critical) else 'none'}, "
                 f"{Fixed(decimals=1, factor=PERCENT)(assessment.stability_margin).digits}"
             ),
             "",
@@ -142,11 +137,6 @@ def _numbers(assessment: Assessment) -> Table:
         ),
         label="tab:numbers",
     )
-
-
-def _unstable(assessment: Assessment) -> str:
-    critical = MILLI * assessment.critical_delay
-    return f"{critical:.2f}" if np.isfinite(critical) else "none"
 
 
 def _index(value: float) -> str:
@@ -237,16 +227,8 @@ def _plane(assessment: Assessment) -> Figure:
 
 def _cautions(assessment: Assessment) -> list[Prose]:
     warnings = () if assessment.placement else assessment.criterion.provenance.warnings
-    remarks = [
-        # the last reason is the headline
-        *(assessment.reasons[:-1] if assessment.verdict is Word.UNDECIDED else ()),
-        *next_steps(assessment.would_decide, assessment.error.would_decide),
-        *assessment.warnings,
-        *assessment.recording.notes,
-        *warnings,
-    ]
     return [
-        *map(with_options, remarks),
+        *remarks(assessment, *warnings),
         prose(
             "The error is that of a linear structure with the stated properties, whatever the actuator did; "
             "$A$ and $d$ do not describe friction, backlash or saturation."
