@@ -20,7 +20,7 @@ from reliab.motions.readers.registry import FORMATS
 from reliab.report.wording import meaning_of_confidence
 from reliab.structures.specimen import Specimen
 from reliab.study.kinds import KINDS
-from reliab.study.reading import read_study
+from reliab.study.running import read_study
 
 ADDITIONS = {
     "law": (
@@ -93,7 +93,7 @@ ADDITIONS = {
         "KIND",
         """
         from reliab.study.description import Study
-        from reliab.study.kind import Kind
+        from reliab.study.folders import Kind
 
         KIND = Kind(
             name="nothing", tables=Study, stages=lambda study, show: (), report=lambda study, folder: {}

@@ -84,7 +84,7 @@ FILES = {
         """,
         "../studies/nothing/kind.py": """
             from reliab.study.description import Study
-            from reliab.study.kind import Kind
+            from reliab.study.folders import Kind
 
             from .pages import nothing_report
 
@@ -153,7 +153,7 @@ USE = """
     from reliab.motions.loading import load_motions
     from reliab.report.wording import meaning_of_confidence
     from reliab.study.kinds import KINDS
-    from reliab.study.reading import open_study
+    from reliab.study.running import open_study
 
     folder = Path(sys.argv[1])
     t = 0.01 * np.arange(600)

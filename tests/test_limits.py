@@ -12,8 +12,7 @@ from reliab.assessment.rebuilt_error.rebuild import rebuild
 from reliab.assessment.rebuilt_error.running_error import Monitor
 from reliab.assessment.rebuilt_error.size import MOST_DRAWN
 from reliab.core.errors import InputError
-from reliab.core.file_limits import LIMITS
-from reliab.core.files import require_small
+from reliab.core.files import LIMITS, require_small
 from reliab.criterion.ellipse_reading import read_ellipses
 from reliab.discrepancy.campaign import reading
 from reliab.discrepancy.campaign.reading import read_campaign

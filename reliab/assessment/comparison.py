@@ -18,7 +18,7 @@ from reliab.assessment.plain_error import plain_estimate
 from reliab.assessment.rebuilt_error.spread import ENDS, LEVEL, Estimate, weighted_quantiles
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
-from reliab.core.rows import ResultWithRows
+from reliab.core.plain_values import ResultWithRows
 from reliab.core.significant_digits import significant
 from reliab.core.vocabulary import Metric
 from reliab.signals.spectra import correlated

@@ -11,8 +11,7 @@ from reliab.assessment import brief
 from reliab.assessment.error_with_threshold import ErrorWithThreshold
 from reliab.assessment.rebuilt_error.spread import Estimate
 from reliab.assessment.verdict import Verdict, Word, probability_text
-from reliab.core.html_table import html_table
-from reliab.core.plain_values import PlainResult
+from reliab.core.plain_values import PlainResult, html_table
 from reliab.core.significant_digits import percent_with_interval, significant
 from reliab.core.vocabulary import MILLI, PERCENT, Metric
 from reliab.recordings.coupled_recording import CoupledRecording

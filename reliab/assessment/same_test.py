@@ -22,7 +22,7 @@ from reliab.assessment.rebuilt_error.spread import Estimate
 from reliab.assessment.verdict import Word, word_of_probability
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
-from reliab.core.rows import ResultWithRows
+from reliab.core.plain_values import ResultWithRows
 from reliab.core.significant_digits import percent, significant
 from reliab.core.vocabulary import MILLI, PERCENT, Metric
 from reliab.signals.spectra import correlated

@@ -10,7 +10,7 @@ from reliab.assessment.judged_test import plot_errors, verdict_table
 from reliab.assessment.same_test import SameTest, combine_runs
 from reliab.assessment.verdict import Word
 from reliab.core.errors import InputError
-from reliab.core.rows import ResultWithRows
+from reliab.core.plain_values import ResultWithRows
 from reliab.core.significant_digits import counted
 
 if TYPE_CHECKING:

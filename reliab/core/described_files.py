@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from reliab.core.encodings import encoding_of_file
 from reliab.core.errors import InputError
-from reliab.core.file_limits import LIMITS
-from reliab.core.files import require_small
+from reliab.core.files import LIMITS, require_small
 
 if TYPE_CHECKING:
     from pydantic import BaseModel, ValidationError

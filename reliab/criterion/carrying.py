@@ -4,8 +4,8 @@ Most of the scatter of a and b between motions is known before a test. They foll
 alone (`reliab.tracking.boundary.first_order`); what is left of ln a scatters by 0.06, where ln a itself
 scatters by 0.6. What is left is fitted to the population by least squares, and every motion keeps its own
 residual. Without a record, its length is known: each motion is carried to it by cutting its own record
-(`reliab.tracking.boundary.cut_records`). A criterion of the carried ellipses is then one for further motions
-of such a response, length or suite, by any method.
+(`reliab.tracking.boundary.finite_errors`). A criterion of the carried ellipses is then one for further
+motions of such a response, length or suite, by any method.
 
 The residuals of one earthquake belong together: the coefficients' covariance is that of whole earthquakes
 (Liang and Zeger 1986), and what it leaves open at the case asked for widens the residuals.
@@ -27,7 +27,7 @@ from reliab.core.errors import InputError
 from reliab.core.physical_range import require_physical
 from reliab.core.significant_digits import significant
 from reliab.core.vocabulary import CurveName, Metric
-from reliab.criterion.ellipse_table import CUT, DIMENSIONS, EllipseTable, names_along, tabled
+from reliab.criterion.ellipse_table import CUT, DIMENSIONS, Ellipses, EllipseTable, names_along, tabled
 from reliab.criterion.event_components import event_components
 from reliab.criterion.laws.table import tents
 from reliab.criterion.response_measures import ResponseMeasures
@@ -35,6 +35,7 @@ from reliab.criterion.scope import Position, compare_with_scope, scope_of
 
 if TYPE_CHECKING:
     import xarray as xr
+
 
 _Given = TypeVar("_Given", "xr.Dataset", EllipseTable)
 
@@ -382,3 +383,67 @@ def _require_rms(table: EllipseTable) -> None:
             value=", ".join(metrics),
             remedy="Ask for the metric rms",
         )
+
+
+_LEAST_MOTIONS: Final = 30  # of a population, below which its lengths are no sample of lengths
+_LEAST_EARTHQUAKES: Final = 10
+_PROTECTED: Final = (0.1, 0.5, 0.9)  # quantiles of the lengths that are protected
+_UNFAVOURABLE: Final = 0.05  # quantile of a and b by which lengths are compared
+
+
+def protect_over_lengths(
+    ellipses: _Given, *, metric: str = Metric.RMS, curve: str = CurveName.INSCRIBED
+) -> _Given:
+    """Transfer the ellipses of a population to the least favourable of its lengths.
+
+    `metric`: error of the criterion; RMS^R alone depends on the length; `curve`: ellipses on which the
+    criterion will rest. Those that are fitted to boundaries are the paper's, whose criterion is one of
+    motions as they were recorded. Returns, for each structure, error, curve and side the ellipses at one of
+    three lengths: those that a tenth, half and nine tenths of the records do not exceed. The ellipses as they
+    are where nothing is known of cutting the records, for a criterion of an error other than RMS^R, and for
+    fewer than thirty motions of ten earthquakes.
+
+    >>> from reliab.criterion.ellipse_reading import read_ellipses
+    >>> protected = protect_over_lengths(read_ellipses("real_suite"))
+    >>> protected.attrs["carried_to"]
+    'with the strictest limit of records of 21, 39 and 90 s'
+    """
+    if metric != Metric.RMS or curve != CurveName.INSCRIBED or not _shows_lengths(ellipses):
+        return ellipses
+    protected = _protected(tabled(ellipses))
+    if isinstance(ellipses, EllipseTable):
+        return protected  # type: ignore[return-value]  # of the type that was given
+    return protected.to_dataset(ellipses)
+
+
+def _protected(table: EllipseTable) -> EllipseTable:
+    lengths = np.quantile(table.of_motions["duration"], _PROTECTED)
+    carried = [carry_to_length(table, float(length)) for length in lengths]
+    first, second, third = (f"{length:.0f}" for length in lengths)
+    words = f"with the strictest limit of records of {first}, {second} and {third} s"
+    return replace(
+        table,
+        a=_least_favourable(np.stack([table.a for table in carried])),
+        b=_least_favourable(np.stack([table.b for table in carried])),
+        cut_records=None,
+    ).stating(carried_to=words)
+
+
+def _least_favourable(values: Array) -> Array:
+    """Values (lengths, motions, ...) at the length of the least quantile over motions; NaN is large."""
+    large = np.where(np.isfinite(values), values, np.inf)
+    low = np.quantile(large, _UNFAVOURABLE, axis=1, keepdims=True, method="lower")
+    least = np.broadcast_to(low.argmin(axis=0)[None], (1, *values.shape[1:]))
+    return np.asarray(np.take_along_axis(values, least, axis=0)[0])
+
+
+def _shows_lengths(ellipses: Ellipses) -> bool:
+    """Whether records can be cut, and are enough for their lengths to be those of others."""
+    if isinstance(ellipses, EllipseTable):
+        can_be_cut = ellipses.cut_records is not None and "duration" in ellipses.of_motions
+    else:
+        can_be_cut = {"a_cut", "duration"} <= set(ellipses.variables) and "alpha" not in ellipses.dims
+    if not can_be_cut or Metric.RMS not in names_along(ellipses, "metric"):
+        return False
+    table = tabled(ellipses)
+    return table.n_motions >= _LEAST_MOTIONS and np.unique(table.events).size >= _LEAST_EARTHQUAKES

@@ -7,7 +7,7 @@ from reliab.core.vocabulary import CurveName, Metric, Side
 from reliab.criterion.ellipse_table import EllipseTable, names_along
 from reliab.criterion.goodness_of_fit import objection
 from reliab.criterion.methods.method import Method
-from reliab.criterion.sample_grid import SampleGrid
+from reliab.criterion.population import SampleGrid
 
 _FEW_EVENTS = 30
 _SHARED_BY = 2  # fewest motions that can be of one earthquake

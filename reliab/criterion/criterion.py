@@ -11,14 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 from reliab.core.arrays import Array
 from reliab.core.described_files import described_text
 from reliab.core.errors import InputError
-from reliab.core.html_table import html_table
 from reliab.core.physical_range import require_physical
+from reliab.core.plain_values import html_table
 from reliab.core.significant_digits import significant
 from reliab.core.vocabulary import MILLI, PERCENT, Metric, Side
+from reliab.criterion.criterion_file import Provenance
 from reliab.criterion.laws.law import Law
 from reliab.criterion.methods.method import checked_share
 from reliab.criterion.population import Population
-from reliab.criterion.provenance import Provenance
 from reliab.criterion.scope import promised
 
 if TYPE_CHECKING:

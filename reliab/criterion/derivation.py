@@ -12,9 +12,11 @@ from reliab.core.errors import InputError
 from reliab.core.progress import Progress, silent
 from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import CurveName, Metric, Side
+from reliab.criterion.carrying import protect_over_lengths
 from reliab.criterion.cautions import cautions_of, few_leads, not_lognormal
 from reliab.criterion.copies import without_copies
 from reliab.criterion.criterion import Criterion
+from reliab.criterion.criterion_file import Provenance, kind_of_motions, records_checksum
 from reliab.criterion.ellipse_sample import EllipseSample, position, position_of_name
 from reliab.criterion.ellipse_table import Ellipses, EllipseTable, names_along, tabled
 from reliab.criterion.laws.law import Law
@@ -22,9 +24,7 @@ from reliab.criterion.laws.registry import FITTED, FittedLaw, known
 from reliab.criterion.laws.table import Table
 from reliab.criterion.methods.method import Learned, Method, checked_share
 from reliab.criterion.methods.registry import RECOMMENDED, method_of
-from reliab.criterion.protection import protect_over_lengths
-from reliab.criterion.provenance import Provenance, kind_of_motions, records_checksum
-from reliab.criterion.sample_grid import SampleGrid
+from reliab.criterion.population import SampleGrid
 from reliab.criterion.scope import population_of, scope_of
 
 if TYPE_CHECKING:

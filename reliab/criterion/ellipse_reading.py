@@ -14,8 +14,7 @@ import xarray as xr
 
 from reliab.core.encodings import encoding_of_file
 from reliab.core.errors import InputError
-from reliab.core.file_limits import LIMITS
-from reliab.core.files import decoding, ordinary
+from reliab.core.files import LIMITS, decoding, ordinary
 from reliab.core.physical_range import OF_DIMENSIONS, RANGES
 from reliab.core.shipped import or_shipped
 from reliab.core.vocabulary import LABELS, Dimension, Metric

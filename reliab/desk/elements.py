@@ -10,7 +10,7 @@ import panel as pn
 import param
 from panel.custom import JSComponent
 
-from reliab.core.file_limits import LIMITS
+from reliab.core.files import LIMITS
 from reliab.core.significant_digits import percent
 from reliab.desk.jobs import Job
 from reliab.desk.memory import PageMemory

@@ -11,8 +11,7 @@ from pathlib import Path, PurePosixPath
 from typing import Final
 
 from reliab.core.errors import InputError
-from reliab.core.file_limits import LIMITS
-from reliab.core.files import decoding, refuse_unwritable, written_whole
+from reliab.core.files import LIMITS, decoding, refuse_unwritable, written_whole
 from reliab.core.untrusted_files import named_within
 
 _LONGEST_NAME: Final = 120

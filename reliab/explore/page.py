@@ -23,11 +23,10 @@ from numpy.typing import NDArray
 from reliab.core.errors import InputError
 from reliab.core.files import refuse_unwritable, require_ending, written_whole
 from reliab.core.vocabulary import CurveName
-from reliab.criterion.carrying import carry_to_length
+from reliab.criterion.carrying import carry_to_length, protect_over_lengths
 from reliab.criterion.derivation import MOST_AT_REST
 from reliab.criterion.ellipse_sample import is_ellipse
 from reliab.criterion.ellipse_table import REST, names_along
-from reliab.criterion.protection import protect_over_lengths
 from reliab.criterion.scope import population_of
 from reliab.sweep.shares import at_share, share_of
 from reliab.version import __version__

@@ -6,7 +6,7 @@ from difflib import get_close_matches
 from typing import Protocol, overload
 
 from reliab.core.errors import InputError
-from reliab.core.html_table import html_table
+from reliab.core.plain_values import html_table
 from reliab.core.significant_digits import counted
 from reliab.motions.motion import Motion
 

@@ -15,9 +15,9 @@ import numpy as np
 
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
-from reliab.core.missing_marks import missing_mark
 from reliab.core.physical_range import require_physical
 from reliab.core.significant_digits import significant
+from reliab.core.text_tables import missing_mark
 from reliab.core.vocabulary import MILLI
 from reliab.recordings.holds import Hold, find_hold
 from reliab.recordings.naming import describe

@@ -16,8 +16,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from reliab.core.described_files import parse_json
-from reliab.core.file_limits import LIMITS
-from reliab.core.files import decoding, folder_written_whole, ordinary
+from reliab.core.files import LIMITS, decoding, folder_written_whole, ordinary
 from reliab.core.untrusted_files import named_within
 from reliab.report.document import (
     Block,

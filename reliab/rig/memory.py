@@ -12,10 +12,10 @@ from reliab.assessment.default_criterion import typical_ellipse
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import MILLI
-from reliab.rig.drift import drift_chart
 from reliab.rig.learning.circumstances import Circumstances, places_in_day, warmth
 from reliab.rig.learning.learned import Learned, learn
 from reliab.rig.rig_table import RigTable
+from reliab.rig.watching import drift_chart
 from reliab.structures.structure import Structure
 
 FEWEST: Final = 3

@@ -18,9 +18,18 @@ from typing import TYPE_CHECKING, Any, Final
 from reliab.core.described_files import read_json
 from reliab.core.errors import InputError
 from reliab.core.files import refuse_unwritable, write_json_file, written_whole
-from reliab.rig.drift import drift_chart
-from reliab.rig.rig_table import CHANGE, STATE, RigTable, cached_rows, cached_text, ordered_table, row_of
-from reliab.rig.rig_test import SCHEMA, RigTest
+from reliab.rig.rig_table import (
+    CHANGE,
+    SCHEMA,
+    STATE,
+    RigTable,
+    RigTest,
+    cached_rows,
+    cached_text,
+    ordered_table,
+    row_of,
+)
+from reliab.rig.watching import drift_chart
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -25,13 +25,12 @@ from reliab.core.errors import InputError
 from reliab.core.significant_digits import significant
 from reliab.simulation.deviation import Deviation
 from reliab.simulation.excitation import Excitation
-from reliab.simulation.linear_loop import delay_stepper, drive_stepping, pole_stepping, spectral
+from reliab.simulation.linear_loop import delay_stepper, drive_stepping, pole_recursion, spectral
 from reliab.simulation.linear_loop.blocks import Blocks, cut
 from reliab.simulation.linear_loop.cells import Cells
 from reliab.simulation.linear_loop.dominant_pole import band_edges
 from reliab.simulation.linear_loop.drive_stepping import DrivenRecord, Stepped
-from reliab.simulation.linear_loop.pole_plane.basis import pole_basis
-from reliab.simulation.linear_loop.pole_plane.responses import Responses
+from reliab.simulation.linear_loop.pole_plane import Responses, pole_basis
 from reliab.simulation.linear_loop.shared_drives import shared_drives
 from reliab.structures.structure import Structure
 
@@ -156,7 +155,7 @@ class Loop:
                 alone[driven.place] = ~precise
             if alone.any():
                 coefficients = recursion.coefficients[:, alone]
-                strayed = pole_stepping.deviation(self.blocks, coefficients, ahead=recursion.ahead)
+                strayed = pole_recursion.deviation(self.blocks, coefficients, ahead=recursion.ahead)
                 deviation.put(recursion.cells[alone], strayed)
         return deviation
 

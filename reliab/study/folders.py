@@ -7,7 +7,9 @@ does; a run that somebody sent is never a reason to load code.
 """
 
 import sys
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from hashlib import sha256
 from importlib import import_module
 from importlib.machinery import ModuleSpec
@@ -17,8 +19,36 @@ from typing import Any, Final
 
 from reliab.core.described_files import read_toml
 from reliab.core.errors import InputError
+from reliab.core.progress import Show
 from reliab.core.shipped import shipped_folder
-from reliab.study.kind import Kind
+from reliab.report.document import Document
+from reliab.study.description import Study
+from reliab.study.stages import Stage
+
+
+@dataclass(frozen=True, kw_only=True)
+class Kind:
+    """A kind of study.
+
+    Parameters
+    ----------
+    name : str
+        What a study's file calls it.
+    tables : type of Study
+        The study with exactly the tables and keys that the kind knows.
+    stages : callable
+        Takes such a study and a function that shows progress; returns the stages before the report, in their
+        order. What cannot be run is refused here, before the first stage.
+    report : callable
+        Takes such a study and its run folder; gives the report, or its content as
+        :func:`reliab.report.content.saved_content` reads it. Nothing is simulated any more.
+    """
+
+    name: str
+    tables: type[Study]
+    stages: Callable[[Any, Show], Sequence[Stage]]
+    report: Callable[[Any, Path], Document | Mapping[str, bytes]]
+
 
 PACKAGE: Final = "reliab_studies"
 """Package under which the studies that ship are imported."""
@@ -83,7 +113,7 @@ def kind_of(folder: Path) -> Kind | None:
         ) from error
     if not isinstance(kind, Kind):
         raise InputError(
-            "kind.py of a study must define KIND, a reliab.study.kind.Kind",
+            "kind.py of a study must define KIND, a reliab.study.folders.Kind",
             value=f"KIND = {kind!r}",
             remedy="See studies/README.md",
             where=str(folder / f"{_CODE}.py"),

@@ -12,7 +12,7 @@ from reliab.motions.motion import Motion
 from reliab.structures.structure import Structure
 from reliab.sweep.labels import with_labels
 from reliab.sweep.shares import share_of
-from reliab.tracking.boundary.cut_records import CUT_LENGTHS, ratios_of_cut_record
+from reliab.tracking.boundary.finite_errors import CUT_LENGTHS, ratios_of_cut_record
 from reliab.tracking.boundary.first_order import exact_response
 from reliab.tracking.indices.window import Window
 

@@ -11,8 +11,7 @@ import numpy as np
 import xarray as xr
 
 from reliab.core.errors import InputError
-from reliab.core.file_limits import LIMITS
-from reliab.core.files import decoding, ordinary, written_whole
+from reliab.core.files import LIMITS, decoding, ordinary, written_whole
 from reliab.core.log_quantization import NEIGHBOURS, STEP, UNKNOWN, numbers_of, to_steps
 from reliab.core.significant_digits import significant
 from reliab.core.untrusted_files import objects_of, opened_hdf5

@@ -9,7 +9,7 @@ from reliab.core.progress import Show
 from reliab.core.shipped import shipped
 from reliab.report.document import Document
 from reliab.study.description import Study
-from reliab.study.kind import Kind
+from reliab.study.folders import Kind
 from reliab.study.stages import Stage, digest, made_with, read_result
 
 EVALUATION: Final = "evaluation.json"

@@ -9,14 +9,14 @@ import pandas as pd
 from pydantic import Field
 
 from reliab.core.errors import InputError
+from reliab.core.plain_values import read_table, write_table
 from reliab.core.progress import Show
-from reliab.core.rows import read_table, write_table
 from reliab.core.shipped import or_shipped
 from reliab.report.document import Document
 from reliab.study.description import MotionsTable, RecordsStudy, StructuresTable, Table
-from reliab.study.kind import Kind
-from reliab.study.material import Records
+from reliab.study.folders import Kind
 from reliab.study.stages import Stage, digest, made_with
+from reliab.study.steps import Records
 
 TESTS: Final = "tests.csv"
 LEVELS: Final = "levels.csv"

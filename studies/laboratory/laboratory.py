@@ -9,7 +9,7 @@ from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.effects.effect import Setting
 from reliab.simulation.hybrid_test.closed_loop import Compensator
-from reliab.simulation.hybrid_test.stepping import STATES, Plan, plan
+from reliab.simulation.hybrid_test.open_loop import STATES, Plan, plan
 from reliab.simulation.transfer_systems.servo_hydraulic import ServoHydraulic
 from reliab.simulation.transfer_systems.transfer_function import Plant, TransferSystem
 from reliab.structures.frames.frame import exact_step, undivided_response

@@ -12,7 +12,7 @@ import numpy as np
 from reliab.core.arrays import Array
 from reliab.core.compiled import compiled
 from reliab.effects.kernel import call_kernel, pointer_to
-from reliab.simulation.hybrid_test.stepping import Plan, call_all
+from reliab.simulation.hybrid_test.open_loop import Plan, call_all
 
 
 class NumericalStep(NamedTuple):

@@ -12,9 +12,9 @@ from reliab.core.files import written_whole
 from reliab.core.progress import Show
 from reliab.report.document import Document
 from reliab.study.description import Names, RecordsStudy, Table
-from reliab.study.kind import Kind
-from reliab.study.material import Records
+from reliab.study.folders import Kind
 from reliab.study.stages import Stage, made_with, read_result
+from reliab.study.steps import Records
 
 from .controllers import CONTROLLERS, find_controller
 

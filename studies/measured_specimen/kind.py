@@ -7,13 +7,13 @@ from typing import Annotated, Any, Final
 from pydantic import AfterValidator, Field
 
 from reliab.core.errors import InputError
+from reliab.core.plain_values import read_table, write_table
 from reliab.core.progress import Show
-from reliab.core.rows import read_table, write_table
 from reliab.report.document import Document
 from reliab.study.description import MotionsTable, Names, RecordsStudy, Table
-from reliab.study.kind import Kind
-from reliab.study.material import Records
+from reliab.study.folders import Kind
 from reliab.study.stages import Stage, made_with
+from reliab.study.steps import Records
 
 from .specimens import FAMILIES
 

@@ -5,8 +5,8 @@ from typing import Final
 
 from reliab.core.progress import Show
 from reliab.motions.loading import load_motions
-from reliab.study.material import motion_by_name
 from reliab.study.stages import Stage
+from reliab.study.steps import motion_by_name
 from reliab.sweep.netcdf import write_netcdf
 
 CASES: Final = "cases.nc"

@@ -8,10 +8,9 @@ from reliab.core.errors import InputError
 from reliab.core.progress import Show
 from reliab.report.document import Document
 from reliab.study.description import SimulatedStudy
-from reliab.study.kind import Kind
-from reliab.study.material import Material, motion_by_name
+from reliab.study.folders import Kind
 from reliab.study.stages import Stage, made_with
-from reliab.study.steps import ELLIPSES, opened, simulation, tracing
+from reliab.study.steps import ELLIPSES, Material, motion_by_name, opened, simulation, tracing
 from reliab.sweep.ellipse_file import open_ellipses
 from reliab.sweep.netcdf import write_netcdf
 

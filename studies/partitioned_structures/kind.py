@@ -6,13 +6,13 @@ from typing import Annotated, Final
 
 from pydantic import Field
 
+from reliab.core.plain_values import read_table, write_table
 from reliab.core.progress import Show
-from reliab.core.rows import read_table, write_table
 from reliab.report.document import Document
 from reliab.study.description import RecordsStudy, Table
-from reliab.study.kind import Kind
-from reliab.study.material import Records
+from reliab.study.folders import Kind
 from reliab.study.stages import Stage, made_with
+from reliab.study.steps import Records
 
 TESTS: Final = "tests.csv"
 SHARES: Final = "shares.csv"

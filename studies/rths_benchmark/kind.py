@@ -10,14 +10,14 @@ from pydantic import AfterValidator, Field
 
 from reliab.core.errors import InputError
 from reliab.core.files import written_whole
+from reliab.core.plain_values import read_table, write_table
 from reliab.core.progress import Show
-from reliab.core.rows import read_table, write_table
 from reliab.core.shipped import shipped
 from reliab.report.document import Document
 from reliab.study.description import Names, RecordsStudy, Table
-from reliab.study.kind import Kind
-from reliab.study.material import Records
+from reliab.study.folders import Kind
 from reliab.study.stages import Stage, digest, made_with, read_result
+from reliab.study.steps import Records
 
 from .benchmark import benchmark_compensator
 from .outcomes import STANDARD

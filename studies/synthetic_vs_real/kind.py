@@ -9,18 +9,19 @@ import pandas as pd
 import xarray as xr
 
 from reliab.core.errors import InputError
+from reliab.core.plain_values import read_table, write_table
 from reliab.core.progress import Show
-from reliab.core.rows import read_table, write_table
 from reliab.core.shipped import shipped
-from reliab.criterion.provenance import records_checksum
+from reliab.criterion.criterion_file import records_checksum
 from reliab.report.document import Document
 from reliab.study.description import CriterionTable, SimulatedStudy, TransferTable
-from reliab.study.kind import Kind
-from reliab.study.material import SYNTHETIC, Material
+from reliab.study.folders import Kind
 from reliab.study.stages import Stage, digest, made_with
 from reliab.study.steps import (
     CRITERIA,
     ELLIPSES,
+    SYNTHETIC,
+    Material,
     candidates,
     derivation,
     derivation_of,

@@ -9,22 +9,23 @@ import pandas as pd
 from pydantic import Field
 from reliab_studies.paper2017.cases_stage import CASES, paper_cases
 
+from reliab.core.plain_values import read_table, write_table
 from reliab.core.progress import Show
-from reliab.core.rows import read_table, write_table
 from reliab.core.vocabulary import Metric
-from reliab.criterion.provenance import records_checksum
+from reliab.criterion.criterion_file import records_checksum
 from reliab.motions.loading import load_motions
 from reliab.motions.motion import Motion
 from reliab.motions.suite import MotionSuite
 from reliab.report.document import Document
 from reliab.structures.structure import Structure
 from reliab.study.description import CriterionStudy, ValidationTable
-from reliab.study.kind import Kind
-from reliab.study.material import SYNTHETIC, Material
+from reliab.study.folders import Kind
 from reliab.study.stages import Stage, made_with
 from reliab.study.steps import (
     CRITERIA,
     ELLIPSES,
+    SYNTHETIC,
+    Material,
     derivation,
     derivation_of,
     judgement,

@@ -23,9 +23,8 @@ from criterion_scope import CONFIDENCES, THRESHOLD, XI, F, limits_of
 from simulated_populations import POPULATIONS, SEED, simulated
 
 from reliab.core.vocabulary import Side
-from reliab.criterion.carrying import carry_to_length, carry_to_response
+from reliab.criterion.carrying import carry_to_length, carry_to_response, protect_over_lengths
 from reliab.criterion.derivation import derive_criterion
-from reliab.criterion.protection import protect_over_lengths
 from reliab.criterion.response_measures import ResponseMeasures
 from reliab.criterion.shipped_tables import shipped_ellipses, shipped_measures
 from reliab.motions.loading import load_motions
@@ -34,8 +33,7 @@ from reliab.structures.structure import Structure
 from reliab.sweep.request import excitation_of
 from reliab.tracking.boundary.first_order import first_order_ellipse
 from reliab.tracking.indices.window import Window
-from reliab.validation.cross_validation.cell import Cell, Region
-from reliab.validation.cross_validation.truth import SimulatedTruth
+from reliab.validation.cross_validation.truth import Cell, Region, SimulatedTruth
 
 STRUCTURES = list(product(F, XI))
 GREATEST = 0.9  # amplitude error at which an edge is cut

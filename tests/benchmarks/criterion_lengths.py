@@ -27,8 +27,7 @@ from reliab.criterion.methods.registry import method_of
 from reliab.criterion.shipped_tables import shipped_ellipses
 from reliab.motions.intensity import arias_times
 from reliab.motions.loading import load_motions
-from reliab.validation.cross_validation.cell import Cell, Region
-from reliab.validation.cross_validation.truth import SimulatedTruth
+from reliab.validation.cross_validation.truth import Cell, Region, SimulatedTruth
 
 THRESHOLDS = (0.02, 0.05)
 STRUCTURES = tuple(product(F, XI))

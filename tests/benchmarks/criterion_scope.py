@@ -17,15 +17,13 @@ import numpy as np
 import pandas as pd
 
 from reliab.core.shipped import shipped
-from reliab.criterion.carrying import carry_to_length, carry_to_response
+from reliab.criterion.carrying import carry_to_length, carry_to_response, protect_over_lengths
 from reliab.criterion.derivation import Derivation
 from reliab.criterion.ellipse_reading import read_ellipses
 from reliab.criterion.methods.registry import method_of
-from reliab.criterion.protection import protect_over_lengths
 from reliab.motions.loading import load_motions
 from reliab.sweep.netcdf import read_netcdf
-from reliab.validation.cross_validation.cell import Cell, Region
-from reliab.validation.cross_validation.truth import SimulatedTruth
+from reliab.validation.cross_validation.truth import Cell, Region, SimulatedTruth
 
 THRESHOLD = 0.05
 CONFIDENCES = (0.5, 0.8, 0.9, 0.95, 0.99)

@@ -27,7 +27,7 @@ from reliab.simulation.engine import Engine, Loop
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop import delay_stepper
 from reliab.simulation.linear_loop.blocks import block_length, cut
-from reliab.simulation.linear_loop.pole_plane.plane import mean_squares
+from reliab.simulation.linear_loop.pole_plane import mean_squares
 from reliab.structures.structure import Structure
 from reliab.sweep.grid import ExplicitGrid
 

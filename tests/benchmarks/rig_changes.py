@@ -13,7 +13,7 @@ import numpy as np
 from rig_rows import rig_table, rig_test
 from rigs import KINDS, simulated_rig
 
-from reliab.rig.drift import drift_chart
+from reliab.rig.watching import drift_chart
 
 TESTS, BEGIN, SCATTER, UNWATCHED = 200, 100, 0.5, 13
 

@@ -35,7 +35,7 @@ from reliab.criterion.published import published_criterion  # noqa: E402
 from reliab.recordings.recording import Recording  # noqa: E402
 from reliab.rig.memory import NextTest  # noqa: E402
 from reliab.rig.prediction import predict_next  # noqa: E402
-from reliab.rig.rig_test import describe_test  # noqa: E402
+from reliab.rig.rig_table import describe_test  # noqa: E402
 from reliab.structures.structure import Structure  # noqa: E402
 
 TESTS, PER_DAY, THRESHOLD, RATE = 96, 6, 0.05, 512.0

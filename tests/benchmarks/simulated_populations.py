@@ -28,14 +28,13 @@ import xarray as xr
 from criterion_scope import CONFIDENCES, THRESHOLD, groups_of
 
 from reliab.core.shipped import shipped
-from reliab.criterion.carrying import carry_to_length, carry_to_suite
+from reliab.criterion.carrying import carry_to_length, carry_to_suite, protect_over_lengths
 from reliab.criterion.derivation import Derivation
 from reliab.criterion.methods.registry import method_of
-from reliab.criterion.protection import protect_over_lengths
 from reliab.motions.motion import Motion
 from reliab.motions.suite import MotionSuite
+from reliab.motions.synthetic.dabaghi_der_kiureghian_2018 import physical_parameters, regression_of
 from reliab.motions.synthetic.fema_p695_2009 import draw_earthquake, draw_scenario
-from reliab.motions.synthetic.parameters import physical_parameters, regression_of
 from reliab.motions.synthetic.random_stream import RandomStream
 from reliab.motions.synthetic.recording import TIME_STEP
 from reliab.motions.synthetic.suite import _record

@@ -28,9 +28,8 @@ from reliab.sweep.request import SweepRequest
 from reliab.sweep.response_measures import compare_boundaries, measure_responses
 from reliab.sweep.run import run_sweep
 from reliab.tracking.indices.window import Window
-from reliab.validation.cross_validation.candidates import Derived
 from reliab.validation.cross_validation.folds import k_fold
-from reliab.validation.cross_validation.judge import cross_validate
+from reliab.validation.cross_validation.judge import Derived, cross_validate
 from reliab.validation.probability_calibration import probability_calibration
 
 PACKAGE = Path(reliab.__file__).parent

@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 
 from reliab.app.api.assessment_files import write_tests
-from reliab.core.rows import read_table, write_table
+from reliab.core.plain_values import read_table, write_table
 
 FORMULA = '=HYPERLINK("http://x")'
 

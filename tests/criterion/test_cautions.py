@@ -17,7 +17,7 @@ from reliab.criterion.cautions import (
 from reliab.criterion.derivation import derive_criterion
 from reliab.criterion.experimental_share import whole_is_worst
 from reliab.criterion.methods.registry import METHODS, method_of
-from reliab.criterion.sample_grid import SampleGrid
+from reliab.criterion.population import SampleGrid
 
 AT = {"threshold": 0.05, "metric": "rms", "curve": CurveName.INSCRIBED, "side": "lag"}
 

@@ -8,18 +8,16 @@ import pytest
 import xarray as xr
 
 from reliab.core.shipped import shipped
-from reliab.criterion.carrying import carry_to_length
+from reliab.criterion.carrying import carry_to_length, protect_over_lengths
 from reliab.criterion.derivation import derive_criterion
 from reliab.criterion.ellipse_reading import read_ellipses
 from reliab.criterion.ellipse_table import EllipseTable, tabled
-from reliab.criterion.protection import protect_over_lengths
 from reliab.motions.intensity import arias_times
 from reliab.motions.loading import load_motions
 from reliab.sweep.cut_records import with_known_cut_records
 from reliab.sweep.ellipse_file import open_ellipses
 from reliab.sweep.results import open_results, real_results
-from reliab.validation.cross_validation.cell import Cell, Region
-from reliab.validation.cross_validation.truth import SimulatedTruth
+from reliab.validation.cross_validation.truth import Cell, Region, SimulatedTruth
 
 SELECTED = {"f": [0.5, 1.0, 2.0], "xi": [0.02, 0.05], "threshold": [0.05], "side": ["lag"]}
 

@@ -7,8 +7,7 @@ from reliab.core.errors import InputError
 from reliab.core.vocabulary import Metric
 from reliab.criterion.derivation import derive_criterion
 from reliab.criterion.ellipse_reading import read_ellipses
-from reliab.criterion.experimental_share import growth
-from reliab.criterion.share_comparison import compare_shares
+from reliab.criterion.experimental_share import compare_shares, growth
 from reliab.motions.synthetic.suite import synthetic_suite
 from reliab.simulation.engine import Loop
 from reliab.simulation.excitation import Excitation

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from reliab.core.errors import InputError
-from reliab.core.file_limits import LIMITS, FileLimits
+from reliab.core.files import LIMITS, FileLimits
 from reliab.desk.folder import DeskFolder, safe_name, unpacked
 
 FOLDER = importlib.import_module("reliab.desk.folder")

@@ -11,7 +11,7 @@ import pytest
 import reliab.explore
 from reliab.app.cli import run
 from reliab.core.errors import InputError
-from reliab.criterion.protection import protect_over_lengths
+from reliab.criterion.carrying import protect_over_lengths
 from reliab.explore.page import Settings, bundled_script, pack, render, write_page
 from reliab.sweep.ellipse_file import write_ellipses
 

@@ -161,7 +161,7 @@ def _announce_hdf5() -> None:
 
 def _kill_while_sampling(steps: int) -> None:
     """Kill this process after so many steps of chains, which are kept as if some seconds had passed."""
-    from reliab.sampling.chain_file import ChainFile
+    from reliab.sampling.ensembles import ChainFile
 
     made = 0
 

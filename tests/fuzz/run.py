@@ -32,7 +32,7 @@ _READERS = (
     ),
     *("reliab.recordings.readers", "reliab.recordings.reading", "reliab.recordings.recognition"),
     *("reliab.recordings.naming", "reliab.recordings.clocks", "reliab.recordings.record"),
-    *("reliab.discrepancy.campaign", "reliab.study.reading", "reliab.study.description", "reliab.core.files"),
+    *("reliab.discrepancy.campaign", "reliab.study.running", "reliab.study.description", "reliab.core.files"),
     *(
         "reliab.criterion.ellipse_reading",
         "reliab.criterion.criterion_file",

@@ -9,7 +9,7 @@ import pytest
 
 import reliab
 from reliab.core.errors import InputError
-from reliab.core.file_limits import LIMITS
+from reliab.core.files import LIMITS
 from reliab.recordings.readers import hierarchical, layouts, registry, text as texts
 from reliab.recordings.readers.columns import Series
 from reliab.recordings.readers.layouts import tests_of_tree as of_tree

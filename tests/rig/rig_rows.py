@@ -6,8 +6,7 @@ import numpy as np
 import xarray as xr
 
 from reliab.rig.rig_folder import RigFolder
-from reliab.rig.rig_table import RigTable, ordered_table
-from reliab.rig.rig_test import RigTest
+from reliab.rig.rig_table import RigTable, RigTest, ordered_table
 
 RECORD = xr.Dataset({"measured": (("actuator", "time"), np.zeros((1, 4)))})
 

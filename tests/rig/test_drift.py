@@ -5,8 +5,7 @@ import pytest
 from rig_rows import keep, rig_table, rig_test
 
 from reliab.app.api.rigs import list_rig
-from reliab.rig.drift import FALSE_ALARMS, drift_chart
-from reliab.rig.watching import watch
+from reliab.rig.watching import FALSE_ALARMS, drift_chart, watch
 
 
 def rig_with_step(seed, count=60, step=1.0, scatter=0.5, quantity="d_ms"):

@@ -15,7 +15,7 @@ from rig_rows import keep, rig_test
 from reliab.app.api.rigs import list_rig
 from reliab.core.errors import InputError
 from reliab.rig.rig_folder import RigFolder
-from reliab.rig.rig_test import require_date
+from reliab.rig.rig_table import require_date
 
 ROOT = Path(__file__).parents[2]
 WRITER = """

@@ -8,8 +8,8 @@ import pytest
 
 from reliab.app.cli import run
 from reliab.core.shipped import shipped
-from reliab.rig.drift import drift_chart
 from reliab.rig.rig_folder import RigFolder
+from reliab.rig.watching import drift_chart
 
 CHANGED = 63  # the first test after the valve was exchanged, counted from 0
 

@@ -10,7 +10,7 @@ from emcee.backends import HDFBackend
 from normal_values import NormalValues
 
 from reliab.core.errors import IncompleteError, InputError
-from reliab.sampling import chain_file
+from reliab.sampling import ensembles
 from reliab.sampling.ensembles import Ensembles, sample, width_of
 from reliab.sampling.posterior_sample import ConvergenceWarning
 
@@ -108,8 +108,8 @@ def test_emcee_reads_the_file_of_chains(tmp_path):
 @pytest.mark.slow
 @SHORT
 def test_a_full_disk_says_that_earlier_draws_are_safe(tmp_path, monkeypatch):
-    monkeypatch.setattr(chain_file, "_EVERY", 0.0)
-    monkeypatch.setattr(chain_file, "_SHARE_OF_TIME", 1e9)
+    monkeypatch.setattr(ensembles, "_EVERY", 0.0)
+    monkeypatch.setattr(ensembles, "_SHARE_OF_TIME", 1e9)
     stored = []
 
     def full(group, chain, signature):
@@ -118,11 +118,11 @@ def test_a_full_disk_says_that_earlier_draws_are_safe(tmp_path, monkeypatch):
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         kept(group, chain, signature)
 
-    kept = vars(chain_file)["_store"]
-    monkeypatch.setattr(chain_file, "_store", full)
+    kept = vars(ensembles)["_store"]
+    monkeypatch.setattr(ensembles, "_store", full)
     with pytest.raises(IncompleteError, match=r"run\.h5 failed.*Earlier draws are safe"):
         sample(MODEL, QUICK, file=tmp_path / "run.h5")
-    monkeypatch.setattr(chain_file, "_store", kept)
+    monkeypatch.setattr(ensembles, "_store", kept)
     resumed = sample(MODEL, QUICK, file=tmp_path / "run.h5")
     np.testing.assert_array_equal(resumed.draws, sample(MODEL, QUICK).draws)
 
@@ -131,7 +131,7 @@ def test_a_full_disk_says_that_earlier_draws_are_safe(tmp_path, monkeypatch):
 def test_writing_long_chains_takes_a_tenth_of_the_time(tmp_path, monkeypatch):
     """By a clock on which a step takes a second and a file a second for each ensemble."""
     now, begun = [0.0], []
-    kept = vars(chain_file)["_store"]
+    kept = vars(ensembles)["_store"]
 
     def store_slowly(group, chain, signature):
         begun.append(now[0])
@@ -141,8 +141,8 @@ def test_writing_long_chains_takes_a_tenth_of_the_time(tmp_path, monkeypatch):
     def step(*_):
         now[0] += 1.0
 
-    monkeypatch.setattr(chain_file, "time", SimpleNamespace(monotonic=lambda: now[0]))
-    monkeypatch.setattr(chain_file, "_store", store_slowly)
+    monkeypatch.setattr(ensembles, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    monkeypatch.setattr(ensembles, "_store", store_slowly)
     sample(MODEL, Ensembles(steps=200, count=1, walkers=8), file=tmp_path / "run.h5", progress=step)
     between = np.diff(begun)[1:-1]  # the first and the last writing are owed in any case
     assert (between >= 1.0 / 0.1).all()

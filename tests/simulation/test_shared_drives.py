@@ -9,7 +9,7 @@ from reliab.core.vocabulary import Metric
 from reliab.motions.loading import load_motions
 from reliab.simulation.engine import Engine, Loop
 from reliab.simulation.excitation import Excitation
-from reliab.simulation.linear_loop import drive_stepping, pole_stepping
+from reliab.simulation.linear_loop import drive_stepping, pole_recursion
 from reliab.simulation.linear_loop.delay_stepper import response
 from reliab.simulation.linear_loop.drive_stepping import DrivenRecord, Stepped
 from reliab.simulation.linear_loop.shared_drives import shared_drives
@@ -49,7 +49,7 @@ def differences(loop, cells):
     """Largest relative differences of RMS^R and MTE^R from the recursions of single actuators."""
     (late,) = cells.recursions(loop.blocks.step)
     assert cells.driven(loop.blocks.step, late).place.size == cells.gain.size
-    ours, oracle = loop.deviation(cells), pole_stepping.deviation(loop.blocks, late.coefficients)
+    ours, oracle = loop.deviation(cells), pole_recursion.deviation(loop.blocks, late.coefficients)
     moved = oracle.mean_square > 1e-18 * loop.blocks.ideal_peak**2
     assert moved.sum() >= 24
     squares = np.sqrt(ours.mean_square[moved] / oracle.mean_square[moved])

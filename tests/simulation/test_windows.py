@@ -5,7 +5,7 @@ import pytest
 
 from reliab.simulation.engine import Loop
 from reliab.simulation.excitation import Excitation
-from reliab.simulation.linear_loop import delay_stepper, pole_stepping
+from reliab.simulation.linear_loop import delay_stepper, pole_recursion
 from reliab.structures.structure import Structure
 
 TIME = np.arange(0.0, 12.0, 0.01)
@@ -38,7 +38,7 @@ def test_mean_square_and_peak_are_those_of_the_history(kernel, window):
     else:
         (late,) = cells.recursions(blocks.step)
         alone = kernel == "poles"
-        found = pole_stepping.deviation(blocks, late.coefficients) if alone else loop.deviation(cells)
+        found = pole_recursion.deviation(blocks, late.coefficients) if alone else loop.deviation(cells)
         measured = by_poles(blocks, late)
     inside = (measured - blocks.ideal)[blocks.before :]
     inside[-1] = inside[-2] + blocks.end * (inside[-1] - inside[-2])

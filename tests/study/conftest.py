@@ -6,7 +6,7 @@ import pytest
 from reliab.motions.motion import Motion
 from reliab.motions.suite import MotionSuite
 from reliab.motions.writing import write_suite
-from reliab.study.reading import study_from
+from reliab.study.running import study_from
 
 
 @pytest.fixture(scope="session")

@@ -6,7 +6,7 @@ import pytest
 
 from reliab.core.errors import InputError
 from reliab.study.folders import shipped_folders
-from reliab.study.reading import open_study, read_study
+from reliab.study.running import open_study, read_study
 
 
 @pytest.mark.of_studies

@@ -16,8 +16,7 @@ from reliab.core.shipped import shipped_folder
 from reliab.study import folders
 from reliab.study.folders import kind_of, shipped_folders
 from reliab.study.kinds import KINDS
-from reliab.study.reading import list_shipped, open_study
-from reliab.study.running import run_study
+from reliab.study.running import list_shipped, open_study, run_study
 
 pytestmark = pytest.mark.of_studies
 
@@ -105,7 +104,7 @@ def test_a_study_runs_twice_into_a_folder_of_its_own_name(tmp_path, monkeypatch)
 
 def test_only_the_study_that_runs_is_imported():
     code = (
-        "import sys; from reliab.study.reading import list_shipped, open_study; list_shipped(); "
+        "import sys; from reliab.study.running import list_shipped, open_study; list_shipped(); "
         "open_study('table2_audit'); "
         "print(*sorted({name.split('.')[1] for name in sys.modules if name.startswith('reliab_studies.')}))"
     )

@@ -11,8 +11,7 @@ from reliab.core.errors import InputError
 from reliab.core.shipped import shipped
 from reliab.study.kinds import KINDS
 from reliab.study.kinds.discrepancy import CampaignTable
-from reliab.study.reading import open_study, study_from
-from reliab.study.running import run_study, write_report
+from reliab.study.running import open_study, run_study, study_from, write_report
 
 pytestmark = pytest.mark.of_studies
 

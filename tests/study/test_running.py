@@ -12,14 +12,13 @@ import pytest
 
 from reliab.core.errors import InputError
 from reliab.core.files import UNFINISHED
+from reliab.criterion.criterion_file import installed_versions
 from reliab.criterion.laws.registry import FITTED
-from reliab.criterion.provenance import installed_versions
 from reliab.report.document import Points, Section
 from reliab.report.prose import plain_text
 from reliab.study import stages
 from reliab.study.kinds import KINDS
-from reliab.study.reading import study_from
-from reliab.study.running import run_study, write_report
+from reliab.study.running import run_study, study_from, write_report
 from reliab.study.stages import RunFolder, Stage
 from reliab.study.steps import ELLIPSES, candidates
 from reliab.sweep.ellipse_file import open_ellipses

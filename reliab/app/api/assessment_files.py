@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from reliab.assessment.assessment import Assessment
 from reliab.core.files import refuse_unwritable, require_ending, written_whole
-from reliab.core.rows import write_table
+from reliab.core.plain_values import write_table
 from reliab.core.shipped import or_shipped
 
 if TYPE_CHECKING:

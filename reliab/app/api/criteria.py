@@ -29,15 +29,15 @@ from reliab.core.errors import InputError
 from reliab.core.progress import Show, quietly
 from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import Metric
+from reliab.criterion.carrying import protect_over_lengths
 from reliab.criterion.copies import without_copies
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.derivation import Derivation
+from reliab.criterion.experimental_share import compare_shares
 from reliab.criterion.laws.registry import FITTED, OF_MANY_MOTIONS, known
 from reliab.criterion.methods.method import Method
 from reliab.criterion.methods.registry import RECOMMENDED, method_of
-from reliab.criterion.protection import protect_over_lengths
 from reliab.criterion.published import published_criterion
-from reliab.criterion.share_comparison import compare_shares
 from reliab.motions.loading import load_motions
 from reliab.sweep.several import Numbers
 from reliab.sweep.shares import at_share, shares_of

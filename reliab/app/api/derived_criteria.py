@@ -11,8 +11,8 @@ import xarray as xr
 
 from reliab.core.errors import IncompleteError, InputError
 from reliab.core.files import refuse_unwritable, require_ending, written_whole
+from reliab.core.plain_values import ResultWithRows
 from reliab.core.progress import Show
-from reliab.core.rows import ResultWithRows
 from reliab.core.shipped import shipped
 from reliab.core.significant_digits import percent
 from reliab.criterion.criterion import Criterion

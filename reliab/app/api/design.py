@@ -10,7 +10,7 @@ from reliab.app.api.arguments import exact_values, stated_threshold, unused
 from reliab.app.declaration import Quantity, asks
 from reliab.assessment.design import CONFIDENCES, Tolerance, chart_frequencies, tolerable_errors
 from reliab.core.errors import InputError
-from reliab.core.rows import ResultWithRows
+from reliab.core.plain_values import ResultWithRows
 from reliab.core.vocabulary import Metric
 from reliab.criterion.criterion import Criterion
 from reliab.sweep.several import several

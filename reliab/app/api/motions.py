@@ -9,8 +9,7 @@ from reliab.app import questions
 from reliab.app.api.sources import listed, paths
 from reliab.app.declaration import Files, asks
 from reliab.core.errors import InputError
-from reliab.core.plain_values import PlainResult
-from reliab.core.rows import ResultWithRows
+from reliab.core.plain_values import PlainResult, ResultWithRows
 from reliab.core.vocabulary import STANDARD_GRAVITY
 from reliab.motions.checking import inspect
 from reliab.motions.faults import Fault, fault_of

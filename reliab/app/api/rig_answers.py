@@ -21,8 +21,7 @@ from reliab.motions.loading import load_motions, read_motion
 from reliab.rig.memory import MEASURED, NextTest
 from reliab.rig.prediction import Prediction, predict_next, predict_under_motion, predict_under_suite
 from reliab.rig.rig_folder import RigFolder
-from reliab.rig.rig_table import RigTable
-from reliab.rig.rig_test import require_date
+from reliab.rig.rig_table import RigTable, require_date
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.frames.frame_file import read_structure
 from reliab.structures.structure import Structure

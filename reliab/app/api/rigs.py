@@ -16,15 +16,13 @@ from reliab.assessment.frame_assessment import CoupledAssessment
 from reliab.core.encodings import as_text
 from reliab.core.errors import InputError
 from reliab.core.files import ordinary, refuse_unwritable, require_ending, written_whole
-from reliab.core.plain_values import PlainResult
+from reliab.core.plain_values import PlainResult, ResultWithRows
 from reliab.core.progress import Progress, silent
-from reliab.core.rows import ResultWithRows
 from reliab.core.shipped import or_shipped
 from reliab.core.stated_value import StatedValue
 from reliab.recordings.record import About, record_test
 from reliab.rig.rig_folder import RigFolder
-from reliab.rig.rig_table import RigTable
-from reliab.rig.rig_test import COLUMNS, describe_test, require_date
+from reliab.rig.rig_table import COLUMNS, RigTable, describe_test, require_date
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,13 +8,11 @@ from typing import ClassVar, Unpack
 from reliab.app import options
 from reliab.app.api.sources import listed
 from reliab.app.declaration import asks
-from reliab.core.plain_values import PlainResult
+from reliab.core.plain_values import PlainResult, ResultWithRows
 from reliab.core.progress import Show, quietly
-from reliab.core.rows import ResultWithRows
 from reliab.report.setting import Setting
 from reliab.study import running
-from reliab.study.reading import list_shipped, open_study
-from reliab.study.running import ANSWER, write_report
+from reliab.study.running import ANSWER, list_shipped, open_study, write_report
 
 _OUT = Path("reliab-run")
 

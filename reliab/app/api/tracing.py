@@ -11,8 +11,8 @@ import xarray as xr
 from reliab.app import questions
 from reliab.app.api.sources import EllipseSource
 from reliab.app.declaration import asks
+from reliab.core.plain_values import ResultWithRows
 from reliab.core.progress import Show, quietly
-from reliab.core.rows import ResultWithRows
 from reliab.core.vocabulary import CurveName, NoEllipse, Side
 from reliab.sweep.ellipse_file import write_ellipses
 from reliab.sweep.shares import share_of

@@ -24,8 +24,8 @@ from reliab.app.api.judged_motions import (
 from reliab.app.api.sources import FIVE_PERCENT, EllipseSource, listed
 from reliab.app.declaration import asks
 from reliab.core.errors import InputError
+from reliab.core.plain_values import ResultWithRows
 from reliab.core.progress import Show, quietly
-from reliab.core.rows import ResultWithRows
 from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import Metric, Side
 from reliab.criterion.laws.law import Law
@@ -33,10 +33,9 @@ from reliab.criterion.laws.registry import FITTED, OF_MANY_MOTIONS, known
 from reliab.criterion.methods.registry import RECOMMENDED, method_of
 from reliab.criterion.scope import population_of
 from reliab.sweep.shares import share_of
-from reliab.validation.cross_validation.candidates import Candidate, Derived, Printed
 from reliab.validation.cross_validation.counts import RATES, CrossValidation, tabulate
 from reliab.validation.cross_validation.folds import GROUP_SCHEMES
-from reliab.validation.cross_validation.judge import cross_validate
+from reliab.validation.cross_validation.judge import Candidate, Derived, Printed, cross_validate
 from reliab.validation.probability_calibration import probability_calibration
 
 _CONFIDENCES = (0.50, 0.60, 0.70, 0.80, 0.90, 0.95, 0.99)

@@ -26,7 +26,7 @@ from reliab.core.arrays import Array
 from reliab.core.compiled import compiled
 from reliab.effects.effect import Role
 from reliab.simulation.hybrid_test.model import HybridTest
-from reliab.simulation.hybrid_test.stepping import STATES, call_all, plan
+from reliab.simulation.hybrid_test.open_loop import STATES, call_all, plan
 
 LONGEST_MEMORY = 0.3
 """Longest memory of the parabola through x_c − x_m, in radians of the lowest mode."""

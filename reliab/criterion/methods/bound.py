@@ -16,7 +16,7 @@ from reliab.core.errors import InputError
 from reliab.core.progress import Progress, silent
 from reliab.criterion.ellipse_sample import EllipseSample
 from reliab.criterion.methods.method import Learned, Method, checked_share
-from reliab.criterion.sample_grid import SampleGrid
+from reliab.criterion.population import SampleGrid
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

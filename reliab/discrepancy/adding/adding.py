@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from reliab.core.errors import InputError
+from reliab.core.plain_values import ResultWithRows
 from reliab.core.progress import Progress, silent
-from reliab.core.rows import ResultWithRows
 from reliab.core.threads import one_thread
 from reliab.discrepancy.adding.criterion_shift import criterion_shift, shaking_of
 from reliab.discrepancy.adding.posterior import Posterior, sample_posterior

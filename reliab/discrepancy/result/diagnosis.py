@@ -5,8 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from reliab.assessment.recorded_force import unit_like
-from reliab.core.html_table import html_table
-from reliab.core.rows import ResultWithRows
+from reliab.core.plain_values import ResultWithRows, html_table
 from reliab.core.significant_digits import percent, significant
 from reliab.core.vocabulary import MILLI, PERCENT, Block
 from reliab.discrepancy.campaign.campaign import Campaign, Channel

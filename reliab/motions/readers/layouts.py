@@ -19,12 +19,109 @@ import numpy as np
 
 from reliab.core.text_tables import printed_number
 from reliab.motions.faults import Report
-from reliab.motions.readers import events
 from reliab.motions.readers.header import Header, Statement
 from reliab.motions.readers.samples import split_line
 from reliab.motions.readers.source import HEAD, Line, Source
 from reliab.motions.readers.statements import state_time_step
 from reliab.motions.units import AccelerationUnit, ClockUnit
+
+_EVENT = re.compile(r"^\W*event\s*[=:]\s*(.+?)\s*$", re.IGNORECASE)
+_EARTHQUAKE = r"^\W*(?:event|earthquake)"
+_IDENTITY = re.compile(rf"{_EARTHQUAKE}[ _]id\s*[=:]\s*(\S+)", re.IGNORECASE)
+_NAME = re.compile(rf"{_EARTHQUAKE}(?:[ _]name)?\s*[=:]\s*(\S.*?)\s*$", re.IGNORECASE)
+_DATE = r"(\d{8}|\d{4}[/-]\d{1,2}[/-]\d{1,2}|\d{1,2}[/-]\d{1,2}[/-](?:\d{4}|\d{2}))(?!\d)"
+_TIME = r"(\d{1,2}:\d{2}(?::[\d.]*\d)?|\d{6}(?:\.\d+)?)(?!\d)"
+_DAY = re.compile(
+    rf"(?:{_EARTHQUAKE}[ _]date\w*|^\W*fecha\s+del\s+sismo[^:]*|\borigin(?:[ _]?time)?(?:\s*\([^)]*\))*)"
+    rf"\s*[=:\s]\s*{_DATE}(?:[ ,T-]+{_TIME})?",
+    re.IGNORECASE,
+)
+_CLOCK = re.compile(
+    rf"(?:{_EARTHQUAKE}[ _]time\w*|^\W*hora\s+epicentro[^:]*)\s*[=:]\s*{_TIME}", re.IGNORECASE
+)
+_LATITUDE = re.compile(r"^\W*(?:event\s+)?lat(?:\.|itude)\W\s*([\d.+-]+)", re.IGNORECASE)
+_LONGITUDE = re.compile(r"^\W*(?:event\s+)?long?(?:\.|itude)\W\s*([\d.+-]+)", re.IGNORECASE)
+_TITLE = 1  # the second line that is not blank
+_TITLE_DATE = re.compile(r"\b(\d{1,2}/\d{1,2}/(?:\d{4}|\d{2}))\b")
+_SPELLED = re.compile(r"^\s*(\d{4})\s+([A-Z][a-z]{2})[a-z]*\s+(\d{1,2})\s+(\d{1,2}:\d{2}:\d{2})\s+U")
+_MONTHS = ("Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec")
+_DAY_AND_PLACE = re.compile(r"^\s*(\d{4})\s+(\d{1,2})\s+(\d{1,2})\s+\d{4}\s+([A-Za-z].*?)\s*$")
+_CENTURY_TURNS = 30  # records of 2000 print years with two digits; 1933 is the first record
+_NEVER_SET = "1980-01-01"  # the day at which the clocks of recorders begin
+
+FindEvent = Callable[[list[Line]], str]
+
+
+def find_event(lines: list[Line]) -> str:
+    """Name the earthquake by what labels say of it; empty where that does not identify it."""
+    return _first(_EVENT, lines) or _identify(lines)
+
+
+def find_american_event(lines: list[Line]) -> str:
+    """Name the earthquake where dates begin with the month."""
+    return _identify(lines, month_first=True)
+
+
+def find_event_with_place(lines: list[Line]) -> str:
+    """Name it by origin time and epicentre, as in ``2018-01-24 19:51:00 41.0N 142.5E``."""
+    origin, latitude, longitude = _identify(lines), _first(_LATITUDE, lines), _first(_LONGITUDE, lines)
+    return f"{origin} {latitude}N {longitude}E" if origin and latitude and longitude else ""
+
+
+def find_titled_event(lines: list[Line]) -> str:
+    """Name it by name and date in the title, as in ``LOMA PRIETA 1989-10-18``; empty without both."""
+    texts = [line.text for line in lines if line.text.strip()]
+    title = texts[_TITLE] if len(texts) > _TITLE else ""
+    match = _TITLE_DATE.search(title)
+    name = _capitals(title[: match.start()]) if match else ""
+    return f"{name} {_iso(match[1], month_first=True)}" if match and name else ""
+
+
+def find_event_in_words(lines: list[Line]) -> str:
+    """Name it by a line such as ``2016 November 13  11:02:56 UT`` or ``1989 10 18 0004 Loma Prieta``."""
+    for line in lines:
+        if (match := _SPELLED.match(line.text)) and match[2] in _MONTHS:
+            return f"{match[1]}-{_MONTHS.index(match[2]) + 1:02}-{int(match[3]):02} {match[4]}"
+        if match := _DAY_AND_PLACE.match(line.text):
+            return f"{_capitals(match[4])} {match[1]}-{int(match[2]):02}-{int(match[3]):02}"
+    return ""
+
+
+def _identify(lines: list[Line], *, month_first: bool = False) -> str:
+    if identity := _first(_IDENTITY, lines):
+        return identity
+    day = next((match for line in lines if (match := _DAY.search(line.text))), None)
+    date = _iso(day[1], month_first=month_first) if day else ""
+    time = (day and day[2]) or _first(_CLOCK, lines)
+    time = re.sub(r"^(\d\d)(\d\d)(\d\d)", r"\1:\2:\3", time)
+    name = _capitals(_first(_NAME, lines))
+    if date == _NEVER_SET or not (name or (date and time)):
+        return ""
+    return " ".join(filter(None, (name, date, time)))
+
+
+def _first(pattern: re.Pattern[str], lines: list[Line]) -> str:
+    return next((match[1] for line in lines if (match := pattern.search(line.text))), "")
+
+
+def _capitals(text: str) -> str:
+    return " ".join(text.replace(",", " ").split()).upper()
+
+
+def _iso(date: str, *, month_first: bool) -> str:
+    """Write a date as ``1989-10-18``."""
+    parts = [date[:4], date[4:6], date[6:]] if date.isdecimal() else re.split(r"[/-]", date)
+    if len(parts[0]) == 4:  # noqa: PLR2004 - a year
+        year, month, day = map(int, parts)
+    else:
+        first, second, year = map(int, parts)
+        month, day = (first, second) if month_first else (second, first)
+        if len(parts[2]) == 2:  # noqa: PLR2004 - a year of two digits
+            year += 1900 if year >= _CENTURY_TURNS else 2000
+    if month > 12:  # noqa: PLR2004 - they are the other way round
+        month, day = day, month
+    return f"{year}-{month:02}-{day:02}"
+
 
 _LINES_OF_REALS = {4: 6, 5: 7, 7: 7}  # after as many lines of integers: GeoNet, USC, CSMIP and those like it
 _LONGEST = 15  # lines of both, and one of samples
@@ -139,11 +236,8 @@ def _fields(line: Line, width: int) -> list[str]:
     return [text[start : start + width].strip() for start in range(0, len(text), width)]
 
 
-_FLAGS = re.IGNORECASE | re.MULTILINE
-
-
 def _pattern(text: str) -> re.Pattern[bytes]:
-    return re.compile(text.encode(), _FLAGS)
+    return re.compile(text.encode(), re.IGNORECASE | re.MULTILINE)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -163,7 +257,7 @@ class Layout:
     has_duration: bool = False  # Whether the duration tells the count or the step
     default_units: AccelerationUnit | None = None  # Units where the header states none
     remove_mean: bool = False  # Whether the publisher subtracts the mean of the whole record
-    find_event: events.FindEvent = events.find_event  # Names the earthquake
+    find_event: FindEvent = find_event  # Names the earthquake
     # Reads what stands at fixed places between the header's text and the samples
     complete: Complete = leave_as_it_is
 
@@ -200,7 +294,7 @@ LAYOUTS = (
         states="state NPTS and DT",
         wraps=True,
         default_units=AccelerationUnit.GRAVITY,
-        find_event=events.find_titled_event,
+        find_event=find_titled_event,
     ),
     Layout(
         name="K-NET",
@@ -211,13 +305,13 @@ LAYOUTS = (
         wraps=True,
         has_duration=True,
         remove_mean=True,
-        find_event=events.find_event_with_place,
+        find_event=find_event_with_place,
     ),
     Layout(
         name="K-NET CSV",
         mark=_pattern(r"\A#K-NET CSV\b"),
         has_duration=True,
-        find_event=events.find_event_with_place,
+        find_event=find_event_with_place,
     ),
     Layout(
         name="COSMOS",
@@ -229,7 +323,7 @@ LAYOUTS = (
         is_announced=True,
         wraps=True,
         complete=read_cosmos,
-        find_event=events.find_american_event,
+        find_event=find_american_event,
     ),
     Layout(
         name="CSMIP",
@@ -240,7 +334,7 @@ LAYOUTS = (
         states="announce its points of accel data",
         is_announced=True,
         wraps=True,
-        find_event=events.find_american_event,
+        find_event=find_american_event,
     ),
     Layout(
         name="SMC",
@@ -251,7 +345,7 @@ LAYOUTS = (
         wraps=True,
         complete=read_smc,
         default_units=AccelerationUnit.CENTIMETRE,
-        find_event=events.find_event_in_words,
+        find_event=find_event_in_words,
     ),
     Layout(
         name="GeoNet",
@@ -263,7 +357,7 @@ LAYOUTS = (
         wraps=True,
         complete=read_volume,
         default_units=AccelerationUnit.MILLIMETRE,
-        find_event=events.find_event_in_words,
+        find_event=find_event_in_words,
     ),
     Layout(  # of CSMIP, USC, RENADIC and BHRC
         name="Volume 1 or 2",
@@ -275,7 +369,7 @@ LAYOUTS = (
         wraps=True,
         complete=read_volume,
         has_duration=True,
-        find_event=events.find_american_event,
+        find_event=find_american_event,
     ),
     Layout(name="ESM", mark=_pattern(r"\AEVENT_NAME[ \t]*:")),
     Layout(name="AFAD", mark=_pattern(r"\A[^\n]*\bstrong[ -]ground[ -]motion records?\b")),

@@ -5,8 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reliab.core.arrays import Array
-from reliab.core.missing_marks import missing_mark
-from reliab.core.text_tables import last_place
+from reliab.core.text_tables import last_place, missing_mark
 from reliab.core.vocabulary import STANDARD_GRAVITY
 from reliab.motions.faults import Report
 from reliab.motions.motion import PEAK_LIMIT_G

@@ -15,7 +15,11 @@ import scipy
 
 from reliab.core.arrays import Array
 from reliab.core.vocabulary import STANDARD_GRAVITY
-from reliab.motions.synthetic.parameters import ComponentParameters, PulseParameters, RecordingParameters
+from reliab.motions.synthetic.dabaghi_der_kiureghian_2018 import (
+    ComponentParameters,
+    PulseParameters,
+    RecordingParameters,
+)
 from reliab.motions.synthetic.random_stream import RandomStream
 
 _ONSET: Final = 0.05

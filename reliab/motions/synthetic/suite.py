@@ -16,12 +16,17 @@ from reliab.core.errors import InputError
 from reliab.core.vocabulary import STANDARD_GRAVITY
 from reliab.motions.motion import Motion
 from reliab.motions.suite import MotionSuite
-from reliab.motions.synthetic.dabaghi_der_kiureghian_2018 import Regression
+from reliab.motions.synthetic.dabaghi_der_kiureghian_2018 import (
+    Mechanism,
+    RecordingParameters,
+    Regression,
+    Scenario,
+    physical_parameters,
+    regression_of,
+)
 from reliab.motions.synthetic.fema_p695_2009 import Earthquake, draw_earthquake, draw_scenario, is_strong
-from reliab.motions.synthetic.parameters import RecordingParameters, physical_parameters, regression_of
 from reliab.motions.synthetic.random_stream import RandomStream
 from reliab.motions.synthetic.recording import TIME_STEP, simulate_recording, trim_quiet_ends, turned
-from reliab.motions.synthetic.scenario import Mechanism, Scenario
 
 _Result = TypeVar("_Result")
 

@@ -6,8 +6,7 @@ from pathlib import Path
 from typing import Final
 
 from reliab.core.errors import InputError, naming
-from reliab.core.file_limits import LIMITS
-from reliab.core.files import decoding, ordinary
+from reliab.core.files import LIMITS, decoding, ordinary
 from reliab.core.registry import Registry
 from reliab.recordings.readers import hierarchical, lvm, matlab, matlab_4, tdms, text
 from reliab.recordings.readers.columns import Columns

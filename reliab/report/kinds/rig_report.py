@@ -19,10 +19,9 @@ from reliab.report.numbers import Significant, in_line
 from reliab.report.prose import Prose, prose
 from reliab.report.sources import provenance_of
 from reliab.report.style import BLUE, GREY, INK, PALE, VERMILION, letters, panels, styled
-from reliab.rig.drift import FALSE_ALARMS, DriftChart, drift_chart, known_effects
 from reliab.rig.prediction import Prediction
 from reliab.rig.rig_table import RigTable
-from reliab.rig.watching import watch
+from reliab.rig.watching import FALSE_ALARMS, DriftChart, drift_chart, known_effects, watch
 from reliab.structures.structure import Structure
 
 _LAST = 10

@@ -8,7 +8,7 @@ import numpy as np
 
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
-from reliab.core.file_limits import LIMITS
+from reliab.core.files import LIMITS
 from reliab.core.untrusted_files import named_within
 
 Row = tuple[float, ...]

@@ -18,8 +18,15 @@ from reliab.effects.effect import RecordEffect, Role, Setting
 from reliab.effects.integration_error import IntegrationError
 from reliab.effects.kernel import Kernel, call_kernel, pointer_to
 from reliab.simulation.hybrid_test.model import HybridTest
-from reliab.simulation.hybrid_test.open_loop import Motion3, read_displacement
-from reliab.simulation.hybrid_test.stepping import STATES, Plan, call_all, plan, read_delayed
+from reliab.simulation.hybrid_test.open_loop import (
+    STATES,
+    Motion3,
+    Plan,
+    call_all,
+    plan,
+    read_delayed,
+    read_displacement,
+)
 from reliab.simulation.integrators import CoarseExplicit, ExactIntegrator, Integrator
 
 

@@ -17,8 +17,7 @@ from reliab.simulation.linear_loop.dominant_pole import (
     reduction_loss,
 )
 from reliab.simulation.linear_loop.drive_stepping import DrivenCells, driven_cells
-from reliab.simulation.linear_loop.pole_plane.basis import pole_basis
-from reliab.simulation.linear_loop.pole_plane.plane import Expansion, expansions
+from reliab.simulation.linear_loop.pole_plane import Expansion, expansions, pole_basis
 from reliab.simulation.linear_loop.pole_recursion import Recursion, recursions
 from reliab.simulation.linear_loop.shared_drives import shared_drives
 from reliab.structures.stability import critical_delay, refuse_long_leads

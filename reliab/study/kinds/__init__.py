@@ -4,8 +4,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from reliab.core.registry import Registry
-from reliab.study.folders import folders_of_kinds, kind_of
-from reliab.study.kind import Kind
+from reliab.study.folders import Kind, folders_of_kinds, kind_of
 from reliab.study.kinds import criterion, discrepancy
 
 

@@ -14,12 +14,12 @@ from reliab.core.shipped import shipped
 from reliab.criterion.criterion import Criterion
 from reliab.report.document import Document
 from reliab.study.description import CriterionStudy
-from reliab.study.kind import Kind
-from reliab.study.material import Material
+from reliab.study.folders import Kind
 from reliab.study.stages import Stage, digest, made_with, read_result
 from reliab.study.steps import (
     CRITERIA,
     ELLIPSES,
+    Material,
     derivation,
     derivation_of,
     judgement,
@@ -30,10 +30,9 @@ from reliab.study.steps import (
 )
 from reliab.sweep.ellipse_file import open_ellipses
 from reliab.sweep.results import REAL, open_results, real_results
-from reliab.validation.cross_validation.candidates import Printed
 from reliab.validation.cross_validation.counts import CrossValidation
 from reliab.validation.cross_validation.folds import Fold
-from reliab.validation.cross_validation.judge import cross_validate
+from reliab.validation.cross_validation.judge import Printed, cross_validate
 from reliab.validation.cross_validation.truth import StoredTruth
 from reliab.validation.earthquakes import earthquakes_among
 

@@ -12,7 +12,7 @@ from reliab.core.shipped import shipped
 from reliab.report.content import save_content, saved_content
 from reliab.report.document import Document
 from reliab.study.description import Study, Table
-from reliab.study.kind import Kind
+from reliab.study.folders import Kind
 from reliab.study.stages import Stage, digest, made_with
 
 if TYPE_CHECKING:

@@ -20,7 +20,7 @@ from reliab.simulation.deviation import Deviation
 from reliab.simulation.engine import Engine, Loop
 from reliab.simulation.linear_loop.blocks import block_length
 from reliab.simulation.linear_loop.cells import Cells
-from reliab.simulation.linear_loop.pole_plane.plane import mean_squares
+from reliab.simulation.linear_loop.pole_plane import mean_squares
 from reliab.structures.structure import Structure
 from reliab.tracking.boundary.contour import AMPLITUDE_STEP, Contour, trace_contours
 from reliab.tracking.indices.response_error import relative_error

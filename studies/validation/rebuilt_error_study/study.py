@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 
 from reliab.core.errors import InputError
+from reliab.core.plain_values import read_table, write_table
 from reliab.core.progress import Progress, silent
-from reliab.core.rows import read_table, write_table
 from reliab.validation.cross_validation.counts import event_bootstrap
 
 from .bench import tests_of_round

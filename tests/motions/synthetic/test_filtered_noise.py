@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from reliab.motions.synthetic.parameters import ComponentParameters
+from reliab.motions.synthetic.dabaghi_der_kiureghian_2018 import ComponentParameters
 from reliab.motions.synthetic.recording import Modulation, filter_frequency, filter_noise
 
 _STEP = 0.01

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, strategies as st
 from scipy import integrate, stats
 
-from reliab.motions.synthetic import parameters
+from reliab.motions.synthetic import dabaghi_der_kiureghian_2018 as model
 
 _NORMAL = st.floats(-3.5, 3.5)
 
@@ -15,18 +15,18 @@ _NORMAL = st.floats(-3.5, 3.5)
 @given(_NORMAL)
 def test_oscillations_are_beta_distributed_between_2_and_3_2(nu: float) -> None:
     expected = stats.beta(1.30326178289206, 3.96858083951547, loc=2.0, scale=1.2).ppf(stats.norm.cdf(nu))
-    assert parameters.oscillations(nu) == pytest.approx(expected, rel=1e-5)
+    assert model.oscillations(nu) == pytest.approx(expected, rel=1e-5)
 
 
 @given(_NORMAL)
 def test_logarithm_of_the_bandwidth_is_beta_distributed(nu: float) -> None:
     expected = stats.beta(5.33551936215137, 3.82954843573707, loc=-4.7, scale=4.7).ppf(stats.norm.cdf(nu))
-    assert np.log(parameters.bandwidth(nu)) == pytest.approx(expected, abs=1e-5)
+    assert np.log(model.bandwidth(nu)) == pytest.approx(expected, abs=1e-5)
 
 
 @given(_NORMAL)
 def test_phase_is_uniform_over_a_turn(nu: float) -> None:
-    assert parameters.phase(nu) == pytest.approx(2.0 * stats.norm.cdf(nu))
+    assert model.phase(nu) == pytest.approx(2.0 * stats.norm.cdf(nu))
 
 
 def _slope_density(slope: float) -> float:
@@ -40,15 +40,13 @@ def test_published_slope_density_has_unit_area() -> None:
 
 @given(_NORMAL)
 def test_slope_inverts_the_integral_of_its_density(nu: float) -> None:
-    slope = parameters.slope(nu)
+    slope = model.slope(nu)
     share = integrate.quad(_slope_density, -3.5, min(slope, 0.0))[0]
     share += integrate.quad(_slope_density, 0.0, slope)[0] if slope > 0 else 0.0
     assert share == pytest.approx(stats.norm.cdf(nu), abs=1e-6)
 
 
-@pytest.mark.parametrize(
-    "transform", [parameters.oscillations, parameters.bandwidth, parameters.phase, parameters.slope]
-)
+@pytest.mark.parametrize("transform", [model.oscillations, model.bandwidth, model.phase, model.slope])
 def test_transforms_increase(transform: Callable[[float], float]) -> None:
     values = [transform(nu) for nu in np.linspace(-6.0, 6.0, 101)]
     assert np.all(np.diff(values) >= 0.0)

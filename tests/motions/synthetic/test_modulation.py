@@ -5,7 +5,7 @@ import pytest
 from hypothesis import assume, given, strategies as st
 
 from reliab.core.vocabulary import STANDARD_GRAVITY
-from reliab.motions.synthetic.parameters import ComponentParameters
+from reliab.motions.synthetic.dabaghi_der_kiureghian_2018 import ComponentParameters
 from reliab.motions.synthetic.recording import Modulation, fit_modulation
 
 _SHAPES = st.builds(

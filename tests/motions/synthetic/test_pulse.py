@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, strategies as st
 from scipy import integrate
 
-from reliab.motions.synthetic.parameters import PulseParameters
+from reliab.motions.synthetic.dabaghi_der_kiureghian_2018 import PulseParameters
 from reliab.motions.synthetic.recording import pulse_acceleration
 
 _PULSE = PulseParameters(velocity=0.8, period=2.0, oscillations=2.2, phase=1.0, peak_time=5.0)

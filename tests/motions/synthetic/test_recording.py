@@ -8,11 +8,15 @@ from numpy.typing import NDArray
 from scipy import integrate
 
 from reliab.core.vocabulary import STANDARD_GRAVITY
-from reliab.motions.synthetic.dabaghi_der_kiureghian_2018 import NO_PULSE
-from reliab.motions.synthetic.parameters import RecordingParameters, physical_parameters
+from reliab.motions.synthetic.dabaghi_der_kiureghian_2018 import (
+    NO_PULSE,
+    Mechanism,
+    RecordingParameters,
+    Scenario,
+    physical_parameters,
+)
 from reliab.motions.synthetic.random_stream import RandomStream
 from reliab.motions.synthetic.recording import TIME_STEP, simulate_recording, trim_quiet_ends, turned
-from reliab.motions.synthetic.scenario import Mechanism, Scenario
 from reliab.motions.synthetic.suite import QUANTUM, EventErrors, Recording, simulate_event
 
 

@@ -6,9 +6,15 @@ from math import exp, log, sqrt
 import numpy as np
 import pytest
 
-from reliab.motions.synthetic.dabaghi_der_kiureghian_2018 import NO_PULSE, PULSE, Regression
-from reliab.motions.synthetic.parameters import RecordingParameters, physical_parameters
-from reliab.motions.synthetic.scenario import Mechanism, Scenario
+from reliab.motions.synthetic.dabaghi_der_kiureghian_2018 import (
+    NO_PULSE,
+    PULSE,
+    Mechanism,
+    RecordingParameters,
+    Regression,
+    Scenario,
+    physical_parameters,
+)
 
 _SCENARIO = Scenario(
     magnitude=7.0,

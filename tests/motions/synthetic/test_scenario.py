@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from reliab.core.errors import InputError
+from reliab.motions.synthetic.dabaghi_der_kiureghian_2018 import VALID_RANGES, Mechanism, Scenario
 from reliab.motions.synthetic.fema_p695_2009 import (
     Earthquake,
     draw_earthquake,
@@ -14,7 +15,6 @@ from reliab.motions.synthetic.fema_p695_2009 import (
     rupture_length,
 )
 from reliab.motions.synthetic.random_stream import RandomStream
-from reliab.motions.synthetic.scenario import VALID_RANGES, Mechanism, Scenario
 from reliab.motions.synthetic.suite import pulse_probability
 
 _VALUES = {

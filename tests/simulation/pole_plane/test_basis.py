@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from reliab.simulation.linear_loop.pole_plane.basis import FARTHEST, distance, pole_basis
+from reliab.simulation.linear_loop.pole_plane import FARTHEST, distance, pole_basis
 from reliab.structures.structure import Structure
 
 STRUCTURES = [

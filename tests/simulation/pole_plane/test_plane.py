@@ -8,7 +8,7 @@ import pytest
 from reliab.motions.loading import load_motions
 from reliab.simulation.engine import Engine, Loop
 from reliab.simulation.excitation import Excitation
-from reliab.simulation.linear_loop.pole_plane.plane import mean_squares
+from reliab.simulation.linear_loop.pole_plane import mean_squares
 from reliab.structures.structure import Structure
 
 TIME = np.arange(0.0, 30.0, 0.01)

@@ -5,7 +5,7 @@ import pytest
 from reliab_studies.laboratory.march import Events, NumericalStep, PlantStep, march
 
 from reliab.effects.kernel import Kernel
-from reliab.simulation.hybrid_test.stepping import STATES, Plan
+from reliab.simulation.hybrid_test.open_loop import STATES, Plan
 
 H = 0.01
 SAMPLES = 60

@@ -5,7 +5,7 @@ import pytest
 
 from reliab.simulation.excitation import Excitation
 from reliab.structures.structure import Structure
-from reliab.tracking.boundary.cut_records import ratios_of_cut_record
+from reliab.tracking.boundary.finite_errors import ratios_of_cut_record
 from reliab.tracking.boundary.first_order import exact_response, first_order_ellipse
 
 STEP = 0.01

@@ -10,7 +10,6 @@ from reliab.core.vocabulary import ELLIPSE_DIMENSIONS, Side
 from reliab.criterion.laws.dimensionless import Dimensionless
 from reliab.criterion.laws.table import Table
 from reliab.criterion.methods.registry import method_of
-from reliab.validation.cross_validation.candidates import Derived, Printed
 from reliab.validation.cross_validation.counts import event_bootstrap, tabulate
 from reliab.validation.cross_validation.folds import (
     Fold,
@@ -21,7 +20,7 @@ from reliab.validation.cross_validation.folds import (
     random_halves,
     transfer,
 )
-from reliab.validation.cross_validation.judge import cross_validate
+from reliab.validation.cross_validation.judge import Derived, Printed, cross_validate
 
 
 def lognormal_ellipses(events: int, motions: int, seed: int, share: float = 0.3) -> xr.Dataset:

@@ -14,11 +14,9 @@ from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop import spectral
 from reliab.structures.structure import Structure
 from reliab.tracking.indices.window import Window
-from reliab.validation.cross_validation.candidates import Printed
-from reliab.validation.cross_validation.cell import Cell, Region
 from reliab.validation.cross_validation.folds import leave_one_event_out
-from reliab.validation.cross_validation.judge import cross_validate
-from reliab.validation.cross_validation.truth import EllipseTruth, SimulatedTruth, StoredTruth
+from reliab.validation.cross_validation.judge import Printed, cross_validate
+from reliab.validation.cross_validation.truth import Cell, EllipseTruth, Region, SimulatedTruth, StoredTruth
 
 CELL = Cell(frequency=1.0, damping_ratio=0.02, threshold=0.05, metric="rms")
 

@@ -35,8 +35,7 @@ from reliab.criterion.methods.hierarchical.strata import (
     weights_of_motion_mean,
 )
 from reliab.criterion.methods.method import Learned, checked_share
-from reliab.criterion.population import Population
-from reliab.criterion.sample_grid import SampleGrid
+from reliab.criterion.population import Population, SampleGrid
 from reliab.criterion.scaling import scales
 from reliab.sampling.ensembles import Ensembles, draw, width_of
 from reliab.sampling.laplace import Laplace

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar, Final
 from reliab.core.errors import InputError
 from reliab.core.progress import Progress, silent
 from reliab.criterion.methods.method import Method, checked_share
-from reliab.criterion.sample_grid import SampleGrid
+from reliab.criterion.population import SampleGrid
 
 if TYPE_CHECKING:
     from reliab.criterion.methods.hierarchical.fit import HierarchicalFit
