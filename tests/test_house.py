@@ -27,7 +27,6 @@ LONG_FUNCTIONS = {
     "simulation/hybrid_test/closed_loop.py:march": "one compiled loop",
     "simulation/linear_loop/drive_stepping.py:_track_lanes": "one compiled loop",
     "simulation/linear_loop/pole_recursion.py:_track_lanes": "one compiled loop",
-    "simulation/linear_loop/short_delay.py:_track_lanes": "one compiled loop",
 }
 """Functions longer than the rule allows, and why."""
 

@@ -178,7 +178,7 @@ def test_a_record_in_a_large_file_is_refused_after_reading_no_more_than_allowed(
     assert not report.faults
     assert open_source(path, report, most=399) is None
     with pytest.raises(InputError, match=r"The file is larger than 0\.000399 MB\. Keep"):
-        report.raise_first()
+        report.require(None)
     assert open_source(path, report, limit=100, most=399).content == b"0.1\n" * 25  # a head of any file
 
 

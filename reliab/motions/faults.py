@@ -62,11 +62,6 @@ class Report:
             self.add(error.rule, line=line, value=error.value, remedy=error.remedy)
             return None
 
-    def raise_first(self) -> None:
-        """Raise the first fault, if there is one."""
-        if self.faults:
-            raise self.faults[0].error()
-
     def require(self, value: T | None) -> T:
         """Return what was found if the file has no fault."""
         if value is None or self.faults:

@@ -51,11 +51,6 @@ class NormalInverseChiSquared:
             variance=float(sample.var(ddof=1)),
         )
 
-    def mean_quantile(self, probability: ArrayLike) -> Array:
-        """Quantile of μ, Student's t."""
-        spread = np.sqrt(self.variance / self.mean_weight)
-        return np.asarray(scipy.stats.t.ppf(probability, self.degrees_of_freedom, self.mean, spread))
-
     def predictive_quantile(self, probability: ArrayLike) -> Array:
         """Quantile of a further value, Student's t."""
         spread = np.sqrt(self.variance * (1.0 + 1.0 / self.mean_weight))

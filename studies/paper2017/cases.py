@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from reliab_studies.laboratory.compensators.feedforward import Feedforward
 from reliab_studies.laboratory.compensators.inverse import InverseCompensation
 from reliab_studies.laboratory.compensators.polynomial_extrapolation import PolynomialExtrapolation
+from reliab_studies.laboratory.integrators import CentralDifference, ChenRicles, OperatorSplitting
 
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import MILLI
@@ -25,13 +26,7 @@ from reliab.criterion.laws.registry import OF_MANY_MOTIONS
 from reliab.motions.motion import Motion, resample, truncate
 from reliab.simulation.hybrid_test.closed_loop import Compensator, run_closed_loop
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
-from reliab.simulation.integrators import (
-    CentralDifference,
-    ChenRicles,
-    ExactIntegrator,
-    Integrator,
-    OperatorSplitting,
-)
+from reliab.simulation.integrators import ExactIntegrator, Integrator
 from reliab.structures.structure import Structure
 from reliab.tracking.indices.frequency_evaluation import frequency_evaluation
 from reliab.tracking.indices.response_error import response_error

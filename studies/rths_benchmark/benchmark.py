@@ -112,10 +112,20 @@ def benchmark_plants(perturbed: int, seed: int = 0) -> list[BenchmarkPlant]:
     return plants
 
 
+def inverse_factors(servo: ServoHydraulic, specimen: Specimen) -> tuple[float, ...]:
+    """Return the factors a₀ to a₃ of the inverse 1/(a₀ + a₁s + …) of the whole plant, for `ModelInverse`."""
+    k, c, m = specimen.stiffness, specimen.damping, specimen.mass
+    a2, a3, b1, b2 = servo.piston_coupling, servo.leakage, servo.valve_damping, servo.valve_stiffness
+    column = np.array([k * a3, k + c * a3 + a2, c + m * a3, m])  # ascending powers
+    whole = np.convolve([b2, b1, 1.0], column)
+    whole[0] += servo.valve_gain
+    return tuple((whole / (servo.input_gain * servo.valve_gain))[:4].tolist())
+
+
 def benchmark_compensator(name: str) -> Compensator | None:
     """Return the controller or compensator of a name, set up for the nominal plant."""
     specimen = benchmark_partition(1).specimen
-    factors = ServoHydraulic().inverse_factors(specimen)
+    factors = inverse_factors(ServoHydraulic(), specimen)
     lag = factors[1] / factors[0]
     compensators: dict[str, Compensator | None] = {
         "pi_phase_lead": PhaseLeadControl(quantum=_CONVERTER),

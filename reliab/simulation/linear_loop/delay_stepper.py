@@ -8,7 +8,7 @@ The oscillator is propagated exactly over a block for a record that is linear th
 as the cubic through its values and rates at both ends; the delayed state is read from the cubic
 through the stored displacements and velocities. A delay shorter than the block makes the step
 implicit, which costs nothing because the loop is linear. Cells whose delays reach back by the same
-number of blocks advance side by side; `short_delay` steps those shorter than a block.
+number of blocks advance side by side.
 """
 
 import numpy as np
@@ -16,7 +16,6 @@ import numpy as np
 from reliab.core.arrays import Array, Spectrum
 from reliab.core.compiled import compiled, copy_rows
 from reliab.simulation.deviation import LATEST, TRACKS, Deviation, end_weight, follow, summary
-from reliab.simulation.linear_loop import short_delay
 from reliab.simulation.linear_loop.blocks import Blocks, ramp_weights
 from reliab.structures.structure import Structure
 
@@ -162,9 +161,6 @@ def deviation(blocks: Blocks, structure: Structure, gain: Array, delay: Array) -
     reach = np.floor(delay / blocks.step).astype(np.int64)
     for span in np.unique(reach):
         alike = np.flatnonzero(reach == span)
-        if span == 0:
-            tracks[:, alike] = short_delay.tracks(blocks, cells[:, alike])
-            continue
         for first in range(0, alike.size, LANES):
             lanes = alike[first : first + LANES]
             filled = np.append(lanes, np.repeat(lanes[-1], LANES - lanes.size))

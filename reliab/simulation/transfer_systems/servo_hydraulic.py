@@ -116,12 +116,3 @@ class ServoHydraulic(TransferSystem):
         valve = s * s + self.valve_damping * s + self.valve_stiffness
         loop = valve * ((s + self.leakage) * impedance + self.piston_coupling * s) + self.valve_gain
         return np.asarray(self.input_gain * self.valve_gain / loop)
-
-    def inverse_factors(self, specimen: Specimen) -> tuple[float, ...]:
-        """Factors a₀ to a₃ of the inverse 1/(a₀ + a₁s + …) of the whole plant, for `ModelInverse`."""
-        k, c, m = specimen.stiffness, specimen.damping, specimen.mass
-        a2, a3, b1, b2 = self.piston_coupling, self.leakage, self.valve_damping, self.valve_stiffness
-        column = np.array([k * a3, k + c * a3 + a2, c + m * a3, m])  # ascending powers
-        whole = np.convolve([b2, b1, 1.0], column)
-        whole[0] += self.valve_gain
-        return tuple((whole / (self.input_gain * self.valve_gain))[:4].tolist())

@@ -143,11 +143,6 @@ class TransferFunction(TransferSystem):
         """Zeros [1/s]."""
         return np.asarray(np.roots(self.numerator), dtype=np.complex128)
 
-    @property
-    def static_gain(self) -> float:
-        """Gain at rest [-]; infinite with a pole at zero."""
-        return self.numerator[-1] / self.denominator[-1] if self.denominator[-1] else math.inf
-
     def transfer(self, s: Spectrum, specimen: Specimen) -> Spectrum:
         """Measured over sent displacement [-] at s [rad/s]; the specimen does not matter."""
         del specimen

@@ -6,9 +6,6 @@ from reliab_studies.laboratory.laboratory import Rig, run_laboratory
 
 from reliab.core.errors import InputError
 from reliab.simulation.frames.reduced_loop import pole_loop
-from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
-from reliab.simulation.hybrid_test.model import Actuator, HybridTest
-from reliab.simulation.integrators import CentralDifference, ChenRicles
 from reliab.simulation.transfer_systems.transfer_function import gain_and_delay
 from reliab.structures.critical_delay import stability_limit
 from reliab.structures.frames.frame import Frame
@@ -69,46 +66,6 @@ def test_tests_grow_beyond_the_critical_delay_and_decay_below(random_partition, 
         last = run.command[run.command.size // 2 :]
         early, late = (np.abs(part).max() for part in (last[: last.size // 5], last[-last.size // 5 :]))
         assert bool(late > early) is grows
-
-
-def least_damped_pole(structure, step, delay, integrator):
-    """Pole ln(z)/h of a test integrated in steps: largest eigenvalue z of its linear map from step to step.
-
-    The state is displacement, velocity, acceleration, and the displacements that are still on their way.
-    """
-    w0, xi, h = structure.circular_frequency, structure.damping_ratio, step
-    damping, specimen = 2.0 * xi * w0, structure.experimental_fraction * w0**2
-    whole = int(delay / step)
-    part = delay / step - whole
-    (x, v, a), past = np.split(np.eye(whole + 6), [3])  # columns of the map are the images of unit vectors
-    if integrator is ChenRicles:
-        moved = 4.0 / (4.0 + 2.0 * h * damping + (h * w0) ** 2) * a
-        x, v = x + h * v + h**2 * moved, v + h * moved
-    else:
-        x, v = x + h * v + 0.5 * h**2 * a, v + 0.5 * h * a
-    sent = np.vstack([x, past])
-    force = specimen * ((1.0 - part) * sent[whole] + part * sent[whole + 1])
-    load = damping * v + (w0**2 - specimen) * x + force
-    if integrator is ChenRicles:
-        a = -load
-    else:
-        a = -load / (1.0 + 0.5 * h * damping)
-        v = v + 0.5 * h * a
-    poles = np.log(np.linalg.eigvals(np.vstack([x, v, a, sent[:-1]])).astype(complex) + 1e-300) / h
-    return poles[np.argmax(poles.real)]
-
-
-@pytest.mark.parametrize("integrator", [CentralDifference, ChenRicles])
-def test_the_least_damped_discrete_pole_is_the_growth_of_the_integrated_test(integrator):
-    structure = Structure(frequency=2.0, damping_ratio=0.02)
-    step, delay = 1 / 256, 3.4 / 256
-    pole = least_damped_pole(structure, step, delay, integrator)
-    test = HybridTest(structure=structure, actuator=Actuator(delay=delay))
-    scheme_of_test = integrator() if integrator is CentralDifference else integrator(structure=structure)
-    ground = np.concatenate([np.hanning(30), np.zeros(1500)])
-    moved = run_closed_loop(test, ground, step, integrator=scheme_of_test).command.values[0]
-    first, second = (np.std(moved[part]) for part in (slice(500, 756), slice(1244, 1500)))  # two cycles each
-    assert np.log(second / first) / (744 * step) == pytest.approx(pole.real, rel=0.02)
 
 
 def test_a_specimen_with_half_of_the_mass_tolerates_no_delay():

@@ -1,41 +1,19 @@
-"""Integration schemes against the exact response, their orders and their stability."""
+"""Integrators of the numerical substructure against solutions written out here."""
 
 import numpy as np
 import pytest
 import scipy
 
 from reliab.effects.registry import find_effect
-from reliab.simulation.excitation import Excitation
 from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
 from reliab.simulation.hybrid_test.model import HybridTest
-from reliab.simulation.integrators import (
-    CentralDifference,
-    ChenRicles,
-    ExactIntegrator,
-    LinearSubstructure,
-    OperatorSplitting,
-)
-from reliab.simulation.linear_loop import spectral
+from reliab.simulation.integrators import ExactIntegrator, LinearSubstructure
 from reliab.structures.structure import Structure
-
-
-def scheme(name, structure):
-    schemes = {
-        "cr": ChenRicles(structure=structure),
-        "cd": CentralDifference(),
-        "os": OperatorSplitting(structure=structure),
-    }
-    return schemes[name]
 
 
 def record(step, duration=20.0):
     t = np.arange(0.0, duration + step / 2, step)
     return np.sin(2 * np.pi * 0.8 * t) * np.exp(-(((t - 6.0) / 3.0) ** 2))
-
-
-def response(name, structure, step):
-    test = HybridTest(structure=structure)
-    return run_closed_loop(test, record(step), step, integrator=scheme(name, structure)).command.values[0]
 
 
 def test_the_exact_scheme_ends_each_step_in_equilibrium_on_the_exact_motion():
@@ -52,35 +30,6 @@ def test_the_exact_scheme_ends_each_step_in_equilibrium_on_the_exact_motion():
     solved = scipy.integrate.solve_ivp(slope, (0.0, 2.0 * step), [0.0, 0.0], rtol=1e-11, atol=1e-14)
     np.testing.assert_allclose(motion[:2], solved.y[:, -1], rtol=1e-9)
     assert motion[2] == pytest.approx(2.0 * load - 3.0 * motion[1] - 400.0 * motion[0], rel=1e-12)
-
-
-@pytest.mark.parametrize("name", ["cr", "cd", "os"])
-@pytest.mark.parametrize("fraction", [1.0, 0.4])
-def test_scheme_converges_to_the_exact_response_with_second_order(name, fraction):
-    structure = Structure(frequency=1.0, damping_ratio=0.05, experimental_fraction=fraction)
-    errors = []
-    for step in (0.01, 0.005):
-        excitation = Excitation(acceleration=record(0.0025), time_step=0.0025)
-        exact, fine = spectral.response(excitation, structure, 1.0, 0.0)
-        found = response(name, structure, step)
-        sampled = np.interp(step * np.arange(found.size), fine * np.arange(exact.size), exact)
-        errors.append(np.abs(found - sampled).max() / np.abs(exact).max())
-    assert errors[1] < 2e-3
-    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.15)
-
-
-@pytest.mark.parametrize(("name", "stable"), [("cr", True), ("cd", False), ("os", True)])
-def test_stability_at_a_step_of_a_third_of_the_period(name, stable):
-    structure = Structure(frequency=1.0, damping_ratio=0.02)
-    found = response(name, structure, 1.0 / 3.0)
-    assert bool(np.isfinite(found).all() and np.abs(found).max() < 1.0) is stable
-
-
-def test_schemes_agree_at_the_rate_of_a_laboratory():
-    structure = Structure(frequency=1.0, damping_ratio=0.02)
-    cr, cd, splitting = (response(name, structure, 1.0 / 1024.0) for name in ("cr", "cd", "os"))
-    assert np.abs(cr - cd).max() < 1e-4 * np.abs(cr).max()
-    assert np.abs(cr - splitting).max() < 1e-4 * np.abs(cr).max()
 
 
 def stepped(structure, ground, step, gamma):

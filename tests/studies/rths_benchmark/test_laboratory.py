@@ -14,6 +14,7 @@ from reliab_studies.rths_benchmark.benchmark import (
     benchmark_partition,
     benchmark_plants,
     benchmark_rig,
+    inverse_factors,
     scaled_record,
 )
 from reliab_studies.rths_benchmark.outcomes import NAMES, benchmark_criteria, tracking_delay
@@ -279,3 +280,8 @@ def test_a_step_of_the_classical_runge_kutta_method_is_that_of_the_textbook():
     expected = state + step / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
     transition, early, between, late = _runge_kutta_step(dynamics, loads, step)
     assert transition @ state + early @ begin + between @ middle + late @ end == pytest.approx(expected)
+
+
+def test_benchmark_plant_has_the_published_inverse():
+    factors = inverse_factors(ServoHydraulic(), benchmark_partition(1).specimen)
+    np.testing.assert_allclose(factors, [0.992542, 0.0248894, 1.066232e-4, 3.856392e-7], rtol=2e-5)
