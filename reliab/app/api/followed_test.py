@@ -19,7 +19,7 @@ from reliab.assessment.budget.sizes import (
     sizes_of_unknown,
     tolerances_of,
 )
-from reliab.assessment.coupled_error.coupled_error import CoupledError, DegreeError
+from reliab.assessment.coupled_error.coupled_error import CoupledError
 from reliab.assessment.coupled_error.monitor import CoupledMonitor
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.measured_specimen.force_channel import ForceChannel
@@ -29,10 +29,11 @@ from reliab.assessment.plausibility import RunningSign
 from reliab.assessment.rebuilt_error.loop_energy import FALSE_ALARMS
 from reliab.assessment.rebuilt_error.rebuild import DRAWS
 from reliab.assessment.rebuilt_error.running_error import Monitor
-from reliab.assessment.rebuilt_error.running_test import FALSE_ERROR_ALARMS, RunningTest
+from reliab.assessment.rebuilt_error.running_test import FALSE_ERROR_ALARMS
 from reliab.assessment.verdict import ERROR_NAMES, Word, error_in_words, word_of_probability
 from reliab.core.encodings import pieces_as_utf8
 from reliab.core.files import written_whole
+from reliab.core.plain_values import PlainResult
 from reliab.core.significant_digits import percent, significant
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import Metric
@@ -53,60 +54,6 @@ if TYPE_CHECKING:
     from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment
 
 
-def degrees_so_far(monitor: RunningTest) -> dict[str, Any]:
-    """Errors of each displacement at the last sample, and which governs; nothing of one actuator."""
-    if not isinstance(monitor, CoupledMonitor):
-        return {}
-    return {
-        "governing": monitor.governing,
-        "degrees_of_freedom": {
-            name: {
-                "error_m": now.error,
-                "rms": now.rms,
-                "mte": now.mte,
-                "judged": name in monitor.judged,
-            }
-            for name, now in monitor.displacements.items()
-        },
-    }
-
-
-def errors_with_intervals(
-    asked: object, monitor: RunningTest, sizes: Mapping[str, Size], threshold: float, metric: Metric
-) -> dict[str, Any]:
-    """Intervals of the error that was asked for, of several actuators that of each displacement."""
-    by_degree: dict[str, Any] = {}
-    if isinstance(asked, CoupledError):
-        governing = asked.governing(metric)
-        by_degree = {
-            "governing": None if governing is None else governing.name,
-            "degrees_of_freedom": {
-                degree.name: _of_degree(degree, sizes, threshold, metric) for degree in asked.displacements
-            },
-        }
-    return {
-        **_errors(monitor.result, sizes, threshold, metric),
-        "until_s": monitor.now.time,
-        "metric": str(metric),
-        "threshold": threshold,
-        **by_degree,
-    }
-
-
-def _of_degree(
-    degree: DegreeError, sizes: Mapping[str, Size], threshold: float, metric: Metric
-) -> dict[str, Any]:
-    why = {} if degree.judged else {"why_not": degree.why_not_judged}
-    errors = _errors(degree if degree.judged else None, sizes, threshold, metric)
-    return {"judged": degree.judged, **why, **errors}
-
-
-def _errors(error: Any, sizes: Mapping[str, Size], threshold: float, metric: Metric) -> dict[str, Any]:  # noqa: ANN401 - of any kind of test
-    """RMS^R and MTE^R with their intervals, and the probability of staying below a threshold."""
-    probability = None if error is None else as_certain_as(sizes, error.probability(threshold, metric))
-    return {**plain_errors(None if error is None else error.estimate), "probability": probability}
-
-
 AnyMonitor = Monitor | MeasuredMonitor | CoupledMonitor
 
 _MILLISECONDS = 1e-3
@@ -119,7 +66,7 @@ _GLANCE = 0.1  # s of the test between two looks at the alarms
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Message:
+class Message(PlainResult):
     """State of a running test at one moment."""
 
     kind: str  # Why it comes: time has passed, an alarm was raised, the test has ended
@@ -395,21 +342,53 @@ class FollowedTest:
                 "unstable": FALSE_ALARMS,
                 "error": FALSE_ERROR_ALARMS if self.of_force is None else None,
             },
-            **degrees_so_far(monitor),
-            **_learning(monitor),
+            **_of_kind(monitor),
             **more,
         }
         return Message(kind=kind, content=content, monitor=monitor, alarms=self.alarms)
 
     def _intervals(self, asked: object, monitor: AnyMonitor) -> dict[str, Any]:
-        return errors_with_intervals(asked, monitor, self.sizes, self.threshold, self.metric)
+        """Give intervals of the error that was asked for, of several actuators those of each displacement."""
+        by_degree: dict[str, Any] = {}
+        if isinstance(asked, CoupledError):
+            governing = asked.governing(self.metric)
+            by_degree = {
+                "governing": None if governing is None else governing.name,
+                "degrees_of_freedom": {
+                    degree.name: {
+                        "judged": degree.judged,
+                        **({} if degree.judged else {"why_not": degree.why_not_judged}),
+                        **self._errors(degree if degree.judged else None),
+                    }
+                    for degree in asked.displacements
+                },
+            }
+        return {
+            **self._errors(monitor.result),
+            "until_s": monitor.now.time,
+            "metric": str(self.metric),
+            "threshold": self.threshold,
+            **by_degree,
+        }
+
+    def _errors(self, error: Any) -> dict[str, Any]:  # noqa: ANN401 - of any kind of test
+        """RMS^R and MTE^R with their intervals, and the probability of staying below the threshold."""
+        if error is None:
+            return {**plain_errors(None), "probability": None}
+        probability = as_certain_as(self.sizes, error.probability(self.threshold, self.metric))
+        return {**plain_errors(error.estimate), "probability": probability}
 
 
-def _learning(monitor: AnyMonitor) -> dict[str, Any]:
-    """Say whether a measured specimen is still being learned, and what it misses; nothing of others."""
-    if not isinstance(monitor, MeasuredMonitor):
-        return {}
-    specimen = monitor.specimen
-    held_out = None if specimen is None else specimen.held_out
-    of_force = {"learning": monitor.now.rms is None, "held_out": held_out, "until_s": monitor.asked_at}
-    return {"specimen": of_force}
+def _of_kind(monitor: AnyMonitor) -> dict[str, Any]:
+    """Give errors of several displacements so far, or how far a measured specimen is learned."""
+    if isinstance(monitor, CoupledMonitor):
+        errors = {
+            name: {"error_m": now.error, "rms": now.rms, "mte": now.mte, "judged": name in monitor.judged}
+            for name, now in monitor.displacements.items()
+        }
+        return {"governing": monitor.governing, "degrees_of_freedom": errors}
+    if isinstance(monitor, MeasuredMonitor):
+        held_out = None if monitor.specimen is None else monitor.specimen.held_out
+        learned = {"learning": monitor.now.rms is None, "held_out": held_out, "until_s": monitor.asked_at}
+        return {"specimen": learned}
+    return {}
