@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 
+from reliab.core.columns import Columns, written_cells
 from reliab.core.encodings import as_cell, of_cell
 from reliab.core.files import refuse_unwritable, written_whole
 from reliab.core.stated_value import StatedValue
@@ -103,11 +104,9 @@ class ResultWithRows(PlainResult):
     """A result whose plain values hold rows: criteria, tests, motions, ellipses."""
 
     rows_in: ClassVar[str]  # The key of `to_dict` that holds the rows
-    shown: ClassVar[tuple[str, ...]] = ()  # Columns in `summary` and in notebooks; all by default
-    plotted: ClassVar[tuple[str, str]] = (
-        "",
-        "",
-    )  # Columns that `plot` draws; row and first number by default
+    # Columns on a screen, in `summary` and in notebooks, or names of those of the table; all by default
+    shown: ClassVar[Columns | tuple[str, ...]] = ()
+    plotted: ClassVar[tuple[str, str]] = ("", "")  # Columns that `plot` draws; row, first number by default
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Put the rows into a table, with their keys as columns; a value within a value is `outer_inner`."""
@@ -124,6 +123,11 @@ class ResultWithRows(PlainResult):
         return str(self._shown().to_html(index=False, na_rep="", **AS_SHOWN))
 
     def _shown(self) -> "pd.DataFrame":
+        if isinstance(self.shown, Mapping):
+            import pandas as pd
+
+            cells = written_cells(self.shown, self.to_dict()[self.rows_in])
+            return pd.DataFrame(cells, columns=list(self.shown))
         table = self.to_dataframe()
         return table[list(self.shown)] if self.shown and len(table) else table
 

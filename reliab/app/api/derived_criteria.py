@@ -5,10 +5,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import xarray as xr
 
+from reliab.core.columns import WHERE, Columns, digits
 from reliab.core.errors import IncompleteError, InputError
 from reliab.core.files import refuse_unwritable, require_ending, written_whole
 from reliab.core.plain_values import ResultWithRows
@@ -34,7 +35,15 @@ class Criteria(ResultWithRows):
     """Criteria with what they were derived from."""
 
     rows_in = "criteria"
-    shown = ("f", "xi", "threshold", "confidence", "a", "b", "amplitude_limit", "delay_limit_ms")
+    shown: ClassVar[Columns] = {
+        **WHERE,
+        "confidence [-]": ("confidence", lambda promise: "none" if promise is None else f"{promise:g}"),
+        "a [-]": ("a", digits),
+        "b [ms²]": ("b", digits),
+        "|A − 1| alone ≤": ("amplitude_limit", digits),
+        "lag alone ≤ [ms]": ("delay_limit_ms", digits),
+        "lead alone ≤ [ms]": ("lead_limit_ms", digits),
+    }
     plotted = ("f", "delay_limit_ms")
 
     # One for each share of the stiffness, error and share of the population's ground motions

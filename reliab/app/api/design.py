@@ -9,8 +9,10 @@ from reliab.app import questions
 from reliab.app.api.arguments import exact_values, stated_threshold, unused
 from reliab.app.declaration import Quantity, asks
 from reliab.assessment.design import CONFIDENCES, Tolerance, chart_frequencies, tolerable_errors
+from reliab.core.columns import Columns
 from reliab.core.errors import InputError
 from reliab.core.plain_values import ResultWithRows
+from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import Metric
 from reliab.criterion.criterion import Criterion
 from reliab.sweep.several import several
@@ -22,7 +24,14 @@ class Design(ResultWithRows):
 
     rows_in = "design"
     keys: ClassVar[Mapping[str, str]] = {"design": "tolerances", "chart": "chart"}
-    shown = ("f", "xi", "confidence", "amplitude_limit", "delay_limit_ms")
+    shown: ClassVar[Columns] = {
+        "f [Hz]": ("", lambda row: f"{row['f']:g}{'*' if row['outside_validity'] else ''}"),
+        "confidence": ("confidence", lambda share: "none" if share is None else percent(share, decimals=0)),
+        "|A − 1| alone": ("amplitude_limit", ".4f"),
+        "d alone [ms]": ("delay_limit_ms", ".3f"),
+        "|A − 1| and": ("amplitude_limit_of_both", ".4f"),
+        "d together [ms]": ("delay_limit_of_both_ms", ".3f"),
+    }
     plotted = ("f", "delay_limit_ms")
 
     # Of the structures that were asked for, by frequency, then by confidence

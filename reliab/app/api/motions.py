@@ -8,6 +8,7 @@ from typing import Any, ClassVar, Unpack
 from reliab.app import questions
 from reliab.app.api.sources import listed, paths
 from reliab.app.declaration import Files, asks
+from reliab.core.columns import Columns, digits
 from reliab.core.errors import InputError
 from reliab.core.plain_values import PlainResult, ResultWithRows
 from reliab.core.vocabulary import STANDARD_GRAVITY
@@ -32,7 +33,17 @@ class MotionList(ResultWithRows):
 
     rows_in = "motions"
     keys: ClassVar[Mapping[str, str]] = {"motions": "rows", "faults": "faults", "skipped": "skipped"}
-    shown = ("motion", "event", "duration", "pga_g", "arias_intensity")
+    shown: ClassVar[Columns] = {
+        "motion": ("motion", ""),
+        "event": ("event", ""),
+        "set": ("set", ""),
+        "dt [s]": ("time_step", ".5g"),
+        "T [s]": ("duration", ".2f"),
+        "PGA [g]": ("pga_g", ".4f"),
+        "I_A [m/s]": ("arias_intensity", digits),
+        "D5-95 [s]": ("significant_duration", ".2f"),
+        "T_m [s]": ("mean_period", ".3f"),
+    }
     plotted = ("duration", "pga_g")
 
     rows: list[dict[str, Any]]

@@ -13,12 +13,14 @@ from reliab.app.api.assessment import assess
 from reliab.app.api.channels import Channels
 from reliab.app.declaration import asks
 from reliab.assessment.frame_assessment import CoupledAssessment
+from reliab.core.columns import Columns
 from reliab.core.encodings import as_text
 from reliab.core.errors import InputError
 from reliab.core.files import ordinary, refuse_unwritable, require_ending, written_whole
 from reliab.core.plain_values import PlainResult, ResultWithRows
 from reliab.core.progress import Progress, silent
 from reliab.core.shipped import or_shipped
+from reliab.core.significant_digits import percent, significant
 from reliab.core.stated_value import StatedValue
 from reliab.recordings.record import About, record_test
 from reliab.rig.rig_folder import RigFolder
@@ -31,7 +33,18 @@ class RigList(ResultWithRows):
 
     rows_in = "tests"
     keys: ClassVar[Mapping[str, str]] = {"rig": "rig", "tests": "table.whole_rows", "faults": "table.faults"}
-    shown = ("name", "date", "A", "d_ms", "rms", "verdict")
+    shown: ClassVar[Columns] = {
+        "test": ("name", ""),
+        "SHA-256": ("sha256", lambda checksum: checksum[:8], "left"),
+        "date": ("date", lambda moment: moment[:10], "left"),
+        "event": ("event", ""),
+        "A": ("A", ".4f"),
+        "d [ms]": ("d_ms", ".2f"),
+        "remainder": ("remainder", significant),
+        "error": ("rms", lambda error: "" if error is None else percent(error)),
+        "verdict": ("verdict", lambda word: word.replace("_", " "), "left"),
+        "change": ("change", lambda sentence: sentence or "", "left"),
+    }
     plotted = ("d_ms", "rms")
 
     rig: Path

@@ -1,16 +1,17 @@
 """`trace_boundaries`: the boundary of each motion, traced or looked up, as rows of a and b."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, Unpack
+from typing import Any, ClassVar, Final, Unpack
 
 import xarray as xr
 
 from reliab.app import questions
 from reliab.app.api.sources import EllipseSource
 from reliab.app.declaration import asks
+from reliab.core.columns import WHERE, Columns
 from reliab.core.plain_values import ResultWithRows
 from reliab.core.progress import Show, quietly
 from reliab.core.vocabulary import CurveName, NoEllipse, Side
@@ -19,6 +20,7 @@ from reliab.sweep.shares import share_of
 
 _WHERE: Final = ["motion", "f", "xi", "alpha", "threshold", "metric"]
 _VALUES = ("a", "b", "sse", "n", "no_ellipse")
+_HEADINGS = {"_lead": ", lead", "_inscribed": ", inscribed", "_lead_inscribed": ", inscribed, lead"}
 _SUFFIXES: Final = {
     "": (CurveName.ELLIPSE, Side.LAG),
     "_lead": (CurveName.ELLIPSE, Side.LEAD),
@@ -27,12 +29,35 @@ _SUFFIXES: Final = {
 }
 
 
+def _parameter(name: str, ending: str, form: str) -> Callable[[Mapping[str, Any]], str]:
+    """Write a or b of one ellipse of a row, or in place of a why there is none."""
+
+    def written(row: Mapping[str, Any]) -> str:
+        value, reason = row.get(f"{name}{ending}"), row.get(f"no_ellipse{ending}")
+        if reason is not None:
+            return str(reason).replace("_", " ") if name == "a" else ""
+        return "" if value is None else format(value, form)
+
+    return written
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Boundaries(ResultWithRows):
     """Boundaries of equal error."""
 
     rows_in = "ellipses"
-    shown = ("motion", "f", "xi", "threshold", "metric", "a", "b")
+    shown: ClassVar[Columns] = {
+        "motion": ("motion", ""),
+        **WHERE,
+        "a [-]": ("", _parameter("a", "", ".3e")),
+        "b [ms²]": ("", _parameter("b", "", ".4g")),
+        **{
+            f"{name}{heading}": ("", _parameter(name, ending, form))
+            for ending, heading in _HEADINGS.items()
+            for name, form in (("a", ".3e"), ("b", ".4g"))
+        },
+        "points": ("n", "d"),
+    }
     plotted = ("a", "b")
 
     # `a` [-], `b` [ms²], `sse` [ms⁴] and `n` over motion, structure, error, curve and side, as

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, ClassVar, Unpack
 
 import numpy as np
@@ -23,6 +24,7 @@ from reliab.app.api.judged_motions import (
 )
 from reliab.app.api.sources import FIVE_PERCENT, EllipseSource, listed
 from reliab.app.declaration import asks
+from reliab.core.columns import Columns
 from reliab.core.errors import InputError
 from reliab.core.plain_values import ResultWithRows
 from reliab.core.progress import Show, quietly
@@ -43,12 +45,31 @@ _TRIALS = 512
 _CONFUSION = ("good_accepted", "good_rejected", "bad_accepted", "bad_rejected")
 
 
+def _share(value: float | None) -> str:
+    return "none" if value is None else percent(value, decimals=1)
+
+
+def _interval(rate: Mapping[str, float | None]) -> str:
+    """Write a rate [-] with its interval, where it has one."""
+    value, low, high = rate["rate"], rate["low"], rate["high"]
+    if value is None or low is None or high is None:
+        return _share(value)
+    return f"{_share(value)} ({_share(low)} … {_share(high)})"
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Validation(ResultWithRows):
     """How often criteria hold on motions from which they were not learned."""
 
     rows_in = "rows"
-    shown = ("candidate", "confidence", "containment_rate")
+    shown: ClassVar[Columns] = {
+        "criterion": ("candidate", ""),
+        "stated": ("confidence", partial(percent, decimals=0)),
+        "contained (95 % interval)": ("containment", _interval),
+        "by ellipses": ("containment_by_ellipse", lambda rate: _share(rate["rate"])),
+        "false-safe": ("false_safe", _interval),
+        "good tests accepted": ("accepted_share", _interval),
+    }
     plotted = ("confidence", "containment_rate")
 
     counts: CrossValidation
@@ -250,6 +271,11 @@ class Calibration(ResultWithRows):
     """Probabilities that were stated for tests, against how many of the tests are good."""
 
     rows_in = "bins"
+    shown: ClassVar[Columns] = {
+        "stated probability": ("stated", _share),
+        "good tests (95 % interval)": ("", lambda row: _interval({**row, "rate": row["observed"]})),
+        "tests": ("tests", "d"),
+    }
     keys: ClassVar[Mapping[str, str]] = {"scheme": "scheme", "truth": "truth", "bins": "rows"}
 
     scheme: str

@@ -9,7 +9,7 @@ import typer
 
 from reliab.app import outputs, questions
 from reliab.app.cli.commands import Asked, files_of, takes
-from reliab.app.cli.output import say, say_for_which_motions, show_table
+from reliab.app.cli.output import say, say_for_which_motions, show_rows
 from reliab.app.options import OUTPUT
 from reliab.core.errors import InputError
 from reliab.core.progress import silent
@@ -179,17 +179,15 @@ _BAR = 40
 
 def show_design(design: "Design") -> None:
     """Print tolerable errors, and those over the frequency as bars."""
+    from reliab.app.api.design import Design
+
     rows, first = design.tolerances, design.tolerances[0]
     share = "" if first.experimental_fraction == 1.0 else f" and α = {first.experimental_fraction:g}"
     say_for_which_motions(((row.promise, row.population) for row in rows), first.position)
-    show_table(
-        f"Tolerable errors at ξ = {first.damping_ratio:g}{share} for an error of {percent(first.threshold)}",
-        dict.fromkeys(
-            ("f [Hz]", "confidence", "|A − 1| alone", "d alone [ms]", "|A − 1| and", "d together [ms]"),
-            "right",
-        ),
-        map(_row, rows),
+    title = (
+        f"Tolerable errors at ξ = {first.damping_ratio:g}{share} for an error of {percent(first.threshold)}"
     )
+    show_rows(title, Design.shown, (row.to_dict() for row in rows))
     if any(tolerance.outside_validity for tolerance in rows):
         say("Note: the criterion does not cover *; these limits are scaled from the nearest structure.")
     _show_chart(design.chart)
@@ -197,35 +195,15 @@ def show_design(design: "Design") -> None:
     say(f"Next step: judge a test with `reliab assess TEST {structure}`, of a frame with --structure FRAME.")
 
 
-def _row(tolerance: "Tolerance") -> tuple[str, ...]:
-    amplitude, delay = tolerance.both
-    return (
-        f"{tolerance.frequency:g}{'*' if tolerance.outside_validity else ''}",
-        "none" if tolerance.promise is None else percent(tolerance.promise, decimals=0),
-        f"{tolerance.amplitude_error:.4f}",
-        f"{MILLI * tolerance.delay:.3f}",
-        f"{amplitude:.4f}",
-        f"{MILLI * delay:.3f}",
-    )
-
-
 def _show_chart(chart: "Sequence[Tolerance]") -> None:
     """Bars of the tolerable delay over the frequency at one confidence, the longest being the widest."""
+    from reliab.app.api.design import Design
+
     confidence = min((point.confidence for point in chart), key=lambda value: abs(value - _NINETY_FIVE))
     chosen = [point for point in chart if point.confidence == confidence]
-    promise, longest = chosen[0].promise, max(point.delay for point in chosen)
+    promise, longest = chosen[0].promise, max(MILLI * point.delay for point in chosen)
     share = "no share promised" if promise is None else f"at {percent(promise, decimals=0)}"
-    rows = [
-        (
-            f"{point.frequency:g}",
-            f"{point.amplitude_error:.4f}",
-            f"{MILLI * point.delay:.3f}",
-            "█" * max(round(_BAR * point.delay / longest), 1),
-        )
-        for point in chosen
-    ]
-    show_table(
-        f"Over the frequency, {share}",
-        {"f [Hz]": "right", "|A − 1| alone": "right", "d alone [ms]": "right", "d": "left"},
-        rows,
-    )
+    columns = {name: Design.shown[name] for name in ("f [Hz]", "|A − 1| alone", "d alone [ms]")} | {
+        "d": ("delay_limit_ms", lambda late: "█" * max(round(_BAR * late / longest), 1), "left")
+    }
+    show_rows(f"Over the frequency, {share}", columns, (point.to_dict() for point in chosen))

@@ -7,14 +7,13 @@ from typing import Any, Final
 from reliab.app import outputs, questions
 from reliab.app.cli.commands import Asked, takes
 from reliab.app.cli.output import (
-    Columns,
-    digits,
     progress_bar,
     say,
     say_for_which_motions,
     show_rows,
     show_table,
 )
+from reliab.core.columns import WHERE, Columns, digits
 from reliab.core.significant_digits import percent, significant
 from reliab.core.vocabulary import PERCENT
 
@@ -37,21 +36,6 @@ def criterion(asked: Asked) -> None:
     derived.require_converged(asked.chains)
 
 
-_WHERE: Columns = {
-    "f [Hz]": ("f", "g"),
-    "ξ [-]": ("xi", "g"),
-    "α [-]": ("alpha", "g"),
-    "error [-]": ("threshold", "g"),
-}
-_ELLIPSE: Columns = {"a [-]": ("a", digits), "b [ms²]": ("b", digits)}
-_LIMITS: Columns = {
-    **_WHERE,
-    "confidence [-]": ("confidence", lambda promise: "none" if promise is None else f"{promise:g}"),
-    **_ELLIPSE,
-    "|A − 1| alone ≤": ("amplitude_limit", digits),
-    "lag alone ≤ [ms]": ("delay_limit_ms", digits),
-    "lead alone ≤ [ms]": ("lead_limit_ms", digits),
-}
 _DIAGNOSTICS: Columns = {
     "parameter": ("parameter", ""),
     "mean": ("mean", ".3f"),
@@ -68,7 +52,7 @@ def _deviation(share: float | None) -> str:
 
 
 _SHARES: Columns = {
-    **_WHERE,
+    **WHERE,
     "confidence [-]": ("confidence", "g"),
     "a over a of the largest α": ("a_ratio", digits),
     "b over b of the largest α": ("b_ratio", digits),
@@ -98,12 +82,14 @@ def show_criteria(content: Mapping[str, Any]) -> None:
 
 
 def _show_limits(rows: Sequence[Mapping[str, Any]], posteriors: Sequence[Mapping[str, Any]]) -> None:
+    from reliab.app.api.derived_criteria import Criteria
+
     first = rows[0]
     say_for_which_motions(((row["confidence"], row["population"]) for row in rows), first["position"])
     for posterior in posteriors:
         _show_posterior(posterior)
     behind = f"{first['n_motions']} {first['motions']} of {first['n_events']} earthquakes"
-    show_rows(f"(A − 1)²/a + d²/b ≤ 1 from {behind}", _LIMITS, rows)
+    show_rows(f"(A − 1)²/a + d²/b ≤ 1 from {behind}", Criteria.shown, rows)
     together = "a and b together" if first["joint"] else "a and b separately"
     say(f"Method: {first['method']}, {together}. Law: {first['law']}.")
     say(*_definitions(rows))
@@ -257,8 +243,11 @@ def _show_meanings(option: str, meanings: dict[str, str]) -> None:
 
 
 def _show_own_boundary(rows: Sequence[Mapping[str, Any]]) -> None:
+    from reliab.app.api.derived_criteria import Criteria
+
     title = f"Boundary of {rows[0]['motion']} itself: for a test under this very record"
-    show_rows(title, {name: _LIMITS[name] for name in ("f [Hz]", "ξ [-]", "error [-]", *_ELLIPSE)}, rows)
+    shown = ("f [Hz]", "ξ [-]", "error [-]", "a [-]", "b [ms²]")
+    show_rows(title, {name: Criteria.shown[name] for name in shown}, rows)
 
 
 _BESIDE: Final[dict[str, Callable[[Any], None]]] = {

@@ -3,16 +3,16 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypedDict
+from typing import TYPE_CHECKING, Annotated, TypedDict
 
 import typer
 
 from reliab.app import questions
 from reliab.app.cli.commands import Asked, Command, takes
-from reliab.app.cli.output import Columns, say, show_rows, show_table
+from reliab.app.cli.output import say, show_rows, show_table
 from reliab.app.declaration import Files, argument
 from reliab.app.options import OUTPUT
-from reliab.core.significant_digits import counted, significant
+from reliab.core.significant_digits import counted
 
 if TYPE_CHECKING:
     from reliab.app.api.motions import WrittenSuite
@@ -36,7 +36,9 @@ def list_motions(asked: Asked) -> None:
     from reliab.app.api.motions import MotionList, list_motions as api_list_motions
 
     def show(listed: MotionList) -> None:
-        _show_motions(listed.rows)
+        events = {row["event"] for row in listed.rows}
+        title = f"{counted(len(listed.rows), 'motion')} from {counted(len(events), 'event')}"
+        show_rows(title, listed.shown, listed.rows)
         for fault in listed.faults:
             line = "" if fault.line is None else f", line {fault.line}"
             value = f"; found {fault.value}" if fault.value else ""
@@ -83,24 +85,6 @@ def synthesize(asked: Asked) -> None:
 def _show_written(written: "WrittenSuite") -> None:
     motions, events = counted(len(written.motions), "motion"), counted(written.events, "event")
     say(f"{motions} from {events} written to {written.catalogue.parent}", soft_wrap=True)
-
-
-_MOTIONS: Columns = {
-    "motion": ("motion", ""),
-    "event": ("event", ""),
-    "set": ("set", ""),
-    "dt [s]": ("time_step", ".5g"),
-    "T [s]": ("duration", ".2f"),
-    "PGA [g]": ("pga_g", ".4f"),
-    "I_A [m/s]": ("arias_intensity", significant),
-    "D5-95 [s]": ("significant_duration", ".2f"),
-    "T_m [s]": ("mean_period", ".3f"),
-}
-
-
-def _show_motions(rows: list[dict[str, Any]]) -> None:
-    events = {row["event"] for row in rows}
-    show_rows(f"{counted(len(rows), 'motion')} from {counted(len(events), 'event')}", _MOTIONS, rows)
 
 
 def _show_faults(faults: "Sequence[Fault]", records: int, sources: Sequence[str]) -> None:

@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Any, Final, TextIO
 import typer
 
 from reliab.app.cli.progress_lines import progress_lines
+from reliab.core.columns import Columns, side, written_cells
 from reliab.core.errors import CLOSED_PIPE
 from reliab.core.files import write_json_file
 from reliab.core.progress import Progress, quietly, shows_tasks
-from reliab.core.significant_digits import significant
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -184,28 +184,10 @@ def show_table(
     print_blocks((text_table(rows, headings, caption=title),), console())
 
 
-Columns = Mapping[str, tuple[str, str | Callable[[Any], str]]]
-"""By heading, the key of a value in each row, and its format specification or what writes it."""
-
-
 def show_rows(title: str, columns: Columns, rows: Iterable[Mapping[str, Any]]) -> None:
-    """Print a table of rows; texts, whose format is "", stand left, and numbers right."""
-    show_table(
-        title,
-        {heading: "right" if form else "left" for heading, (_, form) in columns.items()},
-        [[_cell(row.get(key), form) for key, form in columns.values()] for row in rows],
-    )
-
-
-def _cell(value: Any, form: str | Callable[[Any], str]) -> str:  # noqa: ANN401 - of any result
-    if callable(form):
-        return form(value)
-    return "-" if value is None else format(value, form)
-
-
-def digits(value: float | None) -> str:
-    """Write a number with three digits, "-" without one."""
-    return "-" if value is None else significant(value)
+    """Print a table of rows."""
+    sides = {heading: side(column) for heading, column in columns.items()}
+    show_table(title, sides, written_cells(columns, rows))
 
 
 def write_json(content: Mapping[str, Any] | Sequence[Any], target: str | None) -> bool:

@@ -7,9 +7,10 @@ import typer
 
 from reliab.app import questions
 from reliab.app.cli.commands import Asked, takes
-from reliab.app.cli.output import Columns, console, say, show_rows, write_json
+from reliab.app.cli.output import console, say, show_rows, write_json
 from reliab.app.declaration import argument
 from reliab.app.options import OUTPUT, TEST
+from reliab.core.columns import Columns
 from reliab.core.errors import InputError
 from reliab.sweep.several import Names
 

@@ -8,11 +8,11 @@ import typer
 
 from reliab.app import outputs, questions
 from reliab.app.cli.commands import Asked, Command, takes
-from reliab.app.cli.output import Columns, console, progress_bar, say, show_rows, write_json, write_line
+from reliab.app.cli.output import console, progress_bar, say, show_rows, write_json, write_line
 from reliab.app.declaration import argument
 from reliab.app.options import OUTPUT
 from reliab.core.errors import InputError
-from reliab.core.significant_digits import percent, significant
+from reliab.core.significant_digits import percent
 from reliab.sweep.several import Names
 
 if TYPE_CHECKING:
@@ -138,18 +138,6 @@ def report(asked: Asked) -> None:
 
 
 _LAST = 40
-_COLUMNS: Columns = {
-    "test": ("name", ""),
-    "SHA-256": ("sha256", ""),
-    "date": ("date", ""),
-    "event": ("event", ""),
-    "A": ("A", ".4f"),
-    "d [ms]": ("d_ms", ".2f"),
-    "remainder": ("remainder", significant),
-    "error": ("rms", lambda error: "" if error is None else percent(error)),
-    "verdict": ("verdict", ""),
-    "change": ("change", ""),
-}
 
 
 def show_added(content: Mapping[str, Any]) -> None:
@@ -187,17 +175,9 @@ def _show_rows(title: str, rows: list[dict[str, Any]]) -> None:
     if not rows:
         _say(f"{title}.")
         return
-    short = (
-        {
-            **row,
-            "sha256": row["sha256"][:8],
-            "date": row["date"][:10],
-            "verdict": row["verdict"].replace("_", " "),
-            "change": row.get("change") or "",
-        }
-        for row in rows
-    )
-    show_rows(title, _COLUMNS, short)
+    from reliab.app.api.rigs import RigList
+
+    show_rows(title, RigList.shown, rows)
 
 
 def show_prediction(predicted: "RigPrediction") -> None:

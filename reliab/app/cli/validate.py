@@ -1,12 +1,10 @@
 """`reliab validate`: whether criteria hold on motions that they have not seen."""
 
-from collections.abc import Mapping
-from functools import partial
 from typing import Annotated, Any, TypedDict
 
 from reliab.app import questions
 from reliab.app.cli.commands import Asked, takes
-from reliab.app.cli.output import Columns, progress_bar, say, show_rows
+from reliab.app.cli.output import progress_bar, say, show_rows
 from reliab.app.options import METHOD
 from reliab.core.significant_digits import percent
 
@@ -34,31 +32,6 @@ def validate(asked: Asked) -> None:
         asked.answer(validate_criteria, lambda found: show_criteria(found.to_dict()), show=progress_bar)
 
 
-def _share(value: float | None) -> str:
-    return "none" if value is None else percent(value, decimals=1)
-
-
-def _interval(rate: Mapping[str, float | None]) -> str:
-    """Write a rate [-] with its interval, where it has one."""
-    value, low, high = rate["rate"], rate["low"], rate["high"]
-    if value is None or low is None or high is None:
-        return _share(value)
-    return f"{_share(value)} ({_share(low)} … {_share(high)})"
-
-
-_RATES: Columns = {
-    "criterion": ("candidate", ""),
-    "stated": ("confidence", partial(percent, decimals=0)),
-    "contained (95 % interval)": ("containment", _interval),
-    "by ellipses": ("containment_by_ellipse", lambda rate: _share(rate["rate"])),
-    "false-safe": ("false_safe", _interval),
-    "good tests accepted": ("accepted_share", _interval),
-}
-_BINS: Columns = {
-    "stated probability": ("stated", _share),
-    "good tests (95 % interval)": ("good", _interval),
-    "tests": ("tests", "d"),
-}
 _ELLIPSE_NOTE = (
     "Note: without --motions or --results no simulated errors are known; the motions' own ellipses "
     "decide what is contained and which tests are good."
@@ -67,15 +40,17 @@ _ELLIPSE_NOTE = (
 
 def show_criteria(content: dict[str, Any]) -> None:
     """Print the rates of criteria."""
+    from reliab.app.api.validation import Validation
+
     title = (
         f"{content['scheme'].replace('_', ' ')}: {content['n_motions']} motions of {content['n_events']} "
         f"earthquakes, {content['metric'].upper()} {content['threshold']:g} over "
         f"{_window(content['window'])}"
     )
-    show_rows(title, _RATES, content["rows"])
+    show_rows(title, Validation.shown, content["rows"])
     if content["rows_lead"]:
         title = "The same for actuators that are early (leads)"
-        show_rows(title, _RATES, content["rows_lead"])
+        show_rows(title, Validation.shown, content["rows_lead"])
     say(f"Judged on {content['judged_on']}:")
     say(*[*content["outside"], *content["sentences"]])
     if content["n_of_learned_earthquakes"]:
@@ -110,7 +85,9 @@ def _window(label: str) -> str:
 
 def show_probabilities(content: dict[str, Any]) -> None:
     """Print how many tests are good for which probability."""
+    from reliab.app.api.validation import Calibration
+
     title = f"Probabilities of tests, {content['scheme'].replace('_', ' ')}"
-    show_rows(title, _BINS, ({**row, "good": {**row, "rate": row["observed"]}} for row in content["bins"]))
+    show_rows(title, Calibration.shown, content["bins"])
     if content["truth"] == "ellipse":
         say(_ELLIPSE_NOTE)
