@@ -22,7 +22,7 @@ from reliab.discrepancy.campaign.campaign import Campaign, Channel, Stretch
 from reliab.discrepancy.campaign.contradictions import require_consistent
 from reliab.discrepancy.campaign.reading import read_campaign
 from reliab.discrepancy.fitting.error_search import ErrorSearch
-from reliab.discrepancy.fitting.fit import Fit, fit, refined
+from reliab.discrepancy.fitting.fit import Fit, as_judged_by_noise, fit, refined
 from reliab.discrepancy.fitting.noise_test import is_model_error, is_noise
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.search import POSSIBLE, Search
@@ -112,13 +112,14 @@ def diagnose(campaign: Campaign | str | Path, *, progress: Progress = silent) ->
     # Matrix products are small and fits run in parallel: further threads would only wait for each other.
     with one_thread():
         whole = _STEPS * len(kinds)
-        steps = itertools.count(1)
-        progress(0, whole)
-        for kind in kinds:
+        for number, kind in enumerate(kinds):
+            steps = itertools.count(_STEPS * number)
+            progress(next(steps), whole)
             block = _block(kind, campaign, scales, motions, diagnoses)
             if isinstance(block, BalanceBlock):
                 block = _on_one_clock(block, campaign, diagnoses)
-            diagnoses.append(_examined(block, campaign, lambda: progress(next(steps), whole)))
+            diagnoses.append(_examined(block, campaign, lambda steps=steps: progress(next(steps), whole)))
+        progress(whole, whole)
     return Diagnosis(campaign=campaign, blocks=tuple(diagnoses), faults=faults)
 
 
@@ -247,6 +248,10 @@ def _examined(block: ObservedBlock, campaign: Campaign, advance: Callable[[], No
     """Search a block in `_STEPS` steps; `advance` is called after each."""
     search = begun(block, campaign)
     advance()
+    if not isinstance(block, BalanceBlock) and not search.reaches_noise():
+        by_parts = _by_parts(search, campaign)
+        if is_model_error(*as_judged_by_noise(by_parts.problem, by_parts.best)):
+            return _concluded(by_parts, campaign)
     searched = _searched(search)
     advance()
     if isinstance(block, BalanceBlock) and _is_slightly_late(searched.best):
@@ -266,11 +271,14 @@ def _examined(block: ObservedBlock, campaign: Campaign, advance: Callable[[], No
             _refined(searched), campaign
         )  # refinement may have uncovered an error of the model
     advance()
+    return _concluded(searched, campaign)
+
+
+def _concluded(searched: Search, campaign: Campaign) -> BlockDiagnosis:
+    """Draw the conclusions from a search."""
     searched.sharpen()
     fit_beside_clocks(searched)
-    diagnosed = diagnose_block(searched, _problem(searched.problem.block, campaign, campaign.proof))
-    advance()
-    return diagnosed
+    return diagnose_block(searched, _problem(searched.problem.block, campaign, campaign.proof))
 
 
 def begun(block: ObservedBlock, campaign: Campaign) -> Search:
@@ -309,6 +317,11 @@ def _judged(search: Search, campaign: Campaign) -> Search:
     likely = [search.best] if late is None else [search.best, late]
     if not all(is_model_error(search.problem, fitted) for fitted in likely):
         return search
+    return _by_parts(search, campaign)
+
+
+def _by_parts(search: Search, campaign: Campaign) -> ErrorSearch:
+    """Search again with left-out parts as the judge."""
     problem = search.problem
     if isinstance(problem.block, SpecimenBlock):
         problem = _problem(problem.block.with_open_stiffness(), campaign, campaign.training)

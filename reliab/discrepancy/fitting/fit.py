@@ -84,9 +84,14 @@ def refined(problem: Problem, fitted: Fit) -> Fit:
     return fitted
 
 
-def transferred(problem: Problem, fitted: Fit) -> Fit:
-    """Return a model of the same block at the same place, judged by other data."""
-    return replace(fitted, residual=problem.whitened(fitted.space, fitted.coordinates, fitted.noise))
+def as_judged_by_noise(problem: Problem, fitted: Fit) -> tuple[Problem, Fit]:
+    """Return the problem and the model as noise judges them, where they were judged in the channel's unit."""
+    if not problem.flat:
+        return problem, fitted
+    plain = replace(problem, tempering=(), powers=())
+    noise = plain.noise_of(fitted.space, fitted.coordinates)
+    residual = plain.whitened(fitted.space, fitted.coordinates, noise)
+    return plain, replace(fitted, noise=noise, residual=residual)
 
 
 def reweighted(problem: Problem, fitted: Fit) -> Fit:

@@ -11,7 +11,7 @@ from reliab.core.arrays import Array
 from reliab.discrepancy.fitting.acting import LIMITS, acts, exceeds_rounding, takes_over_delay
 from reliab.discrepancy.fitting.fit import Fit, fit, refined, reweighted, sharpened
 from reliab.discrepancy.fitting.left_out import LeftOut, left_out
-from reliab.discrepancy.fitting.noise_test import is_spread
+from reliab.discrepancy.fitting.noise_test import is_model_error, is_spread
 from reliab.discrepancy.fitting.prior import COST, OUTSIDE_COST, cost
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.screening import Screened, line_terms, screened
@@ -51,7 +51,7 @@ _AWAY = 2.0  # standard deviations between a parameter and its value without eff
 MOST_EFFECTS = 3
 _WORKERS = 2
 _BEAM, _DEEPEST_OUTSIDE = 2, 2
-_TRIED = 8
+_TRIED, _SCOUTED = 8, 4
 _CLOSE, POSSIBLE, _CLEAR = 100.0, 7.0, 25.0  # nats
 
 
@@ -63,6 +63,7 @@ class Search:
         self.rejected: dict[frozenset[str], Fit] = {}
         self.with_clocks: dict[frozenset[str], Fit] = {}  # filled by `diagnose.py`
         self._errors: WeakKeyDictionary[Fit, LeftOut] = WeakKeyDictionary()
+        self._roughly_fitted: dict[frozenset[str], Fit] = {}
         block = problem.block
         space = ModelSpace(block, ())
         spread = np.mean([block.measured(s.test)[s.begin : s.end].var() for s in problem.segments])
@@ -232,13 +233,8 @@ class Search:
             if candidate.start.size and self._untried({*parent.space.names, str(candidate.kind.name)})
         ]
 
-        def extended(candidate: Screened) -> Fit:
-            space = ModelSpace(parent.space.block, (*parent.space.effects, candidate.kind))
-            starts = self._starts(candidate)
-            return reweighted(self.problem, fit(self.problem, space, starts, parent.noise))
-
+        rough = self._rough(parent, fresh)
         with ThreadPoolExecutor(_WORKERS) as pool:
-            rough = list(pool.map(extended, fresh))
             least = self._worth_refining(rough, parent)
             finer = pool.map(
                 lambda one: refined(self.problem, one) if one.log_evidence > least else one, rough
@@ -251,6 +247,33 @@ class Search:
             else:
                 self._reject(candidate)
         return kept
+
+    def _rough(self, parent: Fit, promising: Sequence[Screened]) -> list[Fit]:
+        """Fit a model with each of some effects added, and the noise once."""
+
+        def extended(candidate: Screened) -> Fit:
+            space = ModelSpace(parent.space.block, (*parent.space.effects, candidate.kind))
+            key = frozenset(space.names)
+            if key not in self._roughly_fitted:
+                fitted = fit(self.problem, space, self._starts(candidate), parent.noise)
+                self._roughly_fitted[key] = reweighted(self.problem, fitted)
+            return self._roughly_fitted[key]
+
+        with ThreadPoolExecutor(_WORKERS) as pool:
+            return list(pool.map(extended, promising))
+
+    def reaches_noise(self) -> bool:
+        """Whether some effect after the other, added greedily, leaves what may be noise.
+
+        Noise then judges models; parts that are left out do otherwise.
+        """
+        best, kinds = self.null, (*self.candidates, *self.problem.block.outside)
+        for _ in range(MOST_EFFECTS):
+            if not is_model_error(self.problem, best):
+                return True
+            promising = [one for one in self.screened(best, kinds)[:_SCOUTED] if one.start.size]
+            best = max(self._rough(best, promising), key=lambda one: one.log_likelihood, default=best)
+        return not is_model_error(self.problem, best)
 
     def _starts(self, promise: Screened) -> list[Array]:
         """Coordinates from which to fit a further effect."""

@@ -10,7 +10,7 @@ from scipy import stats
 from reliab.core.arrays import Array
 from reliab.core.significant_digits import counted, percent
 from reliab.discrepancy.fitting.error_search import ErrorSearch
-from reliab.discrepancy.fitting.fit import Fit, fit, reweighted, transferred
+from reliab.discrepancy.fitting.fit import Fit, as_judged_by_noise, fit, reweighted
 from reliab.discrepancy.fitting.left_out import LeftOut, left_out, refitted
 from reliab.discrepancy.fitting.noise_test import (
     LARGEST_STRUCTURED_SHARE,
@@ -72,7 +72,7 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
     best = choice.best.fit
     restated = frozenset({StatedDamping}) & choice.sure  # a contradiction of what is stated, and no effect
     calibrated = search.fitted.get(frozenset(str(kind.name) for kind in restated), search.null)
-    judged = _judged_by_noise(search.problem, best)
+    judged = as_judged_by_noise(search.problem, best)
     noise, structured = is_noise(*judged), structured_share(*judged)
     naming = _naming(search, ranked, best, proof, structured)
     biases, uncertain = naming.offsets()
@@ -168,15 +168,6 @@ def _as_recorded(search: Search, best: Fit) -> LeftOut:
     if not search.problem.conversion:
         return search.error(best)
     return left_out(replace(search.problem, conversion={}), best)
-
-
-def _judged_by_noise(problem: Problem, best: Fit) -> tuple[Problem, Fit]:
-    """Return the problem and the model as noise judges them, where they were judged in the channel's unit."""
-    if not problem.flat:
-        return problem, best
-    plain = replace(problem, tempering=(), powers=())
-    noise = plain.noise_of(best.space, best.coordinates)
-    return plain, transferred(plain, replace(best, noise=noise))
 
 
 def _located(problem: Problem, fitted: Fit, judged: tuple[Problem, Fit]) -> tuple[Finding, ...]:
