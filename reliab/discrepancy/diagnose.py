@@ -1,8 +1,7 @@
 """The whole workflow: observe the blocks of a campaign, search each for missing effects, verify them."""
 
-import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -22,57 +21,20 @@ from reliab.discrepancy.campaign.campaign import Campaign, Channel, Stretch
 from reliab.discrepancy.campaign.contradictions import require_consistent
 from reliab.discrepancy.campaign.reading import read_campaign
 from reliab.discrepancy.fitting.error_search import ErrorSearch
-from reliab.discrepancy.fitting.fit import Fit, as_judged_by_noise, fit, refined
+from reliab.discrepancy.fitting.fit import Fit, as_judged_by_noise
 from reliab.discrepancy.fitting.noise_test import is_model_error, is_noise
 from reliab.discrepancy.fitting.problem import Problem
-from reliab.discrepancy.fitting.search import POSSIBLE, Search
-from reliab.discrepancy.fitting.space import ModelSpace
+from reliab.discrepancy.fitting.search import Search
 from reliab.discrepancy.naming.naming import diagnose_block
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
 from reliab.discrepancy.result.diagnosis import Diagnosis
 from reliab.discrepancy.spectra.segment import Segment, answered, cut_segments, settled
 from reliab.discrepancy.spectra.smoothing import motions_of, scales_of, smoothed_motion
-from reliab.discrepancy.terms.clock_offset import ClockOffset, LateGround
+from reliab.discrepancy.terms.clock_offset import ClockOffset, LateGround, lag_of
 from reliab.effects.effect import Role, Scales
 from reliab.signals.noise import NoiseModel
 from reliab.simulation.hybrid_test.open_loop import Motion3
 
-
-def fit_beside_clocks(search: Search) -> None:
-    """Add an offset of the clocks to the models that may be named, where it was rejected, too."""
-    if ClockOffset not in search.candidates or ClockOffset not in search.problem.block.twins:
-        return
-    best = search.score(search.best)
-    close = [model for model in search.fitted.values() if search.score(model) > best - POSSIBLE]
-    for near in close:
-        late = ClockOffset in near.space.effects
-        alone = search.without(near, ClockOffset) if late else near
-        if alone.space.effects:
-            with_clock(search, alone)
-
-
-def fitted_with_clock(search: Search, fitted: Fit) -> Fit | None:
-    """Return a model with an offset of the clocks beside its effects, None where none was tried."""
-    return search.with_clocks.get(frozenset({*fitted.space.names, str(ClockOffset.name)}))
-
-
-def with_clock(search: Search, fitted: Fit) -> Fit:
-    """Fit a model with an offset of the clocks together with its effects."""
-    space = ModelSpace(fitted.space.block, (*fitted.space.effects, ClockOffset))
-    key = frozenset(space.names)
-    if key not in search.with_clocks:
-        (promise,) = search.screened(fitted, [ClockOffset])
-        beside = refined(search.problem, fit(search.problem, space, [promise.start], fitted.noise))
-        if search.fitted.get(key) is not None:
-            beside = search.keep(beside)
-        search.with_clocks[key] = beside
-    return search.with_clocks[key]
-
-
-_ACTUATOR = frozenset({Channel.COMMAND, Channel.MEASURED})
-_SPECIMEN = frozenset({Channel.MEASURED, Channel.FORCE})
-_BALANCE = frozenset({Channel.GROUND, Channel.COMMAND, Channel.FORCE})
-_LOOP = frozenset({Channel.GROUND, Channel.MEASURED})
 _STEPS = 6  # of the search of a block
 _LEAST_EXPLAINED = 0.5  # of the channel's power
 _SMOOTHED = 1.0  # Hz
@@ -113,36 +75,41 @@ def diagnose(campaign: Campaign | str | Path, *, progress: Progress = silent) ->
     with one_thread():
         whole = _STEPS * len(kinds)
         for number, kind in enumerate(kinds):
-            steps = itertools.count(_STEPS * number)
-            progress(next(steps), whole)
+            steps = iter(range(_STEPS * number, _STEPS * (number + 1)))
+
+            def advance(steps: Iterator[int] = steps) -> None:
+                progress(next(steps), whole)
+
+            advance()
             block = _block(kind, campaign, scales, motions, diagnoses)
-            if isinstance(block, BalanceBlock):
-                block = _on_one_clock(block, campaign, diagnoses)
-            diagnoses.append(_examined(block, campaign, lambda steps=steps: progress(next(steps), whole)))
+            diagnoses.append(_examined(block, campaign, advance))
+            for skipped in steps:
+                progress(skipped, whole)
         progress(whole, whole)
     return Diagnosis(campaign=campaign, blocks=tuple(diagnoses), faults=faults)
 
 
 def _observed(campaign: Campaign) -> list[type[ObservedBlock]]:
     """Blocks whose input and output follow from the recorded channels, in the order of the loop."""
-    channels = campaign.channels
+    recorded, nominal = campaign.channels, campaign.nominal
+    balanced = recorded >= {Channel.GROUND, Channel.COMMAND, Channel.FORCE}
     observable: list[type[ObservedBlock]] = []
-    if channels >= _ACTUATOR:
+    if recorded >= {Channel.COMMAND, Channel.MEASURED}:
         observable.append(ActuatorBlock)
-    if channels >= _SPECIMEN and (campaign.nominal.specimen is not None or not observable):
+    if recorded >= {Channel.MEASURED, Channel.FORCE} and (nominal.specimen is not None or not observable):
         observable.append(SpecimenBlock)
-    if channels >= _BALANCE and campaign.structure is not None:
+    if balanced and campaign.structure is not None:
         observable.append(BalanceBlock)
-    if channels >= _BALANCE and campaign.partition is not None:
+    if balanced and campaign.partition is not None:
         observable.append(FrameBalanceBlock)
-    if channels >= _LOOP and campaign.structure is not None and not observable:
+    if recorded >= {Channel.GROUND, Channel.MEASURED} and campaign.structure is not None and not observable:
         observable.append(LoopBlock)
     if not observable:
         raise InputError(
             "The columns and tables of a campaign must cover at least one block: command_m and measured_m, or"
             " measured_m and force_n, or ground_acceleration_mps2 and measured_m with a [structure] table of"
             " one degree of freedom",
-            value=", ".join(sorted(channels)) or "no channel that all tests have",
+            value=", ".join(sorted(recorded)) or "no channel that all tests have",
             remedy="Add the columns that were recorded, in every test, or the table",
             where="campaign.toml",
         )
@@ -156,15 +123,13 @@ def _block(
     motions: tuple[Motion3, ...],
     diagnoses: Sequence[BlockDiagnosis],
 ) -> ObservedBlock:
-    if kind is ActuatorBlock:
-        return ActuatorBlock(campaign, scales)
-    if kind is BalanceBlock:
-        return BalanceBlock(campaign, scales)
-    if kind is FrameBalanceBlock:
-        return FrameBalanceBlock(campaign, scales)
+    if kind is SpecimenBlock:
+        return _specimen(campaign, scales, motions, diagnoses[0] if diagnoses else None)
     if kind is LoopBlock:
         return LoopBlock(campaign, scales, motions)
-    return _specimen(campaign, scales, motions, diagnoses[0] if diagnoses else None)
+    if kind is BalanceBlock:
+        return _on_one_clock(BalanceBlock(campaign, scales), campaign, diagnoses)
+    return ActuatorBlock(campaign, scales) if kind is ActuatorBlock else FrameBalanceBlock(campaign, scales)
 
 
 def _specimen(
@@ -190,8 +155,7 @@ def _on_one_clock(
     A lag τ of the force beside the ground acceleration looks like a damping ratio larger by half of ω₀τ.
     Where the displacement was early in place of the force late, the force is in time with the ground.
     """
-    specimens = (diagnosed for diagnosed in diagnoses if isinstance(diagnosed.block, SpecimenBlock))
-    lags = map(_possible_lag, specimens)
+    lags = (_possible_lag(found) for found in diagnoses if isinstance(found.block, SpecimenBlock))
     lag = next((lag for lag in lags if lag), 0.0)
     if not lag:
         return block
@@ -206,13 +170,12 @@ def _possible_lag(specimen: BlockDiagnosis) -> float:
 
     Zero where no offset of the clocks is named, nor doubted.
     """
-    effects = {effect.name for effect in (*specimen.effects, *specimen.doubtful)}
-    effects |= {rival.name for effect in specimen.doubtful for rival in effect.rivals}
+    rivals = (rival.name for effect in specimen.doubtful for rival in effect.rivals)
+    effects = {*(effect.name for effect in (*specimen.effects, *specimen.doubtful)), *rivals}
     fits = [ranked.fit for ranked in specimen.ranked if ClockOffset in ranked.fit.space.effects]
     if ClockOffset.name not in effects or not fits:
         return 0.0
-    model = fits[0].space.model(fits[0].coordinates)
-    return sum(effect.lag_s for effect in model.effects if isinstance(effect, ClockOffset))
+    return lag_of(fits[0].space.model(fits[0].coordinates))
 
 
 def _pistons(actuator: BlockDiagnosis) -> tuple[list[Motion3], list[Motion3] | None]:
@@ -245,14 +208,22 @@ def _linear_energy(block: SpecimenBlock, campaign: Campaign) -> float:
 
 
 def _examined(block: ObservedBlock, campaign: Campaign, advance: Callable[[], None]) -> BlockDiagnosis:
-    """Search a block in `_STEPS` steps; `advance` is called after each."""
+    """Search a block in at most `_STEPS` steps; `advance` is called after each."""
     search = begun(block, campaign)
     advance()
-    if not isinstance(block, BalanceBlock) and not search.reaches_noise():
-        by_parts = _by_parts(search, campaign)
-        if is_model_error(*as_judged_by_noise(by_parts.problem, by_parts.best)):
-            return _concluded(by_parts, campaign)
-    searched = _searched(search)
+    searched: Search | None = None
+    if not (isinstance(block, BalanceBlock) or search.reaches_noise()):
+        searched = _by_parts(search, campaign)
+    if searched is None or not is_model_error(*as_judged_by_noise(searched.problem, searched.best)):
+        searched = _by_noise(search, campaign, advance)
+    searched.sharpen()
+    searched.fit_beside_clocks()
+    return diagnose_block(searched, _problem(searched.problem.block, campaign, campaign.proof))
+
+
+def _by_noise(search: Search, campaign: Campaign, advance: Callable[[], None]) -> Search:
+    """Search with noise as the judge, and with left-out parts where the best model leaves an error."""
+    block, searched = search.problem.block, _searched(search)
     advance()
     if isinstance(block, BalanceBlock) and _is_slightly_late(searched.best):
         block = block.with_ground_in_time()
@@ -266,19 +237,13 @@ def _examined(block: ObservedBlock, campaign: Campaign, advance: Callable[[], No
     if _beyond_what_is_stated(searched):
         searched = _with_open_stiffness(searched, campaign)
     advance()
-    if not isinstance(searched, ErrorSearch):
-        searched = _judged(
-            _refined(searched), campaign
-        )  # refinement may have uncovered an error of the model
-    advance()
-    return _concluded(searched, campaign)
-
-
-def _concluded(searched: Search, campaign: Campaign) -> BlockDiagnosis:
-    """Draw the conclusions from a search."""
-    searched.sharpen()
-    fit_beside_clocks(searched)
-    return diagnose_block(searched, _problem(searched.problem.block, campaign, campaign.proof))
+    if isinstance(searched, ErrorSearch):
+        return searched
+    searched.try_twins()
+    searched.settle()  # rejects what does not matter, before and after special forms of effects are tried
+    searched.refine()
+    searched.settle()
+    return _judged(searched, campaign)  # refinement may have uncovered an error of the model
 
 
 def begun(block: ObservedBlock, campaign: Campaign) -> Search:
@@ -307,36 +272,28 @@ def _beyond_what_is_stated(search: Search) -> bool:
 def _judged(search: Search, campaign: Campaign) -> Search:
     """Judge models by left-out parts where the best one leaves an error, else by noise as before.
 
-    What an offset of the clocks beside the model would explain is no error of it. Nothing that is stated of a
-    specimen counts then: any part of it may be made up for by what the model lacks.
+    What an offset of the clocks beside the model would explain is no error of it.
     """
     if isinstance(search, ErrorSearch):
         return search
-    fit_beside_clocks(search)
-    late = fitted_with_clock(search, search.best)
-    likely = [search.best] if late is None else [search.best, late]
-    if not all(is_model_error(search.problem, fitted) for fitted in likely):
-        return search
-    return _by_parts(search, campaign)
+    search.fit_beside_clocks()
+    late = search.with_clocks.get(frozenset({*search.best.space.names, str(ClockOffset.name)}), search.best)
+    errors = (is_model_error(search.problem, fitted) for fitted in (search.best, late))
+    return _by_parts(search, campaign) if all(errors) else search
 
 
 def _by_parts(search: Search, campaign: Campaign) -> ErrorSearch:
-    """Search again with left-out parts as the judge."""
+    """Search with left-out parts as the judge.
+
+    Nothing that is stated of a specimen counts then: any part of it may be made up for by what the model
+    lacks.
+    """
     problem = search.problem
     if isinstance(problem.block, SpecimenBlock):
         problem = _problem(problem.block.with_open_stiffness(), campaign, campaign.training)
     judged = ErrorSearch(problem)
     judged.whole()
     return judged
-
-
-def _refined(search: Search) -> Search:
-    """Reject what does not matter, before and after special forms of effects are tried."""
-    search.try_twins()
-    search.settle()
-    search.refine()
-    search.settle()
-    return search
 
 
 def _problem(block: ObservedBlock, campaign: Campaign, stretches: Sequence[Stretch]) -> Problem:

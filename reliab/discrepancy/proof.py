@@ -1,7 +1,6 @@
 """Verification on held-out tests: residual over signal before and after effects are added."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from enum import StrEnum
 from itertools import combinations
 
@@ -85,7 +84,7 @@ def gap(
         channel=str(block.channel),
         before=held_out_nrmse(proof, before),
         after=held_out_nrmse(proof, after),
-        floors={str(floor.source): float(np.sqrt(floor.mean_square / unit)) for floor in noise_floors},
+        floors={str(source): float(np.sqrt(square / unit)) for source, square in noise_floors.items()},
         tests_before=errors_by_test(proof, before),
         tests_after=errors_by_test(proof, after),
         sizes={
@@ -133,14 +132,6 @@ class Source(StrEnum):
     AT_REST = "rest"
 
 
-@dataclass(frozen=True, kw_only=True)
-class Floor:
-    """Mean square of the part of a channel that is not repeatable."""
-
-    mean_square: float  # In the square of the channel's unit
-    source: Source  # What it was taken from
-
-
 def floors(
     tests: Sequence[MeasuredTest],
     held_out: Iterable[int],
@@ -149,20 +140,20 @@ def floors(
     *,
     rate: float,
     highest: float,
-) -> tuple[Floor, ...]:
-    """Estimate the floor of a channel from every source that the recordings offer.
+) -> dict[Source, float]:
+    """Estimate the mean square of what is not repeatable, from every source that the recordings offer.
 
-    `rate`, `highest` [Hz].
+    `rate`, `highest` [Hz]; returns squares of the channel's unit.
     """
-    proof = list(held_out)
-    ways = (
-        (Source.REPEATED_TESTS, _of_repeats(tests, channel, inputs)),
-        (Source.REPEATED_CYCLES, _of_cycles([tests[k] for k in proof], channel, inputs)),
-        (Source.BAND_ABOVE, _of_band([tests[k] for k in proof], channel, rate, highest)),
-        (Source.AT_REST, _of_rest([tests[k] for k in proof], channel, inputs, rate)),
-    )
-    groups = ((source, [value for value in values if value > 0.0]) for source, values in ways)
-    return tuple(Floor(mean_square=float(np.mean(v)), source=source) for source, v in groups if v)
+    proof = [tests[k] for k in held_out]
+    ways = {
+        Source.REPEATED_TESTS: _of_repeats(tests, channel, inputs),
+        Source.REPEATED_CYCLES: _of_cycles(proof, channel, inputs),
+        Source.BAND_ABOVE: _of_band(proof, channel, rate, highest),
+        Source.AT_REST: _of_rest(proof, channel, inputs, rate),
+    }
+    found = {source: [value for value in values if value > 0.0] for source, values in ways.items()}
+    return {source: float(np.mean(values)) for source, values in found.items() if values}
 
 
 def _of_repeats(

@@ -31,7 +31,7 @@ def recorded(command, seed, *, noise=None, motion="", memory=0.0):
 
 def floors_of(*tests):
     found = floors(tests, range(len(tests)), Channel.MEASURED, (Channel.COMMAND,), rate=RATE, highest=45.0)
-    return {floor.source: np.sqrt(floor.mean_square) for floor in found}
+    return {source: np.sqrt(square) for source, square in found.items()}
 
 
 def test_white_noise_is_read_off_the_band_above_the_motion():

@@ -26,8 +26,7 @@ def driven(command, measured):
 
 def found(*tests, held_out=None, highest=45.0):
     chosen = range(len(tests)) if held_out is None else held_out
-    answer = floors(tests, chosen, Channel.MEASURED, (Channel.COMMAND,), rate=RATE, highest=highest)
-    return {floor.source: floor.mean_square for floor in answer}
+    return floors(tests, chosen, Channel.MEASURED, (Channel.COMMAND,), rate=RATE, highest=highest)
 
 
 def test_repeats_differ_by_twice_the_floor():

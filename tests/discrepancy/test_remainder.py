@@ -48,7 +48,7 @@ def shown(error, *, noise_like=()):
 @pytest.mark.parametrize("size", [1.0, 1e-3])
 @pytest.mark.parametrize(("error", "enough"), [(0.2**0.5 - 0.01, True), (0.2**0.5 + 0.01, False)])
 def test_named_leaves_a_fifth_of_the_worst_kind_of_test_at_most(monkeypatch, error, enough, size):
-    for other in ("_interrupted", "_disturbance"):
+    for other in ("standstill", "line_above"):
         monkeypatch.setattr(unexplained, other, lambda *_: None)
     gap = shown(error)
     gap = replace(

@@ -11,7 +11,6 @@ from reliab.core.progress import Progress, silent
 from reliab.core.threads import one_thread
 from reliab.discrepancy.adding.criterion_shift import criterion_shift, shaking_of
 from reliab.discrepancy.adding.posterior import Posterior, sample_posterior
-from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
 from reliab.discrepancy.result.diagnosis import Diagnosis
 from reliab.discrepancy.result.missing_effect import MissingEffect, estimates
@@ -179,11 +178,10 @@ def _deviations(diagnosed: BlockDiagnosis) -> dict[str, float]:
     """Return standard deviations in SI units of what a block calibrated and named."""
     fitted = diagnosed.best
     spread = fitted.space.standard_deviations(fitted.coordinates, fitted.covariance).tolist()
-    sizes = _sizes(fitted)
     calibrated = {
-        sizes[calibration.parameter.name][0]: sizes[calibration.parameter.name][1] * sd
+        calibration.key: calibration.unit * sd
         for calibration, sd in zip(diagnosed.block.calibrations, spread, strict=False)
-        if calibration.parameter.name in sizes
+        if calibration.key
     }
     refining = {
         f"{kind.name}.{item.name}": item.sd for kind in _added(diagnosed) for item in estimates(kind, fitted)
@@ -194,25 +192,3 @@ def _deviations(diagnosed: BlockDiagnosis) -> dict[str, float]:
         for item in missing.estimates
     }
     return {**calibrated, **refining, **effects}
-
-
-def _sizes(fitted: Fit) -> dict[str, tuple[str, float]]:
-    """Name in the model's file and unit in SI of every calibration by its name."""
-    nominal = fitted.space.block.nominal
-    stiffness = 0.0 if nominal.specimen is None else nominal.specimen.stiffness
-    return {
-        "gain": ("gain", nominal.actuator.gain),
-        "delay_s": ("delay_s", 1.0),
-        "stiffness": ("stiffness_n_per_m", stiffness),
-        "stiffness_n_per_m": ("stiffness_n_per_m", 1.0),
-        "excitation_scale": ("excitation_scale.scale", _expected_scale(fitted)),
-    }
-
-
-def _expected_scale(fitted: Fit) -> float:
-    """Scale of the ground motion at which the calibrated factor on it is one."""
-    calibrations = fitted.space.block.calibrations
-    nominal = fitted.space.block.nominal
-    return next(
-        (1.0 / c.nominal(nominal) for c in calibrations if c.parameter.name == "excitation_scale"), 1.0
-    )

@@ -218,6 +218,5 @@ def curvature_between_samples() -> Calibration:
     """Share of the curvature of a smooth ground acceleration between its samples."""
     return Calibration(
         parameter=CurvedGround.parameters[0],
-        nominal=lambda _model: 0.0,
         apply=lambda model, value: model.adding(CurvedGround(curvature_between_samples=max(value, 0.0))),
     )

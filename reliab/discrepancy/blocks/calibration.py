@@ -15,11 +15,21 @@ class Calibration:
     """A parameter of the nominal model that is fitted in every model."""
 
     parameter: Parameter  # Name, units, bounds and prior
-    nominal: Callable[[HybridTest], float]  # The parameter's value in a model
     apply: Callable[[HybridTest, float], HybridTest]  # The model with another value
+    key: str = ""  # Name in the file of a model, if it stands there
+    unit: float = 1.0  # SI value of one
 
 
-def _stiffness(model: HybridTest) -> float:
+def _factor(name: str, meaning: str, typical: float, lower: float, upper: float) -> Parameter:
+    """Return a factor on a nominal value, which is one where that is right."""
+    return Parameter(
+        name=name, units="-", meaning=f"{meaning} over its nominal value", signed=True,
+        neutral=1.0, typical=typical, lower=lower, upper=upper, starts=(1.0,),
+    )  # fmt: skip
+
+
+def stiffness_of(model: HybridTest) -> float:
+    """Stiffness of a model's specimen [N/m], zero without one."""
     return 0.0 if model.specimen is None else model.specimen.stiffness
 
 
@@ -45,13 +55,11 @@ def gain(nominal: HybridTest, spread: float = 0.05) -> Calibration:
     """Gain of the actuator, in units of its nominal value."""
     unit = nominal.actuator.gain
     return Calibration(
-        parameter=Parameter(
-            name="gain", units="-", meaning="gain of the actuator over its nominal value", signed=True,
-            neutral=1.0, typical=spread, lower=0.3, upper=3.0, starts=(1.0,),
-        ),
-        nominal=lambda model: model.actuator.gain / unit,
+        parameter=_factor("gain", "gain of the actuator", spread, 0.3, 3.0),
         apply=lambda model, value: replace(model, actuator=replace(model.actuator, gain=value * unit)),
-    )  # fmt: skip
+        key="gain",
+        unit=unit,
+    )
 
 
 def delay(nominal: HybridTest, spread: float = 0.005) -> Calibration:
@@ -62,24 +70,22 @@ def delay(nominal: HybridTest, spread: float = 0.005) -> Calibration:
             name="delay_s", units="s", meaning="delay of the actuator", signed=True,
             neutral=believed, typical=spread, lower=-1e-9, upper=believed + 0.2, starts=(believed,),
         ),
-        nominal=lambda model: model.actuator.delay,
         apply=lambda model, value: replace(
             model, actuator=replace(model.actuator, delay=max(value, 0.0))
         ),
+        key="delay_s",
     )  # fmt: skip
 
 
 def stiffness(nominal: HybridTest, spread: float = 0.05, reach: float = 0.1) -> Calibration:
     """Stiffness of the specimen, in units of its nominal value; a calibration within 10 %."""
-    unit = _stiffness(nominal)
+    unit = stiffness_of(nominal)
     return Calibration(
-        parameter=Parameter(
-            name="stiffness", units="-", meaning="stiffness over its nominal value", signed=True,
-            neutral=1.0, typical=spread, lower=1.0 - reach, upper=1.0 + reach, starts=(1.0,),
-        ),
-        nominal=lambda model: _stiffness(model) / unit,
+        parameter=_factor("stiffness", "stiffness", spread, 1.0 - reach, 1.0 + reach),
         apply=lambda model, value: _with_stiffness(model, value * unit),
-    )  # fmt: skip
+        key="stiffness_n_per_m",
+        unit=unit,
+    )
 
 
 def open_stiffness(nominal: HybridTest) -> Calibration:
@@ -94,17 +100,18 @@ def open_stiffness(nominal: HybridTest) -> Calibration:
 
 def free_stiffness(nominal: HybridTest, scales: Scales) -> Calibration:
     """Stiffness of a specimen, whatever is stated of it: over the stated one, else in N/m."""
-    stated = _stiffness(nominal)
+    stated = stiffness_of(nominal)
     unit, size = stated or 1.0, scales.force / scales.displacement
     parameter = Parameter(
         name="stiffness" if stated else "stiffness_n_per_m", units="-" if stated else "N/m",
         meaning="stiffness over its nominal value" if stated else "stiffness of the specimen", signed=True,
         typical=size / unit, lower=0.0, upper=20.0 * size / unit, starts=(0.5 * size / unit,),
     )  # fmt: skip
-    return Calibration(
+    return replace(
+        stiffness(nominal),
         parameter=parameter,
-        nominal=lambda model: _stiffness(model) / unit,
         apply=lambda model, value: _with_stiffness(model, value * unit),
+        unit=unit,
     )
 
 
@@ -114,15 +121,14 @@ def damping(nominal: HybridTest) -> Calibration:
     A nominal damping ratio leaves open by which natural frequency it is to be multiplied: by the nominal one
     (0), or by the calibrated one (1).
     """
-    unit = _stiffness(nominal)
+    unit = stiffness_of(nominal)
     return Calibration(
         parameter=Parameter(
             name="damping", units="-", meaning="exponent of damping over frequency", signed=True,
             neutral=0.5, typical=0.29, lower=-1e-9, upper=1.0, starts=(0.5,),
         ),
-        nominal=lambda _model: 0.0,
         apply=lambda model, value: _with_structure(
-            model, damping=(_stiffness(model) / unit) ** (0.5 * value)
+            model, damping=(stiffness_of(model) / unit) ** (0.5 * value)
         ),
     )  # fmt: skip
 
@@ -130,25 +136,17 @@ def damping(nominal: HybridTest) -> Calibration:
 def structure_frequency() -> Calibration:
     """Natural frequency of the controller's structure over its nominal value, which may be wrong."""
     return Calibration(
-        parameter=Parameter(
-            name="structure_frequency", units="-", meaning="natural frequency over its nominal value",
-            signed=True, neutral=1.0, typical=0.01, lower=0.9, upper=1.1, starts=(1.0,),
-        ),
-        nominal=lambda _model: 1.0,
+        parameter=_factor("structure_frequency", "natural frequency", 0.01, 0.9, 1.1),
         apply=lambda model, value: _with_structure(model, frequency=value),
-    )  # fmt: skip
+    )
 
 
 def structure_damping(spread: float = 0.1, reach: float = 0.5) -> Calibration:
     """Damping ratio of the controller's structure over its nominal value."""
     return Calibration(
-        parameter=Parameter(
-            name="structure_damping", units="-", meaning="damping ratio over its nominal value",
-            signed=True, neutral=1.0, typical=spread, lower=1.0 - reach, upper=1.0 + reach, starts=(1.0,),
-        ),
-        nominal=lambda _model: 1.0,
+        parameter=_factor("structure_damping", "damping ratio", spread, 1.0 - reach, 1.0 + reach),
         apply=lambda model, value: _with_structure(model, damping=value),
-    )  # fmt: skip
+    )
 
 
 def structure_mass() -> Calibration:
@@ -157,13 +155,9 @@ def structure_mass() -> Calibration:
     The scale of a load cell that is off looks the same.
     """
     return Calibration(
-        parameter=Parameter(
-            name="structure_mass", units="-", meaning="mass over its nominal value",
-            signed=True, neutral=1.0, typical=0.02, lower=0.8, upper=1.25, starts=(1.0,),
-        ),
-        nominal=lambda _model: 1.0,
+        parameter=_factor("structure_mass", "mass", 0.02, 0.8, 1.25),
         apply=lambda model, value: replace(model, mass=value * model.mass),
-    )  # fmt: skip
+    )
 
 
 def force_not_fed_back() -> Calibration:
@@ -171,12 +165,9 @@ def force_not_fed_back() -> Calibration:
 
     An offset that it did feel moves the command with it and balances the equation of motion.
     """
-    offset = ForceBias.parameters[0]
+    meaning = "offset of the recorded force that was not fed back"
     return Calibration(
-        parameter=replace(
-            offset, name="force_not_fed_back_n", meaning="offset of the recorded force that was not fed back"
-        ),
-        nominal=lambda _model: 0.0,
+        parameter=replace(ForceBias.parameters[0], name="force_not_fed_back_n", meaning=meaning),
         apply=lambda model, value: model.adding(ForceBias(bias_n=value)),
     )
 
@@ -185,7 +176,6 @@ def lag_of_force() -> Calibration:
     """Time [s] by which a force is later than a motion whose delay is badly known."""
     return Calibration(
         parameter=replace(ClockOffset.parameters[0], name="force_lag_s"),
-        nominal=lambda _model: 0.0,
         apply=lambda model, value: model.adding(ClockOffset(lag_s=value)),
     )
 
@@ -200,6 +190,7 @@ def scale_of_excitation(expected: float, spread: float = 0.5) -> Calibration:
             name="excitation_scale", units="-", meaning="ground acceleration over its expected value",
             typical=1.0, spread=spread, lower=1e-3, upper=1e3, starts=(1.0,),
         ),
-        nominal=lambda _model: 1.0 / expected,
         apply=lambda model, value: model.adding(ExcitationScale(scale=value * expected)),
+        key="excitation_scale.scale",
+        unit=expected,
     )  # fmt: skip

@@ -58,12 +58,8 @@ class LeftOut:
 
 def left_out(problem: Problem, fitted: Fit, fixed: tuple[int, ...] = ()) -> LeftOut:
     """Leave out each test in turn, refit the model to the others and predict it."""
-    tests = [segment.test for segment in problem.segments]
-    groups = tests if len(set(tests)) > 1 else list(range(len(tests)))
-    energies, signals, units, foretold = [], [], [], []
-    powers = relative_powers(problem)
-    for group in dict.fromkeys(groups):
-        members = [k for k, owner in enumerate(groups) if owner == group]
+    energies, foretold = [], []
+    for members in _parts(problem):
         excluded = np.isin(problem.owners, members)
         if problem.flat and not fixed:
             tried = [_refitted_in_full(problem, fitted, excluded, members)]
@@ -75,32 +71,34 @@ def left_out(problem: Problem, fitted: Fit, fixed: tuple[int, ...] = ()) -> Left
             tried.append(stayed)
         segments = [problem.segments[k] for k in members]
         energies.append(min(_missed(problem, fitted.space, x, segments) for x in tried))
-        signals.append(sum(energy_of(s.spectrum(problem.measured(s.test))) for s in segments))
         foretold.append(problem.flat or _determined(fitted, ~excluded))
-        units.append(sum(powers[k] * (problem.segments[k].end - problem.segments[k].begin) for k in members))
-    return LeftOut(
-        energies=np.array(energies),
-        signals=np.array(signals),
-        units=np.array(units),
-        foretold=np.array(foretold),
-    )
+    return _errors(problem, energies, foretold)
 
 
 def errors_of_parts(problem: Problem, residual: dict[int, Array]) -> LeftOut:
     """Errors of residuals on tests that took no part in a fit, or on the parts of a single one."""
+    missed = [energy_of(segment.spectrum(residual[segment.test])) for segment in problem.segments]
+    energies = [sum(missed[k] for k in members) for members in _parts(problem)]
+    return _errors(problem, energies, [True] * len(energies))
+
+
+def _parts(problem: Problem) -> list[list[int]]:
+    """Segments of each test, or each segment of a single one."""
     tests = [segment.test for segment in problem.segments]
     groups = tests if len(set(tests)) > 1 else list(range(len(tests)))
-    powers = relative_powers(problem)
-    parts: dict[int, list[tuple[float, float, float]]] = {}
-    for group, segment, power in zip(groups, problem.segments, powers, strict=True):
-        energy, signal = (
-            energy_of(segment.spectrum(values))
-            for values in (residual[segment.test], problem.measured(segment.test))
-        )
-        parts.setdefault(group, []).append((energy, signal, power * (segment.end - segment.begin)))
-    energies, signals, units = np.array([np.sum(rows, axis=0) for rows in parts.values()]).T
+    return [[k for k, owner in enumerate(groups) if owner == group] for group in dict.fromkeys(groups)]
+
+
+def _errors(problem: Problem, energies: Sequence[float], foretold: Sequence[bool]) -> LeftOut:
+    """Put energies of residuals beside those of the channel and those that count as one."""
+    powers, segments = relative_powers(problem), problem.segments
+    signal = [energy_of(s.spectrum(problem.measured(s.test))) for s in segments]
+    unit = [power * (s.end - s.begin) for power, s in zip(powers, segments, strict=True)]
     return LeftOut(
-        energies=energies, signals=signals, units=units, foretold=np.ones(energies.size, dtype=bool)
+        energies=np.array(energies),
+        signals=np.array([sum(signal[k] for k in members) for members in _parts(problem)]),
+        units=np.array([sum(unit[k] for k in members) for members in _parts(problem)]),
+        foretold=np.array(foretold),
     )
 
 

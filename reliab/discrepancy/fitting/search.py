@@ -52,7 +52,7 @@ MOST_EFFECTS = 3
 _WORKERS = 2
 _BEAM, _DEEPEST_OUTSIDE = 2, 2
 _TRIED, _SCOUTED = 8, 4
-_CLOSE, POSSIBLE, _CLEAR = 100.0, 7.0, 25.0  # nats
+_CLOSE, _POSSIBLE, _CLEAR = 100.0, 7.0, 25.0  # nats
 
 
 class Search:
@@ -61,7 +61,7 @@ class Search:
     def __init__(self, problem: Problem) -> None:
         self.fitted: dict[frozenset[str], Fit] = {}
         self.rejected: dict[frozenset[str], Fit] = {}
-        self.with_clocks: dict[frozenset[str], Fit] = {}  # filled by `diagnose.py`
+        self.with_clocks: dict[frozenset[str], Fit] = {}
         self._errors: WeakKeyDictionary[Fit, LeftOut] = WeakKeyDictionary()
         self._roughly_fitted: dict[frozenset[str], Fit] = {}
         block = problem.block
@@ -384,6 +384,30 @@ class Search:
             if self._matters(candidate, parent):
                 self.keep(candidate)
 
+    def fit_beside_clocks(self) -> None:
+        """Add an offset of the clocks to the models that may be named, where it was rejected, too."""
+        if ClockOffset not in self.candidates or ClockOffset not in self.problem.block.twins:
+            return
+        for key in self._near():
+            near = self.fitted[key]
+            alone = self.without(near, ClockOffset) if ClockOffset in near.space.effects else near
+            if alone.space.effects:
+                self._with_clock(alone)
+
+    def _with_clock(self, fitted: Fit) -> None:
+        """Fit a model with an offset of the clocks together with its effects."""
+        space = ModelSpace(fitted.space.block, (*fitted.space.effects, ClockOffset))
+        key = frozenset(space.names)
+        if key not in self.with_clocks:
+            (promise,) = self.screened(fitted, [ClockOffset])
+            beside = refined(self.problem, fit(self.problem, space, [promise.start], fitted.noise))
+            self.with_clocks[key] = self.keep(beside) if key in self.fitted else beside
+
+    def _near(self) -> list[frozenset[str]]:
+        """Effects of the models that may be named."""
+        least = self.score(self.best) - _POSSIBLE
+        return [key for key, candidate in self.fitted.items() if self.score(candidate) > least]
+
     def refine(self) -> None:
         """Try, in the place of every effect of the best model, its special forms."""
         for kind in self.best.space.effects:
@@ -422,28 +446,15 @@ class Search:
     def settle(self) -> None:
         """Reject every model that may be named and contains an effect that does not matter."""
         checked: set[frozenset[str]] = set()
-        while True:
-            best = self.score(self.best)
-            near = [
-                key
-                for key, candidate in self.fitted.items()
-                if key not in checked and self.score(candidate) > best - POSSIBLE
-            ]
-            if not near:
-                return
+        while near := [key for key in self._near() if key not in checked]:
             for key in near:
                 checked.add(key)
-                candidate = self.fitted[key]
-                if not self.supported(candidate):
-                    self._reject(candidate)
+                if not self.supported(self.fitted[key]):
+                    self._reject(self.fitted[key])
 
     def sharpen(self) -> None:
         """Differentiate anew, at every instant, the models that may be named."""
-        close = [
-            key
-            for key, candidate in self.fitted.items()
-            if self.score(candidate) > self.score(self.best) - POSSIBLE
-        ]
+        close = self._near()
         with ThreadPoolExecutor(_WORKERS) as pool:
             sharp = pool.map(lambda key: sharpened(self.problem, self.fitted[key]), close)
             self.fitted.update(zip(close, sharp, strict=True))

@@ -7,9 +7,8 @@ the projected energy is χ²-distributed with as many degrees of freedom as the 
 factor corrects for the number of families.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 from scipy import stats
@@ -37,20 +36,6 @@ _REST = "frequency_band"  # kind of the finding of what no family explains
 class Finding(PlainResult):
     """A place where the calibrated model fails."""
 
-    keys: ClassVar[Mapping[str, str]] = {
-        "block": "block",
-        "channel": "channel",
-        "test": "test",
-        "kind": "kind",
-        "detail": "detail",
-        "share_of_residual": "share_of_residual",
-        "p_value": "p_value",
-        "band_hz": "band",
-        "time_s": "time",
-        "displacement_m": "displacement",
-        "velocity_m_per_s": "velocity",
-    }
-
     block: str  # block, channel: Where in the loop, and in which column
     channel: str
     test: str  # File of the test in which it shows most
@@ -58,15 +43,17 @@ class Finding(PlainResult):
     detail: str  # One sentence
     share_of_residual: float  # Part of the residual's power above the noise that it accounts for, in [0, 1]
     p_value: float  # Probability of as much under noise alone, corrected for the number of trials made
-    band: tuple[float, float]  # Frequencies [Hz] between which it lies
-    time: tuple[float, float]  # Times [s] in that test between which it lies
-    displacement: float  # Size of the displacement [m] at which it begins
-    velocity: float  # Size of the velocity [m/s] at which it begins
+    band_hz: tuple[float, float]  # Frequencies between which it lies
+    time_s: tuple[float, float]  # Times in that test between which it lies
+    displacement_m: float  # Size of the displacement at which it begins
+    velocity_m_per_s: float  # Size of the velocity at which it begins
 
     @property
     def begin(self) -> str:
         """Displacement and velocity at which it begins, as they are shown."""
-        size, speed = (significant(MILLI * value, 2) for value in (self.displacement, self.velocity))
+        size, speed = (
+            significant(MILLI * value, 2) for value in (self.displacement_m, self.velocity_m_per_s)
+        )
         return f"{size} mm, {speed} mm/s"
 
     @property
@@ -191,10 +178,10 @@ def _finding(
         detail=f"In {block.channel} of the {block.block} {sentence}: {where}.",
         share_of_residual=share,
         p_value=p_value,
-        band=(low, high),
-        time=(first, last),
-        displacement=size,
-        velocity=speed,
+        band_hz=(low, high),
+        time_s=(first, last),
+        displacement_m=size,
+        velocity_m_per_s=speed,
     )
 
 

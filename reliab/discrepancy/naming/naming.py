@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from scipy import stats
 
-from reliab.core.arrays import Array
 from reliab.core.significant_digits import counted, percent
 from reliab.discrepancy.fitting.error_search import ErrorSearch
 from reliab.discrepancy.fitting.fit import Fit, as_judged_by_noise, fit, reweighted
@@ -40,10 +40,8 @@ from reliab.discrepancy.proof import gap, held_out_nrmse, residuals
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis, Ranked
 from reliab.discrepancy.result.gap import FurtherError, Gap
 from reliab.discrepancy.result.missing_effect import (
-    Estimate,
     MissingEffect,
     Rival,
-    Unknown,
     calibration,
     estimates,
     widened,
@@ -74,17 +72,30 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
     calibrated = search.fitted.get(frozenset(str(kind.name) for kind in restated), search.null)
     judged = as_judged_by_noise(search.problem, best)
     noise, structured = is_noise(*judged), structured_share(*judged)
-    naming = _naming(search, ranked, best, proof, structured)
-    biases, uncertain = naming.offsets()
-    before = residuals(proof, search.plain(calibrated), without=[bias.effect for bias in biases])
+    naming = _Naming(search=search, ranked=ranked, choice=choice, proof=proof, structured=structured)
+    effects, doubtful, uncertain = naming.settled()
+    offsets = [effect.effect for effect in effects if effect.effect in best.space.block.offsets]
+    before = residuals(proof, search.plain(calibrated), without=offsets)
     after = residuals(proof, best)
-    held_out = gap(proof, before, after, noise_like_tests(proof, judged[1]))
-    proved = _beside_others(held_out, search, proof, ranked, choice)
-    proved = replace(proved, missing=bool(set(best.space.effects) - restated or biases))
-    effects, doubtful = naming.settled(choice, biases)
-    is_named = bool(effects) and (isinstance(search, ErrorSearch) or not doubtful)
-    remaining = None if noise else _located(search.problem, best, judged)
-    unknown = _unknown(choice, ranked, judged, proved, remaining, is_named=is_named)
+    named_terms = [kind for kind in naming.kinds if issubclass(kind, GeneralTerm)]
+    proved = replace(
+        gap(proof, before, after, noise_like_tests(proof, judged[1])),
+        missing=bool(set(best.space.effects) - restated or offsets),
+    )
+    proved = naming.beside_others(proved)
+    unknown = unexplained(
+        judged,
+        best,
+        named_terms,
+        proved,
+        None if noise else _located(search.problem, best, judged),
+        is_named=bool(effects) and (isinstance(search, ErrorSearch) or not doubtful),
+        tried=_tried(ranked),
+    )
+    linear = search.linear
+    as_recorded = search.error(best)
+    if search.problem.conversion:  # a further test holds all that the converter adds
+        as_recorded = left_out(replace(search.problem, conversion={}), best)
     return BlockDiagnosis(
         problem=search.problem,
         proof=proof,
@@ -95,57 +106,23 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
         uncertain_offsets=uncertain,
         unknown=unknown,
         findings=_located(search.problem, calibrated, judged),
-        residuals_before=_by_file(proof, before),
-        residuals_after=_by_file(proof, after),
+        residuals_before={proof.block.tests[test].file: values for test, values in before.items()},
+        residuals_after={proof.block.tests[test].file: values for test, values in after.items()},
         gap=replace(proved, missing=bool(proved.missing or unknown)),
         structured_share=structured,
         leaves_noise=noise,
         calibration=calibration(best, restated=bool(restated)),
-        further=expected_error(_as_recorded(search, best)),
+        further=expected_error(as_recorded),
         believed=choice.best,
         choice_remarks=tuple(remarks_on(choice)),
-        linear=_linear_estimates(search.linear),
+        linear=(
+            *calibration(linear),
+            *(item for kind in linear.space.effects for item in estimates(kind, linear)),
+        )
+        if linear.space.effects
+        else (),
         refining=tuple(choice.refining),
     )
-
-
-def _unrefined(choice: Choice) -> list[type[Effect]]:
-    """Effects of the believed model that may have a name."""
-    return [kind for kind in choice.best.fit.space.effects if kind not in choice.refining]
-
-
-def _unknown(
-    choice: Choice,
-    ranked: Sequence[Ranked],
-    judged: tuple[Problem, Fit],
-    proved: Gap,
-    remaining: Sequence[Finding] | None,
-    *,
-    is_named: bool,
-) -> Unknown | None:
-    """State what no effect of the library explains: terms that do not only refine a model, or a remainder."""
-    terms = [kind for kind in _unrefined(choice) if issubclass(kind, GeneralTerm)]
-    best, tried = choice.best.fit, _tried(ranked)
-    return unexplained(judged, best, terms, proved, remaining, is_named=is_named, tried=tried)
-
-
-def _beside_others(
-    measured: Gap, search: Search, proof: Problem, ranked: Sequence[Ranked], choice: Choice
-) -> Gap:
-    """Add to a gap what the best linear model leaves, and the best model that lacks one of the effects."""
-    linear, rival = search.linear, best_rival(ranked, choice.best)
-    error = held_out_nrmse(proof, residuals(proof, linear)) if linear.space.effects else measured.before
-    if rival is None:
-        return replace(measured, linear=error)
-    return replace(measured, linear=error, rival=rival.held_out, rival_effects=rival.names)
-
-
-def _linear_estimates(linear: Fit) -> tuple[Estimate, ...]:
-    """Parameters of the best linear model of a block that has one of its own."""
-    if not linear.space.effects:
-        return ()
-    effects = (item for effect in linear.space.effects for item in estimates(effect, linear))
-    return (*calibration(linear), *effects)
 
 
 def _tried(ranked: Sequence[Ranked]) -> str:
@@ -154,55 +131,85 @@ def _tried(ranked: Sequence[Ranked]) -> str:
     return f"of {models} that were tried the best ({names_of(best)}) leaves {percent(best.held_out)}"
 
 
-def _naming(
-    search: Search, ranked: Sequence[Ranked], best: Fit, proof: Problem, structured: float
-) -> "_Naming":
-    """Gather what is needed to state effects, for a share of what is left that is no noise."""
-    most = 1.0 if structured <= LARGEST_STRUCTURED_SHARE else MOST_SURE
-    bounds = best.space.on_bounds(best.coordinates)
-    return _Naming(search=search, ranked=ranked, best=best, proof=proof, most=most, bounds=bounds)
-
-
-def _as_recorded(search: Search, best: Fit) -> LeftOut:
-    """Error of a model on each left-out test with all that the converter adds, as a further test has it."""
-    if not search.problem.conversion:
-        return search.error(best)
-    return left_out(replace(search.problem, conversion={}), best)
-
-
 def _located(problem: Problem, fitted: Fit, judged: tuple[Problem, Fit]) -> tuple[Finding, ...]:
     """Find what the residual of a model varies with, as noise judges it."""
-    return locate(judged[0], _as_judged(problem, fitted, *judged), judged[1].noise)
-
-
-def _as_judged(problem: Problem, fitted: Fit, plain: Problem, best: Fit) -> Fit:
-    """Return a fitted model with derivatives whitened as noise judges them."""
+    plain, best = judged
     factors = np.sqrt(problem.densities(fitted.noise) / plain.densities(best.noise))
-    return replace(fitted, jacobian=factors[:, np.newaxis] * fitted.jacobian)
+    whitened = replace(fitted, jacobian=factors[:, np.newaxis] * fitted.jacobian)
+    return locate(plain, whitened, best.noise)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class OffsetRival:
-    """A model that holds an effect in the place of an offset."""
+class OffsetRival(NamedTuple):
+    """A model that holds an effect in the place of an offset, which is zero in it."""
 
-    effect: type[Effect]  # The effect
-    fit: Fit  # The model, in which the offset is zero
-    # Logarithm of how much more credible it is than the model with the offset, by the judge of the search
-    odds: float
+    effect: type[Effect]
+    fit: Fit
+    odds: float  # Logarithm of how much more credible it is than the offset, by the judge of the search
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Naming:
-    """What is needed to state an effect: all models, the believed one, and the held-out tests."""
+    """What is needed to state effects: all models, the believed one, and the held-out tests."""
 
     search: Search
     ranked: Sequence[Ranked]
-    best: Fit
+    choice: Choice
     proof: Problem
-    most: float
-    bounds: tuple[str, ...]
+    structured: float  # Share of what is left that is no noise
 
-    def missing(self, effect: type[Effect]) -> MissingEffect:
+    @property
+    def best(self) -> Fit:
+        """The believed model."""
+        return self.choice.best.fit
+
+    @property
+    def kinds(self) -> list[type[Effect]]:
+        """Effects of the believed model that may have a name."""
+        return [kind for kind in self.best.space.effects if kind not in self.choice.refining]
+
+    def beside_others(self, measured: Gap) -> Gap:
+        """Add to a gap what the best linear model leaves, and the best model that lacks an effect."""
+        linear, rival = self.search.linear, best_rival(self.ranked, self.choice.best)
+        error = self._error(linear) if linear.space.effects else measured.before
+        if rival is None:
+            return replace(measured, linear=error)
+        return replace(measured, linear=error, rival=rival.held_out, rival_effects=rival.names)
+
+    def settled(self) -> tuple[tuple[MissingEffect, ...], ...]:
+        """State effects: those that are named, those of which one acts, and uncertain offsets.
+
+        An offset is uncertain if another effect may stand in its place.
+        """
+        named: list[MissingEffect] = []
+        doubted: list[MissingEffect] = []
+        for kind in (kind for kind in self.kinds if not is_general(kind)):
+            if kind in self.choice.sure - {StatedDamping}:
+                for effect in self._members(kind):
+                    (named if effect.probability >= SURE else doubted).append(effect)
+        for kind in (kind for kind in self.kinds if not is_general(kind) and kind in self.choice.doubtful):
+            doubted += self._members(kind)
+        shifts = [self._offset(kind) for kind in self.best.space.block.offsets if self._is_offset(kind)]
+        named += [shift for shift in shifts if shift.probability >= SURE]
+        return tuple(named), tuple(doubted), tuple(shift for shift in shifts if shift.probability < SURE)
+
+    def _members(self, effect: type[Effect]) -> tuple[MissingEffect, ...]:
+        """State an effect of the library, or the members of a composition.
+
+        Where no model is exact, a special form, or a member beside the first one, has a name only if it
+        explains more than the whole leaves.
+        """
+        first, *others = self._missing(effect).by_member
+        simple = effect.refines
+        if simple is None:
+            return (first,)
+        alone = self._error(self.search.simplified(self.best, effect))
+        if isinstance(self.search, ErrorSearch) and not explains_more_than_left(
+            alone, self._error(self.best)
+        ):
+            return (first if others or simple.label() == effect.label() else first.named_as(simple),)
+        return (first, *(replace(member, error_without=alone) for member in others))
+
+    def _missing(self, effect: type[Effect]) -> MissingEffect:
         """State an effect of the library."""
         smaller = self.search.without(self.best, effect)
         missing = self._describe(effect, probability(self.ranked, effect), smaller, self._rivals(effect))
@@ -214,83 +221,6 @@ class _Naming:
         if others:
             missing = replace(missing, estimates=widened(missing.estimates, others))
         return or_stated_damping(missing, self.search.problem.block.structure_damping)
-
-    def settled(
-        self, choice: Choice, biases: Sequence[MissingEffect]
-    ) -> tuple[tuple[MissingEffect, ...], tuple[MissingEffect, ...]]:
-        """State effects: those that are named, offsets among them, and those of which one acts."""
-        inside = [kind for kind in _unrefined(choice) if not is_general(kind)]
-        sure = choice.sure - {StatedDamping}
-        likely = [effect for kind in inside if kind in sure for effect in self.members(kind)]
-        doubted = [effect for kind in inside if kind in choice.doubtful for effect in self.members(kind)]
-        unsure = [effect for effect in likely if effect.probability < SURE]
-        probable = [effect for effect in likely if effect.probability >= SURE]
-        return (*probable, *biases), (*unsure, *doubted)
-
-    def members(self, effect: type[Effect]) -> tuple[MissingEffect, ...]:
-        """State an effect of the library, or the members of a composition.
-
-        Where no model is exact, a special form, or a member beside the first one, has a name only if it
-        explains more than the whole leaves.
-        """
-        first, *others = self.missing(effect).by_member
-        simple = effect.refines
-        if simple is None:
-            return (first,)
-        alone = self._error(self.search.simplified(self.best, effect))
-        if isinstance(self.search, ErrorSearch) and not explains_more_than_left(
-            alone, self._error(self.best)
-        ):
-            return (first if others or simple.label() == effect.label() else first.named_as(simple),)
-        return (first, *(replace(member, error_without=alone) for member in others))
-
-    def offsets(self) -> tuple[tuple[MissingEffect, ...], tuple[MissingEffect, ...]]:
-        """State offsets: those that are named, and those in whose place another effect may stand."""
-        search, best = self.search, self.best
-        shifts = [self.offset(kind, offset_rival(search, best, kind)) for kind in offsets(search, best)]
-        sure = tuple(shift for shift in shifts if shift.probability >= SURE)
-        return sure, tuple(shift for shift in shifts if shift not in sure)
-
-    def offset(self, effect: type[Effect], rival: OffsetRival | None) -> MissingEffect:
-        """State an offset against models in which it is zero, with the best other effect in its place."""
-        odds = offset_odds(self.best, effect)
-        relative = np.exp(np.minimum([0.0, -odds, -np.inf if rival is None else rival.odds], 700.0))
-        shares = (relative / relative.sum()).tolist()
-        problem = self.search.problem
-        neutral = self.best.space.neutralised(self.best.coordinates, [effect])
-        place = self.best.space.places(effect).start
-        moved = refitted(self.best, np.zeros(problem.rows, dtype=bool), (place,))
-        smaller = min((replace(self.best, coordinates=x) for x in (neutral, moved)), key=self._error)
-        rivals = () if rival is None else (self._rival(rival.effect.label(), shares[2], rival.fit),)
-        return self._describe(effect, shares[0], smaller, rivals)
-
-    def _rival(self, name: str, sure: float, fitted: Fit) -> Rival:
-        return Rival(name=name, probability=sure, held_out_nrmse=self._error(fitted))
-
-    def _describe(
-        self, effect: type[Effect], sure: float, smaller: Fit, rivals: tuple[Rival, ...]
-    ) -> MissingEffect:
-        key = f"{effect.name}."
-        return MissingEffect(
-            effect=effect,
-            probability=min(sure, self.most),
-            estimates=self._estimates(effect),
-            rivals=rivals,
-            error_with=self._error(self.best),
-            error_without=self._error(smaller),
-            on_bounds=tuple(name.removeprefix(key) for name in self.bounds if name.startswith(key)),
-        )
-
-    def _estimates(self, effect: type[Effect]) -> tuple[Estimate, ...]:
-        """Parameters of an effect; a converter reads the level at which a stop holds within its step."""
-        fitted = estimates(effect, self.best)
-        if not issubclass(effect, StrokeSaturation):
-            return fitted
-        rounding = max(self.search.problem.steps.values()) / np.sqrt(12.0)
-        return tuple(replace(item, sd=float(np.hypot(item.sd, rounding))) for item in fitted)
-
-    def _error(self, fitted: Fit) -> float:
-        return held_out_nrmse(self.proof, residuals(self.proof, fitted))
 
     def _rivals(self, effect: type[Effect]) -> tuple[Rival, ...]:
         """Models that hold one other effect in the place of this one.
@@ -307,9 +237,57 @@ class _Naming:
             if other_effects <= effects and len(added) == 1 and names != {effect.label()}:
                 (name,) = names
                 rivals.append(self._rival(name, ranked.probability, ranked.fit))
-            if len(rivals) == _RIVALS:
-                break
-        return tuple(rivals)
+        return tuple(rivals[:_RIVALS])
+
+    def _offset(self, effect: type[Effect]) -> MissingEffect:
+        """State an offset against models in which it is zero, with the best other effect in its place."""
+        rival = offset_rival(self.search, self.best, effect)
+        odds = offset_odds(self.best, effect)
+        relative = np.exp(np.minimum([0.0, -odds, -np.inf if rival is None else rival.odds], 700.0))
+        shares = (relative / relative.sum()).tolist()
+        neutral = self.best.space.neutralised(self.best.coordinates, [effect])
+        place = self.best.space.places(effect).start
+        moved = refitted(self.best, np.zeros(self.search.problem.rows, dtype=bool), (place,))
+        smaller = min((replace(self.best, coordinates=x) for x in (neutral, moved)), key=self._error)
+        rivals = () if rival is None else (self._rival(rival.effect.label(), shares[2], rival.fit),)
+        return self._describe(effect, shares[0], smaller, rivals)
+
+    def _is_offset(self, kind: type[Effect]) -> bool:
+        """Whether an offset is significant, large enough to matter, and helps to predict left-out tests."""
+        problem, best = self.search.problem, self.best
+        if offset_odds(best, kind) <= 0.0:
+            return False
+        place = best.space.places(kind).start
+        values = np.concatenate([problem.block.measured(s.test)[s.begin : s.end] for s in problem.segments])
+        if abs(float(best.space.values(best.coordinates)[place])) < _SMALLEST_OFFSET * float(values.std()):
+            return False
+        share = 1.0 - MATERIAL if problem.flat else 1.0
+        return self.search.error(best).energy <= share * left_out(problem, best, (place,)).energy
+
+    def _rival(self, name: str, sure: float, fitted: Fit) -> Rival:
+        return Rival(name=name, probability=sure, held_out_nrmse=self._error(fitted))
+
+    def _describe(
+        self, effect: type[Effect], sure: float, smaller: Fit, rivals: tuple[Rival, ...]
+    ) -> MissingEffect:
+        key = f"{effect.name}."
+        bounds = self.best.space.on_bounds(self.best.coordinates)
+        fitted = estimates(effect, self.best)
+        if issubclass(effect, StrokeSaturation):  # a converter reads the level of a stop within its step
+            rounding = max(self.search.problem.steps.values()) / np.sqrt(12.0)
+            fitted = tuple(replace(item, sd=float(np.hypot(item.sd, rounding))) for item in fitted)
+        return MissingEffect(
+            effect=effect,
+            probability=min(sure, 1.0 if self.structured <= LARGEST_STRUCTURED_SHARE else MOST_SURE),
+            estimates=fitted,
+            rivals=rivals,
+            error_with=self._error(self.best),
+            error_without=self._error(smaller),
+            on_bounds=tuple(name.removeprefix(key) for name in bounds if name.startswith(key)),
+        )
+
+    def _error(self, fitted: Fit) -> float:
+        return held_out_nrmse(self.proof, residuals(self.proof, fitted))
 
 
 def or_stated_damping(damper: MissingEffect, damping: float) -> MissingEffect:
@@ -322,10 +300,6 @@ def or_stated_damping(damper: MissingEffect, damping: float) -> MissingEffect:
     half = 0.5 * damper.probability
     twin = Rival(name=StatedDamping.label(), probability=half, held_out_nrmse=damper.error_with)
     return replace(damper, probability=half, rivals=(twin, *damper.rivals)[:_RIVALS])
-
-
-def _by_file(proof: Problem, residuals: dict[int, Array]) -> dict[str, Array]:
-    return {proof.block.tests[test].file: values for test, values in residuals.items()}
 
 
 def expected_error(errors: LeftOut) -> FurtherError | None:
@@ -377,23 +351,6 @@ def offset_rival(search: Search, best: Fit, offset: type[Effect]) -> OffsetRival
     if isinstance(search, ErrorSearch):
         odds = search.likelihood(error) - search.likelihood(search.error(best))
     return OffsetRival(effect=first.kind, fit=rival, odds=odds)
-
-
-def offsets(search: Search, best: Fit) -> list[type[Effect]]:
-    """Offsets that are significant, large enough to matter, and that help to predict left-out tests."""
-    return [kind for kind in search.problem.block.offsets if _is_offset(search, best, kind)]
-
-
-def _is_offset(search: Search, best: Fit, kind: type[Effect]) -> bool:
-    problem = search.problem
-    if offset_odds(best, kind) <= 0.0:
-        return False
-    place = best.space.places(kind).start
-    values = np.concatenate([problem.block.measured(s.test)[s.begin : s.end] for s in problem.segments])
-    if abs(float(best.space.values(best.coordinates)[place])) < _SMALLEST_OFFSET * float(values.std()):
-        return False
-    share = 1.0 - MATERIAL if problem.flat else 1.0
-    return search.error(best).energy <= share * left_out(problem, best, (place,)).energy
 
 
 def offset_odds(fitted: Fit, offset: type[Effect]) -> float:

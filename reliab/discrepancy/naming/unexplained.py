@@ -1,7 +1,6 @@
 """Effects that are not in the library: other terms, a reading that drops out, a disturbance, a remainder."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from scipy import fft, ndimage, signal, stats
@@ -15,7 +14,7 @@ from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.locating.locate import Finding
 from reliab.discrepancy.result.gap import ABOVE_FLOOR, Gap
 from reliab.discrepancy.result.missing_effect import Unknown, estimates
-from reliab.discrepancy.spectra.segment import Segment, energy_of
+from reliab.discrepancy.spectra.segment import energy_of
 from reliab.effects.general.general_term import GeneralTerm
 from reliab.effects.general.periodic import Disturbance
 from reliab.signals.noise import NoiseModel, near_mains
@@ -59,20 +58,19 @@ def unexplained(
     varies with, None where it is noise; `tried` says how well models do. Where effects have a name they
     must explain enough of every kind of held-out test, however small the remainder is.
     """
-    problem = judged[0]
-    interrupted = _interrupted(problem, judged[1], proved.after)
-    if interrupted is not None:
-        return interrupted
-    if outside:
-        return _unknown(outside, best, proved.after)
-    disturbance = _disturbance(problem, judged[1], proved.after)
-    if disturbance is not None:
-        return disturbance
-    if is_named:
-        large = not explains_enough(proved)
-    else:
+    problem, fitted = judged
+    held, terms = standstill(problem, fitted), _terms(outside, best) if outside else None
+    found = held or terms or line_above(problem, fitted)
+    if found is None:
         large = remaining is not None and _is_large(problem, best, proved)
-    return _remainder(problem, proved, remaining or (), tried) if large else None
+        if explains_enough(proved) if is_named else not large:
+            return None
+        found = "", f"the remainder follows the motion: {tried}{_looks(remaining or ())}"
+    expression, description = found
+    block = outside[0].block if found is terms else problem.block.block
+    return Unknown(
+        block=str(block), expression=expression, description=description, held_out_nrmse=proved.after
+    )
 
 
 def explains_enough(proved: Gap) -> bool:
@@ -87,20 +85,13 @@ def _is_large(problem: Problem, best: Fit, proved: Gap) -> bool:
     The force that balances a command is computed from derivatives of the command. Where these are rough, at
     frequencies above those that are judged, the error is one of this computation.
     """
-    if _is_balanced(problem) and not _judged_error(problem, best) > SMALLEST_GAP:
-        return False
+    if _is_balanced(problem):
+        rows = problem.whitened(best.space, best.coordinates, NoiseModel.white(problem.block.rate, 1.0))
+        signal = sum(energy_of(s.spectrum(problem.measured(s.test))) for s in problem.segments)
+        if not rows @ rows > SMALLEST_GAP**2 * max(signal, 1e-300):
+            return False
     above_floor = proved.floor is not None and proved.after > ABOVE_FLOOR * proved.floor
     return proved.model_error > SMALLEST_GAP or above_floor
-
-
-def _remainder(problem: Problem, proved: Gap, remaining: Sequence[Finding], tried: str) -> Unknown:
-    """Describe an error of the model that no effect explains."""
-    return Unknown(
-        block=str(problem.block.block),
-        expression="",
-        description=f"the remainder follows the motion: {tried}{_looks(remaining)}",
-        held_out_nrmse=proved.after,
-    )
 
 
 def _looks(remaining: Sequence[Finding]) -> str:
@@ -116,69 +107,17 @@ def _is_balanced(problem: Problem) -> bool:
     return problem.block.block is Block.NUMERICAL and problem.block.channel is Channel.FORCE
 
 
-def _judged_error(problem: Problem, best: Fit) -> float:
-    """RMS of what a model leaves over that of the channel, at the frequencies at which it is judged."""
-    unit = NoiseModel.white(problem.block.rate, 1.0)
-    rows = problem.whitened(best.space, best.coordinates, unit)
-    signal = sum(energy_of(s.spectrum(problem.measured(s.test))) for s in problem.segments)
-    return float(np.sqrt(rows @ rows / max(signal, 1e-300)))
-
-
-def _unknown(outside: Sequence[type[GeneralTerm]], best: Fit, error: float) -> Unknown:
+def _terms(outside: Sequence[type[GeneralTerm]], best: Fit) -> tuple[str, str]:
+    """Write terms outside the library with their coefficients, and in words."""
     terms = []
     for effect in outside:
         values = ", ".join(f"{e.name} = {e.value:.4g} {e.units}" for e in estimates(effect, best))
         terms.append(f"{effect.expression} ({values})")
-    description = "; ".join(effect.description for effect in outside)
-    return Unknown(
-        block=str(outside[0].block),
-        expression=" + ".join(terms),
-        description=description,
-        held_out_nrmse=error,
-    )
+    return " + ".join(terms), "; ".join(effect.description for effect in outside)
 
 
-def _interrupted(problem: Problem, best: Fit, error: float) -> Unknown | None:
-    """Describe a reading that stands still now and then.
-
-    The force that the numerical substructure would balance is no prediction of the load cell: it is computed
-    back from the command, which a controller with steps of its own holds, too.
-    """
-    halt = None if _is_balanced(problem) else standstill(problem, best)
-    if halt is None:
-        return None
-    return Unknown(
-        block=str(problem.block.block),
-        expression=f"{problem.block.channel} held {halt.events} times, for {significant(halt.seconds)} s "
-        "typically",
-        description="the reading stands still now and then while the model moves on: the sensor drops out",
-        held_out_nrmse=error,
-    )
-
-
-def _disturbance(problem: Problem, best: Fit, error: float) -> Unknown | None:
-    """Describe a disturbance at frequencies that are too high to judge models."""
-    line = line_above(problem, best)
-    if line is None:
-        return None
-    return Unknown(
-        block=str(problem.block.block),
-        expression=f"{line.amplitude:.4g} N sin(2π {line.frequency:.4g} Hz t + phase)",
-        description=Disturbance.description,
-        held_out_nrmse=error,
-    )
-
-
-@dataclass(frozen=True, kw_only=True)
-class Line:
-    """A wave in a force."""
-
-    frequency: float  # Frequency [Hz]
-    amplitude: float  # Root mean square over the stretches of its amplitude [N]
-
-
-def line_above(problem: Problem, best: Fit) -> Line | None:
-    """Find the strongest line of a force between the frequencies that are judged and the highest of a signal.
+def line_above(problem: Problem, best: Fit) -> tuple[str, str] | None:
+    """Describe the strongest line of a force above the frequencies that are judged, up to those of a signal.
 
     Where only a noisy displacement was recorded, models of the specimen are judged up to the frequency at
     which it is mostly signal; a disturbance may act above. Its line must stand out in all stretches together,
@@ -191,37 +130,29 @@ def line_above(problem: Problem, best: Fit) -> Line | None:
     grid = np.arange((longest.end - longest.begin) // 2) * block.rate / (longest.end - longest.begin)
     residual = problem.residuals(best.space, best.coordinates)
     forces = _powers(problem, residual, grid)
-    motions = _powers(
-        problem,
-        {s.test: problem.block.tests[s.test].channels[Channel.MEASURED] for s in problem.segments},
-        grid,
-    )
+    read = {s.test: block.tests[s.test].channels[Channel.MEASURED] for s in problem.segments}
     specimen = best.space.model(best.coordinates).specimen
     spring = 0.0 if specimen is None else specimen.stiffness
     around = ndimage.median_filter(forces, (1, _AROUND)) / np.log(2.0)
     clear = np.mean(forces / np.maximum(around, 1e-300), axis=0)
-    clear[forces.mean(axis=0) < _BEYOND_SPRING * spring**2 * motions.mean(axis=0)] = 0.0
+    answered = _BEYOND_SPRING * spring**2 * _powers(problem, read, grid).mean(axis=0)
+    clear[forces.mean(axis=0) < answered] = 0.0
     clear[(grid <= block.highest) | (grid >= block.highest_signal)] = 0.0
     clear[near_mains(grid, 0.5 * block.rate)] = 0.0
     place = int(np.argmax(clear))
     if clear[place] < _threshold(len(problem.segments), grid.size):
         return None
-    amplitude = _amplitude(problem, residual, float(grid[place]))
-    if 0.5 * amplitude**2 < _AUDIBLE * _mean_square(problem, residual):
+    parts = [residual[s.test][s.begin : s.end] for s in problem.segments]
+    frequency = float(grid[place])
+    amplitude = float(np.sqrt(np.mean([_amplitude(part, frequency / block.rate) ** 2 for part in parts])))
+    if 0.5 * amplitude**2 < _AUDIBLE * float(np.mean([part.var() for part in parts])):
         return None
-    return Line(frequency=float(grid[place]), amplitude=amplitude)
+    return f"{amplitude:.4g} N sin(2π {frequency:.4g} Hz t + phase)", Disturbance.description
 
 
 def _threshold(stretches: int, trials: int) -> float:
     """Mean power over its expectation that noise exceeds by chance only."""
     return max(float(stats.gamma.isf(_CHANCE / trials, stretches)) / stretches, _LEAST)
-
-
-def _mean_square(problem: Problem, values: dict[int, Array]) -> float:
-    """Mean square over the segments of values without their means."""
-    return float(
-        np.mean([values[segment.test][segment.begin : segment.end].var() for segment in problem.segments])
-    )
 
 
 def _powers(problem: Problem, values: dict[int, Array], grid: Array) -> Array:
@@ -234,48 +165,41 @@ def _powers(problem: Problem, values: dict[int, Array], grid: Array) -> Array:
     return np.stack(rows)
 
 
-def _amplitude(problem: Problem, residual: dict[int, Array], frequency: float) -> float:
-    """Root mean square over the segments of the amplitude of a frequency."""
-    squares = [_amplitude_in(segment, residual[segment.test], frequency) ** 2 for segment in problem.segments]
-    return float(np.sqrt(np.mean(squares)))
+def _amplitude(values: Array, frequency: float) -> float:
+    """Amplitude of a wave in values, whose frequency is one over samples."""
+    weights = hann(values.size)
+    turns = np.exp(-2j * np.pi * frequency * np.arange(values.size))
+    return float(2.0 * np.abs((weights * values) @ turns) / weights.sum())
 
 
-def _amplitude_in(segment: Segment, values: Array, frequency: float) -> float:
-    stretch = values[segment.begin : segment.end]
-    turn = 2.0 * np.pi * frequency / segment.rate * np.arange(stretch.size)
-    weights = hann(stretch.size)
-    return float(2.0 * np.abs((weights * stretch) @ np.exp(-1j * turn)) / weights.sum())
-
-
-@dataclass(frozen=True, kw_only=True)
-class Standstill:
-    """How often and for how long a reading stands still."""
-
-    events: int  # Number of events in all tests
-    seconds: float  # Median of their lengths [s]
-
-
-def standstill(problem: Problem, best: Fit) -> Standstill | None:
-    """Find where the reading of a block stands still although the model moves on: the sensor drops out.
+def standstill(problem: Problem, best: Fit) -> tuple[str, str] | None:
+    """Describe a reading that stands still now and then although the model moves on: the sensor drops out.
 
     Noise and motion make every sample differ from the one before it. A run of equal samples counts where the
     model moves on by much more than the reading usually changes, or misses it. Equal samples at the ends of a
-    record are rest, and a few events that contain almost none of the residual are no explanation.
+    record are rest, and a few events that contain almost none of the residual are no explanation. The force
+    that the numerical substructure would balance is no prediction of the load cell: it is computed back from
+    the command, which a controller with steps of its own holds, too.
     """
+    if _is_balanced(problem):
+        return None
     lengths: list[int] = []
     inside = whole = 0.0
     for test, residual in problem.residuals(best.space, best.coordinates).items():
         read = problem.block.measured(test)
         expected = _judged(read - residual, problem.block.highest / problem.block.rate)
-        events = _standing_stretches(
-            read, expected, max(problem.steps[test], float(np.median(np.abs(residual))))
-        )
+        usual = max(problem.steps[test], float(np.median(np.abs(residual))))
+        events = _standing_stretches(read, expected, usual)
         lengths += [end - begin for begin, end in events]
         inside += sum(float((residual[begin:end] ** 2).sum()) for begin, end in events)
         whole += float((residual**2).sum())
     if len(lengths) < _FEWEST_EVENTS or inside < _LEAST_OF_REMAINDER * whole:
         return None
-    return Standstill(events=len(lengths), seconds=float(np.median(lengths)) / problem.block.rate)
+    seconds = significant(float(np.median(lengths)) / problem.block.rate)
+    return (
+        f"{problem.block.channel} held {len(lengths)} times, for {seconds} s typically",
+        "the reading stands still now and then while the model moves on: the sensor drops out",
+    )
 
 
 def _judged(expected: Array, highest: float) -> Array:

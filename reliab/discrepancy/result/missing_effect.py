@@ -1,8 +1,8 @@
 """A missing effect: one of the library with its parameters and rivals, or a term outside the library."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -85,15 +85,9 @@ class Estimate:
 class Rival(PlainResult):
     """Another effect in the place of a named one, with its probability and its error on held-out tests."""
 
-    keys: ClassVar[Mapping[str, str]] = {
-        "name": "name",
-        "held_out_nrmse": "held_out_nrmse",
-        "probability": "probability",
-    }
-
     name: str
-    probability: float
     held_out_nrmse: float
+    probability: float
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -230,8 +230,8 @@ def _places(diagnosis: Diagnosis) -> Table | Paragraph:
                 **finding.to_dict(),
                 "block": str(finding.block),
                 "p": finding.chance,
-                "band": " to ".join(map(significant, finding.band)),
-                "time": " to ".join(map(significant, finding.time)),
+                "band": " to ".join(map(significant, finding.band_hz)),
+                "time": " to ".join(map(significant, finding.time_s)),
                 "begin": finding.begin,
             }
             for finding in diagnosis.where
