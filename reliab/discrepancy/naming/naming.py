@@ -40,8 +40,10 @@ from reliab.discrepancy.proof import gap, held_out_nrmse, residuals
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis, Ranked
 from reliab.discrepancy.result.gap import FurtherError, Gap
 from reliab.discrepancy.result.missing_effect import (
+    Estimate,
     MissingEffect,
     Rival,
+    Unknown,
     calibration,
     estimates,
     widened,
@@ -77,25 +79,11 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
     offsets = [effect.effect for effect in effects if effect.effect in best.space.block.offsets]
     before = residuals(proof, search.plain(calibrated), without=offsets)
     after = residuals(proof, best)
-    named_terms = [kind for kind in naming.kinds if issubclass(kind, GeneralTerm)]
-    proved = replace(
-        gap(proof, before, after, noise_like_tests(proof, judged[1])),
-        missing=bool(set(best.space.effects) - restated or offsets),
-    )
-    proved = naming.beside_others(proved)
-    unknown = unexplained(
-        judged,
-        best,
-        named_terms,
-        proved,
-        None if noise else _located(search.problem, best, judged),
-        is_named=bool(effects) and (isinstance(search, ErrorSearch) or not doubtful),
-        tried=_tried(ranked),
-    )
-    linear = search.linear
-    as_recorded = search.error(best)
-    if search.problem.conversion:  # a further test holds all that the converter adds
-        as_recorded = left_out(replace(search.problem, conversion={}), best)
+    measured = gap(proof, before, after, noise_like_tests(proof, judged[1]))
+    missing = bool(set(best.space.effects) - restated or offsets)
+    proved = naming.beside_others(replace(measured, missing=missing))
+    is_named = bool(effects) and (isinstance(search, ErrorSearch) or not doubtful)
+    unknown = naming.unknown(judged, proved, is_named=is_named, is_noise=noise)
     return BlockDiagnosis(
         problem=search.problem,
         proof=proof,
@@ -112,23 +100,12 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
         structured_share=structured,
         leaves_noise=noise,
         calibration=calibration(best, restated=bool(restated)),
-        further=expected_error(as_recorded),
+        further=expected_error(naming.errors_as_recorded),
         believed=choice.best,
         choice_remarks=tuple(remarks_on(choice)),
-        linear=(
-            *calibration(linear),
-            *(item for kind in linear.space.effects for item in estimates(kind, linear)),
-        )
-        if linear.space.effects
-        else (),
+        linear=naming.linear,
         refining=tuple(choice.refining),
     )
-
-
-def _tried(ranked: Sequence[Ranked]) -> str:
-    """Say how many models were tried, and what the best one leaves."""
-    best, models = min(ranked, key=lambda row: row.held_out), counted(len(ranked), "model")
-    return f"of {models} that were tried the best ({names_of(best)}) leaves {percent(best.held_out)}"
 
 
 def _located(problem: Problem, fitted: Fit, judged: tuple[Problem, Fit]) -> tuple[Finding, ...]:
@@ -174,6 +151,35 @@ class _Naming:
         if rival is None:
             return replace(measured, linear=error)
         return replace(measured, linear=error, rival=rival.held_out, rival_effects=rival.names)
+
+    def unknown(
+        self, judged: tuple[Problem, Fit], proved: Gap, *, is_named: bool, is_noise: bool
+    ) -> Unknown | None:
+        """State what no effect of the library explains, beyond terms that only refine a model."""
+        row, models = min(self.ranked, key=lambda row: row.held_out), counted(len(self.ranked), "model")
+        return unexplained(
+            judged,
+            self.best,
+            [kind for kind in self.kinds if issubclass(kind, GeneralTerm)],
+            proved,
+            None if is_noise else _located(self.search.problem, self.best, judged),
+            is_named=is_named,
+            tried=f"of {models} that were tried the best ({names_of(row)}) leaves {percent(row.held_out)}",
+        )
+
+    @property
+    def linear(self) -> tuple[Estimate, ...]:
+        """Parameters of the best linear model of a block that has one of its own."""
+        linear = self.search.linear
+        effects = [item for effect in linear.space.effects for item in estimates(effect, linear)]
+        return (*calibration(linear), *effects) if effects else ()
+
+    @property
+    def errors_as_recorded(self) -> LeftOut:
+        """Errors on left-out tests with all that the converter adds, as a further test has it."""
+        if not self.search.problem.conversion:
+            return self.search.error(self.best)
+        return left_out(replace(self.search.problem, conversion={}), self.best)
 
     def settled(self) -> tuple[tuple[MissingEffect, ...], ...]:
         """State effects: those that are named, those of which one acts, and uncertain offsets.
