@@ -119,3 +119,16 @@ def test_error_is_drawn_over_time(verdict):
     time, error = axes.lines[0].get_data()
     assert time[-1] == pytest.approx(verdict.recording.duration)
     np.testing.assert_allclose(error, 1e3 * verdict.error.rebuilt.smooth_error)
+
+
+@pytest.mark.parametrize("kind", ["record", "monitor"])
+def test_other_answers_show_themselves(kind, tmp_path):
+    if kind == "record":
+        answer = reliab.record("sample_test")
+        assert {line.get_label() for line in answer.plot().lines} == {"command", "measured"}
+    else:
+        answer = reliab.export_monitor(("c", tmp_path), f=1, xi=0.02, rate=1024)
+        assert answer.plot().get_xscale() == "symlog"
+    assert answer.summary().splitlines()
+    assert answer._repr_html_().startswith("<table")
+    assert len(answer.to_dataframe()) == 1

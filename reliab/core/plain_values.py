@@ -60,6 +60,20 @@ class PlainResult:
         values = {name: value for name, value in table.iloc[0].items() if not isinstance(value, list)}
         return "\n".join(f"{name}: {_as_text(value)}" for name, value in values.items())
 
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw the numbers as points in a row each, and return the axes.
+
+        `axes`: those to draw into; new ones by default.
+        """
+        from matplotlib import pyplot as plt
+
+        drawn = axes if axes is not None else plt.figure(layout="constrained").gca()
+        numbers = self.to_dataframe().select_dtypes("number").iloc[0]
+        drawn.plot(numbers.to_numpy(), numbers.index.to_numpy(), "o")
+        drawn.set_xscale("symlog")
+        drawn.invert_yaxis()
+        return drawn
+
     def _repr_html_(self) -> str:
         """Table for notebooks."""
         table = self.to_dataframe()

@@ -3,8 +3,9 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Unpack
+from typing import TYPE_CHECKING, Any, Unpack
 
+import numpy as np
 import pandas as pd
 
 from reliab.app import questions
@@ -18,6 +19,9 @@ from reliab.core.shipped import or_shipped
 from reliab.recordings.calibration import ChannelCalibration, calibrate_channels, calibration_in_toml
 from reliab.recordings.reading import Histories
 from reliab.recordings.record import About, check_record, record_test, write_csv, write_record
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _USUAL = {"f": 1.0, "xi": 0.05}
 """A structure, of which a user may state any part."""
@@ -44,6 +48,19 @@ class Record(PlainResult):
             "left": [name for name in columns.values if name not in self._used],
             "notes": list(self.histories.notes),
         }
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw the channels over time [s], in SI units."""
+        from matplotlib import pyplot as plt
+
+        shown = plt.subplots(figsize=(8.0, 3.0))[1] if axes is None else axes
+        for name, values in self.histories.values.items():
+            shown.plot(
+                np.arange(values.size) * self.histories.time_step, values, linewidth=0.8, label=str(name)
+            )
+        shown.set(xlabel="time [s]", title=self.source.name)
+        shown.legend(frameon=False)
+        return shown
 
     @property
     def _used(self) -> set[str]:

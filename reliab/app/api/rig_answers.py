@@ -14,9 +14,12 @@ from reliab.app.api.arguments import stated_threshold, stated_values, structure_
 from reliab.app.api.rigs import stated_covariates
 from reliab.app.declaration import asks
 from reliab.assessment.default_criterion import ellipses_of_motions
+from reliab.assessment.judged_test import plot_errors
+from reliab.assessment.rebuilt_error.spread import Estimate
 from reliab.core.errors import InputError
 from reliab.core.files import require_ending
 from reliab.core.plain_values import PlainResult
+from reliab.core.vocabulary import Metric
 from reliab.motions.loading import load_motions, read_motion
 from reliab.rig.memory import MEASURED, NextTest
 from reliab.rig.prediction import Prediction, predict_next, predict_under_motion, predict_under_suite
@@ -28,6 +31,8 @@ from reliab.structures.structure import Structure
 from reliab.tracking.boundary.first_order import first_order_ellipse
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
     from reliab.report.document import Document
     from reliab.report.setting import Setting
 
@@ -46,6 +51,12 @@ class RigPrediction(PlainResult):
 
     rig: Path
     prediction: Prediction
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw the predicted error with its 90 % interval [%], and the threshold."""
+        error = self.prediction.intervals["rms"]
+        size = Estimate(value=error["median"], low=error["low"], high=error["high"])
+        return plot_errors({"next test": size}, Metric.RMS, self.prediction.threshold, axes)
 
 
 @asks(questions.NextTest)
