@@ -1,8 +1,6 @@
-from .app.api.assessment import assess as assess
-from .app.api.comparison import compare as compare
-from .app.api.design import design_test as design_test
+from .app.api.assessment import assess as assess, compare as compare
+from .app.api.design import design_test as design_test, write_explorer as write_explorer
 from .app.api.diagnosis import report_diagnosis as report_diagnosis
-from .app.api.explorer import write_explorer as write_explorer
 from .app.api.following import follow_test as follow_test
 from .app.api.in_loop import export_monitor as export_monitor
 from .app.api.installation import (

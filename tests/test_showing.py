@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import reliab
-from reliab.app.api.comparison import compare_assessments
+from reliab.app.api.assessment import compare_assessments
 from reliab.assessment.default_criterion import default_criterion
 from reliab.core.shipped import shipped
 from reliab.recordings.reading import read_recording

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from reliab.app.api.assessment import assess
+from reliab.app.api.assessment import assess, compare_assessments
 from reliab.app.api.assessment_files import document_of_test, write_corrected, write_tests
-from reliab.app.api.comparison import compare_assessments
 from reliab.app.api.diagnosis import diagnose_campaign, document_of_diagnosis
 from reliab.app.api.following import follow_test
 from reliab.app.api.records import record as api_record

@@ -1,4 +1,4 @@
-"""`reliab.design_test`: what is tolerable before a test."""
+"""`reliab.design_test` and `reliab.write_explorer`: what is tolerable before a test, and its page."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,10 +11,12 @@ from reliab.app.declaration import Quantity, asks
 from reliab.assessment.design import CONFIDENCES, Tolerance, chart_frequencies, tolerable_errors
 from reliab.core.columns import Columns
 from reliab.core.errors import InputError
-from reliab.core.plain_values import ResultWithRows
+from reliab.core.plain_values import PlainResult, ResultWithRows
+from reliab.core.shipped import or_shipped
 from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import Metric
 from reliab.criterion.criterion import Criterion
+from reliab.sweep.results import REAL
 from reliab.sweep.several import several
 
 
@@ -97,3 +99,61 @@ def design_test(**asked: Unpack[questions.Design]) -> Design:
     several_f = [f] if isinstance(f, int | Quantity) else f
     frequencies = [exact_values(f=frequency)["f"] for frequency in several_f]
     return Design(tolerances=tolerances(frequencies), chart=tolerances(chart_frequencies(read)))
+
+
+_NINETY_FIVE = 0.95
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExplorerPage(PlainResult):
+    """A page that was written."""
+
+    keys: ClassVar[Mapping[str, str]] = {
+        "page": "page",
+        "bytes": "size",
+        "ellipses": "ellipses",
+        "windows": "windows",
+    }
+
+    page: Path
+    ellipses: str
+    windows: tuple[str, ...]
+
+    @property
+    def size(self) -> int:
+        """Size of the file [bytes]."""
+        return self.page.stat().st_size
+
+
+@asks(questions.Explorer)
+def write_explorer(**asked: Unpack[questions.Explorer]) -> ExplorerPage:
+    """Write a web page, for use without a network, of tolerable errors before a test.
+
+    Returns
+    -------
+    ExplorerPage
+        Where it is, and what is in it.
+
+    Raises
+    ------
+    InputError
+        If the ellipses cannot be read, a value is not allowed or the file cannot be written.
+    """
+    from reliab.explore.page import Settings, by_length, write_page
+    from reliab.sweep.ellipse_file import open_windows
+
+    out, ellipses = Path(asked["out"]), Path(asked["ellipses"] or REAL)
+    windows = open_windows(or_shipped(ellipses, "datasets", "ellipses.nc"))
+    lengths = by_length(windows)
+    stated = exact_values(f=asked["f"], xi=asked["xi"], alpha=asked["alpha"])
+    settings = Settings(
+        frequency=stated.get("f"),
+        damping_ratio=stated.get("xi"),
+        experimental_fraction=stated.get("alpha", 1.0),
+        threshold=asked["threshold"],
+        confidence=_NINETY_FIVE if asked["confidence"] is None else asked["confidence"],
+        metric=asked["metric"],
+    )
+    name = ellipses.name
+    write_page(out, lengths, settings, source=f"the ellipses of {name}")
+    return ExplorerPage(page=out, ellipses=name, windows=tuple(lengths))

@@ -14,9 +14,8 @@ def compare(asked: Asked) -> None:
 
     The tests are of one structure and rig, such as one motion with each compensator.
     """
-    from reliab.app.api.assessment import assess
+    from reliab.app.api.assessment import assess, compare_assessments
     from reliab.app.api.assessment_files import draw_chart, write_tests
-    from reliab.app.api.comparison import compare_assessments
     from reliab.report.kinds.comparison import comparison_report
     from reliab.report.terminal import print_document
 

@@ -10,7 +10,7 @@ _MEGABYTE = 1e6
 @takes(questions.Explorer)
 def explore(asked: Asked) -> None:
     """Write an offline web page with sliders that show tolerable errors before a test."""
-    from reliab.app.api.explorer import ExplorerPage, write_explorer
+    from reliab.app.api.design import ExplorerPage, write_explorer
 
     def show(written: ExplorerPage) -> None:
         say(f"{written.page}: {written.size / _MEGABYTE:.1f} MB, open it in any browser.")

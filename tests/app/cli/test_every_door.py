@@ -14,9 +14,8 @@ import reliab
 from reliab.app import cli
 from reliab.app.api import derived_criteria, explorer, simulation, sources, studies, validation
 from reliab.app.api.criteria import derive_criteria
-from reliab.app.api.design import design_test
+from reliab.app.api.design import design_test, write_explorer
 from reliab.app.api.diagnosis import diagnose_campaign, report_diagnosis
-from reliab.app.api.explorer import write_explorer
 from reliab.app.api.following import follow_test
 from reliab.app.api.in_loop import export_monitor
 from reliab.app.api.installation import copy_samples, describe_installation, fetch_dataset
