@@ -257,15 +257,13 @@ def sentences_of_outside(ellipses: xr.Dataset, division: Division) -> Iterator[s
 
     `ellipses`: of the motions that are judged, with their lengths where they are known.
     """
-    learned_from = ellipses if division.learn_from is None else division.learn_from
-    known = _quantities(ellipses)
+    scopes, known = list(_scopes(ellipses, division)), _quantities(ellipses)
     for name, quantity in product(dict.fromkeys(map(_group, division.folds)), known):
         judged: list[float] = []
         outside: list[float] = []
         ends: list[float] = []
-        for fold in division.folds:
-            scope = scope_of(learned_from.isel(motion=fold.learned)) if _group(fold) == name else {}
-            if quantity in scope and fold.judged.any():
+        for fold, scope in scopes:
+            if _group(fold) == name and quantity in scope and fold.judged.any():
                 values = known[quantity][fold.judged].tolist()
                 judged += values
                 ends += [scope[quantity][0], scope[quantity][-1]]
@@ -281,15 +279,19 @@ def sentences_of_outside(ellipses: xr.Dataset, division: Division) -> Iterator[s
 
 def motions_outside(ellipses: xr.Dataset, division: Division) -> NDArray[np.bool_]:
     """Which motions lie outside of those from which a criterion that judges them is learned, (motions,)."""
-    learned_from = ellipses if division.learn_from is None else division.learn_from
-    known = _quantities(ellipses)
     outside = np.zeros(ellipses.sizes["motion"], dtype=np.bool_)
-    for fold in division.folds:
-        scope = scope_of(learned_from.isel(motion=fold.learned))
-        for quantity, values in known.items():
+    for fold, scope in _scopes(ellipses, division):
+        for quantity, values in _quantities(ellipses).items():
             beyond = [_is_outside(scope, quantity, float(value)) for value in values]
             outside |= fold.judged & np.array(beyond, dtype=np.bool_)
     return outside
+
+
+def _scopes(ellipses: xr.Dataset, division: Division) -> Iterator[tuple[Fold, dict[str, list[float]]]]:
+    """Give each fold with the scope of the motions from which its criterion is learned."""
+    learned_from = ellipses if division.learn_from is None else division.learn_from
+    for fold in division.folds:
+        yield fold, scope_of(learned_from.isel(motion=fold.learned))
 
 
 def _group(fold: Fold) -> str:

@@ -12,7 +12,7 @@ import typer
 
 import reliab
 from reliab.app import cli
-from reliab.app.api import derived_criteria, explorer, simulation, sources, studies, validation
+from reliab.app.api import derived_criteria, simulation, sources, studies, validation
 from reliab.app.api.criteria import derive_criteria
 from reliab.app.api.design import design_test, write_explorer
 from reliab.app.api.diagnosis import diagnose_campaign, report_diagnosis
@@ -170,8 +170,8 @@ def stubbed(monkeypatch, tmp_path):
     monkeypatch.setattr(validation.Validation, "to_dict", lambda self: {"asked": self.division.name})
     monkeypatch.setattr(simulation, "load_motions", lambda *names, sets: (*names, sets))
     monkeypatch.setattr(simulation, "run_sweep", lambda *_, **__: None)
-    monkeypatch.setattr(explorer, "write_page", page)
-    monkeypatch.setattr(explorer, "open_windows", lambda _: {"record": None})
+    monkeypatch.setattr("reliab.explore.page.write_page", page)
+    monkeypatch.setattr("reliab.sweep.ellipse_file.open_windows", lambda _: {"record": None})
     monkeypatch.setattr(studies, "write_report", lambda folder, setting: folder / repr(setting or Setting()))
 
 
