@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from reliab.assessment.tracking_index import Windows
+from reliab.assessment.tracking_index import TrackingIndex, Windows
 from reliab.core.vocabulary import MILLI, PERCENT
 from reliab.report.axes import TIME, legend_below, name_axes, plain
 from reliab.report.style import BLUE, GREY, INK, PALE, blank, line, panels, styled
@@ -21,23 +21,17 @@ _TWO = 2.0  # standard deviations
 
 @styled
 def tracking_overview(
-    *,
-    amplitude: float,
-    delay: float,
-    draws: NDArray[np.float64],
-    boundaries: Mapping[str, tuple[float, float]],
-    windows: Windows | None,
+    tracking: TrackingIndex, *, boundaries: Mapping[str, tuple[float, float]], windows: Windows | None
 ) -> Figure:
     """Draw a test in the plane of amplitude and delay, and both over the test.
 
-    `draws` (2, draws).
     Returns delay [ms] over amplitude error [%] with 95 % intervals, and beside it both over time.
     """
     figure = blank(height=46.0)
     columns = 1 if windows is None else 2
     grid = figure.add_gridspec(2, columns, width_ratios=(1.0, 1.0)[:columns])
     plane = figure.add_subplot(grid[:, 0])
-    _draw_plane(plane, amplitude, delay, draws, boundaries)
+    _draw_plane(plane, tracking, boundaries)
     legend_below(figure, plane, columns=3)
     if windows is not None:
         above = figure.add_subplot(grid[0, 1])
@@ -47,13 +41,8 @@ def tracking_overview(
     return figure
 
 
-def _draw_plane(
-    place: Axes,
-    amplitude: float,
-    delay: float,
-    draws: NDArray[np.float64],
-    boundaries: Mapping[str, tuple[float, float]],
-) -> None:
+def _draw_plane(place: Axes, tracking: TrackingIndex, boundaries: Mapping[str, tuple[float, float]]) -> None:
+    delay, draws = tracking.delay, tracking.draws
     angle = np.linspace(0.0, np.pi if delay >= 0.0 else -np.pi, _POINTS)
     for rank, (name, (a, b)) in enumerate(boundaries.items()):
         if a > 0.0 and b > 0.0:
@@ -61,7 +50,7 @@ def _draw_plane(
             place.plot(x, y, label=plain(name), **{**line(rank), "linewidth": 1.8})
     cloud = PERCENT * (draws[0] - 1.0), MILLI * draws[1]
     place.plot(*cloud, ".", color=GREY, markersize=1.2, alpha=0.35, zorder=1.0)
-    at = np.array([[PERCENT * (amplitude - 1.0)], [MILLI * delay]])
+    at = np.array([[PERCENT * (tracking.amplitude - 1.0)], [MILLI * delay]])
     ends = np.quantile(np.stack(cloud), [0.025, 0.975], axis=1)
     reach = np.maximum(np.stack([at[:, 0] - ends[0], ends[1] - at[:, 0]]), 0.0)
     place.errorbar(

@@ -1,6 +1,7 @@
 """Every axis has a unit; every colour differs in grey too; drawings depend on nothing but what is drawn."""
 
 import re
+from types import SimpleNamespace
 
 import matplotlib as mpl
 import numpy as np
@@ -129,13 +130,8 @@ def test_nothing_is_cut_off_in_the_plane_of_an_assessment():
         amplitude_sd=np.full(5, 1e-3), delay_sd=np.full(5, 1e-4), length=2.0,
     )  # fmt: skip
     draws = np.stack([np.linspace(0.98, 1.0, 50), np.linspace(1e-3, 2e-3, 50)])
-    figure = tracking_overview(
-        amplitude=0.99,
-        delay=1.5e-3,
-        draws=draws,
-        boundaries={"95 % of motions": (4e-4, 9.0)},
-        windows=windows,
-    )
+    tracked = SimpleNamespace(amplitude=0.99, delay=1.5e-3, draws=draws)
+    figure = tracking_overview(tracked, boundaries={"95 % of motions": (4e-4, 9.0)}, windows=windows)
     assert cut_off(figure) == []
     figure.axes[0].set_ylabel("Equivalent delay of the actuator $d$ [ms]")
     assert cut_off(figure) == ["Equivalent delay of the actuator $d$ [ms]"]

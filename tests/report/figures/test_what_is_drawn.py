@@ -1,6 +1,8 @@
 # mypy: disable-error-code="attr-defined,index"
 """What stands in a figure is what was given: curves, bands, limits, names of axes, panels and legends."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -477,9 +479,8 @@ def test_a_test_in_the_plane_of_amplitude_and_delay(windows, delay):
     random = np.random.default_rng(2)
     draws = np.stack([random.normal(0.99, 1e-3, 400), random.normal(delay, 1e-4, 400)])
     boundaries = {"$5 %": (4e-4, 9.0), "none": (0.0, 9.0), "neither": (4e-4, 0.0)}
-    figure = tracking_overview(
-        amplitude=0.99, delay=delay, draws=draws, boundaries=boundaries, windows=windows
-    )
+    tracked = SimpleNamespace(amplitude=0.99, delay=delay, draws=draws)
+    figure = tracking_overview(tracked, boundaries=boundaries, windows=windows)
     plane, above, below = figure.axes
     assert size(figure)[1] == pytest.approx(46.0)
     assert legend(figure) == [r"\$5 %", "test, 95 % intervals"]
@@ -512,9 +513,8 @@ def test_a_test_in_the_plane_of_amplitude_and_delay(windows, delay):
 
 def test_without_windows_the_plane_stands_alone():
     draws = np.array([[1.0, 1.01], [1e-3, 2e-3]])
-    figure = tracking_overview(
-        amplitude=1.0, delay=1e-3, draws=draws, boundaries={"5 %": (1e-4, 1.0)}, windows=None
-    )
+    tracked = SimpleNamespace(amplitude=1.0, delay=1e-3, draws=draws)
+    figure = tracking_overview(tracked, boundaries={"5 %": (1e-4, 1.0)}, windows=None)
     assert len(figure.axes) == 1
 
 
@@ -787,5 +787,6 @@ def test_an_ellipse_is_drawn_by_its_upper_half():
 
 def test_every_figure_of_this_page_can_be_drawn(windows):
     draws = np.array([[1.0, 1.01], [1e-3, 2e-3]])
-    figure = tracking_overview(amplitude=1.0, delay=1e-3, draws=draws, boundaries={}, windows=windows)
+    tracked = SimpleNamespace(amplitude=1.0, delay=1e-3, draws=draws)
+    figure = tracking_overview(tracked, boundaries={}, windows=windows)
     assert svg(figure).startswith(b"<?xml")

@@ -210,13 +210,7 @@ def _plane(assessment: Assessment) -> Figure:
         "deviations); look for a trend, which a steady rig does not show."
     )
     return Figure(
-        drawing=tracking_overview(
-            amplitude=assessment.tracking.amplitude,
-            delay=assessment.tracking.delay,
-            draws=assessment.tracking.draws,
-            boundaries=boundaries,
-            windows=windows,
-        ),
+        drawing=tracking_overview(assessment.tracking, boundaries=boundaries, windows=windows),
         caption=(
             "Left: the index accepts the test inside the ellipse; the grey cloud shows the uncertainty "
             f"from noise.{over_time}"
