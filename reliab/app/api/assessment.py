@@ -127,8 +127,8 @@ def assess(
     Examples
     --------
     >>> verdict = assess("sample_test", f=1, xi=0.02)
-    >>> verdict.reliable, round(verdict.error.rebuilt.rms.value, 3)
-    (True, 0.022)
+    >>> str(verdict.verdict), round(verdict.error.rms.value, 3)
+    ('reliable', 0.022)
     """
     judge = _Terms(structure, stated).judge()
     reading = Channels.stated_in(stated)
