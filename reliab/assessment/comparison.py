@@ -6,7 +6,7 @@ that rise and fall together leave their difference certain even where neither of
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 
@@ -16,10 +16,12 @@ from reliab.assessment.frame_assessment import FrameAssessment
 from reliab.assessment.judged_test import plot_errors
 from reliab.assessment.plain_error import plain_estimate
 from reliab.assessment.rebuilt_error.spread import ENDS, LEVEL, Estimate, weighted_quantiles
+from reliab.assessment.verdict import Word
 from reliab.core.arrays import Array
+from reliab.core.columns import Columns
 from reliab.core.errors import InputError
 from reliab.core.plain_values import ResultWithRows
-from reliab.core.significant_digits import significant
+from reliab.core.significant_digits import percent_with_interval, significant
 from reliab.core.vocabulary import Metric
 from reliab.signals.spectra import correlated
 
@@ -55,12 +57,25 @@ class RankedTest:
     probability_larger: float | None  # That it is larger than that of the first test; None for the first
 
 
+def _interval(size: Mapping[str, Any] | None) -> str:
+    return "" if size is None else percent_with_interval(**size)
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Comparison(ResultWithRows):
     """Tests ranked by their errors."""
 
     rows_in = "tests"
-    shown = ("rank", "file", "rms", "rms_low", "rms_high", "mte", "mte_low", "mte_high", "verdict")
+    shown: ClassVar[Columns] = {
+        "Test": ("file", ""),
+        "RMS error (90 % interval)": ("rms", _interval),
+        "MTE error (90 % interval)": ("mte", _interval),
+        "More than the first": ("difference", _interval),
+        "Probability of that": ("probability_larger", lambda p: "" if p is None else significant(p, 3)),
+        "A": ("A", ".4f"),
+        "d [ms]": ("d_ms", ".3f"),
+        "Verdict": ("verdict", lambda word: Word(word).in_words, "left"),
+    }
 
     metric: Metric  # Which error
     threshold: float  # Error with which each test is compared [-]

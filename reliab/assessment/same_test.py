@@ -10,7 +10,7 @@ parabola, show how far the extrapolation is to be trusted.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -19,8 +19,9 @@ from reliab.assessment.judged_test import plot_errors
 from reliab.assessment.rebuilt_error.error_statistics import relative_error
 from reliab.assessment.rebuilt_error.parts import follow
 from reliab.assessment.rebuilt_error.spread import Estimate
-from reliab.assessment.verdict import Word, word_of_probability
+from reliab.assessment.verdict import Word, probability_text, word_of_probability
 from reliab.core.arrays import Array
+from reliab.core.columns import Columns
 from reliab.core.errors import InputError
 from reliab.core.plain_values import ResultWithRows
 from reliab.core.significant_digits import percent, significant
@@ -72,6 +73,19 @@ class SameTest(ResultWithRows):
     """Runs of one test, and the response to which they extrapolate."""
 
     rows_in = "runs"
+    shown: ClassVar[Columns] = {
+        "run": ("file", ""),
+        "verdict": ("verdict", lambda word: Word(word).in_words, "left"),
+        "gain": ("gain", ".3f"),
+        "d, ms": ("d_ms", ".2f"),
+        "alone": ("alone", lambda size: percent(size["value"], decimals=2)),
+        "all runs": ("error", lambda size: percent(size["value"], decimals=2)),
+        "90 % interval": (
+            "error",
+            lambda size: " to ".join(percent(size[end], decimals=2) for end in ("low", "high")),
+        ),
+        "probability": ("probability", probability_text),
+    }
 
     metric: Metric  # Which error was asked about
     threshold: float  # Error with which it is compared [-]

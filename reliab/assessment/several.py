@@ -1,28 +1,48 @@
 """Verdicts on several tests, with the reasons why some could not be judged."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from reliab.assessment.assessment import Assessment
 from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment
 from reliab.assessment.judged_test import plot_errors, verdict_table
 from reliab.assessment.same_test import SameTest, combine_runs
-from reliab.assessment.verdict import Word
+from reliab.assessment.verdict import Word, probability_text
+from reliab.core.columns import Columns
 from reliab.core.errors import InputError
 from reliab.core.plain_values import ResultWithRows
-from reliab.core.significant_digits import counted
+from reliab.core.significant_digits import counted, percent
+from reliab.core.vocabulary import PERCENT
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
 
+def _size(test: Mapping[str, Any], write: Callable[[Mapping[str, Any]], str]) -> str:
+    """Write the error of a test that was asked for; nothing where it could not be judged."""
+    return "" if "fault" in test else write(test["error"][test["metric"]])
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Assessments(ResultWithRows):
     """What is found about several tests."""
 
-    shown = ("file", "verdict", "probability", "rms", "rms_low", "rms_high", "mte", "A", "d_ms", "fault")
+    shown: ClassVar[Columns] = {
+        "test": ("file", ""),
+        "verdict": ("verdict", lambda word: Word(word).in_words if word else "not judged", "left"),
+        "error": ("", lambda test: _size(test, lambda size: percent(size["value"], decimals=2))),
+        "90 % interval": (
+            "",
+            lambda test: _size(
+                test, lambda size: f"{PERCENT * size['low']:.2f} … {percent(size['high'], decimals=2)}"
+            ),
+        ),
+        "probability": ("probability", lambda share: "" if share is None else probability_text(share)),
+        "A": ("A", lambda gain: "" if gain is None else f"{gain:.5f}"),
+        "d, ms": ("d_ms", lambda delay: "" if delay is None else f"{delay:.4f}"),
+    }
 
     files: tuple[str, ...]  # Files of the tests, in the order in which they were given
     # By file, what is found about the tests that could be judged
@@ -55,9 +75,13 @@ class Assessments(ResultWithRows):
             )
         return combine_runs(runs)
 
+    def plain_rows(self) -> list[dict[str, Any]]:
+        """Give what is found about each test, or its `fault`, with its `file`."""
+        return [{"file": file, **content} for file, content in self.to_dict().items()]
+
     def to_dataframe(self) -> "pd.DataFrame":
         """Put the verdicts into a table, one row for each test; see :func:`verdict_table`."""
-        return verdict_table({"file": file, **content} for file, content in self.to_dict().items())
+        return verdict_table(self.plain_rows())
 
     def plot(self, axes: "Axes | None" = None) -> "Axes":
         """Draw the error of each judged test with its 90 % interval [%], and the threshold."""

@@ -122,11 +122,16 @@ class ResultWithRows(PlainResult):
     shown: ClassVar[Columns | tuple[str, ...]] = ()
     plotted: ClassVar[tuple[str, str]] = ("", "")  # Columns that `plot` draws; row, first number by default
 
+    def plain_rows(self) -> list[dict[str, Any]]:
+        """Give the rows as plain values."""
+        rows: list[dict[str, Any]] = self.to_dict()[self.rows_in]
+        return rows
+
     def to_dataframe(self) -> "pd.DataFrame":
         """Put the rows into a table, with their keys as columns; a value within a value is `outer_inner`."""
         import pandas as pd
 
-        return pd.json_normalize(self.to_dict()[self.rows_in], sep="_")
+        return pd.json_normalize(self.plain_rows(), sep="_")
 
     def summary(self) -> str:
         """Say the answer as plain text: a table of the first rows."""
@@ -140,7 +145,7 @@ class ResultWithRows(PlainResult):
         if isinstance(self.shown, Mapping):
             import pandas as pd
 
-            cells = written_cells(self.shown, self.to_dict()[self.rows_in])
+            cells = written_cells(self.shown, self.plain_rows())
             return pd.DataFrame(cells, columns=list(self.shown))
         table = self.to_dataframe()
         return table[list(self.shown)] if self.shown and len(table) else table

@@ -87,7 +87,7 @@ def extrapolate(asked: Asked) -> None:
     if asked.out is not None:
         write_tests([{"file": file, **found} for file, found in runs.to_dict().items()], asked.out)
     if not write_json(together.to_dict(), asked.json_target):
-        show_same_test(together.to_dict())
+        show_same_test(together)
     if asked.check and not together.reliable:
         raise typer.Exit(1)
 

@@ -4,24 +4,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from reliab.app.cli.output import console, say, show_table
+from reliab.app.cli.output import console, say, show_rows, show_table
 from reliab.core.significant_digits import counted, percent, percent_with_interval, significant
-from reliab.core.vocabulary import PERCENT
 
 if TYPE_CHECKING:
     from reliab.assessment.assessment import Assessment
     from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment
-
-
-_COLUMNS = {
-    "test": "left",
-    "verdict": "left",
-    "error": "right",
-    "90 % interval": "right",
-    "probability": "right",
-    "A": "right",
-    "d, ms": "right",
-}
+    from reliab.assessment.same_test import SameTest
 
 
 def show_details(
@@ -66,52 +55,21 @@ def _by_index(assessment: "Assessment") -> Iterator[str]:
 
 def show_several(contents: list[dict[str, Any]]) -> None:
     """Print the verdicts of tests."""
+    from reliab.assessment.several import Assessments
+
     judged = [content for content in contents if "fault" not in content]
     asked = f", {judged[0]['metric'].upper()} against {percent(judged[0]['threshold'])}" if judged else ""
     title = f"Verdicts on {counted(len(contents), 'test')}{asked}"
-    show_table(title, _COLUMNS, map(_row, contents))
+    show_rows(title, Assessments.shown, contents)
     for content in contents:
         say(*(f"{content['file']}: {sentence}" for sentence in _why(content)))
 
 
-def show_same_test(content: dict[str, Any]) -> None:
+def show_same_test(runs: "SameTest") -> None:
     """Print the verdicts on runs of one test."""
-    from reliab.assessment.verdict import probability_text
-
-    asked = f"{content['metric'].upper()} against {percent(content['threshold'])}"
-    columns = {"run": "left", "verdict": "left", "gain": "right", "d, ms": "right"}
-    columns |= dict.fromkeys(("alone", "all runs", "90 % interval", "probability"), "right")
-    rows = [
-        (
-            run["file"],
-            run["verdict"].replace("_", " "),
-            f"{run['gain']:.3f}",
-            f"{run['d_ms']:.2f}",
-            *(percent(run[way]["value"], decimals=2) for way in ("alone", "error")),
-            " to ".join(percent(run["error"][end], decimals=2) for end in ("low", "high")),
-            probability_text(run["probability"]),
-        )
-        for run in content["runs"]
-    ]
-    show_table(f"{len(content['runs'])} runs of one test, {asked}", columns, rows)
-    say(*content["warnings"])
-
-
-def _row(content: dict[str, Any]) -> list[str]:
-    if "fault" in content:
-        return [content["file"], "not judged", *[""] * (len(_COLUMNS) - 2)]
-    from reliab.assessment.verdict import probability_text
-
-    error = content["error"][content["metric"]]
-    return [
-        content["file"],
-        content["verdict"].replace("_", " "),
-        percent(error["value"], decimals=2),
-        f"{PERCENT * error['low']:.2f} … {percent(error['high'], decimals=2)}",
-        probability_text(content["probability"]),
-        f"{content['A']:.5f}",
-        f"{content['d_ms']:.4f}",
-    ]
+    title = f"{len(runs.runs)} runs of one test, {runs.metric.upper()} against {percent(runs.threshold)}"
+    show_rows(title, runs.shown, runs.plain_rows())
+    say(*runs.sentences)
 
 
 def _why(content: dict[str, Any]) -> list[str]:
