@@ -45,7 +45,7 @@ def test_only_a_lag_says_a_delay_and_only_where_one_is_calibrated():
 def stopped(effect, cut, step):
     """A problem in which an effect takes something off the crest of a motion [m], read in steps."""
     space = SimpleNamespace(block=SimpleNamespace(calibrations=(), offsets=()), effects=(effect,))
-    space._keys = tuple(f"{effect.name}.{one.name}" for one in effect.parameters)  # noqa: SLF001 - as ModelSpace has
+    space.keys = tuple(f"{effect.name}.{one.name}" for one in effect.parameters)
     motion = np.sin(np.linspace(0.0, 6.0, 200))
 
     def predictions(of, _coordinates):

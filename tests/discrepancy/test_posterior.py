@@ -6,13 +6,11 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from reliab.core.errors import InputError
 from reliab.discrepancy.adding.posterior import (
     ENOUGH,
-    SMALLEST_AGREEMENT,
     LikelihoodSurface,
-    _agreement,
-    _simulated_draws,
+    agreement_of,
+    draws_by_importance,
     sample_posterior,
 )
 from reliab.discrepancy.blocks.specimen import SpecimenBlock
@@ -23,7 +21,6 @@ from reliab.discrepancy.fitting.space import MODEL_ERROR, ModelSpace
 from reliab.discrepancy.spectra.segment import cut_segments
 from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
 from reliab.effects.registry import find_effect
-from reliab.sampling.ensembles import Ensembles, draw
 from reliab.signals.noise import NoiseModel
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.open_loop import Motion3, load
@@ -91,7 +88,8 @@ def test_a_linear_effect_has_the_posterior_of_least_squares(damped):
 def test_it_says_that_it_converged(damped):
     posterior = damped[2]
     assert posterior.converged
-    assert posterior.statement.startswith("Converged: 4 independent ensembles")
+    assert not posterior.simulated
+    assert "simulations at 48 draws confirm the surface" in posterior.statement
 
 
 @pytest.mark.slow
@@ -102,35 +100,22 @@ def test_the_truth_lies_within_four_standard_deviations(damped):
     assert entry["interval_90"][0] < entry["value"] < entry["interval_90"][1]
 
 
-@pytest.mark.slow
-def test_a_conjugate_posterior_is_met_exactly():
+@pytest.mark.parametrize("highest", [9.0, 1.5])
+def test_a_conjugate_posterior_is_met_exactly_and_cut_at_a_bound(highest):
     """Residual y − x with y = 3 and a standard normal prior of x: normal about 1.5, variance 1/2."""
     surface = LikelihoodSurface(
-        names=("x",),
         centre=np.array([1.4]),
         axes=np.array([[0.7]]),
-        bounds=(np.array([-9.0]), np.array([9.0])),
+        bounds=(np.array([-9.0]), np.array([highest])),
         coefficients=np.array([[1.6], [-0.7], [0.0]]),  # 3 − (1.4 + 0.7 z)
     )
-    drawn = surface.coordinates(draw(surface, Ensembles(steps=800)).spread_out(4000))[:, 0]
-    assert drawn.mean() == pytest.approx(1.5, abs=0.04)
-    assert drawn.std() == pytest.approx(np.sqrt(0.5), rel=0.04)
-
-
-@pytest.mark.slow
-def test_bounds_cut_the_posterior():
-    """The same where the coordinate may not exceed 1.5: the lower half."""
-    surface = LikelihoodSurface(
-        names=("x",),
-        centre=np.array([1.4]),
-        axes=np.array([[0.7]]),
-        bounds=(np.array([-9.0]), np.array([1.5])),
-        coefficients=np.array([[1.6], [-0.7], [0.0]]),
-    )
-    drawn = surface.coordinates(draw(surface, Ensembles(steps=800)).spread_out(4000))[:, 0]
-    assert drawn.max() <= 1.5
-    expected = 1.5 - stats.halfnorm.mean(scale=np.sqrt(0.5))
-    assert drawn.mean() == pytest.approx(expected, abs=0.04)
+    standard, effective = draws_by_importance(surface.log_density, 1, 4000, 2000.0)
+    drawn = surface.coordinates(standard)[:, 0]
+    exact = stats.truncnorm(-np.inf, (highest - 1.5) / np.sqrt(0.5), loc=1.5, scale=np.sqrt(0.5))
+    assert effective > 2000.0
+    assert drawn.max() <= highest
+    assert drawn.mean() == pytest.approx(exact.mean(), abs=0.04)
+    assert drawn.std() == pytest.approx(exact.std(), rel=0.06)
 
 
 def sampled(name, values):
@@ -173,23 +158,21 @@ def test_a_surface_that_does_not_hold_is_seen(rubbing):
     """Simulated far beyond where the data leave the posterior, a polynomial does not follow friction."""
     problem, fitted, _ = rubbing
     careless = replace(fitted, jacobian=1e-3 * fitted.jacobian)
-    assert sample_posterior(problem, careless).agreement < 0.95
+    surface = LikelihoodSurface.around(problem, careless)
+    drawn = 0.1 * np.random.default_rng(3).standard_normal((48, fitted.space.size))
+    assert agreement_of(problem, careless, surface, drawn) < 0.5
 
 
-def test_draws_beyond_a_bound_are_not_simulated_and_do_not_confirm_a_surface(damped):
+def test_beyond_a_bound_nothing_is_probable_nor_simulated(damped):
     problem, fitted, _ = damped
-    lower, upper = fitted.space.bounds
-    near = fitted.coordinates[2] + 2.0 * np.sqrt(fitted.covariance[2, 2])
-    surface = replace(
-        LikelihoodSurface.around(problem, fitted), bounds=(lower, np.minimum(upper, [np.inf, np.inf, near]))
-    )
-    inside, beyond = 0.01 * np.ones((8, 3)), np.linalg.solve(surface.axes, [0.0, 0.0, 50.0])
-    assert _agreement(problem, fitted, surface, inside) > 0.99
-    assert _agreement(problem, fitted, surface, np.vstack([inside, beyond])) < 0.2
+    surface = LikelihoodSurface.around(problem, fitted)
+    beyond = np.linalg.solve(surface.axes, [0.0, 0.0, 1e9])[np.newaxis]
+    assert surface.log_density(beyond) == surface.simulated_density(None, None, beyond) == -np.inf
+    assert agreement_of(problem, fitted, surface, 0.01 * np.ones((8, 3))) > 0.99
 
 
-def test_a_surface_that_is_not_trusted_has_not_converged(damped):
-    doubtful = replace(damped[2], agreement=0.9 * SMALLEST_AGREEMENT)
+def test_too_few_draws_have_not_converged(damped):
+    doubtful = replace(damped[2], effective=0.9 * ENOUGH)
     assert not doubtful.converged
     assert doubtful.statement.startswith("Not converged")
 
@@ -203,7 +186,7 @@ def test_draws_by_importance_find_the_posterior_from_a_poor_beginning(damped, wi
     mode = fitted.coordinates - fitted.covariance @ slope
     surface = LikelihoodSurface.around(problem, fitted)
     poor = replace(surface, centre=surface.centre + shifted * sd, axes=wider * surface.axes)
-    standard, effective = _simulated_draws(problem, fitted, poor)
+    standard, effective = draws_by_importance(lambda x: poor.simulated_density(problem, fitted, x), sd.size)
     drawn = poor.coordinates(standard)
     assert effective >= ENOUGH
     np.testing.assert_allclose((drawn.mean(axis=0) - mode) / sd, 0.0, atol=4.0 / np.sqrt(effective))
@@ -228,27 +211,19 @@ def test_parameters_that_only_act_together_are_told_as_their_combination(damped,
 
 
 @pytest.mark.slow
-def test_a_run_goes_on_where_it_ended(damped, tmp_path):
-    problem, fitted, _ = damped
-    whole = sample_posterior(problem, fitted, steps=160)
-    sample_posterior(problem, fitted, steps=80, out=tmp_path / "chains.h5")
-    resumed = sample_posterior(problem, fitted, steps=160, out=tmp_path / "chains.h5")
-    np.testing.assert_array_equal(resumed.draws, whole.draws)
-    other = problem_with(find_effect("viscous_damping")(damping_n_s_per_m=30.0), 9)
-    with pytest.raises(InputError, match="resumed"):
-        sample_posterior(other, fitted_to(other, "viscous_damping"), out=tmp_path / "chains.h5")
-
-
-@pytest.mark.slow
 def test_intervals_cover_the_truth_as_often_as_they_say(damped):
     problem, fitted, _ = damped
     surface = LikelihoodSurface.around(problem, fitted)
     rng = np.random.default_rng(11)
     hits = 0
-    for trial in range(200):
+    for _ in range(200):
         truth = 0.5 * rng.standard_normal(surface.centre.size)
-        again = surface.simulate(truth, rng)
-        drawn = draw(again, Ensembles(steps=400, count=2, seed=trial)).flat
+        coefficients = surface.coefficients.copy()
+        coefficients[0] = (
+            rng.standard_normal(coefficients.shape[1]) - truth @ coefficients[1 : truth.size + 1]
+        )
+        again = replace(surface, coefficients=coefficients)
+        drawn = draws_by_importance(again.log_density, truth.size, 2000, 1000.0)[0]
         low, high = np.quantile(drawn, (0.05, 0.95), axis=0)
         hits += int(((low < truth) & (truth < high)).sum())
     total = 200 * surface.centre.size

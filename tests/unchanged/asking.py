@@ -8,7 +8,6 @@ import re
 import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
-from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -22,7 +21,6 @@ from matplotlib.text import Text
 from unchanged.comparing import NUMBER
 
 from reliab.app import cli
-from reliab.sampling.ensembles import sample
 from reliab.version import __version__
 
 QUESTIONS = tomllib.loads(Path(__file__).with_name("questions.toml").read_text(encoding="utf-8"))
@@ -67,7 +65,7 @@ def _answer(arguments: list[str], folder: Path) -> Any:
     out, err, here = io.StringIO(), io.StringIO(), Path.cwd()
     os.chdir(folder)
     try:
-        with _described_pictures(), _short_chains(), redirect_stdout(out), redirect_stderr(err):
+        with _described_pictures(), _one_motion(), redirect_stdout(out), redirect_stderr(err):
             code = cli.run(arguments)
     finally:
         os.chdir(here)
@@ -131,16 +129,9 @@ def _described_pictures() -> Iterator[None]:
 
 
 @contextmanager
-def _short_chains() -> Iterator[None]:
-    """Sample few steps, and simulate one motion, of what a diagnosis adds to a model."""
-
-    def few(model: Any, ensembles: Any, **options: Any) -> Any:
-        return sample(model, replace(ensembles, steps=64, longest=64), **options)
-
-    with (
-        patch("reliab.discrepancy.adding.posterior.sample", few),
-        patch("reliab.discrepancy.adding.criterion_shift._MOST_MOTIONS", 1),
-    ):
+def _one_motion() -> Iterator[None]:
+    """Simulate one motion for what a diagnosis adds to a criterion."""
+    with patch("reliab.discrepancy.adding.criterion_shift._MOST_MOTIONS", 1):
         yield
 
 

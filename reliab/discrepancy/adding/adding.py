@@ -61,7 +61,7 @@ def add(diagnosis: Diagnosis, *, out: Path | None = None, progress: Progress = s
     diagnosis : Diagnosis
         What was found.
     out : pathlib.Path, optional
-        Folder for the updated model and for the chains, from which an interrupted run resumes.
+        Folder for the updated model.
     progress : callable, optional
         Called after each block.
 
@@ -74,9 +74,8 @@ def add(diagnosis: Diagnosis, *, out: Path | None = None, progress: Progress = s
     posteriors = {}
     for count, block in enumerate(acting, start=1):
         name = str(block.block.block)
-        chains = None if out is None else out / f"posterior_{name.replace(' ', '_')}.h5"
         with one_thread():
-            posteriors[name] = sample_posterior(block.problem, block.best, out=chains)
+            posteriors[name] = sample_posterior(block.problem, block.best)
         progress(count, len(acting))
     blocks = tuple(_sampled(block, posteriors.get(str(block.block.block))) for block in diagnosis.blocks)
     sampled = replace(diagnosis, blocks=blocks)

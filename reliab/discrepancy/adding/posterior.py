@@ -1,46 +1,36 @@
-"""The posterior distribution of a model's parameters, sampled by independent ensembles of walkers.
+"""The posterior distribution of a model's parameters, drawn by importance.
 
-A simulation takes some ten milliseconds and an ensemble sampler asks for a hundred thousand. Near a fitted
-model the whitened residual is therefore written as a quadratic polynomial of the parameters, exact where
-effects enter linearly, which is fitted at points as far from the most probable model as the data allow. The
-likelihood is then a quartic polynomial whose coefficients are inner products of residuals. Whether that is
-good enough is checked with simulations at draws. Where it is not, as for a hysteresis that a few cycles show,
-draws are made anew by importance: from a distribution of Student that follows the weighted draws before it
-(Cornuet and others 2012, doi:10.1111/j.1467-9469.2011.00756.x), each of them simulated.
+A simulation takes some ten milliseconds. Near a fitted model the whitened residual is therefore written as a
+quadratic polynomial of the parameters, exact where effects enter linearly, which is fitted at points as far
+from the most probable model as the data allow. The likelihood is then a quartic polynomial whose coefficients
+are inner products of residuals. Whether that is good enough is checked with simulations at draws. Where it is
+not, as for a hysteresis that a few cycles show, every draw is simulated. Draws come from a distribution of
+Student that follows the weighted draws before it (adaptive multiple importance sampling of Cornuet and others
+2012, doi:10.1111/j.1467-9469.2011.00756.x).
 """
 
-import warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field, replace
-from functools import cache, cached_property
+from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
-from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import stats
 
 from reliab.core.arrays import Array
 from reliab.core.significant_digits import percent, significant
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
-from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.sampling.ensembles import Ensembles, sample
-from reliab.sampling.model import Model, Parameter
-from reliab.sampling.posterior_sample import PosteriorSample
 
 _REACH = np.sqrt(3.0)  # standard deviations: the nodes of Gauss and Hermite of order three
-_WIDE = 10.0  # standard deviations within which the mode is looked for
-_WALL = 1e9  # stands for infinity where walkers may still start
 _WORKERS = 2
 
 SMALLEST_AGREEMENT = 0.7
 """Share of simulated draws that importance weights leave in effect, from which the surface is trusted."""
 
 _SEED = 2017
-_THIN = 8  # steps to a kept draw, of which a file takes milliseconds each
 _CHECKED = 48  # draws at which the surface is compared with simulations
 _DRAWS = 4000
 _INTERVAL = (0.05, 0.95)
@@ -54,6 +44,10 @@ _WIDER, _FREEDOM = 1.3, 5.0  # spread of a population over that before it, and S
 ENOUGH = 100.0
 """Effective number of simulated draws from which quantiles of 5 and 95 % are trusted."""
 
+_ENOUGH_OF_SURFACE = 2000.0  # the same where draws cost nothing
+
+Density = Callable[[Array], Array]
+
 
 def simulated(problem: Problem, fitted: Fit, points: Iterable[Array]) -> Array:
     """Whitened residuals of a model at given coordinates."""
@@ -63,14 +57,11 @@ def simulated(problem: Problem, fitted: Fit, points: Iterable[Array]) -> Array:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class LikelihoodSurface(Model):
-    """Posterior of a model's coordinates, in standard ones in which it is nearly standard normal."""
+class LikelihoodSurface:
+    """Posterior of a model's coordinates, over standard ones in which it is nearly standard normal."""
 
-    name: ClassVar[str] = "likelihood surface"
-
-    names: tuple[str, ...]  # Standard coordinates, principal axes of the fitted covariance
     centre: Array  # Coordinates where the standard ones are zero, shape (size,)
-    axes: Array  # Coordinates over standard ones, shape (size, size)
+    axes: Array  # Coordinates over standard ones, principal axes of the fitted covariance, shape (size, size)
     bounds: tuple[Array, Array]  # Bounds of the coordinates, shape (size,) each
     coefficients: Array  # The whitened residual over the monomials, shape (features, rows)
 
@@ -82,7 +73,6 @@ class LikelihoodSurface(Model):
         points = np.clip(fitted.coordinates + _design(fitted.space.size) @ axes.T, *fitted.space.bounds)
         standard = np.linalg.solve(axes, (points - fitted.coordinates).T).T
         return cls(
-            names=tuple(f"axis {k}" for k in range(fitted.space.size)),
             centre=fitted.coordinates,
             axes=axes,
             bounds=fitted.space.bounds,
@@ -90,52 +80,41 @@ class LikelihoodSurface(Model):
         )
 
     @cached_property
-    def parameters(self) -> tuple[Parameter, ...]:
-        """Standard coordinates; their spread is how far the mode is looked for, not that of the prior."""
-        return tuple(Parameter(name=name, mean=0.0, spread=_WIDE) for name in self.names)
-
-    @property
-    def data(self) -> Array:
-        """Coefficients of the residual and where they hold."""
-        return np.concatenate([self.coefficients.ravel(), self.centre, self.axes.ravel()])
-
-    @cached_property
     def _gram(self) -> Array:
         return self.coefficients @ self.coefficients.T
 
-    def coordinates(self, theta: Array) -> Array:
-        """Coordinates of standard ones, shape (..., size)."""
-        return np.asarray(self.centre + theta @ self.axes.T)
+    def coordinates(self, standard: Array) -> Array:
+        """Coordinates of standard ones, shape (points, size)."""
+        return np.asarray(self.centre + standard @ self.axes.T)
 
-    def log_prior(self, theta: Array) -> Array:
-        """Log-density of the prior, standard normal in the model's coordinates, negligible beyond bounds."""
-        coordinates = self.coordinates(theta)
-        overshoot = np.abs(coordinates - np.clip(coordinates, *self.bounds)).sum(axis=1)
-        walls = np.where(overshoot > 0.0, _WALL * (1.0 + overshoot), 0.0)
-        return np.asarray(-0.5 * (coordinates**2).sum(axis=1) - walls)
+    def log_density(self, standard: Array) -> Array:
+        """Logarithm of the posterior density by the polynomial, shape (points,)."""
+        features = _features(standard)
+        squares = np.einsum("ki,ki->k", features @ self._gram, features)
+        return self._within(standard, lambda coordinates, inside: _posterior(squares[inside], coordinates))
 
-    def draw_prior(self, count: int, rng: np.random.Generator) -> Array:
-        """Draw standard coordinates from the prior, shape (count, size)."""
-        drawn = np.clip(rng.standard_normal((count, self.centre.size)), *self.bounds)
-        return np.asarray(np.linalg.solve(self.axes, (drawn - self.centre).T).T)
+    def simulated_density(self, problem: Problem, fitted: Fit, standard: Array) -> Array:
+        """Return the same by simulations."""
 
-    def log_likelihood(self, theta: Array) -> Array:
-        """Log-likelihood at standard coordinates, shape (points, size) to (points,)."""
-        features = _features(theta)
-        return np.asarray(-0.5 * np.einsum("ki,ki->k", features @ self._gram, features))
+        def density(coordinates: Array, _inside: Array) -> Array:
+            residuals = simulated(problem, fitted, coordinates)
+            return _posterior((residuals**2).sum(axis=1), coordinates)
 
-    def simulate(self, theta: Array, rng: np.random.Generator) -> "LikelihoodSurface":
-        """Return the surface of data drawn at standard coordinates, shape (size,)."""
-        changed = self.coefficients.copy()
-        changed[0] += (
-            rng.standard_normal(changed.shape[1]) - (_features(theta[np.newaxis]) @ self.coefficients)[0]
-        )
-        return replace(self, coefficients=changed)
+        return self._within(standard, density)
+
+    def _within(self, standard: Array, density: Callable[[Array, Array], Array]) -> Array:
+        """Logarithm of a density that vanishes beyond the bounds."""
+        coordinates = self.coordinates(standard)
+        inside = (coordinates == np.clip(coordinates, *self.bounds)).all(axis=1)
+        logs = np.full(len(standard), -np.inf)
+        if inside.any():
+            logs[inside] = density(coordinates[inside], inside)
+        return logs
 
 
-def log_density(residuals: Array, coordinates: Array) -> Array:
-    """Logarithm of the posterior density from simulated residuals, shape (points,)."""
-    return np.asarray(-0.5 * (residuals**2).sum(axis=1) - 0.5 * (coordinates**2).sum(axis=1))
+def _posterior(squares: Array, coordinates: Array) -> Array:
+    """Logarithm of the posterior density from sums of squared residuals, shape (points,)."""
+    return np.asarray(-0.5 * squares - 0.5 * (coordinates**2).sum(axis=1))
 
 
 def _design(size: int) -> Array:
@@ -147,15 +126,8 @@ def _design(size: int) -> Array:
 
 def _features(standard: Array) -> Array:
     """Monomials up to the second degree, shape (points, features)."""
-    i, j = _pairs(standard.shape[1])
+    i, j = np.triu_indices(standard.shape[1])
     return np.column_stack([np.ones(len(standard)), standard, standard[:, i] * standard[:, j]])
-
-
-@cache
-def _pairs(size: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Factors of the monomials of the second degree; walkers ask for them thousands of times."""
-    i, j = np.triu_indices(size)
-    return i, j
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -165,11 +137,9 @@ class Posterior:
     names: tuple[str, ...]  # names, units: Parameters, those of effects as "effect.parameter"
     units: tuple[str, ...]
     draws: Array  # Values in SI units, shape (draws, parameters)
-    sample: PosteriorSample = field(repr=False)  # The chains with their diagnostics
-    # Share of simulated draws that their importance weights leave in effect [-]; 1 where the surface on which
-    # walkers moved is exact
-    agreement: float
-    effective: float = 0.0  # Effective number of draws, where each of them was simulated
+    effective: float  # Number of independent draws that say as much as the weighted ones
+    agreement: float  # Share of simulated draws that their importance weights leave in effect [-]
+    simulated: bool  # Whether every draw was simulated, because the surface did not agree with simulations
 
     @property
     def mean(self) -> Array:
@@ -188,28 +158,23 @@ class Posterior:
 
     @property
     def converged(self) -> bool:
-        """Whether walkers mixed and the surface agrees with simulations, or enough draws were simulated."""
-        by_surface = self.sample.converged and self.agreement >= SMALLEST_AGREEMENT
-        return by_surface or self.effective >= ENOUGH
+        """Whether enough draws are in effect."""
+        return self.effective >= ENOUGH
 
     @property
     def statement(self) -> str:
         """One sentence on convergence."""
-        if self.effective:
-            if self.converged:
-                return f"Converged: {self.effective:.0f} simulated draws in effect."
+        drawn = f"{self.effective:.0f} {'simulated ' if self.simulated else ''}draws in effect"
+        if not self.converged:
             return (
-                f"Not converged: {self.effective:.0f} simulated draws in effect, {ENOUGH:.0f} are needed. "
+                f"Not converged: {drawn}, {ENOUGH:.0f} are needed. "
                 "The tests hardly tell some parameters apart: measure cycles of other amplitudes and speeds."
             )
-        diagnostics = self.sample.diagnostics
-        smallest = min(diagnostics.bulk_size.min(), diagnostics.tail_size.min())
-        verdict = "Converged" if self.converged else "Not converged"
+        if self.simulated:
+            return f"Converged: {drawn}."
         return (
-            f"{verdict}: {diagnostics.ensembles} independent ensembles, R-hat at most "
-            f"{diagnostics.r_hat.max():.3f}, "
-            f"effective sample size at least {smallest:.0f}; simulations at {_CHECKED} draws "
-            f"confirm the surface that was sampled to {percent(self.agreement, decimals=0)}."
+            f"Converged: {drawn}; simulations at {_CHECKED} draws confirm the surface from which they were "
+            f"drawn to {percent(self.agreement, decimals=0)}."
         )
 
     def parameters_of(self, effect: str) -> dict[str, dict[str, Any]]:
@@ -254,68 +219,61 @@ class Posterior:
         return tuple(sentences)
 
 
-def sample_posterior(
-    problem: Problem,
-    fitted: Fit,
-    *,
-    out: Path | None = None,
-    steps: int = 800,
-) -> Posterior:
+def sample_posterior(problem: Problem, fitted: Fit) -> Posterior:
     """Sample the posterior distribution of a fitted model.
 
-    Calibrations and offsets are sampled along with the effects; the noise is as fitted. Walkers move on a
-    surface that a few simulations determine, see :mod:`reliab.discrepancy.adding.posterior`, and
-    simulations at draws check it.
+    Calibrations and offsets are sampled along with the effects; the noise is as fitted.
     """
     surface = LikelihoodSurface.around(problem, fitted)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # convergence is said in the statement
-        sampled = sample(surface, Ensembles(steps=steps, thin=_THIN, seed=_SEED), file=out)
-    drawn, effective = sampled.spread_out(_DRAWS), 0.0
-    agreement = _agreement(problem, fitted, surface, sampled.spread_out(_CHECKED))
-    if not (sampled.converged and agreement >= SMALLEST_AGREEMENT):
-        drawn, effective = _simulated_draws(problem.sketch, fitted, surface)
+    size, space = fitted.space.size, fitted.space
+    drawn, effective = draws_by_importance(surface.log_density, size, _DRAWS, _ENOUGH_OF_SURFACE)
+    agreement = 0.0 if effective < ENOUGH else agreement_of(problem, fitted, surface, drawn[:_CHECKED])
+    if agreement < SMALLEST_AGREEMENT:
+        drawn, effective = draws_by_importance(
+            lambda standard: surface.simulated_density(problem.sketch, fitted, standard), size
+        )
+    exact = np.stack([space.values(point) for point in np.clip(surface.coordinates(drawn), *surface.bounds)])
+    strayed = np.random.default_rng(_SEED).standard_normal(exact.shape)  # the error of the model
     return Posterior(
-        names=_names(fitted.space),
-        units=tuple(parameter.units for parameter in fitted.space.parameters),
-        draws=_values(fitted.space, np.clip(surface.coordinates(drawn), *surface.bounds)),
-        sample=sampled,
-        agreement=agreement,
+        names=space.keys,
+        units=tuple(parameter.units for parameter in space.parameters),
+        draws=exact + space.model_errors(exact) * strayed,
         effective=effective,
+        agreement=agreement,
+        simulated=agreement < SMALLEST_AGREEMENT,
     )
 
 
-def _simulated_draws(problem: Problem, fitted: Fit, surface: LikelihoodSurface) -> tuple[Array, float]:
-    """Draw standard coordinates by importance, beginning at the normal approximation; the effective number.
+def draws_by_importance(
+    density: Density, size: int, population: int = _POPULATION, enough: float = ENOUGH
+) -> tuple[Array, float]:
+    """Draw standard coordinates, beginning at the normal approximation; the effective number, too.
 
     Every population is drawn around the weighted draws before it, and all of them count as draws of one
-    mixture (adaptive multiple importance sampling).
+    mixture. `density` gives the logarithm of the posterior density, −∞ beyond bounds.
     """
     rng = np.random.default_rng(_SEED)
-    size = surface.centre.size
     mean, covariance = np.zeros(size), np.eye(size)
     points, logs = np.zeros((0, size)), np.zeros(0)
     weights, mixture = np.zeros(0), []
     for _ in range(_POPULATIONS):
         shape = _WIDER**2 * covariance + _LEAST_VARIANCE * np.eye(size)
         mixture.append(stats.multivariate_t(loc=mean, shape=shape, df=_FREEDOM, seed=rng))
-        fresh = np.asarray(mixture[-1].rvs(_POPULATION)).reshape(_POPULATION, size)
-        coordinates = surface.coordinates(fresh)
-        inside = (coordinates == np.clip(coordinates, *surface.bounds)).all(axis=1)
-        simulations = simulated(problem, fitted, coordinates[inside]) if inside.any() else np.zeros((0, 1))
-        points = np.concatenate([points, fresh[inside]])
-        logs = np.concatenate([logs, log_density(simulations, coordinates[inside])])
+        fresh = np.asarray(mixture[-1].rvs(population)).reshape(population, size)
+        of_fresh = density(fresh)
+        possible = np.isfinite(of_fresh)
+        points = np.concatenate([points, fresh[possible]])
+        logs = np.concatenate([logs, of_fresh[possible]])
         if len(points) <= size:
             break
-        densities = np.logaddexp.reduce([each.logpdf(points) for each in mixture])
-        weights = _weights(logs - densities)
-        if _effective(weights) >= ENOUGH:
+        ratios = logs - np.logaddexp.reduce([each.logpdf(points) for each in mixture])
+        weights = _weights(ratios)
+        if _effective(weights) >= enough:
             break
-        softer = weights
-        while _effective(softer) < _GUIDING:
-            softer = np.sqrt(softer)
-        mean = np.average(points, axis=0, weights=softer)
-        covariance = np.atleast_2d(np.cov(points.T, aweights=softer))
+        while _effective(_weights(ratios)) < min(_GUIDING, 0.5 * len(points)):
+            ratios = 0.5 * ratios
+        mean = np.average(points, axis=0, weights=_weights(ratios))
+        covariance = np.atleast_2d(np.cov(points.T, aweights=_weights(ratios)))
     if not weights.size:
         return rng.standard_normal((_DRAWS, size)), 1.0
     return points[rng.choice(len(points), _DRAWS, p=weights)], _effective(weights)
@@ -332,28 +290,7 @@ def _effective(weights: Array) -> float:
     return float(weights.sum() ** 2 / (weights**2).sum())
 
 
-def _values(space: ModelSpace, coordinates: Array) -> Array:
-    """SI values with the error of the model, shape (draws, parameters)."""
-    exact = np.stack([space.values(point) for point in coordinates])
-    strayed = np.random.default_rng(_SEED).standard_normal(exact.shape)
-    return exact + space.model_errors(exact) * strayed
-
-
-def _names(space: ModelSpace) -> tuple[str, ...]:
-    calibrated = (calibration.parameter.name for calibration in space.block.calibrations)
-    effects = (*space.block.offsets, *space.effects)
-    return (
-        *calibrated,
-        *(f"{effect.name}.{parameter.name}" for effect in effects for parameter in effect.parameters),
-    )
-
-
-def _agreement(problem: Problem, fitted: Fit, surface: LikelihoodSurface, drawn: Array) -> float:
-    """Effective share of draws under importance weights from surface to simulation.
-
-    Walkers may have stayed where they started, beyond a bound: simulations on it do not confirm the surface.
-    """
-    coordinates = np.clip(surface.coordinates(drawn), *surface.bounds)
-    exact = log_density(simulated(problem, fitted, coordinates), coordinates)
-    ratios = exact - surface.log_posterior(drawn)
+def agreement_of(problem: Problem, fitted: Fit, surface: LikelihoodSurface, drawn: Array) -> float:
+    """Effective share of draws of a surface under importance weights from it to simulations."""
+    ratios = surface.simulated_density(problem, fitted, drawn) - surface.log_density(drawn)
     return _effective(_weights(ratios)) / len(drawn)

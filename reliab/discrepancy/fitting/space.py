@@ -129,18 +129,18 @@ class ModelSpace:
 
     def starts(self, base: "ModelSpace", coordinates: Array) -> Iterator[Array]:
         """Coordinates from which to fit, given those of a smaller model; added effects at their starts."""
-        values = dict(zip(base._keys, coordinates.tolist(), strict=True))  # noqa: SLF001 - the same class
+        values = dict(zip(base.keys, coordinates.tolist(), strict=True))
         added = [effect for effect in self.effects if effect not in base.effects]
         tries = max((len(effect.parameters[0].starts) for effect in added), default=1)
         lower, upper = self.bounds
         for k in range(tries):
             fresh = self._start(k)
-            filled = np.array([values.get(key, fresh[place]) for place, key in enumerate(self._keys)])
+            filled = np.array([values.get(key, fresh[place]) for place, key in enumerate(self.keys)])
             yield np.clip(self._as_late(filled, added), lower + 1e-9, upper - 1e-9)
 
     def _as_late(self, coordinates: Array, added: Sequence[type[Effect]]) -> Array:
         """Subtract the delay of added linear dynamics from the actuator's, which stays positive."""
-        place = self._keys.index("delay_s") if "delay_s" in self._keys else None
+        place = self.keys.index("delay_s") if "delay_s" in self.keys else None
         linear = [effect for effect in added if issubclass(effect, LinearEffect)]
         if place is None or not linear:
             return coordinates
@@ -155,7 +155,7 @@ class ModelSpace:
         """Coordinates in which an effect's first parameter, if it is signed, is multiplied by a factor."""
         if not kind.parameters[0].signed:
             return coordinates
-        place = self._keys.index(f"{kind.name}.{kind.parameters[0].name}")
+        place = self.keys.index(f"{kind.name}.{kind.parameters[0].name}")
         lower, upper = self.bounds
         moved = coordinates.copy()
         moved[place] = np.clip(factor * coordinates[place], 0.9 * lower[place], 0.9 * upper[place])
@@ -163,8 +163,8 @@ class ModelSpace:
 
     def inherited(self, source: "ModelSpace", coordinates: Array) -> Array:
         """Coordinates of a larger model without what this one does not have."""
-        values = dict(zip(source._keys, coordinates.tolist(), strict=True))  # noqa: SLF001 - the same class
-        return np.array([values[key] for key in self._keys])
+        values = dict(zip(source.keys, coordinates.tolist(), strict=True))
+        return np.array([values[key] for key in self.keys])
 
     def in_place_of(
         self, base: "ModelSpace", coordinates: Array, kind: type[Effect], special: type[Effect]
@@ -174,7 +174,7 @@ class ModelSpace:
         A composition may be far from its first member alone: it starts from its own values, too, with the
         member's first parameter, its size.
         """
-        values = dict(zip(base._keys, base.values(coordinates).tolist(), strict=True))  # noqa: SLF001 - the same class
+        values = dict(zip(base.keys, base.values(coordinates).tolist(), strict=True))
         inherited = {
             key.replace(f"{kind.name}.", f"{special.name}.", 1): value for key, value in values.items()
         }
@@ -187,8 +187,8 @@ class ModelSpace:
         lower, upper = self.bounds
         starts = []
         for k, base_values in enumerate(bases):
-            fresh = dict(zip(self._keys, self.values(self._start(max(k - 1, 0))).tolist(), strict=True))
-            start = self.coordinates(np.array([base_values.get(key, fresh[key]) for key in self._keys]))
+            fresh = dict(zip(self.keys, self.values(self._start(max(k - 1, 0))).tolist(), strict=True))
+            start = self.coordinates(np.array([base_values.get(key, fresh[key]) for key in self.keys]))
             starts.append(np.clip(start, lower + 1e-9, upper - 1e-9))
         return starts
 
@@ -196,7 +196,7 @@ class ModelSpace:
         """Names of the parameters of effects that lie on a bound which is no physical limit."""
         lower, upper = self.bounds
         names = []
-        for place, (key, parameter) in enumerate(zip(self._keys, self.parameters, strict=True)):
+        for place, (key, parameter) in enumerate(zip(self.keys, self.parameters, strict=True)):
             physical = parameter.signed and parameter.lower <= 0.0 <= parameter.lower + 1e-6
             low = coordinates[place] <= lower[place] + _AT_BOUND and not physical
             if low or coordinates[place] >= upper[place] - _AT_BOUND:
@@ -206,18 +206,17 @@ class ModelSpace:
     def neutralised(self, coordinates: Array, offsets: Sequence[type[Effect]]) -> Array:
         """Coordinates with the parameters of some offsets at zero."""
         names = {f"{offset.name}.{parameter.name}" for offset in offsets for parameter in offset.parameters}
-        changed = [
-            0.0 if key in names else c for key, c in zip(self._keys, coordinates.tolist(), strict=True)
-        ]
+        changed = [0.0 if key in names else c for key, c in zip(self.keys, coordinates.tolist(), strict=True)]
         return np.array(changed)
 
     def places(self, effect: type[Effect]) -> slice:
         """Places of an effect's parameters among the coordinates."""
-        first = self._keys.index(f"{effect.name}.{effect.parameters[0].name}")
+        first = self.keys.index(f"{effect.name}.{effect.parameters[0].name}")
         return slice(first, first + len(effect.parameters))
 
     @cached_property
-    def _keys(self) -> tuple[str, ...]:
+    def keys(self) -> tuple[str, ...]:
+        """Names of the parameters in the order of the coordinates, those of effects as "effect.parameter"."""
         keys = [calibration.parameter.name for calibration in self.block.calibrations]
         for effect in (*self.block.offsets, *self.effects):
             keys.extend(f"{effect.name}.{parameter.name}" for parameter in effect.parameters)
