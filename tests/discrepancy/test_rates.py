@@ -5,7 +5,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from reliab.discrepancy.adding.posterior import LikelihoodSurface
 from reliab.discrepancy.blocks.loop import _resampled
 from reliab.discrepancy.blocks.observed import ObservedBlock
 
@@ -38,17 +37,3 @@ def test_a_prediction_at_few_instants_is_read_at_all(every):
     block = SimpleNamespace(tests=[SimpleNamespace(size=SIZE)], every=every)
     found = ObservedBlock.at_rate(block, slow(TIME[::every]), 0)
     np.testing.assert_allclose(found, slow(TIME), atol=2e-4)
-
-
-def test_draws_of_a_prior_lie_in_its_coordinates_within_their_bounds():
-    axes = np.array([[2.0, 0.5], [-0.3, 1.5]])
-    surface = LikelihoodSurface(
-        names=("first", "second"),
-        centre=np.array([0.7, -1.1]),
-        axes=axes,
-        bounds=(np.array([-1.0, -0.5]), np.array([0.8, 2.0])),
-        coefficients=np.zeros((1, 1)),
-    )
-    drawn = surface.coordinates(surface.draw_prior(4000, np.random.default_rng(3)))
-    expected = np.clip(np.random.default_rng(3).standard_normal((4000, 2)), *surface.bounds)
-    np.testing.assert_allclose(drawn, expected, atol=1e-12)
