@@ -37,7 +37,7 @@ class JudgedTest(PlainResult):
 
     @property
     def verdict(self) -> Word:
-        """The verdict: "reliable", "undecided" or "not_reliable"."""
+        """What the verdict says, "reliable", "undecided" or "not_reliable"."""
         return self.judgement.word
 
     @property
