@@ -1,5 +1,6 @@
-"""Results write their fields, or what they name, as plain values."""
+"""Results as plain values and rows, in JSON, tables and HTML."""
 
+import csv
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -8,9 +9,11 @@ from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
+import pandas as pd
 import pytest
 
-from reliab.core.plain_values import PlainResult
+from reliab.app.api.assessment_files import write_tests
+from reliab.core.plain_values import PlainResult, read_table, write_table
 from reliab.core.stated_value import StatedValue
 
 
@@ -89,3 +92,31 @@ def test_paths_parts_of_mappings_and_plain_dataclasses_are_written():
         "low": 0.5,
         "faults": [{"rule": "No rate.", "line": None}],
     }
+
+
+FORMULA = '=HYPERLINK("http://x")'
+
+
+def cells(path):
+    with path.open(encoding="utf-8") as table:
+        return [cell for row in csv.reader(table) for cell in row]
+
+
+def is_harmless(cell):
+    return not cell.strip().startswith(("=", "+", "-", "@")) or cell.lstrip("+-")[:1].isdigit()
+
+
+@pytest.mark.parametrize("index", [True, False])
+def test_a_table_is_read_as_it_was_written_and_holds_no_formula(tmp_path, index):
+    table = pd.DataFrame({"=name": [FORMULA, "+1"], "number": [-0.5, 2.0], "whole": [-1, 2]})
+    write_table(table, tmp_path / "table.csv", index=index)
+    assert all(map(is_harmless, cells(tmp_path / "table.csv")))
+    read = read_table(tmp_path / "table.csv")[list(table)]
+    assert read["=name"].map(str).tolist() == [FORMULA, "+1"]
+    assert read["number"].tolist() == [-0.5, 2.0]
+
+
+def test_every_text_of_a_verdict_is_escaped(tmp_path):
+    texts = dict.fromkeys(("file", "test", "verdict", "metric", "fault"), FORMULA)
+    write_tests([{**texts, "reasons": [FORMULA], "warnings": [FORMULA]}], tmp_path / "verdicts.csv")
+    assert all(map(is_harmless, cells(tmp_path / "verdicts.csv")))

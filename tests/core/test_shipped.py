@@ -1,4 +1,4 @@
-"""Shipped files are what their checksums say, and what is too large for the wheel is fetched."""
+"""Data that ship: found, verified, and named."""
 
 import shutil
 from pathlib import Path
@@ -9,7 +9,9 @@ import pytest
 from reliab.app import cli
 from reliab.core import shipped
 from reliab.core.errors import InputError
-from reliab.sweep.results import open_results, real_results
+from reliab.core.shipped import or_shipped
+from reliab.discrepancy.campaign.reading import campaign_folder
+from reliab.sweep.results import open_results, real_results, stored_results
 
 ROOT = Path(__file__).parents[2]
 
@@ -78,3 +80,25 @@ def test_the_small_file_holds_the_values_of_the_large_one_to_its_precision():
         assert (small[name].values == 0.0).sum() == (of_six[name].values == 0.0).sum()
         np.testing.assert_allclose(small[name].values, of_six[name].values, rtol=1.3e-3)
     assert {**small.attrs, "precision": ""} == {**large.attrs, "precision": ""}
+
+
+@pytest.mark.parametrize("name", ["sample_test", "rig_a", "real_suite"])
+def test_a_folder_without_data_hides_nothing_that_ships(name, tmp_path, monkeypatch):
+    found = {
+        "sample_test": lambda: or_shipped(Path("sample_test"), "datasets", "test.csv"),
+        "rig_a": lambda: campaign_folder("rig_a"),
+        "real_suite": lambda: stored_results(Path("real_suite"), (1.0,), (0.02,)),
+    }[name]
+    monkeypatch.chdir(tmp_path)
+    before = found()
+    Path(name).mkdir()
+    assert found() == before
+
+
+def test_a_file_and_a_store_of_results_are_the_users_own(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("sample_test").write_text("0,1\n")
+    Path("real_suite").mkdir()
+    Path("real_suite/zarr.json").write_text("{}")
+    assert or_shipped(Path("sample_test"), "datasets", "test.csv") == Path("sample_test")
+    assert or_shipped(Path("real_suite"), "datasets", "results.nc") == Path("real_suite")

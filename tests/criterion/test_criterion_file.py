@@ -1,4 +1,4 @@
-"""A criterion's file is read only if it is whole."""
+"""Criteria as JSON, and the printed ones."""
 
 import json
 
@@ -7,6 +7,8 @@ import pytest
 from reliab.core.errors import InputError
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.derivation import derive_criterion
+from reliab.criterion.ellipse_sample import sample_of
+from reliab.criterion.methods.quantile import Quantile
 
 
 @pytest.fixture(scope="module")
@@ -106,3 +108,15 @@ def test_no_number_that_is_not_finite_is_written(two_sided):
 def test_a_file_of_the_first_schema_says_what_it_lacks(text):
     with pytest.raises(InputError, match="version 1, which has no limits for leads"):
         Criterion.from_json(broken(text, set_in("schema_version", value=1)))
+
+
+def test_equation_12_follows_from_table_2(printed_table2):
+    criterion = derive_criterion(printed_table2, f=1.0, xi=0.02, method=Quantile(), joint=False)
+    a, b = criterion.limits(1.0, 0.02)
+    assert float(a) == pytest.approx(5.29e-5, abs=0.005e-5)
+    assert float(b) == pytest.approx(1.048, abs=0.0005)
+
+
+def test_the_correlation_is_the_printed_one(printed_table2):
+    sample = sample_of(printed_table2, frequency=1.0, damping_ratio=0.02, threshold=0.05, metric="rms")
+    assert sample.correlation == pytest.approx(0.9774, abs=0.00005)

@@ -1,9 +1,11 @@
-"""Variance between and within earthquakes."""
+"""Components of variance between and within earthquakes."""
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from reliab.criterion.event_components import event_components
+from reliab.criterion.motion_predictive import MotionPredictive
 
 
 def drawn(rng, sizes, between, within):
@@ -49,3 +51,70 @@ def test_several_quantities_are_done_at_once():
         alone = event_components(each, events)
         assert both.between[column] == pytest.approx(float(alone.between))
         assert both.effective_number[column] == pytest.approx(float(alone.effective_number))
+
+
+@pytest.fixture(scope="module")
+def learned():
+    values = np.random.default_rng(2).gamma(3.0, size=(60, 2)) * [1.0, -1.0]
+    return MotionPredictive.fit(values, np.repeat(np.arange(20), 3).astype(str))
+
+
+@pytest.mark.slow
+def test_it_is_a_distribution(learned):
+    x = np.linspace(-30.0, 60.0, 4001)
+    cumulative = np.array([learned.cumulative(np.full(2, each)) for each in x])
+    assert (np.diff(cumulative, axis=0) >= 0.0).all()
+    np.testing.assert_allclose(cumulative[[0, -1]], [[0.0, 0.0], [1.0, 1.0]], atol=1e-6)
+
+
+@pytest.mark.parametrize("probability", [1e-4, 0.01, 0.05, 0.5, 0.95, 0.999])
+def test_the_quantile_inverts_it(learned, probability):
+    np.testing.assert_allclose(
+        learned.cumulative(learned.quantile(probability)), probability, rtol=1e-6, atol=1e-9
+    )
+
+
+def test_many_motions_speak_for_themselves():
+    """A shape that no skew-normal distribution has is learned all the same."""
+    values = np.random.default_rng(3).choice([-1.0, 1.0], 20_000) * 3.0
+    values += np.random.default_rng(4).normal(size=20_000)
+    found = MotionPredictive.fit(values[:, None], np.arange(20_000).astype(str))
+    truth = stats.norm.cdf(-3.5, -3.0) / 2.0 + stats.norm.cdf(-3.5, 3.0) / 2.0
+    assert float(found.cumulative([-3.5])[0]) == pytest.approx(truth, abs=0.006)
+
+
+@pytest.mark.slow
+def test_few_normal_motions_get_the_bound_of_a_further_one_about_right():
+    """On average over suites the stated share of further motions exceeds the bound."""
+    rng = np.random.default_rng(5)
+    for motions, tolerance in ((10, 0.03), (40, 0.015)):
+        values = rng.normal(size=(motions, 2000))
+        found = MotionPredictive.fit(values, np.arange(motions).astype(str))
+        for confidence in (0.8, 0.9, 0.95):
+            content = stats.norm.sf(found.quantile(1.0 - confidence)).mean()
+            assert content == pytest.approx(confidence, abs=tolerance)
+
+
+def test_motions_of_one_earthquake_widen_it():
+    rng = np.random.default_rng(6)
+    events = np.repeat(np.arange(8), 5)
+    values = (rng.normal(size=8)[events] + 0.3 * rng.normal(size=40))[:, None]
+    together = MotionPredictive.fit(values, events.astype(str))
+    apart = MotionPredictive.fit(values, np.arange(40).astype(str))
+    assert together.effective_number < 12.0 < apart.effective_number
+    assert together.quantile(0.01) < apart.quantile(0.01)
+
+
+@pytest.mark.parametrize("power", [-0.6, -0.4, 0.3, 0.6])
+def test_the_skew_normal_has_the_first_three_moments_of_the_sample(power):
+    raw = np.random.default_rng(7).gamma(1.0, size=3000)
+    values = np.sign(power) * raw ** abs(power)
+    found = MotionPredictive.fit(values[:, None], np.arange(values.size).astype(str))
+    moments = stats.skewnorm.stats(found.shape[0], found.location[0], found.scale[0], moments="mvs")
+    np.testing.assert_allclose(moments, (values.mean(), values.var(), stats.skew(values)), rtol=1e-9)
+
+
+def test_equal_values_and_an_outlier_do_no_harm():
+    values = np.array([[0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 1e4]]).T
+    found = MotionPredictive.fit(values, np.arange(7).astype(str))
+    assert np.isfinite(found.quantile(0.05)).all()

@@ -1,16 +1,24 @@
-"""The law of the experimental fraction against boundaries that are traced, and where it is refused."""
+"""Shares of the stiffness in the laboratory: growth of limits, and criteria compared."""
 
 import numpy as np
 import pytest
 import xarray as xr
 
 from reliab.core.errors import InputError
-from reliab.criterion.experimental_share import carry_to_share, growth
+from reliab.core.vocabulary import Metric
+from reliab.criterion.derivation import derive_criterion
+from reliab.criterion.ellipse_reading import read_ellipses
+from reliab.criterion.experimental_share import carry_to_share, compare_shares, growth
 from reliab.motions.synthetic.suite import synthetic_suite
+from reliab.simulation.engine import Loop
 from reliab.simulation.excitation import Excitation
+from reliab.simulation.linear_loop.cells import Cells
 from reliab.structures.structure import Structure
 from reliab.sweep.ellipse_table import EllipseRequest, trace_ellipses
+from reliab.sweep.request import excitation_of
+from reliab.sweep.shares import at_share
 from reliab.tracking.boundary.first_order import first_order_ellipse
+from reliab.tracking.indices.response_error import relative_error
 
 
 @pytest.mark.slow
@@ -64,3 +72,114 @@ def test_ellipses_of_a_part_are_not_carried_again():
     ellipses = xr.Dataset(attrs={"experimental_fraction": 0.5})
     with pytest.raises(InputError, match="with all stiffness in the laboratory"):
         carry_to_share(ellipses, 0.4)
+
+
+def table_of(growths, xi=0.02):
+    """Ellipses in a CSV table, those of each share larger than those of the whole by a factor."""
+    rng = np.random.default_rng(3)
+    bases = np.exp(rng.normal(size=(12, 2)) * 0.3) * (2e-4, 3.0)
+    lines = [
+        f"E{k}/1,1,{xi},{alpha},{g * a},{g * b}" for alpha, g in growths for k, (a, b) in enumerate(bases)
+    ]
+    return "\n".join(["motion,f,xi,alpha,a,b", *lines])
+
+
+def criteria_of(ellipses):
+    return [
+        derive_criterion(at_share(ellipses, alpha), method="quantile") for alpha in ellipses["alpha"].values
+    ]
+
+
+def test_limits_that_follow_a_law_are_found_to_follow_it(tmp_path):
+    shares = [0.1, 0.3, 0.5, 1.0]
+    follows = [(alpha, (1 + 500) / (1 + 500 * alpha**2)) for alpha in shares]
+    (tmp_path / "ellipses.csv").write_text(table_of(follows))
+    ellipses = read_ellipses(tmp_path / "ellipses.csv")
+    answer = compare_shares(criteria_of(ellipses), [(1.0, 0.02)])
+    (fit,) = answer["fits"]
+    assert fit["a_strength"] == pytest.approx(500, rel=1e-4)
+    assert fit["b_strength"] == pytest.approx(500, rel=1e-4)
+    assert fit["b_largest_deviation"] < 1e-5
+    assert fit["white_noise"] == pytest.approx(312.5)
+    weak, *stated = answer["ratios"]
+    assert weak["alpha"] == 0.1
+    assert weak["law"] is weak["a_deviation"] is None  # below ten damping ratios
+    for row, (alpha, factor) in zip(stated, follows[1:-1], strict=True):
+        assert row["a_ratio"] == pytest.approx(factor)
+        assert row["b_deviation"] == pytest.approx(factor / growth(alpha, 0.02) - 1.0)
+
+
+def test_a_that_ends_where_tracing_ends_is_not_compared(tmp_path):
+    (tmp_path / "ellipses.csv").write_text(table_of([(0.5, 100.0), (1.0, 1.0)]))
+    ellipses = read_ellipses(tmp_path / "ellipses.csv")
+    (row,) = compare_shares(criteria_of(ellipses), [(1.0, 0.02)])["ratios"]
+    assert row["a_ratio"] is row["a_deviation"] is None
+    assert row["b_ratio"] == pytest.approx(100.0)
+
+
+def test_a_table_of_one_share_states_it(tmp_path):
+    (tmp_path / "ellipses.csv").write_text(table_of([(0.5, 1.0)]))
+    assert read_ellipses(tmp_path / "ellipses.csv").attrs["experimental_fraction"] == 0.5
+
+
+def test_a_criterion_of_several_shares_is_refused(tmp_path):
+    (tmp_path / "ellipses.csv").write_text(table_of([(0.5, 4.0), (1.0, 1.0)]))
+    with pytest.raises(InputError, match="one share"):
+        derive_criterion(read_ellipses(tmp_path / "ellipses.csv"), method="quantile")
+
+
+def largest_errors(motions, structures, shares):
+    """Largest error over the threshold of tests on the inscribed ellipses of α = 1, shape (cases, shares)."""
+    angles = np.linspace(0.0, np.pi, 9)
+    errors = []
+    for f, xi in structures:
+        request = EllipseRequest(frequencies=(f,), damping_ratios=(xi,))
+        whole = trace_ellipses(motions, request).sel(curve="inscribed").squeeze()
+        for motion in motions:
+            excitation = excitation_of(motion, request.window)
+            for side, sign in (("lag", 1e-3), ("lead", -1e-3)):
+                a, b = (float(whole[name].sel(motion=motion.name, side=side)) for name in ("a", "b"))
+                actuators = {
+                    "gain": 1.0 + np.sqrt(a) * np.cos(angles),
+                    "delay": sign * np.sqrt(b) * np.sin(angles),
+                }
+                partial = [Structure(frequency=f, damping_ratio=xi, experimental_fraction=s) for s in shares]
+                errors.append(
+                    [
+                        relative_error(
+                            Loop(excitation=excitation, structure=part).deviation(
+                                Cells(structure=part, **actuators)
+                            ),
+                            Metric.RMS,
+                        ).max()
+                        / 0.05
+                        for part in partial
+                    ]
+                )
+    return np.array(errors)
+
+
+def test_tests_that_the_whole_stiffness_allows_are_better_with_a_part_of_it():
+    errors = largest_errors(synthetic_suite(count=2), [(1.0, 0.02), (3.0, 0.1)], (0.05, 0.2, 0.5, 1.0))
+    assert errors[:, -1] == pytest.approx(1.0, abs=0.03)
+    assert errors[:, :-1].max() < 0.8
+
+
+@pytest.mark.slow
+def test_real_motions_allow_more_with_a_part_of_the_stiffness(real_motions_folder):
+    from reliab import load_motions
+
+    motions = load_motions(real_motions_folder)[::20]
+    structures = [(f, xi) for f in (0.5, 1.0, 3.0) for xi in (0.01, 0.1)]
+    errors = largest_errors(motions, structures, (0.05, 0.2, 0.5, 0.7))
+    assert errors.max() < 0.9
+
+
+def test_a_stiff_and_damped_structure_may_allow_less_with_a_part_of_the_stiffness():
+    t = np.arange(0.0, 20.0, 0.005)
+    slow = Excitation(acceleration=np.sin(2.0 * np.pi * t) * t * np.exp(-0.5 * t), time_step=0.005)
+    part, whole = (
+        first_order_ellipse(slow, Structure(frequency=20.0, damping_ratio=0.1, experimental_fraction=share))
+        for share in (0.2, 1.0)
+    )
+    assert part.amplitude < whole.amplitude

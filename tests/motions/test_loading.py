@@ -1,3 +1,5 @@
+"""Motions from files, folders and suites."""
+
 import tracemalloc
 from collections.abc import Callable
 from pathlib import Path
@@ -5,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from reliab.core.errors import InputError
-from reliab.motions.loading import load_motions
+from reliab.motions.checking import inspect
+from reliab.motions.loading import UnreadFileWarning, load_motions
 
 Write = Callable[[str, str | bytes], Path]
 
@@ -94,3 +97,103 @@ def test_the_built_in_suite_is_loaded_by_name() -> None:
 def test_a_step_that_is_not_positive_is_refused(folder: Path, time_step: float) -> None:
     with pytest.raises(InputError, match=r"time step must be between .* found"):
         load_motions(folder, time_step=time_step)
+
+
+@pytest.fixture
+def at2(records: dict[str, str]) -> str:
+    return records["record.AT2"]
+
+
+def test_every_record_below_a_folder_is_named_after_its_path(
+    at2: str, records: dict[str, str], write: Write, tmp_path: Path
+) -> None:
+    write("KOBE/NIS000.AT2", at2)
+    write("KOBE/NIS090.at2", at2)
+    write("top.csv", records["record.csv"])
+    write("XYZ.NS", records["record.NS"])
+    write("XYZ.EW", records["record.NS"])
+    suite = load_motions(tmp_path)
+    assert suite.names == ("KOBE/NIS000", "KOBE/NIS090", "XYZ.EW", "XYZ.NS", "top")
+    assert [motion.name for motion in suite] == list(suite.names)
+    assert [motion.event for motion in suite] == list(suite.events)
+
+
+def test_records_that_differ_in_their_ending_alone_keep_it(
+    at2: str, records: dict[str, str], write: Write, tmp_path: Path
+) -> None:
+    write("a.AT2", at2)
+    write("a.csv", records["record.csv"])
+    write("b.AT2", at2)
+    assert load_motions(tmp_path).names == ("a.AT2", "a.csv", "b")
+
+
+def test_what_is_no_record_is_passed_over(at2: str, write: Write, tmp_path: Path) -> None:
+    write("a.AT2", at2)
+    write("sub/.hidden.AT2", b"")
+    write(".git/b.AT2", b"")
+    write("README.md", "1 2 3")
+    write("README.txt", "Obtained from PEER")
+    write("_readme.txt", "Obtained from PEER")
+    write("LICENSE", "none")
+    write("figure.png", b"\x89PNG\x00")
+    write("notes.pdf", b"%PDF")
+    write("sub/catalog.csv", "nothing")
+    assert load_motions(tmp_path).names == ("a",)
+    assert inspect(tmp_path).faults == []
+
+
+def test_a_record_is_found_whatever_its_ending(at2: str, write: Write, tmp_path: Path) -> None:
+    write("record.data", at2)
+    write("RECORD", at2)
+    assert load_motions(tmp_path).names == ("RECORD", "record.data")
+
+
+def test_components_share_an_event_only_if_their_headers_say_so(
+    at2: str, records: dict[str, str], write: Write, tmp_path: Path
+) -> None:
+    write("a.AT2", at2)
+    write("b.AT2", at2.replace("Testing Station, 90", "Another Station, 180"))
+    write("c.AT2", at2.replace("10/18/1989", "10/19/1989"))
+    write("d.AT2", at2.replace("Nowhere-01, 10/18/1989", "Nowhere"))
+    write("e.csv", records["record.csv"])
+    write("f.csv", "# event: NOWHERE-01 1989-10-18\n" + records["record.csv"])
+    one, other = "NOWHERE-01 1989-10-18", "NOWHERE-01 1989-10-19"
+    assert load_motions(tmp_path).events == (one, one, other, "d", "e", one)
+
+
+def test_a_file_that_claims_to_be_a_record_and_is_none_is_not_passed_over(
+    at2: str, write: Write, tmp_path: Path
+) -> None:
+    write("a.AT2", at2)
+    path = write("b.AT2", b"")
+    with pytest.raises(InputError, match=rf"{path}, line 1: The file is empty"):
+        load_motions(tmp_path)
+
+
+def test_folder_names_what_it_skips_and_why(at2: str, write: Write, tmp_path: Path) -> None:
+    write("a.AT2", at2)
+    write("sub/b.mat", b"MATLAB 5.0 MAT-file")
+    write("c.v9", "some words\nand more\n")
+    write("d.bin", b"\x00\x01\x02")
+    write("e.xyz", "0.1\n0.2\n")
+    write("f.old", "")
+    write("figure.png", b"\x89PNG\x00")
+    reasons = {
+        "c.v9": "an unknown format",
+        "d.bin": "an unknown format",
+        "e.xyz": "numbers without a known header or the ending of a text record",
+        "f.old": "an empty file",
+        "b.mat": "a MATLAB file",
+    }
+    inspection = inspect(tmp_path)
+    assert inspection.faults == []
+    assert {Path(note.file).name: note.value for note in inspection.notes} == reasons
+    with pytest.warns(UnreadFileWarning, match=r"skipped c\.v9 \(an unknown format\), .* and 2 more"):
+        assert load_motions(tmp_path).names == ("a",)
+
+
+def test_a_folder_without_records_is_explained(write: Write, tmp_path: Path) -> None:
+    write("README.md", "none")
+    with pytest.raises(InputError, match="No records in this folder"):
+        load_motions(tmp_path)
+    assert [fault.rule for fault in inspect(tmp_path).faults] == ["No records found"]

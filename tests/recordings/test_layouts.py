@@ -1,11 +1,21 @@
-"""The same test comes back from every layout, and what was recognised is stated."""
+"""Layouts of other programs' files."""
+
+import json
+from importlib.util import find_spec
+from pathlib import Path
 
 import h5py
+import layouts
 import numpy as np
+import pandas as pd
 import pytest
 from layouts import COMMAND, FORCE, LAYOUTS, MEASURED, RATE, TIME, dspace, mts_793
+from nptdms import TdmsFile
 
+import reliab
+from reliab.app import cli
 from reliab.core.errors import InputError
+from reliab.recordings.readers.registry import read_tests
 from reliab.recordings.reading import read_recording
 
 PRECISION = {dspace: 1e-9}
@@ -95,3 +105,109 @@ def test_a_broken_row_of_labview_is_named_by_its_line_in_the_file(tmp_path):
     (tmp_path / "t.lvm").write_text("\n".join(lines), encoding="utf-8")
     with pytest.raises(InputError, match=r"t\.lvm, line 701, column X_Value 0: Not a number"):
         read_recording(tmp_path / "t.lvm")
+
+
+def data_of(package, *below):
+    folder = Path(find_spec(package).origin).parent.joinpath(*below)
+    if not folder.is_dir():
+        pytest.skip(f"{package} was installed without the data of its tests")
+    return folder
+
+
+SAVED = sorted((Path(find_spec("scipy.io").origin).parent / "matlab" / "tests" / "data").glob("*.mat"))
+THETA = np.arange(9) * np.pi / 4.0
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "testdouble_4.2c_SOL2.mat",
+        "testdouble_6.1_SOL2.mat",
+        "testdouble_6.5.1_GLNX86.mat",
+        "testdouble_7.1_GLNX86.mat",
+        "testdouble_7.4_GLNX86.mat",
+        "testhdf5_7.4_GLNX86.mat",
+    ],
+)
+def test_vectors_that_matlab_saved(name):
+    (test,) = read_tests(data_of("scipy.io", "matlab", "tests", "data") / name)
+    np.testing.assert_allclose(test.values["testdouble"], THETA, rtol=1e-15)
+
+
+@pytest.mark.parametrize("name", ["testmulti_7.1_GLNX86.mat", "testmulti_7.4_GLNX86.mat"])
+def test_a_vector_beside_other_variables(name):
+    (test,) = read_tests(data_of("scipy.io", "matlab", "tests", "data") / name)
+    np.testing.assert_allclose(test.values["theta"], THETA, rtol=1e-15)
+
+
+@pytest.mark.parametrize("release", ["6.1_SOL2", "6.5.1_GLNX86", "7.1_GLNX86", "7.4_GLNX86"])
+def test_fields_of_a_structure_and_cells_that_matlab_saved(release):
+    folder = data_of("scipy.io", "matlab", "tests", "data")
+    (structure,) = read_tests(folder / f"teststruct_{release}.mat")
+    np.testing.assert_allclose(
+        structure.values["teststruct.doublefield"], [np.sqrt(2.0), np.e, np.pi], rtol=1e-15
+    )
+    (cells,) = read_tests(folder / f"testcell_{release}.mat")
+    np.testing.assert_array_equal(cells.values["testcell(4)"], [1.0, 2.0, 3.0])
+
+
+@pytest.mark.parametrize("path", SAVED, ids=lambda path: path.name)
+def test_no_file_that_matlab_saved_is_taken_for_a_test(path):
+    """None of them is one: each gives one sentence, and no warning."""
+    with pytest.raises(InputError):
+        read_recording(path)
+
+
+@pytest.mark.parametrize("name", ["raw1.tdms", "big_endian.tdms", "Digital_Input.tdms"])
+def test_channels_that_labview_wrote(name):
+    path = data_of("nptdms", "test", "data") / name
+    (test,) = read_tests(path)
+    group = TdmsFile.read(path).groups()[0]  # of SignalExpress the test; thinned copies stand behind it
+    for channel in group.channels():
+        np.testing.assert_array_equal(test.values[channel.name], channel[:])
+        assert np.diff(test.series[channel.name].times) == pytest.approx(channel.properties["wf_increment"])
+        assert test.units.get(channel.name, "") == channel.properties.get("unit_string", "")
+
+
+FIRST = (layouts.mts_793, layouts.dspace, layouts.tdms, layouts.xpc)
+
+
+@pytest.fixture(scope="module")
+def expected(tmp_path_factory):
+    """Verdict on the test with its force, and on its two displacements alone."""
+    folder = tmp_path_factory.mktemp("t")
+    whole = judged(layouts.matlab_vectors(folder))
+    columns = {"time_s": layouts.TIME, "command_m": layouts.COMMAND, "measured_m": layouts.MEASURED}
+    return {True: whole, False: judged(pd.DataFrame(columns))}
+
+
+def judged(path):
+    return reliab.assess(path, f=1.0, xi=0.02).to_dict()
+
+
+@pytest.mark.default_cases(1)
+@pytest.mark.parametrize(
+    "write",
+    [pytest.param(write, marks=[] if write in FIRST else pytest.mark.slow) for write in layouts.LAYOUTS],
+)
+def test_the_verdict_is_that_of_the_same_test_in_another_file(tmp_path, write, expected):
+    """To 1e-6; the ends of the interval and the probability, of which text has 12 digits, to 5e-6."""
+    answer = judged(write(tmp_path))
+    has_force = any(channel["channel"] == "force" for channel in answer["recording"]["channels"])
+    expected = expected[has_force]
+    for name in ("A", "d_ms"):
+        assert answer[name] == pytest.approx(expected[name], rel=1e-6)
+    rms = {key: pytest.approx(expected["error"]["rms"][key], rel=1e-6, abs=5e-6) for key in ("low", "high")}
+    rms["value"] = pytest.approx(expected["error"]["rms"]["value"], rel=1e-6)
+    assert {key: answer["error"]["rms"][key] for key in rms} == rms
+    assert answer["verdict"] == expected["verdict"]
+    assert answer["probability"] == pytest.approx(expected["probability"], abs=5e-6)
+
+
+def test_command_and_python_give_the_same_numbers(tmp_path, capsys):
+    path = layouts.tdms(tmp_path)
+    assert cli.run(["assess", str(path), "--f", "1.0", "--xi", "0.02", "--json", "-"]) == 0
+    content = json.loads(capsys.readouterr().out)
+    answer = json.loads(json.dumps(judged(path), default=str))
+    for name in ("verdict", "A", "d_ms", "probability", "error"):
+        assert content[name] == answer[name]

@@ -1,16 +1,25 @@
-"""The next test of a rig is predicted from its tests, for unknown and known motions."""
+"""Predictions of a rig's next test."""
 
 import json
+import math
 
 import numpy as np
+import pandas as pd
 import pytest
+import scipy
+from reliab_studies.laboratory.laboratory import Rig, Sensors, run_laboratory
 from rig_rows import keep, rig_table, rig_test
 
 from reliab.app.cli import run
 from reliab.core.errors import InputError
+from reliab.core.shipped import shipped
+from reliab.motions.synthetic.suite import synthetic_suite
 from reliab.rig.memory import NextTest
 from reliab.rig.prediction import predict_next, predict_under_motion
+from reliab.rig.watching import OddTests, odd_density, ordinary_tests
 from reliab.simulation.excitation import Excitation
+from reliab.simulation.frames.frame_file import read_structure
+from reliab.simulation.transfer_systems.transfer_function import TransferFunction
 from reliab.structures.structure import Structure
 from reliab.tracking.boundary.first_order import first_order_ellipse
 
@@ -125,3 +134,87 @@ def test_the_command_predicts(tmp_path, capsys):
     assert run(["rig", "predict", str(tmp_path), "--f", "1", "--suite", "real_suite"]) == 0
     assert "robability" in capsys.readouterr().out
     assert run(["rig", "predict", str(tmp_path)]) == 2
+
+
+def test_the_density_of_odd_tests_is_a_student_distribution():
+    assert odd_density(7.0) == pytest.approx(scipy.stats.t.pdf(7.0, 2, scale=5.0))
+
+
+def test_the_share_of_odd_tests_is_learned():
+    rng = np.random.default_rng(1)
+    found = OddTests()
+    for score in rng.normal(size=270) + np.where(np.arange(270) % 10, 0.0, 30.0):
+        found.learn(found.ordinary(float(score)))
+    assert found.share == pytest.approx(0.1, abs=0.03)
+
+
+def test_what_a_test_says_for_a_step_is_a_ratio_of_densities():
+    """Without odd tests that of two normal distributions; one far off says less where they are common."""
+    none = OddTests(odd=0.0, tests=1e9)
+    assert none.evidence(1.0, 1.4) == pytest.approx(1.4 * 1.0 - 0.98 + math.log(0.9), abs=0.05)
+    assert none.evidence(1.0, 1.4) == none.evidence(-1.0, -1.4)
+    rare, common = OddTests(odd=0.0, tests=200.0), OddTests(odd=20.0, tests=200.0)
+    assert rare.evidence(9.0, 1.4) > 2.0
+    assert 0.0 < common.evidence(9.0, 1.4) < 1.3
+    assert abs(common.evidence(-9.0, 1.4)) < 0.01
+
+
+def test_level_effects_and_spread_are_those_of_ordinary_tests():
+    rng = np.random.default_rng(2)
+    rows = np.column_stack([np.ones(64), np.arange(64) % 2])
+    values = rows @ [3.0, 5.0] + 0.1 * rng.normal(size=64)
+    values[[5, 20, 33, 50, 61]] += [9.0, -7.0, 30.0, 4.0, -12.0]
+    found = ordinary_tests(values, rows, np.diag([1e8, 1e4]))
+    assert found.effects == pytest.approx([3.0, 5.0], abs=0.06)
+    assert found.spread == pytest.approx(0.1, rel=0.25)
+    assert np.flatnonzero(found.ordinary < 0.1).tolist() == [5, 20, 33, 50, 61]
+
+
+RATE, THINNED = 4096.0, 16
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def frame_and_tests(tmp_path_factory):
+    """A frame whose interface counts, and three simulated tests that are ever later."""
+    folder = tmp_path_factory.mktemp("frames")
+    frame = folder / "frame.toml"
+    frame.write_bytes(shipped("datasets", "frames/three_storeys.toml").read_bytes())
+    partition, files = read_structure(frame).partition, []
+    for place, motion in enumerate(synthetic_suite(count=3)):
+        servo = TransferFunction(numerator=(1.0,), denominator=(2e-6, 2e-3, 1.0), delay=0.002 + 3e-4 * place)
+        ground = motion.acceleration[: int(20.0 / motion.time_step)]
+        rig = Rig(transfer_system=servo, sensors=Sensors(displacement_noise=2e-6))
+        found = run_laboratory(partition, rig, ground, motion.time_step, rate=RATE, seed=place)
+        table = {"command_m": found.command[::THINNED], "measured_m": found.measured[::THINNED]}
+        time = np.arange(table["command_m"].size) * THINNED / RATE
+        files.append(folder / f"test_{place}.csv")
+        pd.DataFrame({"time_s": time, **table}).to_csv(files[-1], index=False)
+    return frame, files
+
+
+def test_a_rig_of_frames_is_kept_and_predicted(frame_and_tests, tmp_path, capsys):
+    frame, files = frame_and_tests
+    rig = str(tmp_path / "rig")
+    assert run(["rig", "add", rig, *map(str, files), "--structure", str(frame)]) == 0
+    assert run(["rig", "list", rig]) == 0
+    assert run(["rig", "show", rig, "test_1.csv"]) == 0
+    assert run(["rig", "report", rig, "--out", str(tmp_path / "rig.pdf")]) == 0
+    capsys.readouterr()
+    assert run(["rig", "predict", rig, "--structure", str(frame), "--json", "-"]) == 0
+    delay = json.loads(capsys.readouterr().out)["d_ms"]
+    assert delay["median"] == pytest.approx(4.3, abs=0.2)  # 2 ms of the lag, 2.3 ms of the delay
+    assert run(["rig", "plan", rig, "--f", "1"]) == 2
+    assert "plans are for single-degree-of-freedom structures" in " ".join(capsys.readouterr().err.split())
+
+
+def test_a_test_of_several_actuators_is_refused_in_a_sentence(tmp_path, capsys):
+    rng = np.random.default_rng(0)
+    time = np.arange(0.0, 8.0, 1.0 / 256.0)
+    moved = np.cumsum(rng.normal(size=(2, time.size)), axis=1) * 1e-5
+    columns = {f"{kind}_{place + 1}": moved[place] for place in range(2) for kind in ("command", "measured")}
+    file = tmp_path / "test.csv"
+    pd.DataFrame({"time_s": time, **columns}).to_csv(file, index=False)
+    frame = shipped("datasets", "frames/two_actuators.toml")
+    assert run(["rig", "add", str(tmp_path / "rig"), str(file), "--structure", str(frame)]) == 2
+    assert "A rig keeps tests of one actuator" in " ".join(capsys.readouterr().err.split())

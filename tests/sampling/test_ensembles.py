@@ -1,18 +1,21 @@
-"""Runs can be resumed, are reproducible, and say when they are not to be relied on."""
+"""Sampling by ensembles, and its kept chains."""
 
 import errno
 import os
 from types import SimpleNamespace
+from unittest.mock import patch
 
+import h5py
 import numpy as np
 import pytest
+import xarray as xr
 from emcee.backends import HDFBackend
 from normal_values import NormalValues
 
 from reliab.core.errors import IncompleteError, InputError
 from reliab.sampling import ensembles
 from reliab.sampling.ensembles import Ensembles, sample, width_of
-from reliab.sampling.posterior_sample import ConvergenceWarning
+from reliab.sampling.posterior_sample import ConvergenceWarning, PosteriorSample, diagnose
 
 MODEL = NormalValues(values=np.random.default_rng(1).normal(size=30))
 QUICK = Ensembles(steps=40, thin=2, walkers=8)
@@ -199,3 +202,55 @@ def test_a_long_run_converges_and_reports_its_figures():
 def test_steps_must_fit_the_thinning(steps, thin):
     with pytest.raises(InputError, match="multiple of twice the thinning"):
         Ensembles(steps=steps, thin=thin)
+
+
+DRAWS = np.random.default_rng(5).standard_normal((2, 7, 3, 2))  # ensembles, draws, walkers, parameters
+SAMPLE = PosteriorSample(names=("a", "b"), draws=DRAWS, thin=1, accepted=0.3)
+
+
+def test_the_group_of_draws_has_one_chain_for_each_ensemble(tmp_path):
+    SAMPLE.write_netcdf(tmp_path / "draws.nc")
+    with xr.open_dataset(tmp_path / "draws.nc", group="posterior", engine="h5netcdf") as posterior:
+        assert posterior.sizes == {"chain": 2, "draw": 21}
+        for name in ("chain", "draw"):
+            assert posterior[name].values.tolist() == list(range(posterior.sizes[name]))
+        for k, name in enumerate(SAMPLE.names):
+            assert posterior[name].dims == ("chain", "draw")
+            assert posterior[name].values.tolist() == DRAWS[..., k].transpose(0, 2, 1).reshape(2, -1).tolist()
+
+
+def test_the_tree_is_what_the_file_holds(tmp_path):
+    SAMPLE.write_netcdf(tmp_path / "draws.nc")
+    with xr.open_dataset(tmp_path / "draws.nc", group="posterior", engine="h5netcdf") as posterior:
+        assert posterior.load().equals(SAMPLE.to_datatree()["posterior"].to_dataset())
+
+
+def test_the_same_draws_make_the_same_file(tmp_path):
+    for name in ("one.nc", "two.nc"):
+        SAMPLE.write_netcdf(tmp_path / name)
+    assert (tmp_path / "one.nc").read_bytes() == (tmp_path / "two.nc").read_bytes()
+
+
+def test_hdf5_writes_no_file_itself(tmp_path):
+    """It would lose the error of a full disk when it closes the file."""
+    opened = []
+    opening = h5py.File.__init__
+
+    def watched(self, name, mode="r", *rest, **more):
+        opened.append((name, mode))
+        opening(self, name, mode, *rest, **more)
+
+    with patch.object(h5py.File, "__init__", watched):
+        SAMPLE.write_netcdf(tmp_path / "draws.nc")
+    assert opened
+    assert not any(isinstance(name, str) and mode != "r" for name, mode in opened)
+
+
+def test_r_hat_and_effective_sizes_are_those_of_arviz():
+    """Of `arviz.rhat` and `arviz.ess` of ArviZ 0.23.4 for chains that drift and mix slowly."""
+    steps = np.random.default_rng(7).normal(size=(4, 60, 12, 2)).cumsum(axis=1)
+    draws = 0.2 * steps + np.random.default_rng(8).normal(size=steps.shape)
+    found = diagnose(draws, ("first", "second"), 1)
+    assert found.r_hat == pytest.approx([1.0494420699778853, 1.074017193162151], rel=1e-9)
+    assert found.bulk_size == pytest.approx([127.68912472561152, 111.69269751338625], rel=1e-9)
+    assert found.tail_size == pytest.approx([312.4976634048946, 175.2148084866827], rel=1e-9)

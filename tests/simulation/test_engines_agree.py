@@ -1,4 +1,4 @@
-"""The three engines solve one loop: each is the others' oracle."""
+"""All engines against each other, in whole records and windows."""
 
 from dataclasses import replace
 
@@ -13,7 +13,7 @@ from reliab.motions.motion import Motion, resample
 from reliab.motions.suite import MotionSuite
 from reliab.simulation.engine import Engine, Loop
 from reliab.simulation.excitation import Excitation
-from reliab.simulation.linear_loop import delay_stepper
+from reliab.simulation.linear_loop import delay_stepper, pole_recursion
 from reliab.simulation.linear_loop.cells import Cells
 from reliab.structures.stability import critical_delay
 from reliab.structures.structure import Structure
@@ -199,3 +199,45 @@ def test_ellipses_of_highly_damped_structures_are_numbers(damping_ratio):
     for name in ("a", "b"):
         assert (traced[name].to_numpy() > 0.0).all()
         assert np.isfinite(traced[name].to_numpy()).all()
+
+
+TIME = np.arange(0.0, 12.0, 0.01)
+END_IN_STRONG_MOTION = np.random.default_rng(1).standard_normal(TIME.size) * TIME
+STRUCTURE = Structure(frequency=1.0, damping_ratio=0.05)
+
+
+def by_poles(blocks, late):
+    k = late.coefficients[:, 0]
+    slow, fast = np.zeros((2, blocks.left.size + 1))
+    for y, c in ((slow, k[:6]), (fast, k[6:])):
+        for i in range(blocks.left.size):
+            y[i + 1] = c[0] * y[i] + c[2] * blocks.left[i] + c[3] * blocks.right[i]
+            if i:
+                y[i + 1] += c[1] * y[i - 1] + c[4] * blocks.left[i - 1] + c[5] * blocks.right[i - 1]
+    return slow + fast
+
+
+@pytest.mark.parametrize("window", [(0.0, 0.31), (2.0, 2.08), (2.0, 2.9), (6.11, 9.503), (1.0, -1.0)])
+@pytest.mark.parametrize("kernel", ["shared drives", "poles", "short delay", "delay"])
+def test_mean_square_and_peak_are_those_of_the_history(kernel, window):
+    excitation = Excitation(acceleration=END_IN_STRONG_MOTION, time_step=0.01, window=window)
+    loop = Loop(excitation=excitation, structure=STRUCTURE)
+    blocks, gain = loop.blocks, np.array([1.03])
+    delay = np.array([{"short delay": 0.6, "delay": 2.3}.get(kernel, 0.1) * blocks.step])
+    cells = loop.cells(gain=gain, delay=delay)
+    if "delay" in kernel:
+        found = delay_stepper.deviation(blocks, STRUCTURE, gain, delay)
+        measured = delay_stepper.response(blocks, STRUCTURE, gain[0], delay[0])[1]
+    else:
+        (late,) = cells.recursions(blocks.step)
+        alone = kernel == "poles"
+        found = pole_recursion.deviation(blocks, late.coefficients) if alone else loop.deviation(cells)
+        measured = by_poles(blocks, late)
+    inside = (measured - blocks.ideal)[blocks.before :]
+    inside[-1] = inside[-2] + blocks.end * (inside[-1] - inside[-2])
+    peak = np.abs(inside).max()
+    assert (
+        peak * (1.0 - 1e-5) <= found.peak[0] <= peak * 1.02
+    )  # a parabola through three samples rises above them
+    squares = np.trapezoid(inside[:-1] ** 2) + 0.5 * blocks.end * (inside[-2] ** 2 + inside[-1] ** 2)
+    assert found.mean_square[0] == pytest.approx(squares / blocks.intervals, rel=1e-5)

@@ -1,8 +1,10 @@
-"""A store survives being killed, damaged, shared and filled up."""
+"""Sweeps that are resumed, on threads, in any order."""
 
 import errno
 import itertools
+import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -14,13 +16,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import reliab
 from reliab.core.errors import IncompleteError, InputError
 from reliab.motions.loading import load_motions
 from reliab.sweep import store
 from reliab.sweep.grid import ScaledGrid
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.results import open_results
-from reliab.sweep.run import run_sweep
+from reliab.sweep.run import _in_tasks, _side_by_side, run_sweep
 
 REQUEST = SweepRequest(
     frequencies=(0.5, 1.0), damping_ratios=(0.02,), grid=ScaledGrid(gain_steps=5, delay_steps=6)
@@ -256,3 +259,45 @@ def test_number_of_threads_does_not_change_a_bit(tmp_path, suite, request_):
         for threads in (1, 2)
     )
     assert by_one.identical(by_two)
+
+
+SUITE = load_motions("synthetic")
+MISSING = [index for index in range(len(SUITE)) if index % 7 != 3]
+
+
+@pytest.mark.parametrize("threads", [1, 2, 8])
+def test_every_motion_is_solved_once(threads):
+    assert sorted(_side_by_side(MISSING, SUITE.events, threads)) == MISSING
+    assert [index for task in _in_tasks(MISSING, SUITE.events, threads) for index in task] == MISSING
+
+
+def test_threads_do_not_wait_for_a_recording_that_another_simulates():
+    ordered = _side_by_side(list(range(100)), SUITE.events, 2)
+    pairs = zip(ordered[::2], ordered[1::2], strict=True)
+    assert all(SUITE.events[one] != SUITE.events[other] for one, other in pairs)
+
+
+def test_tasks_of_workers_hold_whole_earthquakes_until_the_last_ones():
+    tasks = list(_in_tasks(list(range(100)), SUITE.events, 2))
+    sizes = [len(task) for task in tasks]
+    assert sizes == sorted(sizes, reverse=True)
+    assert sizes[0] == 8
+    assert sizes[-1] == 1
+    assert all(len({SUITE.events[index] for index in task}) == len(task) / 2 for task in tasks[:-8])
+
+
+def test_an_earthquake_of_many_motions_is_shared_by_all_workers():
+    assert [len(task) for task in _in_tasks(list(range(40)), ["same"] * 40, 2)][:5] == [8, 8, 6, 4, 3]
+
+
+def test_variables_stand_in_the_same_order_however_the_store_lists_them(tmp_path):
+    reliab.simulate(load_motions("synthetic")[:2], out=tmp_path / "one.zarr")
+    described = json.loads((tmp_path / "one.zarr/zarr.json").read_text(encoding="utf-8"))
+    assert described["node_type"] == "group"
+    (tmp_path / "two.zarr").mkdir()
+    for place in sorted((tmp_path / "one.zarr").iterdir(), reverse=True):
+        copied = tmp_path / "two.zarr" / place.name
+        shutil.copytree(place, copied) if place.is_dir() else shutil.copy(place, copied)
+    one, two = (open_results(tmp_path / f"{name}.zarr") for name in ("one", "two"))
+    assert list(one.variables) == list(two.variables) == sorted(one.variables)
+    assert one.load().identical(two.load())

@@ -1,19 +1,22 @@
-"""A store as people open it who use xarray and know nothing of this package."""
+"""The store as xarray opens it, chunk by chunk."""
 
 import json
 import os
 import shutil
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
+import zarr
 
 from reliab.core.errors import IncompleteError, InputError
 from reliab.sweep import store as stores
 from reliab.sweep.grid import ExplicitGrid
 from reliab.sweep.results import open_results
 from reliab.sweep.run import run_sweep
+from reliab.sweep.store_layout import ChunkNames, codecs, encoded, write_chunk
 
 
 @pytest.fixture
@@ -194,3 +197,27 @@ def test_description_of_endless_chunks_is_refused_at_once(own_store):
     description.write_text(json.dumps(content))
     with pytest.raises(InputError):
         open_results(own_store)
+
+
+@pytest.mark.parametrize("dtype", ["float32", "bool"])
+@pytest.mark.parametrize("separator", ["/", "."])  # stores of older versions have folders
+def test_bytes_are_those_of_zarr(tmp_path, dtype, separator):
+    shape = 2, 1, 41, 21
+    drawn = np.random.default_rng(1).normal(size=shape)
+    drawn.flat[0] = np.inf
+    values = drawn > 0.0 if dtype == "bool" else drawn.astype(dtype)
+    group = zarr.create_group(tmp_path / "store", zarr_format=3)
+    array = group.create_array(
+        "values",
+        shape=(2, *shape),
+        chunks=(1, *shape),
+        dtype=dtype,
+        compressors=codecs(),
+        chunk_key_encoding={"name": "default", "separator": separator},
+    )
+    array[0] = values
+    (first,) = (file for file in (tmp_path / "store" / "values").rglob("*0") if file.is_file())
+    assert first.read_bytes() == encoded(values)
+    within = ChunkNames.of_array(Path("values"), array).of_motion(1)
+    write_chunk(tmp_path / "store", within, encoded(values))
+    np.testing.assert_array_equal(array[1], values)

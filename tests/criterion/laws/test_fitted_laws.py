@@ -1,4 +1,4 @@
-"""What must hold for every law that is fitted to limits."""
+"""Fitted laws, over any grid."""
 
 import json
 
@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from reliab.core.errors import InputError
+from reliab.criterion.laws.law import checked_grid
 from reliab.criterion.laws.registry import FITTED, law_from_dict, law_to_dict
 from reliab.criterion.laws.table import Table
 from reliab.criterion.scaling import scales
@@ -96,3 +97,16 @@ def test_a_law_with_logarithms_refuses_a_limit_of_zero(law, place):
         InputError, match="positive limits at every structure; found limits of zero at 1 structures"
     ):
         law.fit(F, XI, *limits)
+
+
+@pytest.mark.parametrize(
+    "wrong", [[0.0, 1.0], [-1.0, 1.0], [1.0, 1.0], [2.0, 1.0], [1.0, np.inf], [np.nan], [], [[1.0, 2.0]]]
+)
+def test_other_grids_are_refused(wrong):
+    with pytest.raises(InputError, match=r"positive, finite, at most 1e\+30, and increasing"):
+        checked_grid("frequencies", wrong)
+
+
+@pytest.mark.parametrize("grid", [[0.25], [0.25, 0.5, 2.0]])
+def test_a_grid_is_kept(grid):
+    assert checked_grid("frequencies", grid).tolist() == grid

@@ -1,4 +1,4 @@
-"""What must hold for every meaning of confidence."""
+"""Every method of the registry."""
 
 from itertools import pairwise
 
@@ -6,8 +6,12 @@ import numpy as np
 import pytest
 
 from reliab.core.errors import InputError
-from reliab.criterion.methods.bound import BoundMethod
+from reliab.criterion.methods.bound import BoundMethod, Scatter
+from reliab.criterion.methods.dirichlet import Dirichlet
+from reliab.criterion.methods.order_statistic import OrderStatistic
+from reliab.criterion.methods.quantile import Quantile
 from reliab.criterion.methods.registry import METHODS, method_of
+from reliab.criterion.motion_predictive import MotionPredictive
 
 BOUND_METHODS = [name for name, method in METHODS.items() if issubclass(method, BoundMethod)]
 
@@ -79,3 +83,70 @@ def test_settings_go_to_the_methods_that_have_them():
         method_of("predictive", assurance=0.5)
     assert method_of("predictive", assurance=None) == method_of("predictive")
     assert method_of("tolerance", assurance=0.5) != method_of("tolerance")
+
+
+SHAPES = {
+    "normal": lambda rng, size: rng.normal(size=size),
+    "long above": lambda rng, size: (rng.gamma(2.0, size=size) - 2.0) / np.sqrt(2.0),
+    "long below": lambda rng, size: (4.0 - rng.gamma(4.0, size=size)) / 2.0,
+    "heavy": lambda rng, size: rng.standard_t(5, size=size) / np.sqrt(5.0 / 3.0),
+}
+BETWEEN = 0.3  # share of the variance between earthquakes
+MIX = np.array([[1.0, 0.8], [0.0, 0.6]])  # of independent values to ln a and ln b
+
+
+def exceedance(shape, earthquakes, motions, confidence, suites):
+    """Share of further motions that do not contain joint limits, over the stated one, on average."""
+    rng = np.random.default_rng(earthquakes)
+
+    def drawn(*size):
+        return SHAPES[shape](rng, (*size, 2))
+
+    suite = np.sqrt(BETWEEN) * drawn(earthquakes, 1, suites) + np.sqrt(1.0 - BETWEEN) * drawn(
+        earthquakes, motions, suites
+    )
+    further = (np.sqrt(BETWEEN) * drawn(20_000) + np.sqrt(1.0 - BETWEEN) * drawn(20_000)) @ MIX
+    logarithms = (suite @ MIX).reshape(earthquakes * motions, suites, 2)
+    scatter = Scatter.from_logarithms(logarithms)
+    events = np.repeat(np.arange(earthquakes), motions).astype(np.str_)
+    learned = MotionPredictive.fit(scatter.worse(logarithms), events)
+    limits = scatter.at(learned.quantile(1.0 - confidence))
+    kept = np.mean([(further >= limit).all(axis=1).mean() for limit in limits])
+    return (1.0 - kept) / (1.0 - confidence)
+
+
+@pytest.mark.parametrize("earthquakes", [4, 10, 19])
+def test_what_the_earthquakes_carry_by_themselves_holds_to_a_fifth(earthquakes):
+    confidence = earthquakes / (earthquakes + 1.0)
+    assert exceedance("normal", earthquakes, 3, confidence, suites=200) < 1.25
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("motions", [1, 3])
+@pytest.mark.parametrize("earthquakes", [4, 6, 10, 19])
+def test_where_the_fitted_shape_carries_it_is_within_a_factor(earthquakes, motions, shape):
+    """Beyond it the ratio grows without bound; that is where limits become zero."""
+    carried = Dirichlet().carried_confidence(earthquakes * motions, earthquakes)
+    assert exceedance(shape, earthquakes, motions, carried, suites=400) < 2.6
+    by_themselves = exceedance(shape, earthquakes, motions, earthquakes / (earthquakes + 1.0), suites=400)
+    assert by_themselves < (1.3 if motions > 1 else 1.6)
+
+
+def test_few_earthquakes_carry_little_and_one_nothing():
+    carried = [Dirichlet().carried_confidence(5 * count, count) for count in (1, 2, 3, 8, 19, 50)]
+    assert carried[0] == 0.0
+    assert np.all(np.diff(carried) > 0.0)
+    assert carried[3] > 0.95 > carried[2]
+    # 59 motions are the fewest for 95 % with an assurance of 95 % (Wilks 1941).
+    assert OrderStatistic().carried_confidence(58, 58) < 0.95 < OrderStatistic().carried_confidence(59, 59)
+
+
+def test_the_plug_in_quantile_states_what_it_keeps():
+    """m − z·s of n lognormal motions, against 400,000 simulated suites."""
+    rng = np.random.default_rng(1)
+    values = rng.normal(size=(400_000, 8))
+    bound = values.mean(axis=1) - 1.6448536 * values.std(axis=1)
+    kept = (rng.normal(size=400_000) >= bound).mean()
+    assert Quantile().mean_share(0.95, 8) == pytest.approx(kept, abs=0.002)
+    assert kept < 0.92

@@ -1,4 +1,4 @@
-"""The suite: names, order, reproducibility, and independence of what else is asked for."""
+"""The suite: names, order, errors of events and random streams that never change."""
 
 import hashlib
 import pickle
@@ -6,12 +6,16 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
+from scipy import stats
 
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import STANDARD_GRAVITY
 from reliab.motions.intensity import measure
 from reliab.motions.suite import MotionSuite
-from reliab.motions.synthetic.suite import synthetic_entries, synthetic_suite
+from reliab.motions.synthetic.dabaghi_der_kiureghian_2018 import NO_PULSE, PULSE, Regression
+from reliab.motions.synthetic.random_stream import RandomStream
+from reliab.motions.synthetic.suite import EVENT_SHARE, EventErrors, synthetic_entries, synthetic_suite
 
 CHECKSUM = "5d541ae9b2ac9b59"
 """Beginning of the SHA-256 of the checksums of all motions; it belongs to the product's definition."""
@@ -98,3 +102,93 @@ def test_recording_tells_what_the_motion_was_made_of() -> None:
 def test_bad_arguments_are_refused(arguments: dict[str, int], quantity: str) -> None:
     with pytest.raises(InputError, match=quantity):
         synthetic_suite(**arguments)
+
+
+_BOTH = pytest.mark.parametrize("regression", [NO_PULSE, PULSE], ids=["no pulse", "pulse"])
+_EVENTS = 2000
+
+
+def _keep(error: NDArray[np.float64]) -> NDArray[np.float64]:
+    return error
+
+
+def _standard_errors(regression: Regression, stations: int) -> NDArray[np.float64]:
+    """Errors over their standard deviations, shape (events, stations, p)."""
+    drawn = []
+    for event in range(_EVENTS):
+        errors = EventErrors(regression, RandomStream(1, event, 0))
+        drawn.append([errors.draw(RandomStream(1, event, 1 + i), _keep) for i in range(stations)])
+    return np.array(drawn) / regression.deviations
+
+
+@pytest.mark.default_cases(1)
+@_BOTH
+def test_first_station_has_the_published_distribution(regression: Regression) -> None:
+    """Against draws by NumPy, cut in the same way."""
+    ours = _standard_errors(regression, 1)[:, 0]
+    theirs = np.random.default_rng(7).multivariate_normal(
+        np.zeros(len(regression.names)), regression.correlation, size=20000
+    )
+    theirs = theirs[np.abs(theirs).max(axis=1) <= 2.0]
+    assert np.abs(ours).max() <= 2.0
+    assert np.corrcoef(ours.T) == pytest.approx(np.corrcoef(theirs.T), abs=0.12)
+    levels = [stats.ks_2samp(*pair).pvalue for pair in zip(ours.T, theirs.T, strict=True)]
+    assert min(levels) > 0.01 / len(levels)
+
+
+@pytest.mark.default_cases(1)
+@_BOTH
+def test_stations_of_an_earthquake_share_a_part_of_the_variance(regression: Regression) -> None:
+    """The cut at two standard deviations takes a fifth of the share away."""
+    first, second, third = _standard_errors(regression, 3).transpose(1, 2, 0)
+    for one, other in [(first, second), (second, third), (first, third)]:
+        correlations = [np.corrcoef(*pair)[0, 1] for pair in zip(one, other, strict=True)]
+        assert np.mean(correlations) == pytest.approx(0.8 * EVENT_SHARE, abs=0.04)
+
+
+def test_earthquakes_share_nothing() -> None:
+    first = _standard_errors(NO_PULSE, 1)[:, 0, 0]
+    assert abs(np.corrcoef(first[:-1], first[1:])[0, 1]) < 0.1
+
+
+def test_later_stations_leave_the_first_alone() -> None:
+    alone = EventErrors(PULSE, RandomStream(1, 0))
+    crowded = EventErrors(PULSE, RandomStream(1, 0))
+    first = crowded.draw(RandomStream(1, 1), _keep)
+    crowded.draw(RandomStream(1, 2), _keep)
+    assert np.array_equal(alone.draw(RandomStream(1, 1), _keep), first)
+
+
+def test_errors_without_a_motion_are_drawn_again() -> None:
+    seen = []
+
+    def attempt(error: NDArray[np.float64]) -> str | None:
+        seen.append(error)
+        return "a motion" if len(seen) == 3 else None
+
+    errors = EventErrors(NO_PULSE, RandomStream(1, 0))
+    assert errors.draw(RandomStream(1, 1), attempt) == "a motion"
+    assert len(seen) == 3
+
+
+def test_numbers_are_uniform_and_normal() -> None:
+    assert stats.kstest(RandomStream(1, 2).uniforms(20_000), "uniform").pvalue > 0.01
+    assert stats.kstest(RandomStream(1, 3).normals(20_000), "norm").pvalue > 0.01
+
+
+def test_streams_of_different_keys_are_independent() -> None:
+    first, second, third = (RandomStream(1, *key).normals(20_000) for key in [(1,), (2,), (1, 0)])
+    assert abs(np.corrcoef(first, second)[0, 1]) < 0.03
+    assert abs(np.corrcoef(first, third)[0, 1]) < 0.03
+
+
+def test_stream_does_not_depend_on_how_it_is_read() -> None:
+    piecewise = RandomStream(5)
+    parts = [piecewise.uniforms(3), piecewise.uniforms(1), [piecewise.uniform()]]
+    assert np.array_equal(np.concatenate(parts), RandomStream(5).uniforms(5))
+
+
+def test_bits_are_those_of_the_algorithm() -> None:
+    """NumPy makes a uniform number of the same 53 bits, without the half step that keeps ours off zero."""
+    generator = np.random.Generator(np.random.PCG64(np.random.SeedSequence(2017, spawn_key=(1,))))
+    assert np.array_equal(RandomStream(2017, 1).uniforms(9), generator.random(9) + 2.0**-54)

@@ -1,19 +1,22 @@
-"""Contours of equal error and the curves fitted to them."""
+"""Contours of equal error, traced or read from a surface."""
 
 import csv
+from itertools import pairwise
 
 import numpy as np
 import pytest
+import scipy
 
 from reliab.core.errors import InputError
-from reliab.core.vocabulary import Metric
+from reliab.core.vocabulary import Metric, Side
 from reliab.motions.loading import load_motions
-from reliab.simulation.engine import Loop
+from reliab.simulation.engine import Engine, Loop
 from reliab.simulation.excitation import Excitation
+from reliab.structures.stability import longest_lead
 from reliab.structures.structure import Structure
-from reliab.tracking.boundary.contour import Contour, trace_contours
+from reliab.tracking.boundary.contour import Contour, ErrorSurfaces, furthest_lead, stretched, trace_contours
 from reliab.tracking.boundary.curves import Cosine, Ellipse, InscribedEllipse, Parabola
-from reliab.tracking.boundary.suite_boundary import motion_contours
+from reliab.tracking.boundary.suite_boundary import motion_contours, suite_contours
 from reliab.tracking.indices.response_error import relative_error
 
 STRUCTURE = Structure(frequency=1.0, damping_ratio=0.1)
@@ -169,3 +172,305 @@ def test_table_2_from_the_records(real_motions_folder, shared_folder):
         near_print += max(abs(ratio - 1.0) for ratio in ratios) < 0.10
     assert near_prototype >= 95
     assert near_print >= 74
+
+
+GAIN = np.exp(np.array([-0.2, -0.1, -0.03, 0.0, 0.02, 0.06, 0.12]))
+DELAY = np.array([-0.01, -0.004, 0.0, 0.002, 0.006, 0.015, 0.03])
+FLOOR = 3e-4
+
+
+def coordinates(gain, delay):
+    """Linear at the perfect actuator, logarithmic around it, linear further out; written out anew."""
+    x, y = np.log(gain), delay
+    return np.arcsinh(x / 0.03) + x / (0.2 * 0.2), np.arcsinh(y / 0.002) + y / (0.1 * 0.03)
+
+
+def cubic(gain, delay):
+    """An error whose logarithm is a polynomial of third degree, which a bicubic spline gives back exactly."""
+    x, y = coordinates(gain, delay)
+    logarithm = (
+        -6.0 + 0.3 * x - 0.2 * y + 0.05 * x * y + 0.02 * x**2 - 0.01 * y**2 - 1e-3 * x**3 + 2e-4 * y**3
+    )
+    return np.sqrt(np.exp(logarithm) - FLOOR**2)
+
+
+def surfaces():
+    gain, delay = np.meshgrid(GAIN, DELAY, indexing="ij")
+    return ErrorSurfaces(GAIN, DELAY, np.stack([cubic(gain, delay), 2.0 * cubic(gain, delay)]))
+
+
+def test_a_cubic_surface_comes_back_between_the_cells():
+    rng = np.random.default_rng(1)
+    gain, delay = np.exp(rng.uniform(-0.2, 0.12, 500)), rng.uniform(-0.01, 0.03, 500)
+    error = surfaces().error(gain, delay, np.zeros(500, dtype=np.int64))
+    assert error == pytest.approx(cubic(gain, delay), rel=1e-9)
+
+
+def test_a_rough_surface_is_the_cubic_spline_along_both_axes_in_every_cell():
+    rng = np.random.default_rng(3)
+    rough = 10.0 ** rng.uniform(-2.0, 0.0, (GAIN.size, DELAY.size))
+    gain, delay = np.exp(rng.uniform(-0.2, 0.12, 300)), rng.uniform(-0.01, 0.03, 300)
+    x, y = coordinates(GAIN, DELAY)
+    surface = ErrorSurfaces(GAIN, DELAY, rough[np.newaxis])
+    along_gain = scipy.interpolate.CubicSpline(x, np.log(rough**2 + FLOOR**2), axis=0)
+    for g, d in zip(gain, delay, strict=True):
+        at = coordinates(g, d)
+        logarithm = scipy.interpolate.CubicSpline(y, along_gain(at[0]))(at[1])
+        expected = np.sqrt(max(np.exp(logarithm) - FLOOR**2, 0.0))
+        error = surface.error(np.array([g]), np.array([d]), np.zeros(1, dtype=np.int64))
+        assert error[0] == pytest.approx(expected, rel=1e-8, abs=1e-9)
+
+
+def test_the_larger_side_of_the_gains_sets_the_scale():
+    """Gains mirrored: the logarithm is then cubic in mirrored coordinates."""
+    gain, delay = np.meshgrid(1.0 / GAIN[::-1], DELAY, indexing="ij")
+    mirrored = ErrorSurfaces(1.0 / GAIN[::-1], DELAY, cubic(1.0 / gain, delay)[np.newaxis])
+    rng = np.random.default_rng(2)
+    gain, delay = np.exp(rng.uniform(-0.2, 0.12, 200)), rng.uniform(-0.01, 0.03, 200)
+    error = mirrored.error(1.0 / gain, delay, np.zeros(200, dtype=np.int64))
+    assert error == pytest.approx(cubic(gain, delay), rel=1e-9)
+
+
+def test_every_surface_passes_through_its_cells():
+    gain, delay = (grid.ravel() for grid in np.meshgrid(GAIN, DELAY, indexing="ij"))
+    for surface in (0, 1):
+        error = surfaces().error(gain, delay, np.full(gain.size, surface))
+        assert error == pytest.approx((1 + surface) * cubic(gain, delay), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("gain", "delay", "inside"),
+    [
+        (GAIN[0], 0.0, True),
+        (GAIN[-1], 0.0, True),
+        (1.0, DELAY[0], True),
+        (1.0, DELAY[-1], True),
+        (0.999 * GAIN[0], 0.0, False),
+        (1.001 * GAIN[-1], 0.0, False),
+        (1.0, 1.001 * DELAY[0], False),
+        (1.0, 1.001 * DELAY[-1], False),
+    ],
+)
+def test_beyond_the_grid_nothing_is_said(gain, delay, inside):
+    error = surfaces().error(np.array([gain]), np.array([delay]), np.array([0]))
+    assert bool(np.isfinite(error[0])) == inside
+
+
+def test_errors_without_bound_and_without_value_count_as_a_thousand():
+    error = np.full((1, GAIN.size, DELAY.size), np.inf)
+    error[0, ::2] = np.nan
+    error[0, 1::3] = 1e9
+    found = ErrorSurfaces(GAIN, DELAY, error).error(GAIN, np.zeros(GAIN.size), np.zeros(GAIN.size, dtype=int))
+    assert found == pytest.approx(1e3)
+
+
+def test_the_perfect_actuator_has_no_error():
+    gain, delay = np.meshgrid(GAIN, DELAY, indexing="ij")
+    error = np.hypot(np.log(gain), delay / 0.1)[np.newaxis]
+    found = ErrorSurfaces(GAIN, DELAY, error).error(np.ones(1), np.zeros(1), np.zeros(1, dtype=np.int64))
+    assert found == pytest.approx(0.0, abs=1e-6)
+
+
+def test_the_coordinate_is_odd_and_linear_near_and_far():
+    assert stretched(np.array([-0.3]), 0.1, 2.0) == pytest.approx(-np.arcsinh(3.0) - 0.15)
+    assert stretched(np.array([1e-6]), 0.1, 2.0) == pytest.approx(1e-6 * (1 / 0.1 + 1 / 2.0))
+
+
+@pytest.fixture(scope="module")
+def loop():
+    rng = np.random.default_rng(7)
+    t = np.arange(0.0, 20.0, 0.01)
+    record = rng.standard_normal(t.size) * np.exp(-(((t - 8.0) / 4.0) ** 2))
+    return Loop(
+        excitation=Excitation(acceleration=record, time_step=0.01),
+        structure=Structure(frequency=1.0, damping_ratio=0.04),
+    )
+
+
+def both_sides(loop, threshold, metric=Metric.RMS):
+    return motion_contours(loop, (threshold,) * 2, metric, side=tuple(Side))
+
+
+def edge_errors(loop, ellipse, side, metric, shares=(1.0,)):
+    angle = np.linspace(0.0, np.pi, 61)
+    share = np.asarray(shares)[:, np.newaxis]
+    amplitude = 1.0 + share * np.sqrt(ellipse.a) * np.cos(angle)
+    delay = side.sign * share * 1e-3 * np.sqrt(ellipse.b) * np.sin(angle)
+    return relative_error(loop.deviation(loop.cells(gain=amplitude, delay=delay)), metric)
+
+
+def test_sides_meet_as_the_threshold_vanishes(loop):
+    """To first order an error does not know the sign of the delay."""
+    apart = []
+    for threshold in (0.02, 0.005, 0.00125, 0.0003):
+        lag, lead = (Ellipse.fit(each) for each in both_sides(loop, threshold))
+        apart.append(np.log([lead.b / lag.b, lead.a / lag.a]))
+    assert (apart[0] > 0.05).all()
+    for wide, narrow in pairwise(apart):
+        assert (np.abs(narrow) < 0.45 * np.abs(wide)).all()
+    assert np.abs(apart[-1]).max() < 0.01
+
+
+def test_points_of_both_sides_lie_on_the_threshold(loop):
+    for metric in Metric:
+        for side, contour in zip(Side, both_sides(loop, 0.05, metric), strict=True):
+            assert (np.sign(contour.delay) == side.sign).all()
+            cells = loop.cells(gain=contour.amplitude, delay=contour.delay)
+            np.testing.assert_allclose(relative_error(loop.deviation(cells), metric), 0.05, rtol=1e-4)
+
+
+@pytest.mark.default_cases(2)
+@pytest.mark.parametrize("metric", list(Metric))
+@pytest.mark.parametrize("threshold", [0.01, 0.05, 0.2])
+def test_error_inside_the_inscribed_ellipse_is_below_the_threshold(loop, metric, threshold):
+    for side, contour in zip(Side, both_sides(loop, threshold, metric), strict=True):
+        inside = InscribedEllipse.fit(contour)
+        tolerance = 2e-3 if metric is Metric.RMS else 1e-2
+        assert edge_errors(loop, inside, side, metric).max() <= threshold * (1.0 + tolerance)
+        assert edge_errors(loop, inside, side, metric, (0.3, 0.7, 0.95)).max() < threshold
+        # and it is not smaller than it must be
+        assert edge_errors(loop, inside, side, metric).max() >= 0.99 * threshold
+
+
+def test_fitted_ellipse_does_reach_outside(loop):
+    lag, _ = both_sides(loop, 0.2)
+    assert edge_errors(loop, Ellipse.fit(lag), Side.LAG, Metric.RMS).max() > 0.2 * 1.05
+
+
+def test_inscribed_ellipse_is_the_largest_of_all():
+    """Against a search over all shapes, on boundaries that no ellipse describes."""
+    rng = np.random.default_rng(3)
+    for _ in range(20):
+        below, above = rng.uniform(0.005, 0.02, 2)
+        offset = np.append(np.linspace(-below, 0.0, 20, endpoint=False), np.linspace(0.0, above, 21))
+        height = np.sqrt(np.maximum(1.0 - (offset / np.where(offset < 0.0, below, above)) ** 2, 0.0))
+        bent = height * (1.0 + 0.3 * rng.standard_normal() * offset / offset[-1])
+        delay = 1e-3 * np.maximum(bent + 0.02 * rng.standard_normal(41), 0.0) * rng.uniform(0.5, 3.0)
+        boundary = Contour(amplitude=1.0 + offset, delay=delay)
+        inside = InscribedEllipse.fit(boundary)
+        u, v = offset**2, (1e3 * delay) ** 2
+        assert (u / inside.a + v / inside.b >= 1.0 - 1e-9).all()
+        ratio = np.geomspace(1e-4, 1e4, 20_001) * v.max() / u.max()
+        b = np.min(v + ratio[:, np.newaxis] * u, axis=1)
+        largest = (b**2 / ratio)[b / ratio <= u[[0, -1]].min() * (1 + 1e-12)].max()
+        assert inside.a * inside.b >= largest * (1.0 - 1e-9)
+        assert inside.a <= u[[0, -1]].min() * (1 + 1e-12)
+
+
+def test_true_ellipse_is_inscribed_in_itself():
+    angle = np.linspace(0.0, np.pi, 41)
+    for side in Side:
+        circle = Contour(amplitude=1.0 + 0.01 * np.cos(angle), delay=side.sign * 0.002 * np.sin(angle))
+        found = InscribedEllipse.fit(circle)
+        assert (found.a, found.b) == (pytest.approx(1e-4), pytest.approx(4.0))
+
+
+def test_leads_are_searched_up_to_seven_decay_lengths_or_a_quarter_of_the_period():
+    light, heavy = (Structure(frequency=2.0, damping_ratio=xi) for xi in (0.05, 0.4))
+    assert furthest_lead(light, np.array(1.0)) == pytest.approx(7.0 * 0.05 / (4.0 * np.pi))
+    assert furthest_lead(heavy, np.array(1.0)) == pytest.approx(longest_lead(heavy, np.array(1.0)))
+    assert furthest_lead(heavy, np.array(1.0)) < 7.0 * 0.4 / (4.0 * np.pi)
+
+
+def test_open_side_says_where_it_was_left():
+    """No lead at all reaches the threshold near A = 1."""
+    furthest = float(furthest_lead(STRUCTURE, np.array(1.0)))
+
+    def error(amplitude, delay, _):
+        return 0.05 * np.hypot(
+            (amplitude - 1.0) / 0.01, np.where(delay < 0.0, 0.8 * delay / furthest, delay / 0.003)
+        )
+
+    lag, lead = trace_contours(error, np.array([0.05, 0.05]), STRUCTURE, side=tuple(Side))
+    assert lag.corners.shape == (2, 2)
+    left = lead.corners[1] < 0.0
+    assert left.any()
+    np.testing.assert_allclose(lead.corners[1][left], -furthest)
+    assert (np.abs(lead.corners[0][left] - 1.0) <= 0.006 + 1e-9).all()
+    inside = InscribedEllipse.fit(lead)
+    assert np.sqrt(inside.b) <= 1e3 * furthest * (1 + 1e-9)
+
+
+def test_leads_are_cut_where_they_are_no_longer_searched_at_every_amplitude():
+    """With much damping the longest lead of all depends on the amplitude."""
+    heavy = Structure(frequency=2.0, damping_ratio=0.4)
+
+    def error(amplitude, _delay, _owner):
+        return 0.05 * np.abs(amplitude - 1.0) / 0.01
+
+    (lead,) = trace_contours(error, np.array([0.05]), heavy, side=(Side.LEAD,))
+    amplitude, delay = lead.corners[:, lead.corners[1] < 0.0]
+    assert amplitude.size > 10
+    np.testing.assert_allclose(-delay, furthest_lead(heavy, amplitude))
+    assert np.ptp(delay) > 1e-3 * np.abs(delay).max()
+
+
+@pytest.mark.slow
+def test_tolerable_leads_of_the_real_records_are_longer_than_lags(real_motions_folder):
+    """At 5 %, 1.24 to 1.61 times in the median of each structure."""
+    motions = load_motions(real_motions_folder)[::5]
+    for f, xi, expected in ((0.25, 0.02, 1.24), (2.0, 0.1, 1.8), (1.0, 0.05, 1.55)):
+        structure, ratios = Structure(frequency=f, damping_ratio=xi), []
+        for motion in motions:
+            excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step)
+            found = both_sides(Loop(excitation=excitation, structure=structure), 0.05)
+            lag, lead = (float(np.interp(1.0, each.amplitude, np.abs(each.delay))) for each in found)
+            ratios.append(lead / lag)
+        assert np.median(ratios) == pytest.approx(expected, rel=0.12)
+        assert np.min(ratios) > 1.0
+
+
+LEVELS, SIDES = (0.05, 0.05, 0.15), (Side.LAG, Side.LEAD, Side.LAG)
+
+
+def loops_under(motions, structure, window=(0.0, -1.0), engine=Engine.AUTOMATIC):
+    return [
+        Loop(
+            excitation=Excitation(acceleration=m.acceleration, time_step=m.time_step, window=window),
+            structure=structure,
+            engine=engine,
+        )
+        for m in motions
+    ]
+
+
+def assert_same(loops, tolerance):
+    together = suite_contours(loops, LEVELS, SIDES)
+    for loop, contours in zip(loops, together, strict=True):
+        for alone, contour in zip(motion_contours(loop, LEVELS, side=SIDES), contours, strict=True):
+            np.testing.assert_allclose(contour.amplitude, alone.amplitude, rtol=tolerance)
+            np.testing.assert_allclose(
+                contour.delay,
+                alone.delay,
+                rtol=tolerance,
+                atol=tolerance * np.abs(alone.delay).max(initial=0.0),
+            )
+
+
+@pytest.mark.default_cases(1)
+@pytest.mark.parametrize(("frequency", "xi"), [(1.0, 0.02), (2.0, 0.05)])
+def test_contours_are_those_of_each_motion(frequency, xi):
+    motions = load_motions("synthetic")[:3]
+    assert_same(loops_under(motions, Structure(frequency=frequency, damping_ratio=xi)), 2e-4)
+
+
+def test_a_suite_may_hold_one_motion():
+    assert_same(
+        loops_under(load_motions("synthetic")[3:4], Structure(frequency=1.0, damping_ratio=0.05)), 2e-4
+    )
+
+
+@pytest.mark.slow
+def test_contours_of_short_windows_and_of_a_chosen_engine_are_those_of_each_motion():
+    motions = load_motions("synthetic")[:2]
+    structure = Structure(frequency=1.0, damping_ratio=0.03)
+    assert_same(loops_under(motions, structure, window=(4.0, 9.0)), 2e-4)
+    late = suite_contours(loops_under(motions, structure, engine=Engine.DELAY), LEVELS[:1], SIDES[:1])
+    assert all(contours[0].amplitude.size >= 11 for contours in late)
+
+
+@pytest.mark.slow
+def test_contours_are_those_of_each_real_motion(real_motions_folder):
+    motions = load_motions(real_motions_folder)
+    few = [motions[k] for k in range(0, len(motions), len(motions) // 4)]
+    assert_same(loops_under(few, Structure(frequency=1.0, damping_ratio=0.05)), 2e-4)
