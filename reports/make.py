@@ -31,7 +31,7 @@ from reliab.report.kinds.assessment.error import histories_figure
 from reliab.report.pdf import write_pdf
 from reliab.report.style import svg
 from reliab.study.folders import shipped_folders
-from reliab.sweep.ellipse_file import open_ellipses
+from reliab.sweep.ellipse_dataset import open_ellipses
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -9,7 +9,7 @@ from reliab.core.arrays import Array, Spectrum
 from reliab.core.errors import InputError
 from reliab.simulation.frames.exact_loop import ideal_response
 from reliab.simulation.transfer_systems.transfer_function import ActuatorMatrix, TransferFunction
-from reliab.structures.frames.frame import exact_step, follow_load
+from reliab.structures.frame import exact_step, follow_load
 from reliab.structures.partition import Partition
 from reliab.structures.specimen import Specimen
 

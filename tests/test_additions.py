@@ -29,7 +29,7 @@ ADDITIONS = {
         """
         from dataclasses import dataclass
         import numpy as np
-        from reliab.criterion.laws.log_linear import LogLinearLaw
+        from reliab.criterion.laws.law import LogLinearLaw
 
         @dataclass(frozen=True, kw_only=True)
         class Constant(LogLinearLaw):
@@ -50,7 +50,7 @@ ADDITIONS = {
         "Least",
         """
         from dataclasses import dataclass
-        from reliab.criterion.methods.bound import BoundMethod
+        from reliab.criterion.methods.method import BoundMethod
 
         @dataclass(frozen=True, kw_only=True)
         class Least(BoundMethod):

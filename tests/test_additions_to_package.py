@@ -42,7 +42,7 @@ FILES = {
 
             import numpy as np
 
-            from reliab.criterion.laws.log_linear import LogLinearLaw
+            from reliab.criterion.laws.law import LogLinearLaw
 
 
             @dataclass(frozen=True, kw_only=True)
@@ -63,7 +63,7 @@ FILES = {
         "criterion/methods/least.py": """
             from dataclasses import dataclass
 
-            from reliab.criterion.methods.bound import BoundMethod
+            from reliab.criterion.methods.method import BoundMethod
 
 
             @dataclass(frozen=True, kw_only=True)

@@ -12,7 +12,7 @@ from reliab.app.api.assessment import compare_assessments
 from reliab.assessment.default_criterion import default_criterion
 from reliab.core.shipped import shipped
 from reliab.recordings.reading import read_recording
-from reliab.sweep.ellipse_file import open_ellipses
+from reliab.sweep.ellipse_dataset import open_ellipses
 
 mpl.use("Agg")
 

@@ -18,7 +18,7 @@ import reliab
 from reliab.motions.loading import load_motions
 from reliab.motions.motion import Motion
 from reliab.sweep.cut_records import measure_cut_records
-from reliab.sweep.ellipse_file import write_ellipses
+from reliab.sweep.ellipse_dataset import write_ellipses
 from reliab.sweep.labels import outlines_of
 from reliab.sweep.netcdf import packed, write_netcdf
 from reliab.sweep.request import SweepRequest

@@ -17,8 +17,7 @@ from reliab.core.vocabulary import MILLI, Side
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.experimental_share import growth
 from reliab.criterion.scope import promised
-from reliab.structures.stability import critical_delay
-from reliab.structures.structure import Structure
+from reliab.structures.structure import Structure, critical_delay
 
 CONFIDENCES = (0.80, 0.90, 0.95, 0.99)
 """Shares of the population's ground motions for which tolerable errors are stated."""

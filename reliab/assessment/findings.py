@@ -22,8 +22,7 @@ from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import MILLI
 from reliab.criterion.criterion import Criterion
 from reliab.recordings.recording import Recording
-from reliab.structures.stability import critical_delay, stability_margin
-from reliab.structures.structure import Structure
+from reliab.structures.structure import Structure, critical_delay, stability_margin
 
 if TYPE_CHECKING:
     from reliab.assessment.own_motion import OwnPlacement

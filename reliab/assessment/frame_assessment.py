@@ -28,7 +28,7 @@ from reliab.recordings.recording import Recording
 from reliab.simulation.frames.frame_file import FrameUnderTest
 from reliab.structures.critical_delay import StabilityLimit
 from reliab.structures.structure import Structure
-from reliab.tracking.indices.tracking_over_frequency import TrackingOverFrequency
+from reliab.tracking.indices.frequency_evaluation import TrackingOverFrequency
 
 if TYPE_CHECKING:
     from reliab.assessment.coupled_error.ground_motion import ShownByGround

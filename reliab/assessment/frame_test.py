@@ -49,7 +49,7 @@ from reliab.simulation.frames.governing_mode import governing_mode
 from reliab.structures.critical_delay import StabilityLimit, stability_limit
 from reliab.structures.partition import Partition
 from reliab.structures.structure import Structure
-from reliab.tracking.indices.tracking_over_frequency import TrackingOverFrequency, tracking_over_frequency
+from reliab.tracking.indices.frequency_evaluation import TrackingOverFrequency, tracking_over_frequency
 
 _DRAWS_AS_STATED = 64
 _SAME_SHARE = 1e-3

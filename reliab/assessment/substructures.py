@@ -16,7 +16,7 @@ import scipy
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.core.arrays import Array
 from reliab.core.threads import one_thread
-from reliab.structures.frames.frame import exact_step
+from reliab.structures.frame import exact_step
 from reliab.structures.partition import Partition
 
 _NO_MASS = 1e-9  # of the largest mass

@@ -14,11 +14,10 @@ from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import CurveName, Metric, Side
 from reliab.criterion.carrying import protect_over_lengths
 from reliab.criterion.cautions import cautions_of, few_leads, not_lognormal
-from reliab.criterion.copies import without_copies
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.criterion_file import Provenance, kind_of_motions, records_checksum
 from reliab.criterion.ellipse_sample import EllipseSample, position, position_of_name
-from reliab.criterion.ellipse_table import Ellipses, EllipseTable, names_along, tabled
+from reliab.criterion.ellipse_table import Ellipses, EllipseTable, names_along, tabled, without_copies
 from reliab.criterion.laws.law import Law
 from reliab.criterion.laws.registry import FITTED, FittedLaw, known
 from reliab.criterion.laws.table import Table

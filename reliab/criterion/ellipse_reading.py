@@ -182,7 +182,7 @@ def read_ellipses(
     if isinstance(source, str | Path):
         source = or_shipped(Path(source), "datasets", "ellipses.nc")
         if source.suffix == ".nc":
-            from reliab.sweep.ellipse_file import open_ellipses
+            from reliab.sweep.ellipse_dataset import open_ellipses
 
             return open_ellipses(source)
         if source.is_dir():

@@ -17,10 +17,9 @@ from reliab.core.encodings import of_cell
 from reliab.core.text_tables import printed_number
 from reliab.motions.faults import Report
 from reliab.motions.motion import Motion
-from reliab.motions.readers.header import Header
 from reliab.motions.readers.reading import Declared, Reading, complete
 from reliab.motions.readers.registry import open_records
-from reliab.motions.readers.source import is_file, open_source
+from reliab.motions.readers.source import Header, is_file, open_source
 from reliab.motions.units import AccelerationUnit, find_unit
 
 

@@ -24,7 +24,7 @@ from reliab.core.errors import InputError
 from reliab.core.physical_range import require_physical
 from reliab.core.significant_digits import significant
 from reliab.effects.effect import Effect, Role
-from reliab.structures.frames.frame import (
+from reliab.structures.frame import (
     Frame,
     mass_orthonormal,
     massless,

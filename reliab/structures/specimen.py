@@ -8,7 +8,7 @@ import numpy as np
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.physical_range import require_physical
-from reliab.structures.frames.frame import Frame
+from reliab.structures.frame import Frame
 
 
 @dataclass(frozen=True, kw_only=True)

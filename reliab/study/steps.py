@@ -14,9 +14,9 @@ from reliab.core.errors import InputError
 from reliab.core.files import written_whole
 from reliab.core.progress import Show
 from reliab.core.vocabulary import Metric
-from reliab.criterion.copies import without_copies
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.derivation import Derivation
+from reliab.criterion.ellipse_table import without_copies
 from reliab.criterion.laws.registry import FITTED, OF_MANY_MOTIONS, known
 from reliab.criterion.methods.quantile import Quantile
 from reliab.criterion.methods.registry import method_of
@@ -26,7 +26,7 @@ from reliab.motions.suite import MotionSuite
 from reliab.study.description import CriterionStudy, CriterionTable, ErrorsTable, RecordsStudy, SimulatedStudy
 from reliab.study.stages import Stage, digest, read_result
 from reliab.sweep.cut_records import measure_cut_records
-from reliab.sweep.ellipse_file import open_ellipses, write_ellipses
+from reliab.sweep.ellipse_dataset import open_ellipses, write_ellipses
 from reliab.sweep.labels import outlines_of
 from reliab.sweep.netcdf import read_netcdf, write_netcdf
 from reliab.sweep.plain import sweep_request

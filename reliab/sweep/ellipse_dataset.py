@@ -1,20 +1,31 @@
-"""The labelled dataset of ellipses and other curves fitted to the boundaries of many ground motions.
+"""Ellipses as a labelled dataset, and the file that holds one."""
 
-One row is one side of one boundary. A side has no ellipse for the reasons that
-`reliab.core.vocabulary.NoEllipse` lists; a and b are then NaN, or zero where the loop's other effects alone
-exceed the threshold, and the variable `no_ellipse` gives the reason. Nowhere is a or b negative or infinite.
-"""
-
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from reliab.core.arrays import Array
-from reliab.core.vocabulary import ELLIPSE_DIMENSIONS, Dimension, Metric, NoEllipse, Side
+from reliab.core.errors import InputError
+from reliab.core.files import refuse_unwritable, require_ending
+from reliab.core.physical_range import OF_DIMENSIONS, RANGES, PhysicalRange
+from reliab.core.vocabulary import (
+    ELLIPSE_DIMENSIONS,
+    SHARE_ATTRIBUTE,
+    CurveName,
+    Dimension,
+    Metric,
+    NoEllipse,
+    Side,
+)
 from reliab.sweep.labels import with_labels
+from reliab.sweep.netcdf import read_netcdf, write_netcdf
 from reliab.tracking.boundary.contour import Contour
 from reliab.tracking.boundary.curves import Curve, Ellipse, InscribedEllipse
+from reliab.tracking.indices.window import Window
 
 COLUMNS = ("a", "b", "sse", "n", "no_ellipse")
 """Values stored for a curve; shape of a table is (motion, f, xi, threshold, metric, curve, side, columns)."""
@@ -125,3 +136,168 @@ def share_at_rest(ellipses: xr.Dataset) -> xr.DataArray:
         return xr.DataArray(nothing, dims=sizes, coords={name: ellipses[name] for name in sizes})
     below = ellipses["error_at_rest"] < ellipses[Dimension.THRESHOLD]
     return below.mean(Dimension.MOTION)
+
+
+_RULE = "Ellipses in NetCDF are a and b over motion, f, xi, threshold and metric"
+_LENGTH = "length"
+_REMEDY = "Check the path, or write the file with `reliab ellipses --out FILE.nc`"
+_AT_REST = (Dimension.MOTION, Dimension.FREQUENCY, Dimension.DAMPING_RATIO, Dimension.METRIC)
+_VARIABLES = {  # dimensions beside windows and shares, and kinds of numbers
+    **dict.fromkeys(("a", "b", "sse"), (ELLIPSE_DIMENSIONS, "f")),
+    **dict.fromkeys(("n", "no_ellipse"), (ELLIPSE_DIMENSIONS, "biuf")),
+    "error_at_rest": (_AT_REST, "f"),
+    **dict.fromkeys(("duration", "dt", "pga"), ((Dimension.MOTION,), "iuf")),
+}
+
+
+def write_ellipses(ellipses: xr.Dataset, path: str | Path) -> None:
+    """Write a dataset of ellipses."""
+    require_ending(path, ".nc")
+    encoding = {
+        str(name): {"zlib": True, "complevel": 9, "shuffle": True, "chunksizes": _chunks(variable)}
+        for name, variable in ellipses.data_vars.items()
+    }
+    with refuse_unwritable("Cannot write the file of ellipses", where=path):
+        write_netcdf(ellipses, path, encoding=encoding)
+
+
+def _chunks(variable: xr.DataArray) -> tuple[int, ...]:
+    """Keep what is read together in one chunk: structures, errors and sides of a hundred motions."""
+    most: dict[Hashable, int] = {
+        Dimension.WINDOW: 1,
+        Dimension.MOTION: 100,
+        Dimension.METRIC: 1,
+        Dimension.CURVE: 1,
+    }
+    return tuple(
+        min(most.get(name, size), size) for name, size in zip(variable.dims, variable.shape, strict=True)
+    )
+
+
+def open_ellipses(path: str | Path, *, window: str | None = None) -> xr.Dataset:
+    """Read a dataset of ellipses.
+
+    A file of an older version, without curves or sides, holds least-squares ellipses for delays only.
+
+    Parameters
+    ----------
+    path : str or pathlib.Path
+        A file that `write_ellipses` wrote.
+    window : str, optional
+        Part of the record over which the errors were computed: "record", "arias" or a number of seconds; by
+        default the only window of the file, or else the whole record.
+
+    Returns
+    -------
+    xarray.Dataset
+        `a` [-], `b` [ms²], `sse` [ms⁴], `n` (not of the motions that ship) and, of this version,
+        `no_ellipse` over (motion, f, xi, threshold, metric, curve, side) and `error_at_rest`; the attribute
+        `window` names the window.
+
+    Raises
+    ------
+    InputError
+        If the file is not a file of ellipses, or does not hold the window.
+    """
+    return _in_window(_read(path, lambda stored: _up_to(stored, window)), window, path)
+
+
+def open_windows(path: str | Path) -> dict[str, xr.Dataset]:
+    """Read a dataset of ellipses in each of its windows.
+
+    `path`: a file that `write_ellipses` wrote. Returns for each window ("record", "arias" or a number of
+    seconds) the dataset that `open_ellipses` returns. Raises InputError if the file holds no ellipses.
+    """
+    dataset = _read(path)
+    return {window: _in_window(dataset, window, path) for window in _windows(dataset)}
+
+
+def _up_to(stored: xr.Dataset, window: str | None) -> xr.Dataset:
+    """Take the windows of a file up to the one that is asked for; all where it is not among them."""
+    windows = _windows(stored)
+    label = window or Window().label
+    if Dimension.WINDOW not in stored.dims or label not in windows:
+        return stored
+    return stored.isel({Dimension.WINDOW: slice(windows.index(label) + 1)})
+
+
+def _read(path: str | Path, select: Callable[[xr.Dataset], xr.Dataset] = xr.Dataset.copy) -> xr.Dataset:
+    dataset = read_netcdf(path, _RULE, _REMEDY, select)
+    needed = set(ELLIPSE_DIMENSIONS) - {Dimension.CURVE, Dimension.SIDE}
+    if not needed <= set(dataset.dims) or not {"a", "b"} <= set(dataset):
+        raise InputError(
+            _RULE, value=", ".join(map(str, dataset.dims)) or "none", remedy=_REMEDY, where=str(path)
+        )
+    sound = with_sides(dataset)
+    _check_schema(sound, path)
+    return sound
+
+
+def _check_schema(dataset: xr.Dataset, path: str | Path) -> None:
+    """Check dimensions, coordinates and attributes once, so that nothing that uses ellipses needs to."""
+    beside = {Dimension.WINDOW, Dimension.SHARE} & set(dataset.dims)
+    faults = [
+        f"{name} over {', '.join(map(str, dataset[name].dims))}"
+        for name, (dimensions, kinds) in _VARIABLES.items()
+        if name in dataset.variables
+        and (
+            set(dataset[name].dims) != {*dimensions, *(beside if name in dataset.data_vars else ())}
+            or dataset[name].dtype.kind not in kinds
+        )
+    ]
+    for name in (*ELLIPSE_DIMENSIONS, *beside):
+        index = dataset.indexes.get(name, pd.Index([]))
+        limits = RANGES.get(OF_DIMENSIONS.get(name, ""))
+        sound = _are_texts(index) if limits is None else _are_in_range(index, limits)
+        if index.empty or not index.is_unique or not sound:
+            faults.append(f"no sound values along {name}")
+    event = dataset.variables.get("event")
+    if event is None or event.dims != (Dimension.MOTION,) or not _are_texts(event.values):
+        faults.append("no event, the earthquake of each motion")
+    share = dataset.attrs.get(SHARE_ATTRIBUTE, 1.0)
+    if not (isinstance(share, int | float | np.number) and 0.0 < share <= 1.0):
+        faults.append(f"{SHARE_ATTRIBUTE} = {share!r}")
+    if faults:
+        raise InputError(_RULE, value="; ".join(faults), remedy=_REMEDY, where=str(path))
+
+
+def _are_texts(values: Iterable[object]) -> bool:
+    return all(isinstance(value, str) for value in values)
+
+
+def _are_in_range(index: "pd.Index[Any]", limits: PhysicalRange) -> bool:
+    return index.dtype.kind in "if" and bool(np.all(limits.includes(index)))
+
+
+def _windows(dataset: xr.Dataset) -> tuple[str, ...]:
+    if Dimension.WINDOW in dataset.dims:
+        return tuple(str(label) for label in dataset[Dimension.WINDOW].values)
+    return (str(dataset.attrs.get("window", Window().label)),)
+
+
+def with_sides(dataset: xr.Dataset) -> xr.Dataset:
+    """Add the dimensions curve and side to ellipses without them: least squares, and delays."""
+    for name, value in ((Dimension.CURVE, CurveName.ELLIPSE), (Dimension.SIDE, Side.LAG)):
+        if name not in dataset.dims:
+            within = [str(variable) for variable in dataset if Dimension.THRESHOLD in dataset[variable].dims]
+            wider = dataset[within].expand_dims({str(name): [str(value)]}, axis=-1)
+            dataset = dataset.drop_vars([*within, str(name)], errors="ignore").merge(wider)
+    return with_labels(dataset)
+
+
+def _in_window(dataset: xr.Dataset, window: str | None, path: str | Path) -> xr.Dataset:
+    """Choose one of the windows of a file."""
+    stored = _windows(dataset)
+    label = window or (Window().label if Window().label in stored else stored[0])
+    if label not in stored:
+        raise InputError(
+            "No ellipses for this window",
+            value=f"{label!r}; the file has {', '.join(stored)}",
+            remedy="Choose one of these, or trace the boundaries in that window",
+            where=str(path),
+        )
+    if Dimension.WINDOW in dataset.dims:
+        dataset = dataset.isel({Dimension.WINDOW: stored.index(label)}, drop=True)
+    if label != Window().label:
+        dataset = dataset.drop_dims(_LENGTH, errors="ignore")  # ratios are those of whole records
+    return dataset.assign_attrs(window=label)

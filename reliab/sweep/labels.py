@@ -6,8 +6,7 @@ import numpy as np
 import xarray as xr
 
 from reliab.core.vocabulary import LABELS, Dimension
-from reliab.motions.motion import Motion
-from reliab.motions.outline import outline_of
+from reliab.motions.motion import Motion, outline_of
 
 
 def with_labels(dataset: xr.Dataset) -> xr.Dataset:

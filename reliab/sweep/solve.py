@@ -12,8 +12,7 @@ from reliab.motions.motion import Motion
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop.cells import Cells
 from reliab.simulation.linear_loop.tracking_sums import QuadraturePair, TrackedCells, tracking_sums
-from reliab.structures.stability import critical_delay
-from reliab.structures.structure import Structure
+from reliab.structures.structure import Structure, critical_delay
 from reliab.sweep.grid import Grid
 from reliab.sweep.request import SweepRequest, excitation_of, loop_of
 from reliab.tracking.indices.frequency_evaluation import evaluate_sums

@@ -14,7 +14,7 @@ from reliab.core.vocabulary import CurveName
 from reliab.criterion.distributions import DISTRIBUTIONS, Distribution, Lognormal
 from reliab.criterion.laws.law import Law
 from reliab.criterion.laws.registry import FITTED, OF_MANY_MOTIONS, FittedLaw
-from reliab.criterion.methods.bound import Scatter
+from reliab.criterion.methods.method import Scatter
 from reliab.criterion.population import Population
 from reliab.criterion.scaling import scales
 
@@ -118,7 +118,7 @@ class _Motions:
         """Limits that a law states, shape (F, X, 2).
 
         A law that is fitted is fitted, as a criterion is, to the limits of each structure that hold for a
-        and b together (:class:`~reliab.criterion.methods.bound.Scatter`).
+        and b together (:class:`~reliab.criterion.methods.method.Scatter`).
         """
         if isinstance(law, Law):
             grid = self.frequencies[:, None], self.damping_ratios[None, :]

@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 import xarray as xr
 
-from reliab.motions.outline import are_copies
+from reliab.motions.motion import are_copies
 
 _SHIPPED: Final[Mapping[str, tuple[str, str]]] = {
     "CAPEMEND": ("Cape Mendocino", "1992-04-25"),

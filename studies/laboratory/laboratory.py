@@ -12,7 +12,7 @@ from reliab.simulation.hybrid_test.closed_loop import Compensator
 from reliab.simulation.hybrid_test.open_loop import STATES, Plan, plan
 from reliab.simulation.transfer_systems.servo_hydraulic import ServoHydraulic
 from reliab.simulation.transfer_systems.transfer_function import Plant, TransferSystem
-from reliab.structures.frames.frame import exact_step, undivided_response
+from reliab.structures.frame import exact_step, undivided_response
 from reliab.structures.partition import Partition
 
 from .march import Events, NumericalStep, PlantStep, march

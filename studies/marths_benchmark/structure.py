@@ -13,7 +13,7 @@ import numpy as np
 
 from reliab.core.arrays import Array
 from reliab.core.shipped import shipped
-from reliab.structures.frames.frame import modal_damping
+from reliab.structures.frame import modal_damping
 from reliab.structures.partition import Partition
 
 RATE: Final = 1024.0

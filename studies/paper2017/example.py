@@ -17,8 +17,7 @@ from reliab.motions.motion import Motion
 from reliab.simulation.engine import Loop
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop import spectral
-from reliab.structures.stability import critical_delay
-from reliab.structures.structure import Structure
+from reliab.structures.structure import Structure, critical_delay
 from reliab.tracking.boundary.contour import Contour
 from reliab.tracking.boundary.suite_boundary import motion_contours
 from reliab.tracking.indices.response_error import relative_error

@@ -11,7 +11,7 @@ from reliab.study.description import SimulatedStudy
 from reliab.study.folders import Kind
 from reliab.study.stages import Stage, made_with
 from reliab.study.steps import ELLIPSES, Material, motion_by_name, opened, simulation, tracing
-from reliab.sweep.ellipse_file import open_ellipses
+from reliab.sweep.ellipse_dataset import open_ellipses
 from reliab.sweep.netcdf import write_netcdf
 
 from .cases_stage import CASES, paper_cases

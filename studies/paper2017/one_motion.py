@@ -5,8 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from reliab.core.vocabulary import MILLI, PERCENT
-from reliab.structures.stability import critical_delay
-from reliab.structures.structure import Structure
+from reliab.structures.structure import Structure, critical_delay
 
 from .fits import exponential, proportional
 from .printed import (

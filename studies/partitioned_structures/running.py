@@ -31,14 +31,13 @@ from reliab.simulation.frames.governing_mode import governing_mode, place_of_gov
 from reliab.simulation.linear_loop.spectral import respond
 from reliab.simulation.transfer_systems.transfer_function import TransferFunction
 from reliab.structures.critical_delay import stability_limit
-from reliab.structures.frames.frame import Frame, modal_damping
-from reliab.structures.frames.planar_frame import shear_frame
+from reliab.structures.frame import Frame, modal_damping
 from reliab.structures.partition import Partition
+from reliab.structures.planar_frame import shear_frame
 from reliab.structures.specimen import Specimen, drift_interface, floor_interface, with_specimen
 from reliab.structures.structure import Structure
-from reliab.sweep.ellipse_file import open_ellipses
-from reliab.tracking.indices.frequency_evaluation import frequency_evaluation
-from reliab.tracking.indices.tracking_over_frequency import tracking_over_frequency
+from reliab.sweep.ellipse_dataset import open_ellipses
+from reliab.tracking.indices.frequency_evaluation import frequency_evaluation, tracking_over_frequency
 
 RATE: Final = 4096.0
 """Sampling rate of the laboratory [Hz]."""

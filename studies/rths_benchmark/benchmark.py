@@ -22,9 +22,9 @@ from reliab_studies.laboratory.laboratory import Rig, Sensors
 from reliab.core.errors import InputError
 from reliab.simulation.hybrid_test.closed_loop import Compensator
 from reliab.simulation.transfer_systems.servo_hydraulic import ServoHydraulic
-from reliab.structures.frames.frame import Frame, modal_damping
-from reliab.structures.frames.planar_frame import PlanarFrame
+from reliab.structures.frame import Frame, modal_damping
 from reliab.structures.partition import Partition
+from reliab.structures.planar_frame import PlanarFrame
 from reliab.structures.specimen import Specimen, floor_interface
 
 RATE: Final = 4096.0

@@ -29,7 +29,7 @@ from reliab.study.steps import (
     simulation,
     tracing,
 )
-from reliab.sweep.ellipse_file import open_ellipses
+from reliab.sweep.ellipse_dataset import open_ellipses
 from reliab.sweep.netcdf import write_netcdf
 from reliab.sweep.results import REAL, open_results, real_results
 from reliab.validation.cross_validation.counts import CrossValidation

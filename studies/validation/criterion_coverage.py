@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from reliab.core.progress import Progress, silent
 from reliab.criterion.ellipse_sample import EllipseSample
-from reliab.criterion.methods.bound import BoundMethod, limits
+from reliab.criterion.methods.method import BoundMethod, limits
 
 _FURTHER = 200_000  # motions that stand for the population
 

@@ -35,7 +35,7 @@ from reliab.study.steps import (
     tracing,
     validations_of,
 )
-from reliab.sweep.ellipse_file import open_ellipses
+from reliab.sweep.ellipse_dataset import open_ellipses
 
 BEYOND: Final = "beyond_the_model.csv"
 REBUILT: Final = "rebuilt_error_tests.csv"

@@ -20,8 +20,7 @@ from reliab.recordings.recording import Recording
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
-from reliab.structures.stability import critical_delay
-from reliab.structures.structure import Structure
+from reliab.structures.structure import Structure, critical_delay
 
 ONE_HERTZ = Structure(frequency=1.0, damping_ratio=0.02)
 

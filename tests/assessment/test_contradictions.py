@@ -17,9 +17,9 @@ from reliab.core.stated_value import StatedValue
 from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.simulation.frames.exact_loop import ideal_response
 from reliab.simulation.frames.frame_file import FrameUnderTest, read_structure
-from reliab.structures.frames.frame import Frame, modal_damping
-from reliab.structures.frames.planar_frame import shear_frame
+from reliab.structures.frame import Frame, modal_damping
 from reliab.structures.partition import Partition
+from reliab.structures.planar_frame import shear_frame
 from reliab.structures.specimen import Specimen, floor_interface
 from reliab.structures.structure import Structure
 

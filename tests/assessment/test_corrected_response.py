@@ -17,7 +17,7 @@ from reliab.assessment.substructures import Substructures
 from reliab.core.shipped import shipped
 from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.simulation.frames.frame_file import read_structure
-from reliab.structures.frames.frame import Frame, undivided_response
+from reliab.structures.frame import Frame, undivided_response
 from reliab.structures.partition import Partition
 
 _STEP = 1.0 / 512.0

@@ -6,8 +6,7 @@ import pytest
 from reliab.app.api.design import design_test
 from reliab.core.errors import InputError
 from reliab.criterion.experimental_share import growth
-from reliab.structures.stability import critical_delay
-from reliab.structures.structure import Structure
+from reliab.structures.structure import Structure, critical_delay
 
 
 def test_limits_grow_by_the_law_of_the_share_and_the_loop_is_stable_for_longer():

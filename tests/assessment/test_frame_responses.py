@@ -15,7 +15,7 @@ from reliab.recordings.recording import Recording
 from reliab.report.kinds.assessment.frame import frame_assessment_report
 from reliab.simulation.frames.frame_file import FrameUnderTest
 from reliab.simulation.frames.tolerances_table import TolerancesTable
-from reliab.structures.frames.frame import Frame
+from reliab.structures.frame import Frame
 from reliab.structures.partition import Partition
 from reliab.structures.specimen import Specimen
 

@@ -21,9 +21,9 @@ from reliab.simulation.frames.frame_file import FrameUnderTest, read_structure
 from reliab.simulation.frames.governing_mode import governing_mode
 from reliab.simulation.frames.tolerances_table import TolerancesTable
 from reliab.simulation.transfer_systems.transfer_function import TransferFunction
-from reliab.structures.frames.frame import Frame, modal_damping, undivided_response
-from reliab.structures.frames.planar_frame import shear_frame
+from reliab.structures.frame import Frame, modal_damping, undivided_response
 from reliab.structures.partition import Partition
+from reliab.structures.planar_frame import shear_frame
 from reliab.structures.specimen import Specimen, floor_interface
 
 RATE, THINNED = 4096.0, 8

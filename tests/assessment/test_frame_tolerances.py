@@ -12,7 +12,7 @@ from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
 from reliab.simulation.frames.frame_file import FrameUnderTest
 from reliab.simulation.frames.tolerances_table import TolerancesTable
-from reliab.structures.frames.frame import Frame
+from reliab.structures.frame import Frame
 from reliab.structures.partition import Partition
 from reliab.structures.specimen import Specimen
 

@@ -25,8 +25,7 @@ from reliab.motions.loading import load_motions
 from reliab.motions.motion import Motion, resample
 from reliab.simulation.engine import Engine, Loop
 from reliab.simulation.excitation import Excitation
-from reliab.structures.stability import critical_delay
-from reliab.structures.structure import Structure
+from reliab.structures.structure import Structure, critical_delay
 from reliab.sweep.grid import ExplicitGrid
 
 Numbers = NDArray[np.float64]

@@ -127,7 +127,7 @@ def ours(question, motion, values):
     from reliab.criterion.distributions import Lognormal
     from reliab.criterion.methods.tolerance import tolerance_factor
     from reliab.sampling.normal_inverse_chi_squared import NormalInverseChiSquared
-    from reliab.structures.frames.frame import exact_step, follow_load
+    from reliab.structures.frame import exact_step, follow_load
 
     def predictive():
         posterior = NormalInverseChiSquared.posterior(np.log(values))

@@ -8,7 +8,7 @@ from reliab.core.log_quantization import from_steps, to_steps
 from reliab.core.shipped import shipped
 from reliab.criterion.ellipse_reading import read_ellipses
 from reliab.criterion.shipped_tables import shipped_ellipses, shipped_measures
-from reliab.sweep.ellipse_file import open_windows
+from reliab.sweep.ellipse_dataset import open_windows
 from reliab.sweep.netcdf import packed, read_netcdf, write_netcdf
 
 

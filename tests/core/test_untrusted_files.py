@@ -29,7 +29,7 @@ from reliab.sampling.ensembles import draw
 from reliab.simulation.frames.frame_file import read_frame
 from reliab.study.stages import RunFolder
 from reliab.study.steps import opened
-from reliab.sweep.ellipse_file import open_ellipses
+from reliab.sweep.ellipse_dataset import open_ellipses
 from reliab.sweep.results import open_results
 from reliab.sweep.run import run_sweep
 

@@ -8,10 +8,9 @@ import xarray as xr
 
 from reliab.app.api.criteria import derive_criteria
 from reliab.app.api.validation import validate_criteria
-from reliab.criterion.copies import without_copies
 from reliab.criterion.derivation import derive_criterion
 from reliab.criterion.ellipse_reading import read_ellipses
-from reliab.criterion.ellipse_table import tabled
+from reliab.criterion.ellipse_table import tabled, without_copies
 from reliab.motions.intensity import arias_times
 from reliab.motions.loading import load_motions
 

@@ -15,7 +15,7 @@ from reliab.criterion.derivation import derive_criterion
 from reliab.criterion.distributions import DISTRIBUTIONS
 from reliab.criterion.ellipse_sample import EllipseSample
 from reliab.criterion.laws.registry import FITTED
-from reliab.criterion.methods.bound import BoundMethod, limits
+from reliab.criterion.methods.method import BoundMethod, limits
 from reliab.criterion.methods.registry import METHODS, method_of
 from reliab.criterion.motion_predictive import MotionPredictive
 from reliab.criterion.published import published_criterion

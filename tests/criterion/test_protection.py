@@ -15,7 +15,7 @@ from reliab.criterion.ellipse_table import EllipseTable, tabled
 from reliab.motions.intensity import arias_times
 from reliab.motions.loading import load_motions
 from reliab.sweep.cut_records import with_known_cut_records
-from reliab.sweep.ellipse_file import open_ellipses
+from reliab.sweep.ellipse_dataset import open_ellipses
 from reliab.sweep.results import open_results, real_results
 from reliab.validation.cross_validation.truth import Cell, Region, SimulatedTruth
 

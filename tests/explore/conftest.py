@@ -8,7 +8,7 @@ import pytest
 import reliab
 from reliab.core.shipped import shipped
 from reliab.explore.page import by_length, pack
-from reliab.sweep.ellipse_file import open_windows
+from reliab.sweep.ellipse_dataset import open_windows
 
 WINDOWS = ("record", "20", "30", "40")
 WEB = Path(reliab.__file__).parent / "explore" / "web"

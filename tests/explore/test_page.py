@@ -13,7 +13,7 @@ from reliab.app.cli import run
 from reliab.core.errors import InputError
 from reliab.criterion.carrying import protect_over_lengths
 from reliab.explore.page import Settings, bundled_script, pack, render, write_page
-from reliab.sweep.ellipse_file import write_ellipses
+from reliab.sweep.ellipse_dataset import write_ellipses
 
 MOST_BYTES = 5_000_000
 

@@ -13,7 +13,7 @@ from fuzz.damage import write
 
 from reliab.core.files import UNFINISHED
 from reliab.motions.writing import write_suite
-from reliab.sweep.ellipse_file import write_ellipses
+from reliab.sweep.ellipse_dataset import write_ellipses
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -30,7 +30,7 @@ from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.simulation.hybrid_test.model_file import UpdatedModel, write_model
 from reliab.structures.specimen import Specimen
 from reliab.structures.structure import Structure
-from reliab.sweep.ellipse_file import with_sides, write_ellipses
+from reliab.sweep.ellipse_dataset import with_sides, write_ellipses
 from reliab.sweep.grid import ScaledGrid
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.run import run_sweep

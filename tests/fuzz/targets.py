@@ -31,8 +31,8 @@ from reliab.recordings.reading import read_recording
 from reliab.recordings.record import check_record
 from reliab.sampling.ensembles import draw
 from reliab.simulation.frames.frame_file import read_frame
+from reliab.simulation.frames.transfer_table import read_matlab
 from reliab.simulation.hybrid_test.model_file import read_model
-from reliab.simulation.transfer_systems.reading import read_matlab
 from reliab.study.running import read_study
 from reliab.study.stages import date_of, made_with, study_of
 from reliab.sweep.results import open_results

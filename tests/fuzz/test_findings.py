@@ -22,9 +22,9 @@ from reliab.discrepancy.campaign.reading import read_campaign
 from reliab.recordings.readers.registry import read_tests
 from reliab.recordings.recording import Recording
 from reliab.simulation.frames.frame_file import read_frame
+from reliab.simulation.frames.transfer_table import read_matlab
 from reliab.simulation.hybrid_test.model_file import read_model
-from reliab.simulation.transfer_systems.reading import read_matlab
-from reliab.sweep.ellipse_file import open_ellipses
+from reliab.sweep.ellipse_dataset import open_ellipses
 from reliab.sweep.results import open_results
 from reliab.sweep.run import run_sweep
 

@@ -16,9 +16,9 @@ from reliab.core.errors import InputError
 from reliab.criterion.derivation import derive_criterion
 from reliab.recordings.readers.registry import read_tests
 from reliab.sampling.ensembles import draw
-from reliab.simulation.transfer_systems.reading import read_matlab
+from reliab.simulation.frames.transfer_table import read_matlab
 from reliab.simulation.transfer_systems.transfer_function import TransferFunction
-from reliab.sweep.ellipse_file import open_ellipses
+from reliab.sweep.ellipse_dataset import open_ellipses
 from reliab.sweep.netcdf import write_netcdf
 from reliab.sweep.results import open_results
 

@@ -12,8 +12,7 @@ from reliab.core.errors import InputError
 from reliab.core.vocabulary import STANDARD_GRAVITY
 from reliab.motions.intensity import arias_times
 from reliab.motions.loading import load_motions
-from reliab.motions.motion import Motion, resample
-from reliab.motions.outline import are_copies, outline_of
+from reliab.motions.motion import Motion, are_copies, outline_of, resample
 
 G = STANDARD_GRAVITY
 

@@ -6,8 +6,7 @@ from hypothesis import given, strategies as st
 from scipy.special import lambertw
 
 from reliab.simulation.linear_loop.dominant_pole import dominant_pole, modal_loop, transfer
-from reliab.structures.stability import critical_delay
-from reliab.structures.structure import Structure
+from reliab.structures.structure import Structure, critical_delay
 
 
 @given(

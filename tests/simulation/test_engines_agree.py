@@ -15,8 +15,7 @@ from reliab.simulation.engine import Engine, Loop
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop import delay_stepper, pole_recursion
 from reliab.simulation.linear_loop.cells import Cells
-from reliab.structures.stability import critical_delay
-from reliab.structures.structure import Structure
+from reliab.structures.structure import Structure, critical_delay
 from reliab.sweep.grid import ExplicitGrid
 from reliab.tracking.indices.response_error import relative_error
 

@@ -15,8 +15,7 @@ from reliab.simulation.excitation import Excitation
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.linear_loop import spectral
 from reliab.simulation.linear_loop.dominant_pole import dominant_pole
-from reliab.structures.stability import critical_delay, longest_lead, stability_margin
-from reliab.structures.structure import Structure
+from reliab.structures.structure import Structure, critical_delay, longest_lead, stability_margin
 from reliab.tracking.indices.response_error import relative_error
 
 

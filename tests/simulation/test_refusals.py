@@ -16,10 +16,10 @@ from reliab_studies.laboratory.laboratory import Limits, Rig, Sensors, run_labor
 
 from reliab.core.errors import InputError
 from reliab.simulation.frames.frame_file import frame_of_tables
+from reliab.simulation.frames.transfer_table import read_matlab, transfer_function_of
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.model_file import UpdatedModel
 from reliab.simulation.hybrid_test.open_loop import Motion3, load
-from reliab.simulation.transfer_systems.reading import read_matlab, transfer_function_of
 from reliab.simulation.transfer_systems.servo_hydraulic import ServoHydraulic
 from reliab.simulation.transfer_systems.transfer_function import TransferFunction
 from reliab.structures.partition import Partition

@@ -7,9 +7,9 @@ import pytest
 import scipy
 
 from reliab.simulation.frames.frame_tables import DampingTable
-from reliab.structures.frames.frame import modal_damping, rayleigh_damping
-from reliab.structures.frames.planar_frame import shear_frame
+from reliab.structures.frame import modal_damping, rayleigh_damping
 from reliab.structures.partition import Partition
+from reliab.structures.planar_frame import shear_frame
 
 
 def tall(stories=60):

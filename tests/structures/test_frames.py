@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from reliab.core.errors import InputError
-from reliab.structures.frames.frame import Frame, exact_step, modal_damping, rayleigh_damping, square_matrix
-from reliab.structures.frames.planar_frame import PlanarFrame, shear_frame
+from reliab.structures.frame import Frame, exact_step, modal_damping, rayleigh_damping, square_matrix
+from reliab.structures.planar_frame import PlanarFrame, shear_frame
 
 PUBLISHED = np.array(
     [

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from reliab.structures.frames.frame import modal_damping
-from reliab.structures.frames.planar_frame import shear_frame
+from reliab.structures.frame import modal_damping
 from reliab.structures.partition import Partition
 from reliab.structures.parts_of_structure import is_part, part_and_number, with_parts
+from reliab.structures.planar_frame import shear_frame
 
 MASSES, STOREYS, RATIOS = [1200.0, 1000.0, 700.0], [9e5, 7e5, 5e5], [0.02, 0.03, 0.05]
 MASS, STIFFNESS = (np.asarray(matrix) for matrix in shear_frame(MASSES, STOREYS))

@@ -10,8 +10,7 @@ from reliab.simulation.linear_loop import delay_stepper
 from reliab.simulation.linear_loop.blocks import cut
 from reliab.structures.critical_delay import stability_limit
 from reliab.structures.partition import Partition
-from reliab.structures.stability import critical_delay, stability_margin
-from reliab.structures.structure import Structure
+from reliab.structures.structure import Structure, critical_delay, stability_margin
 
 structures = st.builds(
     Structure,

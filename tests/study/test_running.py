@@ -21,7 +21,7 @@ from reliab.study.kinds import KINDS
 from reliab.study.running import run_study, study_from, write_report
 from reliab.study.stages import RunFolder, Stage
 from reliab.study.steps import ELLIPSES, candidates
-from reliab.sweep.ellipse_file import open_ellipses
+from reliab.sweep.ellipse_dataset import open_ellipses
 
 pytestmark = pytest.mark.usefixtures("blank_figures")
 

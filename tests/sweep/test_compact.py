@@ -6,7 +6,7 @@ import pytest
 
 from reliab.core.errors import InputError
 from reliab.core.shipped import shipped
-from reliab.sweep.ellipse_file import open_ellipses, write_ellipses
+from reliab.sweep.ellipse_dataset import open_ellipses, write_ellipses
 from reliab.sweep.results import open_results, write_compact
 from reliab.tracking.boundary.curves import Ellipse
 

@@ -13,7 +13,7 @@ from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop import delay_stepper, spectral
 from reliab.simulation.linear_loop.blocks import cut
 from reliab.simulation.linear_loop.dominant_pole import transfer
-from reliab.structures.stability import critical_delay
+from reliab.structures.structure import critical_delay
 from reliab.sweep.ellipse_table import EllipseRequest, trace_ellipses
 from reliab.sweep.grid import ExplicitGrid, ScaledGrid
 from reliab.sweep.plain import sweep_request

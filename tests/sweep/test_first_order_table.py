@@ -27,7 +27,7 @@ def test_small_errors_have_the_traced_ellipse_and_large_ones_a_larger_one(motion
 
 @pytest.mark.slow
 def test_a_criterion_from_predicted_ellipses_repeats_their_caution(motions, tmp_path):
-    from reliab.sweep.ellipse_file import open_ellipses, write_ellipses
+    from reliab.sweep.ellipse_dataset import open_ellipses, write_ellipses
 
     write_ellipses(reliab.ellipses(motions, first_order=True), tmp_path / "predicted.nc")
     found = reliab.derive_criterion(open_ellipses(tmp_path / "predicted.nc"))

@@ -11,7 +11,7 @@ from reliab.core.vocabulary import Metric
 from reliab.motions.synthetic.suite import synthetic_suite
 from reliab.simulation.frames.frame_file import FrameUnderTest, frame_of_tables
 from reliab.simulation.frames.governing_mode import governing_mode
-from reliab.structures.frames.frame import Frame
+from reliab.structures.frame import Frame
 from reliab.structures.partition import Partition
 from reliab.structures.specimen import Specimen, floor_interface
 from reliab.structures.structure import Structure

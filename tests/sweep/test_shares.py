@@ -16,8 +16,7 @@ from reliab.simulation.frames.frame_file import FrameUnderTest
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.structures.partition import Partition
 from reliab.structures.structure import Structure
-from reliab.sweep.ellipse_dataset import curve_row, share_at_rest
-from reliab.sweep.ellipse_file import open_ellipses, write_ellipses
+from reliab.sweep.ellipse_dataset import curve_row, open_ellipses, share_at_rest, write_ellipses
 from reliab.sweep.ellipse_table import EllipseRequest, predict_ellipses, trace_ellipses
 from reliab.sweep.frame_table import FrameRequest, trace_frame_ellipses
 from reliab.sweep.grid import ScaledGrid

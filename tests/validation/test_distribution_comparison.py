@@ -13,7 +13,7 @@ from reliab.criterion.laws.exponential import Exponential
 from reliab.criterion.laws.power import Power
 from reliab.criterion.laws.registry import FITTED, OF_MANY_MOTIONS
 from reliab.criterion.laws.table import Table
-from reliab.sweep.ellipse_file import open_ellipses
+from reliab.sweep.ellipse_dataset import open_ellipses
 from reliab.sweep.results import open_results
 from reliab.validation.comparison import (
     compare_distributions,

@@ -30,9 +30,9 @@ from reliab.core.shipped import shipped
 from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import CurveName, Metric, Side
 from reliab.criterion.carrying import carry_to_length, carry_to_response, carry_to_suite, protect_over_lengths
-from reliab.criterion.copies import without_copies
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.derivation import Derivation
+from reliab.criterion.ellipse_table import without_copies
 from reliab.criterion.experimental_share import compare_shares
 from reliab.criterion.laws.registry import FITTED, OF_MANY_MOTIONS, known
 from reliab.criterion.methods.method import Method

@@ -22,7 +22,7 @@ from reliab.criterion.ellipse_table import EllipseTable
 from reliab.criterion.published import printed_share
 from reliab.criterion.scope import population_of
 from reliab.criterion.summary import describe_sample, summarise
-from reliab.sweep.ellipse_file import open_ellipses
+from reliab.sweep.ellipse_dataset import open_ellipses
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -15,8 +15,7 @@ from reliab.app.api.sources import EllipseSource, listed, paths
 from reliab.core.errors import InputError
 from reliab.core.progress import Show
 from reliab.core.significant_digits import percent, significant
-from reliab.criterion.copies import without_copies
-from reliab.criterion.ellipse_table import with_threshold
+from reliab.criterion.ellipse_table import with_threshold, without_copies
 from reliab.criterion.scope import Position, compare_with_scope, magnitudes_of, scope_of
 from reliab.motions.loading import load_motions
 from reliab.motions.suite import MotionSuite

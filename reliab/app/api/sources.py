@@ -19,8 +19,7 @@ from reliab.core.vocabulary import SHARE_ATTRIBUTE, Metric, Side
 from reliab.criterion.ellipse_reading import read_ellipses
 from reliab.criterion.experimental_share import carry_to_share
 from reliab.motions.loading import load_motions
-from reliab.sweep.ellipse_dataset import CURVES
-from reliab.sweep.ellipse_file import open_ellipses
+from reliab.sweep.ellipse_dataset import CURVES, open_ellipses
 from reliab.sweep.ellipse_table import EllipseRequest, predict_ellipses, trace_ellipses
 from reliab.sweep.plain import WHOLLY_EXPERIMENTAL, Motions, StatedStructures, one_of, suite_of
 from reliab.sweep.results import REAL, open_results, stored_results

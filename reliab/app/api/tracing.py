@@ -15,7 +15,7 @@ from reliab.core.columns import WHERE, Columns
 from reliab.core.plain_values import ResultWithRows
 from reliab.core.progress import Show, quietly
 from reliab.core.vocabulary import CurveName, NoEllipse, Side
-from reliab.sweep.ellipse_file import write_ellipses
+from reliab.sweep.ellipse_dataset import write_ellipses
 from reliab.sweep.shares import share_of
 
 _WHERE: Final = ["motion", "f", "xi", "alpha", "threshold", "metric"]

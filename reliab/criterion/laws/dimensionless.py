@@ -6,8 +6,7 @@ from typing import ClassVar
 import numpy as np
 
 from reliab.core.arrays import Array
-from reliab.criterion.laws.law import Limits
-from reliab.criterion.laws.log_linear import LogLinearLaw
+from reliab.criterion.laws.law import Limits, LogLinearLaw
 from reliab.criterion.scaling import scales
 
 _REFERENCE_DAMPING = 0.05

@@ -10,8 +10,7 @@ from reliab.core.registry import Registry
 from reliab.criterion.laws.dimensionless import Dimensionless
 from reliab.criterion.laws.exponential import Exponential
 from reliab.criterion.laws.guo_2017 import CORRECTED, OF_ONE_MOTION, PUBLISHED
-from reliab.criterion.laws.law import Law
-from reliab.criterion.laws.log_linear import LogLinearLaw
+from reliab.criterion.laws.law import Law, LogLinearLaw
 from reliab.criterion.laws.power import Power
 from reliab.criterion.laws.table import Table
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from reliab.core.arrays import Array
 from reliab.criterion.event_components import event_components
-from reliab.criterion.methods.bound import AssuredBound
+from reliab.criterion.methods.method import AssuredBound
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.core.arrays import Array
-from reliab.criterion.methods.bound import BoundMethod
+from reliab.criterion.methods.method import BoundMethod
 from reliab.sampling.normal_inverse_chi_squared import NormalInverseChiSquared
 
 

@@ -11,7 +11,7 @@ from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import CurveName
 from reliab.criterion.distributions import DISTRIBUTIONS, Lognormal
-from reliab.criterion.methods.bound import BoundMethod
+from reliab.criterion.methods.method import BoundMethod
 
 
 @dataclass(frozen=True, kw_only=True)

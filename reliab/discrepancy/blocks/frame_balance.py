@@ -28,7 +28,7 @@ from reliab.effects.effect import RecordEffect, Role, Scales
 from reliab.effects.force_bias import ForceBias
 from reliab.effects.registry import library
 from reliab.simulation.hybrid_test.model import HybridTest
-from reliab.structures.frames.frame import exact_step
+from reliab.structures.frame import exact_step
 from reliab.structures.partition import Partition
 
 

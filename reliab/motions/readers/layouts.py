@@ -19,9 +19,8 @@ import numpy as np
 
 from reliab.core.text_tables import printed_number
 from reliab.motions.faults import Report
-from reliab.motions.readers.header import Header, Statement
 from reliab.motions.readers.samples import split_line
-from reliab.motions.readers.source import HEAD, Line, Source
+from reliab.motions.readers.source import HEAD, Header, Line, Source, Statement
 from reliab.motions.readers.statements import state_time_step
 from reliab.motions.units import AccelerationUnit, ClockUnit
 

@@ -18,8 +18,7 @@ import numpy as np
 from reliab.core.errors import InputError
 from reliab.core.files import decoding
 from reliab.motions.faults import Report
-from reliab.motions.readers.header import Header, Statement
-from reliab.motions.readers.source import Source
+from reliab.motions.readers.source import Header, Source, Statement
 
 _RECORD = re.compile(rb"[0-9]{6}[DRQM][ \x00]|MS\x03")
 _SEISMOMETER = re.compile(r"[A-Z][HP][A-Z0-9]")  # codes of channels; an accelerometer is HNE or so

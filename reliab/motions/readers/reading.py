@@ -9,7 +9,6 @@ from reliab.core.text_tables import last_place, missing_mark
 from reliab.core.vocabulary import STANDARD_GRAVITY
 from reliab.motions.faults import Report
 from reliab.motions.motion import PEAK_LIMIT_G
-from reliab.motions.readers.header import Header, Statement, may_round
 from reliab.motions.readers.samples import (
     count_rows,
     line_of_sample,
@@ -17,7 +16,7 @@ from reliab.motions.readers.samples import (
     separated,
     split_line,
 )
-from reliab.motions.readers.source import Source
+from reliab.motions.readers.source import Header, Source, Statement, may_round
 from reliab.motions.units import AccelerationUnit
 
 

@@ -8,9 +8,8 @@ from pathlib import Path
 from reliab.core.registry import Registry
 from reliab.motions.faults import Report
 from reliab.motions.readers import miniseed, sac, text
-from reliab.motions.readers.header import Header
 from reliab.motions.readers.layouts import LAYOUTS, PLAIN, Layout
-from reliab.motions.readers.source import HEAD, Source, open_source
+from reliab.motions.readers.source import HEAD, Header, Source, open_source
 
 
 @dataclass(frozen=True, kw_only=True)

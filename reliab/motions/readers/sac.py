@@ -16,9 +16,8 @@ from typing import Any
 import numpy as np
 
 from reliab.motions.faults import Report
-from reliab.motions.readers.header import Header, Statement
 from reliab.motions.readers.miniseed import is_of_seismometer
-from reliab.motions.readers.source import Source
+from reliab.motions.readers.source import Header, Source, Statement
 
 _SIZES = (280, 160, 192)  # bytes of real numbers, of whole numbers and of text
 _DELTA, _SCALE, _BEGIN, _ORIGIN = 0, 3, 5, 7  # places of real numbers

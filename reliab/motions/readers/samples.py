@@ -9,8 +9,7 @@ import numpy as np
 from reliab.core.arrays import Array
 from reliab.core.text_tables import is_number, printed_number
 from reliab.motions.faults import Report
-from reliab.motions.readers.header import Header
-from reliab.motions.readers.source import Line, Source
+from reliab.motions.readers.source import Header, Line, Source
 
 _PLAIN = b"0123456789+-.eE \t\n\r\v\f"
 _FORTRAN_EXPONENTS = bytes.maketrans(b"Dd", b"EE")

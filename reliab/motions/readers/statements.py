@@ -16,8 +16,7 @@ from dataclasses import dataclass, replace
 
 from reliab.core.text_tables import NUMBER, last_place, printed_number
 from reliab.motions.faults import Report
-from reliab.motions.readers.header import Statement
-from reliab.motions.readers.source import LONGEST_LINE, Line
+from reliab.motions.readers.source import LONGEST_LINE, Line, Statement
 from reliab.motions.units import CLOCK_UNIT, AccelerationUnit, ClockUnit, find_clock_unit, find_unit
 
 _FLAGS = re.IGNORECASE

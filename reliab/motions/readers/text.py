@@ -25,7 +25,6 @@ import numpy as np
 from reliab.core.text_tables import printed_number
 from reliab.motions.faults import Report
 from reliab.motions.readers import statements
-from reliab.motions.readers.header import Header, Statement, may_round
 from reliab.motions.readers.layouts import PLAIN, Layout
 from reliab.motions.readers.samples import (
     clocks_in_seconds,
@@ -34,7 +33,7 @@ from reliab.motions.readers.samples import (
     separated,
     split_line,
 )
-from reliab.motions.readers.source import HEAD, Line, Source
+from reliab.motions.readers.source import HEAD, Header, Line, Source, Statement, may_round
 from reliab.motions.units import CLOCK_UNIT, AccelerationUnit, ClockUnit, find_clock_unit, find_unit
 
 _FLAGS = re.IGNORECASE

@@ -23,7 +23,7 @@ from reliab.simulation.deviation import Deviation, peak_of_history
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop.spectral import TransformLine
 from reliab.simulation.transfer_systems.transfer_function import ActuatorMatrix, TransferSystem
-from reliab.structures.frames.frame import exact_step, follow_load
+from reliab.structures.frame import exact_step, follow_load
 from reliab.structures.partition import Partition
 
 _MOVES = 1e-4  # of the largest strain energy of the specimen: a displacement with less is not judged

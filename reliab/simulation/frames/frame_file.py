@@ -106,7 +106,7 @@ from reliab.simulation.frames.planar_geometry import PlanarGeometry
 from reliab.simulation.frames.tolerances_table import TolerancesTable
 from reliab.simulation.frames.transfer_table import rig_of_table
 from reliab.simulation.transfer_systems.transfer_function import ActuatorMatrix, TransferSystem, invertible
-from reliab.structures.frames.frame import square_matrix
+from reliab.structures.frame import square_matrix
 from reliab.structures.partition import Partition
 
 EXACT = TolerancesTable()

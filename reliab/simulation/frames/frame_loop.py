@@ -21,8 +21,7 @@ from reliab.simulation.frames.governing_mode import governing_mode, scale_of_err
 from reliab.simulation.frames.reduced_loop import ReducedLoop
 from reliab.simulation.transfer_systems.transfer_function import ActuatorMatrix, TransferSystem
 from reliab.structures.partition import Partition
-from reliab.structures.stability import longest_lead
-from reliab.structures.structure import Structure
+from reliab.structures.structure import Structure, longest_lead
 
 REDUCTION_TOLERANCE = 3e-3
 """Largest relative error of RMS^R that the reduction to pole pairs may cause [-]."""

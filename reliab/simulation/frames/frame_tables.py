@@ -15,7 +15,7 @@ from reliab.simulation.frames.matrix_files import Matrix, Row, matrix_of_rows
 from reliab.simulation.frames.planar_geometry import PlanarGeometry
 from reliab.simulation.frames.tolerances_table import DescribedTable, TolerancesTable, require
 from reliab.simulation.frames.transfer_table import TransferTable
-from reliab.structures.frames.frame import (
+from reliab.structures.frame import (
     Frame,
     condensed,
     massless,
@@ -24,7 +24,7 @@ from reliab.structures.frames.frame import (
     rayleigh_damping,
     static_shapes,
 )
-from reliab.structures.frames.planar_frame import PlanarFrame, shear_frame
+from reliab.structures.planar_frame import PlanarFrame, shear_frame
 from reliab.structures.specimen import drift_interface, floor_interface
 
 _OF_ONE = {"stiffness_n_per_m", "damping_n_s_per_m", "damping_ratio", "mass_kg", "effects", "below"}

@@ -29,7 +29,7 @@ from reliab.simulation.deviation import LATEST, TRACKS, Deviation, follow, peak_
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop.blocks import ramp_weights
 from reliab.structures.critical_delay import stability_limit
-from reliab.structures.frames.frame import undivided_response
+from reliab.structures.frame import undivided_response
 from reliab.structures.partition import Partition
 
 _PARTS = 4  # in which the actuator's error is approached

@@ -20,8 +20,7 @@ from reliab.simulation.linear_loop.drive_stepping import DrivenCells, driven_cel
 from reliab.simulation.linear_loop.pole_plane import Expansion, expansions, pole_basis
 from reliab.simulation.linear_loop.pole_recursion import Recursion, recursions
 from reliab.simulation.linear_loop.shared_drives import shared_drives
-from reliab.structures.stability import critical_delay, refuse_long_leads
-from reliab.structures.structure import Structure
+from reliab.structures.structure import Structure, critical_delay, refuse_long_leads
 
 REDUCTION_TOLERANCE = 3e-5
 """Largest relative error of RMS^R that the reduction to the dominant pole may cause [-]; the peak,

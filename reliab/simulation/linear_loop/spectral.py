@@ -19,8 +19,7 @@ from reliab.core.errors import InputError
 from reliab.simulation.deviation import Deviation, peak_of_history
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop.dominant_pole import transfer, transfer_of_shift
-from reliab.structures.stability import critical_delay, refuse_long_leads
-from reliab.structures.structure import Structure
+from reliab.structures.structure import Structure, critical_delay, refuse_long_leads
 
 _LONGEST_STEP = 1.0 / 512.0
 _WRAPAROUND = 1e-11  # what is left of a response after one period of the transform

@@ -28,7 +28,7 @@ from reliab.study.steps import (
     tracing,
     validations_of,
 )
-from reliab.sweep.ellipse_file import open_ellipses
+from reliab.sweep.ellipse_dataset import open_ellipses
 from reliab.sweep.results import REAL, open_results, real_results
 from reliab.validation.cross_validation.counts import CrossValidation
 from reliab.validation.cross_validation.folds import Fold

@@ -24,8 +24,7 @@ from reliab.core.arrays import Array
 from reliab.core.compiled import compiled
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import Side
-from reliab.structures.stability import longest_lead
-from reliab.structures.structure import Structure
+from reliab.structures.structure import Structure, longest_lead
 
 _FLOOR = 3e-4  # errors below this are not resolved
 _LARGEST_ERROR = 1e3

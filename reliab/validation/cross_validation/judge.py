@@ -26,9 +26,8 @@ from numpy.typing import NDArray
 from reliab.core.errors import InputError
 from reliab.core.progress import Progress, silent
 from reliab.core.vocabulary import Side
-from reliab.criterion.copies import without_copies
 from reliab.criterion.derivation import Derivation, require_meaning
-from reliab.criterion.ellipse_table import names_along
+from reliab.criterion.ellipse_table import names_along, without_copies
 from reliab.criterion.laws.law import Law
 from reliab.criterion.laws.registry import FittedLaw
 from reliab.criterion.laws.table import Table

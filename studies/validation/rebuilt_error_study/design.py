@@ -11,7 +11,7 @@ from reliab.core.shipped import shipped
 from reliab.core.vocabulary import Metric
 from reliab.motions.motion import Motion
 from reliab.structures.structure import Structure
-from reliab.sweep.ellipse_file import open_ellipses
+from reliab.sweep.ellipse_dataset import open_ellipses
 from reliab.validation.earthquakes import earthquakes_among
 
 from .judges import (

@@ -264,7 +264,7 @@ def test_chains_go_on_where_they_ended(tmp_path):
 def ellipses_of_twelve(tmp_path_factory):
     """Ellipses of twelve synthetic motions at four structures."""
     from reliab.motions.synthetic.suite import synthetic_suite
-    from reliab.sweep.ellipse_file import write_ellipses
+    from reliab.sweep.ellipse_dataset import write_ellipses
     from reliab.sweep.ellipse_table import EllipseRequest, trace_ellipses
 
     request = EllipseRequest(frequencies=(0.5, 1.0), damping_ratios=(0.02, 0.05))

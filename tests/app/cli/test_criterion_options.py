@@ -20,7 +20,7 @@ from reliab.motions.loading import load_motions
 from reliab.motions.motion import Motion
 from reliab.motions.suite import MotionSuite
 from reliab.motions.writing import write_suite
-from reliab.sweep.ellipse_file import write_ellipses
+from reliab.sweep.ellipse_dataset import write_ellipses
 from reliab.sweep.grid import ScaledGrid
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.run import run_sweep
@@ -266,7 +266,7 @@ def numbers(found):
 
 def test_a_model_goes_to_the_simulation(sources, monkeypatch):
     from reliab.app.api import sources as source_of_ellipses
-    from reliab.sweep.ellipse_file import open_ellipses
+    from reliab.sweep.ellipse_dataset import open_ellipses
 
     asked = {}
 

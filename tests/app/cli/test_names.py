@@ -13,7 +13,7 @@ from motions.conftest import AT2
 from reliab.app.cli import run
 from reliab.app.cli.output import console, show_table
 from reliab.app.cli.printable import printable
-from reliab.sweep.ellipse_file import write_ellipses
+from reliab.sweep.ellipse_dataset import write_ellipses
 
 NAMES = {
     "typst": '#panic("x") $a$ *b* _c_ @d <e> `f` \\',

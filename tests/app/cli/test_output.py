@@ -125,7 +125,7 @@ def test_version_and_help_are_printed_without_numerics():
 def test_a_criterion_from_ellipses_needs_neither_kernels_nor_what_other_methods_need():
     asked = (
         "from reliab.criterion.derivation import derive_criterion; "
-        "from reliab.sweep.ellipse_file import open_ellipses"
+        "from reliab.sweep.ellipse_dataset import open_ellipses"
     )
     idle = (
         "numba",

@@ -22,7 +22,7 @@ from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.core.errors import InputError
 from reliab.effects.registry import find_effect
 from reliab.simulation.hybrid_test.model import HybridTest
-from reliab.structures.frames.frame import Frame
+from reliab.structures.frame import Frame
 from reliab.structures.partition import Partition, whole_structure
 from reliab.structures.specimen import Specimen
 from reliab.structures.structure import Structure

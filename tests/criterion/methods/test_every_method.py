@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from reliab.core.errors import InputError
-from reliab.criterion.methods.bound import BoundMethod, Scatter
 from reliab.criterion.methods.dirichlet import Dirichlet
+from reliab.criterion.methods.method import BoundMethod, Scatter
 from reliab.criterion.methods.order_statistic import OrderStatistic
 from reliab.criterion.methods.quantile import Quantile
 from reliab.criterion.methods.registry import METHODS, method_of

@@ -13,7 +13,7 @@ from reliab.report.kinds.assessment.frame import amplitude_and_delay_over_freque
 from reliab.report.kinds.criterion.result import criterion_surfaces
 from reliab.report.kinds.rig_report import rig_over_time
 from reliab.report.sections.rates import coverage_by_frequency
-from reliab.tracking.indices.tracking_over_frequency import TrackingOverFrequency
+from reliab.tracking.indices.frequency_evaluation import TrackingOverFrequency
 
 
 def rates_of(**levels):

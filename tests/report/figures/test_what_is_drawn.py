@@ -39,7 +39,7 @@ from reliab.report.kinds.criterion.result import criterion_surfaces
 from reliab.report.sections.rates import calibration_curve, coverage_by_frequency
 from reliab.report.style import svg
 from reliab.sampling.posterior_sample import PosteriorSample
-from reliab.tracking.indices.tracking_over_frequency import TrackingOverFrequency
+from reliab.tracking.indices.frequency_evaluation import TrackingOverFrequency
 
 MILLIMETRES = 25.4
 

@@ -8,11 +8,10 @@ from reliab.core.errors import InputError
 from reliab.simulation.frames.reduced_loop import pole_loop
 from reliab.simulation.transfer_systems.transfer_function import gain_and_delay
 from reliab.structures.critical_delay import stability_limit
-from reliab.structures.frames.frame import Frame
+from reliab.structures.frame import Frame
 from reliab.structures.partition import Partition
 from reliab.structures.specimen import Specimen, floor_interface
-from reliab.structures.stability import critical_delay
-from reliab.structures.structure import Structure
+from reliab.structures.structure import Structure, critical_delay
 
 
 @pytest.mark.parametrize(("case", "milliseconds"), [(1, 14.64), (2, 12.23), (3, 9.92), (4, 8.73)])

@@ -6,7 +6,7 @@ from scipy import signal
 from scipy.io import savemat
 
 from reliab.core.errors import InputError
-from reliab.simulation.transfer_systems.reading import read_matlab, transfer_function_of
+from reliab.simulation.frames.transfer_table import read_matlab, transfer_function_of
 from reliab.simulation.transfer_systems.servo_hydraulic import ServoHydraulic
 from reliab.simulation.transfer_systems.transfer_function import (
     TransferFunction,

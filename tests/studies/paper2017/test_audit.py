@@ -27,7 +27,7 @@ from reliab.criterion.laws.guo_2017 import (
     Equation18,
 )
 from reliab.motions.loading import load_motions
-from reliab.sweep.ellipse_file import open_ellipses
+from reliab.sweep.ellipse_dataset import open_ellipses
 
 DEFINED = ("1", "2", "3a", "3b", "4", "5", "6", "7a", "7b", "7c", "8", "9", "10", "13")
 FITTED = ("11", "12", "14", "15", "16a", "16b", "17", "18")

@@ -5,7 +5,7 @@ import pytest
 from reliab_studies.validation.criterion_coverage import Truth, coverage_table, simulate_coverage
 from scipy import stats
 
-from reliab.criterion.methods.bound import BoundMethod
+from reliab.criterion.methods.method import BoundMethod
 from reliab.criterion.methods.quantile import Quantile
 from reliab.criterion.methods.registry import METHODS, method_of
 

@@ -12,8 +12,7 @@ from reliab.core.vocabulary import Metric, Side
 from reliab.motions.loading import load_motions
 from reliab.simulation.engine import Engine, Loop
 from reliab.simulation.excitation import Excitation
-from reliab.structures.stability import longest_lead
-from reliab.structures.structure import Structure
+from reliab.structures.structure import Structure, longest_lead
 from reliab.tracking.boundary.contour import Contour, ErrorSurfaces, furthest_lead, stretched, trace_contours
 from reliab.tracking.boundary.curves import Cosine, Ellipse, InscribedEllipse, Parabola
 from reliab.tracking.boundary.suite_boundary import motion_contours, suite_contours

@@ -21,7 +21,6 @@ from reliab.core.progress import Progress, silent
 from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import Side
 from reliab.criterion.ellipse_sample import FEWEST_MOTIONS
-from reliab.criterion.methods.bound import Scatter
 from reliab.criterion.methods.hierarchical.model import Hierarchical
 from reliab.criterion.methods.hierarchical.strata import (
     EVENT,
@@ -34,7 +33,7 @@ from reliab.criterion.methods.hierarchical.strata import (
     weights_of_motion,
     weights_of_motion_mean,
 )
-from reliab.criterion.methods.method import Learned, checked_share
+from reliab.criterion.methods.method import Learned, Scatter, checked_share
 from reliab.criterion.population import Population, SampleGrid
 from reliab.criterion.scaling import scales
 from reliab.sampling.ensembles import Ensembles, draw, width_of

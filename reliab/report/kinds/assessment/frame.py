@@ -28,7 +28,7 @@ from reliab.report.numbers import MISSING
 from reliab.report.prose import Prose, prose
 from reliab.report.sources import SOURCES, provenance_of
 from reliab.report.style import BLUE, GREY, PALE, VERMILION, panels, styled
-from reliab.tracking.indices.tracking_over_frequency import TrackingOverFrequency
+from reliab.tracking.indices.frequency_evaluation import TrackingOverFrequency
 
 _KILO = 1e3
 

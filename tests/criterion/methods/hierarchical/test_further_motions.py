@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from reliab.criterion.methods.bound import Scatter
 from reliab.criterion.methods.hierarchical.fit import FurtherMotions
 from reliab.criterion.methods.hierarchical.model import Hierarchical
+from reliab.criterion.methods.method import Scatter
 
 MOTIONS = 60_000
 

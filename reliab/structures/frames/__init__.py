@@ -1,1 +1,0 @@
-"""Structures of many degrees of freedom: matrices, damping, shear and planar frames, modes."""
