@@ -34,7 +34,7 @@ def share_covered(count, seeds, per_event=1, odd=0.0):
 
 
 def test_an_odd_test_hardly_moves_what_is_predicted():
-    values = np.random.default_rng(1).normal(size=30)
+    values = np.random.default_rng(1).normal(size=20)
     spoiled = np.append(values, 60.0)
     before, after = (
         learned(known, np.arange(known.size)).quantiles(NEXT, (0.5,))[0, 0] for known in (values, spoiled)
@@ -44,9 +44,9 @@ def test_an_odd_test_hardly_moves_what_is_predicted():
 
 def test_a_covariate_that_matters_narrows_the_prediction():
     rng = np.random.default_rng(2)
-    peaks = rng.normal(size=40)
-    values = 2.0 * peaks + 0.1 * rng.normal(size=40)
-    with_peak = learned(values, np.arange(40), numbers={"log peak": peaks})
+    peaks = rng.normal(size=24)
+    values = 2.0 * peaks + 0.1 * rng.normal(size=24)
+    with_peak = learned(values, np.arange(24), numbers={"log peak": peaks})
     asked = Circumstances(groups={"event": np.array([""])}, numbers={"log peak": np.array([1.0])})
     mean, spread = with_peak.predict(asked)
     assert mean[0] == pytest.approx(2.0, abs=0.2)

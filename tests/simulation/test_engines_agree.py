@@ -52,7 +52,7 @@ def test_automatic_engine_agrees_with_the_spectral_one(random_record, seed):
     assert found[Metric.MTE] < 2e-3
 
 
-@pytest.mark.parametrize("count", [40, pytest.param(300, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [20, pytest.param(300, marks=pytest.mark.slow)])
 def test_engines_agree_on_many_cells_of_the_real_records(real_motions_folder, count):
     rng = np.random.default_rng(2017)
     motions = load_motions(real_motions_folder)

@@ -123,7 +123,7 @@ def test_plane_keeps_its_tolerance_on_hostile_records(name, window):
 def test_plane_agrees_on_the_real_records(real_motions_folder):
     rng = np.random.default_rng(16)
     motions = load_motions(real_motions_folder)
-    for index in rng.integers(0, len(motions), 12):
+    for index in rng.integers(0, len(motions), 5):
         motion = motions[int(index)]
         structure = Structure(
             frequency=float(rng.choice([0.25, 0.5, 1.0, 2.0])), damping_ratio=float(rng.choice([0.02, 0.05]))
