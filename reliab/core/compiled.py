@@ -50,7 +50,7 @@ class _MachineCode(FunctionCache):
         return super().load_overload(sig, _Runtime(target_context))  # type: ignore[no-untyped-call]
 
 
-def _on_disk(function: Callable[..., object]) -> Any:  # noqa: ANN401
+def _disk_cache(function: Callable[..., object]) -> Any:  # noqa: ANN401
     """Where the code of a kernel is kept; raises RuntimeError where no folder can be written."""
     own = function.__module__.partition(".")[0] == __name__.partition(".")[0]
     return (_MachineCode if own and _TESTED else FunctionCache)(function)  # type: ignore[no-untyped-call]
@@ -59,28 +59,28 @@ def _on_disk(function: Callable[..., object]) -> Any:  # noqa: ANN401
 def compiled(function: _Kernel) -> _Kernel:
     """Compile a numerical kernel with Numba, free of the interpreter lock, cached where a disk allows it."""
     kernel: Any = numba.njit(nogil=True, error_model="numpy", fastmath=set(_FAST))(function)
-    return cast("_Kernel", _kept_where_possible(kernel, function))
+    return cast("_Kernel", _attach_cache(kernel, function))
 
 
 def compiled_callback(signature: object, function: Callable[..., float]) -> Any:  # noqa: ANN401 - Numba states no type
     """Compile a function that other kernels call by its address, cached where a disk allows it."""
     typed, options = normalize_signature(signature), {"nopython": True, "error_model": "numpy"}  # type: ignore[no-untyped-call]
-    callback = _kept_where_possible(CFunc(function, typed, {}, options), function)
+    callback = _attach_cache(CFunc(function, typed, {}, options), function)
     callback.compile()
     return callback
 
 
-def _kept_where_possible(kernel: Any, function: Callable[..., object]) -> Any:  # noqa: ANN401
+def _attach_cache(kernel: Any, function: Callable[..., object]) -> Any:  # noqa: ANN401
     """Keep what is compiled on disk, unless no folder for it can be written."""
     try:
-        kernel._cache = _on_disk(function)  # noqa: SLF001
+        kernel._cache = _disk_cache(function)  # noqa: SLF001
     except RuntimeError:
-        _say_that_none_are_kept()
+        _warn_uncached()
     return kernel
 
 
 @cache
-def _say_that_none_are_kept() -> None:
+def _warn_uncached() -> None:
     warnings.warn(
         "Compiled code cannot be kept, because neither the folder of reliab nor your cache folder can be "
         "written: every run compiles it anew, which takes some seconds. "

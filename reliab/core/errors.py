@@ -45,12 +45,12 @@ class InputError(ReliabError, ValueError):
     """
 
     def __init__(self, rule: str, *, value: object = None, remedy: str = "", where: str = "") -> None:
-        self.rule = rule = _shortened(rule)  # it may name a key of the user's file
+        self.rule = rule = _shorten(rule)  # it may name a key of the user's file
         self.value = value
         self.remedy = remedy
-        self.where = where = _shortened(where)
+        self.where = where = _shorten(where)
         place = f"{where}: " if where else ""
-        clause = "" if value is None else f"; found {_shortened(str(value))}"
+        clause = "" if value is None else f"; found {_shorten(str(value))}"
         advice = f" {remedy}." if remedy else ""
         super().__init__(f"{place}{rule}{clause}.{advice}")
 
@@ -77,7 +77,7 @@ def naming(where: str) -> "Iterator[None]":
         raise InputError(error.rule, value=error.value, remedy=error.remedy, where=where) from error
 
 
-def _shortened(value: str) -> str:
+def _shorten(value: str) -> str:
     return value if len(value) <= _LONGEST_VALUE else f"{value[:_LONGEST_VALUE]} …"
 
 

@@ -200,7 +200,7 @@ def written_whole(path: str | Path) -> Iterator[Path]:
         yield place  # a pipe or a device, such as /dev/null, is written to as it is
         return
     remove_abandoned(place.parent.glob(f"{UNFINISHED}*"))
-    unfinished, held = _held_unfinished(place)
+    unfinished, held = _lock_unfinished(place)
     try:
         with held:
             yield unfinished
@@ -216,7 +216,7 @@ def written_whole(path: str | Path) -> Iterator[Path]:
         raise
 
 
-def _held_unfinished(place: Path) -> tuple[Path, IO[bytes]]:
+def _lock_unfinished(place: Path) -> tuple[Path, IO[bytes]]:
     """Make a new file beside a place, and hold it.
 
     Another process may take it for abandoned before it is held, and remove it; then the next is made.
@@ -281,7 +281,7 @@ def folder_written_whole(place: Path) -> Iterator[Path]:
     unfinished = unfinished_name(place)
     unfinished.mkdir(parents=True)
     try:
-        with _held_folder(unfinished):
+        with _lock_folder(unfinished):
             remove_abandoned(place.parent.glob(f"{UNFINISHED}*"))
             yield unfinished
             if place.exists():
@@ -292,7 +292,7 @@ def folder_written_whole(place: Path) -> Iterator[Path]:
 
 
 @contextlib.contextmanager
-def _held_folder(folder: Path) -> Iterator[None]:
+def _lock_folder(folder: Path) -> Iterator[None]:
     if sys.platform == "win32":  # where folders cannot be opened
         yield
         return

@@ -26,7 +26,7 @@ def to_steps(values: Array, step: float, axes: Sequence[int]) -> NDArray[np.uint
     >>> to_steps(np.array([1.0, 1.1, np.nan, 0.9]), 0.1, [0]).tolist()
     [0, 2, 0, 3]
     """
-    steps = np.round(np.log(_filled(values, axes[0])) / step).astype(np.int64)
+    steps = np.round(np.log(_fill_gaps(values, axes[0])) / step).astype(np.int64)
     for axis in axes:
         steps = np.diff(steps, axis=axis, prepend=0)
     return np.where(steps < 0, -2 * steps - 1, 2 * steps).astype(np.uint32)
@@ -72,7 +72,7 @@ def numbers_of(
     return from_steps(stored, float(np.ravel(attributes[STEP])[0]), axes, ends)
 
 
-def _filled(values: Array, axis: int) -> Array:
+def _fill_gaps(values: Array, axis: int) -> Array:
     """Values in which the one before stands for one that is not finite, and 1 where there is none before."""
     along = np.moveaxis(values, axis, -1)
     places = np.where(np.isfinite(along), np.arange(along.shape[-1]), -1)

@@ -174,7 +174,7 @@ class Physical:
     zero: bool = False
     signed: bool = False
 
-    def _checked(self, value: float) -> float:
+    def _check(self, value: float) -> float:
         require_physical(self.quantity, value, zero=self.zero, signed=self.signed)
         return value
 
@@ -182,7 +182,7 @@ class Physical:
         """Check the number after its type."""
         from pydantic import AfterValidator
 
-        return AfterValidator(self._checked).__get_pydantic_core_schema__(source, handler)
+        return AfterValidator(self._check).__get_pydantic_core_schema__(source, handler)
 
     def __get_pydantic_json_schema__(self, schema: Any, handler: "GetJsonSchemaHandler") -> dict[str, Any]:  # noqa: ANN401
         """State the range for the reference of the file."""

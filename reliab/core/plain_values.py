@@ -135,13 +135,13 @@ class ResultWithRows(PlainResult):
 
     def summary(self) -> str:
         """Say the answer as plain text: a table of the first rows."""
-        return str(self._shown().to_string(index=False, **AS_SHOWN))
+        return str(self._shown_columns().to_string(index=False, **AS_SHOWN))
 
     def _repr_html_(self) -> str:
         """Table for notebooks."""
-        return str(self._shown().to_html(index=False, na_rep="", **AS_SHOWN))
+        return str(self._shown_columns().to_html(index=False, na_rep="", **AS_SHOWN))
 
-    def _shown(self) -> "pd.DataFrame":
+    def _shown_columns(self) -> "pd.DataFrame":
         if isinstance(self.shown, Mapping):
             import pandas as pd
 
@@ -168,7 +168,7 @@ class ResultWithRows(PlainResult):
 
 def write_table(table: "pd.DataFrame", path: str | Path, *, index: bool = False) -> None:
     """Write a table as CSV, whole or not at all; texts that a spreadsheet would compute stay texts."""
-    escaped = _with_texts(table, as_cell)
+    escaped = _map_texts(table, as_cell)
     with refuse_unwritable("Cannot write the table's file", where=path), written_whole(path) as file:
         escaped.to_csv(file, index=index, errors="backslashreplace")
 
@@ -177,10 +177,10 @@ def read_table(path: str | Path) -> "pd.DataFrame":
     """Read what :func:`write_table` wrote."""
     import pandas as pd
 
-    return _with_texts(pd.read_csv(path), of_cell)
+    return _map_texts(pd.read_csv(path), of_cell)
 
 
-def _with_texts(table: "pd.DataFrame", change: Callable[[str], str]) -> "pd.DataFrame":
+def _map_texts(table: "pd.DataFrame", change: Callable[[str], str]) -> "pd.DataFrame":
     """Change the texts of a table, in its cells and in the names of its columns."""
     texts = table.select_dtypes(exclude=["number", "bool"])
     changed = texts.map(lambda cell: change(cell) if isinstance(cell, str) else cell)

@@ -62,7 +62,7 @@ def opened_hdf5(path: str | Path, *, ships: bool = False) -> "Iterator[h5py.File
     import h5py
 
     if not ships:
-        _require_heaps_that_end(ordinary(path))
+        _reject_cyclic_heaps(ordinary(path))
         _PROBE.read(Path(path))
     with h5py.File(ordinary(path), "r") as file:
         for name, item in () if ships else objects_of(file):
@@ -182,7 +182,7 @@ class _Probe:
 _PROBE: Final = _Probe(Path(__file__).with_name("hdf5_probe.py"))
 
 
-def _require_heaps_that_end(path: str | Path) -> None:
+def _reject_cyclic_heaps(path: str | Path) -> None:
     """Refuse a collection of texts in which the HDF5 library would look for the next object for ever.
 
     A collection is "GCOL", a version, three bytes, its size, and objects of index (2 bytes), uses (2),

@@ -91,7 +91,7 @@ def carry_to_response(
     """
     table = tabled(ellipses)
     _require_rms(table)
-    known, own = _measured(measures), _measured(response).take(slice(1))
+    known, own = _as_measures(measures), _as_measures(response).take(slice(1))
     rows = {str(name): row for row, name in enumerate(known.motions)}
     known = known.take([rows[str(name)] for name in table.at["motion"]])
     at = _grid(known.frequencies, known.damping_ratios), _grid(own.frequencies, own.damping_ratios)
@@ -113,12 +113,12 @@ def carry_to_response(
             multiples = np.log(np.minimum(a / of_a, b / of_b))
         fit = _Fit.by_least_squares(
             multiples,
-            _of_response(sizes, known.duration[:, None, None], *at[0]),
+            _response_covariates(sizes, known.duration[:, None, None], *at[0]),
             events,
             growth=_growth(sizes),
         )
         residuals = np.einsum("mfx,gf,yx->mgy", fit.residuals, *weights)
-        target = _of_response(size, duration, *at[1])
+        target = _response_covariates(size, duration, *at[1])
         factor = np.exp(fit.carried(residuals, target, _growth(size), _BETWEEN_RESPONSES))
         return own_a * factor, own_b * factor
 
@@ -127,7 +127,7 @@ def carry_to_response(
         name: _farthest(values[0], near[name]) for name, values in own.compared.items()
     }
     words, scope = f"for a structure that responds as under {own.motions[0]}", scope_of(table, near)
-    assembled = _assembled(table, own.frequencies, own.damping_ratios, carried)
+    assembled = _assemble(table, own.frequencies, own.damping_ratios, carried)
     return _as_given(ellipses, _stating(assembled, words, scope, case, _BY_RESPONSE_ELSEWHERE, _KEPT_FROM))
 
 
@@ -137,7 +137,7 @@ def _farthest(values: Array, population: Array) -> float:
     return float(values.ravel()[np.nanargmax(distance)])
 
 
-def _measured(measures: "xr.Dataset | ResponseMeasures") -> ResponseMeasures:
+def _as_measures(measures: "xr.Dataset | ResponseMeasures") -> ResponseMeasures:
     return measures if isinstance(measures, ResponseMeasures) else ResponseMeasures.from_dataset(measures)
 
 
@@ -218,16 +218,16 @@ def carry_to_suite(ellipses: "xr.Dataset", suite: "xr.Dataset") -> "xr.Dataset":
 
     def carried(name: str, cell: Labels, values: Array) -> Array:
         own = np.log(suite[name].sel(cell).transpose("motion", "f", "xi").values)
-        return np.exp(_pooled(np.log(values), table.events, own, suite["event"].values))
+        return np.exp(_pool(np.log(values), table.events, own, suite["event"].values))
 
     events = np.unique(suite["event"].values).size
     words = f"pooled with {suite.sizes['motion']} motions of {events} earthquakes of the suite"
     f, xi = (table.at[name].astype(np.float64) for name in ("f", "xi"))
-    assembled = _assembled(table, f, xi, _each(carried))
+    assembled = _assemble(table, f, xi, _separately(carried))
     return _stating(assembled, words, scope_of(ellipses), case).to_dataset(near)
 
 
-def _pooled(population: Array, events: NDArray[np.str_], own: Array, own_events: NDArray[np.str_]) -> Array:
+def _pool(population: Array, events: NDArray[np.str_], own: Array, own_events: NDArray[np.str_]) -> Array:
     """Logarithms of a population (motions, f, ξ), moved and stretched towards those of a suite."""
     moved = np.full_like(population, np.nan)
     for row, column in np.ndindex(population.shape[1:]):
@@ -306,7 +306,7 @@ def _line_above_zero(places: Array, values: Array) -> Array:
     return np.asarray(alone[int(np.argmin(errors))])
 
 
-def _of_response(sizes: Array, duration: Array | float, f: Array, xi: Array) -> Array:
+def _response_covariates(sizes: Array, duration: Array | float, f: Array, xi: Array) -> Array:
     """Covariates of what errors of finite size add: their size over the damping, and the structure."""
     size = np.minimum(sizes, _STEEPEST)
     parts = np.ones_like(size), size, np.log(2.0 * np.pi * f * xi * duration), np.log(xi), np.log(f)
@@ -323,7 +323,7 @@ def _grid(f: Array, xi: Array) -> tuple[Array, Array]:
     return f.reshape(-1, 1), xi.reshape(1, -1)
 
 
-def _assembled(
+def _assemble(
     table: EllipseTable, f: Array, xi: Array, carried: Callable[[Labels, Array, Array], tuple[Array, Array]]
 ) -> EllipseTable:
     """Carry a and b of every error, curve and side to other structures."""
@@ -337,7 +337,7 @@ def _assembled(
     return replace(table, a=a, b=b, at=grid, error_at_rest=None, cut_records=None)
 
 
-def _each(
+def _separately(
     carried: Callable[[str, Labels, Array], Array],
 ) -> Callable[[Labels, Array, Array], tuple[Array, Array]]:
     """Carry a and b separately."""
@@ -410,13 +410,13 @@ def protect_over_lengths(
     """
     if metric != Metric.RMS or curve != CurveName.INSCRIBED or not _shows_lengths(ellipses):
         return ellipses
-    protected = _protected(tabled(ellipses))
+    protected = _protect(tabled(ellipses))
     if isinstance(ellipses, EllipseTable):
         return protected  # type: ignore[return-value]  # of the type that was given
     return protected.to_dataset(ellipses)
 
 
-def _protected(table: EllipseTable) -> EllipseTable:
+def _protect(table: EllipseTable) -> EllipseTable:
     lengths = np.quantile(table.of_motions["duration"], _PROTECTED)
     carried = [carry_to_length(table, float(length)) for length in lengths]
     first, second, third = (f"{length:.0f}" for length in lengths)

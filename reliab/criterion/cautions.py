@@ -19,16 +19,16 @@ def cautions_of(
 ) -> tuple[str, ...]:
     """Say what limits the criterion of a grid of structures."""
     sentences = (
-        _without_promise(grid, method, confidence, empty),
+        _promise_caution(grid, method, confidence, empty),
         str(ellipses.attrs.get("caution", "")),
         str(ellipses.attrs.get("copies", "")),
         _too_small(ellipses, confidence),
-        _fitted(grid, method),
-        _left_out(grid, method),
+        _fitted_curve_caution(grid, method),
+        _omission_caution(grid, method),
         _lengths_together(ellipses, grid),
         few_events(grid.fewest_events),
-        _unstated_earthquakes(ellipses),
-        "" if empty else _beyond_the_earthquakes(grid, method, confidence),
+        _unknown_event_caution(ellipses),
+        "" if empty else _extrapolation_caution(grid, method, confidence),
         "" if empty else _shortfall(grid, method, confidence),
         *not_lognormal(grid, method),
     )
@@ -46,7 +46,7 @@ def few_leads(ellipses: EllipseTable, *, leads: bool) -> tuple[str, ...]:
     )
 
 
-def _without_promise(grid: SampleGrid, method: Method, confidence: float, empty: int) -> str:
+def _promise_caution(grid: SampleGrid, method: Method, confidence: float, empty: int) -> str:
     if not empty:
         return ""
     motions, events = grid.fewest_motions, grid.fewest_events
@@ -81,7 +81,7 @@ def _lengths_together(ellipses: EllipseTable, grid: SampleGrid) -> str:
     )
 
 
-def _fitted(grid: SampleGrid, method: Method) -> str:
+def _fitted_curve_caution(grid: SampleGrid, method: Method) -> str:
     if grid.curve == method.curve:
         return ""
     return (
@@ -90,7 +90,7 @@ def _fitted(grid: SampleGrid, method: Method) -> str:
     )
 
 
-def _beyond_the_earthquakes(grid: SampleGrid, method: Method, confidence: float) -> str:
+def _extrapolation_caution(grid: SampleGrid, method: Method, confidence: float) -> str:
     events = grid.fewest_events
     if confidence <= events / (events + 1.0) + 1e-9 or method.distribution_free:
         return ""
@@ -115,7 +115,7 @@ def _earthquakes(events: int) -> str:
     return "one earthquake" if events == 1 else f"{events} earthquakes"
 
 
-def _left_out(grid: SampleGrid, method: Method) -> str:
+def _omission_caution(grid: SampleGrid, method: Method) -> str:
     fewest = grid.fewest_motions
     if fewest == grid.n_motions or method.samples_chains:  # a hierarchical model draws what motions lack
         return ""
@@ -143,7 +143,7 @@ def few_events(fewest: int) -> str:
     return f"The motions come from only {_earthquakes(fewest)}, and motions of one earthquake are alike."
 
 
-def _unstated_earthquakes(ellipses: EllipseTable) -> str:
+def _unknown_event_caution(ellipses: EllipseTable) -> str:
     own = int((ellipses.at["motion"].astype(np.str_) == ellipses.events.astype(np.str_)).sum())
     if own < _SHARED_BY:
         return ""

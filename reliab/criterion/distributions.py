@@ -43,11 +43,11 @@ class Distribution(ABC):
                 value=f"{sample.size} times {sample[0]:g}",
                 remedy="Give different ground motions",
             )
-        return cls._of_maximum_likelihood(sample)
+        return cls._maximise_likelihood(sample)
 
     @classmethod
     @abstractmethod
-    def _of_maximum_likelihood(cls, values: Array) -> Self:
+    def _maximise_likelihood(cls, values: Array) -> Self:
         """Fit to checked values, shape (n,)."""
 
     @abstractmethod
@@ -138,7 +138,7 @@ class Lognormal(OfLogarithm):
     sigma: float
 
     @classmethod
-    def _of_maximum_likelihood(cls, values: Array) -> Self:
+    def _maximise_likelihood(cls, values: Array) -> Self:
         logarithms = np.log(values)
         return cls(mu=float(logarithms.mean()), sigma=float(logarithms.std()))
 
@@ -173,7 +173,7 @@ class Gamma(OfShapeAndScale):
     family_name: ClassVar[str] = "gamma"
 
     @classmethod
-    def _of_maximum_likelihood(cls, values: Array) -> Self:
+    def _maximise_likelihood(cls, values: Array) -> Self:
         unit = float(values.mean())
         shape, _, scale = scipy.stats.gamma.fit(values / unit, floc=0.0)
         return cls(shape=float(shape), scale=float(scale) * unit)
@@ -194,7 +194,7 @@ class Weibull(OfShapeAndScale):
     family_name: ClassVar[str] = "weibull_min"
 
     @classmethod
-    def _of_maximum_likelihood(cls, values: Array) -> Self:
+    def _maximise_likelihood(cls, values: Array) -> Self:
         logarithms = np.log(values)
 
         def score(shape: float) -> float:
@@ -230,7 +230,7 @@ class LogStudentT(OfLogarithm):
     degrees_of_freedom: float  # From 1 (Cauchy) to 500 (all but normal)
 
     @classmethod
-    def _of_maximum_likelihood(cls, values: Array) -> Self:
+    def _maximise_likelihood(cls, values: Array) -> Self:
         logarithms = np.log(values)
         mean, spread = logarithms.mean(), logarithms.std()
         standardised = (logarithms - mean) / spread
@@ -279,7 +279,7 @@ class LogSkewNormal(OfLogarithm):
     shape: float  # α, between −20 and 20; 0 is the lognormal, a positive one has the longer tail above
 
     @classmethod
-    def _of_maximum_likelihood(cls, values: Array) -> Self:
+    def _maximise_likelihood(cls, values: Array) -> Self:
         logarithms = np.log(values)
         mean, spread = logarithms.mean(), logarithms.std()
         standardised = (logarithms - mean) / spread
@@ -375,7 +375,7 @@ class Empirical(NormalKernels):
     name: ClassVar[str] = "empirical"
 
     @classmethod
-    def _of_maximum_likelihood(cls, values: Array) -> Self:
+    def _maximise_likelihood(cls, values: Array) -> Self:
         logarithms = np.log(values)
         quartiles = scipy.stats.iqr(logarithms) / _NORMAL_QUARTILES
         spread = min(logarithms.std(), quartiles) if quartiles > 0.0 else logarithms.std()
@@ -406,7 +406,7 @@ class LogGaussianMixture(NormalKernels):
     name: ClassVar[str] = "gaussian_mixture"
 
     @classmethod
-    def _of_maximum_likelihood(cls, values: Array) -> Self:
+    def _maximise_likelihood(cls, values: Array) -> Self:
         logarithms = np.log(values)
         floor = _NARROWEST * logarithms.std()
         weights = np.array([0.5, 0.5])

@@ -40,7 +40,9 @@ def read_table(
     with `alpha` after `xi` where the file has several shares of the stiffness.
     """
     path = "the data frame" if isinstance(source, pd.DataFrame) else str(source)
-    table = _named(source.astype(str) if isinstance(source, pd.DataFrame) else _cells(Path(source)), path)
+    table = _name_columns(
+        source.astype(str) if isinstance(source, pd.DataFrame) else _cells(Path(source)), path
+    )
     given = pd.DataFrame(
         {"f": frequency, "xi": damping_ratio, "threshold": threshold, "metric": str(metric)},
         index=table.index,
@@ -49,7 +51,7 @@ def read_table(
     table = table.assign(**({} if states_share else {_SHARE: "1"}))
     table = table.join(given[[name for name in given if name not in table]])
     for name in ("a", "b", "f", "xi", _SHARE, "threshold"):
-        table[name] = _in_range(table[name], name, path)
+        table[name] = _require_range(table[name], name, path)
     repeated = table.duplicated(["motion", *_CELL])
     if repeated.any():
         raise InputError(
@@ -82,7 +84,7 @@ def _cells(path: Path) -> pd.DataFrame:
     return rows[1:].set_axis(list(rows.iloc[0]), axis="columns").reset_index(drop=True)
 
 
-def _named(table: pd.DataFrame, path: str) -> pd.DataFrame:
+def _name_columns(table: pd.DataFrame, path: str) -> pd.DataFrame:
     """Give every column the name that it has here, and the motions names and earthquakes."""
     table = table.rename(columns=lambda name: str(name).strip().lower())
     table = table.rename(columns={k: v for k, v in _OTHER_NAMES.items() if v not in table})
@@ -109,7 +111,7 @@ def _named(table: pd.DataFrame, path: str) -> pd.DataFrame:
     return table
 
 
-def _in_range(column: "pd.Series[str]", name: str, path: str) -> "pd.Series[float]":
+def _require_range(column: "pd.Series[str]", name: str, path: str) -> "pd.Series[float]":
     numbers = pd.to_numeric(column, errors="coerce")
     limits = RANGES[OF_DIMENSIONS.get(name, "number")]
     wrong = ~limits.includes(numbers)
@@ -190,11 +192,11 @@ def read_ellipses(
 
             source = open_results(source)
     if isinstance(source, xr.Dataset):
-        return _of_dataset(source, threshold, metric)
+        return _ellipses_of_dataset(source, threshold, metric)
     return read_table(source, frequency=f, damping_ratio=xi, threshold=threshold, metric=metric)
 
 
-def _of_dataset(dataset: xr.Dataset, threshold: float, metric: str) -> xr.Dataset:
+def _ellipses_of_dataset(dataset: xr.Dataset, threshold: float, metric: str) -> xr.Dataset:
     """Take ellipses as they are, and trace them in results."""
     if {"a", "b"} <= set(dataset):
         return dataset

@@ -270,7 +270,7 @@ def without_copies(ellipses: _Given) -> _Given:
     copied = np.flatnonzero(first != np.arange(first.size))
     if not copied.size:
         return ellipses
-    names = _along_motions(ellipses, "motion")
+    names = _motion_texts(ellipses, "motion")
     pairs = [f"{names[place]} of {names[first[place]]}" for place in copied[:_WRITTEN_OUT]]
     more = ", …" if copied.size > _WRITTEN_OUT else ""
     sentence = (
@@ -286,7 +286,7 @@ def without_copies(ellipses: _Given) -> _Given:
 def copied_from(ellipses: Ellipses) -> NDArray[np.intp]:
     """Find the first motion with the record of each, shape (motions,)."""
     alike = _have_same_boundary(ellipses)
-    checksums, outlines = (_along_motions(ellipses, name) for name in ("checksum", "outline"))
+    checksums, outlines = (_motion_texts(ellipses, name) for name in ("checksum", "outline"))
     if checksums.size and all(checksums.tolist()):
         alike |= checksums[:, None] == checksums
     if outlines.size and all(outlines.tolist()):
@@ -294,7 +294,7 @@ def copied_from(ellipses: Ellipses) -> NDArray[np.intp]:
     return np.asarray(alike.argmax(axis=1))
 
 
-def _along_motions(ellipses: Ellipses, name: str) -> NDArray[np.str_]:
+def _motion_texts(ellipses: Ellipses, name: str) -> NDArray[np.str_]:
     """Texts of the motions; empty where they are not known."""
     if isinstance(ellipses, EllipseTable):
         texts = ellipses.at["motion"] if name == "motion" else ellipses.of_motions.get(name, ())

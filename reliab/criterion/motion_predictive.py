@@ -60,7 +60,9 @@ def roots_of_increasing(function: Callable[[Array], Array], low: Array, high: Ar
         found = (width <= _RESOLUTION * np.abs(best)) | (at_newest == 0.0) | (at_other == 0.0)
         if (found | ~np.isfinite(width)).all():
             break
-        share = np.clip(_interpolated(newest, other, last, at_newest, at_other, at_last), least, 1.0 - least)
+        share = np.clip(
+            _interpolate_root(newest, other, last, at_newest, at_other, at_last), least, 1.0 - least
+        )
     return np.where(np.isfinite(width), best, np.nan)
 
 
@@ -75,7 +77,7 @@ def _bracket(function: Callable[[Array], Array], low: Array, high: Array) -> tup
     return np.where(above | below, np.nan, low), high
 
 
-def _interpolated(a: Array, b: Array, c: Array, at_a: Array, at_b: Array, at_c: Array) -> Array:
+def _interpolate_root(a: Array, b: Array, c: Array, at_a: Array, at_b: Array, at_c: Array) -> Array:
     """Share of the way from a to b of the root by inverse quadratic interpolation; a half where unsafe."""
     with np.errstate(divide="ignore", invalid="ignore"):
         place, height = (a - b) / (c - b), (at_a - at_b) / (at_c - at_b)

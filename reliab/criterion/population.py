@@ -135,10 +135,10 @@ class Population:
             weight = along_f[:, row] * along_xi[:, column]
             near = (weight > 0.0) & ~perfect
             if near.any():
-                probability[near] += weight[near] * self._at_node(u[near], v[near], row, column)
+                probability[near] += weight[near] * self._node_probability(u[near], v[near], row, column)
         return np.asarray(probability.reshape(arrays[0].shape))
 
-    def _at_node(self, u: Array, v: Array, row: int, column: int) -> Array:
+    def _node_probability(self, u: Array, v: Array, row: int, column: int) -> Array:
         """Probability of dimensionless squared errors u and v, shape (points,), at one structure."""
         alpha, beta = np.exp(self.log_alpha[:, row, column]), np.exp(self.log_beta[:, row, column])
         known = np.isfinite(alpha)

@@ -28,7 +28,7 @@ _WHOLE: Final[Mapping[str, slice]] = MappingProxyType({})
 @cache
 def shipped_ellipses(curve: str, window: str, metric: str) -> EllipseTable:
     """Ellipses of one kind that ship, of one error over one of the windows."""
-    with _opened(_ELLIPSES, "Ellipses") as file:
+    with _open_shipped(_ELLIPSES, "Ellipses") as file:
         at = {name: _values(file, name) for name in DIMENSIONS}
         asked = {"window": window, "curve": curve, "metric": metric}
         place = {name: _values(file, name).tolist().index(label) for name, label in asked.items()}
@@ -65,7 +65,7 @@ def shipped_measures(angle: float | None = None) -> ResponseMeasures:
 @cache
 def _measures() -> ResponseMeasures:
     """Read all but the multiples towards directions, of which most questions need none."""
-    with _opened(_MEASURES, "Measures of responses") as file:
+    with _open_shipped(_MEASURES, "Measures of responses") as file:
         return ResponseMeasures(
             **{name: file[name][()] for name in ("a_first", "b_first", "effective_duration", "duration")},
             motions=_values(file, "motion"),
@@ -83,12 +83,12 @@ def _measures() -> ResponseMeasures:
 @cache
 def _towards(first: int) -> NDArray[Any]:
     """Read the multiples towards a direction and the next."""
-    with _opened(_MEASURES, "Measures of responses") as file:
+    with _open_shipped(_MEASURES, "Measures of responses") as file:
         return _numbers(file, "scale_towards", {"direction": slice(first, first + 2)})
 
 
 @contextmanager
-def _opened(name: str, words: str) -> Iterator["h5py.File"]:
+def _open_shipped(name: str, words: str) -> Iterator["h5py.File"]:
     """Open a file that ships; `words`: what it holds."""
     path, rule = shipped("datasets", name), f"{words} must be a NetCDF file"
     remedy = "Install the package again"

@@ -139,16 +139,16 @@ def _opening(packed: Mapping[str, Any], settings: Settings) -> dict[str, Any]:
             remedy=f"Choose among {', '.join(metrics)}",
         )
     return {
-        "frequency": _within("natural frequency", settings.frequency, packed["frequencies"], 1.0),
-        "dampingRatio": _within("damping ratio", settings.damping_ratio, packed["dampingRatios"], 0.02),
-        "threshold": _within("error threshold", settings.threshold, packed["thresholds"], 0.05),
+        "frequency": _clamp("natural frequency", settings.frequency, packed["frequencies"], 1.0),
+        "dampingRatio": _clamp("damping ratio", settings.damping_ratio, packed["dampingRatios"], 0.02),
+        "threshold": _clamp("error threshold", settings.threshold, packed["thresholds"], 0.05),
         "share": settings.experimental_fraction,
         "confidence": settings.confidence,
         "metric": settings.metric or metrics[0],
     }
 
 
-def _within(name: str, value: float | None, held: list[float], usual: float) -> float:
+def _clamp(name: str, value: float | None, held: list[float], usual: float) -> float:
     """Return a value within the range of the ellipses; by default the one nearest to a usual value."""
     low, high = min(held), max(held)
     if value is None:
@@ -172,7 +172,7 @@ def pack(ellipses: Mapping[str, xr.Dataset]) -> dict[str, Any]:
     Other ellipses are rounded to the same digits, 2.4e-4 relative.
     """
     protected = [protect_over_lengths(dataset) for dataset in ellipses.values()]
-    tables = [_inscribed(dataset) for dataset in protected]
+    tables = [_inscribed_ellipses(dataset) for dataset in protected]
     first = tables[0]
     bits = [
         np.stack([_bits(table[name].values.astype(np.float64)) for table in tables]) for name in ("a", "b")
@@ -208,7 +208,7 @@ def pack(ellipses: Mapping[str, xr.Dataset]) -> dict[str, Any]:
     }
 
 
-def _inscribed(ellipses: xr.Dataset) -> xr.Dataset:
+def _inscribed_ellipses(ellipses: xr.Dataset) -> xr.Dataset:
     """Inscribed ellipses, or least-squares ones where no inscribed ones are stored, in the page's order."""
     ellipses = at_share(ellipses)
     curves = names_along(ellipses, "curve")

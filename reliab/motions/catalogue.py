@@ -162,11 +162,11 @@ def _record(
             _positive(row, "dt_s", line, report), defaults.time_step, "time steps", line, report
         ),
         units=_one_of(_units(row, line, report), defaults.units, "units", line, report),
-        header_count=_whole(row, "header_npts", line, report),
+        header_count=_integer_cell(row, "header_npts", line, report),
         header_time_step=_positive(row, "header_dt_s", line, report),
         where=f"{path.name}, line {line}",
     )
-    channel = _whole(row, "channel", line, report)
+    channel = _integer_cell(row, "channel", line, report)
     if len(report.faults) == faults_before:
         yield RecordFile(
             path=file,
@@ -199,7 +199,7 @@ def _positive(row: dict[str, str], column: str, line: int, report: Report) -> fl
     return value
 
 
-def _whole(row: dict[str, str], column: str, line: int, report: Report) -> int | None:
+def _integer_cell(row: dict[str, str], column: str, line: int, report: Report) -> int | None:
     value = _positive(row, column, line, report)
     if value is not None and not (0 < value < 1e9 and value.is_integer()):  # noqa: PLR2004 - no record has more
         report.add(f"Not a whole number in the column {column}", line=line, value=row[column])

@@ -39,7 +39,7 @@ def moves(values: Array) -> bool:
 
 def compare(first: Array, second: Array) -> Likeness:
     """Compare two histories, shape (n,), of equal steps; values that are no readings count as no motion."""
-    x, y = (_centred(values) for values in _strongest(first, second))
+    x, y = (_centre(values) for values in _strongest(first, second))
     sizes = [float(np.sqrt(np.mean(values**2))) for values in (x, y)]
     if min(sizes) <= 0.0 or x.size < _FEWEST:
         return Likeness(correlation=0.0, lag=0.0, ratio=np.inf, noise_ratio=1.0, copies=False)
@@ -56,7 +56,7 @@ def compare(first: Array, second: Array) -> Likeness:
 
 def explained(force: Array, displacement: Array) -> float:
     """Share of a force that its displacement, velocity and acceleration explain linearly."""
-    force, displacement = (_centred(values) for values in _strongest(force, displacement))
+    force, displacement = (_centre(values) for values in _strongest(force, displacement))
     velocity = np.gradient(displacement)
     motion = np.column_stack([np.ones(force.size), displacement, velocity, np.gradient(velocity)])
     scales = np.abs(motion).max(axis=0)
@@ -66,7 +66,7 @@ def explained(force: Array, displacement: Array) -> float:
     return 1.0 - float(np.var(remainder)) / spread if spread > 0.0 else 0.0
 
 
-def _centred(values: Array) -> Array:
+def _centre(values: Array) -> Array:
     """Take the mean from readings; zero stands where a value is none."""
     are_readings = np.abs(values) < LARGEST_READING
     centred = np.zeros(values.shape)
@@ -81,7 +81,7 @@ def _strongest(first: Array, second: Array) -> tuple[Array, Array]:
     first, second = first[:size], second[:size]
     if size <= _MOST_SAMPLES:
         return first, second
-    moved = np.abs(np.diff(_centred(first))).cumsum()
+    moved = np.abs(np.diff(_centre(first))).cumsum()
     begin = int(np.argmax(moved[_MOST_SAMPLES:] - moved[:-_MOST_SAMPLES]))
     return first[begin : begin + _MOST_SAMPLES], second[begin : begin + _MOST_SAMPLES]
 

@@ -165,7 +165,7 @@ def calibration_in_toml(calibration: ChannelCalibration, described: str, source:
     command_noise_m = 0
     <BLANKLINE>
     """
-    lines = [f"[calibration]  # measured by `reliab calibrate` from {_in_a_comment(source)}"]
+    lines = [f"[calibration]  # measured by `reliab calibrate` from {_comment_text(source)}"]
     for name, deviation in _UNSURE:
         value = getattr(calibration, name)
         if value is not None:
@@ -175,7 +175,7 @@ def calibration_in_toml(calibration: ChannelCalibration, described: str, source:
     return "\n".join([*([remaining, ""] if remaining else []), *lines, ""])
 
 
-def _in_a_comment(text: str) -> str:
+def _comment_text(text: str) -> str:
     return "".join(character for character in text if character.isprintable())
 
 
@@ -195,7 +195,7 @@ class _Channels:
     def __init__(self, recording: Recording, rests: list[NDArray[np.intp]], weights: Array | None) -> None:
         rate = 1.0 / recording.time_step
         edge, coefficients = _filter_of(recording.command, rate)
-        motion = _flattened(smoothed(recording.command, coefficients), rests)
+        motion = _flatten_rests(smoothed(recording.command, coefficients), rests)
         self.half_range = 0.5 * float(np.ptp(motion))
         stops = _stops(motion, self.half_range)
         if weights is not None:
@@ -272,13 +272,13 @@ def _fit_plays(
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _AtRest:
+class _RestEstimate:
     scale: StatedValue  # [-]
     hysteresis: StatedValue  # [-]
     weights: Array  # of the plays [-], shape (radii,)
 
 
-def _estimate_at_rest(recording: Recording, rests: list[NDArray[np.intp]]) -> _AtRest:
+def _estimate_at_rest(recording: Recording, rests: list[NDArray[np.intp]]) -> _RestEstimate:
     """Estimate scale and plays from the second halves of the rests of a test, by the path between them."""
     command, reading = (
         np.array([values[rest].mean() for rest in rests])
@@ -286,7 +286,7 @@ def _estimate_at_rest(recording: Recording, rests: list[NDArray[np.intp]]) -> _A
     )
     half_range = 0.5 * float(np.ptp(recording.command))
     window = np.hanning(max(round(_WINDOW / recording.time_step), 1) | 1)  # steps do not ring in it
-    path = _flattened(smoothed(recording.measured, window / window.sum()), rests)
+    path = _flatten_rests(smoothed(recording.measured, window / window.sum()), rests)
     stops = _stops(path, half_range)[:, [rest[-1] for rest in rests]].T
     times = np.array([rest.mean() for rest in rests])
 
@@ -299,7 +299,7 @@ def _estimate_at_rest(recording: Recording, rests: list[NDArray[np.intp]]) -> _A
     deviations = jackknife * np.sqrt(_STRETCHES - 1.0)
     scale, weights = estimate(places >= 0)
     hysteresis = float(weights @ _RADII)
-    return _AtRest(
+    return _RestEstimate(
         scale=StatedValue(scale, float(np.hypot(deviations[0], _OF_SCALE))),
         hysteresis=StatedValue(hysteresis, float(np.hypot(deviations[1], _OF_HYSTERESIS * hysteresis))),
         weights=weights,
@@ -344,7 +344,7 @@ def _rests(recording: Recording, noise: float) -> list[NDArray[np.intp]]:
     return rests if in_steps else []
 
 
-def _flattened(motion: Array, rests: list[NDArray[np.intp]]) -> Array:
+def _flatten_rests(motion: Array, rests: list[NDArray[np.intp]]) -> Array:
     """Take the noise from the rests of a motion, which would move its plays, shape (n,)."""
     flat = motion.copy()
     for rest in rests:

@@ -87,7 +87,7 @@ def clock_of(columns: Columns, name: str, times: Array, factor: float) -> Clock:
     require_physical("time step", factor * mean, where=columns.where)
     latest = _latest(times)
     if latest <= max(_EVEN * mean, 1.01 * _rounding(times)):
-        return Clock(begin=factor * float(times[0]), step=_of_whole_rate(factor * mean))
+        return Clock(begin=factor * float(times[0]), step=_round_rate(factor * mean))
     if (row := _first_jump(times)) is not None:
         raise _no_equal_steps(columns, name, times, row)
     return _uneven(columns, factor * times, latest / mean)
@@ -150,7 +150,7 @@ def _uneven(columns: Columns, times: Array, off: float) -> Clock:
             where=columns.where,
         )
     changes = longest > (1.0 + 2.0 * _STEADY) * shortest
-    step = _of_whole_rate(shortest) if changes else mean
+    step = _round_rate(shortest) if changes else mean
     if changes:
         what = f"The step between samples changes between {shortest:.4g} and {longest:.4g} s"
     elif off > 1.0:
@@ -161,7 +161,7 @@ def _uneven(columns: Columns, times: Array, off: float) -> Clock:
     return Clock(begin=float(times[0]), step=step, times=times, note=note)
 
 
-def _of_whole_rate(step: float) -> float:
+def _round_rate(step: float) -> float:
     """Step [s], without the rounding of the times where it is that of a whole number of hertz."""
     rate = round(1.0 / step)
     return 1.0 / rate if rate > 0 and abs(rate * step - 1.0) < _ROUNDED else step
@@ -259,7 +259,7 @@ def at_one_clock(
             remedy="Correct `rate`, or say with `time_units` in what unit the times are",
             where=columns.where,
         )
-    return _interpolated(columns, channels, values, clocks)
+    return _interpolate(columns, channels, values, clocks)
 
 
 def _readings(columns: Columns, name: str, values: Array) -> Array:
@@ -299,7 +299,7 @@ def _from_one_date(
     return {key: clock.later(seconds_between(first, clock.start or first)) for key, clock in dated.items()}
 
 
-def _interpolated(
+def _interpolate(
     columns: Columns,
     channels: Mapping[str, Channel],
     values: Mapping[str, Array],
@@ -325,7 +325,9 @@ def _interpolated(
                 nodes, known = nodes[hold.places] - hold.lateness * clock.step, known[hold.places]
             histories[key] = CubicPath.through(nodes, known)(inside)
         of_own = not is_cut and (lead.times is None or clock.times is not lead.times)
-        applied[key] = tuple(_applied(clock, lead, hold, channels[first].column, is_interpolated=of_own))
+        applied[key] = tuple(
+            _describe_changes(clock, lead, hold, channels[first].column, is_interpolated=of_own)
+        )
     return Aligned(
         values=histories,
         step=lead.step,
@@ -341,7 +343,7 @@ def _is_parallel(clock: Clock, lead: Clock, size: int) -> bool:
     return even and abs(clock.step / lead.step - 1.0) * size < _SAME
 
 
-def _applied(
+def _describe_changes(
     clock: Clock, lead: Clock, hold: Hold | None, first: str, *, is_interpolated: bool
 ) -> Iterator[str]:
     """Say what was done to a channel to bring it to the clock of the first one, if it has another."""
@@ -394,7 +396,7 @@ def _clock_of(columns: Columns, name: str, shared: Clock | None, size: int, time
         )
     if shared is not None:
         return shared if series.start is None else replace(shared, start=series.start)
-    if not (step := _stated_step(columns)):
+    if not (step := _header_step(columns)):
         raise InputError(
             "No times and no sampling rate in the file",
             remedy="Name the column of times with `time`, or give the sampling rate with `rate`. "
@@ -459,7 +461,7 @@ def _require_unit(columns: Columns, name: str, clock: Clock, size: int, unit: Un
         )
 
 
-def _stated_step(columns: Columns) -> float:
+def _header_step(columns: Columns) -> float:
     """Step [s] that the file states beside its columns; 0 where it states none."""
     for names, invert in ((STEPS, False), (RATES, True)):
         for name, value in columns.scalars.items():

@@ -46,7 +46,7 @@ def rows_without_skew(rows: Iterator[Rows], samples: float) -> Iterator[Rows]:
         if waiting is None:
             read = np.repeat(part.measured[..., :1], max(first, 0), axis=-1)
         read = np.concatenate([read, part.measured], axis=-1)
-        waiting = part if waiting is None else _joined(waiting, part)
+        waiting = part if waiting is None else _join(waiting, part)
         if first < 0:
             dropped = min(-first, read.shape[-1])
             read, first = read[..., dropped:], first + dropped
@@ -65,7 +65,7 @@ def _cubic(place: float) -> Array:
     return np.array([np.prod((place - o) / (node - o)) for node, o in zip(nodes, others, strict=True)])
 
 
-def _joined(before: Rows, after: Rows) -> Rows:
+def _join(before: Rows, after: Rows) -> Rows:
     def follow(name: str) -> Any:  # noqa: ANN401 - arrays, or none
         held = getattr(before, name), getattr(after, name)
         return None if held[0] is None or held[1] is None else np.concatenate(held, axis=-1)
@@ -177,12 +177,12 @@ def rows_about_zero(rows: Iterable[Rows], time_step: float) -> Iterator[Rows]:
     A loop that felt an offset of its sensor from before the first row moves the command alone. `time_step`
     [s].
     """
-    kept: list[tuple[_Thinned, _Thinned]] = []
+    kept: list[tuple[_Decimator, _Decimator]] = []
     name = ""
     for part in rows:
         name = part.name
         channels = np.stack([np.atleast_2d(part.command), np.atleast_2d(part.measured)], axis=1)
-        kept = kept or [(_Thinned(), _Thinned()) for _ in channels]
+        kept = kept or [(_Decimator(), _Decimator()) for _ in channels]
         for pair, histories in zip(kept, channels, strict=True):
             for thinned, history in zip(pair, histories, strict=True):
                 thinned.add(history)
@@ -223,7 +223,7 @@ def _length_of_moves(command: Array, begin: int, end: int) -> float:
 
 
 @dataclass(kw_only=True)
-class _Thinned:
+class _Decimator:
     """Every so many samples of a history that grows."""
 
     every: int = 1

@@ -46,16 +46,16 @@ def chunks_of_text(
             yield piece
         return
     path = Path(source)
-    stream = _awaited(path, start_within, say)
+    stream = _wait_for(path, start_within, say)
     idle, lines = 0.0, 0
     try:
         while idle <= (wait if lines > 1 else start_within):
             if piece := stream.read(_BYTES):
                 idle, lines = 0.0, lines + piece.count(b"\n")
                 yield piece
-            elif _rotated(path, stream):
+            elif _is_replaced(path, stream):
                 stream.close()
-                stream = _opened(path)
+                stream = _open(path)
                 yield b""
             else:
                 time.sleep(_POLL)
@@ -64,17 +64,17 @@ def chunks_of_text(
         stream.close()
 
 
-def _awaited(path: Path, limit: float, say: Callable[[str], None]) -> BinaryIO:
+def _wait_for(path: Path, limit: float, say: Callable[[str], None]) -> BinaryIO:
     """Open a file that a logger may still have to create in its folder."""
     if not path.exists() and path.absolute().parent.is_dir():
         say(f"Waiting up to {limit:g} s for {path.name}, which does not exist yet; Ctrl-C ends the waiting.")
         until = time.monotonic() + limit
         while not path.exists() and time.monotonic() < until:
             time.sleep(_POLL)
-    return _opened(path)
+    return _open(path)
 
 
-def _opened(path: Path) -> BinaryIO:
+def _open(path: Path) -> BinaryIO:
     try:
         return ordinary(path).open("rb")
     except OSError as error:
@@ -86,7 +86,7 @@ def _opened(path: Path) -> BinaryIO:
         ) from error
 
 
-def _rotated(path: Path, stream: BinaryIO) -> bool:
+def _is_replaced(path: Path, stream: BinaryIO) -> bool:
     """Return whether the file was replaced by another one, or shortened."""
     try:
         now = path.stat()
@@ -127,7 +127,7 @@ class Rows:
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Wanted:
+class _Request:
     """What is looked for in a text: its name, what is stated of channels, and which there must be."""
 
     name: str
@@ -161,7 +161,7 @@ def rows_as_written(
     `name` is that of its file, `also` which columns it must have beside both displacements, `several` whether
     these are of several actuators, as command_1, measured_1, command_2, …
     """
-    wanted = _Wanted(name=name, stated=stated, also=tuple(also), several=several)
+    wanted = _Request(name=name, stated=stated, also=tuple(also), several=several)
     remainder, number = b"", 0
     layout: _Layout | None = None
     waiting: list[tuple[int, str]] = []
@@ -184,14 +184,14 @@ def rows_as_written(
         number += len(whole)
         if layout is None:
             waiting += lines
-            layout, lines = _begun(waiting, wanted, before)
+            layout, lines = _detect_layout(waiting, wanted, before)
         if layout is not None and (rows := [line for line in lines if not is_comment(line[1])]):
-            yield _parsed(rows, layout, name)
+            yield _parse(rows, layout, name)
     if layout is None and before is None:
         _explain(waiting, wanted)
 
 
-def _explain(waiting: list[tuple[int, str]], wanted: _Wanted) -> None:
+def _explain(waiting: list[tuple[int, str]], wanted: _Request) -> None:
     """Say what is wrong with a text in which no two rows of numbers stand below names."""
     lines = [(number, line) for number, line in waiting if not is_comment(line)]
     if len(lines) > 1:
@@ -199,15 +199,15 @@ def _explain(waiting: list[tuple[int, str]], wanted: _Wanted) -> None:
         first = next((k for k, (_, line) in enumerate(lines) if _has_number(line, delimiter)), len(lines))
         if 0 < first < len(lines):
             above = [line for _, line in lines[:first]]
-            _parsed(lines[first:], _layout(above, above[-1], delimiter, wanted), wanted.name)
+            _parse(lines[first:], _layout(above, above[-1], delimiter, wanted), wanted.name)
 
 
 def _has_number(line: str, delimiter: str) -> bool:
     return any(number_of(cell) is not None and cell for cell in cells_of(line, delimiter))
 
 
-def _begun(
-    waiting: list[tuple[int, str]], wanted: _Wanted, before: _Layout | None
+def _detect_layout(
+    waiting: list[tuple[int, str]], wanted: _Request, before: _Layout | None
 ) -> tuple[_Layout | None, list[tuple[int, str]]]:
     """Layout of a text, as soon as a row stands below names, or two rows do, and the lines from there."""
     lines = [line for _, line in waiting]
@@ -242,7 +242,7 @@ def _stands_below_names(lines: list[str], delimiter: str) -> bool:
     )
 
 
-def _layout(above: list[str], line: str, delimiter: str, wanted: _Wanted) -> _Layout:
+def _layout(above: list[str], line: str, delimiter: str, wanted: _Request) -> _Layout:
     cells = cells_of(line, delimiter)
     width = len(cells)
     header = header_of(above, width, delimiter, where=wanted.name)
@@ -283,7 +283,7 @@ def _layout(above: list[str], line: str, delimiter: str, wanted: _Wanted) -> _La
     )
 
 
-def _require_columns(wanted: _Wanted, parts: set[Part], names: Sequence[str]) -> None:
+def _require_columns(wanted: _Request, parts: set[Part], names: Sequence[str]) -> None:
     """Refuse a text without the columns that are needed beside both displacements."""
     for part in wanted.also:
         if part not in parts:
@@ -306,7 +306,7 @@ def _require_one(recognised: Sequence[Channel], name: str) -> None:
         )
 
 
-def _parsed(lines: list[tuple[int, str]], layout: _Layout, name: str) -> Rows:
+def _parse(lines: list[tuple[int, str]], layout: _Layout, name: str) -> Rows:
     read: dict[tuple[Part, str], list[float]] = {key: [] for key in layout.channels}
     for number, line in lines:
         cells = cells_of(line, layout.delimiter)

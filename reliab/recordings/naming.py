@@ -46,17 +46,17 @@ _WEAK_RANK, _ALTERED_RANK, _TABLE_RANK = 2, 4, 2
 _LEAST_NOISE_RATIO = 3.0
 
 
-def _by_word(words: Mapping[_Meaning, str]) -> dict[str, _Meaning]:
+def _meaning_by_word(words: Mapping[_Meaning, str]) -> dict[str, _Meaning]:
     return {word: meaning for meaning, listed in words.items() for word in listed.split()}
 
 
-_QUANTITY_OF: Final = _by_word(QUANTITIES)
+_QUANTITY_OF: Final = _meaning_by_word(QUANTITIES)
 
 
-_ROLE_OF: Final = _by_word(ROLES)
+_ROLE_OF: Final = _meaning_by_word(ROLES)
 
 
-_WEAK_ROLE_OF: Final = _by_word(WEAK_ROLES)
+_WEAK_ROLE_OF: Final = _meaning_by_word(WEAK_ROLES)
 
 
 _ALTERED: Final = frozenset(ALTERED.split())
@@ -99,8 +99,8 @@ class Named:
 
 def describe(columns: Sequence[str], units: Mapping[str, str]) -> dict[str, Named]:
     """Say what names and units of all columns mean."""
-    named = {column: _described(column, unit_of(units.get(column, ""))) for column in columns}
-    return {column: _by_ending(what, named) for column, what in named.items()}
+    named = {column: _describe(column, unit_of(units.get(column, ""))) for column in columns}
+    return {column: _role_by_ending(what, named) for column, what in named.items()}
 
 
 def plain(name: str) -> str:
@@ -123,11 +123,11 @@ def words_of(name: str) -> tuple[str, ...]:
     whole = "".join(parts).lower()
     if whole in _KNOWN:  # "SetPoint", "LoadCell"
         return (whole,)
-    return tuple(word for part in parts for word in _unglued(part.lower()))
+    return tuple(word for part in parts for word in _split_compound(part.lower()))
 
 
 @cache
-def _unglued(word: str) -> tuple[str, ...]:
+def _split_compound(word: str) -> tuple[str, ...]:
     """Words of which one is put together, all of them known; itself where it is not."""
     if word in _KNOWN or len(word) > _LONGEST_WORD:
         return (word,)
@@ -161,7 +161,7 @@ def _ascii(name: str) -> str:
     return "".join(letter for letter in plain_letters if not unicodedata.combining(letter))
 
 
-def _described(column: str, stated: Unit | None) -> Named:
+def _describe(column: str, stated: Unit | None) -> Named:
     last = leaf(column)
     symbol = SYMBOLS.get(re.sub(r"\d+$", "", plain(last)))
     bare, written = (last, None) if symbol else split_unit(last)
@@ -177,7 +177,7 @@ def _described(column: str, stated: Unit | None) -> Named:
     unit = stated or written
     return Named(
         column=column,
-        quantity=_with_unit(quantity, unit, words),
+        quantity=_apply_unit(quantity, unit, words),
         role=role,
         weak=weak,
         altered=bool(_ALTERED & {*words, *around}) or bool(_FLAG.match(last)),
@@ -186,7 +186,7 @@ def _described(column: str, stated: Unit | None) -> Named:
     )
 
 
-def _with_unit(quantity: Quantity | None, unit: Unit | None, words: Sequence[str]) -> Quantity | None:
+def _apply_unit(quantity: Quantity | None, unit: Unit | None, words: Sequence[str]) -> Quantity | None:
     """Take what the unit says, but for errors, valves and states, which any unit may have."""
     if unit is None or quantity in {Quantity.ERROR, Quantity.VALVE}:
         return quantity
@@ -222,7 +222,7 @@ def _number(words: Sequence[str], bare: str) -> str:
     return digits[-1] if digits else (ending[1] or ending[2]).lower() if ending else ""
 
 
-def _by_ending(what: Named, named: Mapping[str, Named]) -> Named:
+def _role_by_ending(what: Named, named: Mapping[str, Named]) -> Named:
     """Tell x_d and x_m, or disp_c and disp_m, by their last letters, where both are there."""
     name = what.column
     if what.role is not None or len(name) < 3 or name[-2] != "_":  # noqa: PLR2004 - a letter, _ and a letter

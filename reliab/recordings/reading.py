@@ -176,7 +176,7 @@ def histories_of(
     """Recognise the channels of a test, and bring them to SI units and one clock."""
     if Part.TIME not in laboratory.stated:
         columns = with_paired_times(columns)
-    completed, notes = _with_units(columns, recognise(columns, laboratory.stated, needed=needed))
+    completed, notes = _complete_units(columns, recognise(columns, laboratory.stated, needed=needed))
     keyed = {_key(channel): channel for channel in sorted(completed, key=_order)}
     if not any(channel.part is not Part.TIME for channel in keyed.values()):
         raise InputError(
@@ -277,9 +277,9 @@ def _order(channel: Channel) -> tuple[int, str]:
     return order.index(channel.part), channel.actuator
 
 
-def _with_units(columns: Columns, channels: Sequence[Channel]) -> tuple[list[Channel], list[str]]:
+def _complete_units(columns: Columns, channels: Sequence[Channel]) -> tuple[list[Channel], list[str]]:
     """Complete the units; a channel beside the displacements without one is left out."""
-    channels = [_in_unit_of_header(columns, _in_its_angle(columns, channel)) for channel in channels]
+    channels = [_apply_header_unit(columns, _apply_angle_unit(columns, channel)) for channel in channels]
     pairs = {(channel.part, channel.actuator): channel for channel in channels}
     completed, notes = [], []
     if not columns.named:
@@ -316,7 +316,7 @@ def _with_units(columns: Columns, channels: Sequence[Channel]) -> tuple[list[Cha
     return completed, notes
 
 
-def _in_unit_of_header(columns: Columns, channel: Channel) -> Channel:
+def _apply_header_unit(columns: Columns, channel: Channel) -> Channel:
     """Take the unit that a comment states for all channels of a kind, "units: mm" or "time unit: ms"."""
     words = {Part.TIME: ("time ",), Part.FORCE: ("force ",), Part.GROUND: ("acceleration ",)}
     names = (f"{word}{noun}" for word in words.get(channel.part, _OF_LENGTHS) for noun in ("unit", "units"))
@@ -327,7 +327,7 @@ def _in_unit_of_header(columns: Columns, channel: Channel) -> Channel:
     return replace(channel, unit=unit.text, factor=channel.factor * unit.factor)
 
 
-def _in_its_angle(columns: Columns, channel: Channel) -> Channel:
+def _apply_angle_unit(columns: Columns, channel: Channel) -> Channel:
     """Take a displacement that states no unit of length, but one of rotation, as a rotation [rad]."""
     unit = unit_of(columns.units.get(channel.column, "")) or split_unit(channel.column)[1]
     if channel.part not in DISPLACEMENTS or channel.unit or unit is None or unit.text not in ANGLES:

@@ -77,14 +77,14 @@ class _Search:
 
     def __init__(self, columns: Columns, stated: Mapping[Part, Stated], *, histories: bool) -> None:
         self._columns, self._stated, self._histories = columns, stated, histories
-        self._named = described_columns(columns)
+        self._part_name = described_columns(columns)
         self._likenesses: dict[tuple[str, str], Likeness] = {}
 
     def time(self) -> Channel | None:
         """Find the column of the times; None where there is none."""
-        if (declared := self._declared(Part.TIME)) is not None:
+        if (declared := self._missing_declared(Part.TIME)) is not None:
             return declared
-        candidates = [what for what in self._named.values() if what.quantity is Quantity.TIME]
+        candidates = [what for what in self._part_name.values() if what.quantity is Quantity.TIME]
         if len(candidates) > 1 and self._histories:
             candidates = [what for what in candidates if self._rises(what.column)] or candidates
         exact = [what for what in candidates if plain(what.column) in {"time", "t", "times"}]
@@ -92,7 +92,7 @@ class _Search:
             return self._channel(Part.TIME, (exact or candidates)[0], "its name or unit")
         if self._columns.named or not self._histories:
             return None
-        rising = [what for what in self._named.values() if what.unit is None and self._rises(what.column)]
+        rising = [what for what in self._part_name.values() if what.unit is None and self._rises(what.column)]
         return (
             self._channel(Part.TIME, rising[0], "the only column that rises by equal steps")
             if len(rising) == 1
@@ -101,23 +101,23 @@ class _Search:
 
     def pairs(self, needed: Sequence[Part], time: Channel | None) -> tuple[Channel, ...]:
         """Find command and measured displacement, of each actuator where there are several."""
-        if recorded := self._of_record():
+        if recorded := self._record_pairs():
             return recorded
-        declared = {part: self._declared(part) for part in DISPLACEMENTS}
+        declared = {part: self._missing_declared(part) for part in DISPLACEMENTS}
         taken = {channel.column for channel in (time, *declared.values()) if channel is not None}
         ranked = {
-            part: [] if declared[part] else self._ranked(rank, taken)
+            part: [] if declared[part] else self._rank(rank, taken)
             for part, rank in ((Part.COMMAND, rank_as_command), (Part.MEASURED, rank_as_measured))
         }
-        if not any(declared.values()) and (numbered := self._numbered(ranked)):
+        if not any(declared.values()) and (numbered := self._numbered_pairs(ranked)):
             return numbered
         command, measured = (declared[part] or self._best(part, ranked[part]) for part in DISPLACEMENTS)
         if command is not None and declared[Part.COMMAND] is None:
-            self._require_plain(self._named[command.column], taken, ranked[Part.MEASURED])
+            self._require_plain(self._part_name[command.column], taken, ranked[Part.MEASURED])
         if self._histories and command and measured and not any(declared.values()):
             self._require_alike(command, measured)
         if self._histories and (command is None or measured is None):
-            command, measured = self._by_histories(command, measured, taken, needed)
+            command, measured = self._pair_by_histories(command, measured, taken, needed)
         if self._histories and command and measured and not any(declared.values()):
             self._require_following(command, measured)
         for part, channel in zip(DISPLACEMENTS, (command, measured), strict=True):
@@ -125,12 +125,12 @@ class _Search:
                 raise self._missing(part)
         return tuple(channel for channel in (command, measured) if channel is not None)
 
-    def _of_record(self) -> tuple[Channel, ...]:
+    def _record_pairs(self) -> tuple[Channel, ...]:
         """Pairs of several actuators, as a record names them."""
         if any(self._stated.get(part, Stated()).columns for part in DISPLACEMENTS):
             return ()
         return tuple(
-            self._channel(part, self._named[column], "the record says so", number)
+            self._channel(part, self._part_name[column], "the record says so", number)
             for column, (name, number) in self._columns.parts.items()
             for part in DISPLACEMENTS
             if number and name == part
@@ -141,11 +141,11 @@ class _Search:
         taken = {channel.column for channel in pairs}
         candidates = []
         for part, rank in ((Part.GROUND, rank_as_ground), (Part.FORCE, rank_as_force)):
-            declared = self._declared(part)
-            ranked = [] if declared else self._ranked(rank, taken)
+            declared = self._missing_declared(part)
+            ranked = [] if declared else self._rank(rank, taken)
             best = [what for place, what in ranked if place == ranked[0][0]]
             if part is Part.FORCE and len(best) > 1:
-                best = self._explained_best(best, pairs)
+                best = self._best_explained_force(best, pairs)
             if declared is not None:
                 candidates.append(declared)
             elif part is Part.FORCE and not ranked:
@@ -154,30 +154,30 @@ class _Search:
                 candidates.append(self._channel(part, best[0], "its name or unit"))
         return tuple(candidates)
 
-    def _ranked(self, rank: Callable[[Named], int | None], taken: Iterable[str]) -> list[tuple[int, Named]]:
+    def _rank(self, rank: Callable[[Named], int | None], taken: Iterable[str]) -> list[tuple[int, Named]]:
         """Columns that can be a part, the likeliest first; of several those that do not move are left out."""
         candidates = [
             (place, what)
-            for what in self._named.values()
+            for what in self._part_name.values()
             if what.column not in set(taken) and (place := rank(what)) is not None
         ]
         moving = [item for item in candidates if not self._histories or self._moves(item[1].column)]
         return sorted(moving or candidates, key=lambda item: item[0])
 
-    def _declared(self, part: Part) -> Channel | None:
+    def _missing_declared(self, part: Part) -> Channel | None:
         names = self._stated[part].columns if part in self._stated else ()
         for column, (name, actuator) in self._columns.parts.items():
             if name == part and not names and not actuator:
-                return self._channel(part, self._named[column], "the record says so")
+                return self._channel(part, self._part_name[column], "the record says so")
         if not names:
             return None
         for name in names:
             if name in self._columns.values:
-                return self._channel(part, self._named[name], "stated")
+                return self._channel(part, self._part_name[name], "stated")
         close = get_close_matches(names[0], list(self._columns.values), n=1, cutoff=0.5)
         listed = f"Columns in the file: {self._columns.listed}"
         raise InputError(
-            f"No column {' or '.join(repr(name) for name in names)} for the {_named(part)}",
+            f"No column {' or '.join(repr(name) for name in names)} for the {_part_name(part)}",
             remedy=f"Did you mean {close[0]!r}? {listed}" if close else listed,
             where=self._columns.where,
         )
@@ -231,16 +231,16 @@ class _Search:
             return
         others = [
             name
-            for name, what in self._named.items()
+            for name, what in self._part_name.items()
             if name not in pair and what.quantity in {None, Quantity.DISPLACEMENT} and self._moves(name)
             if any(self._compare(column, name).correlation > _MOST_ALIKE for column in pair)
         ]
         if others:
-            raise self._undecided([*pair, *others], "do not all move together")
+            raise self._ambiguity_error([*pair, *others], "do not all move together")
 
     def _require_following(self, command: Channel, measured: Channel) -> None:
         """Ask where words that often mean something else say which is which, and the histories deny it."""
-        names = [self._named[channel.column] for channel in (command, measured)]
+        names = [self._part_name[channel.column] for channel in (command, measured)]
         likeness = self._compare(command.column, measured.column)
         as_command, as_measured = (what.weak for what in names)
         denied = likeness.lag < -_LEAST_LAG and votes(likeness) < 0
@@ -248,7 +248,9 @@ class _Search:
         if any(what.role is not None and not what.weak for what in names):
             return
         if (denied and (as_command or as_measured)) or (as_measured and not as_command and not confirmed):
-            raise self._undecided([command.column, measured.column], "move together, and neither is named so")
+            raise self._ambiguity_error(
+                [command.column, measured.column], "move together, and neither is named so"
+            )
 
     def _require_plain(
         self, command: Named, taken: Iterable[str], as_measured: Sequence[tuple[int, Named]]
@@ -258,7 +260,7 @@ class _Search:
             return
         plain_ones = [
             what
-            for what in self._named.values()
+            for what in self._part_name.values()
             if what.quantity is Quantity.DISPLACEMENT and what.role is None and not what.altered
             if what.column not in taken and self._may_be_it(command, what)
         ]
@@ -275,7 +277,7 @@ class _Search:
             likeness = replace(likeness, ratio=likeness.ratio * what.unit.factor / best.unit.factor)
         return likeness.alike
 
-    def _numbered(self, ranked: Mapping[Part, Sequence[tuple[int, Named]]]) -> tuple[Channel, ...]:
+    def _numbered_pairs(self, ranked: Mapping[Part, Sequence[tuple[int, Named]]]) -> tuple[Channel, ...]:
         """Pairs of several actuators: the likeliest columns bear numbers, each once, and the same in both."""
         by_number: dict[Part, dict[str, Named]] = {}
         for part in DISPLACEMENTS:
@@ -292,7 +294,7 @@ class _Search:
             for part, numbers in ((Part.COMMAND, command), (Part.MEASURED, measured))
         )
 
-    def _by_histories(
+    def _pair_by_histories(
         self,
         command: Channel | None,
         measured: Channel | None,
@@ -303,7 +305,7 @@ class _Search:
         held = {channel.column for channel in (command, measured) if channel is not None}
         candidates = [
             what
-            for what in self._named.values()
+            for what in self._part_name.values()
             if what.column not in taken | held
             and self._can_be_displacement(what)
             and self._moves(what.column)
@@ -374,10 +376,12 @@ class _Search:
             involved = dict.fromkeys(
                 what.column for item in (pairs[0], *rivals, *unclear) for what in item[1:]
             )
-            raise self._undecided(list(involved), "move alike")
+            raise self._ambiguity_error(list(involved), "move alike")
         side = votes(likeness)
         if abs(likeness.lag) < _LEAST_LAG or side == 0:
-            raise self._undecided([first.column, second.column], "move together, and neither clearly follows")
+            raise self._ambiguity_error(
+                [first.column, second.column], "move together, and neither clearly follows"
+            )
         leader, follower = (first, second) if side > 0 else (second, first)
         reason = (
             f"the two move most alike (correlation {likeness.correlation:.3f}), and {follower.column!r} "
@@ -398,7 +402,7 @@ class _Search:
         if not nameless or len(others) != 1 or set(motion) != set(DISPLACEMENTS) or len(pairs) != 2:  # noqa: PLR2004
             return []
         (name,), measured = others, motion[Part.MEASURED]
-        values, what = self._columns.values[name], self._named[name]
+        values, what = self._columns.values[name], self._part_name[name]
         if what.quantity is not None or values.size != measured.size:
             return []
         share = explained(values, measured)
@@ -412,7 +416,7 @@ class _Search:
         reason = f"the only other column; the measured motion explains {100.0 * share:.4g} % of it"
         return [self._channel(Part.FORCE, what, reason)]
 
-    def _explained_best(self, forces: Sequence[Named], pairs: Sequence[Channel]) -> list[Named]:
+    def _best_explained_force(self, forces: Sequence[Named], pairs: Sequence[Channel]) -> list[Named]:
         """Take the force that the measured motion explains, where it explains no other as well."""
         motion = next((channel.column for channel in pairs if channel.part is Part.MEASURED), None)
         if motion is None or not self._histories:
@@ -446,12 +450,12 @@ class _Search:
     def _ambiguous(self, part: Part, candidates: Sequence[Named]) -> InputError:
         those = " and ".join(repr(what.column) for what in candidates)
         return InputError(
-            f"Several columns could be the {_named(part)}: {those}",
+            f"Several columns could be the {_part_name(part)}: {those}",
             remedy=f"Choose one with `{part}`" if part in DISPLACEMENTS else "State it in `channels`",
             where=self._columns.where,
         )
 
-    def _undecided(self, names: Sequence[str], why: str) -> InputError:
+    def _ambiguity_error(self, names: Sequence[str], why: str) -> InputError:
         those = " and ".join(repr(name) for name in names)
         return InputError(
             f"Which is the command, which the measured displacement? {those} {why}",
@@ -461,7 +465,7 @@ class _Search:
 
     def _missing(self, part: Part) -> InputError:
         return InputError(
-            f"No column for the {_named(part)}",
+            f"No column for the {_part_name(part)}",
             remedy=f"{self._suggestion(part)}. Columns in the file: {self._columns.listed}",
             where=self._columns.where,
         )
@@ -474,6 +478,6 @@ class _Search:
         return f"Name the column {part}, or say which it is with `{part}`"
 
 
-def _named(part: Part) -> str:
+def _part_name(part: Part) -> str:
     """Name a part in a sentence."""
     return "measured displacement" if part is Part.MEASURED else str(part)

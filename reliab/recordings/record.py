@@ -121,7 +121,7 @@ def _as_dataset(histories: Histories, path: Path, about: About) -> "xr.Dataset":
     numbers = sorted({channel.actuator for channel in histories.channels.values()} - {""}) or [""]
     size, step = _size(histories), histories.time_step
     variables = {_VARIABLES[part][0]: entry for part in _VARIABLES if (entry := _variable(histories, part))}
-    variables |= _others(histories, set(variables))
+    variables |= _remaining_channels(histories, set(variables))
     time = ("time", step * np.arange(size), {"units": "s", "long_name": "time from the first sample"})
     stated = {name: str(value) for name, value in stated_in(histories.columns).items()}
     return xr.Dataset(
@@ -175,7 +175,7 @@ def _transformation(channel: Channel, unit: str) -> str:
     return ", ".join((*channel.applied, converted))
 
 
-def _others(histories: Histories, taken: set[str]) -> dict[str, Any]:
+def _remaining_channels(histories: Histories, taken: set[str]) -> dict[str, Any]:
     """Channels of the source that were not needed, as they stand there, where they have the test's clock."""
     import re
 

@@ -55,14 +55,14 @@ def without_spikes(recording: Recording) -> tuple[Recording, NDArray[np.bool_], 
     return (
         replace(
             recording,
-            command=_bridged(recording.command, in_command),
-            measured=_bridged(recording.measured, in_measured),
+            command=_bridge(recording.command, in_command),
+            measured=_bridge(recording.measured, in_measured),
         ),
         in_command,
         in_measured,
     )
 
 
-def _bridged(values: Array, marked: NDArray[np.bool_]) -> Array:
+def _bridge(values: Array, marked: NDArray[np.bool_]) -> Array:
     places = np.arange(values.size)
     return np.interp(places, places[~marked], values[~marked])

@@ -80,7 +80,7 @@ class Memory:
         """Circumstances of the tests as far as they are known of the next one too."""
         numbers = {name: self.table.numbers(name) for name in coming.covariates or {}}
         for name, values in numbers.items():
-            numbers[name] = _scaled(name, values)
+            numbers[name] = _transform_covariate(name, values)
             if not np.isfinite(values).all():
                 raise InputError(
                     "Not all tests of the rig have this `covariate`",
@@ -88,7 +88,7 @@ class Memory:
                     remedy="Leave it out",
                 )
         if coming.peak is not None:
-            numbers["peak_mm"] = _scaled("peak_mm", self.table.numbers("peak_mm"))
+            numbers["peak_mm"] = _transform_covariate("peak_mm", self.table.numbers("peak_mm"))
         frequencies = self.table.numbers("f")
         if np.isfinite(frequencies).all():
             numbers["log f"] = np.log(frequencies)
@@ -109,9 +109,9 @@ class Memory:
     def circumstances_of(self, coming: NextTest, structure: Structure | None) -> Circumstances:
         """Circumstances of the next test."""
         covariates = (coming.covariates or {}).items()
-        numbers = {name: _scaled(name, np.array([value])) for name, value in covariates}
+        numbers = {name: _transform_covariate(name, np.array([value])) for name, value in covariates}
         if coming.peak is not None:
-            numbers["peak_mm"] = _scaled("peak_mm", np.array([coming.peak]))
+            numbers["peak_mm"] = _transform_covariate("peak_mm", np.array([coming.peak]))
         if structure is not None:
             numbers["log f"] = np.array([np.log(structure.frequency)])
         last_day = str(self.days[-1])
@@ -217,6 +217,6 @@ def _too_few(table: RigTable, frame: str, count: int) -> InputError:
     )
 
 
-def _scaled(name: str, values: Array) -> Array:
+def _transform_covariate(name: str, values: Array) -> Array:
     """Logarithms of what was measured, other covariates as they are."""
     return np.log(np.maximum(values, 1e-6)) if name in MEASURED else values

@@ -155,7 +155,7 @@ class Prediction(PlainResult):
     @property
     def converged(self) -> bool:
         """Whether the draws of all quantities agree between their batches."""
-        return not _unsettled(self.learned)
+        return not _unconverged(self.learned)
 
 
 def _sum_of_known(values: list[float | None]) -> float | None:
@@ -180,7 +180,7 @@ def predict_next(
         **_counts(memory),
         threshold=threshold,
         intervals={**_tracking_intervals(learned, others), "rms": _interval(quantiles)},
-        probability=_capped(probability),
+        probability=_cap_probability(probability),
         drivers=_shares(memory.contributions(typical_ellipse(assumed))),
         basis="the errors of the rig's own tests, scaled to this structure by the ellipses of real_suite"
         if np.ptp([*scales, scale]) > _SAME
@@ -215,7 +215,7 @@ def predict_under_motion(
         of_loop = np.where(np.isfinite(of_loop), of_loop, 1e6)
         errors = np.sqrt(of_loop**2 + drawn.remainder**2 / ellipse.amplitude) * drawn.ratio
         basis = "the loop simulated under this motion with actuators drawn from the posterior"
-    return _of_draws(
+    return _summarise_draws(
         memory,
         learned,
         others,
@@ -242,7 +242,7 @@ def predict_under_suite(
     drawn = draw_tests(memory, learned, coming, structure)
     others = memory.circumstances_of(coming, structure)
     places = np.random.default_rng(1).integers(ellipses[0].size, size=DRAWS)
-    return _of_draws(
+    return _summarise_draws(
         memory,
         learned,
         others,
@@ -254,7 +254,7 @@ def predict_under_suite(
     )
 
 
-def _of_draws(
+def _summarise_draws(
     memory: Memory,
     learned: dict[str, Learned],
     others: Circumstances,
@@ -273,7 +273,7 @@ def _of_draws(
             **_tracking_intervals(learned, others),
             "rms": _interval(np.quantile(np.minimum(errors, 1e6), _ENDS)),
         },
-        probability=_capped(float((errors <= threshold).mean())),
+        probability=_cap_probability(float((errors <= threshold).mean())),
         drivers=_shares(memory.contributions(ellipse)),
         basis=basis,
         learned=learned,
@@ -295,7 +295,7 @@ def _interval(quantiles: Array) -> dict[str, float]:
     return dict(zip(_NAMES, np.sort(quantiles).tolist(), strict=True))
 
 
-def _capped(probability: float) -> float:
+def _cap_probability(probability: float) -> float:
     return float(np.clip(probability, 1.0 - _LARGEST_PROBABILITY, _LARGEST_PROBABILITY))
 
 
@@ -304,7 +304,7 @@ def _shares(contributions: Mapping[str, float]) -> dict[str, float]:
     return {name: value / total for name, value in contributions.items()}
 
 
-def _unsettled(learned: Mapping[str, Learned]) -> dict[str, float]:
+def _unconverged(learned: Mapping[str, Learned]) -> dict[str, float]:
     """R-hat of quantities whose draws differ between batches."""
     sizes = {name: quantity.variances.r_hat for name, quantity in learned.items()}
     return {name: size for name, size in sizes.items() if not size <= _LARGEST_R_HAT}
@@ -315,7 +315,7 @@ def _notes(
 ) -> tuple[str, ...]:
     """Say what to know before relying on it."""
     notes = []
-    if unsettled := _unsettled(learned):
+    if unsettled := _unconverged(learned):
         sizes = ", ".join(f"{_WORDS.get(name, name)} {size:.2f}" for name, size in unsettled.items())
         notes.append(
             f"The posterior's draws have not converged (R-hat, which is 1 after convergence: {sizes}), so "

@@ -127,9 +127,9 @@ class RigFolder:
 
         Files that say what they said, with other times, as in a copy of the folder, are no change.
         """
-        rows, faults = self._cached(), {}
+        rows, faults = self._cached_table(), {}
         current: dict[str, dict[str, Any]] = {}
-        for sha, state in self._written().items():
+        for sha, state in self._file_states().items():
             former = rows.get(sha, {})
             if former.get(STATE) == state:
                 current[sha] = former
@@ -143,11 +143,11 @@ class RigFolder:
             current[sha] = {**row, **change, STATE: state}
         if current.keys() == rows.keys() and all(CHANGE in row for row in current.values()):
             return ordered_table(current.values(), faults)
-        table = _with_changes(ordered_table(current.values(), faults))
+        table = _mark_changes(ordered_table(current.values(), faults))
         self._keep(table.rows)
         return table
 
-    def _written(self) -> dict[str, str]:
+    def _file_states(self) -> dict[str, str]:
         """Return when the JSON files were written, and how large they are, by checksum of the test."""
         states = {}
         with os.scandir(self.path / _TESTS) as entries:
@@ -167,7 +167,7 @@ class RigFolder:
                     states[sha] = f"{status.st_mtime_ns}-{status.st_size}"
         return states
 
-    def _cached(self) -> dict[str, dict[str, Any]]:
+    def _cached_table(self) -> dict[str, dict[str, Any]]:
         try:
             return cached_rows((self.path / _TABLE).read_bytes().decode("utf-8"))
         except (OSError, ValueError, KeyError, csv.Error):
@@ -179,7 +179,7 @@ class RigFolder:
             file.write_bytes(cached_text(rows).encode("utf-8", "backslashreplace"))
 
 
-def _with_changes(table: RigTable) -> RigTable:
+def _mark_changes(table: RigTable) -> RigTable:
     """Say of each test what was noticed to have changed with it."""
     flags = drift_chart(table.rows).flags
     rows = [{**row, CHANGE: flag} for row, flag in zip(table.rows, flags, strict=True)]

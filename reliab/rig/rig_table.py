@@ -275,14 +275,14 @@ def cached_rows(text: str) -> dict[str, dict[str, Any]]:
 
 
 def _header_check(names: Sequence[str]) -> int:
-    return zlib.crc32(_joined(names), zlib.crc32(_FORM))
+    return zlib.crc32(_cell_key(names), zlib.crc32(_FORM))
 
 
 def _check(cells: Sequence[str], header: int) -> str:
-    return f"{zlib.crc32(_joined(cells), header):08x}"
+    return f"{zlib.crc32(_cell_key(cells), header):08x}"
 
 
-def _joined(cells: Sequence[str]) -> bytes:
+def _cell_key(cells: Sequence[str]) -> bytes:
     return "\x1f".join(cells).encode("utf-8", "backslashreplace")
 
 

@@ -450,11 +450,11 @@ def known_effects(rows: Sequence[Mapping[str, Any]]) -> Array:
     if rows and all(row.get("date") for row in rows):
         columns.append(warmth(places_in_day(str(row["date"])[:_DAY] for row in rows)))
     about = [np.clip(column - np.median(column), -_REACH, _REACH) for column in columns if column.size]
-    effects = [column for column in about if np.ptp(column) > _VARIED] + _of_specimens(rows)
+    effects = [column for column in about if np.ptp(column) > _VARIED] + _specimen_indicators(rows)
     return np.stack(effects, axis=1) if effects else np.zeros((len(rows), 0))
 
 
-def _of_specimens(rows: Sequence[Mapping[str, Any]]) -> list[Array]:
+def _specimen_indicators(rows: Sequence[Mapping[str, Any]]) -> list[Array]:
     """One indicator for each of the specimens that had most tests, but the first one."""
     names = [str(row.get("specimen") or "") for row in rows]
     usual = sorted(set(names) - set(names[:1]), key=names.count, reverse=True)[:_MOST_SPECIMENS]

@@ -248,13 +248,13 @@ def draw(
 
         while True:
             _run(samplers, starts, steps // ensembles.thin, ensembles.thin, stepped)
-            posterior = _kept_draws(model, samplers, steps // ensembles.thin // 2, ensembles.thin)
+            posterior = _collect_draws(model, samplers, steps // ensembles.thin // 2, ensembles.thin)
             if 2 * steps > ensembles.longest or posterior.converged:
                 return posterior
             steps *= 2
 
 
-def _kept_draws(model: Model, samplers: "list[EnsembleSampler]", steps: int, thin: int) -> PosteriorSample:
+def _collect_draws(model: Model, samplers: "list[EnsembleSampler]", steps: int, thin: int) -> PosteriorSample:
     """Take as many draws as are left out before them."""
     return PosteriorSample(
         names=tuple(parameter.name for parameter in model.parameters),

@@ -43,7 +43,7 @@ class Laplace:
 
         bounds = [(-_FARTHEST, _FARTHEST)] * begin.size
         optimum = scipy.optimize.minimize(
-            lambda scaled: _with_gradient(loss, scaled),
+            lambda scaled: _value_and_gradient(loss, scaled),
             np.zeros_like(begin),
             jac=True,
             method="L-BFGS-B",
@@ -52,7 +52,7 @@ class Laplace:
         )
         steps = _DIFFERENCE * np.eye(begin.size)
         gradients = [
-            (_with_gradient(loss, optimum.x + step)[1] - _with_gradient(loss, optimum.x - step)[1])
+            (_value_and_gradient(loss, optimum.x + step)[1] - _value_and_gradient(loss, optimum.x - step)[1])
             / (2.0 * _DIFFERENCE)
             for step in steps
         ]
@@ -80,7 +80,7 @@ class Laplace:
         return self.mode + proposed @ self.factor.T, _log_density(present) - _log_density(proposed)
 
 
-def _with_gradient(loss: Callable[[Array], Array], at: Array) -> tuple[float, Array]:
+def _value_and_gradient(loss: Callable[[Array], Array], at: Array) -> tuple[float, Array]:
     """Value and central differences, all evaluated at once."""
     steps = _DIFFERENCE * np.concatenate([np.zeros((1, at.size)), np.eye(at.size), -np.eye(at.size)])
     values = loss(at + steps)

@@ -100,7 +100,7 @@ def fit_noise(periodograms: Sequence[Periodogram], rate: float, *, least: float 
     1.0
     """
     frequency = np.concatenate([periodogram.frequency for periodogram in periodograms])
-    power = np.concatenate([_without_lines(periodogram, 0.5 * rate) for periodogram in periodograms])
+    power = np.concatenate([_mask_mains(periodogram, 0.5 * rate) for periodogram in periodograms])
     valid = np.isfinite(power)
     centre, mean, count = binned(frequency[valid], power[valid], _BINS)
     shapes = noise_shapes(centre, rate)
@@ -148,7 +148,7 @@ def _improve(shapes: Array, mean: Array, count: Array, floor: float, weights: Ar
             weights[k] *= rises / falls
 
 
-def _without_lines(periodogram: Periodogram, nyquist: float) -> Array:
+def _mask_mains(periodogram: Periodogram, nyquist: float) -> Array:
     """Power with NaN where a line of the mains stands out."""
     power = periodogram.power.copy()
     for begin, end in line_places(periodogram, nyquist):

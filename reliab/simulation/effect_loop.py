@@ -82,14 +82,14 @@ class EffectLoop:
         return np.interp(times, recorded, self.excitation.acceleration), float(step)
 
     @cached_property
-    def _inside(self) -> slice:
+    def _window_slice(self) -> slice:
         begin, end = self.excitation.window
         step = self._sampled[1]
         return slice(int(np.ceil(begin / step - 1e-9)), int(end / step + 1e-9) + 1)
 
     def _reading(self, test: HybridTest) -> Array:
         ground, step = self._sampled
-        return run_closed_loop(test, ground, step).measured[self._inside]
+        return run_closed_loop(test, ground, step).measured[self._window_slice]
 
     @cached_property
     def exact(self) -> Array:

@@ -117,7 +117,7 @@ class Loop:
             return delay_stepper.deviation(self.blocks, self.structure, cells.gain, cells.delay)
         reducible = self.reducible(cells)
         if reducible.all():
-            return self._reduced(cells)
+            return self._solve_reduced(cells)
         error, tolerance = self.reduction_error(cells), cells.tolerance
         if self.engine is Engine.POLE:
             worst = int(np.argmax(error / tolerance))
@@ -127,7 +127,7 @@ class Loop:
                 f"{cells.delay[worst]:g} s",
                 remedy="Use the engine 'automatic'",
             )
-        return self._mixed(cells, reducible, ~cells.stable & (error <= _ROUGH_TOLERANCE))
+        return self._solve_mixed(cells, reducible, ~cells.stable & (error <= _ROUGH_TOLERANCE))
 
     @cached_property
     def responses(self) -> Responses:
@@ -139,7 +139,7 @@ class Loop:
         """The structure's shared drives under the record."""
         return DrivenRecord.from_blocks(self.blocks, shared_drives(self.structure, self.blocks.step))
 
-    def _reduced(self, cells: Cells) -> Deviation:
+    def _solve_reduced(self, cells: Cells) -> Deviation:
         deviation = Deviation(
             mean_square=np.empty(cells.gain.size),
             peak=np.empty(cells.gain.size),
@@ -159,18 +159,18 @@ class Loop:
                 deviation.put(recursion.cells[alone], strayed)
         return deviation
 
-    def _mixed(self, cells: Cells, reducible: NDArray[np.bool_], rough: NDArray[np.bool_]) -> Deviation:
+    def _solve_mixed(self, cells: Cells, reducible: NDArray[np.bool_], rough: NDArray[np.bool_]) -> Deviation:
         """Reduce the loop where that is good enough, and solve the delay equation elsewhere."""
-        deviation = self._reduced(cells)
+        deviation = self._solve_reduced(cells)
         off_scale = deviation.mean_square > (_OFF_SCALE * deviation.ideal_peak) ** 2
         again = ~(reducible | (rough & off_scale))
         for which in (again & ~cells.leads, again & cells.leads):
             if which.any():
-                exact = self._unreduced(cells.gain[which], cells.delay[which])
+                exact = self._solve_whole(cells.gain[which], cells.delay[which])
                 deviation.put(which, exact)
         return deviation
 
-    def _unreduced(self, gain: Array, delay: Array) -> Deviation:
+    def _solve_whole(self, gain: Array, delay: Array) -> Deviation:
         """Solve the whole loop for actuators that are all late, or all early."""
         if delay[0] < 0.0:
             return spectral.deviation(self.excitation, self.structure, gain, delay, longest=self.blocks.step)

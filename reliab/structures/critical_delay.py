@@ -171,11 +171,11 @@ def _imaginary_eigenvalues(a: Array, b: Array, c: Array, d: float) -> Array:
 def _crossings_of_several(partition: Partition, gains: Array) -> Iterator[tuple[float, complex]]:
     """Ω [rad/s] at which an eigenvalue of L(iΩ) has modulus one, and the eigenvalue."""
     omega = _frequencies_of_loop(partition)
-    values = _tracked(_loop(partition, gains, omega))
+    values = _track_eigenvalues(_loop(partition, gains, omega))
     excess = np.log(np.maximum(np.abs(values), 1e-300))
     for place, branch in zip(*np.nonzero(np.diff(np.sign(excess), axis=0)), strict=True):
         near = complex(values[place, branch])
-        crossing = _refined(partition, gains, float(omega[place]), float(omega[place + 1]), near)
+        crossing = _refine_root(partition, gains, float(omega[place]), float(omega[place + 1]), near)
         yield crossing, _nearest(partition, gains, crossing, near)
 
 
@@ -205,7 +205,7 @@ def _frequencies_of_loop(partition: Partition) -> Array:
     return np.asarray(every[every >= _RANGE[0] * slowest])
 
 
-def _tracked(loops: Spectrum) -> Spectrum:
+def _track_eigenvalues(loops: Spectrum) -> Spectrum:
     """Eigenvalues over frequency, each in one column."""
     values = np.linalg.eigvals(loops)
     for k in range(1, len(values)):
@@ -220,7 +220,7 @@ def _nearest(partition: Partition, gains: Array, omega: float, near: complex) ->
     return complex(values[np.argmin(np.abs(values - near))])
 
 
-def _refined(partition: Partition, gains: Array, low: float, high: float, near: complex) -> float:
+def _refine_root(partition: Partition, gains: Array, low: float, high: float, near: complex) -> float:
     def excess(omega: float) -> float:
         return math.log(abs(_nearest(partition, gains, omega, near)))
 

@@ -214,7 +214,7 @@ class Partition:
         """Take one degree of freedom of a mass [kg]: M = m, C = 2ξω₀m, K = ω₀²m, K_e = αω₀²m."""
         require_physical("mass", mass, called="mass of the structure")
         w0 = structure.circular_frequency
-        return cls._unchecked(
+        return cls._construct(
             mass=np.array([[mass]]),
             damping=np.array([[2.0 * structure.damping_ratio * w0 * mass]]),
             stiffness=np.array([[w0**2 * mass]]),
@@ -229,7 +229,7 @@ class Partition:
         )
 
     @classmethod
-    def _unchecked(cls, **values: Any) -> "Partition":  # noqa: ANN401 - arrays and names
+    def _construct(cls, **values: Any) -> "Partition":  # noqa: ANN401 - arrays and names
         """Make one of values that somebody else has checked."""
         partition = object.__new__(cls)
         partition.__dict__.update(values)
@@ -237,7 +237,7 @@ class Partition:
 
     def changed(self, **values: Any) -> "Partition":  # noqa: ANN401 - arrays and names
         """Return the structure with other matrices, which are not checked: a draw may be what no frame is."""
-        return self._unchecked(**{field.name: getattr(self, field.name) for field in fields(self)} | values)
+        return self._construct(**{field.name: getattr(self, field.name) for field in fields(self)} | values)
 
     @property
     def size(self) -> int:
@@ -285,23 +285,23 @@ class Partition:
             names=self.degrees_of_freedom,
         )
 
-    def _without(self, whole: Array, specimen: Array) -> Array:
+    def _subtract_specimen(self, whole: Array, specimen: Array) -> Array:
         return np.asarray(whole - self.interface @ specimen @ self.interface.T)
 
     @property
     def numerical_mass(self) -> Array:
         """M_n [kg], shape (n, n)."""
-        return self._without(self.mass, self.specimen_mass)
+        return self._subtract_specimen(self.mass, self.specimen_mass)
 
     @property
     def numerical_damping(self) -> Array:
         """C_n [N·s/m], shape (n, n)."""
-        return self._without(self.damping, self.specimen_damping)
+        return self._subtract_specimen(self.damping, self.specimen_damping)
 
     @property
     def numerical_stiffness(self) -> Array:
         """K_n [N/m], shape (n, n)."""
-        return self._without(self.stiffness, self.specimen_stiffness)
+        return self._subtract_specimen(self.stiffness, self.specimen_stiffness)
 
     def impedance(self, s: Spectrum) -> Spectrum:
         """Specimen's forces over its displacements, K_e + C_e s + M_e s² [N/m], shape (…, p, p)."""
@@ -421,19 +421,19 @@ class Partition:
         of_modes = any(name.startswith("mode") for name in changes)
         whole, more = self.with_masses if of_modes else self, changes.get("specimen_stiffness", 0.0)
         changed = with_parts(whole.mass, whole.damping, whole.stiffness, changes)
-        return whole.changed(**_matrices(changed, whole._specimen))._with_specimen(1.0 + more)  # noqa: SLF001
+        return whole.changed(**_matrices(changed, whole._specimen))._scale_specimen(1.0 + more)  # noqa: SLF001
 
     @property
     def without_specimen(self) -> "Partition":
         """Numerical substructure: what the computer simulates of the structure."""
-        return self._with_specimen(0.0)
+        return self._scale_specimen(0.0)
 
-    def _with_specimen(self, factor: float) -> "Partition":
+    def _scale_specimen(self, factor: float) -> "Partition":
         """Structure with the specimen multiplied by a factor."""
         whole = zip((self.mass, self.damping, self.stiffness), reversed(self._specimen), strict=True)
         return self.changed(
             **_matrices(
-                [self._without(matrix, (1.0 - factor) * part) for matrix, part in whole],
+                [self._subtract_specimen(matrix, (1.0 - factor) * part) for matrix, part in whole],
                 [factor * part for part in self._specimen],
             )
         )

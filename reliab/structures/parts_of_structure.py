@@ -88,14 +88,14 @@ def with_parts(
     if any((factors[part] != 1.0).any() for part in PARTS[3:]):
         back = scipy.linalg.eigh(stiffness, mass)[1].T @ mass
         frequency, ratio = factors["mode_frequency"], factors["mode_damping_ratio"]
-        stiffness = _multiplied(stiffness, back, frequency**2)
-        damping = _multiplied(damping, back, frequency * ratio)
+        stiffness = _scale_motions(stiffness, back, frequency**2)
+        damping = _scale_motions(damping, back, frequency * ratio)
     floors = np.eye(mass.shape[0])
     drifts = floors - np.eye(mass.shape[0], k=-1)
     parts = (
-        _multiplied(mass, floors, factors["floor_mass"]),
-        _multiplied(damping, drifts, factors["storey_damping"]) * _factor(changes.get("damping", 0.0)),
-        _multiplied(stiffness, drifts, factors["storey_stiffness"]),
+        _scale_motions(mass, floors, factors["floor_mass"]),
+        _scale_motions(damping, drifts, factors["storey_damping"]) * _factor(changes.get("damping", 0.0)),
+        _scale_motions(stiffness, drifts, factors["storey_stiffness"]),
     )
     m, c, k = (with_entries(one, name, changes) for one, name in zip(parts, MATRICES, strict=True))
     return m, c, k
@@ -135,7 +135,7 @@ def _factors(part: str, size: int, changes: Mapping[str, float]) -> Array:
     return np.array([common * _factor(changes.get(f"{part}_{place + 1}", 0.0)) for place in range(size)])
 
 
-def _multiplied(matrix: Array, motions: Array, factors: Array) -> Array:
+def _scale_motions(matrix: Array, motions: Array, factors: Array) -> Array:
     """√F S √F for a matrix Bᵀ S B; `motions` is B."""
     if (factors == 1.0).all():
         return matrix

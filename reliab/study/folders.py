@@ -67,7 +67,7 @@ _CODE: Final = "kind"
 
 def shipped_folders() -> dict[str, Path]:
     """Folders of the studies that ship, by their names."""
-    return {file.parent.name: file.parent for file in sorted(_shipped().glob(f"*/{FILE}"))}
+    return {file.parent.name: file.parent for file in sorted(_shipped_root().glob(f"*/{FILE}"))}
 
 
 def described_folders() -> dict[str, dict[str, Any]]:
@@ -121,7 +121,7 @@ def kind_of(folder: Path) -> Kind | None:
     return kind
 
 
-def _shipped() -> Path:
+def _shipped_root() -> Path:
     """Return the folder of the studies that ship; it does not exist where they were taken away."""
     return shipped_folder("studies").resolve()
 
@@ -129,7 +129,7 @@ def _shipped() -> Path:
 def _package(parent: Path) -> str:
     """Make the folders below a folder importable; return the name of their package."""
     name = PACKAGE
-    if parent != _shipped():
+    if parent != _shipped_root():
         name = f"{PACKAGE}_{sha256(str(parent).encode()).hexdigest()[:12]}"
     if name not in sys.modules:
         spec = ModuleSpec(name, None, is_package=True)
@@ -138,4 +138,4 @@ def _package(parent: Path) -> str:
     return name
 
 
-_package(_shipped())
+_package(_shipped_root())

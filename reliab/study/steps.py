@@ -337,16 +337,16 @@ def validations_of(study: CriterionStudy, folder: Path) -> dict[str, CrossValida
             truth="simulated",
         )
         for scheme in study.validation.schemes
-        if scheme not in _refused(folder)
+        if scheme not in _read_refusals(folder)
     }
 
 
 def refusals_of(folder: Path) -> list[str]:
     """Say what could not be done in a run, and why: a sentence each."""
-    return [*derivation_of(folder).refusals, *_refused(folder).values()]
+    return [*derivation_of(folder).refusals, *_read_refusals(folder).values()]
 
 
-def _refused(folder: Path) -> dict[str, str]:
+def _read_refusals(folder: Path) -> dict[str, str]:
     return dict(read_result(folder / VALIDATION))
 
 

@@ -42,7 +42,7 @@ def measure_cut_records(
         for f in frequencies
         for xi in damping_ratios
     ]
-    ratios = np.array([_of_motion(motion, structures) for motion in motions]).reshape(-1, *sizes, 2)
+    ratios = np.array([_motion_ratios(motion, structures) for motion in motions]).reshape(-1, *sizes, 2)
     return with_labels(
         xr.Dataset(
             {name: (_OVER, ratios[..., place]) for place, name in enumerate(("a_cut", "b_cut"))},
@@ -72,7 +72,7 @@ def with_known_cut_records(ellipses: xr.Dataset) -> xr.Dataset:
         return with_labels(ellipses.assign(ratios).assign_coords(length=file["length"][()]))
 
 
-def _of_motion(motion: Motion, structures: Sequence[Structure]) -> list[np.ndarray]:
+def _motion_ratios(motion: Motion, structures: Sequence[Structure]) -> list[np.ndarray]:
     """Ratios of one motion for each structure."""
     acceleration, time_step = motion.acceleration, motion.time_step
     onset = max(float(arias_times(acceleration, time_step, [_ONSET])[0]) - _LEAD_IN, 0.0)

@@ -45,21 +45,21 @@ _FEWEST_POINTS = 3
 def curve_row(contour: Contour | None, curve: type[Curve]) -> list[float]:
     """Parameters of the curve fitted to one side of a boundary."""
     if contour is None:
-        return _without(NoEllipse.OUTSIDE_GRID, 0)
+        return _missing_ellipse(NoEllipse.OUTSIDE_GRID, 0)
     points = contour.amplitude.size
     if points == 0 and contour.corners.size == 0:
         return [0.0, 0.0, 0.0, 0.0, float(NoEllipse.NO_ROOM)]
     cut = contour.corners[1]
     if not issubclass(curve, InscribedEllipse) and (cut.any() or points < _FEWEST_POINTS):
-        return _without(NoEllipse.NOT_REACHED, points)
+        return _missing_ellipse(NoEllipse.NOT_REACHED, points)
     fit = curve.fit(contour)
     elliptic = not issubclass(curve, Ellipse) or (fit.a > 0.0 and fit.b > 0.0)
     if not (elliptic and np.isfinite([fit.a, fit.b, fit.sse]).all()):
-        return _without(NoEllipse.NOT_ELLIPTIC, points)
+        return _missing_ellipse(NoEllipse.NOT_ELLIPTIC, points)
     return [fit.a, fit.b, fit.sse, float(fit.n), float(NoEllipse.NOT_SO)]
 
 
-def _without(reason: NoEllipse, points: int) -> list[float]:
+def _missing_ellipse(reason: NoEllipse, points: int) -> list[float]:
     return [np.nan, np.nan, np.nan, float(points), float(reason)]
 
 
@@ -199,7 +199,7 @@ def open_ellipses(path: str | Path, *, window: str | None = None) -> xr.Dataset:
     InputError
         If the file is not a file of ellipses, or does not hold the window.
     """
-    return _in_window(_read(path, lambda stored: _up_to(stored, window)), window, path)
+    return _select_window(_read(path, lambda stored: _up_to(stored, window)), window, path)
 
 
 def open_windows(path: str | Path) -> dict[str, xr.Dataset]:
@@ -209,7 +209,7 @@ def open_windows(path: str | Path) -> dict[str, xr.Dataset]:
     seconds) the dataset that `open_ellipses` returns. Raises InputError if the file holds no ellipses.
     """
     dataset = _read(path)
-    return {window: _in_window(dataset, window, path) for window in _windows(dataset)}
+    return {window: _select_window(dataset, window, path) for window in _windows(dataset)}
 
 
 def _up_to(stored: xr.Dataset, window: str | None) -> xr.Dataset:
@@ -285,7 +285,7 @@ def with_sides(dataset: xr.Dataset) -> xr.Dataset:
     return with_labels(dataset)
 
 
-def _in_window(dataset: xr.Dataset, window: str | None, path: str | Path) -> xr.Dataset:
+def _select_window(dataset: xr.Dataset, window: str | None, path: str | Path) -> xr.Dataset:
     """Choose one of the windows of a file."""
     stored = _windows(dataset)
     label = window or (Window().label if Window().label in stored else stored[0])

@@ -112,10 +112,10 @@ def _trace_share(motions: Sequence[Motion], request: EllipseRequest, progress: P
     traced = label_curves(
         np.concatenate(tables), headers, request, error_at_rest=np.concatenate(errors_at_rest)
     )
-    return _with_cut_records(traced, motions, request)
+    return _add_cut_records(traced, motions, request)
 
 
-def _with_cut_records(traced: xr.Dataset, motions: Sequence[Motion], request: EllipseRequest) -> xr.Dataset:
+def _add_cut_records(traced: xr.Dataset, motions: Sequence[Motion], request: EllipseRequest) -> xr.Dataset:
     """Add how a and b of whole records change when these are cut; a model's effects are not linear."""
     traced = traced.assign_coords(outline=outlines_of(motions))
     if request.window != Window() or request.model is not None:
@@ -236,7 +236,7 @@ def _predict_share(motions: Sequence[Motion], request: EllipseRequest, progress:
         headers.append(motion_coordinates([motion]))
         progress(done, len(motions))
     predicted = label_curves(np.stack(tables), headers, request).assign_attrs(caution=CAUTION)
-    return _with_cut_records(predicted, motions, request)
+    return _add_cut_records(predicted, motions, request)
 
 
 def _check_predictable(request: EllipseRequest) -> None:

@@ -204,7 +204,7 @@ def errors_of_rig(
         return pd.DataFrame(columns=columns)
     rows = []
     for motion in motions:
-        rows.append((motion.name, *_tried(frame, excitation_of(motion, window))))
+        rows.append((motion.name, *_simulate_rig(frame, excitation_of(motion, window))))
         progress(len(rows), len(motions))
     return pd.DataFrame(rows, columns=columns)
 
@@ -219,7 +219,7 @@ def _rig(frame: FrameUnderTest) -> "TransferSystem | ActuatorMatrix":
     return frame.transfer_system
 
 
-def _tried(frame: FrameUnderTest, excitation: Excitation) -> tuple[float, float, float, float]:
+def _simulate_rig(frame: FrameUnderTest, excitation: Excitation) -> tuple[float, float, float, float]:
     """RMS^R, MTE^R and A [-], d [ms] of the rig under one motion."""
     loop = FrameLoop(excitation=excitation, partition=frame.partition, output=frame.output)
     test = loop.response(_rig(frame))

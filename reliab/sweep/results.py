@@ -116,7 +116,7 @@ def open_results(path: str | Path, *, window: str | None = None) -> xr.Dataset:
     if compact is not None:
         return compact
     with decoding(STORED, remedy=MEND, where=path):
-        return _stored(path, None if window == first else f"window_{window}")
+        return _open_stored(path, None if window == first else f"window_{window}")
 
 
 def _check_arrays(folder: Path) -> None:
@@ -170,7 +170,7 @@ def _check_chunks(folder: Path) -> None:
             raise InputError(STORED, value=value, remedy=MEND, where=str(folder))
 
 
-def _stored(path: Path, group: str | None) -> xr.Dataset:
+def _open_stored(path: Path, group: str | None) -> xr.Dataset:
     """Open a group of a store, with the coordinates that every store has."""
     folder = path if group is None else path / group
     _check_arrays(folder)
@@ -244,13 +244,13 @@ def open_compact(path: Path) -> xr.Dataset:
             if of_all:
                 dataset[metric] = _decode_signed(dataset[metric], of_all)
             elif STEP in dataset[metric].attrs:
-                dataset[metric] = _with_zeros(numbered(dataset[metric]), dataset[metric].attrs[STEP])
+                dataset[metric] = _zero_smallest(numbered(dataset[metric]), dataset[metric].attrs[STEP])
         if Dimension.SHARE not in dataset.dims:
             dataset.attrs[SHARE_ATTRIBUTE] = float(dataset.attrs[SHARE_ATTRIBUTE])
     return dataset
 
 
-def _with_zeros(errors: xr.DataArray, step: float) -> xr.DataArray:
+def _zero_smallest(errors: xr.DataArray, step: float) -> xr.DataArray:
     """Read the smallest errors as zero."""
     smallest = np.exp(step * (round(np.log(_SMALLEST_ERROR) / step) + 0.5))
     return errors.where(errors > smallest, np.float32(0.0))
@@ -261,4 +261,4 @@ def _decode_signed(steps: xr.DataArray, step: float) -> xr.DataArray:
     whole = steps.values.astype(np.int64)
     for name in (Dimension.GAIN, Dimension.DELAY):
         whole = np.cumsum(whole, axis=steps.get_axis_num(name))
-    return _with_zeros(steps.copy(data=np.exp(step * whole).astype(np.float32)), step)
+    return _zero_smallest(steps.copy(data=np.exp(step * whole).astype(np.float32)), step)

@@ -61,12 +61,12 @@ def contours_of(
         return surfaces.error(amplitude, delay, surface[contour])
 
     contours = trace_contours(error, levels, structure, side=sides)
-    inside = np.stack([_inside_grid(errors, structure, *pair) for pair in pairs], axis=-1)
+    inside = np.stack([_ends_inside_grid(errors, structure, *pair) for pair in pairs], axis=-1)
     within_grid = [contour if ok else None for contour, ok in zip(contours, inside.ravel(), strict=True)]
     return [within_grid[k : k + len(pairs)] for k in range(0, len(within_grid), len(pairs))]
 
 
-def _inside_grid(
+def _ends_inside_grid(
     errors: xr.DataArray, structure: Structure, threshold: float, side: Side
 ) -> NDArray[np.bool_]:
     """Whether contours end before the grid does; shape (motion,)."""

@@ -67,7 +67,9 @@ def run_sweep(
         progress(len(complete) - len(missing), len(complete))
         job = SweepJob(motions=motions, request=request)
         with closing(
-            _on_cluster(scheduler, job, missing) if scheduler else _on_threads(workers, job, missing)
+            _solve_on_cluster(scheduler, job, missing)
+            if scheduler
+            else _solve_on_threads(workers, job, missing)
         ) as solved:
             for finished, motion in enumerate(solved, start=len(complete) - len(missing) + 1):
                 store.enter(motion)
@@ -76,7 +78,7 @@ def run_sweep(
     return path
 
 
-def _on_threads(workers: int | None, job: SweepJob, missing: list[int]) -> Generator[EncodedMotion]:
+def _solve_on_threads(workers: int | None, job: SweepJob, missing: list[int]) -> Generator[EncodedMotion]:
     """Solve motions on the processors of this machine."""
     threads = workers or os.cpu_count() or 1
     queue = iter(_side_by_side(missing, job.motions.events, threads))
@@ -111,7 +113,7 @@ def _side_by_side(missing: list[int], events: Sequence[str], threads: int) -> li
     ]
 
 
-def _in_tasks(missing: list[int], events: Sequence[str], threads: int) -> Iterator[list[int]]:
+def _divide_into_tasks(missing: list[int], events: Sequence[str], threads: int) -> Iterator[list[int]]:
     """Divide motions into tasks, shorter towards the end, which end between earthquakes if they can."""
     begin = 0
     while begin < len(missing):
@@ -124,7 +126,7 @@ def _in_tasks(missing: list[int], events: Sequence[str], threads: int) -> Iterat
         begin = end
 
 
-def _on_cluster(address: str, job: SweepJob, missing: list[int]) -> Generator[EncodedMotion]:
+def _solve_on_cluster(address: str, job: SweepJob, missing: list[int]) -> Generator[EncodedMotion]:
     """Solve motions on a cluster."""
     with _connect(address) as client:
         from distributed import as_completed
@@ -135,7 +137,7 @@ def _on_cluster(address: str, job: SweepJob, missing: list[int]) -> Generator[En
             return client.submit(SweepJob.solve_several, shared, indices, retries=_RETRIES, pure=False)
 
         threads = max(1, sum(client.nthreads().values()))
-        queue = _in_tasks(missing, job.motions.events, threads)
+        queue = _divide_into_tasks(missing, job.motions.events, threads)
         running = as_completed([submit(indices) for indices in islice(queue, _TASKS_PER_THREAD * threads)])
         for future in running:
             yield from _take_results(future)

@@ -108,14 +108,14 @@ def for_each_share(
     cautions = dict.fromkeys(dataset.attrs["caution"] for dataset in datasets if "caution" in dataset.attrs)
     if cautions:
         joined.attrs["caution"] = " ".join(cautions)
-    return with_labels(joined.map(_beside_the_damping_ratio, keep_attrs=True))
+    return with_labels(joined.map(_order_share_dimension, keep_attrs=True))
 
 
 def _list_shares(shares: Sequence[float]) -> str:
     return ", ".join(f"{share:g}" for share in shares)
 
 
-def _beside_the_damping_ratio(values: xr.DataArray) -> xr.DataArray:
+def _order_share_dimension(values: xr.DataArray) -> xr.DataArray:
     """Move the dimension of the share behind that of the damping ratio."""
     if Dimension.SHARE not in values.dims:
         return values

@@ -127,7 +127,7 @@ class ResultsStore:
         """Tell for each motion whether its results are complete and undamaged."""
         with decoding(_RULE, remedy=_REMEDY, where=self.path):
             return [
-                bool(entry) and json.loads(entry)["digest"] == self._stored_digest(index)
+                bool(entry) and json.loads(entry)["digest"] == self._digest_on_disk(index)
                 for index, entry in enumerate(self._journal())
             ]
 
@@ -198,7 +198,7 @@ class ResultsStore:
         """Arrays of each window by name, opened once."""
         return [{name: array_of(group, name) for name in VARIABLES} for group in self._windows]
 
-    def _stored_digest(self, index: int) -> str:
+    def _digest_on_disk(self, index: int) -> str:
         """Digest of the stored results of one motion; empty where a chunk is damaged."""
         try:
             return _digest([[array[index] for array in arrays.values()] for arrays in self._arrays])

@@ -112,7 +112,7 @@ class _Motions:
         if isinstance(law, Law):
             stated = self.limits(law, _PRINTED_CONFIDENCE)
             return np.asarray(stated + scipy.special.ndtri(_PRINTED_CONFIDENCE) * self.values.std(axis=0))
-        return self._fitted(law, self.values.mean(axis=0))
+        return self._fit_law(law, self.values.mean(axis=0))
 
     def limits(self, law: FittedLaw | Law, confidence: float) -> NDArray[np.float64]:
         """Limits that a law states, shape (F, X, 2).
@@ -125,9 +125,9 @@ class _Motions:
             return np.asarray(np.log(np.stack(law.limits(*grid), axis=-1)) - self.scale)
         scatter = Scatter.from_logarithms(self.values)
         depth = np.quantile(scatter.worse(self.values), 1.0 - confidence, axis=0)
-        return self._fitted(law, scatter.at(depth))
+        return self._fit_law(law, scatter.at(depth))
 
-    def _fitted(self, law: FittedLaw, values: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _fit_law(self, law: FittedLaw, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Fit a law to ln α and ln β of the grid and evaluate it there, shape (F, X, 2)."""
         a, b = np.moveaxis(np.exp(values + self.scale), -1, 0)
         fitted = law.fit(self.frequencies, self.damping_ratios, a, b)
@@ -186,12 +186,12 @@ def compare_laws(
     structures = population.frequencies, population.damping_ratios
     tables = [
         _judge(name, law, values, population.events, *structures, confidence)
-        for name, law in (laws or _all_that_hold(*structures)).items()
+        for name, law in (laws or _applicable_laws(*structures)).items()
     ]
     return pd.concat(tables, ignore_index=True)
 
 
-def _all_that_hold(
+def _applicable_laws(
     frequencies: NDArray[np.float64], damping_ratios: NDArray[np.float64]
 ) -> dict[str, FittedLaw | Law]:
     laws: dict[str, FittedLaw | Law] = dict(FITTED)

@@ -76,12 +76,12 @@ def earthquakes_among(
     return [
         records.get(checksum)
         or copied.get(place)
-        or next((name for name in known if _same(event, name)), None)
+        or next((name for name in known if _is_same_event(event, name)), None)
         for place, (event, checksum) in enumerate(zip(events, checksums, strict=True))
     ]
 
 
-def _same(event: str, name: str) -> bool:
+def _is_same_event(event: str, name: str) -> bool:
     """Whether an earthquake is the one of a suite."""
     if event == name:
         return True

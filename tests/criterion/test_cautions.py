@@ -9,9 +9,9 @@ from scipy import stats
 
 from reliab.core.vocabulary import CurveName
 from reliab.criterion.cautions import (
-    _beyond_the_earthquakes,
-    _fitted,
-    _left_out,
+    _extrapolation_caution,
+    _fitted_curve_caution,
+    _omission_caution,
     _shortfall,
     not_lognormal,
 )
@@ -34,16 +34,16 @@ def grid(*, motions=100, left=100, events=19, curve=CurveName.ELLIPSE):
 @pytest.mark.parametrize("method", [method() for method in METHODS.values()], ids=METHODS)
 def test_only_a_fitted_distribution_reaches_beyond_the_earthquakes(method):
     """Nineteen earthquakes support nineteen twentieths without any distribution."""
-    assert _beyond_the_earthquakes(grid(), method, 0.95) == ""
-    beyond = _beyond_the_earthquakes(grid(), method, 0.96)
+    assert _extrapolation_caution(grid(), method, 0.95) == ""
+    beyond = _extrapolation_caution(grid(), method, 0.96)
     assert (beyond == "") is method.distribution_free
     assert beyond == "" or "19 earthquakes support 0.95" in beyond
 
 
 @pytest.mark.parametrize("method", [method() for method in METHODS.values()], ids=METHODS)
 def test_motions_without_an_ellipse_are_told_of_unless_they_are_drawn(method):
-    assert _left_out(grid(), method) == ""
-    sentence = _left_out(grid(left=93), method)
+    assert _omission_caution(grid(), method) == ""
+    sentence = _omission_caution(grid(left=93), method)
     if method.samples_chains:
         assert sentence == ""
     else:
@@ -54,7 +54,7 @@ def test_motions_without_an_ellipse_are_told_of_unless_they_are_drawn(method):
 @pytest.mark.parametrize("method", [method() for method in METHODS.values()], ids=METHODS)
 def test_curves_that_are_not_those_of_the_method_are_told_of(method):
     for curve in (CurveName.ELLIPSE, CurveName.INSCRIBED):
-        assert (_fitted(grid(curve=curve), method) == "") is (curve == method.curve)
+        assert (_fitted_curve_caution(grid(curve=curve), method) == "") is (curve == method.curve)
 
 
 def test_a_plug_in_quantile_falls_short_with_few_motions_and_not_with_very_many():

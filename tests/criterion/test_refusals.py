@@ -124,7 +124,7 @@ def test_what_lacks_an_ellipse_is_counted_and_named_once():
         model = SimpleNamespace(values=np.zeros((kept, 2, 1, 2)))
         grid = SimpleNamespace(population=gaps)
         fitted = HierarchicalFit(grid=grid, method="", assurance=None, model=model, posterior=None)
-        said[kept] = fitted._imputed  # noqa: SLF001 - one of the cautions
+        said[kept] = fitted._imputation_note  # noqa: SLF001 - one of the cautions
     assert said[4].startswith("2 of 5 motions have no ellipse at some structure, 30.0 % of all values;")
     assert said[4].endswith("; 1 with none at all were left out.")
     assert said[5] == said[4].replace("; 1 with none at all were left out", "")

@@ -94,7 +94,7 @@ def test_figures_that_fail_cost_a_diagnosis_nothing_else(tmp_path, monkeypatch):
         raise ValueError("Number of rows must be positive")
 
     monkeypatch.setattr("reliab.report.kinds.discrepancy_report.discrepancy_report", fail)
-    monkeypatch.setattr("reliab.study.kinds.discrepancy._diagnosed", lambda *_: Namespace())
+    monkeypatch.setattr("reliab.study.kinds.discrepancy._diagnose", lambda *_: Namespace())
     study = open_study("hidden_effect")
     with pytest.raises(ValueError, match="rows"):
         run_study(study, tmp_path / "run")

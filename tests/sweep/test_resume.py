@@ -23,7 +23,7 @@ from reliab.sweep import store
 from reliab.sweep.grid import ScaledGrid
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.results import open_results
-from reliab.sweep.run import _in_tasks, _side_by_side, run_sweep
+from reliab.sweep.run import _divide_into_tasks, _side_by_side, run_sweep
 
 REQUEST = SweepRequest(
     frequencies=(0.5, 1.0), damping_ratios=(0.02,), grid=ScaledGrid(gain_steps=5, delay_steps=6)
@@ -268,7 +268,7 @@ MISSING = [index for index in range(len(SUITE)) if index % 7 != 3]
 @pytest.mark.parametrize("threads", [1, 2, 8])
 def test_every_motion_is_solved_once(threads):
     assert sorted(_side_by_side(MISSING, SUITE.events, threads)) == MISSING
-    assert [index for task in _in_tasks(MISSING, SUITE.events, threads) for index in task] == MISSING
+    assert [index for task in _divide_into_tasks(MISSING, SUITE.events, threads) for index in task] == MISSING
 
 
 def test_threads_do_not_wait_for_a_recording_that_another_simulates():
@@ -278,7 +278,7 @@ def test_threads_do_not_wait_for_a_recording_that_another_simulates():
 
 
 def test_tasks_of_workers_hold_whole_earthquakes_until_the_last_ones():
-    tasks = list(_in_tasks(list(range(100)), SUITE.events, 2))
+    tasks = list(_divide_into_tasks(list(range(100)), SUITE.events, 2))
     sizes = [len(task) for task in tasks]
     assert sizes == sorted(sizes, reverse=True)
     assert sizes[0] == 8
@@ -287,7 +287,13 @@ def test_tasks_of_workers_hold_whole_earthquakes_until_the_last_ones():
 
 
 def test_an_earthquake_of_many_motions_is_shared_by_all_workers():
-    assert [len(task) for task in _in_tasks(list(range(40)), ["same"] * 40, 2)][:5] == [8, 8, 6, 4, 3]
+    assert [len(task) for task in _divide_into_tasks(list(range(40)), ["same"] * 40, 2)][:5] == [
+        8,
+        8,
+        6,
+        4,
+        3,
+    ]
 
 
 def test_variables_stand_in_the_same_order_however_the_store_lists_them(tmp_path):

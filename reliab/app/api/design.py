@@ -140,7 +140,7 @@ def write_explorer(**asked: Unpack[questions.Explorer]) -> ExplorerPage:
         If the ellipses cannot be read, a value is not allowed or the file cannot be written.
     """
     from reliab.explore.page import Settings, by_length, write_page
-    from reliab.sweep.ellipse_file import open_windows
+    from reliab.sweep.ellipse_dataset import open_windows
 
     out, ellipses = Path(asked["out"]), Path(asked["ellipses"] or REAL)
     windows = open_windows(or_shipped(ellipses, "datasets", "ellipses.nc"))

@@ -63,10 +63,10 @@ def law_from_dict(content: Mapping[str, Any]) -> Law:
             value=", ".join(sorted(parameters.keys() ^ needed)) + " missing or unknown",
             remedy="Derive the criterion again",
         )
-    return law(**{name: _checked(law, name, value) for name, value in parameters.items()})
+    return law(**{name: _check_value(law, name, value) for name, value in parameters.items()})
 
 
-def _checked(law: type[Law], name: str, value: object) -> object:
+def _check_value(law: type[Law], name: str, value: object) -> object:
     """Return the value of a parameter if it is of the type that the law states."""
     from pydantic import ConfigDict, TypeAdapter, ValidationError
 

@@ -55,7 +55,7 @@ def complete(source: Source, header: Header, declared: Declared, report: Report)
         values = _settle_count(source, header, values, report)
     if values is None or units is None or time_step is None:
         return None
-    acceleration = _in_si(source, header, values, units, report)
+    acceleration = _convert_to_si(source, header, values, units, report)
     if report.faults:
         return None
     return Reading(
@@ -195,7 +195,9 @@ def _settle_count(source: Source, header: Header, values: Array, report: Report)
     return values[: count.value]
 
 
-def _in_si(source: Source, header: Header, values: Array, units: AccelerationUnit, report: Report) -> Array:
+def _convert_to_si(
+    source: Source, header: Header, values: Array, units: AccelerationUnit, report: Report
+) -> Array:
     _check_gaps(source, header, values, report)
     if header.remove_mean:
         values = values - values.mean()
@@ -289,7 +291,7 @@ def split_times(
         return None, header
     if unit != 1:
         header = replace(header, applied=(*header.applied, f"times in units of {unit:g} s"))
-    return samples, _with_step(source, header, step * unit, place * unit / (times.size - 1), report)
+    return samples, _set_step(source, header, step * unit, place * unit / (times.size - 1), report)
 
 
 def _first_unequal(times: Array, step: float, place: float) -> int | None:
@@ -318,7 +320,7 @@ def _rounding(source: Source, header: Header, count: int) -> float:
     return min(10.0 ** -len(token.partition(".")[2]) for token in times)
 
 
-def _with_step(source: Source, header: Header, step: float, tolerance: float, report: Report) -> Header:
+def _set_step(source: Source, header: Header, step: float, tolerance: float, report: Report) -> Header:
     line = source.line_number(header.start)
     of_header = header.time_step
     if of_header is None:

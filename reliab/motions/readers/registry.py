@@ -25,7 +25,7 @@ class Format:
     is_text: bool = True  # Whether its files are texts
 
 
-def _of_layout(layout: Layout) -> Format:
+def _text_format(layout: Layout) -> Format:
     return Format(
         name=layout.name,
         endings=layout.endings,
@@ -35,9 +35,9 @@ def _of_layout(layout: Layout) -> Format:
     )
 
 
-TEXT = _of_layout(PLAIN)
+TEXT = _text_format(PLAIN)
 _SHIPPED = (
-    *map(_of_layout, LAYOUTS),
+    *map(_text_format, LAYOUTS),
     Format(
         name="SAC",
         endings=(".sac",),

@@ -215,12 +215,12 @@ def durations(lines: list[Line]) -> Iterator[Statement[str]]:
 def stated_units(lines: list[Line], report: Report) -> Iterator[Statement[AccelerationUnit]]:
     """Read the units of the samples that lines state, and report what is no unit of acceleration."""
     for line in lines:
-        name = _named_unit(line.text)
+        name = _unit_name(line.text)
         if name and (units := state_units(name, line.number, report)):
             yield units
 
 
-def _named_unit(text: str) -> str | None:
+def _unit_name(text: str) -> str | None:
     """Return what a line calls the units of acceleration, known or not."""
     if match := _ANNOUNCED_UNITS.search(text):
         return match[1]

@@ -116,12 +116,12 @@ def series_of_frame(frame: "pd.DataFrame", units: Mapping[str, str] | None = Non
             remedy="Rename one of the columns",
         )
     timed = isinstance(frame.index, pd.DatetimeIndex | pd.TimedeltaIndex)
-    clock = _of_instants(frame.index.to_series()) if timed else None
+    clock = _seconds_of_instants(frame.index.to_series()) if timed else None
     series = {}
     for name, column in frame.items():
         kind = column.dtype.kind
         if kind in "mM":
-            series[str(name)] = _of_instants(column)
+            series[str(name)] = _seconds_of_instants(column)
         elif kind in "iuf":
             series[str(name)] = Series(
                 values=column.to_numpy(dtype=np.float64, na_value=np.nan),
@@ -132,7 +132,7 @@ def series_of_frame(frame: "pd.DataFrame", units: Mapping[str, str] | None = Non
     return series
 
 
-def _of_instants(column: "pd.Series") -> Series:
+def _seconds_of_instants(column: "pd.Series") -> Series:
     """Take dates, in any time zone, or durations as seconds."""
     zoned = getattr(column.dtype, "tz", None) is not None
     instants = (column.dt.tz_convert(None) if zoned else column).to_numpy()

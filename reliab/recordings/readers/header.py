@@ -83,7 +83,7 @@ def _names_in(line: str, width: int, delimiter: str) -> tuple[str, ...]:
     as_written = cells_of(line, delimiter)
     if len(as_written) == width and as_written[0] == "%" and _is_units(as_written):
         return as_written  # per cent, the unit of the first column, begins no comment
-    plain = _TITLE.sub("", _without_mark(line)) if line.strip().startswith(COMMENTS) else line
+    plain = _TITLE.sub("", _strip_mark(line)) if line.strip().startswith(COMMENTS) else line
     for sign in (delimiter, *_BETWEEN_NAMES):
         cells = tuple(re.split(r"\s{2,}", plain.strip())) if sign == "  " else cells_of(plain, sign)
         if len(cells) > width and not any(cells[width:]):
@@ -93,7 +93,7 @@ def _names_in(line: str, width: int, delimiter: str) -> tuple[str, ...]:
     return ()
 
 
-def _without_mark(line: str) -> str:
+def _strip_mark(line: str) -> str:
     return line.strip().lstrip("".join(COMMENTS)).strip()
 
 
@@ -127,7 +127,7 @@ def _scales(
     described = describe(names, {})
     unclear = ["" if described[name].quantity is Quantity.TIME else of_all for name in names]
     for line in lines:
-        label, *cells = cells_of(_without_mark(line), delimiter) or ("",)
+        label, *cells = cells_of(_strip_mark(line), delimiter) or ("",)
         first = len(names) - len(cells)  # the label may stand in the first column
         if first in {0, 1}:
             for place, cell in enumerate(cells, start=first):
@@ -141,7 +141,7 @@ def _sampling(lines: Sequence[str], delimiter: str, *, decimal_comma: bool) -> d
     stated: list[tuple[str, float]] = []
     for line in lines[:_MOST_LINES]:
         match = _RATE.match(_first_statement(line[:200], delimiter))
-        if match is None or not (value := _stated_number(match[3], decimal_comma=decimal_comma)):
+        if match is None or not (value := _header_number(match[3], decimal_comma=decimal_comma)):
             continue
         words = [match[4], *re.findall(r"[a-zµμ/]+", match[2], re.IGNORECASE)]
         hertz = next((_HERTZ[word.lower()] for word in words if word.lower() in _HERTZ), None)
@@ -162,7 +162,7 @@ def _first_statement(line: str, delimiter: str) -> str:
     return " ".join(cells[: 3 if len(cells) > 2 and number_of(cells[2]) is None else 2])  # noqa: PLR2004
 
 
-def _stated_number(text: str, *, decimal_comma: bool) -> float:
+def _header_number(text: str, *, decimal_comma: bool) -> float:
     """Read a number, with a sign before three digits as thousands unless decimals of the table have it."""
     groups = re.fullmatch(r"\d{1,3}(?:([.,])\d{3})+", text)
     if groups is not None and (groups[1] == ",") != decimal_comma:

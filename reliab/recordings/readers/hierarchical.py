@@ -110,12 +110,13 @@ def read_classic(path: Path, _delimiter: str | None = None) -> list[Columns]:
     """Read the variables of a classic NetCDF file."""
     with scipy.io.netcdf_file(path, "r", mmap=False, maskandscale=False) as file:
         tree = {
-            name: _of_variable(variable, f"{path.name}, {name}") for name, variable in file.variables.items()
+            name: _unpack_variable(variable, f"{path.name}, {name}")
+            for name, variable in file.variables.items()
         }
     return tests_of_tree(path, tree)
 
 
-def _of_variable(variable: "scipy.io.netcdf_variable", where: str) -> Tree:
+def _unpack_variable(variable: "scipy.io.netcdf_variable", where: str) -> Tree:
     """Unpack a vector or a matrix of a classic NetCDF file, whose times have the name of its dimension."""
     values = np.array(variable[()])
     if not 0 < values.ndim <= _MATRIX or values.dtype.kind not in "iuf":
@@ -191,7 +192,7 @@ class _Contents:
         if "MATLAB_empty" in item.attrs:
             return np.zeros(0)
         if _refers(item):
-            return self._referred(item, depth)
+            return self._resolve_references(item, depth)
         require_few_samples(
             max(item.shape, default=0), f"{self._path.name}, {item.name.strip('/').replace('/', '.')}"
         )
@@ -210,15 +211,17 @@ class _Contents:
         if item.dtype.kind in "SOU":
             texts = [text_of(value) for value in values.reshape(-1)]
             return texts[0] if len(texts) == 1 else texts
-        return self._with_names(item, values) if item.dtype.kind in "iuf" and values.size > 1 else values
+        return (
+            self._apply_attributes(item, values) if item.dtype.kind in "iuf" and values.size > 1 else values
+        )
 
-    def _with_names(self, item: "h5py.Dataset", values: np.ndarray) -> Tree:
+    def _apply_attributes(self, item: "h5py.Dataset", values: np.ndarray) -> Tree:
         """Apply what stands beside a vector, or beside a matrix with names and units of its columns."""
         stated = dict(item.attrs)
         texts = {name: _texts(value) for name, value in stated.items()}
         units = next((texts[name] for name in stated if plain(name) in {"unit", "units"} and texts[name]), [])
         where = f"{self._path.name}, {_name_of(item)}"
-        series = _with_gaps(series_of(values, stated, marks=_marks(item), where=where), item)
+        series = _mark_gaps(series_of(values, stated, marks=_marks(item), where=where), item)
         scales = [self._scales_of(axis) for axis in lists_of_scales(item)]
         if values.squeeze().ndim == 1:
             times = [_name_of(scale) for scale in scales[int(np.argmax(values.shape))]] if scales else []
@@ -244,7 +247,7 @@ class _Contents:
         targets = [self._file[reference] for reference in np.ravel(references) if reference]
         return [target for target in targets if isinstance(target, h5py.Dataset)]
 
-    def _referred(self, item: "h5py.Dataset", depth: int) -> list[Tree]:
+    def _resolve_references(self, item: "h5py.Dataset", depth: int) -> list[Tree]:
         import h5py
 
         self._items += item.size
@@ -284,7 +287,7 @@ def _name_of(item: "h5py.Dataset") -> str:
     return str(item.name).strip("/").replace("/", ".")
 
 
-def _with_gaps(series: Series, item: "h5py.Dataset") -> Series:
+def _mark_gaps(series: Series, item: "h5py.Dataset") -> Series:
     """Mark samples of chunks that were never written, where others were; the library reads zeros there."""
     written = 0 if item.chunks is None else item.id.get_num_chunks()
     grid = [-(-size // chunk) for size, chunk in zip(item.shape, item.chunks or item.shape, strict=True)]

@@ -58,7 +58,7 @@ class _Histories:
 
 def tests_of_tree(path: Path, tree: Mapping[str, Tree]) -> list[Columns]:
     """Find the tests in what a file holds."""
-    captures = _of_one_test(list(_captures(tree, ""))) or [("", _plain(tree))]
+    captures = _join_captures(list(_captures(tree, ""))) or [("", _plain(tree))]
     beside = {name: value for name, value in _scalars(tree, "") if "." not in name}
     for _, histories in captures:
         histories.scalars = {**beside, **histories.scalars}
@@ -77,7 +77,7 @@ def tests_of_tree(path: Path, tree: Mapping[str, Tree]) -> list[Columns]:
     return tests
 
 
-def _of_one_test(captures: list[tuple[str, _Histories]]) -> list[tuple[str, _Histories]]:
+def _join_captures(captures: list[tuple[str, _Histories]]) -> list[tuple[str, _Histories]]:
     """Take captures of a single history each as the channels of one test, named after their structures."""
     if len(captures) < 2 or any(len(histories.series) > 1 for _, histories in captures):  # noqa: PLR2004
         return captures
@@ -152,21 +152,21 @@ def _simulink(tree: Mapping[str, Tree]) -> _Histories | None:
     signals = [
         item for item in _as_list(tree.get("signals")) if isinstance(item, Mapping) and "values" in item
     ]
-    return _of_signals(signals, tree.get("time")) if signals else None
+    return _signal_histories(signals, tree.get("time")) if signals else None
 
 
 def _values(tree: Mapping[str, Tree]) -> _Histories | None:
     """Simulink Real-Time and xPC: structures with `values`, of which none needs a name."""
     if "values" in tree and "signals" not in tree:
-        return _of_signals([tree], tree.get("time", tree.get("t")))
+        return _signal_histories([tree], tree.get("time", tree.get("t")))
     held = {name: _as_list(item) for name, item in tree.items() if _are_values(_as_list(item))}
     time = tree.get("time", tree.get("t", tree.get("tout")))
     if len(held) == 1:
         ((name, signals),) = held.items()
-        return _of_signals(signals, time, name)
+        return _signal_histories(signals, time, name)
     if time is None or any(len(items) != 1 or _vector(items[0]["values"]) is None for items in held.values()):
         return None
-    return _of_signals(
+    return _signal_histories(
         [{**items[0], "label": _text(items[0].get("label")) or name} for name, items in held.items()], time
     )
 
@@ -175,7 +175,7 @@ def _are_values(items: Sequence[Tree]) -> bool:
     return bool(items) and all(isinstance(item, Mapping) and "values" in item for item in items)
 
 
-def _of_signals(signals: Sequence[Mapping[str, Tree]], time: Tree, outer: str = "values") -> _Histories:
+def _signal_histories(signals: Sequence[Mapping[str, Tree]], time: Tree, outer: str = "values") -> _Histories:
     histories = _Histories(named=False)
     shared = _history(time)
     for place, signal in enumerate(signals, start=1):
@@ -196,7 +196,7 @@ def _of_signals(signals: Sequence[Mapping[str, Tree]], time: Tree, outer: str = 
                 else short_names([label])[0] or f"{outer}({place})"
             )
             several = len(columns) > 1 and len(labels) != len(columns)
-            series = _add_first_clock(_with_attributes(values, signal), of_signal, shared)
+            series = _add_first_clock(_apply_attributes(values, signal), of_signal, shared)
             histories.add(f"{name}[{k + 1}]" if several else name, series)
     return histories
 
@@ -356,10 +356,10 @@ def _history(tree: Tree, about: Mapping[str, Tree] | None = None) -> Series | No
     columns = _columns_of(tree)
     if len(columns) != 1:
         return None
-    return tree if isinstance(tree, Series) else _with_attributes(columns[0], about or {})
+    return tree if isinstance(tree, Series) else _apply_attributes(columns[0], about or {})
 
 
-def _with_attributes(values: NDArray[np.float64], about: Mapping[str, Tree]) -> Series:
+def _apply_attributes(values: NDArray[np.float64], about: Mapping[str, Tree]) -> Series:
     """Apply the numbers and the unit that a structure states beside a history."""
     return series_of(values, _attributes_of(about))
 

@@ -43,16 +43,16 @@ def _as_tree(item: Any, depth: int = 0) -> Tree:  # noqa: ANN401 - what mat-io m
             remedy="Save the channels as vectors",
         )
     if is_frame(item):
-        return _of_table(item)
+        return _convert_table(item)
     if isinstance(item, np.ndarray):
-        return _of_array(item, depth)
+        return _convert_array(item, depth)
     if isinstance(properties := getattr(item, "properties", None), Mapping):
         content = {str(name): _as_tree(value, depth + 1) for name, value in properties.items()}
-        return _of_timeseries(content) if getattr(item, "classname", "") == "timeseries" else content
+        return _convert_timeseries(content) if getattr(item, "classname", "") == "timeseries" else content
     return item if isinstance(item, str | int | float) else str(item)
 
 
-def _of_array(item: np.ndarray, depth: int) -> Tree:
+def _convert_array(item: np.ndarray, depth: int) -> Tree:
     """Take structures as mappings, cells as lists, characters as text, times in seconds."""
     if "function_handle" in (item.dtype.names or ()):
         return ""  # its workspace may hold whatever stood beside it
@@ -77,34 +77,34 @@ def _of_array(item: np.ndarray, depth: int) -> Tree:
     return Series(values=values, unit="s", start=start_of(instants)) if values.size > 1 else values
 
 
-def _of_timeseries(properties: Mapping[str, Tree]) -> dict[str, Tree]:
+def _convert_timeseries(properties: Mapping[str, Tree]) -> dict[str, Tree]:
     """Time, data, name and unit of a `timeseries`, under the names with which MATLAB saves them.
 
     It keeps the data as `Data_`, and equal steps as `Start_`, `Increment_` and `Length` of the object
     `TimeInfo` with no vector of times at all.
     """
-    about = _saved(properties, "TimeInfo") or {}
-    data = _saved(properties, "Data")
-    times = _saved(properties, "Time")
+    about = _property_value(properties, "TimeInfo") or {}
+    data = _property_value(properties, "Data")
+    times = _property_value(properties, "Time")
     if times is None:
-        times = _saved(about, "Time")
+        times = _property_value(about, "Time")
     if times is None:
         times = _equal_steps(about)
     times = times.values if isinstance(times, Series) else times
-    unit = str(_saved(about, "Units") or "s")
+    unit = str(_property_value(about, "Units") or "s")
     return {
         "Time": None
         if times is None
         else Series(values=np.ravel(times).astype(np.float64), unit=unit, start=_start_date(about)),
         "Data": data,
-        "Name": _saved(properties, "Name") or "",
-        "DataInfo": {"Units": _saved(_saved(properties, "DataInfo") or {}, "Units") or ""},
+        "Name": _property_value(properties, "Name") or "",
+        "DataInfo": {"Units": _property_value(_property_value(properties, "DataInfo") or {}, "Units") or ""},
     }
 
 
 def _start_date(about: Mapping[str, Tree]) -> np.datetime64 | None:
     """Read the date from which a `timeseries` counts its times; None where it states none."""
-    text = _saved(about, "StartDate")
+    text = _property_value(about, "StartDate")
     if not isinstance(text, str) or not text:
         return None
     if (start := date_of(text)) is None:
@@ -116,14 +116,14 @@ def _start_date(about: Mapping[str, Tree]) -> np.datetime64 | None:
     return start
 
 
-def _saved(properties: Mapping[str, Tree], name: str) -> Tree:
+def _property_value(properties: Mapping[str, Tree], name: str) -> Tree:
     """Value of a property under its own name or the one it is saved with; None where neither holds any."""
     held = (properties.get(key) for key in (name, f"{name}_")) if isinstance(properties, Mapping) else ()
     return next((value for value in held if value is not None and np.size(value) > 0), None)
 
 
 def _equal_steps(about: Mapping[str, Tree]) -> np.ndarray | None:
-    start, step, count = (_saved(about, name) for name in ("Start", "Increment", "Length"))
+    start, step, count = (_property_value(about, name) for name in ("Start", "Increment", "Length"))
     if step is None or count is None or not 0.0 < float(np.ravel(step)[0]) < np.inf:
         return None
     size = int(np.ravel(count)[0])
@@ -132,7 +132,7 @@ def _equal_steps(about: Mapping[str, Tree]) -> np.ndarray | None:
     return first + float(np.ravel(step)[0]) * np.arange(size)
 
 
-def _of_table(frame: "pd.DataFrame") -> dict[str, Series]:
+def _convert_table(frame: "pd.DataFrame") -> dict[str, Series]:
     """Columns of a table; those of a timetable have its row times."""
     units = frame.attrs.get("varUnits") or frame.attrs.get("VariableUnits") or []
     return series_of_frame(frame, dict(zip(map(str, frame.columns), map(str, units), strict=False)))

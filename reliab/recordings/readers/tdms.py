@@ -106,10 +106,10 @@ def _series(channel: Any, above: Mapping[str, object]) -> Series | None:  # noqa
         return Series(values=seconds(values), unit="s", start=start_of(values))
     if values.dtype.kind not in "iufb":
         return None
-    return _scaled(series_of(values, channel.properties), {**above, **channel.properties})
+    return _list_scales(series_of(values, channel.properties), {**above, **channel.properties})
 
 
-def _scaled(series: Series, stated: Mapping[str, object]) -> Series:
+def _list_scales(series: Series, stated: Mapping[str, object]) -> Series:
     """List the scales that npTDMS has applied; without a word it applies none where it does not know one."""
     kinds = {str(kind) for name, kind in stated.items() if _SCALE.fullmatch(name)}
     if not kinds or stated.get("NI_Scaling_Status") == "scaled":

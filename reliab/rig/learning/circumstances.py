@@ -64,7 +64,7 @@ class Likeness:
         """One matrix for each respect, shape (respects, others, learned)."""
         matrices = np.zeros((len(self.respects), len(others), len(self.learned)))
         for matrix, respect in zip(matrices, self.respects, strict=True):
-            matrix[:] = self._in(respect, others, self.learned)
+            matrix[:] = self._is_shared(respect, others, self.learned)
         return matrices
 
     def of_each_alone(self, others: Circumstances) -> list[Array]:
@@ -75,7 +75,7 @@ class Likeness:
             for respect in self.respects
         ]
 
-    def _in(self, respect: str, others: Circumstances, learned: Circumstances) -> Array:
+    def _is_shared(self, respect: str, others: Circumstances, learned: Circumstances) -> Array:
         kind, _, name = respect.partition(" ")
         if kind == "covariate":
             here, there = self._standard(respect, others)[:, None], self._standard(respect, learned)

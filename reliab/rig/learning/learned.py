@@ -217,24 +217,24 @@ class LeftOut:
     @property
     def residuals(self) -> Array:
         """Residual of each test over its predicted spread."""
-        return self._all[0]
+        return self._complete_prediction[0]
 
     @property
     def spreads(self) -> Array:
         """Predicted spread of each test, if it is an ordinary one."""
-        return self._all[1]
+        return self._complete_prediction[1]
 
     def residuals_without(self, absent: NDArray[np.intp]) -> Array:
         """Return the same residuals if an earthquake had never been; zeros for its own tests."""
         taken = self.inverse[:, absent] @ np.linalg.inv(self.inverse[np.ix_(absent, absent)])
-        return self._predicted(absent, taken)[0]
+        return self._leave_out(absent, taken)[0]
 
     @cached_property
-    def _all(self) -> tuple[Array, Array]:
-        return self._predicted(np.empty(0, dtype=np.intp), np.empty((self.solved.size, 0)))
+    def _complete_prediction(self) -> tuple[Array, Array]:
+        return self._leave_out(np.empty(0, dtype=np.intp), np.empty((self.solved.size, 0)))
 
     @cached_property
-    def _by_size(self) -> list[NDArray[np.intp]]:
+    def _events_by_size(self) -> list[NDArray[np.intp]]:
         """Places of the tests of all earthquakes of a size, shape (earthquakes, size) each."""
         sizes = np.array([places.size for places in self.members])
         return [
@@ -242,11 +242,11 @@ class LeftOut:
             for size in np.unique(sizes)
         ]
 
-    def _predicted(self, absent: NDArray[np.intp], taken: Array) -> tuple[Array, Array]:
+    def _leave_out(self, absent: NDArray[np.intp], taken: Array) -> tuple[Array, Array]:
         """Residuals over their spreads, and these, where what absent tests teach is taken away."""
         residuals, squares = np.zeros_like(self.solved), np.ones_like(self.solved)
         solved = self.solved - taken @ self.solved[absent]
-        for every in self._by_size:
+        for every in self._events_by_size:
             places = every[~np.isin(every[:, 0], absent)]
             block = self.inverse[places[:, :, None], places[:, None, :]]
             across = self.inverse[:, absent][places]
@@ -278,9 +278,12 @@ class Learned:
         between, alone = self.likeness.between(others), self.likeness.of_each_alone(others)
         among = self.likeness.among_learned()
         noise = np.exp(2.0 * self.variances.mode[-1])
-        mean, variance = self._at(self.variances.mode, standard, among, between)
+        mean, variance = self._conditional_moments(self.variances.mode, standard, among, between)
         rows = np.linspace(0, len(self.variances.draws) - 1, _DRAWS_USED).astype(int)
-        means = [self._at(theta, standard, among, between)[0] for theta in self.variances.draws[rows]]
+        means = [
+            self._conditional_moments(theta, standard, among, between)[0]
+            for theta in self.variances.draws[rows]
+        ]
         prior = sum(
             (
                 np.exp(2.0 * log_spread) * alike
@@ -291,7 +294,9 @@ class Learned:
         deviation = np.sqrt(np.maximum(prior - variance + np.var(means, axis=0), _SMALLEST))
         return self.centre + self.spread * mean, self.spread * deviation
 
-    def _at(self, theta: Array, standard: Array, among: Array, between: Array) -> tuple[Array, Array]:
+    def _conditional_moments(
+        self, theta: Array, standard: Array, among: Array, between: Array
+    ) -> tuple[Array, Array]:
         """Mean of other tests, and the variance that the learned ones take off, at given variances."""
         size = standard.size
         matrix = covariance(among, theta)

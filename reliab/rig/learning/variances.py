@@ -45,20 +45,20 @@ class Variances:
     @property
     def draws(self) -> Array:
         """Draws of the posterior, shape (draws, effects + 1)."""
-        return self._drawn[0]
+        return self._importance_sample[0]
 
     @property
     def r_hat(self) -> float:
         """Largest R-hat of the draws over their batches."""
-        return self._drawn[1]
+        return self._importance_sample[1]
 
     @property
     def effective_size(self) -> float:
         """How many independent draws they are worth."""
-        return self._drawn[2]
+        return self._importance_sample[2]
 
     @cached_property
-    def _drawn(self) -> tuple[Array, float, float]:
+    def _importance_sample(self) -> tuple[Array, float, float]:
         return _importance_draws(self.problem, self.mode, np.random.default_rng(0))
 
 

@@ -118,26 +118,26 @@ class ExactLoop:
         return TransformLine.for_excitation(self.excitation, self.longest_step, self.lead)
 
     @cached_property
-    def _solved(self) -> tuple[Spectrum, Spectrum]:
+    def _system_transfer(self) -> tuple[Spectrum, Spectrum]:
         """Degrees of freedom per −a_g [s²] and per interface force [m/N], (n, size) and (n, size, p)."""
-        return _moved(self.partition, self._line.s)
+        return _displacement_transfer(self.partition, self._line.s)
 
     @property
     def _interface(self) -> Spectrum:
         """Exact interface displacements per −a_g [s²], shape (frequencies, p)."""
-        return np.asarray(self._solved[0] @ self.partition.interface)
+        return np.asarray(self._system_transfer[0] @ self.partition.interface)
 
     @cached_property
     def _exact(self) -> Spectrum:
         """Exact responses per −a_g [s²], shape (frequencies, q)."""
         if self.output is None:
             return self._interface
-        return np.asarray(self._solved[0] @ self.output[:, np.newaxis])
+        return np.asarray(self._system_transfer[0] @ self.output[:, np.newaxis])
 
     @cached_property
     def _receptance(self) -> Spectrum:
         """R [m/N], shape (frequencies, p, p)."""
-        return np.asarray(self.partition.interface.T @ self._solved[1])
+        return np.asarray(self.partition.interface.T @ self._system_transfer[1])
 
     @cached_property
     def _strays(self) -> Spectrum:
@@ -145,7 +145,7 @@ class ExactLoop:
         impedance = self.partition.impedance(self._line.s)
         if self.output is None:
             return np.asarray(np.eye(self.partition.degrees) - self._receptance @ impedance)
-        return np.asarray(-(self.output @ self._solved[1])[:, np.newaxis] @ impedance)
+        return np.asarray(-(self.output @ self._system_transfer[1])[:, np.newaxis] @ impedance)
 
     @cached_property
     def _series(self) -> tuple[Spectrum, Spectrum]:
@@ -164,7 +164,7 @@ class ExactLoop:
 
     def _sizes(self, error: Spectrum) -> tuple[float, float]:
         """Largest mean square and peak of the stray, of several responses over those of the exact one."""
-        spectra, denominator = _strayed(error, *self._series)
+        spectra, denominator = _deviation_spectra(error, *self._series)
         if _winds(denominator):
             return np.inf, np.inf
         strayed = self._line.response(spectra)[self.judged]
@@ -200,7 +200,7 @@ def stable_with(partition: Partition, actuators: TransferSystem | ActuatorMatrix
     """
     whole = partition.with_masses
     s = (2j * np.pi * _frequencies(whole)).astype(np.complex128)
-    receptance = whole.interface.T @ _moved(whole, s)[1]
+    receptance = whole.interface.T @ _displacement_transfer(whole, s)[1]
     loop = np.eye(whole.degrees) + receptance @ whole.impedance(s) @ error_of(actuators, whole, s)
     turned = np.unwrap(np.angle(np.linalg.det(loop)))
     return bool(abs(turned[-1] - turned[0]) < np.pi)
@@ -216,7 +216,7 @@ def _frequencies(partition: Partition) -> Array:
     return np.unique(np.concatenate([span, near[near > 0.0].ravel()]))
 
 
-def _moved(whole: Partition, s: Spectrum) -> tuple[Spectrum, Spectrum]:
+def _displacement_transfer(whole: Partition, s: Spectrum) -> tuple[Spectrum, Spectrum]:
     """Displacements per −a_g [s²] and per interface force [m/N], shapes (n, size) and (n, size, p)."""
     at = s[:, np.newaxis, np.newaxis]
     dynamic = at**2 * whole.mass + at * whole.damping + whole.stiffness
@@ -239,7 +239,9 @@ def _winds(denominator: Spectrum) -> bool:
 
 
 @compiled
-def _strayed(error: Spectrum, series: Spectrum, coefficients: Spectrum) -> tuple[Spectrum, Spectrum]:
+def _deviation_spectra(
+    error: Spectrum, series: Spectrum, coefficients: Spectrum
+) -> tuple[Spectrum, Spectrum]:
     """Spectra of the stray, shape (q, frequencies), and the denominator, shape (frequencies,)."""
     powers, count, outputs = series.shape[0], error.size, series.shape[1]
     strayed = np.empty((outputs, count), dtype=np.complex128)

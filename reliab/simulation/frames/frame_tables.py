@@ -147,14 +147,14 @@ class SpecimenTable(DescribedTable):
     def matrices(self, degrees: int) -> tuple[Array, Array, Array]:
         """K_e, C_e and M_e of the driven degrees of freedom."""
         if self.several:
-            return self._condensed(degrees)
+            return self._condense(degrees)
         damping = self.damping_n_s_per_m or 0.0
         if self.damping_ratio is not None:
             damping = 2.0 * self.damping_ratio * math.sqrt(self.stiffness_n_per_m * self.mass_kg)
         stiffness, viscous, mass = np.array([self.stiffness_n_per_m, damping, self.mass_kg]).reshape(3, 1, 1)
         return stiffness, viscous, mass
 
-    def _condensed(self, degrees: int) -> tuple[Array, Array, Array]:
+    def _condense(self, degrees: int) -> tuple[Array, Array, Array]:
         """Matrices without inner degrees of freedom."""
         stiffness = matrix_of_rows(self.stiffness_matrix_n_per_m)
         others = self.damping_matrix_n_s_per_m, self.mass_matrix_kg

@@ -185,11 +185,11 @@ class TolerancesTable(DescribedTable):
         deviations = {
             "damping": self.damping or 0.0,
             "specimen_stiffness": of_specimen,
-            **_by_number("floor_mass", self.floor_masses, alike, size),
-            **_by_number("storey_stiffness", self.storey_stiffnesses, alike, size),
-            **_by_number("storey_damping", self.storey_dampings, alike, size),
-            **_by_number("mode_frequency", self.mode_frequencies, 0.0, size),
-            **_by_number("mode_damping_ratio", self.mode_damping_ratios, 0.0, size),
+            **_numbered_deviations("floor_mass", self.floor_masses, alike, size),
+            **_numbered_deviations("storey_stiffness", self.storey_stiffnesses, alike, size),
+            **_numbered_deviations("storey_damping", self.storey_dampings, alike, size),
+            **_numbered_deviations("mode_frequency", self.mode_frequencies, 0.0, size),
+            **_numbered_deviations("mode_damping_ratio", self.mode_damping_ratios, 0.0, size),
         }
         for table in self.entries:
             for name, deviation in table.of_parts.items():
@@ -197,7 +197,7 @@ class TolerancesTable(DescribedTable):
         return {name: deviation for name, deviation in deviations.items() if deviation}
 
 
-def _by_number(name: str, values: Deviations, alike: float, size: int) -> dict[str, float]:
+def _numbered_deviations(name: str, values: Deviations, alike: float, size: int) -> dict[str, float]:
     """Deviations of all alike, without a number, and of floors, storeys or modes by theirs."""
     if isinstance(values, float):
         by_itself = values * math.sqrt(1.0 - alike**2)

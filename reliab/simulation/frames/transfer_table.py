@@ -54,7 +54,7 @@ def transfer_function_of(model: Any, delay: float = 0.0) -> TransferFunction:  #
             np.asarray(model.A), b, c, np.atleast_2d(np.asarray(model.D))
         )
         return TransferFunction(
-            numerator=_without_rounding(numerator[0]), denominator=coefficients_of(denominator), delay=delay
+            numerator=_strip_rounding(numerator[0]), denominator=coefficients_of(denominator), delay=delay
         )
     if hasattr(model, "zeros") and hasattr(model, "gain") and hasattr(model, "poles"):
         return TransferFunction.from_poles(model.zeros, model.poles, float(model.gain), delay=delay)
@@ -67,7 +67,7 @@ def transfer_function_of(model: Any, delay: float = 0.0) -> TransferFunction:  #
     )
 
 
-def _without_rounding(numerator: np.ndarray) -> tuple[float, ...]:
+def _strip_rounding(numerator: np.ndarray) -> tuple[float, ...]:
     """Coefficients of which leading ones that are rounding of zero are removed."""
     small = np.abs(numerator) <= 1e-12 * np.abs(numerator).max()
     return coefficients_of(np.where(np.cumprod(small), 0.0, numerator))
@@ -93,7 +93,7 @@ def read_matlab(path: str | Path, variable: str | None = None, delay: float = 0.
     held = _variables(path, variable)
     try:
         with np.errstate(over="raise", invalid="raise", divide="raise"):
-            return _build(_Held(held, str(path)), delay)
+            return _build(_MatlabVariables(held, str(path)), delay)
     except (FloatingPointError, OverflowError, np.linalg.LinAlgError) as error:
         raise InputError(
             "The numbers of this transfer system are too large",
@@ -103,7 +103,7 @@ def read_matlab(path: str | Path, variable: str | None = None, delay: float = 0.
         ) from None
 
 
-def _build(held: "_Held", delay: float) -> TransferFunction:
+def _build(held: "_MatlabVariables", delay: float) -> TransferFunction:
     for numerator, denominator in _FORMS:
         if held.has(numerator, denominator):
             return TransferFunction(
@@ -127,7 +127,7 @@ def _build(held: "_Held", delay: float) -> TransferFunction:
     )
 
 
-class _Held:
+class _MatlabVariables:
     """Variables of a MATLAB file, each checked when it is taken: numbers of the size that the form needs."""
 
     def __init__(self, variables: Mapping[str, Any], where: str) -> None:

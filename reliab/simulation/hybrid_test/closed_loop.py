@@ -188,7 +188,7 @@ def run_closed_loop(
         fine = np.arange((ground.size - 1) * parts + 1) / parts
         applied = np.interp(fine, np.arange(ground.size), applied)
     histories = _run(test, applied, step / parts, integrator or ExactIntegrator(), compensator)
-    return histories if parts == 1 else _at_each(test, histories, parts)
+    return histories if parts == 1 else _decimate(test, histories, parts)
 
 
 def _run_coarsely(
@@ -236,7 +236,7 @@ def _resample(
     )
 
 
-def _at_each(test: HybridTest, histories: Histories, parts: int) -> Histories:
+def _decimate(test: HybridTest, histories: Histories, parts: int) -> Histories:
     piston = histories.piston.at_each(parts)
     return Histories(
         command=histories.command.at_each(parts),

@@ -211,11 +211,11 @@ def _effect_lines(effect: Effect, sd: Mapping[str, float]) -> list[str]:
 
 def _table(head: str, remark: str = "", /, **content: float | str | None) -> list[str]:
     """Lines of a table without what is None."""
-    rows = [f"{key} = {_written(value)}" for key, value in content.items() if value is not None]
+    rows = [f"{key} = {_toml_value(value)}" for key, value in content.items() if value is not None]
     return ["", f"{head}{remark}", *rows]
 
 
-def _written(value: float | str) -> str:
+def _toml_value(value: float | str) -> str:
     return _quote(value) if isinstance(value, str) else repr(float(value))
 
 

@@ -80,7 +80,7 @@ def _way(into: float, h: float, pole: complex) -> Way:
 
 
 @compiled
-def _along(way: Way, x: float, y: float, a: float, b: float) -> tuple[float, float]:
+def _interpolate_ground(way: Way, x: float, y: float, a: float, b: float) -> tuple[float, float]:
     """Give z between two samples, from z at the first and the accelerations of both."""
     u = (way[0] * x - way[1] * y) + (a * way[2] + (b - a) * way[4])
     v = (way[1] * x + way[0] * y) + (a * way[3] + (b - a) * way[5])
@@ -110,7 +110,7 @@ def _cut_record(
         r, s = 0.0, 0.0
         if i >= 0:
             way = (ways[k, 0], ways[k, 1], ways[k, 2], ways[k, 3], ways[k, 4], ways[k, 5])
-            r, s = _along(way, x, y, record[i], record[i + 1])
+            r, s = _interpolate_ground(way, x, y, record[i], record[i + 1])
         if k > 0:
             u = r - (decay.real * p - decay.imag * q)
             v = s - (decay.real * q + decay.imag * p)
@@ -188,7 +188,7 @@ def peak_of_mode(
                 i, into = _place_of(time, h, a.shape[1])
                 if i >= 0:
                     way = _way(into, h, pole)
-                    _, y = _along(way, samples[i, 0], samples[i, 1], a[0, i], a[0, i + 1])
+                    _, y = _interpolate_ground(way, samples[i, 0], samples[i, 1], a[0, i], a[0, i + 1])
                     largest = max(largest, abs(y))
     return largest / pole.imag
 

@@ -160,7 +160,7 @@ class Responses:
     def _sum_products(self, ahead: int) -> Sums:
         stepping = _Stepping(self.basis, self.blocks.step)
         pieces = self._early(stepping, ahead) if ahead else self._late(stepping)
-        products = _by_trapezoids(pieces, self.blocks.end) / self.blocks.intervals
+        products = _integrate_products(pieces, self.blocks.end) / self.blocks.intervals
         ground = self.blocks.excitation
         energy = np.append(stepping.energy, (ground.acceleration**2).sum() * ground.time_step)
         return Sums(mean_products=products, root_energy=np.sqrt(energy / ground.window_duration))
@@ -232,7 +232,7 @@ class _Stepping:
         return np.asarray(squares * self._step + (real**2 + imag**2) / (-2.0 * poles.real))
 
 
-def _by_trapezoids(pieces: Iterator[Array], end: float) -> Array:
+def _integrate_products(pieces: Iterator[Array], end: float) -> Array:
     """Sum of the products of functions, shape (functions, functions), in units of a block.
 
     Every piece holds one row for each edge of a block; the window ends at a fraction of the last block.

@@ -96,20 +96,20 @@ class TrackedCells:
             cells = self.structure, self.gain[late], self.delay[late]
             (measured,) = recursions(modal_loop(*cells), self.step, late)
             command = recursion(modal_loop(*cells, measured=False), self.step)
-            pairs.append((measured, _in_lanes(command, measured.coefficients)))
+            pairs.append((measured, _fill_coefficient_lanes(command, measured.coefficients)))
         if early.size:
             loop = leading_loop(self.structure, self.gain[early], -self.delay[early])
             _, command = leading_recursion(loop.command(self.gain[early]), self.step)
             place = np.full(self.gain.size, -1)
             place[early] = np.arange(early.size)
             pairs += [
-                (segment, _in_lanes(command[:, place[segment.cells]], segment.coefficients))
+                (segment, _fill_coefficient_lanes(command[:, place[segment.cells]], segment.coefficients))
                 for segment in recursions(loop, self.step, early)
             ]
         return pairs
 
 
-def _in_lanes(command: Array, measured: Array) -> _Lanes:
+def _fill_coefficient_lanes(command: Array, measured: Array) -> _Lanes:
     """Coefficients of both in sets of lanes, the last filled up."""
     both = fill_lanes(command, LANES), fill_lanes(measured, LANES)
     sets = range(0, both[0].shape[1], LANES)

@@ -49,7 +49,7 @@ def subsystem_of(path: Path) -> bytes:
         file.seek(place)
         kind, length = _Elements(_Plain(file, size), order).full_tag()
         if kind == _COMPRESSED:
-            return _Elements(_Packed(file, length), order).bytes_of_matrix()
+            return _Elements(_CompressedStream(file, length), order).bytes_of_matrix()
         file.seek(place)
         return _Elements(_Plain(file, size), order).bytes_of_matrix()
 
@@ -65,7 +65,7 @@ def _follow(file: BinaryIO, size: int, order: Literal["little", "big"], *, begin
         plain = _Elements(_Plain(file, size), order)
         kind, length = plain.full_tag()
         if kind == _COMPRESSED:
-            _Elements(_Packed(file, length), order).matrix()
+            _Elements(_CompressedStream(file, length), order).matrix()
         elif kind == _MATRIX:
             file.seek(begin)
             plain.matrix()
@@ -99,7 +99,7 @@ class _Plain:
             raise ValueError("the file ends within a variable")
 
 
-class _Packed:
+class _CompressedStream:
     """Bytes that are compressed, a piece of them at a time."""
 
     def __init__(self, file: BinaryIO, length: int) -> None:

@@ -57,10 +57,10 @@ class ServoHydraulic(TransferSystem):
     def plant(self, specimen: Specimen) -> Plant:
         """States: valve flow, its rate, force, displacement, velocity; without a moving mass fewer."""
         if specimen.mass > 0.0:
-            return self._with_mass(specimen)
-        return self._without_mass(specimen)
+            return self._massive_plant(specimen)
+        return self._massless_plant(specimen)
 
-    def _with_mass(self, specimen: Specimen) -> Plant:
+    def _massive_plant(self, specimen: Specimen) -> Plant:
         dynamics = np.zeros((5, 5))
         dynamics[0, 1] = 1.0
         dynamics[1] = [-self.valve_stiffness, -self.valve_damping, 0.0, -self.valve_gain, 0.0]
@@ -80,7 +80,7 @@ class ServoHydraulic(TransferSystem):
             differenced=-self.piston_coupling * rows[2],
         )
 
-    def _without_mass(self, specimen: Specimen) -> Plant:
+    def _massless_plant(self, specimen: Specimen) -> Plant:
         """Force and displacement are one state, F = kx; a dashpot makes the velocity another."""
         k, c = specimen.stiffness, specimen.damping
         if k <= 0.0:

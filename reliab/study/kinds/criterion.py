@@ -99,7 +99,7 @@ def on_real_motions(study: CriterionStudy, material: Material) -> list[Stage]:
 
     def work(folder: Path) -> None:
         criteria = derivation_of(folder).criteria
-        judged = _judged(criteria[0], folder, results) if criteria else None
+        judged = _judge_on_real_motions(criteria[0], folder, results) if criteria else None
         content = None if judged is None else _content(judged)
         with written_whole(folder / REAL_MOTIONS) as file:
             file.write_text(json.dumps(content), encoding="utf-8")
@@ -133,7 +133,7 @@ def _results(study: CriterionStudy) -> Path:
         return real_results((), ())
 
 
-def _judged(criterion: Criterion, folder: Path, results: Path) -> CrossValidation | None:
+def _judge_on_real_motions(criterion: Criterion, folder: Path, results: Path) -> CrossValidation | None:
     """Judge a criterion on the real motions of earthquakes that it was not learned from."""
     simulated = open_results(results)
     learned = open_ellipses(folder / ELLIPSES)

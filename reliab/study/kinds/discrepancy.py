@@ -40,7 +40,7 @@ def stages(study: DiscrepancyStudy, show: Show) -> Sequence[Stage]:
 
     def work(folder: Path) -> None:
         with show("Diagnosing"):
-            content = _diagnosed(campaign, digest(campaign)).to_dict()
+            content = _diagnose(campaign, digest(campaign)).to_dict()
         with written_whole(folder / DIAGNOSIS) as file:
             file.write_text(json.dumps(content, indent=2, ensure_ascii=False), encoding="utf-8")
 
@@ -65,7 +65,7 @@ def report(study: DiscrepancyStudy, folder: Path) -> Mapping[str, bytes]:
 def _document(study: DiscrepancyStudy, campaign: Path, folder: Path) -> Document:
     from reliab.report.kinds.discrepancy_report import discrepancy_report
 
-    addition = _diagnosed(campaign, digest(campaign))
+    addition = _diagnose(campaign, digest(campaign))
     return discrepancy_report(
         addition.diagnosis,
         posteriors=addition.posteriors,
@@ -83,7 +83,7 @@ def _folder(study: DiscrepancyStudy) -> Path:
 
 
 @lru_cache(maxsize=1)
-def _diagnosed(campaign: Path, checksum: str) -> "Addition":
+def _diagnose(campaign: Path, checksum: str) -> "Addition":
     """Diagnose a campaign of a checksum, once in a process."""
     del checksum
     from reliab.discrepancy.adding.adding import add

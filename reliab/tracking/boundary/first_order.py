@@ -84,7 +84,7 @@ def first_order_ellipse(excitation: Excitation, structure: Structure) -> FirstOr
     peak = peak_of_history(exact)
     duration = excitation.window_duration
     squares = [float(np.trapezoid(response**2, dx=step)) for response in (exact, of_gain, of_delay)]
-    return _per_squared_error(squares, peak, duration)
+    return _ellipse_from_integrals(squares, peak, duration)
 
 
 def ellipse_of_response(response: Array, time_step: float, structure: Structure) -> FirstOrderEllipse:
@@ -102,7 +102,7 @@ def ellipse_of_response(response: Array, time_step: float, structure: Structure)
     """
     histories = error_histories(response, time_step, structure)
     squares = [float(np.trapezoid(history**2, dx=time_step)) for history in histories]
-    return _per_squared_error(squares, float(np.abs(response).max()), (response.size - 1) * time_step)
+    return _ellipse_from_integrals(squares, float(np.abs(response).max()), (response.size - 1) * time_step)
 
 
 def exact_response(acceleration: Array, time_step: float, structure: Structure) -> Array:
@@ -133,7 +133,7 @@ def _sampled_oscillator(w0: float, xi: float, step: float) -> tuple[Array, Array
     return np.asarray(read + (rising[0, 0] - 1.0) * denominator), np.asarray(denominator)
 
 
-def _per_squared_error(squares: Sequence[float], peak: float, duration: float) -> FirstOrderEllipse:
+def _ellipse_from_integrals(squares: Sequence[float], peak: float, duration: float) -> FirstOrderEllipse:
     """Ellipse from the integrals of the squares of x, Z and dZ/dt, the peak of x and the length [s]."""
     energy, by_gain, by_delay = (square / peak**2 for square in squares)
     return FirstOrderEllipse(

@@ -197,7 +197,7 @@ def cross_validate(
     entries: list[_Entry] = []
     refusals: list[InputError] = []
     for done, fold in enumerate(folds, start=1):
-        known = _known(ellipses if learn_from is None else learn_from, fold)
+        known = _training_ellipses(ellipses if learn_from is None else learn_from, fold)
         for number, candidate in enumerate(candidates):
             try:
                 learned = candidate.learn(known, threshold, metric, confidences)
@@ -222,7 +222,7 @@ def cross_validate(
                 _judge(at, cell, side, entries, ellipses, truth, trials)
         progress(done, total)
     return CrossValidation(
-        counts=_labelled(counts, ellipses, candidates, confidences),
+        counts=_label_counts(counts, ellipses, candidates, confidences),
         scheme=scheme,
         threshold=threshold,
         metric=metric,
@@ -239,7 +239,7 @@ class _Entry(NamedTuple):
     limits: Limits
 
 
-def _known(ellipses: xr.Dataset, fold: Fold) -> xr.Dataset:
+def _training_ellipses(ellipses: xr.Dataset, fold: Fold) -> xr.Dataset:
     """Ellipses that a fold learns from."""
     known = ellipses.isel(motion=fold.learned)
     if fold.left_out is None:
@@ -278,7 +278,7 @@ def _judge(
         chosen = np.flatnonzero(judged[:, motion])
         if not chosen.size:
             continue
-        errors = truth.errors(cell, motion, *_together([tests, *(edges[k] for k in chosen)]))
+        errors = truth.errors(cell, motion, *_concatenate([tests, *(edges[k] for k in chosen)]))
         of_tests, of_edges = errors[:trials], errors[trials:].reshape(chosen.size, -1)
         outcomes = np.concatenate(
             [_containment(of_edges, axes[motion], limits[chosen]), _fates(of_tests, accepted[chosen])]
@@ -286,7 +286,7 @@ def _judge(
         np.add.at(counts[..., motion].transpose(1, 2, 0), tuple(places[chosen].T), outcomes.T)
 
 
-def _together(parts: Sequence[Actuators]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _concatenate(parts: Sequence[Actuators]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Gains and delays of several sets of tests, one after the other."""
     return np.concatenate([part.gain for part in parts]), np.concatenate([part.delay for part in parts])
 
@@ -320,7 +320,7 @@ def _fates(errors: NDArray[np.float64], accepted: NDArray[np.bool_]) -> NDArray[
     )
 
 
-def _labelled(
+def _label_counts(
     counts: NDArray[np.int64],
     ellipses: xr.Dataset,
     candidates: Sequence[Candidate],

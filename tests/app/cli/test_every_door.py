@@ -171,7 +171,7 @@ def stubbed(monkeypatch, tmp_path):
     monkeypatch.setattr(simulation, "load_motions", lambda *names, sets: (*names, sets))
     monkeypatch.setattr(simulation, "run_sweep", lambda *_, **__: None)
     monkeypatch.setattr("reliab.explore.page.write_page", page)
-    monkeypatch.setattr("reliab.sweep.ellipse_file.open_windows", lambda _: {"record": None})
+    monkeypatch.setattr("reliab.sweep.ellipse_dataset.open_windows", lambda _: {"record": None})
     monkeypatch.setattr(studies, "write_report", lambda folder, setting: folder / repr(setting or Setting()))
 
 

@@ -163,7 +163,7 @@ def filled(model: Hierarchical, lacking: Array, events: NDArray[np.str_]) -> Hie
         law = np.einsum("tq,fxt->fxq", completed.coefficients(theta)[0], completed.terms)
         covariance = _covariance(completed.grid, completed.covariances(theta)[0])
         rng = np.random.default_rng(2017)  # the same draws in every round
-        drawn = np.stack([_drawn(motion, law, covariance, rng) for motion in lacking])
+        drawn = np.stack([_draw_missing(motion, law, covariance, rng) for motion in lacking])
         completed = replace(
             model,
             values=np.concatenate([model.values, drawn]),
@@ -190,7 +190,7 @@ def _covariance(grid: Grid, covariances: Array) -> Array:
     return np.asarray(sum(parts))
 
 
-def _drawn(
+def _draw_missing(
     values: Array,
     law: Array,
     covariance: Array,
@@ -290,7 +290,7 @@ class HierarchicalFit(Learned):
             "thin": self.posterior.thin,
             "accepted": self.posterior.accepted,
             "parameters": [
-                {str(key): _known(value) for key, value in row.items()}
+                {str(key): _finite_or_none(value) for key, value in row.items()}
                 for row in self.posterior.table().reset_index().to_dict(orient="records")
             ],
         }
@@ -302,9 +302,11 @@ class HierarchicalFit(Learned):
         return {
             "curved": self.model.curved,
             "converged": self.posterior.converged,
-            "largest_r_hat": _known(diagnostics.r_hat.max()),
-            "least_effective_size": _known(min(diagnostics.bulk_size.min(), diagnostics.tail_size.min())),
-            "longest_autocorrelation_time": _known(diagnostics.autocorrelation_time.max()),
+            "largest_r_hat": _finite_or_none(diagnostics.r_hat.max()),
+            "least_effective_size": _finite_or_none(
+                min(diagnostics.bulk_size.min(), diagnostics.tail_size.min())
+            ),
+            "longest_autocorrelation_time": _finite_or_none(diagnostics.autocorrelation_time.max()),
             "ensembles": diagnostics.ensembles,
         }
 
@@ -313,10 +315,10 @@ class HierarchicalFit(Learned):
         """What is wrong with the posterior, and what motions lacked."""
         complaints = self.posterior.diagnostics.complaints
         unreliable = "THIS POSTERIOR HAS NOT CONVERGED and must not be relied on." if complaints else ""
-        return tuple(sentence for sentence in (unreliable, *complaints, self._imputed) if sentence)
+        return tuple(sentence for sentence in (unreliable, *complaints, self._imputation_note) if sentence)
 
     @property
-    def _imputed(self) -> str:
+    def _imputation_note(self) -> str:
         values = _values(self.grid.population)
         known = np.asarray(np.isfinite(values).all(axis=-1)).reshape(len(values), -1)
         lacking, left_out = int((~known).any(axis=1).sum()), len(known) - len(self.model.values)
@@ -384,7 +386,7 @@ def _values(population: Population) -> Array:
     return np.stack([population.log_alpha, population.log_beta], axis=-1)
 
 
-def _known(value: object) -> object:
+def _finite_or_none(value: object) -> object:
     """Take a number for JSON; None where too short a run has none."""
     if isinstance(value, float | np.floating):
         return float(value) if np.isfinite(value) else None

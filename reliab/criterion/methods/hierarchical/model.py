@@ -73,7 +73,7 @@ class MotionMeans:
 
         `centre` (vectors, 2); `between`, `within` (vectors, 3); returns (vectors,).
         """
-        sizes, event_means, scatter = self._by_event
+        sizes, event_means, scatter = self._event_statistics
         below = normal_log_density(within, scatter, float(self.groups.size - sizes.size))
         of_mean = between[:, None, :] + within[:, None, :] / sizes[:, None]
         strayed = squares_of(event_means - centre[:, None, :])
@@ -109,7 +109,7 @@ class MotionMeans:
         return np.asarray(of_events - 0.5 * self.groups.size * np.log(_determinant(_matrix(within))))
 
     @cached_property
-    def _by_event(self) -> tuple[NDArray[np.int64], Array, Array]:
+    def _event_statistics(self) -> tuple[NDArray[np.int64], Array, Array]:
         """Sizes of the earthquakes, their means, and the squares about these."""
         sizes = np.bincount(self.groups)
         event_means = self._event_sums(self.means) / sizes[:, None]
