@@ -15,10 +15,10 @@ from reliab.core.physical_range import require_physical
 from reliab.core.plain_values import html_table
 from reliab.core.significant_digits import significant
 from reliab.core.vocabulary import MILLI, PERCENT, Metric, Side
-from reliab.criterion.criterion_file import Provenance
 from reliab.criterion.laws.law import Law
 from reliab.criterion.methods.method import checked_share
 from reliab.criterion.population import Population
+from reliab.criterion.provenance import Provenance
 from reliab.criterion.scope import promised
 
 if TYPE_CHECKING:

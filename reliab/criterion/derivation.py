@@ -15,7 +15,6 @@ from reliab.core.vocabulary import CurveName, Metric, Side
 from reliab.criterion.carrying import protect_over_lengths
 from reliab.criterion.cautions import cautions_of, few_leads, not_lognormal
 from reliab.criterion.criterion import Criterion
-from reliab.criterion.criterion_file import Provenance, kind_of_motions, records_checksum
 from reliab.criterion.ellipse_sample import EllipseSample, position, position_of_name
 from reliab.criterion.ellipse_table import Ellipses, EllipseTable, names_along, tabled, without_copies
 from reliab.criterion.laws.law import Law
@@ -24,6 +23,7 @@ from reliab.criterion.laws.table import Table
 from reliab.criterion.methods.method import Learned, Method, checked_share
 from reliab.criterion.methods.registry import RECOMMENDED, method_of
 from reliab.criterion.population import SampleGrid
+from reliab.criterion.provenance import Provenance, kind_of_motions, records_checksum
 from reliab.criterion.scope import population_of, scope_of
 
 if TYPE_CHECKING:

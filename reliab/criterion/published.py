@@ -6,10 +6,10 @@ import numpy as np
 
 from reliab.core.vocabulary import CurveName, Metric
 from reliab.criterion.criterion import Criterion
-from reliab.criterion.criterion_file import Provenance
 from reliab.criterion.derivation import room
 from reliab.criterion.ellipse_sample import sample_of
 from reliab.criterion.laws.registry import OF_MANY_MOTIONS, known
+from reliab.criterion.provenance import Provenance
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Final
 
-from reliab.criterion.criterion_file import Provenance, installed_versions
+from reliab.criterion.provenance import Provenance, installed_versions
 from reliab.report.document import Source
 
 

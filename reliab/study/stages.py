@@ -31,7 +31,7 @@ from reliab.core.files import (
     written_by_one_process,
     written_whole,
 )
-from reliab.criterion.criterion_file import installed_versions
+from reliab.criterion.provenance import installed_versions
 
 MANIFEST = "manifest.json"
 _CHUNK = 1 << 20

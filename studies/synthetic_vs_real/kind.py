@@ -12,7 +12,7 @@ from reliab.core.errors import InputError
 from reliab.core.plain_values import read_table, write_table
 from reliab.core.progress import Show
 from reliab.core.shipped import shipped
-from reliab.criterion.criterion_file import records_checksum
+from reliab.criterion.provenance import records_checksum
 from reliab.report.document import Document
 from reliab.study.description import CriterionTable, SimulatedStudy, TransferTable
 from reliab.study.folders import Kind

@@ -12,7 +12,7 @@ from reliab_studies.paper2017.cases_stage import CASES, paper_cases
 from reliab.core.plain_values import read_table, write_table
 from reliab.core.progress import Show
 from reliab.core.vocabulary import Metric
-from reliab.criterion.criterion_file import records_checksum
+from reliab.criterion.provenance import records_checksum
 from reliab.motions.loading import load_motions
 from reliab.motions.motion import Motion
 from reliab.motions.suite import MotionSuite

@@ -78,7 +78,7 @@ def shipped(tmp_path, monkeypatch):
     broken = written(studies / "broken")
     (broken / "kind.py").write_text("raise RuntimeError('broken')", encoding="utf-8")
     (broken / "study.toml").write_text('kind = "broken"\ntitle = "Broken"', encoding="utf-8")
-    monkeypatch.setattr(folders, "_shipped", lambda: studies)
+    monkeypatch.setattr(folders, "_shipped_root", lambda: studies)
     monkeypatch.setattr(folders, "PACKAGE", f"studies_of_{tmp_path.name}")
     return studies
 

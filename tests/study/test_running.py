@@ -12,8 +12,8 @@ import pytest
 
 from reliab.core.errors import InputError
 from reliab.core.files import UNFINISHED
-from reliab.criterion.criterion_file import installed_versions
 from reliab.criterion.laws.registry import FITTED
+from reliab.criterion.provenance import installed_versions
 from reliab.report.document import Points, Section
 from reliab.report.prose import plain_text
 from reliab.study import stages

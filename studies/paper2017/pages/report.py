@@ -8,7 +8,7 @@ import xarray as xr
 from reliab.core.errors import InputError
 from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import PERCENT
-from reliab.criterion.criterion_file import records_checksum
+from reliab.criterion.provenance import records_checksum
 from reliab.report.document import Column, Document, Paragraph, Section, Table
 from reliab.report.numbers import Fixed, Shortest, Significant, in_line
 from reliab.report.prose import Prose, prose
