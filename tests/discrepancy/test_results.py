@@ -9,7 +9,7 @@ import pytest
 from reliab.discrepancy.adding.adding import _sampled
 from reliab.discrepancy.blocks.calibration import structure_damping
 from reliab.discrepancy.naming.naming import or_stated_damping
-from reliab.discrepancy.result.diagnosis import Diagnosis, draw_gap, table_of_diagnosis
+from reliab.discrepancy.result.diagnosis import Diagnosis
 from reliab.discrepancy.result.gap import Gap
 from reliab.discrepancy.result.missing_effect import (
     Estimate,
@@ -65,7 +65,7 @@ def test_the_gap_is_drawn_as_a_pair_of_bars_for_each_block():
         SimpleNamespace(block=SimpleNamespace(block=name), gap=gap)
         for name, gap in zip("ab", gaps, strict=True)
     ]
-    plot = draw_gap("rig", blocks)
+    plot = Diagnosis.plot(SimpleNamespace(campaign=SimpleNamespace(name="rig"), blocks=blocks))
     before, after = plot.containers
     assert [(bar.get_center()[0], bar.get_height()) for bar in (*before, *after)] == [
         (pytest.approx(x), pytest.approx(100.0 * size))
@@ -75,7 +75,6 @@ def test_the_gap_is_drawn_as_a_pair_of_bars_for_each_block():
     assert [label.get_text() for label in plot.get_xticklabels()] == ["a: u", "b: f"]
     assert (plot.get_ylabel(), plot.get_yscale(), plot.get_title()) == ("error [% of RMS]", "linear", "rig")
     assert [text.get_text() for text in plot.get_legend().get_texts()] == ["before", "after"]
-    assert draw_gap("rig", blocks, plot) is plot
     diagnosis = SimpleNamespace(campaign=SimpleNamespace(name="other"), blocks=blocks)
     assert Diagnosis.plot(diagnosis, plot) is plot
     assert plot.get_title() == "other"
@@ -100,7 +99,11 @@ def test_all_of_a_gap_is_closed_only_where_what_remains_is_at_the_noise(after, f
 
 def test_a_diagnosis_is_a_table_of_verdict_effects_and_gap():
     gap = SimpleNamespace(channel="force_n", before=0.31, after=0.12)
-    text = table_of_diagnosis("rig", "effects_found", [missing()], gap, ["Look."])
+    found = SimpleNamespace(
+        campaign=SimpleNamespace(name="rig"), verdict="effects_found", all_effects=[missing()], gap=gap,
+        remarks=["Look."],
+    )  # fmt: skip
+    text = Diagnosis._repr_html_(found)
     for words in (
         "effects found", missing().name, "probability 0.9; force_n 5 ± 1 N", "Look.",
         "error on held-out tests, force_n", "0.31 before, 0.12 after",

@@ -98,18 +98,12 @@ def shaking_of(campaign: Campaign) -> tuple[Excitation, ...]:
             for acceleration in recorded
             if np.ptp(acceleration)
         )
-    peak = _largest_displacement(campaign)
-    suite = load_motions("synthetic")
-    records = (suite[_SYNTHETIC_STRIDE * k] for k in range(_MOST_MOTIONS))
-    return tuple(_scaled(campaign.nominal, record.acceleration, record.time_step, peak) for record in records)
-
-
-def _largest_displacement(campaign: Campaign) -> float:
     channel = Channel.COMMAND if Channel.COMMAND in campaign.channels else Channel.MEASURED
-    return max(float(np.ptp(test.channels[channel])) / 2.0 for test in campaign.tests)
-
-
-def _scaled(nominal: HybridTest, acceleration: Array, step: float, peak: float) -> Excitation:
-    """Scale a motion so that the nominal test reaches a displacement [m]."""
-    reached = np.abs(run_closed_loop(nominal, acceleration, step).measured).max()
-    return Excitation(acceleration=acceleration * (peak / reached), time_step=step)
+    peak = max(float(np.ptp(test.channels[channel])) / 2.0 for test in campaign.tests)
+    suite = load_motions("synthetic")
+    scaled = []
+    for record in (suite[_SYNTHETIC_STRIDE * k] for k in range(_MOST_MOTIONS)):
+        answer = run_closed_loop(campaign.nominal, record.acceleration, record.time_step).measured
+        factor = peak / np.abs(answer).max()
+        scaled.append(Excitation(acceleration=factor * record.acceleration, time_step=record.time_step))
+    return tuple(scaled)

@@ -77,12 +77,18 @@ class LoopBlock(ObservedBlock):
         self._rig = rig = campaign.actuator is not None
         self.offsets = (SensorBias,)
         effects = library().values()
-        possible = (effect for effect in effects if _possible(effect, rig=rig) and effect.refines is None)
+        calibrated = (ForceBias, SensorBias, ExcitationScale)
+        possible = (
+            effect
+            for effect in effects
+            if effect not in calibrated and effect.refines is None and (rig or effect.role not in _OF_THE_RIG)
+        )
         self.candidates = (*possible, *((StatedDamping,) if rig and self._damping > 0.0 else ()))
         acting = (*_OF_THE_RIG, Role.FORCE) if rig else (Role.FORCE,)
         terms = (*general_terms(Block.ACTUATOR), *general_terms(Block.SPECIMEN))
         self.outside = tuple(term for term in terms if term.role in acting)
-        self.integrate_at(_rate_of_integration(campaign))
+        natural = 0.0 if campaign.structure is None else campaign.structure.frequency
+        self.integrate_at(max(_COARSEST_RATE, _FEWEST_STEPS * natural))
         self.calibrations: tuple[Calibration, ...]
         if rig:
             of_structure = structure_damping(_DAMPING, _MOST_OF_DAMPING)
@@ -174,18 +180,6 @@ class LoopBlock(ObservedBlock):
             if along**2 > share * energy:
                 share, scale = along**2 / energy, along / energy
         return scale
-
-
-def _rate_of_integration(campaign: Campaign) -> float:
-    """Least rate at which the loop is integrated [Hz]."""
-    natural = 0.0 if campaign.structure is None else campaign.structure.frequency
-    return max(_COARSEST_RATE, _FEWEST_STEPS * natural)
-
-
-def _possible(effect: type[Effect], *, rig: bool) -> bool:
-    if effect in (ForceBias, SensorBias, ExcitationScale):
-        return False
-    return rig or effect.role not in _OF_THE_RIG
 
 
 def _resampled(ground: Array, parts: int, every: int) -> Array:

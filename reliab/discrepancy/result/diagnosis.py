@@ -1,6 +1,6 @@
 """The results for a whole campaign."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
@@ -140,15 +140,34 @@ class Diagnosis(ResultWithRows):
 
     def plot(self, axes: "Axes | None" = None) -> "Axes":
         """Draw the error on held-out tests before and after; returns its axes."""
-        return draw_gap(self.campaign.name, self.blocks, axes)
+        from matplotlib import pyplot as plt
+
+        plot = plt.subplots(figsize=(6.0, 3.0))[1] if axes is None else axes
+        names = [f"{block.block.block}: {block.gap.channel}" for block in self.blocks]
+        for shift, label in ((-0.2, "before"), (0.2, "after")):
+            shares = [PERCENT * float(getattr(block.gap, label)) for block in self.blocks]
+            plot.bar([place + shift for place in range(len(names))], shares, width=0.4, label=label)
+        plot.set_xticks(range(len(names)), names)
+        plot.set(ylabel="error [% of RMS]", title=self.campaign.name)
+        plot.legend(frameon=False)
+        return plot
 
     def __repr__(self) -> str:
-        effects = ", ".join(effect.name for effect in (*self.effects, *self.doubtful))
+        effects = ", ".join(effect.name for effect in self.all_effects)
         return f"<Diagnosis of {self.campaign.name}: {self.verdict}{f' ({effects})' if effects else ''}>"
 
     def _repr_html_(self) -> str:
-        effects = (*self.effects, *self.doubtful)
-        return table_of_diagnosis(self.campaign.name, self.verdict, effects, self.gap, self.remarks)
+        """Table of the verdict, the effects with their parameters, and the gap."""
+        rows = {"verdict": str(self.verdict).replace("_", " ")}
+        for effect in self.all_effects:
+            values = (
+                f"{one.name} {one.value:.4g} ± {significant(one.sd, 1)} {one.units}".strip()
+                for one in effect.estimates
+            )
+            rows[effect.name] = "; ".join([f"probability {significant(effect.probability)}", *values])
+        sizes = f"{significant(self.gap.before)} before, {significant(self.gap.after)} after"
+        rows[f"error on held-out tests, {self.gap.channel}"] = sizes
+        return html_table(self.campaign.name, rows, self.remarks)
 
 
 def _limits_of_parameters(effects: Sequence[MissingEffect]) -> list[str]:
@@ -231,47 +250,6 @@ def clock_remark(effect: MissingEffect) -> str:
         f"{significant(MILLI * lag.sd, 1)} ms {channels[1]} than the {channels[2]}, as by clocks, filters or"
         " multiplexers that differ: align the columns. No model is changed for it."
     )
-
-
-def table_of_diagnosis(
-    name: str, verdict: Verdict, effects: Iterable[MissingEffect], gap: Gap, remarks: Iterable[str]
-) -> str:
-    """Write the verdict on a campaign, the effects with their parameters, and the gap as a table in HTML."""
-    described = {
-        effect.name: "; ".join(
-            [
-                f"probability {significant(effect.probability)}",
-                *(
-                    f"{estimate.name} {estimate.value:.4g} ± {significant(estimate.sd, 1)} "
-                    f"{estimate.units}".strip()
-                    for estimate in effect.estimates
-                ),
-            ]
-        )
-        for effect in effects
-    }
-    rows = {
-        "verdict": str(verdict).replace("_", " "),
-        **described,
-        f"error on held-out tests, {gap.channel}": f"{significant(gap.before)} before, "
-        f"{significant(gap.after)} after",
-    }
-    return html_table(name, rows, remarks)
-
-
-def draw_gap(name: str, blocks: Sequence[BlockDiagnosis], axes: "Axes | None" = None) -> "Axes":
-    """Draw the error of the model on held-out tests before and after the effects are added."""
-    from matplotlib import pyplot as plt
-
-    plot = plt.subplots(figsize=(6.0, 3.0))[1] if axes is None else axes
-    names = [f"{block.block.block}: {block.gap.channel}" for block in blocks]
-    for shift, label in ((-0.2, "before"), (0.2, "after")):
-        shares = [PERCENT * float(getattr(block.gap, label)) for block in blocks]
-        plot.bar([place + shift for place in range(len(names))], shares, width=0.4, label=label)
-    plot.set_xticks(range(len(names)), names)
-    plot.set(ylabel="error [% of RMS]", title=name)
-    plot.legend(frameon=False)
-    return plot
 
 
 def is_explained(block: BlockDiagnosis) -> bool:
