@@ -7,7 +7,7 @@ from scipy import stats
 
 from reliab.core.errors import InputError
 from reliab.criterion.methods.dirichlet import Dirichlet
-from reliab.criterion.population import Population
+from reliab.criterion.population import Population, SampleGrid
 from reliab.criterion.scaling import scales
 
 
@@ -136,3 +136,11 @@ def test_three_motions_must_have_an_ellipse_at_every_structure(motions, enough):
     else:
         with pytest.raises(InputError, match=r"needs 3; found 2"):
             Population.from_ellipses(ellipses, threshold=0.05, metric="rms")
+
+
+def test_a_grid_counts_the_motions_of_its_poorest_structure(ellipses):
+    gaps = ellipses.copy(deep=True)
+    for name in ("a", "b"):
+        gaps[name][:4, 0, 0] = np.nan  # all motions of one earthquake, and one of another
+    grid = SampleGrid.from_ellipses(gaps, threshold=0.05, metric="rms", curve="ellipse", side="lag")
+    assert (grid.fewest_motions, grid.fewest_events, grid.n_motions) == (56, 19, 60)
