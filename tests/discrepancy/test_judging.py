@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from reliab.core.vocabulary import Block
+from reliab.discrepancy.fitting import search
 from reliab.discrepancy.fitting.error_search import ErrorSearch
 from reliab.discrepancy.fitting.left_out import LeftOut
 from reliab.discrepancy.fitting.search import Search
@@ -339,3 +340,20 @@ def test_an_offset_of_the_clocks_beside_effects_needs_little_only_where_noise_is
     with patch("reliab.discrepancy.fitting.search.is_spread", return_value=spread) as judged:
         assert Search._is_shift(search, late, {ClockOffset}) is spread  # noqa: SLF001 - what is tested
     judged.assert_called_once_with(search.problem, late)
+
+
+@pytest.mark.parametrize(
+    ("left", "reaches"), [([0.01], True), ([0.5, 0.4, 0.01], True), ([0.5, 0.4, 0.3, 0.2], False)]
+)
+def test_noise_judges_only_where_a_few_effects_can_leave_it(monkeypatch, left, reaches):
+    shares = iter(left)
+    monkeypatch.setattr(search, "is_model_error", lambda *_: next(shares) > 0.05)
+    begun = SimpleNamespace(
+        problem=SimpleNamespace(block=SimpleNamespace(outside=())),
+        null=None,
+        candidates=(),
+        screened=lambda *_: [SimpleNamespace(start=np.zeros(1))],
+        _rough=lambda *_: [SimpleNamespace(log_likelihood=0.0)],
+    )
+    assert search.Search.reaches_noise(begun) is reaches
+    assert next(shares, None) is None
