@@ -4,8 +4,8 @@ from collections.abc import Iterator, Mapping
 
 from reliab.assessment.contradictions import Contradiction
 from reliab.assessment.inference.posterior import TestPosterior
-from reliab.assessment.inference.quantities.prior import Shape, Source
-from reliab.assessment.inference.quantities.registry import Unknown
+from reliab.assessment.inference.prior import Shape, Source
+from reliab.assessment.inference.quantities import Unknown
 from reliab.assessment.rebuilt_error.identification import Identification, Identified
 from reliab.core.significant_digits import significant
 from reliab.core.stated_value import StatedValue

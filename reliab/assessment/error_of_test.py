@@ -279,9 +279,9 @@ def _inferred(
     if question.equipment is None or not question.inferred:
         return None
     shown = None
-    if question.frame is not None:
+    if question.frame is not None and recording.ground is not None:
         shown = _shown_by_ground(recording, measured, question.whole)
-        if shown is None or shown.other or recording.ground is None:
+        if shown is None or shown.other:
             return None
         recording = replace(recording, ground=shown.evidence(recording.ground))
     of_equipment = question.sizes(recording.time_step)

@@ -7,6 +7,7 @@ import numpy as np
 
 from reliab.assessment.budget.budget import BudgetItem
 from reliab.assessment.budget.sizes import Equipment, Source
+from reliab.assessment.inference import prior
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.error_draws import (
     ErrorsOfTest,
@@ -20,10 +21,9 @@ from reliab.assessment.inference.posterior import (
     infer,
     log_evidence_ratio,
 )
-from reliab.assessment.inference.quantities import prior
-from reliab.assessment.inference.quantities.quantity import Circumstances
-from reliab.assessment.inference.quantities.registry import Unknown as UncertainQuantity
+from reliab.assessment.inference.quantities import Unknown as UncertainQuantity
 from reliab.assessment.inference.rebuilt import rebuild
+from reliab.assessment.inference.uncertain_quantity import Circumstances
 from reliab.assessment.rebuilt_error.initial import Start, checked_histories, stated_start
 from reliab.assessment.rebuilt_error.interval import EXACT, Histories, samples_in_step
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise

@@ -8,7 +8,7 @@ import numpy as np
 from reliab.assessment.budget.sizes import Equipment
 from reliab.assessment.coupled_error.coupled_error import CoupledError, DegreeError
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
-from reliab.assessment.inference.quantities.quantity import Circumstances
+from reliab.assessment.inference.uncertain_quantity import Circumstances
 from reliab.assessment.inferred_error import InferredError, infer_errors
 from reliab.core.arrays import Array
 from reliab.core.stated_value import StatedValue

@@ -15,6 +15,7 @@ from reliab.assessment.inference.cells import fit_variances
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.equation_of_motion import residual
 from reliab.assessment.inference.experiment import Experiment
+from reliab.assessment.inference.structure_response import respond
 from reliab.core.arrays import Array, Spectrum
 from reliab.structures.partition import Partition
 
@@ -97,7 +98,7 @@ class EquationOfMotion(Evidence):
 
 @dataclass(kw_only=True, eq=False)
 class ImpliedGroundMotion(Evidence):
-    """The ground motion that a test of one mass implies, which was not recorded but is broad-band.
+    """The ground motion that a test with one actuator implies, which was not recorded but is broad-band.
 
     The record is then an autoregressive process. The determinant of the map from ground motion to command is
     that of the whole loop over the band; over all frequencies it would be constant (Kolmogorov's formula).
@@ -107,12 +108,20 @@ class ImpliedGroundMotion(Evidence):
 
     @cached_property
     def highest(self) -> float:
-        """Highest frequency that is weighed [Hz]."""
-        return _REACH_OF_GROUND * float(self.partition.natural_frequencies[0])
+        """Highest frequency that is weighed [Hz]; below the second mode of a frame."""
+        natural = self.partition.natural_frequencies
+        beside = [float(np.sqrt(natural[0] * natural[1]))] if natural.size > 1 else []
+        return min([_REACH_OF_GROUND * float(natural[0]), *beside])
 
     def spectrum(self, experiment: Experiment) -> Spectrum:
-        """Implied force of the ground [N]."""
-        return residual(self.channels, self.partition, experiment)
+        """Implied ground acceleration times the mass that it moves [N]."""
+        at_interface = residual(self.channels, self.partition, experiment)
+        if self.partition.size == 1:
+            return at_interface
+        structure = experiment.structure(self.partition)
+        response = respond(structure, self.channels.band.s)
+        by_force = _moved_mass(structure) * response.compliance[:, 0, 0] / response.ground[:, 0]
+        return np.asarray(by_force * at_interface)
 
     @cached_property
     def tracking(self) -> tuple[float, float]:
@@ -126,22 +135,15 @@ class ImpliedGroundMotion(Evidence):
     def determinant(self, experiment: Experiment) -> float:
         """Logarithm of the determinant, with its sign turned."""
         structure = experiment.structure(self.partition)
-        mass, damping, stiffness, specimen = (
-            float(matrix[0, 0])
-            for matrix in (
-                structure.mass,
-                structure.damping,
-                structure.stiffness,
-                structure.specimen_stiffness,
-            )
-        )
         blocks, columns = self._variance.shape[1:]
         hop = self.channels.hop * self.channels.band.time_step
         angular = np.linspace(0.0, np.pi * columns / hop, _POINTS)[1:]
         gain, delay = self.tracking
         lag = delay - float(experiment.skew[0]) + experiment.feedback_lag
         followed = gain / float(experiment.scale[0]) * np.exp(-1j * angular * lag)
-        loop = -mass * angular**2 + 1j * damping * angular + stiffness - specimen + specimen * followed
+        response = respond(structure, 1j * angular)
+        moved = response.compliance[:, 0, 0] * response.impedance[:, 0, 0] * (1.0 - followed)
+        loop = _moved_mass(structure) * (1.0 - moved) / response.ground[:, 0]
         of_frequencies = float(np.mean(np.log(np.abs(loop)))) * float(angular[-1])
         return float(-self.weight * blocks * hop / np.pi * of_frequencies)
 
@@ -159,6 +161,12 @@ class ImpliedGroundMotion(Evidence):
         ratio = power[inside] / _smooth(power[inside], frequency[inside])
         largest = int(np.argmax(ratio))
         return float(ratio[max(largest - 1, 0) : largest + 2].sum() / ratio.sum())
+
+
+def _moved_mass(structure: Partition) -> float:
+    """Mass by which a ground acceleration acts at the interface at rest, h(0)/H(0) [kg]."""
+    at_rest = respond(structure, np.zeros(1, dtype=np.complex128))
+    return float((at_rest.ground[0, 0] / at_rest.compliance[0, 0, 0]).real)
 
 
 def _smooth(power: Array, frequency: Array) -> Array:

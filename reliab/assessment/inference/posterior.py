@@ -14,9 +14,9 @@ from reliab.assessment.inference.evidence import (
     SpecimenForce,
 )
 from reliab.assessment.inference.experiment import Experiment
-from reliab.assessment.inference.quantities.quantity import Circumstances
-from reliab.assessment.inference.quantities.registry import Unknown, list_unknowns
+from reliab.assessment.inference.quantities import Unknown, list_unknowns
 from reliab.assessment.inference.randomized_optimization import Draws, LeastSquares
+from reliab.assessment.inference.uncertain_quantity import Circumstances
 from reliab.core.arrays import Array, Spectrum
 
 DRAWS = 256
@@ -144,7 +144,7 @@ def collect_evidence(circumstances: Circumstances) -> tuple[Evidence, ...]:
     found: list[Evidence] = []
     if channels.ground is not None:
         found.append(EquationOfMotion(channels=channels, partition=partition))
-    elif partition.size == 1:
+    elif partition.degrees == 1:
         found.append(ImpliedGroundMotion(channels=channels, partition=partition))
     if circumstances.specimen_force:
         found.append(SpecimenForce(channels=channels, partition=partition))
@@ -156,7 +156,7 @@ def experiment_at(circumstances: Circumstances, unknowns: tuple[Unknown, ...], z
     experiment = Experiment.of_actuators(circumstances.partition.degrees)
     experiment.feedback_lag, experiment.slip = circumstances.feedback_lag, circumstances.slip
     for one, normal in zip(unknowns, z.tolist(), strict=True):
-        one.quantity.apply(experiment, one.prior.value(normal), one.actuator)
+        one.quantity.change(experiment, one.prior.value(normal), one.actuator)
     return experiment
 
 

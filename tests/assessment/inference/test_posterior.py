@@ -10,8 +10,8 @@ from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.error_draws import draw_errors
 from reliab.assessment.inference.evidence import ImpliedGroundMotion
 from reliab.assessment.inference.posterior import infer
-from reliab.assessment.inference.quantities.quantity import Circumstances
 from reliab.assessment.inference.rebuilt import rebuild, relative_errors
+from reliab.assessment.inference.uncertain_quantity import Circumstances
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import Metric
 from reliab.structures.partition import Partition

@@ -1,23 +1,22 @@
-"""What every uncertain quantity of a test declares: its words, its prior, and how it enters the test.
-
-A quantity is one file of this folder with a `QUANTITY`; nothing else names it.
-"""
+"""An uncertain quantity of a test: its words, its prior, and how it enters the test."""
 
 import math
-from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Final
 
 from reliab.assessment.budget.sizes import Equipment
-from reliab.assessment.inference.quantities.prior import Prior, Shape, Source
+from reliab.assessment.inference.experiment import Experiment
+from reliab.assessment.inference.prior import Prior, Shape, Source
 from reliab.core.arrays import Spectrum
 from reliab.core.stated_value import StatedValue
+from reliab.core.vocabulary import MILLI
 from reliab.structures.partition import Partition
 
 if TYPE_CHECKING:
     from reliab.assessment.inference.channel_spectra import ChannelSpectra
-    from reliab.assessment.inference.experiment import Experiment
+
+_FACTORS: Final = {"%": 100.0, "ms": MILLI, "mm": MILLI, "": 1.0}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -43,35 +42,46 @@ class Circumstances:
         return f"{name}_{self.actuator + 1}" if self.partition.degrees > 1 else name
 
 
-def clock_deviation(circumstances: Circumstances, equipment: Equipment) -> float:
-    """Return the standard deviation of the time by which skew and filter make a further channel late [s]."""
-    skew = equipment.skew(circumstances.channels.band.record_step)
-    return math.hypot(skew, equipment.filter_delay_ms / 1000.0)
+def _nothing(circumstances: Circumstances, equipment: Equipment) -> float:  # noqa: ARG001
+    return 0.0
 
 
-class Quantity(ABC):
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Quantity:
     """An uncertain quantity."""
 
-    name: ClassVar[str]  # Key in JSON
-    words: ClassVar[str]  # The quantity in words
-    unit: ClassVar[str]  # In which its size is shown
-    factor: ClassVar[float]  # From the unit in which it is drawn to `unit`
-    remedy: ClassVar[str]  # What would reduce its uncertainty, a sentence
-    per_actuator: ClassVar[bool] = False  # Whether every actuator has its own
-    shape: ClassVar[Shape] = Shape.NORMAL
-    option: ClassVar[str] = ""  # Name under which a user states it
-    relative: ClassVar[bool] = False  # Whether its deviation is relative to the stated value
-    option_unit: ClassVar[float] = 1.0  # What an option is divided by to give the SI unit
+    name: str  # Key in JSON
+    words: str  # The quantity in words
+    unit: str  # In which its size is shown
+    remedy: str  # What would reduce its uncertainty, a sentence
+    change: Callable[[Experiment, float, int], None]  # Change a world by its difference from the stated value
+    # Its standard deviation with ordinary equipment; zero if only faults leave it open
+    ordinary: Callable[[Circumstances, Equipment], float] = _nothing
+    per_actuator: bool = False  # Whether every actuator has its own
+    shape: Shape = Shape.NORMAL
+    option: str = ""  # Name under which a user states it
+    relative: bool = False  # Whether its deviation is relative to the stated value
+    # Another prior than that of ordinary equipment where the statement is of a kind of its own
+    special: Callable[["Quantity", Circumstances], Prior | None] | None = None
+
+    @property
+    def factor(self) -> float:
+        """Factor from the unit in which it is drawn to `unit`."""
+        return _FACTORS[self.unit]
 
     def prior(self, circumstances: Circumstances) -> Prior | None:
         """Prior of the quantity; None if it is exact, or plays no part in the test."""
+        return self.usual_prior(circumstances) if self.special is None else self.special(self, circumstances)
+
+    def usual_prior(self, circumstances: Circumstances) -> Prior | None:
+        """Prior by what is learned, stated, left by faults, or usual with the equipment, in this order."""
         if self.name in circumstances.learned:
             return circumstances.learned[self.name]
         if (tolerance := circumstances.tolerances.get(self.name)) is not None:
             return Prior(deviation=tolerance, source=Source.STATED, shape=self.shape) if tolerance else None
         stated = circumstances.stated.get(self.option)
         if stated is not None and stated.deviation:
-            size = abs(stated.value) if self.relative else self.option_unit
+            size = abs(stated.value) if self.relative else MILLI if self.unit == "ms" else 1.0
             return (
                 Prior(deviation=stated.deviation / size, source=Source.STATED, shape=self.shape)
                 if size
@@ -83,11 +93,3 @@ class Quantity(ABC):
         added = circumstances.left_by_faults.get(name, 0.0)
         deviation = math.hypot(self.ordinary(circumstances, circumstances.equipment), added)
         return Prior(deviation=deviation, shape=self.shape) if deviation > 0.0 else None
-
-    def ordinary(self, circumstances: Circumstances, equipment: Equipment) -> float:  # noqa: ARG002
-        """Return its standard deviation with ordinary equipment; zero if only faults leave it open."""
-        return 0.0
-
-    @abstractmethod
-    def apply(self, experiment: "Experiment", value: float, actuator: int) -> None:
-        """Change an experiment by the difference of the quantity from its stated value."""

@@ -1,0 +1,329 @@
+"""All uncertain quantities of a test, one row each."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache
+
+from reliab.assessment.budget.budget import part_in_words
+from reliab.assessment.budget.sizes import Equipment
+from reliab.assessment.inference.experiment import Experiment
+from reliab.assessment.inference.prior import Prior, Shape, Source
+from reliab.assessment.inference.uncertain_quantity import Circumstances, Quantity
+from reliab.core.vocabulary import MILLI
+from reliab.structures.parts_of_structure import is_part
+
+_OF_STATED = 0.2  # of a width that is stated without its deviation, as calibrations find it
+_NONE = 1e-9  # of the stiffness, below which nothing is computed
+_MOVING_START = "Record from rest: the error at the first sample is not known."
+_FILTERS = "State the filters of both channels, or use the same on both."
+_FELT = "Find out whether the controller used this sensor, and correct the recording if it did not."
+
+
+def _added(name: str) -> Callable[[Experiment, float, int], None]:
+    """Add the difference to a value of the experiment."""
+
+    def change(experiment: Experiment, value: float, actuator: int) -> None:  # noqa: ARG001
+        setattr(experiment, name, getattr(experiment, name) + value)
+
+    return change
+
+
+def _added_to_sensor(name: str) -> Callable[[Experiment, float, int], None]:
+    """Add the difference to the value of an actuator's sensor."""
+
+    def change(experiment: Experiment, value: float, actuator: int) -> None:
+        getattr(experiment, name)[actuator] += value
+
+    return change
+
+
+def _multiplied(name: str) -> Callable[[Experiment, float, int], None]:
+    """Change a value of the experiment by a relative difference."""
+
+    def change(experiment: Experiment, value: float, actuator: int) -> None:  # noqa: ARG001
+        setattr(experiment, name, getattr(experiment, name) * (1.0 + value))
+
+    return change
+
+
+def _scale_of_sensor(experiment: Experiment, value: float, actuator: int) -> None:
+    experiment.scale[actuator] *= 1.0 + value
+
+
+def _skew(circumstances: Circumstances, equipment: Equipment) -> float:
+    return equipment.skew(circumstances.channels.band.record_step)
+
+
+def _clock(circumstances: Circumstances, equipment: Equipment) -> float:
+    """Return the standard deviation of the time by which skew and filter make a further channel late [s]."""
+    return math.hypot(_skew(circumstances, equipment), equipment.filter_delay_ms / MILLI)
+
+
+def _if_ground(
+    size: Callable[[Circumstances, Equipment], float],
+) -> Callable[[Circumstances, Equipment], float]:
+    return lambda known, equipment: 0.0 if known.channels.ground is None else size(known, equipment)
+
+
+def _if_force(
+    size: Callable[[Circumstances, Equipment], float],
+) -> Callable[[Circumstances, Equipment], float]:
+    return lambda known, equipment: size(known, equipment) if known.specimen_force else 0.0
+
+
+def _share(circumstances: Circumstances, equipment: Equipment) -> float:
+    """Return the deviation of the share, which can be wrong where part of the stiffness is computed."""
+    partition = circumstances.partition
+    shared = abs(partition.numerical_stiffness).max() > _NONE * abs(partition.stiffness).max()
+    return equipment.alpha if shared else 0.0
+
+
+def _hysteresis(quantity: Quantity, circumstances: Circumstances) -> Prior | None:
+    """Prior of the width: positive where none was corrected, since no reading leads."""
+    stated = circumstances.stated.get(quantity.option)
+    if stated is not None and stated.value:
+        return Prior(deviation=stated.deviation or _OF_STATED * stated.value, source=Source.STATED)
+    if stated is not None and not stated.deviation:
+        return None  # a calibration found none
+    found = quantity.usual_prior(circumstances)
+    return None if found is None else replace(found, shape=Shape.POSITIVE)
+
+
+def _scale(quantity: Quantity, circumstances: Circumstances) -> Prior | None:
+    """Prior of the sensor's scale, with the deviation that is stated of the command's scale."""
+    found = quantity.usual_prior(circumstances)
+    of_command = circumstances.stated.get("command_scale")
+    if of_command is None or not of_command.deviation:
+        return found
+    of_sensor = found.deviation if found is not None and found.source is Source.STATED else 0.0
+    deviation = math.hypot(of_sensor, of_command.deviation / of_command.value)
+    return Prior(deviation=deviation, source=Source.STATED)
+
+
+QUANTITIES = (
+    Quantity(
+        name="filter_delay",  # that the filters of the two channels do not have in common
+        words="filters of the channels",
+        unit="ms",
+        remedy=_FILTERS,
+        change=_added_to_sensor("skew"),
+        ordinary=lambda _, equipment: equipment.filter_delay_ms / MILLI,
+        per_actuator=True,
+        option="filter_delay",
+    ),
+    Quantity(
+        name="time_shift",  # by which the measured displacement was recorded later than the command
+        words="skew of the channels",
+        unit="ms",
+        remedy="Feed one signal to both channels (`reliab calibrate`) and give the `skew`.",
+        change=_added_to_sensor("skew"),
+        ordinary=_skew,
+        per_actuator=True,
+        option="skew",
+    ),
+    Quantity(
+        name="damping_ratio",  # common factor of all
+        words="damping ratio",
+        unit="%",
+        remedy="Measure the damping ratio in a free vibration, and state its standard deviation.",
+        change=_multiplied("damping_ratio"),
+        ordinary=lambda _, equipment: equipment.xi,
+        shape=Shape.LOGNORMAL,
+        option="xi",
+        relative=True,
+    ),
+    Quantity(
+        name="feedback_lag",  # of the force behind the displacement of the same instant
+        words="lag of the fed-back force",
+        unit="ms",
+        remedy="Measure by how much the force is fed back late, and state it.",
+        change=_added("feedback_lag"),
+        ordinary=lambda _, equipment: equipment.feedback_lag_ms / MILLI,
+        option="feedback_lag",
+    ),
+    Quantity(
+        name="mass",  # recorded force over the true one, for the stated mass
+        words="mass of the structure and scale of the load cell",
+        unit="%",
+        remedy="Calibrate the load cell, and state mass and force to a smaller deviation.",
+        change=_multiplied("force_scale"),
+        ordinary=_if_force(lambda _, equipment: equipment.force_scale),
+        option="mass",
+        relative=True,
+    ),
+    Quantity(
+        name="force_lag",  # by which the force was recorded later than the command
+        words="lag of the recorded force",
+        unit="ms",
+        remedy="Measure by how much the force is recorded late, and state it.",
+        change=_added("force_skew"),
+        ordinary=_if_force(_clock),
+        option="force_lag",
+    ),
+    Quantity(
+        name="ground_scale",  # of the recorded ground acceleration over the one that the computer applied
+        words="scale of the ground acceleration",
+        unit="%",
+        remedy="Record the ground acceleration that the computer applied.",
+        change=_multiplied("ground_scale"),
+        ordinary=_if_ground(lambda _, equipment: equipment.ground_scale),
+    ),
+    Quantity(
+        name="ground_skew",  # by which it was recorded later than the command
+        words="skew of the ground acceleration",
+        unit="ms",
+        remedy="Record the ground acceleration at the same instants as the command.",
+        change=_added("ground_skew"),
+        ordinary=_if_ground(_clock),
+    ),
+    Quantity(
+        name="initial_state",  # error of the command at the first sample
+        words="motion before the record",
+        unit="mm",
+        remedy=_MOVING_START,
+        change=_added("initial_displacement"),
+        ordinary=lambda known, _: known.channels.initial_size,
+    ),
+    Quantity(
+        name="initial_velocity",  # rate of the same, over the lowest natural frequency
+        words="motion before the record",
+        unit="mm",
+        remedy=_MOVING_START,
+        change=_added("initial_velocity"),
+        ordinary=lambda known, _: known.channels.initial_size,
+    ),
+    Quantity(
+        name="integration",  # error of the computer's time stepping, over (ω·step)² of the specimen's force
+        words="numerical integration",
+        unit="",
+        remedy="Compute the numerical part in smaller steps.",
+        change=_added("integration"),
+        ordinary=_if_ground(lambda _, equipment: equipment.integration),
+    ),
+    Quantity(
+        name="frequency",  # common factor of all
+        words="natural frequency",
+        unit="%",
+        remedy="Measure the natural frequency in a free vibration, and state its standard deviation.",
+        change=_multiplied("frequency"),
+        ordinary=lambda _, equipment: equipment.f,
+        shape=Shape.LOGNORMAL,
+        option="f",
+        relative=True,
+    ),
+    Quantity(
+        name="open_drift",
+        words="whether the loop felt the sensor's drift",
+        unit="mm",
+        remedy=_FELT,
+        change=_added_to_sensor("drift"),
+        per_actuator=True,
+        shape=Shape.EITHER,
+    ),
+    Quantity(
+        name="open_filter",  # delay of a filter of the measured displacement that the command may have passed
+        words="whether the command passed the filter of the measured displacement",
+        unit="ms",
+        remedy=_FILTERS,
+        change=_added_to_sensor("skew"),
+        per_actuator=True,
+        shape=Shape.EITHER,
+    ),
+    Quantity(
+        name="open_offset",
+        words="whether the loop felt the sensor's offset",
+        unit="mm",
+        remedy=_FELT,
+        change=_added_to_sensor("offset"),
+        per_actuator=True,
+        shape=Shape.EITHER,
+    ),
+    Quantity(
+        name="sensor_drift",  # rise of the readings over the test that the motion does not have
+        words="drift of the displacement sensor",
+        unit="mm",
+        remedy="Record rest before and after the test, which shows the sensor's drift.",
+        change=_added_to_sensor("drift"),
+        ordinary=lambda known, _: float(known.channels.drift_size[known.actuator]),
+        per_actuator=True,
+    ),
+    Quantity(
+        name="hysteresis",  # width of the sensor's loop over the span of its motion
+        words="hysteresis of the displacement sensor",
+        unit="%",
+        remedy="Measure the sensor's hysteresis by a slow cycle, and state it.",
+        change=_added_to_sensor("hysteresis"),
+        ordinary=lambda _, equipment: equipment.hysteresis,
+        per_actuator=True,
+        option="hysteresis",
+        special=_hysteresis,
+    ),
+    Quantity(
+        name="sensor_offset",  # constant part of the readings that the motion does not have
+        words="offset of the displacement sensor",
+        unit="mm",
+        remedy="Record some seconds of rest before the test, which show the sensor's offset.",
+        change=_added_to_sensor("offset"),
+        ordinary=lambda known, _: float(known.channels.offset_size[known.actuator]),
+        per_actuator=True,
+    ),
+    Quantity(
+        name="sensor_scale",  # readings over the motion, relative to the scale of the command
+        words="scale of the displacement sensor",
+        unit="%",
+        remedy="Calibrate the displacement sensor and give its `scale`.",
+        change=_scale_of_sensor,
+        ordinary=lambda _, equipment: equipment.scale,
+        per_actuator=True,
+        option="scale",
+        relative=True,
+        special=_scale,
+    ),
+    Quantity(
+        name="experimental_fraction",  # factor of the specimen's stiffness, damping and mass
+        words="share of the stiffness",
+        unit="%",
+        remedy="Measure the specimen's stiffness, and state the deviation of its share.",
+        change=_multiplied("share"),
+        ordinary=_share,
+        option="alpha",
+        relative=True,
+    ),
+)
+
+
+@cache
+def part_of_structure(name: str) -> Quantity:
+    """Relative change of a part that a frame's file states with a tolerance, such as "storey_stiffness_2"."""
+
+    def change(experiment: Experiment, value: float, actuator: int) -> None:  # noqa: ARG001
+        experiment.parts[name] = value
+
+    words, remedy = part_in_words(name)
+    shape = Shape.LOGNORMAL if "damping" in name else Shape.NORMAL
+    return Quantity(name=name, words=words, unit="%", remedy=remedy, change=change, shape=shape)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Unknown:
+    """A quantity of a test, or of one of its actuators, with its prior."""
+
+    quantity: Quantity
+    prior: Prior
+    actuator: int = 0
+    name: str = ""  # Key in JSON
+
+
+def list_unknowns(circumstances: Circumstances) -> tuple[Unknown, ...]:
+    """List what is uncertain about a test."""
+    of_parts = [part_of_structure(name) for name in circumstances.tolerances if is_part(name)]
+    found: list[Unknown] = []
+    for quantity in (*QUANTITIES, *of_parts):
+        for actuator in range(circumstances.partition.degrees if quantity.per_actuator else 1):
+            of_actuator = replace(circumstances, actuator=actuator)
+            prior = quantity.prior(of_actuator)
+            if prior is not None:
+                name = of_actuator.named(quantity.name) if quantity.per_actuator else quantity.name
+                found.append(Unknown(quantity=quantity, prior=prior, actuator=actuator, name=name))
+    return tuple(found)

@@ -1,1 +1,0 @@
-"""Uncertain quantities of a test, one in each file."""
