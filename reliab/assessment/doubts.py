@@ -112,7 +112,8 @@ def doubted_by_entries(verdict: Verdict, error: ErrorWithThreshold) -> Verdict:
     The error is largest with the natural frequency that a test near resonance really had. Entries leave it
     open, so that a 90 % interval holds too rarely where the test is too short to show it.
     """
-    learned = error.rebuilt.unknown.own_frequency is not None
+    inferred = error.inferred is not None and bool(error.inferred.posterior.evidence)
+    learned = inferred or error.rebuilt.unknown.own_frequency is not None
     if learned or verdict.word is not Word.RELIABLE or not any(map(is_of_entries, error.sizes)):
         return verdict
     largest = error.largest_drawn

@@ -100,10 +100,7 @@ class Question:
 
     @property
     def inferred(self) -> bool:
-        """Whether the error is inferred from all channels: of a linear specimen with ordinary equipment.
-
-        That of a frame is where its ground acceleration was recorded.
-        """
+        """Whether the error is inferred from all channels: of a linear specimen with ordinary equipment."""
         return self.linear and self.equipment is not None
 
     @property

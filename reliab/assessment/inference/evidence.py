@@ -2,6 +2,16 @@
 
 Each kind of evidence gives a residual for a possible world. Its variance is estimated at the mode of the
 posterior, so that whatever the sensors and the computer leave counts as noise.
+
+The response without actuator errors follows from the channels in two ways (`rebuilt`). Their difference,
+turned into forces at the interface, is the residual ::
+
+    r = H⁻¹ (x_c + h a) − Z (x_c − x_f)
+
+Where the ground acceleration a was recorded, r is what noise of the sensors and of the integration leave.
+Where it was not, r is the force by which the ground drove the structure, and what is known of that is that
+earthquakes are broad-band: smooth over frequency. The test is then as likely as an autoregressive process
+with that innovation; its determinant is the second term of `ImpliedGroundMotion`.
 """
 
 from abc import ABC, abstractmethod
@@ -13,7 +23,6 @@ import scipy
 
 from reliab.assessment.inference.cells import fit_variances
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
-from reliab.assessment.inference.equation_of_motion import residual
 from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.structure_response import respond
 from reliab.core.arrays import Array, Spectrum
@@ -87,6 +96,28 @@ class Evidence(ABC):
         return -self.weight * float(share @ softer)
 
 
+def residual(channels: ChannelSpectra, partition: Partition, experiment: Experiment) -> Spectrum:
+    """Residual of the equation of motion [N], shape (p, K)."""
+    response = respond(experiment.structure(partition), channels.band)
+    command = channels.at_interface
+    ground = experiment.ground(channels)
+    driven = command if ground is None else command + response.ground.T * ground
+    difference = command - experiment.late(experiment.reading(channels), channels)
+    if experiment.integration:
+        turned = (channels.band.s * channels.band.record_step) ** 2
+        difference = difference - experiment.integration * turned * command
+    acting = _times(response.impedance, difference)
+    if experiment.slip is not None:
+        acting = acting + _times(response.impedance, experiment.slip)
+    return np.asarray(_times(response.stiffness, driven) - acting)
+
+
+def _times(impedance: Spectrum, displacement: Spectrum) -> Spectrum:
+    if impedance.shape[-1] == 1:
+        return np.asarray(impedance[:, 0].T * displacement)
+    return np.asarray((impedance @ displacement.T[..., np.newaxis])[..., 0].T)
+
+
 @dataclass(kw_only=True, eq=False)
 class EquationOfMotion(Evidence):
     """The equation of motion, against the recorded ground acceleration."""
@@ -94,6 +125,14 @@ class EquationOfMotion(Evidence):
     def spectrum(self, experiment: Experiment) -> Spectrum:
         """Residual of the equation [N]."""
         return residual(self.channels, self.partition, experiment)
+
+
+@dataclass(frozen=True, eq=False)
+class _Grid:
+    s: Spectrum  # [rad/s]
+
+
+_AT_REST = _Grid(np.zeros(1, dtype=np.complex128))
 
 
 @dataclass(kw_only=True, eq=False)
@@ -108,20 +147,19 @@ class ImpliedGroundMotion(Evidence):
 
     @cached_property
     def highest(self) -> float:
-        """Highest frequency that is weighed [Hz]; below the second mode of a frame."""
+        """Highest frequency that is weighed [Hz], below what the interface does not see between two modes."""
         natural = self.partition.natural_frequencies
-        beside = [float(np.sqrt(natural[0] * natural[1]))] if natural.size > 1 else []
-        return min([_REACH_OF_GROUND * float(natural[0]), *beside])
+        between = [float(np.sqrt(natural[0] * natural[1]))] if natural.size > 1 else []
+        return min([_REACH_OF_GROUND * float(natural[0]), *between])
 
     def spectrum(self, experiment: Experiment) -> Spectrum:
-        """Implied ground acceleration times the mass that it moves [N]."""
+        """Return the implied ground acceleration times the mass that it moves at rest [N]."""
         at_interface = residual(self.channels, self.partition, experiment)
         if self.partition.size == 1:
             return at_interface
         structure = experiment.structure(self.partition)
-        response = respond(structure, self.channels.band.s)
-        by_force = _moved_mass(structure) * response.compliance[:, 0, 0] / response.ground[:, 0]
-        return np.asarray(by_force * at_interface)
+        moved = respond(structure, self.channels.band).moved_mass
+        return np.asarray(_mass_at_rest(structure) / moved[:, 0] * at_interface)
 
     @cached_property
     def tracking(self) -> tuple[float, float]:
@@ -132,19 +170,23 @@ class ImpliedGroundMotion(Evidence):
         turned = np.imag(tracked * np.conj(command))
         return gain, -float(np.sum(angular * turned) / np.sum(angular**2 * power))
 
+    @cached_property
+    def _grid(self) -> _Grid:
+        highest = self._variance.shape[-1] / (2.0 * self.channels.hop * self.channels.band.time_step)
+        return _Grid(2j * np.pi * np.linspace(0.0, highest, _POINTS)[1:])
+
     def determinant(self, experiment: Experiment) -> float:
         """Logarithm of the determinant, with its sign turned."""
-        structure = experiment.structure(self.partition)
-        blocks, columns = self._variance.shape[1:]
-        hop = self.channels.hop * self.channels.band.time_step
-        angular = np.linspace(0.0, np.pi * columns / hop, _POINTS)[1:]
+        structure, angular = experiment.structure(self.partition), self._grid.s.imag
         gain, delay = self.tracking
         lag = delay - float(experiment.skew[0]) + experiment.feedback_lag
         followed = gain / float(experiment.scale[0]) * np.exp(-1j * angular * lag)
-        response = respond(structure, 1j * angular)
-        moved = response.compliance[:, 0, 0] * response.impedance[:, 0, 0] * (1.0 - followed)
-        loop = _moved_mass(structure) * (1.0 - moved) / response.ground[:, 0]
-        of_frequencies = float(np.mean(np.log(np.abs(loop)))) * float(angular[-1])
+        response = respond(structure, self._grid)
+        loop = np.abs(response.stiffness[:, 0, 0] - response.impedance[:, 0, 0] * (1.0 - followed))
+        if self.partition.size > 1:
+            loop *= _mass_at_rest(structure) / np.abs(response.moved_mass[:, 0])
+        of_frequencies = float(np.mean(np.log(loop)) * angular[-1])
+        blocks, hop = self._variance.shape[1], self.channels.hop * self.channels.band.time_step
         return float(-self.weight * blocks * hop / np.pi * of_frequencies)
 
     def concentration(self, experiment: Experiment) -> float:
@@ -163,10 +205,9 @@ class ImpliedGroundMotion(Evidence):
         return float(ratio[max(largest - 1, 0) : largest + 2].sum() / ratio.sum())
 
 
-def _moved_mass(structure: Partition) -> float:
-    """Mass by which a ground acceleration acts at the interface at rest, h(0)/H(0) [kg]."""
-    at_rest = respond(structure, np.zeros(1, dtype=np.complex128))
-    return float((at_rest.ground[0, 0] / at_rest.compliance[0, 0, 0]).real)
+def _mass_at_rest(structure: Partition) -> float:
+    """Return the force that holds the interface against a steady unit ground acceleration [kg]."""
+    return float(respond(structure, _AT_REST).moved_mass[0, 0].real)
 
 
 def _smooth(power: Array, frequency: Array) -> Array:

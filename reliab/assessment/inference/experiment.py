@@ -1,6 +1,7 @@
 """One possible world: structure and channels of a test with everything that is uncertain set to a value."""
 
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 
@@ -42,8 +43,8 @@ class Experiment:
 
     def structure(self, partition: Partition) -> Partition:
         """Structure of this world."""
-        changed = partition.with_parts(self.parts) if self.parts else partition
-        return changed.scaled(frequency=self.frequency, damping_ratio=self.damping_ratio, share=self.share)
+        factors = self.frequency, self.damping_ratio, self.share
+        return _changed(partition, *factors, tuple(self.parts.items()))
 
     def displacement(self, channels: ChannelSpectra) -> Spectrum:
         """Return the true displacement of the interface [m], freed of the sensors' noise, shape (p, K)."""
@@ -80,3 +81,15 @@ class Experiment:
         if channels.force is None:
             return None
         return np.asarray(channels.force / self.force_scale * np.exp(self.force_skew * channels.band.s))
+
+
+@lru_cache(maxsize=8)
+def _changed(
+    partition: Partition,
+    frequency: float,
+    damping_ratio: float,
+    share: float,
+    parts: tuple[tuple[str, float], ...],
+) -> Partition:
+    changed = partition.with_parts(dict(parts)) if parts else partition
+    return changed.scaled(frequency=frequency, damping_ratio=damping_ratio, share=share)

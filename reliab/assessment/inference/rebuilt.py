@@ -8,7 +8,7 @@ structure and any actuator, with H, h and Z of `structure_response` ::
     x_m − x_I = e − (x_c − x_m)
 
 with x_f the displacement whose force the loop received. The ground acceleration a gives the same response by
-another way, x_I = −h a; the difference of the two is what `equation_of_motion` weighs.
+another way, x_I = −h a; the difference of the two is what `EquationOfMotion` weighs.
 """
 
 from dataclasses import dataclass
@@ -39,7 +39,7 @@ class RebuiltResponse:
 def rebuild(channels: ChannelSpectra, partition: Partition, experiment: Experiment) -> RebuiltResponse:
     """Rebuild the response that the test would have had without actuator errors."""
     structure = experiment.structure(partition)
-    response = respond(structure, channels.band.s)
+    response = respond(structure, channels.band)
     displacement = experiment.displacement(channels)
     difference = channels.at_interface - experiment.late(displacement, channels)
     error = _moved(response, difference)

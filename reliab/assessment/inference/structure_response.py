@@ -9,6 +9,8 @@ Both are sums over the structure's poles, which costs less than a system of equa
 """
 
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Protocol
 
 import numpy as np
 import scipy
@@ -19,6 +21,14 @@ from reliab.structures.partition import Partition
 _WORST_CONDITION = 1e10  # of the eigenvectors, beyond which poles are too close together to be told apart
 
 
+class Frequencies(Protocol):
+    """Complex frequencies at which responses are evaluated."""
+
+    @property
+    def s(self) -> Spectrum:
+        """Complex frequencies [rad/s], shape (K,)."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class StructureResponse:
     """Transfer functions at complex frequencies."""
@@ -26,13 +36,25 @@ class StructureResponse:
     compliance: Spectrum  # H [m/N], shape (K, p, p)
     ground: Spectrum  # h [s²], shape (K, p)
     impedance: Spectrum  # Z [N/m], shape (K, p, p)
-    floors: Spectrum | None = None  # displacements of all degrees of freedom by interface forces, (K, n, p)
+
+    @cached_property
+    def stiffness(self) -> Spectrum:
+        """Forces at the interface by its displacements, H⁻¹ [N/m], shape (K, p, p)."""
+        single = self.compliance.shape[-1] == 1
+        return np.asarray(1.0 / self.compliance if single else np.linalg.inv(self.compliance))
+
+    @cached_property
+    def moved_mass(self) -> Spectrum:
+        """Forces at the interface that hold it against unit ground accelerations, H⁻¹h [kg], shape (K, p)."""
+        return np.asarray((self.stiffness @ self.ground[..., np.newaxis])[..., 0])
 
 
-def respond(partition: Partition, s: Spectrum, *, floors: bool = False) -> StructureResponse:
-    """Evaluate the transfer functions at complex frequencies s [rad/s], shape (K,)."""
+@lru_cache(maxsize=8)  # most quantities of a test change its channels alone
+def respond(partition: Partition, frequencies: Frequencies) -> StructureResponse:
+    """Evaluate the transfer functions of a structure."""
+    s = frequencies.s
     impedance = partition.impedance(s)
-    if partition.size == 1 and not floors:
+    if partition.size == 1:
         mass, damping, stiffness = (
             float(m[0, 0]) for m in (partition.mass, partition.damping, partition.stiffness)
         )
@@ -44,16 +66,10 @@ def respond(partition: Partition, s: Spectrum, *, floors: bool = False) -> Struc
             impedance=impedance,
         )
     whole = partition.with_masses
-    outputs = np.eye(whole.size) if floors else whole.interface.T
     inputs = np.column_stack([whole.interface, whole.mass @ whole.influence])
-    answers = _by_poles(whole, s, outputs, inputs)
-    degrees = partition.degrees
-    at_interface = np.einsum("np,knq->kpq", whole.interface, answers) if floors else answers
+    answers = _by_poles(whole, s, whole.interface.T, inputs)
     return StructureResponse(
-        compliance=at_interface[..., :degrees],
-        ground=at_interface[..., degrees],
-        impedance=impedance,
-        floors=answers[..., :degrees] if floors else None,
+        compliance=answers[..., :-1], ground=np.ascontiguousarray(answers[..., -1]), impedance=impedance
     )
 
 
