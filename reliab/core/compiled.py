@@ -42,18 +42,30 @@ class _Runtime:
         rtsys.initialize(self._target)
 
 
-class _MachineCode(FunctionCache):
+class _Kept(FunctionCache):
+    """Compiled code of a kernel on the disk, which is forgotten if it is of another version."""
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:  # noqa: ANN401
+        """Read the code for types of arguments; None where there is none."""
+        try:
+            return super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
+        except (ImportError, AttributeError):  # a kernel that it called has moved
+            self.flush()  # type: ignore[no-untyped-call]
+            return None
+
+
+class _MachineCode(_Kept):
     """Compiled code of a kernel on the disk, which is read without the compiler."""
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:  # noqa: ANN401
         """Read the code for types of arguments; None where there is none."""
-        return super().load_overload(sig, _Runtime(target_context))  # type: ignore[no-untyped-call]
+        return super().load_overload(sig, _Runtime(target_context))
 
 
 def _disk_cache(function: Callable[..., object]) -> Any:  # noqa: ANN401
     """Where the code of a kernel is kept; raises RuntimeError where no folder can be written."""
     own = function.__module__.partition(".")[0] == __name__.partition(".")[0]
-    return (_MachineCode if own and _TESTED else FunctionCache)(function)  # type: ignore[no-untyped-call]
+    return (_MachineCode if own and _TESTED else _Kept)(function)  # type: ignore[no-untyped-call]
 
 
 def compiled(function: _Kernel) -> _Kernel:

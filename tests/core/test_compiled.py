@@ -58,7 +58,7 @@ def test_numba_is_told_to_compile_in_one_place_only():
         if getattr(node, "attr", getattr(node, "name", ""))
         in {"njit", "jit", "cfunc", "vectorize", "guvectorize"}
     }
-    assert elsewhere == {"compiled.py"}
+    assert elsewhere == {"core/compiled.py"}
 
 
 READ_ALL_THAT_IS_KEPT = """
@@ -113,3 +113,32 @@ def test_every_kept_kernel_is_read_without_the_compiler():
         )
         assert done.returncode == 0, done.stderr
     assert int(done.stdout.split()[-1]) >= 1, done.stdout
+
+
+SUM = """
+from reliab.core.compiled import compiled
+@compiled
+def total(pair):
+    return pair.x + pair.y
+"""
+PAIR = """
+from typing import NamedTuple
+class Pair(NamedTuple):
+    x: float
+    y: float
+"""
+
+
+@pytest.mark.slow
+def test_compiled_code_of_another_version_is_forgotten(tmp_path):
+    """The type of an argument has moved, as it may between two versions of the package."""
+    (tmp_path / "total.py").write_text(SUM)
+    for module in ("before", "after"):
+        (tmp_path / f"{module}.py").write_text(PAIR)
+        called = f"from total import total; from {module} import Pair; print(total(Pair(1.0, 2.0)))"
+        run = subprocess.run(  # noqa: S603 - this very package
+            [sys.executable, "-c", called], cwd=tmp_path, capture_output=True, text=True, check=False
+        )
+        assert run.stdout == "3.0\n", run.stderr
+        assert list((tmp_path / "__pycache__").glob("total.total*.nbi"))
+        (tmp_path / f"{module}.py").unlink()
