@@ -13,11 +13,17 @@ def error(
     threshold: float = 0.05,
     unknown: tuple[str, ...] = ("frequency", "stiffness_entry_1_1"),
     learned: Any = None,
+    evidence: tuple[Any, ...] | None = None,
 ) -> Any:
     """An error of which one draw is 6 %."""
     rebuilt = SimpleNamespace(unknown=SimpleNamespace(own_frequency=learned))
+    posterior = None if evidence is None else SimpleNamespace(posterior=SimpleNamespace(evidence=evidence))
     return SimpleNamespace(
-        sizes=dict.fromkeys(unknown), largest_drawn=0.06, threshold=threshold, rebuilt=rebuilt
+        sizes=dict.fromkeys(unknown),
+        largest_drawn=0.06,
+        threshold=threshold,
+        rebuilt=rebuilt,
+        inferred=posterior,
     )
 
 
@@ -26,11 +32,13 @@ def test_one_structure_with_too_large_an_error_leaves_the_test_undecided():
     assert doubted.word is Word.UNDECIDED
     assert "6.00 %" in doubted.reasons[0]
     assert "natural frequencies" in doubted.would_decide[0]
+    assert doubted_by_entries(RELIABLE, error(evidence=())).word is Word.UNDECIDED
 
 
 def test_nothing_is_doubted_without_entries_or_without_such_a_structure():
     assert doubted_by_entries(RELIABLE, error(unknown=("frequency", "storey_stiffness_1"))) is RELIABLE
     assert doubted_by_entries(RELIABLE, error(threshold=0.07)) is RELIABLE
     assert doubted_by_entries(RELIABLE, error(learned="frequency")) is RELIABLE
+    assert doubted_by_entries(RELIABLE, error(evidence=("implied ground motion",))) is RELIABLE
     refused = Verdict(word=Word.NOT_RELIABLE, reasons=("large",), would_decide=())
     assert doubted_by_entries(refused, error()) is refused

@@ -106,7 +106,7 @@ def test_an_absolute_acceleration_is_no_ground_acceleration(judged, frequency, f
 
 
 def test_a_channel_that_contradicts_the_test_leaves_none_reliable(judged):
-    assert judged(threshold=0.3)[1].verdict.word == "reliable"
+    assert judged(threshold=0.3)[1].verdict == "reliable"
     _, found = judged(sign=6.0, threshold=0.3)
     assert found.verdict == "undecided"
     assert any("unit and range of the ground acceleration" in remedy for remedy in found.would_decide)
