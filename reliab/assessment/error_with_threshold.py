@@ -6,12 +6,12 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from reliab.assessment.budget.budget import BudgetItem, budget_of_error
 from reliab.assessment.budget.sizes import Size, Source, as_certain_as
 from reliab.assessment.plain_error import plain_errors, plain_part
 from reliab.assessment.rebuilt_error.parts import Parts
 from reliab.assessment.rebuilt_error.spread import LEVEL, Estimate
 from reliab.assessment.rebuilt_error.widenings import Widening
+from reliab.assessment.uncertainty_budget import BudgetItem, budget_of_error
 from reliab.core.significant_digits import significant
 from reliab.core.vocabulary import PERCENT, Metric
 

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from reliab.assessment.budget.budget import BudgetItem
 from reliab.assessment.contradictions import Contradiction, of_stability
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.error_with_threshold import ErrorOfSeveral
@@ -20,6 +19,7 @@ from reliab.assessment.rebuilt_error.parts import Part
 from reliab.assessment.scope_of_test import compared, why_for_none
 from reliab.assessment.tracking_index import TrackingIndex
 from reliab.assessment.turning import Turning
+from reliab.assessment.uncertainty_budget import BudgetItem
 from reliab.assessment.verdict import Word, verdict_by_index
 from reliab.core.vocabulary import MILLI
 from reliab.criterion.criterion import Criterion

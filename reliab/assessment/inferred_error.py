@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reliab.assessment.budget.budget import BudgetItem
 from reliab.assessment.budget.sizes import Equipment, Source
 from reliab.assessment.inference import prior
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
@@ -23,7 +22,7 @@ from reliab.assessment.inference.posterior import (
 )
 from reliab.assessment.inference.quantities import Unknown as UncertainQuantity
 from reliab.assessment.inference.rebuilt import rebuild
-from reliab.assessment.inference.uncertain_quantity import Circumstances
+from reliab.assessment.inference.uncertain_quantity import Circumstances, Described
 from reliab.assessment.rebuilt_error.initial import Start, checked_histories, stated_start
 from reliab.assessment.rebuilt_error.interval import EXACT, Histories, samples_in_step
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
@@ -33,6 +32,7 @@ from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_ste
 from reliab.assessment.rebuilt_error.spread import Spread
 from reliab.assessment.rebuilt_error.widenings import Widening
 from reliab.assessment.rebuilt_error.yielding_sweep import added_displacement
+from reliab.assessment.uncertainty_budget import BudgetItem, describe
 from reliab.core.arrays import Array
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import MILLI, Metric
@@ -137,23 +137,12 @@ class InferredError:
 
     def budget(self, widenings: Sequence[Widening]) -> tuple[BudgetItem, ...]:
         """Say in words what widens the interval."""
-        unknowns = {unknown.name: (unknown, spread) for unknown, _, spread in self._unknowns()}
-        return tuple(
-            _of_noise(part) if part.name == _NOISE else _item(*unknowns[part.name], part)
-            for part in widenings
-        )
-
-
-def _of_noise(part: Widening) -> BudgetItem:
-    return BudgetItem(
-        name=part.name,
-        quantity="noise of the displacement sensor",
-        size=None,
-        unit="",
-        source=Source.LEARNED,
-        contribution=part.contribution,
-        remedy="Use a displacement sensor with less noise.",
-    )
+        sources = {
+            unknown.name: (unknown.quantity, _source(unknown, spread))
+            for unknown, _, spread in self._unknowns()
+        }
+        sources[_NOISE] = describe(_NOISE), Source.LEARNED
+        return tuple(BudgetItem.of_widening(part, *sources[part.name]) for part in widenings)
 
 
 _NOISE, _DRAWS_OF_NOISE = "sensor_noise", 32
@@ -181,20 +170,11 @@ def _for_half(share: float, spread: float, deviation: float) -> float | None:
     return deviation * spread * float(np.sqrt(left / (1.0 - left)))
 
 
-def _item(unknown: UncertainQuantity, spread: float, part: Widening) -> BudgetItem:
-    quantity = unknown.quantity
-    source = Source.STATED if unknown.prior.source is prior.Source.STATED else Source.DEFAULT
-    if spread < _NARROWED or not quantity.option:
-        source = Source.LEARNED
-    return BudgetItem(
-        name=unknown.name,
-        quantity=quantity.words,
-        size=quantity.factor * part.deviation if quantity.unit else None,
-        unit=quantity.unit,
-        source=source,
-        contribution=part.contribution,
-        remedy=quantity.remedy,
-    )
+def _source(unknown: UncertainQuantity, spread: float) -> Source:
+    """Say where the size of a quantity comes from, by its standard deviation over that a priori."""
+    if spread < _NARROWED or not unknown.quantity.option:
+        return Source.LEARNED
+    return Source.STATED if unknown.prior.source is prior.Source.STATED else Source.DEFAULT
 
 
 def infer_error(

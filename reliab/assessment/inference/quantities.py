@@ -5,18 +5,18 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
 
-from reliab.assessment.budget.budget import part_in_words
 from reliab.assessment.budget.sizes import Equipment
 from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.prior import Prior, Shape, Source
 from reliab.assessment.inference.uncertain_quantity import Circumstances, Quantity
 from reliab.core.vocabulary import MILLI
-from reliab.structures.parts_of_structure import is_part
+from reliab.structures.parts_of_structure import PARTS, is_part, part_and_number
 
 _OF_STATED = 0.2  # of a width that is stated without its deviation, as calibrations find it
 _NONE = 1e-9  # of the stiffness, below which nothing is computed
 _MOVING_START = "Record from rest: the error at the first sample is not known."
 _FILTERS = "State the filters of both channels, or use the same on both."
+_FREE_VIBRATION = "Measure the damping ratios by a free vibration, and state their deviations."
 _FELT = "Find out whether the controller used this sensor, and correct the recording if it did not."
 
 
@@ -293,6 +293,38 @@ QUANTITIES = (
 )
 
 
+_PARTS = {  # words, and what would reduce the uncertainty
+    "damping": (
+        "damping matrix",
+        "Measure the damping of the structure by a free vibration, and state its deviation.",
+    ),
+    "specimen_stiffness": ("specimen", "Measure the specimen's stiffness, and state its deviation."),
+    "floor_mass": ("mass of floor", "Weigh the floors, and state the deviation of their masses."),
+    "storey_stiffness": (
+        "stiffness of storey",
+        "Measure the stiffness of the storeys, or natural frequencies, and state their deviations.",
+    ),
+    "storey_damping": (
+        "damping of storey",
+        "Measure the damping of the storeys, or of the modes, and state its deviations.",
+    ),
+    "mode_frequency": (
+        "natural frequency of mode",
+        "Measure the natural frequencies by a free vibration, and state their deviations.",
+    ),
+    "mode_damping_ratio": ("damping ratio of mode", _FREE_VIBRATION),
+    "mass_entry": (
+        "entry of the mass matrix in row and column",
+        "Weigh what moves, and state the deviation of the entry.",
+    ),
+    "damping_entry": ("entry of the damping matrix in row and column", _FREE_VIBRATION),
+    "stiffness_entry": (
+        "entry of the stiffness matrix in row and column",
+        "Measure the stiffness between these degrees of freedom, and state its deviation.",
+    ),
+}
+
+
 @cache
 def part_of_structure(name: str) -> Quantity:
     """Relative change of a part that a frame's file states with a tolerance, such as "storey_stiffness_2"."""
@@ -300,9 +332,12 @@ def part_of_structure(name: str) -> Quantity:
     def change(experiment: Experiment, value: float, actuator: int) -> None:  # noqa: ARG001
         experiment.parts[name] = value
 
-    words, remedy = part_in_words(name)
+    kind, number = part_and_number(name) or (name, "1 and, equally, of all others" if name in PARTS else "")
+    words, remedy = _PARTS[kind]
     shape = Shape.LOGNORMAL if "damping" in name else Shape.NORMAL
-    return Quantity(name=name, words=words, unit="%", remedy=remedy, change=change, shape=shape)
+    return Quantity(
+        name=name, words=f"{words} {number}".rstrip(), unit="%", remedy=remedy, change=change, shape=shape
+    )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -10,13 +10,13 @@ from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.prior import Prior, Shape, Source
 from reliab.core.arrays import Spectrum
 from reliab.core.stated_value import StatedValue
-from reliab.core.vocabulary import MILLI
+from reliab.core.vocabulary import MILLI, PERCENT
 from reliab.structures.partition import Partition
 
 if TYPE_CHECKING:
     from reliab.assessment.inference.channel_spectra import ChannelSpectra
 
-_FACTORS: Final = {"%": 100.0, "ms": MILLI, "mm": MILLI, "": 1.0}
+_FACTORS: Final = {"%": PERCENT, "ms": MILLI, "mm": MILLI, "kg": 1.0, "N": 1.0, "": 1.0}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -47,13 +47,24 @@ def _nothing(circumstances: Circumstances, equipment: Equipment) -> float:  # no
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Quantity:
+class Described:
+    """Something that is not known exactly, for readers."""
+
+    words: str  # What it is
+    unit: str  # In which its size is shown; empty where none is
+    remedy: str  # What would reduce its uncertainty, a sentence
+
+    @property
+    def factor(self) -> float:
+        """Factor from the unit in which it is drawn to `unit`."""
+        return _FACTORS[self.unit]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Quantity(Described):
     """An uncertain quantity."""
 
     name: str  # Key in JSON
-    words: str  # The quantity in words
-    unit: str  # In which its size is shown
-    remedy: str  # What would reduce its uncertainty, a sentence
     change: Callable[[Experiment, float, int], None]  # Change a world by its difference from the stated value
     # Its standard deviation with ordinary equipment; zero if only faults leave it open
     ordinary: Callable[[Circumstances, Equipment], float] = _nothing
@@ -63,11 +74,6 @@ class Quantity:
     relative: bool = False  # Whether its deviation is relative to the stated value
     # Another prior than that of ordinary equipment where the statement is of a kind of its own
     special: Callable[["Quantity", Circumstances], Prior | None] | None = None
-
-    @property
-    def factor(self) -> float:
-        """Factor from the unit in which it is drawn to `unit`."""
-        return _FACTORS[self.unit]
 
     def prior(self, circumstances: Circumstances) -> Prior | None:
         """Prior of the quantity; None if it is exact, or plays no part in the test."""

@@ -6,13 +6,13 @@ from typing import Final, Literal
 import numpy as np
 
 from reliab.assessment.assessment import Assessment
-from reliab.assessment.budget.budget import BudgetItem
 from reliab.assessment.error_of_test import CANCELLING, PART_NAMES, ErrorOfTest, part_in_words
 from reliab.assessment.error_with_threshold import ErrorWithThreshold
 from reliab.assessment.frame_responses import ResponseErrors
 from reliab.assessment.judged_test import JudgedTest
 from reliab.assessment.rebuilt_error.parts import Parts
 from reliab.assessment.rebuilt_error.spread import DisplacementError, Estimate
+from reliab.assessment.uncertainty_budget import BudgetItem
 from reliab.assessment.verdict import Word, error_in_words, next_steps
 from reliab.core.significant_digits import percent, percent_with_interval, significant
 from reliab.core.vocabulary import MILLI, PERCENT, Metric

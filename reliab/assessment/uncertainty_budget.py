@@ -1,0 +1,100 @@
+"""The budget of a test's uncertainty: sizes, what each contributes, and what would reduce it."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+
+from reliab.assessment.budget.sizes import Size, Source
+from reliab.assessment.inference.quantities import QUANTITIES, part_of_structure
+from reliab.assessment.inference.uncertain_quantity import Described
+from reliab.assessment.rebuilt_error.widenings import Widening
+from reliab.core.plain_values import PlainResult
+from reliab.structures.parts_of_structure import is_part
+
+
+@dataclass(frozen=True, kw_only=True)
+class BudgetItem(PlainResult):
+    """One quantity of the budget of a test's uncertainty."""
+
+    name: str  # Key of what is not known exactly
+    quantity: str  # The same in words
+    size: float | None  # One standard deviation of it, in `unit`; None for noise, whose spectrum is estimated
+    unit: str  # Unit of the size
+    source: Source  # Whether the size was stated, learned from the test, or is that of ordinary equipment
+    contribution: float  # Standard deviation of the error that it alone causes [-]
+    remedy: str  # What would reduce it, a sentence
+
+    @classmethod
+    def of_widening(cls, widening: Widening, described: Described, source: Source) -> "BudgetItem":
+        """Say in words what widens an interval."""
+        return cls(
+            name=widening.name,
+            quantity=described.words,
+            size=described.factor * widening.deviation if described.unit else None,
+            unit=described.unit,
+            source=source,
+            contribution=widening.contribution,
+            remedy=described.remedy,
+        )
+
+
+_NOT_INFERRED = {  # with a measured specimen, or where its yielding or the noise of its sensor is drawn
+    "yielding": Described(
+        words="whether the specimen yielded",
+        unit="",
+        remedy="Record the force of the specimen, or state it as linear if it stayed linear.",
+    ),
+    "specimen": Described(
+        words="what the force shows of the specimen",
+        unit="%",
+        remedy="Repeat the test with less actuator error or a better force sensor, or calibrate a model "
+        "of the specimen with `reliab diagnose`.",
+    ),
+    "mass": Described(
+        words="mass of the structure",
+        unit="%",
+        remedy="Calibrate the load cell, and state mass and force to a smaller deviation.",
+    ),
+    "force_lag": Described(
+        words="lag of the force behind the displacement",
+        unit="ms",
+        remedy="Measure by how much the force is recorded late, and state it.",
+    ),
+    "attached_mass": Described(
+        words="mass between load cell and specimen",
+        unit="kg",
+        remedy="Weigh what is mounted between load cell and specimen, and state it.",
+    ),
+    "load_path_friction": Described(
+        words="friction in the load path",
+        unit="N",
+        remedy="Measure the friction of the load path without a specimen, and state it.",
+    ),
+    "sensor_noise": Described(
+        words="noise of the displacement sensor",
+        unit="",
+        remedy="Use a displacement sensor with less noise.",
+    ),
+}
+_DESCRIBED: Mapping[str, Described] = {**{one.name: one for one in QUANTITIES}, **_NOT_INFERRED}
+
+
+def budget_of_error(widenings: Iterable[Widening], sizes: Mapping[str, Size]) -> tuple[BudgetItem, ...]:
+    """List what makes the interval of an error, the largest contribution first."""
+    return tuple(_item(widening, sizes) for widening in widenings)
+
+
+def _item(widening: Widening, sizes: Mapping[str, Size]) -> BudgetItem:
+    """Describe a quantity of the test, or of one of its actuators, and what it contributes."""
+    name = widening.name
+    begin, _, number = name.rpartition("_")
+    alike = begin if number.isdecimal() and not is_part(name) else name
+    described = describe(alike)
+    if alike != name:
+        described = replace(described, words=f"{described.words} of actuator {number}")
+    size = sizes.get(name, sizes.get(alike))
+    return BudgetItem.of_widening(widening, described, Source.LEARNED if size is None else size.source)
+
+
+def describe(name: str) -> Described:
+    """Describe what is not known exactly, such as "time_shift" or "storey_stiffness_2"."""
+    return part_of_structure(name) if is_part(name) else _DESCRIBED[name.removeprefix("lagging_")]
