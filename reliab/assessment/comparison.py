@@ -14,7 +14,6 @@ from reliab.assessment.assessment import Assessment
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.frame_assessment import FrameAssessment
 from reliab.assessment.judged_test import plot_errors
-from reliab.assessment.plain_error import plain_estimate
 from reliab.assessment.rebuilt_error.spread import ENDS, LEVEL, Estimate, weighted_quantiles
 from reliab.assessment.verdict import Word
 from reliab.core.arrays import Array
@@ -257,7 +256,7 @@ def _plain(rank: int, test: RankedTest) -> dict[str, Any]:
         "rank": rank,
         "file": test.file,
         **{name: content["error"][name] for name in ("rms", "mte")},
-        "difference": None if test.difference is None else plain_estimate(test.difference),
+        "difference": None if test.difference is None else test.difference.to_dict(),
         "probability_larger": test.probability_larger,
         "A": content["A"],
         "d_ms": content["d_ms"],

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Final, TypedDict
+from typing import TYPE_CHECKING, Any, Final, TypedDict
 
 import numpy as np
 
@@ -153,6 +153,18 @@ class ErrorOfTest(ErrorWithThreshold):
         if self.specimen is not None:
             return "measured"
         return "modelled" if self.modelled else "stated"
+
+    @property
+    def plain_specimen(self) -> dict[str, Any]:
+        """How the specimen is known; of one that was learned, by what and how well."""
+        if (learned := self.specimen) is None:
+            return {"known": self.specimen_known}
+        return {
+            "known": self.specimen_known,
+            "held_out": learned.held_out,
+            "beyond": learned.beyond,
+            "families": [vars(family) for family in learned.families],
+        }
 
     @property
     def probability(self) -> float:

@@ -1,13 +1,12 @@
 """An error of a test with the threshold it is judged by, of one interface displacement or of several."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from reliab.assessment.budget.sizes import Size, Source, as_certain_as
-from reliab.assessment.plain_error import plain_errors, plain_part
 from reliab.assessment.rebuilt_error.parts import Parts
 from reliab.assessment.rebuilt_error.spread import LEVEL, Estimate
 from reliab.assessment.rebuilt_error.widenings import Widening
@@ -21,6 +20,12 @@ if TYPE_CHECKING:
     from reliab.assessment.inferred_error import InferredError
     from reliab.assessment.rebuilt_error.rebuild import RebuiltError
     from reliab.assessment.rebuilt_error.spread import DisplacementError
+
+
+def plain_errors(estimate: Callable[[Metric], Estimate] | None) -> dict[str, dict[str, float | None]]:
+    """RMS^R and MTE^R of a test or a displacement by name, as it estimates them; unknown without."""
+    unknown = dict.fromkeys(("value", "low", "high"))
+    return {str(name): unknown if estimate is None else estimate(name).to_dict() for name in Metric}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -134,7 +139,7 @@ class ErrorWithThreshold(ABC):
             **plain_errors(self.estimate),
             "interval_level": LEVEL,
             "probability": self.probability,
-            "parts": {name: plain_part(piece) for name, piece in by_name.items()},
+            "parts": {name: piece.to_dict() for name, piece in by_name.items()},
             "improve_first": self.parts.first,
             "would_decide": list(self.would_decide),
         }
@@ -218,6 +223,6 @@ class ErrorOfSeveral(ErrorWithThreshold):
             "judged": True,
             **plain_errors(degree.estimate),
             "probability": self.probability_of(degree),
-            "parts": {name: plain_part(piece) for name, piece in parts.by_name.items()},
+            "parts": {name: piece.to_dict() for name, piece in parts.by_name.items()},
             "improve_first": parts.first,
         }

@@ -13,11 +13,11 @@ from reliab.assessment.faults import Fault
 from reliab.assessment.judged_test import JudgedTest
 from reliab.assessment.own_equation import OwnEquation
 from reliab.assessment.placement import Placement
-from reliab.assessment.plain_error import finite
 from reliab.assessment.scope_of_test import ScopeOfTest, why_for_none
 from reliab.assessment.tracking_index import TrackingIndex, TrackingMeasures, Windows
 from reliab.assessment.turning import Turning
 from reliab.assessment.verdict import Verdict, verdict_by_index
+from reliab.core.plain_values import finite
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import MILLI
 from reliab.criterion.criterion import Criterion

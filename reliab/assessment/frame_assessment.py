@@ -14,13 +14,13 @@ from reliab.assessment.findings import FaultEffect, capped
 from reliab.assessment.frame_responses import ResponseErrors
 from reliab.assessment.judged_test import JudgedTest
 from reliab.assessment.placement import Placement
-from reliab.assessment.plain_error import finite, plain_part, plain_specimen
 from reliab.assessment.rebuilt_error.parts import Part
 from reliab.assessment.scope_of_test import compared, why_for_none
 from reliab.assessment.tracking_index import TrackingIndex
 from reliab.assessment.turning import Turning
 from reliab.assessment.uncertainty_budget import BudgetItem
 from reliab.assessment.verdict import Word, verdict_by_index
+from reliab.core.plain_values import finite
 from reliab.core.vocabulary import MILLI
 from reliab.criterion.criterion import Criterion
 from reliab.recordings.coupled_recording import CoupledRecording
@@ -212,7 +212,7 @@ class FrameAssessment(JudgedFrame):
             "f_eq_hz": plain.equivalent_frequency,
             "d_ms": MILLI * tracking.delay,
             "over_frequency": _over_frequency(self),
-            "specimen": plain_specimen(self.error.specimen_known, self.error.specimen),
+            "specimen": self.error.plain_specimen,
             "would_turn": self.turning.to_dict(),
             "by_index": None if self.criterion is None else _by_index(self),
         }
@@ -293,7 +293,7 @@ def _over_frequency(assessment: FrameAssessment) -> dict[str, Any] | None:
         "d_ms": (MILLI * resolved.delay).tolist(),
         "d_ms_deviation": (MILLI * resolved.delay_deviation).tolist(),
         "coherence": resolved.coherence.tolist(),
-        "error": plain_part(part),
+        "error": part.to_dict(),
     }
 
 

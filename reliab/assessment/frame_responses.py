@@ -16,13 +16,13 @@ from reliab.assessment.alignment import GroundOfTest, ground_of_test
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.error_with_threshold import ErrorWithThreshold
 from reliab.assessment.exact_response import ExactTest, exact_test
-from reliab.assessment.plain_error import plain_estimate
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.interval import ACCURACY
 from reliab.assessment.rebuilt_error.spread import Estimate, Spread
 from reliab.assessment.substructures import Substructures
 from reliab.assessment.yielding import exact_if_yielding
 from reliab.core.arrays import Array
+from reliab.core.plain_values import PlainResult
 from reliab.core.significant_digits import percent_with_interval, significant
 from reliab.core.vocabulary import MILLI, Metric
 from reliab.motions.motion import Motion
@@ -43,7 +43,7 @@ _SPECIMENS: Final = {
 
 
 @dataclass(frozen=True, kw_only=True)
-class ResponseError:
+class ResponseError(PlainResult):
     """Error of a floor's displacement, or of a storey's drift, as the computer had it in the test."""
 
     name: str  # "floor 3", "storey 2", or "degree theta" of what the ground does not move along with it
@@ -54,17 +54,6 @@ class ResponseError:
     # rms, mte: The same over the largest undisturbed response [-]; None without the ground motion
     rms: Estimate | None
     mte: Estimate | None
-
-    def to_dict(self) -> dict[str, Any]:
-        """Put it into plain values."""
-        return {
-            "name": self.name,
-            "kind": self.kind,
-            "rms_mm": plain_estimate(self.rms_mm),
-            "peak_mm": plain_estimate(self.peak_mm),
-            "rms": None if self.rms is None else plain_estimate(self.rms),
-            "mte": None if self.mte is None else plain_estimate(self.mte),
-        }
 
     @property
     def size(self) -> float:

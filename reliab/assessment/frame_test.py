@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import partial
-from typing import TypedDict, TypeVar, Unpack, overload
+from typing import TypeVar
 
 import numpy as np
 
@@ -57,34 +57,6 @@ _LEAST_SHARE = 1e-6
 _SMALL_MOTION = 0.02  # of the largest command: below it, faults of a channel cannot be told from coupling
 
 _Assessment = TypeVar("_Assessment", bound=JudgedFrame)
-
-
-class _Options(TypedDict, total=False):
-    """Arguments of `assess_frame` that need a name; they are declared here for the checkers of types."""
-
-    criterion: Criterion | None
-    threshold: float
-    metric: Metric
-    stated: Mapping[str, StatedValue] | None
-    equipment: Equipment | None
-    linear_specimen: bool
-    motion: Motion | None
-    measured_specimen: bool
-    force_channel: ForceChannel | None
-
-
-@overload
-def assess_frame(
-    recording: Recording, frame: FrameUnderTest, **options: Unpack[_Options]
-) -> FrameAssessment: ...
-@overload
-def assess_frame(
-    recording: CoupledRecording, frame: FrameUnderTest, **options: Unpack[_Options]
-) -> CoupledAssessment: ...
-@overload
-def assess_frame(
-    recording: Recording | CoupledRecording, frame: FrameUnderTest, **options: Unpack[_Options]
-) -> FrameAssessment | CoupledAssessment: ...
 
 
 def assess_frame(

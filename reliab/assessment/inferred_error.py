@@ -137,12 +137,10 @@ class InferredError:
 
     def budget(self, widenings: Sequence[Widening]) -> tuple[BudgetItem, ...]:
         """Say in words what widens the interval."""
-        sources = {
-            unknown.name: (unknown.quantity, _source(unknown, spread))
-            for unknown, _, spread in self._unknowns()
-        }
-        sources[_NOISE] = describe(_NOISE), Source.LEARNED
-        return tuple(BudgetItem.of_widening(part, *sources[part.name]) for part in widenings)
+        said: dict[str, tuple[Described, Source]] = {_NOISE: (describe(_NOISE), Source.LEARNED)}
+        for unknown, _, spread in self._unknowns():
+            said[unknown.name] = unknown.quantity, _source(unknown, spread)
+        return tuple(BudgetItem.of_widening(part, *said[part.name]) for part in widenings)
 
 
 _NOISE, _DRAWS_OF_NOISE = "sensor_noise", 32

@@ -2,13 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from reliab.assessment.default_criterion import SOURCE, criterion_of_response
 from reliab.assessment.error_of_test import Question
 from reliab.assessment.placement import Placement, place
 from reliab.assessment.tracking_index import TrackingIndex
 from reliab.core.arrays import Array
+from reliab.core.plain_values import PlainResult
 from reliab.core.vocabulary import Metric
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.response_measures import ResponseMeasures
@@ -19,7 +19,7 @@ from reliab.tracking.boundary.first_order import ellipse_of_response
 
 
 @dataclass(frozen=True, kw_only=True)
-class ScopeOfTest:
+class ScopeOfTest(PlainResult):
     """Where a test lies among the motions behind its criterion."""
 
     position: Position | None  # Least favourable of all quantities; None where the motions are not stated
@@ -34,15 +34,6 @@ class ScopeOfTest:
     def outside(self) -> bool:
         """Whether the criterion says nothing of such tests."""
         return self.position is Position.OUTSIDE
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values with stable keys."""
-        return {
-            "position": None if self.position is None else str(self.position),
-            "sentences": list(self.sentences),
-            "test": dict(self.test),
-            "population": {name: list(values) for name, values in self.population.items()},
-        }
 
 
 def scope_of_test(

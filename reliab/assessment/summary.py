@@ -7,10 +7,10 @@ import numpy as np
 from reliab.assessment.findings import LARGEST_PROBABILITY, Findings, capped
 from reliab.assessment.own_equation import OwnEquation
 from reliab.assessment.placement import Placement
-from reliab.assessment.plain_error import finite, plain_specimen
 from reliab.assessment.rebuilt_error.widenings import Widening
 from reliab.assessment.tracking_index import LEVEL
 from reliab.assessment.verdict import Word
+from reliab.core.plain_values import finite
 from reliab.core.vocabulary import MILLI
 from reliab.recordings.recording import Recording
 
@@ -74,7 +74,7 @@ def _details(findings: Findings) -> dict[str, Any]:
     return {
         "would_turn": findings.turning.to_dict(),
         "budget": [item.to_dict() for item in findings.error.budget],
-        "specimen": plain_specimen(findings.error.specimen_known, findings.error.specimen),
+        "specimen": findings.error.plain_specimen,
         "improve": _improve(findings),
         "windows": _windows(findings),
         "noise": _noise(findings),

@@ -93,6 +93,11 @@ def _as_text(value: object) -> str:
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
+def finite(value: float | None) -> float | None:
+    """Return a number ready for JSON; None where it is unknown or infinite."""
+    return float(value) if value is not None and np.isfinite(value) else None
+
+
 def plain_value(value: Any) -> Any:  # noqa: ANN401 - of any result
     """Turn a value into what JSON holds; a stated value has its standard deviation beside it."""
     plain = value

@@ -22,9 +22,9 @@ from reliab.assessment.budget.sizes import (
 from reliab.assessment.coupled_error.coupled_error import CoupledError
 from reliab.assessment.coupled_error.monitor import CoupledMonitor
 from reliab.assessment.error_of_test import ErrorOfTest
+from reliab.assessment.error_with_threshold import plain_errors
 from reliab.assessment.measured_specimen.force_channel import ForceChannel
 from reliab.assessment.measured_specimen.monitor import MeasuredMonitor, StatedForce
-from reliab.assessment.plain_error import plain_errors
 from reliab.assessment.plausibility import RunningSign
 from reliab.assessment.rebuilt_error.loop_energy import FALSE_ALARMS
 from reliab.assessment.rebuilt_error.rebuild import DRAWS

@@ -19,6 +19,7 @@ from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.interval import Histories
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.core.arrays import Array
+from reliab.core.plain_values import finite
 from reliab.structures.partition import Partition
 
 AMPLITUDE = "amplitude"
@@ -40,6 +41,10 @@ class Part:
     # remaining_rms, remaining_mte: RMS^R and MTE^R [-] that would remain without it, to first order
     remaining_rms: float
     remaining_mte: float
+
+    def to_dict(self) -> dict[str, float | None]:
+        """Put it into plain values, without its history."""
+        return {name: finite(value) for name, value in vars(self).items() if name != "history"}
 
     def without_noise(self, added: float) -> "Part":
         """Take off a mean square [-] that noise adds to the error that remains; its peak in proportion."""

@@ -16,6 +16,7 @@ import numpy as np
 import scipy
 
 from reliab.core.arrays import Array
+from reliab.core.plain_values import finite
 from reliab.core.vocabulary import Metric
 
 LEVEL = 0.90
@@ -37,6 +38,10 @@ class Estimate:
     value: float  # value, low, high: Relative errors [-]
     low: float
     high: float
+
+    def to_dict(self) -> dict[str, float | None]:
+        """Put it into plain values."""
+        return {name: finite(value) for name, value in vars(self).items()}
 
     def with_ends_of(self, other: "Estimate") -> "Estimate":
         """Widen the interval so that it holds another one; the value stays."""
