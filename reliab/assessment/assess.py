@@ -10,7 +10,6 @@ from reliab.assessment.assessment import Assessment
 from reliab.assessment.budget.sizes import Equipment, sizes_of_unknown, tolerances_of
 from reliab.assessment.conflicts import find_conflicts, identify_structure, shown_ratio
 from reliab.assessment.contradictions import (
-    limited,
     of_columns,
     of_frequency,
     of_motion,
@@ -20,9 +19,8 @@ from reliab.assessment.contradictions import (
 from reliab.assessment.default_criterion import criterion_of_test
 from reliab.assessment.doubts import doubted_by_rest, verdict_of_error
 from reliab.assessment.error_of_test import ErrorOfTest, Question, error_of_test
-from reliab.assessment.fault_effects import error_of_one_with_faults
+from reliab.assessment.fault_effects import FaultEffect, error_of_one_with_faults
 from reliab.assessment.faults import Fault, faults_of_channel, repaired
-from reliab.assessment.findings import FaultEffect
 from reliab.assessment.inference.posterior import TestPosterior, favours_frequency
 from reliab.assessment.own_equation import OwnEquation, compare_with_stated, looks_nonlinear
 from reliab.assessment.placement import place
@@ -145,7 +143,7 @@ def assess(
     tolerances_of(sizes_of_unknown(stated, structure, equipment, recording.time_step))
     shown = None
     if assumed and linear and equipment is None:
-        shown = _shown_damping(recording, structure, stated, equipment)
+        shown = _shown_damping(recording, structure, stated)
     if shown is not None:
         structure, stated = replace(structure, damping_ratio=shown.value), {**stated, "xi": shown}
         assumed = (_shows_ratio(shown),)
@@ -231,16 +229,13 @@ def _require_judgeable(
 def _with_contradictions(assessment: Assessment, clean: Recording, question: Question) -> Assessment:
     """Add where the recording contradicts what is stated, which limits the verdict."""
     of_stated = of_frequency(clean, assessment.tracking, [question.structure.frequency])
-    contradictions = (
+    return assessment.contradicted(
         *(doubt for doubt in of_stated if question.linear and not _accepts_frequency(assessment)),
         *of_stability(assessment.stability_margin),
         *of_motion(assessment.placement),
         *assessment.equation.doubts,
         *of_specimen(assessment.error.specimen),
         *(assessment.column_doubts if _depends_on_columns(assessment, clean, question) else ()),
-    )
-    return replace(
-        assessment, contradictions=contradictions, judgement=limited(assessment.judgement, contradictions)
     )
 
 
@@ -372,7 +367,6 @@ def _shown_damping(
     recording: Recording,
     structure: Structure,
     stated: Mapping[str, StatedValue],
-    equipment: Equipment | None,
 ) -> StatedValue | None:
     """Take the damping ratio that the recorded ground acceleration shows; None where it shows none.
 
@@ -387,7 +381,7 @@ def _shown_damping(
     ).identified
     if shown is None or not _LEAST_RATIO < shown.damping_ratio.value < _LARGEST_RATIO:
         return None
-    sizes = sizes_of_unknown(stated, structure, equipment, recording.time_step)
+    sizes = sizes_of_unknown(stated, structure, None, recording.time_step)
     late = [sizes[name].deviation for name in _LIKE_DAMPING if name in sizes]
     per_second = 0.5 * structure.experimental_fraction * structure.circular_frequency
     of_channels = per_second * float(np.linalg.norm(late))

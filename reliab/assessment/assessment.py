@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from reliab.assessment.findings import FaultEffect, Findings
+from reliab.assessment.fault_effects import FaultEffect
+from reliab.assessment.findings import Findings
 from reliab.assessment.recorded_force import doubts_of_force, remark_on_force
 from reliab.assessment.summary import summarise
 from reliab.assessment.verdict import ERROR_NAMES, Word
@@ -227,4 +228,4 @@ class Assessment(Findings):
 
     def to_dict(self) -> dict[str, Any]:
         """Put everything into plain numbers with stable keys; see `reliab.assessment.summary`."""
-        return {**summarise(self), "warnings": list(self.warnings)}
+        return {**super().to_dict(), **summarise(self)}

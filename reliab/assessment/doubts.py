@@ -6,7 +6,7 @@ import numpy as np
 
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.error_with_threshold import ErrorWithThreshold
-from reliab.assessment.findings import FaultEffect
+from reliab.assessment.fault_effects import FaultEffect
 from reliab.assessment.own_equation import OwnEquation
 from reliab.assessment.rebuilt_error.spread import Estimate
 from reliab.assessment.verdict import (

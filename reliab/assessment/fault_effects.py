@@ -1,18 +1,41 @@
 """Effects of the faults of a recording on the error of the test."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TypeVar
+from dataclasses import dataclass
+from typing import Any, TypeVar
 
 from reliab.assessment.budget.sizes import Size, Source
 from reliab.assessment.error_of_test import ErrorOfTest, Question, error_of_test
 from reliab.assessment.error_with_threshold import ErrorWithThreshold
 from reliab.assessment.faults import Fault, repaired
-from reliab.assessment.findings import FaultEffect
+from reliab.core.plain_values import finite
 from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
 
 _OfTest = TypeVar("_OfTest", Recording, CoupledRecording)
 _Error = TypeVar("_Error", bound=ErrorWithThreshold)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FaultEffect:
+    """A fault of the recording with what it does to the error."""
+
+    fault: Fault  # The fault
+    # Error of the test without the fault; where the verdict already excludes the fault because the loop did
+    # not feel it, the error with the fault; None where that is not known
+    otherwise: ErrorWithThreshold | None
+
+    def to_dict(self, error: ErrorWithThreshold) -> dict[str, Any]:
+        """Put it into plain values beside the error of the test, with the actuator if there are several."""
+        fault, otherwise = self.fault, self.otherwise
+        return {
+            **({"actuator": fault.actuator} if fault.actuator else {}),
+            "kind": fault.kind,
+            "finding": fault.finding,
+            "in_loop": fault.in_loop,
+            "error": finite(error.estimate(error.metric).value),
+            "error_otherwise": None if otherwise is None else finite(otherwise.estimate(error.metric).value),
+        }
 
 
 def error_with_faults(

@@ -2,22 +2,18 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from reliab.assessment.contradictions import Contradiction
 from reliab.assessment.error_of_test import ErrorOfTest
-from reliab.assessment.error_with_threshold import ErrorWithThreshold
-from reliab.assessment.faults import Fault
 from reliab.assessment.judged_test import JudgedTest
 from reliab.assessment.own_equation import OwnEquation
 from reliab.assessment.placement import Placement
 from reliab.assessment.scope_of_test import ScopeOfTest, why_for_none
 from reliab.assessment.tracking_index import TrackingIndex, TrackingMeasures, Windows
-from reliab.assessment.turning import Turning
 from reliab.assessment.verdict import Verdict, verdict_by_index
-from reliab.core.plain_values import finite
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import MILLI
 from reliab.criterion.criterion import Criterion
@@ -40,28 +36,6 @@ def capped(probability: float | None) -> float | None:
     if probability is None:
         return None
     return min(max(probability, 1.0 - LARGEST_PROBABILITY), LARGEST_PROBABILITY)
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class FaultEffect:
-    """A fault of the recording with what it does to the error."""
-
-    fault: Fault  # The fault
-    # Error of the test without the fault; where the verdict already excludes the fault because the loop did
-    # not feel it, the error with the fault; None where that is not known
-    otherwise: ErrorWithThreshold | None
-
-    def to_dict(self, error: ErrorWithThreshold) -> dict[str, Any]:
-        """Put it into plain values beside the error of the test, with the actuator if there are several."""
-        fault, otherwise = self.fault, self.otherwise
-        return {
-            **({"actuator": fault.actuator} if fault.actuator else {}),
-            "kind": fault.kind,
-            "finding": fault.finding,
-            "in_loop": fault.in_loop,
-            "error": finite(error.estimate(error.metric).value),
-            "error_otherwise": None if otherwise is None else finite(otherwise.estimate(error.metric).value),
-        }
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -119,14 +93,9 @@ class Findings(JudgedTest):
     by_response: Placement | None
     placement: "OwnPlacement | None"  # The test against its own ground motion's boundary, where that is known
     error: ErrorOfTest
-    faults: tuple[FaultEffect, ...]  # Faults of the recording
     equation: OwnEquation  # What the test's equation of motion shows about the structure
-    turning: Turning  # What was not stated and would turn it
     assumed: tuple[str, ...] = ()  # What was not stated and had to be assumed, in sentences
     column_doubts: tuple[Contradiction, ...] = ()  # Why command and measured displacement may be swapped
-    # Where the recording contradicts what is stated, so that the verdict is undecided at best; doubts about
-    # the columns where the verdict depends on them
-    contradictions: tuple[Contradiction, ...] = ()
 
     @property
     def index(self) -> float | None:

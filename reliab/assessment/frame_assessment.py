@@ -7,17 +7,16 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from reliab.assessment.contradictions import Contradiction, of_stability
+from reliab.assessment.contradictions import of_stability
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.error_with_threshold import ErrorOfSeveral
-from reliab.assessment.findings import FaultEffect, capped
+from reliab.assessment.findings import capped
 from reliab.assessment.frame_responses import ResponseErrors
 from reliab.assessment.judged_test import JudgedTest
 from reliab.assessment.placement import Placement
 from reliab.assessment.rebuilt_error.parts import Part
 from reliab.assessment.scope_of_test import compared, why_for_none
 from reliab.assessment.tracking_index import TrackingIndex
-from reliab.assessment.turning import Turning
 from reliab.assessment.uncertainty_budget import BudgetItem
 from reliab.assessment.verdict import Word, verdict_by_index
 from reliab.core.plain_values import finite
@@ -65,11 +64,7 @@ class JudgedFrame(JudgedTest, ABC):
 
     frame: FrameUnderTest  # The frame and its actuators
     responses: ResponseErrors  # Errors of all floors and storeys, as the computer had them in the test
-    faults: tuple[FaultEffect, ...]  # Faults of the recording and what they do to the error
-    turning: Turning  # What was not stated and would turn it
     limit: StabilityLimit  # Where the test would become unstable with the measured gains
-    # Where the recording contradicts what is stated, so that the verdict is undecided at best
-    contradictions: tuple[Contradiction, ...] = ()
 
     error_of: ClassVar[str]
 
@@ -119,34 +114,16 @@ class JudgedFrame(JudgedTest, ABC):
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """Put everything into plain numbers with stable keys; None where a value is infinite or unknown.
-
-        The keys of other assessments where they have the same meaning.
-        """
+        """Put everything into plain numbers with stable keys; None where a value is infinite or unknown."""
         return {
-            "test": self.recording.name,
+            **super().to_dict(),
             "structure": self.frame.name,
             "error_of": self.error_of,
             "critical_delay_ms": finite(MILLI * self.critical_delay),
             "critical_frequency_hz": finite(self.limit.frequency),
             "stability_margin": self.stability_margin,
             "modes": [mode.to_dict() for mode in self.modes],
-            "error": self.error.to_dict(),
             "responses": self.responses.to_dict(),
-            "budget": [item.to_dict() for item in self.budget],
-            "metric": str(self.metric),
-            "threshold": self.threshold,
-            "probability": self.probability,
-            "verdict": str(self.verdict),
-            "reliable": self.reliable,
-            "reasons": list(self.reasons),
-            "would_decide": list(self.would_decide),
-            "faults": [effect.to_dict(self.error) for effect in self.faults],
-            "warnings": list(self.warnings),
-            "recording": {"channels": [channel.summary() for channel in self.recording.channels]},
-            "duration_s": self.recording.duration,
-            "rate_hz": 1.0 / self.recording.time_step,
-            "notes": list(self.recording.notes),
         }
 
 

@@ -4,7 +4,6 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import partial
-from typing import TypeVar
 
 import numpy as np
 
@@ -13,7 +12,6 @@ from reliab.assessment.budget.sizes import Equipment, Size, tolerances_of
 from reliab.assessment.conflicts import find_conflicts
 from reliab.assessment.contradictions import (
     Contradiction,
-    limited,
     of_frequency,
     of_ground,
     of_specimen,
@@ -23,10 +21,9 @@ from reliab.assessment.doubts import doubted_by_entries, doubted_by_rest, verdic
 from reliab.assessment.error_of_test import ErrorOfTest, Question, with_learned
 from reliab.assessment.error_with_threshold import ErrorOfSeveral, ErrorWithThreshold
 from reliab.assessment.exact_response import exact_test
-from reliab.assessment.fault_effects import error_of_one_with_faults, error_with_faults
+from reliab.assessment.fault_effects import FaultEffect, error_of_one_with_faults, error_with_faults
 from reliab.assessment.faults import Fault, faults_of_channel, repaired
-from reliab.assessment.findings import FaultEffect
-from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment, JudgedFrame
+from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment
 from reliab.assessment.frame_responses import ResponseErrors, errors_of_responses
 from reliab.assessment.measured_specimen.force_channel import ForceChannel
 from reliab.assessment.placement import place
@@ -55,8 +52,6 @@ _DRAWS_AS_STATED = 64
 _SAME_SHARE = 1e-3
 _LEAST_SHARE = 1e-6
 _SMALL_MOTION = 0.02  # of the largest command: below it, faults of a channel cannot be told from coupling
-
-_Assessment = TypeVar("_Assessment", bound=JudgedFrame)
 
 
 def assess_frame(
@@ -185,8 +180,7 @@ def _of_one(
         else place(criterion, mode, tracking.amplitude, tracking.delay, tracking.draws),
     )
     specimen, frequencies = error.specimen, [mode_of_test.frequency for mode_of_test in assessment.modes]
-    return _contradicted(
-        assessment,
+    return assessment.contradicted(
         *(of_frequency(sound, tracking, frequencies) if specimen is None else ()),
         *_of_structure(error, question, recording.time_step),
         *of_stability(assessment.stability_margin),
@@ -218,8 +212,7 @@ def _of_several(
         limit_of_gains=of_gains,
         shown_by_ground=error.shown_by_ground,
     )
-    return _contradicted(
-        assessment,
+    return assessment.contradicted(
         *_of_structure(error, question, recording.time_step),
         *of_stability(assessment.stability_margin),
     )
@@ -252,13 +245,6 @@ def _verdict(
     error: ErrorWithThreshold, effects: tuple[FaultEffect, ...], sound: Recording | CoupledRecording
 ) -> Verdict:
     return doubted_by_rest(doubted_by_entries(verdict_of_error(error, effects), error), error, sound)
-
-
-def _contradicted(assessment: _Assessment, *contradictions: Contradiction) -> _Assessment:
-    """Add where the recording contradicts what is stated, which limits the verdict."""
-    return replace(
-        assessment, contradictions=contradictions, judgement=limited(assessment.judgement, contradictions)
-    )
 
 
 def _faults(
@@ -310,7 +296,7 @@ def _error_of_several(
 ) -> ErrorOfSeveral:
     """Rebuild the errors of all interface displacements; see `error_with_faults`."""
     from reliab.assessment.coupled_error.ground_motion import compare_with_ground
-    from reliab.assessment.coupled_error.posterior_errors import Knowledge, infer_coupled
+    from reliab.assessment.coupled_error.posterior_errors import infer_coupled
     from reliab.assessment.coupled_error.rebuild import rebuild_coupled
 
     sizes = {**question.sizes(test.time_step), **repairs}
@@ -331,13 +317,16 @@ def _error_of_several(
         as_stated = rebuild(draws=_DRAWS_AS_STATED)
         shown = compare_with_ground(as_stated.histories, as_stated.reduced, test.ground)
         if question.equipment is not None and shown is not None and not shown.other:
-            known = Knowledge(
+            found = infer_coupled(
+                as_stated,
+                command,
+                measured,
+                shown.evidence(test.ground),
                 stated=question.stated,
                 equipment=question.equipment,
                 tolerances=question.tolerances,
                 left_by_faults={name: size.deviation for name, size in repairs.items()},
             )
-            found = infer_coupled(as_stated, command, measured, shown.evidence(test.ground), known)
             if found is not None:
                 error, inferred = found
                 return of_test(rebuilt=error, sizes=sizes, inferred=inferred, shown_by_ground=shown)

@@ -2,14 +2,17 @@
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Final, Self
 
 import numpy as np
 
 from reliab.assessment import brief
+from reliab.assessment.contradictions import Contradiction, limited
 from reliab.assessment.error_with_threshold import ErrorWithThreshold
+from reliab.assessment.fault_effects import FaultEffect
 from reliab.assessment.rebuilt_error.spread import Estimate
+from reliab.assessment.turning import Turning
 from reliab.assessment.verdict import Verdict, Word, probability_text
 from reliab.core.plain_values import PlainResult, html_table
 from reliab.core.significant_digits import percent_with_interval, significant
@@ -34,6 +37,16 @@ class JudgedTest(PlainResult):
     recording: Recording | CoupledRecording  # The test
     error: ErrorWithThreshold  # The error, from the test alone
     judgement: Verdict  # The verdict with its reasons
+    faults: tuple[FaultEffect, ...]  # Faults of the recording and what they do to the error
+    turning: Turning  # What was not stated and would turn it
+    # Where the recording contradicts what is stated, so that the verdict is undecided at best; doubts about
+    # the columns where the verdict depends on them
+    contradictions: tuple[Contradiction, ...] = ()
+
+    def contradicted(self, *contradictions: Contradiction) -> Self:
+        """Add where the recording contradicts what is stated, which limits the verdict."""
+        judgement = limited(self.judgement, contradictions)
+        return replace(self, contradictions=contradictions, judgement=judgement)
 
     @property
     def verdict(self) -> Word:
@@ -74,6 +87,28 @@ class JudgedTest(PlainResult):
     def warnings(self) -> tuple[str, ...]:
         """Warnings to read before relying on the verdict, in sentences."""
         return ()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Put everything into plain numbers with stable keys; None where a value is infinite or unknown."""
+        recording = self.recording
+        return {
+            "test": recording.name,
+            "metric": str(self.metric),
+            "threshold": self.threshold,
+            "verdict": str(self.verdict),
+            "reliable": self.reliable,
+            "reasons": list(self.reasons),
+            "would_decide": list(self.would_decide),
+            "probability": self.probability,
+            "error": self.error.to_dict(),
+            "budget": [item.to_dict() for item in self.error.budget],
+            "faults": [effect.to_dict(self.error) for effect in self.faults],
+            "recording": {"channels": [channel.summary() for channel in recording.channels]},
+            "duration_s": recording.duration,
+            "rate_hz": 1.0 / recording.time_step,
+            "notes": list(recording.notes),
+            "warnings": list(self.warnings),
+        }
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Put verdict, error, A, d and index into a table of one row."""

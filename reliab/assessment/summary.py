@@ -12,11 +12,10 @@ from reliab.assessment.tracking_index import LEVEL
 from reliab.assessment.verdict import Word
 from reliab.core.plain_values import finite
 from reliab.core.vocabulary import MILLI
-from reliab.recordings.recording import Recording
 
 
 def summarise(findings: Findings) -> dict[str, Any]:
-    """Put an assessment into plain numbers.
+    """Put what only an assessment of one mass has into plain numbers.
 
     Returns ready for JSON; None where a value is infinite or unknown. Delays are in milliseconds.
     """
@@ -24,12 +23,9 @@ def summarise(findings: Findings) -> dict[str, Any]:
     of_a, of_d = tracking.interval(LEVEL)
     turn = 2.0 * np.pi * tracking.plain.equivalent_frequency
     return {
-        "test": findings.recording.name,
         "f": structure.frequency,
         "xi": structure.damping_ratio,
         "alpha": structure.experimental_fraction,
-        "threshold": findings.criterion.threshold,
-        "metric": findings.criterion.metric,
         "confidence": findings.promise,
         "A": tracking.amplitude,
         "phi": -turn * tracking.delay,
@@ -40,11 +36,6 @@ def summarise(findings: Findings) -> dict[str, Any]:
         "interval_level": LEVEL,
         "index": finite(findings.index),
         "index_interval": _ends(findings.index_interval),
-        "verdict": str(findings.verdict),
-        "reliable": findings.reliable,
-        "reasons": list(findings.reasons),
-        "would_decide": list(findings.would_decide),
-        "probability": findings.probability,
         "error": _error(findings),
         "by_index": _by_index(findings),
         "stability_margin": finite(findings.stability_margin),
@@ -54,7 +45,6 @@ def summarise(findings: Findings) -> dict[str, Any]:
         "scope": findings.scope.to_dict(),
         "motion": None if findings.placement is None else _motion(findings),
         **_details(findings),
-        **_recording(findings.recording),
         "notes": [
             *findings.recording.notes,
             *(() if findings.placement else findings.criterion.provenance.warnings),
@@ -62,24 +52,14 @@ def summarise(findings: Findings) -> dict[str, Any]:
     }
 
 
-def _recording(recording: Recording) -> dict[str, Any]:
-    return {
-        "recording": {"channels": [channel.summary() for channel in recording.channels]},
-        "duration_s": recording.duration,
-        "rate_hz": 1.0 / recording.time_step,
-    }
-
-
 def _details(findings: Findings) -> dict[str, Any]:
     return {
         "would_turn": findings.turning.to_dict(),
-        "budget": [item.to_dict() for item in findings.error.budget],
         "specimen": findings.error.plain_specimen,
         "improve": _improve(findings),
         "windows": _windows(findings),
         "noise": _noise(findings),
         "tracking": _tracking(findings),
-        "faults": [effect.to_dict(findings.error) for effect in findings.faults],
         "stated": {name: {"value": s.value, "deviation": s.deviation} for name, s in findings.stated.items()},
         "window": {
             "seconds": findings.recording.duration,

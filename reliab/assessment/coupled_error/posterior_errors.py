@@ -1,7 +1,7 @@
 """Errors of a test with several actuators, from the posterior of everything that is uncertain about it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,23 +15,21 @@ from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import MILLI, Metric
 
 
-@dataclass(frozen=True, kw_only=True)
-class Knowledge:
-    """What is known of a test beside its channels."""
-
-    stated: Mapping[str, StatedValue]  # By the names of the options
-    equipment: Equipment  # What is not known where nothing is stated
-    tolerances: Mapping[str, float]  # Of a frame, by names of quantities and parts [-]
-    left_by_faults: Mapping[str, float]  # What faults leave unknown, by names of quantities [SI units]
-
-
 def infer_coupled(
-    as_stated: CoupledError, command: Array, measured: Array, ground: Array, known: Knowledge
+    as_stated: CoupledError,
+    command: Array,
+    measured: Array,
+    ground: Array,
+    *,
+    stated: Mapping[str, StatedValue],
+    equipment: Equipment,
+    tolerances: Mapping[str, float],
+    left_by_faults: Mapping[str, float],
 ) -> tuple[CoupledError, InferredError] | None:
     """Infer the errors of all interface displacements; None where the channels determine no posterior.
 
     `as_stated`: the error with all as stated but for the sensors' noise; `command`, `measured` [m], shape
-    (p, n), at the sensors; `ground`: acceleration [m/s²].
+    (p, n), at the sensors; `ground`: acceleration [m/s²]; the others as of `infer_error`.
     """
     if any(start.standing or not start.at_rest for start in as_stated.starts):
         return None
@@ -51,11 +49,11 @@ def infer_coupled(
             offset_size=np.array([start.offset_deviation for start in as_stated.starts]),
             initial_size=0.0,
         ),
-        stated=known.stated,
-        equipment=known.equipment,
-        tolerances=known.tolerances,
-        feedback_lag=known.stated.get("feedback_lag", StatedValue(0.0)).value / MILLI,
-        left_by_faults=known.left_by_faults,
+        stated=stated,
+        equipment=equipment,
+        tolerances=tolerances,
+        feedback_lag=stated.get("feedback_lag", StatedValue(0.0)).value / MILLI,
+        left_by_faults=left_by_faults,
     )
     inferred = infer_errors(circumstances, as_stated.every, seed=0)
     if inferred is None:
