@@ -17,7 +17,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reliab.assessment.rebuilt_error.force_form import Form, combined_reading, felt_displacement
 from reliab.assessment.rebuilt_error.initial import Start, checked_histories, stated_start
 from reliab.assessment.rebuilt_error.interval import (
     EXACT,
@@ -37,7 +36,6 @@ from reliab.assessment.rebuilt_error.stretches import Stated, draw_error, what_i
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.widenings import Widening, widenings
 from reliab.core.arrays import Array
-from reliab.core.errors import InputError
 from reliab.core.vocabulary import Metric
 from reliab.structures.partition import Partition, whole_structure
 from reliab.structures.structure import Structure
@@ -133,8 +131,6 @@ def rebuild(
     time_step: float,
     structure: Structure | Partition,
     *,
-    force: Array | None = None,
-    form: Form = Form.DISPLACEMENT,
     feedback_lag: float = 0.0,
     sensor_offset: float | None = None,
     resolution: float | None = None,
@@ -168,10 +164,7 @@ def rebuild(
     noise = replace(estimate_noise(command, measured, time_step), resolution=resolution)
     start = stated_start(command, measured, time_step, whole, noise, sensor_offset)
     read = measured - start.offset
-    felt = _felt(command, read, force, form, whole, time_step)
-    if form is Form.COMBINED:
-        read, noise = felt, estimate_noise(command, felt, time_step)
-    fed_back = command - delayed(felt, feedback_lag, time_step)
+    fed_back = command - delayed(read, feedback_lag, time_step)
     recursion = Recursion.of_displacement(whole, time_step)
     response = respond(recursion, fed_back, -start.standing * recursion.static[:, 0])[0]
     unknown = what_is_unknown(test, start, response, command, fed_back)
@@ -192,24 +185,3 @@ def rebuild(
         start=start,
         seed=seed,
     )
-
-
-def _felt(
-    command: Array,
-    read: Array,
-    force: Array | None,
-    form: Form,
-    structure: Partition,
-    time_step: float,
-) -> Array:
-    """Displacement of the specimen by the chosen form."""
-    if form is Form.DISPLACEMENT:
-        return read
-    if force is None or force.shape != read.shape or not np.isfinite(force).all():
-        raise InputError(
-            f"The {form} form needs a recorded force, finite and as long as the displacements",
-            value="none" if force is None else f"shape {force.shape}",
-            remedy="Give the force, or use the displacement form",
-        )
-    felt = felt_displacement(np.ascontiguousarray(force, dtype=np.float64), structure, time_step)
-    return felt if form is Form.FORCE else combined_reading(command, read, felt, time_step)

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from rebuilt_error.laboratory import BACKLASH, BIAS, DELAY, RATE, Lab, noise, quantised, run, synthetic_ground
-from reliab.assessment.rebuilt_error.force_form import Form
 from reliab.assessment.rebuilt_error.parts import parts_of
 from reliab.assessment.rebuilt_error.rebuild import rebuild
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
@@ -194,21 +193,6 @@ def test_a_late_force_is_a_part_of_its_own():
     assert parts.first == "fed_back_force"
     whole = np.sum([part.history for part in parts.by_name.values()], axis=0)
     assert np.abs(whole - rebuilt.smooth_error).max() < 1e-9 * np.abs(whole).max()
-
-
-def test_forms_that_use_the_force(outcome, noisy):
-    stiff = 1.05 * outcome.force
-    given = (outcome.command, noisy, STEP, STRUCTURE)
-    by_force = rebuild(*given, force=outcome.force, form=Form.FORCE)
-    assert by_force.rms.value == pytest.approx(outcome.rms, rel=0.02)
-    assert rebuild(*given, force=stiff, form=Form.FORCE).rms.value > 3.0 * outcome.rms
-    combined = rebuild(*given, force=stiff, form=Form.COMBINED)
-    true = outcome.measured - outcome.ideal
-    alone = rebuild(*given)
-    off, off_alone = (np.mean((one.error - true) ** 2) for one in (combined, alone))
-    assert off < 0.05 * off_alone
-    with pytest.raises(InputError, match="recorded force"):
-        rebuild(*given, form=Form.FORCE)
 
 
 @pytest.mark.parametrize(

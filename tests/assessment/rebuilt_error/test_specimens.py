@@ -7,7 +7,6 @@ import pytest
 
 from rebuilt_error.laboratory import DELAY, RATE, Lab, run, synthetic_ground
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
-from reliab.assessment.rebuilt_error.force_form import combined_reading, felt_displacement
 from reliab.assessment.rebuilt_error.interval import Unknown
 from reliab.assessment.rebuilt_error.nonlinear_reference import (
     _drawn,
@@ -113,41 +112,6 @@ def test_the_tangent_structure_is_per_unit_mass():
 def test_draws_are_simulated_at_200_samples_a_second_and_80_a_period():
     for frequency, every in ((1.0, 5), (4.0, 3), (40.0, 1)):
         assert samples_in_step_of_simulation(frequency, STEP) == every
-
-
-def test_a_force_gives_the_displacement_of_spring_dashpot_and_mass():
-    whole = Partition(
-        mass=np.array([[3.0]]),
-        damping=np.array([[5.0]]),
-        stiffness=np.array([[200.0]]),
-        interface=np.ones(1),
-        specimen_stiffness=150.0,
-        specimen_damping=4.0,
-        specimen_mass=1.2,
-    )
-    time = np.arange(0.0, 20.0, STEP)
-    moved = np.sin(0.15 * time) ** 4 * np.sin(5.0 * time)
-    slope, bend = np.gradient(moved, STEP), np.gradient(np.gradient(moved, STEP), STEP)
-    force = 150.0 * moved + 4.0 * slope + 1.2 * bend
-    assert felt_displacement(force, whole, STEP) == pytest.approx(moved, abs=1e-4)
-    with pytest.raises(InputError, match="stiffness"):
-        felt_displacement(force, whole.changed(specimen_stiffness=np.zeros((1, 1))), STEP)
-
-
-@pytest.mark.parametrize(("quieter", "slope"), [(0.5, 1.3), (1.0, 0.6), (3.0, 1.3)])
-def test_the_combined_reading_has_the_least_variance(quieter, slope):
-    """Of two readings with variances v and w, the best average has vw/(v + w)."""
-    rng = np.random.default_rng(3)
-    time = np.arange(0.0, 40.0, 0.002)
-    moved = np.sin(6.0 * time) * np.sin(0.08 * time) ** 2
-    first, second = 0.01, 0.01 / quieter
-    read = moved + first * rng.standard_normal(time.size)
-    felt = slope * (moved + second * rng.standard_normal(time.size)) + 0.2
-    average = combined_reading(moved, read, felt, 0.002)
-    best = np.sqrt(first**2 * second**2 / (first**2 + second**2))
-    assert np.std(average - moved) == pytest.approx(best, rel=0.02)
-    with pytest.raises(InputError, match="grow"):
-        combined_reading(moved, read, -felt, 0.002)
 
 
 def test_a_slider_holds_at_its_limit_and_returns_elastically():
