@@ -140,7 +140,7 @@ class _Writer:
 
     def _table(self, table: Table) -> dict[str, Any]:
         columns = [
-            map(_cell, cells(table.frame[column.key].tolist(), column.number)) for column in table.columns
+            map(_cell, cells(list(table.frame[column.key]), column.number)) for column in table.columns
         ]
         return {
             "kind": "table",

@@ -5,12 +5,11 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
-import pandas as pd
-
 from reliab.report.numbers import Number
 from reliab.report.prose import Prose, references, require_formula
 
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.figure import Figure as Drawing
 
 
@@ -63,7 +62,7 @@ class Column:
 class Table:
     """A table; a column that its data frame lacks is a ValueError."""
 
-    frame: pd.DataFrame  # The values
+    frame: "pd.DataFrame | Mapping[str, Sequence[str]]"  # The values by column
     columns: tuple[Column, ...]  # Which of its columns are shown, in their order
     caption: Prose  # What to see
     label: str = ""  # What references call it
@@ -83,7 +82,8 @@ def text_table(
     """Tabulate texts; a mapping says which headings stand "left" and which "right" on a terminal."""
     sides = headings if isinstance(headings, Mapping) else dict.fromkeys(headings, "left")
     names = list(headings)
-    frame = pd.DataFrame(list(rows), columns=[str(place) for place in range(len(names))])
+    of_rows = list(rows)
+    frame = {str(place): [row[place] for row in of_rows] for place in range(len(names))}
     columns = tuple(
         Column(key=str(place), heading=name, wide=place == 0, right=sides[name] == "right")
         for place, name in enumerate(names)

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 MISSING = "–"
 """What stands where there is no number."""
@@ -141,7 +140,9 @@ def cells(values: Sequence[Any], number: Number | None) -> list[str | tuple[Writ
 def _worded(value: object) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
-    return MISSING if value is None or value is pd.NA or value != value else str(value)  # noqa: PLR0124 - NaN
+    unequal = value != value  # noqa: PLR0124 - NaN; of pandas' NA it is NA again
+    missing = value is None or not isinstance(unequal, bool | np.bool_) or bool(unequal)
+    return MISSING if missing else str(value)
 
 
 def in_line(written: Written) -> str:

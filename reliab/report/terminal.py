@@ -56,7 +56,7 @@ def rich_table(table: Table) -> RichTable:
     for column in table.columns:
         texts = [
             cell if isinstance(cell, str) else in_line(cell[0])
-            for cell in cells(table.frame[column.key].tolist(), column.number)
+            for cell in cells(list(table.frame[column.key]), column.number)
         ]
         columns.append(texts)
         stated = [text for text in texts if text not in _NO_NUMBER]

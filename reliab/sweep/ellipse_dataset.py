@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
@@ -23,9 +23,11 @@ from reliab.core.vocabulary import (
 )
 from reliab.sweep.labels import with_labels
 from reliab.sweep.netcdf import read_netcdf, write_netcdf
-from reliab.tracking.boundary.contour import Contour
 from reliab.tracking.boundary.curves import Curve, Ellipse, InscribedEllipse
 from reliab.tracking.indices.window import Window
+
+if TYPE_CHECKING:
+    from reliab.tracking.boundary.contour import Contour
 
 COLUMNS = ("a", "b", "sse", "n", "no_ellipse")
 """Values stored for a curve; shape of a table is (motion, f, xi, threshold, metric, curve, side, columns)."""
@@ -42,7 +44,7 @@ _REST_DIMENSIONS = (
 _FEWEST_POINTS = 3
 
 
-def curve_row(contour: Contour | None, curve: type[Curve]) -> list[float]:
+def curve_row(contour: "Contour | None", curve: type[Curve]) -> list[float]:
     """Parameters of the curve fitted to one side of a boundary."""
     if contour is None:
         return _missing_ellipse(NoEllipse.OUTSIDE_GRID, 0)
@@ -63,7 +65,7 @@ def _missing_ellipse(reason: NoEllipse, points: int) -> list[float]:
     return [np.nan, np.nan, np.nan, float(points), float(reason)]
 
 
-def curve_table(contours: Sequence[Sequence[Contour | None]], curves: Sequence[type[Curve]]) -> Array:
+def curve_table(contours: "Sequence[Sequence[Contour | None]]", curves: Sequence[type[Curve]]) -> Array:
     """Fit curves to contours and put their parameters into one array.
 
     Returns shape (motion or metric, pair, curve, column), the columns those of an ellipse dataset.

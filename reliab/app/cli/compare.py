@@ -33,7 +33,7 @@ def compare(asked: Asked) -> None:
     content = comparison.to_dict()
     content["faults"] = {file: asked.in_options(fault) for file, fault in content["faults"].items()}
     if not write_json(content, asked.json_target):
-        document = comparison_report(replace(comparison, faults=content["faults"]))
+        document = comparison_report(replace(comparison, faults=content["faults"]), drawn=False)
         print_document(document, console())
     if asked.figure is not None:
         draw_chart(comparison, asked.figure)

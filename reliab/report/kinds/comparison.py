@@ -5,11 +5,10 @@ from reliab.core.columns import side, written_cells
 from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import Metric
 from reliab.report.document import Document, Figure, Points, text_table
-from reliab.report.figures.tests_by_error import ranked_tests
 
 
-def comparison_report(comparison: Comparison) -> Document:
-    """Report the ranking, and below it what limits it."""
+def comparison_report(comparison: Comparison, *, drawn: bool = True) -> Document:
+    """Report the ranking, drawn or as a table alone, and below it what limits it."""
     other = Metric.MTE if comparison.metric is Metric.RMS else Metric.RMS
     columns = {heading: column for heading, column in comparison.shown.items() if column[0] != other}
     rows = written_cells(columns, comparison.plain_rows())
@@ -22,8 +21,14 @@ def comparison_report(comparison: Comparison) -> Document:
         verdict=f"The error of {comparison.tests[0].file} is probably the smallest.",
         blocks=(
             text_table(rows, headings, caption=caption),
-            Figure(drawing=ranked_tests(comparison), caption="Errors with their 90 % intervals."),
+            *([_figure(comparison)] if drawn else []),
             Points(items=(comparison.assumed, *comparison.notes, *faults)),
         ),
         sheet=True,
     )
+
+
+def _figure(comparison: Comparison) -> Figure:
+    from reliab.report.figures.tests_by_error import ranked_tests
+
+    return Figure(drawing=ranked_tests(comparison), caption="Errors with their 90 % intervals.")

@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
 import scipy
@@ -10,7 +10,9 @@ import scipy
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import MILLI, CurveName
-from reliab.tracking.boundary.contour import Contour
+
+if TYPE_CHECKING:
+    from reliab.tracking.boundary.contour import Contour
 
 _FEWEST_POINTS = 3
 
@@ -46,7 +48,7 @@ class Curve(ABC):
         """Square of the delay [ms²] at amplitude offsets A − 1; negative outside the curve."""
 
     @classmethod
-    def fit(cls, contour: Contour) -> Self:
+    def fit(cls, contour: "Contour") -> Self:
         """Fit the curve to a contour by least squares.
 
         `contour`: at least three points, or none where no actuator keeps the error below the threshold.
@@ -122,7 +124,7 @@ class InscribedEllipse(Ellipse):
     name: ClassVar[CurveName] = CurveName.INSCRIBED
 
     @classmethod
-    def fit(cls, contour: Contour) -> Self:
+    def fit(cls, contour: "Contour") -> Self:
         """Inscribe the ellipse in a boundary.
 
         `contour`: one side of a boundary. Returns the ellipse, with the misfit of equation (10) at the points

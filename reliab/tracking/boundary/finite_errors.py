@@ -19,7 +19,6 @@ import scipy
 from reliab.core.arrays import Array
 from reliab.core.vocabulary import MILLI, Side
 from reliab.structures.structure import Structure
-from reliab.tracking.boundary.first_order import error_histories
 
 if TYPE_CHECKING:
     from reliab.tracking.boundary.contour import Contour
@@ -115,6 +114,8 @@ def ratios_of_cut_record(
     >>> ratios_of_cut_record(decaying, 0.01, structure, 0.0, (50.0, 200.0)).round(2).tolist()
     [[0.5, 0.5], [1.0, 1.0]]
     """
+    from reliab.tracking.boundary.first_order import error_histories
+
     _, *histories = error_histories(response, time_step, structure)
     squares = [
         scipy.integrate.cumulative_trapezoid(history**2, dx=time_step, initial=0.0) for history in histories
