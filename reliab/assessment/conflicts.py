@@ -2,10 +2,11 @@
 
 from collections.abc import Iterator, Mapping
 
+from reliab.assessment.budget.sizes import Source
 from reliab.assessment.contradictions import Contradiction
 from reliab.assessment.inference.posterior import TestPosterior
-from reliab.assessment.inference.prior import Shape, Source
 from reliab.assessment.inference.quantities import Unknown
+from reliab.assessment.inference.uncertain_quantity import Shape
 from reliab.assessment.rebuilt_error.identification import Identification, Identified
 from reliab.core.significant_digits import significant
 from reliab.core.stated_value import StatedValue

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reliab.assessment.budget.sizes import Equipment, Source
-from reliab.assessment.inference import prior
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.error_draws import (
     ErrorsOfTest,
@@ -139,7 +138,8 @@ class InferredError:
         """Say in words what widens the interval."""
         said: dict[str, tuple[Described, Source]] = {_NOISE: (describe(_NOISE), Source.LEARNED)}
         for unknown, _, spread in self._unknowns():
-            said[unknown.name] = unknown.quantity, _source(unknown, spread)
+            shown = spread < _NARROWED or not unknown.quantity.option
+            said[unknown.name] = unknown.quantity, Source.LEARNED if shown else unknown.prior.source
         return tuple(BudgetItem.of_widening(part, *said[part.name]) for part in widenings)
 
 
@@ -166,13 +166,6 @@ def _for_half(share: float, spread: float, deviation: float) -> float | None:
         return None
     left = 1.0 - _HALF / share  # of the quantity's variance
     return deviation * spread * float(np.sqrt(left / (1.0 - left)))
-
-
-def _source(unknown: UncertainQuantity, spread: float) -> Source:
-    """Say where the size of a quantity comes from, by its standard deviation over that a priori."""
-    if spread < _NARROWED or not unknown.quantity.option:
-        return Source.LEARNED
-    return Source.STATED if unknown.prior.source is prior.Source.STATED else Source.DEFAULT
 
 
 def infer_error(

@@ -5,10 +5,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
 
-from reliab.assessment.budget.sizes import Equipment
+from reliab.assessment.budget.sizes import Equipment, Source
 from reliab.assessment.inference.experiment import Experiment
-from reliab.assessment.inference.prior import Prior, Shape, Source
-from reliab.assessment.inference.uncertain_quantity import Circumstances, Quantity
+from reliab.assessment.inference.uncertain_quantity import Circumstances, Prior, Quantity, Shape
 from reliab.core.vocabulary import MILLI
 from reliab.structures.parts_of_structure import PARTS, is_part, part_and_number
 

@@ -1,13 +1,18 @@
-"""An uncertain quantity of a test: its words, its prior, and how it enters the test."""
+"""An uncertain quantity of a test: its words, its prior, and how it enters the test.
+
+Priors are functions of a standard normal variable z.
+"""
 
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from enum import StrEnum
 from typing import TYPE_CHECKING, Final
 
-from reliab.assessment.budget.sizes import Equipment
+import scipy
+
+from reliab.assessment.budget.sizes import Equipment, Source
 from reliab.assessment.inference.experiment import Experiment
-from reliab.assessment.inference.prior import Prior, Shape, Source
 from reliab.core.arrays import Spectrum
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import MILLI, PERCENT
@@ -17,6 +22,44 @@ if TYPE_CHECKING:
     from reliab.assessment.inference.channel_spectra import ChannelSpectra
 
 _FACTORS: Final = {"%": PERCENT, "ms": MILLI, "mm": MILLI, "kg": 1.0, "N": 1.0, "": 1.0}
+_STEEPNESS = 4.0  # of the step between nothing and the whole
+_FARTHEST = 8.0  # standard deviations, beyond which a half-normal quantile has no more digits
+
+
+class Shape(StrEnum):
+    """Distribution of a prior."""
+
+    NORMAL = "normal"  # deviation·z
+    LOGNORMAL = "lognormal"  # the factor exp(deviation·z), less one
+    POSITIVE = "positive"  # half-normal above zero
+    EITHER = "either"  # nothing or the whole, one as likely as the other, with little between them
+
+
+@dataclass(frozen=True, kw_only=True)
+class Prior:
+    """Prior of how far a quantity lies from the value that is stated for it.
+
+    >>> Prior(deviation=0.1).value(2.0), round(Prior(deviation=1.0, shape=Shape.POSITIVE).value(0.0), 4)
+    (0.2, 0.6745)
+    """
+
+    deviation: float  # Standard deviation, relative or in the SI unit of the quantity
+    source: Source = Source.DEFAULT
+    shape: Shape = Shape.NORMAL
+    mean: float = 0.0  # Of the difference, or of its logarithm, before the test
+
+    def value(self, z: float) -> float:
+        """Return the difference from the stated value at a standard normal variable."""
+        match self.shape:
+            case Shape.NORMAL:
+                return self.mean + self.deviation * z
+            case Shape.LOGNORMAL:
+                return math.expm1(self.mean + self.deviation * z)
+            case Shape.POSITIVE:
+                share = 0.5 + 0.5 * float(scipy.special.ndtr(min(z, _FARTHEST)))
+                return self.deviation * float(scipy.special.ndtri(share))
+            case Shape.EITHER:
+                return self.deviation * float(scipy.special.ndtr(_STEEPNESS * z))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -27,7 +70,7 @@ class Circumstances:
     channels: "ChannelSpectra"
     stated: Mapping[str, StatedValue] = field(default_factory=dict)  # By the names of the options
     equipment: Equipment | None = None  # None if everything that is not stated as uncertain is exact
-    learned: Mapping[str, Prior] = field(default_factory=dict)  # From earlier tests of the rig
+    learned: Mapping[str, Prior] = field(default_factory=dict)  # In place of those that follow
     # Relative standard deviations of a frame's frequencies, damping and parts that its file states [-]
     tolerances: Mapping[str, float] = field(default_factory=dict)
     specimen_force: bool = False  # Whether the recorded force is compared with the specimen as stated
