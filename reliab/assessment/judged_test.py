@@ -139,7 +139,7 @@ class JudgedTest(PlainResult):
         for sign in (-1.0, 1.0):
             shown.axhline(sign * bound, color="0.3", linewidth=0.8, linestyle="--")
         shown.set(
-            xlabel="time [s]", ylabel="x_m − x_I [mm]", title=f"{self.recording.name}{self.error.of_which}"
+            xlabel="time [s]", ylabel="$x_m - x_I$ [mm]", title=f"{self.recording.name}{self.error.of_which}"
         )
         shown.legend(frameon=False)
         return shown

@@ -11,7 +11,7 @@ os.environ["PYTHONPATH"] = str(Path(__file__).parent)  # for the figures that pa
 from reliab.version import __version__
 
 project = "reliab"
-author = "The reliab developers"
+author = project_copyright = "The reliab developers"
 release = version = __version__
 extensions = [
     "myst_nb",

@@ -37,12 +37,17 @@ def write_result(row: pd.Series) -> str:
     """Write a figure with its interval, or with the number it is out of."""
     counts = not NO_COUNT.search(row["quantity"]) and float(row["value"]).is_integer()
     if counts and pd.notna(row["of"]) and row["value"] <= row["of"]:
-        return f"{row['value']:,.0f} of {row['of']:,.0f}"
+        return join_words(f"{row['value']:,.0f} of {row['of']:,.0f}")
     value = write_number(row["value"]) if pd.notna(row["value"]) else ""
     if pd.isna(row["low"]) or pd.isna(row["high"]):
         return value
-    ends = f"{write_number(row['low'])} to {write_number(row['high'])}"
+    ends = join_words(f"{write_number(row['low'])} to {write_number(row['high'])}")
     return f"{value} ({ends})" if value else ends
+
+
+def join_words(text: str) -> str:
+    """Keep a text in one line of a narrow column."""
+    return text.replace(" ", "\N{NO-BREAK SPACE}")
 
 
 def write_number(number: float) -> str:
@@ -220,7 +225,7 @@ def compare_methods() -> Styler:
         correlation = tests[measure].corr(tests["true"], method="spearman")
         rows[name] = {
             "rank correlation with the true error": f"{correlation:.2f}",
-            "right": f"{(refused == bad).sum()} of {len(tests)}",
+            "right": join_words(f"{(refused == bad).sum()} of {len(tests)}"),
             "bad accepted": f"{(bad & ~refused).sum()} of {bad.sum()}",
             "good refused": f"{(~bad & refused).sum()} of {(~bad).sum()}",
         }

@@ -47,7 +47,7 @@ def _options(name: str, command: click.Command) -> Iterator[str]:
     for parameter in command.params:
         if parameter.name != "help":
             metavar = getattr(parameter, "metavar", None) or ""
-            text = " ".join((getattr(parameter, "help", None) or "").split())
+            text = _mark_options(" ".join((getattr(parameter, "help", None) or "").split()))
             is_option = parameter.param_type_name == "option"
             names = ", ".join(f"`{each}`" for each in parameter.opts) if is_option else f"`{metavar}`"
             value = f"`{metavar}`" if is_option and metavar else ""
@@ -57,6 +57,14 @@ def _options(name: str, command: click.Command) -> Iterator[str]:
 def _first_sentence(text: str | None) -> str:
     whole = " ".join((text or "").split())
     return re.split(r"(?<=\.) (?=[A-Z`])", whole)[0]
+
+
+def _mark_options(text: str) -> str:
+    """Set the names of options as code, unless they stand in code already."""
+    return "`".join(
+        part if place % 2 else re.sub(r"(?<![\w-])--[a-z][a-z-]*", r"`\g<0>`", part)
+        for place, part in enumerate(text.split("`"))
+    )
 
 
 def _in_cell(text: str) -> str:

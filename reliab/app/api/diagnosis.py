@@ -29,7 +29,7 @@ def diagnose_campaign(
 ) -> Addition:
     """Find where simulation and measurement disagree, name what is missing, and add it to the model.
 
-    Diagnosis, updated model and chains of posteriors are written to `out`; `report_diagnosis` adds the
+    Diagnosis and updated model are written to `out`; `report_diagnosis` adds the
     report. `tell` is called with the diagnosis once it is there, before its posteriors are sampled.
     """
     folder = campaign_folder(campaign)
