@@ -203,7 +203,7 @@ def _score(value: float | None) -> str:
     return "unknown" if value is None else in_line(Significant()(value))
 
 
-_HEIGHT: Final = 150.0
+_HEIGHT: Final = 136.0
 _AHEAD: Final = 0.035  # of the number of tests, by which the next one stands to the right
 
 
