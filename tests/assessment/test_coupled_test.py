@@ -162,9 +162,9 @@ def test_a_bad_description_is_one_sentence_and_exit_code_2(recorded, tmp_path, c
 def test_its_report_holds_each_degree_and_the_parts(assessed):
     document = frame_assessment_report(assessed, provenance={})
     errors = document.blocks[0].blocks[0]
-    assert errors.frame["0"].tolist() == ["x", "theta"]
+    assert list(errors.frame["0"]) == ["x", "theta"]
     parts = document.blocks[4].blocks[0]
-    assert "delay of actuator 2" in parts.frame["0"].tolist()
+    assert "delay of actuator 2" in parts.frame["0"]
     assert " of theta is 13" in document.verdict[-1]
 
 

@@ -149,7 +149,7 @@ def test_the_interval_holds_the_errors_of_another_structure_within_tolerances():
 def test_the_report_lists_them(found):
     report = frame_assessment_report(found, provenance={})
     (section,) = [one for one in report.blocks if one.title == "Floors and storeys"]
-    assert len(section.blocks[0].frame) == 4
+    assert len(section.blocks[0].frame["0"]) == 4
 
 
 def true_errors(outcome: Outcome, names: tuple[str, ...]) -> dict[str, float]:

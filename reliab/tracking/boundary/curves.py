@@ -112,6 +112,7 @@ class InscribedEllipse(Ellipse):
     the boundary, on d = 0, are part; so comparing these few edges gives the exact result. Where the boundary
     is cut (in amplitude) or open (towards leads), the ellipse ends where the tracing of the boundary ended.
 
+    >>> from reliab.tracking.boundary.contour import Contour
     >>> offset = np.linspace(-0.01, 0.01, 21)
     >>> roof = Contour(amplitude=1.0 + offset, delay=0.002 * (1.0 - np.abs(offset) / 0.01))
     >>> inside, fitted = InscribedEllipse.fit(roof), Ellipse.fit(roof)
