@@ -42,7 +42,7 @@ class _Runtime:
         rtsys.initialize(self._target)
 
 
-class _Kept(FunctionCache):
+class _DiskCache(FunctionCache):
     """Compiled code of a kernel on the disk, which is forgotten if it is of another version."""
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:  # noqa: ANN401
@@ -54,7 +54,7 @@ class _Kept(FunctionCache):
             return None
 
 
-class _MachineCode(_Kept):
+class _MachineCode(_DiskCache):
     """Compiled code of a kernel on the disk, which is read without the compiler."""
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:  # noqa: ANN401
@@ -65,7 +65,7 @@ class _MachineCode(_Kept):
 def _disk_cache(function: Callable[..., object]) -> Any:  # noqa: ANN401
     """Where the code of a kernel is kept; raises RuntimeError where no folder can be written."""
     own = function.__module__.partition(".")[0] == __name__.partition(".")[0]
-    return (_MachineCode if own and _TESTED else _Kept)(function)  # type: ignore[no-untyped-call]
+    return (_MachineCode if own and _TESTED else _DiskCache)(function)  # type: ignore[no-untyped-call]
 
 
 def compiled(function: _Kernel) -> _Kernel:

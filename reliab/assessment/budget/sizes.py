@@ -148,7 +148,8 @@ _ABSOLUTE = {  # stated in milliseconds
 _LAGGING = "lagging_hysteresis"  # where none was found: no reading leads
 
 
-_OF_HYSTERESIS = 0.2  # of a hysteresis that is stated without its deviation, as a calibration gives it
+DEVIATION_OF_HYSTERESIS = 0.2
+"""Of a hysteresis that is stated without its deviation, as a calibration gives it [-]."""
 
 
 _LARGEST_ASSUMED = 0.99
@@ -189,7 +190,7 @@ def sizes_of_unknown(
     if "hysteresis" in stated:
         sizes.pop(_LAGGING, None)
     if of_sensor.value and equipment is not None:
-        sizes["hysteresis"] = Size(deviation=_OF_HYSTERESIS * of_sensor.value, source=Source.DEFAULT)
+        sizes["hysteresis"] = Size(deviation=DEVIATION_OF_HYSTERESIS * of_sensor.value, source=Source.DEFAULT)
     if calibrated:
         sizes = {name: size for name, size in sizes.items() if name not in _OF_STRUCTURE}
     open_hysteresis = "hysteresis" if of_sensor.value else _LAGGING

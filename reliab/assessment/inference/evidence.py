@@ -9,9 +9,10 @@ turned into forces at the interface, is the residual ::
     r = H⁻¹ (x_c + h a) − Z (x_c − x_f)
 
 Where the ground acceleration a was recorded, r is what noise of the sensors and of the integration leave.
-Where it was not, r is the force by which the ground drove the structure, and what is known of that is that
-earthquakes are broad-band: smooth over frequency. The test is then as likely as an autoregressive process
-with that innovation; its determinant is the second term of `ImpliedGroundMotion`.
+Where it was not, r is the force by which the ground drove one mass (of a frame, r H/h is its acceleration),
+and what is known of it is that earthquakes are broad-band: smooth over frequency. The test is then as likely
+as an autoregressive process with that innovation; its determinant is the second term of
+`ImpliedGroundMotion`.
 """
 
 from abc import ABC, abstractmethod

@@ -44,7 +44,7 @@ class Experiment:
     def structure(self, partition: Partition) -> Partition:
         """Structure of this world."""
         factors = self.frequency, self.damping_ratio, self.share
-        return _changed(partition, *factors, tuple(self.parts.items()))
+        return _scaled_structure(partition, *factors, tuple(self.parts.items()))
 
     def displacement(self, channels: ChannelSpectra) -> Spectrum:
         """Return the true displacement of the interface [m], freed of the sensors' noise, shape (p, K)."""
@@ -84,7 +84,7 @@ class Experiment:
 
 
 @lru_cache(maxsize=8)
-def _changed(
+def _scaled_structure(
     partition: Partition,
     frequency: float,
     damping_ratio: float,

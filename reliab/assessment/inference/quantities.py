@@ -5,13 +5,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
 
-from reliab.assessment.budget.sizes import Equipment, Source
+from reliab.assessment.budget.sizes import DEVIATION_OF_HYSTERESIS, Equipment, Source
 from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.uncertain_quantity import Circumstances, Prior, Quantity, Shape
 from reliab.core.vocabulary import MILLI
 from reliab.structures.parts_of_structure import PARTS, is_part, part_and_number
 
-_OF_STATED = 0.2  # of a width that is stated without its deviation, as calibrations find it
 _NONE = 1e-9  # of the stiffness, below which nothing is computed
 _MOVING_START = "Record from rest: the error at the first sample is not known."
 _FILTERS = "State the filters of both channels, or use the same on both."
@@ -54,7 +53,7 @@ def _skew(circumstances: Circumstances, equipment: Equipment) -> float:
     return equipment.skew(circumstances.channels.band.record_step)
 
 
-def _clock(circumstances: Circumstances, equipment: Equipment) -> float:
+def _lag_of_further_channel(circumstances: Circumstances, equipment: Equipment) -> float:
     """Return the standard deviation of the time by which skew and filter make a further channel late [s]."""
     return math.hypot(_skew(circumstances, equipment), equipment.filter_delay_ms / MILLI)
 
@@ -82,7 +81,9 @@ def _hysteresis(quantity: Quantity, circumstances: Circumstances) -> Prior | Non
     """Prior of the width: positive where none was corrected, since no reading leads."""
     stated = circumstances.stated.get(quantity.option)
     if stated is not None and stated.value:
-        return Prior(deviation=stated.deviation or _OF_STATED * stated.value, source=Source.STATED)
+        return Prior(
+            deviation=stated.deviation or DEVIATION_OF_HYSTERESIS * stated.value, source=Source.STATED
+        )
     if stated is not None and not stated.deviation:
         return None  # a calibration found none
     found = quantity.usual_prior(circumstances)
@@ -157,7 +158,7 @@ QUANTITIES = (
         unit="ms",
         remedy="Measure by how much the force is recorded late, and state it.",
         change=_added("force_skew"),
-        ordinary=_if_force(_clock),
+        ordinary=_if_force(_lag_of_further_channel),
         option="force_lag",
     ),
     Quantity(
@@ -174,7 +175,7 @@ QUANTITIES = (
         unit="ms",
         remedy="Record the ground acceleration at the same instants as the command.",
         change=_added("ground_skew"),
-        ordinary=_if_ground(_clock),
+        ordinary=_if_ground(_lag_of_further_channel),
     ),
     Quantity(
         name="initial_state",  # error of the command at the first sample

@@ -145,9 +145,13 @@ _TERMS: Final[Mapping[Role, tuple[dict[str, Any], ...]]] = {
         {"x": 5, "description": "the stiffness changes steeply at large displacements"},
         {"abs_x": 3, "description": "at large displacements the specimen is stiffer in one direction"},
         {"abs_v": 1, "name": "one_way_damping", "description": "a damper resists one direction more"},
-        {"v": 2, "description": "a force by the square of the velocity acts in one direction"},
+        {"v": 2, "description": "a force proportional to the square of the velocity acts in one direction"},
         {"v": 3, "description": "the damping grows, or falls, with the square of the velocity"},
-        {"v": -0.5, "abs_v": 0.5, "description": "a damper resists with the root of the velocity"},
+        {
+            "v": -0.5,
+            "abs_v": 0.5,
+            "description": "a damper resists by the root of the velocity",
+        },
         {"x": 1, "v": 1, "description": "the damping is larger on one side of the middle"},
         {"abs_x": 1, "v": 1, "description": "the damping grows, or falls, with the size of the displacement"},
         {
@@ -172,7 +176,7 @@ _TERMS: Final[Mapping[Role, tuple[dict[str, Any], ...]]] = {
             "abs_x": 1,
             "v": 1,
             "abs_v": 1,
-            "description": "a damping by the square of the velocity changes with the displacement",
+            "description": "quadratic damping changes with the displacement",
         },
         {"t": 1, "description": "the force drifts over the test"},
         {
