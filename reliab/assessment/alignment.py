@@ -18,7 +18,7 @@ from reliab.assessment.exact_response import ExactTest
 from reliab.core.arrays import Array
 from reliab.motions.motion import Motion
 from reliab.recordings.recording import Recording
-from reliab.signals.spectra import convolved
+from reliab.signals.spectra import convolve_valid
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop.blocks import cut
 from reliab.structures.structure import Structure
@@ -136,7 +136,7 @@ def similarity(part: Array, whole: Array, *, in_size: bool) -> Array:
     n), products are sums over the histories.
     """
     pairs = list(zip(np.atleast_2d(part), np.atleast_2d(whole), strict=True))
-    products = np.sum([convolved(longer, shorter[::-1]) for shorter, longer in pairs], axis=0)
+    products = np.sum([convolve_valid(longer, shorter[::-1]) for shorter, longer in pairs], axis=0)
     energy = float(np.sum(part**2))
     energies = np.sum([_energies(longer, shorter.size) for shorter, longer in pairs], axis=0)
     if in_size:

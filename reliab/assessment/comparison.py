@@ -22,7 +22,7 @@ from reliab.core.errors import InputError
 from reliab.core.plain_values import ResultWithRows
 from reliab.core.significant_digits import percent_with_interval, significant
 from reliab.core.vocabulary import Metric
-from reliab.signals.spectra import correlated
+from reliab.signals.spectra import cross_correlate
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -244,7 +244,7 @@ def _notes(tests: Sequence[RankedTest]) -> list[str]:
 
 def _differs(response: Array, reference: Array) -> bool:
     """Whether two responses are those of different motions, whenever their recordings began [m]."""
-    products = correlated(response, reference)
+    products = cross_correlate(response, reference)
     squares = float(np.sum(reference**2)), float(np.sum(response**2))
     left = squares[0] + squares[1] - 2.0 * float(products.max())
     return left > _OTHER_MOTION**2 * min(squares)

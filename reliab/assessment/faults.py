@@ -207,8 +207,8 @@ def _jumps(recording: Recording) -> Iterator[Fault]:
 
 def _expected(recording: Recording, tracking: TrackingIndex) -> Array:
     """Command with the gain and delay of the test."""
-    path = CubicPath.through(np.arange(recording.command.size) * recording.time_step, recording.command)
-    return tracking.amplitude * path.later(tracking.delay)
+    path = CubicPath.interpolate(np.arange(recording.command.size) * recording.time_step, recording.command)
+    return tracking.amplitude * path.read_delayed(tracking.delay)
 
 
 def _spikes(

@@ -12,7 +12,7 @@ from reliab.core.significant_digits import percent, significant
 from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
 from reliab.recordings.spikes import without_spikes
-from reliab.signals.spectra import correlated
+from reliab.signals.spectra import cross_correlate
 from reliab.structures.partition import Partition
 
 _OPPOSITE = -0.8
@@ -101,7 +101,7 @@ def _require_following(recording: Recording) -> None:
     size = float(np.linalg.norm(command) * np.linalg.norm(measured))
     correlation = float(command @ measured) / size
     reach, none = int(_LONGEST_LAG * command.size), command.size - 1
-    products = correlated(measured, command)[none - reach : none + reach + 1]
+    products = cross_correlate(measured, command)[none - reach : none + reach + 1]
     best, lag = float(products.max()) / size, abs(int(np.argmax(products)) - reach) * recording.time_step
     if correlation < _OPPOSITE and lag > _LONGEST_REACTION:
         raise InputError(

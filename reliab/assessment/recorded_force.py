@@ -183,8 +183,8 @@ def require_order(command: Array, measured: Array, force: Array, time_step: floa
     kernel = _kernel(measured, force, time_step)
     if kernel is None or not _follows_command(command, measured, force, kernel):
         return
-    path = CubicPath.through(np.arange(measured.size) * time_step, measured)
-    in_time = path.later(_lead(measured, command, kernel))
+    path = CubicPath.interpolate(np.arange(measured.size) * time_step, measured)
+    in_time = path.read_delayed(_lead(measured, command, kernel))
     as_read, as_late = (_left_over(moved, (force,), kernel)[0] for moved in (measured, in_time))
     if as_late < _IN_TIME * as_read and not is_noisier(measured, command):
         raise InputError(

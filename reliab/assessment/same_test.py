@@ -26,7 +26,7 @@ from reliab.core.errors import InputError
 from reliab.core.plain_values import ResultWithRows
 from reliab.core.significant_digits import percent, significant
 from reliab.core.vocabulary import MILLI, PERCENT, Metric
-from reliab.signals.spectra import correlated
+from reliab.signals.spectra import cross_correlate
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -325,6 +325,8 @@ def _require_one_test(runs: Mapping[str, Assessment]) -> None:
 
 def _compared(one: Array, other: Array) -> tuple[float, int]:
     """Largest correlation of two histories, and the number of samples by which they are apart there."""
-    correlation = correlated(other, one) / max(float(np.linalg.norm(one) * np.linalg.norm(other)), 1e-300)
+    correlation = cross_correlate(other, one) / max(
+        float(np.linalg.norm(one) * np.linalg.norm(other)), 1e-300
+    )
     place = int(np.argmax(correlation))
     return float(correlation[place]), place - (one.size - 1)

@@ -160,7 +160,7 @@ def track(recording: Recording, *, window: str = "hann", draws: int = 2000, seed
     band, step = in_band(recording), recording.time_step
     commanded = CommandSpectrum(command=band.command, time_step=step, window=window)
     plain = _without_noise(commanded.evaluate(band.measured), band, step)
-    path = CubicPath.through(np.arange(band.command.size) * step, band.command)
+    path = CubicPath.interpolate(np.arange(band.command.size) * step, band.command)
     gain, delay = plain.amplitude, plain.equivalent_delay
     for _ in range(_REFINEMENTS):
         reference = commanded.evaluate(_moved(path, gain, delay))
@@ -171,7 +171,7 @@ def track(recording: Recording, *, window: str = "hann", draws: int = 2000, seed
     error = index_errors(band.command, residual, window=window, draws=draws, seed=seed) / (
         gain * np.exp(-1j * turn * delay)
     )
-    full = CubicPath.through(np.arange(recording.command.size) * step, recording.command)
+    full = CubicPath.interpolate(np.arange(recording.command.size) * step, recording.command)
     noise = recording.measured - _moved(full, gain, delay)
     return TrackingIndex(
         amplitude=gain,
@@ -186,7 +186,7 @@ def track(recording: Recording, *, window: str = "hann", draws: int = 2000, seed
 
 def _moved(path: CubicPath, gain: float, delay: float) -> Array:
     """Command times a gain and later by a delay, without its mean; at rest before the first sample."""
-    return _centred(gain * path.later(delay))
+    return _centred(gain * path.read_delayed(delay))
 
 
 def _centred(values: Array) -> Array:

@@ -26,7 +26,7 @@ from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import MILLI
 from reliab.recordings.behaviour import white_noise
 from reliab.recordings.recording import Recording
-from reliab.signals.filters import low_pass, smoothed
+from reliab.signals.filters import filter_symmetrically, low_pass
 from reliab.signals.noise import converter_step
 
 _RADII: Array = np.geomspace(3e-4, 0.05, 32)  # half widths of the plays over half the range of the motion
@@ -195,7 +195,7 @@ class _Channels:
     def __init__(self, recording: Recording, rests: list[NDArray[np.intp]], weights: Array | None) -> None:
         rate = 1.0 / recording.time_step
         edge, coefficients = _filter_of(recording.command, rate)
-        motion = _flatten_rests(smoothed(recording.command, coefficients), rests)
+        motion = _flatten_rests(filter_symmetrically(recording.command, coefficients), rests)
         self.half_range = 0.5 * float(np.ptp(motion))
         stops = _stops(motion, self.half_range)
         if weights is not None:
@@ -205,7 +205,9 @@ class _Channels:
         # near its ends the filtered motion is a guess, and the plays have not turned yet
         within = slice(coefficients.size // 2, motion.size - coefficients.size // 2)
         every = max(int(rate / (_SAMPLES_OF_EDGE * edge)), 1)
-        filtered = np.stack([smoothed(values, coefficients) for values in (recording.measured, *stops)])
+        filtered = np.stack(
+            [filter_symmetrically(values, coefficients) for values in (recording.measured, *stops)]
+        )
         self.time_step = recording.time_step
         self.times = np.float64(recording.time_step) * np.arange(motion.size)[within][::every]
         self.measured = filtered[0][within][::every]
@@ -286,7 +288,7 @@ def _estimate_at_rest(recording: Recording, rests: list[NDArray[np.intp]]) -> _R
     )
     half_range = 0.5 * float(np.ptp(recording.command))
     window = np.hanning(max(round(_WINDOW / recording.time_step), 1) | 1)  # steps do not ring in it
-    path = _flatten_rests(smoothed(recording.measured, window / window.sum()), rests)
+    path = _flatten_rests(filter_symmetrically(recording.measured, window / window.sum()), rests)
     stops = _stops(path, half_range)[:, [rest[-1] for rest in rests]].T
     times = np.array([rest.mean() for rest in rests])
 

@@ -323,7 +323,7 @@ def _interpolate(
             inside = np.clip(at, nodes[0], nodes[-1])
             if hold is not None:
                 nodes, known = nodes[hold.places] - hold.lateness * clock.step, known[hold.places]
-            histories[key] = CubicPath.through(nodes, known)(inside)
+            histories[key] = CubicPath.interpolate(nodes, known)(inside)
         of_own = not is_cut and (lead.times is None or clock.times is not lead.times)
         applied[key] = tuple(
             _describe_changes(clock, lead, hold, channels[first].column, is_interpolated=of_own)

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from emcee.backends import Backend
 
 
-_EVERY: Final = 5.0  # s; what a kill costs at most, beside the steps that are being made
+_SAVING_INTERVAL: Final = 5.0  # s; what a kill costs at most, beside the steps that are being made
 _SHARE_OF_TIME: Final = 0.1  # that writing may take, where the chains are long
 _RULE: Final = "The file of the chains must be an HDF5 file that can be read and written"
 _REMEDY: Final = "Name another file, or delete it to begin anew"
@@ -37,31 +37,35 @@ _REMEDY: Final = "Name another file, or delete it to begin anew"
 class ChainFile:
     """The file in which the chains of several ensembles are kept while they are drawn.
 
-    Use :meth:`opened`, which reads what an earlier run left.
+    Use :meth:`open`, which reads what an earlier run left.
     """
 
     def __init__(self, path: Path, signature: str, chains: "dict[str, Backend]") -> None:
         self.path = path
         self._signature = signature
         self._chains = chains
-        self._written, self._pause = time.monotonic(), _EVERY
+        self._written, self._pause = time.monotonic(), _SAVING_INTERVAL
 
     @classmethod
     @contextlib.contextmanager
-    def opened(
+    def open(
         cls, path: Path, names: Sequence[str], signature: str, shape: tuple[int, int], *, model: str
     ) -> "Iterator[tuple[ChainFile, list[Backend]]]":
         """Read the chains of an earlier run, or begin with empty ones; at the end all are written."""
         with decoding(_RULE, remedy=_REMEDY, where=path):
-            stored = _read(path, names, shape)
-        if any(recorded != signature for recorded, _ in stored.values() if recorded is not None):
+            stored_chains = _read(path, names, shape)
+        if any(
+            stored_signature != signature
+            for stored_signature, _ in stored_chains.values()
+            if stored_signature is not None
+        ):
             raise InputError(
                 "A run is resumed with the model, data and settings that it began with",
                 value=f"another run of {model}",
                 remedy="Name another file; only the number of steps may grow",
                 where=str(path),
             )
-        file = cls(path, signature, {name: chain for name, (_, chain) in stored.items()})
+        file = cls(path, signature, {name: chain for name, (_, chain) in stored_chains.items()})
         with decoding(_RULE, remedy=_REMEDY, where=path):
             file._write()
         try:
@@ -76,7 +80,7 @@ class ChainFile:
         """Write the chains if some seconds have passed."""
         if not now and time.monotonic() - self._written < self._pause:
             return
-        begun = time.monotonic()
+        start = time.monotonic()
         try:
             self._write()
         except OSError as error:
@@ -85,7 +89,7 @@ class ChainFile:
                 "run the same command again."
             ) from error
         self._written = time.monotonic()
-        self._pause = max(_EVERY, (self._written - begun) / _SHARE_OF_TIME)
+        self._pause = max(_SAVING_INTERVAL, (self._written - start) / _SHARE_OF_TIME)
 
     def _write(self) -> None:
         """Write a new file with these chains and what the old one holds beside them."""
@@ -100,8 +104,8 @@ class ChainFile:
                             old.copy(name, new, name)
             for name, chain in self._chains.items():
                 _store(new.create_group(name), chain, self._signature)
-        with written_whole(self.path) as unfinished:
-            unfinished.write_bytes(content.getbuffer())
+        with written_whole(self.path) as partial_file:
+            partial_file.write_bytes(content.getbuffer())
 
 
 def _read(
@@ -112,29 +116,29 @@ def _read(
 
     chains: dict[str, tuple[str | None, Backend]] = {}
     with contextlib.ExitStack() as files:
-        held = files.enter_context(opened_hdf5(path)) if ordinary(path).exists() else {}
+        groups = files.enter_context(opened_hdf5(path)) if ordinary(path).exists() else {}
         for name in names:
             chain = Backend()
             chain.reset(*shape)
             signature = None
-            if name in held:
-                signature = str(held[name].attrs.get("signature", ""))
-                if chain_fits := held[name]["chain"].shape[1:] == shape:
-                    _fill(chain, held[name])
+            if name in groups:
+                signature = str(groups[name].attrs.get("signature", ""))
+                if chain_fits := groups[name]["chain"].shape[1:] == shape:
+                    _fill(chain, groups[name])
                 signature = signature if chain_fits else ""
             chains[name] = signature, chain
     return chains
 
 
-def _fill(chain: "Backend", held: "h5py.Group") -> None:
-    done = int(held.attrs["iteration"])
-    if not done:
+def _fill(chain: "Backend", group: "h5py.Group") -> None:
+    iteration = int(group.attrs["iteration"])
+    if not iteration:
         return
-    chain.chain, chain.log_prob = held["chain"][:done], held["log_prob"][:done]
-    chain.accepted, chain.iteration = held["accepted"][...], done
-    state = tuple(held.attrs[f"random_state_{number}"] for number in range(5))
+    chain.chain, chain.log_prob = group["chain"][:iteration], group["log_prob"][:iteration]
+    chain.accepted, chain.iteration = group["accepted"][...], iteration
+    state = tuple(group.attrs[f"random_state_{number}"] for number in range(5))
     np.random.RandomState().set_state(state)
-    if len(chain.chain) < done or chain.log_prob.shape != chain.chain.shape[:2]:
+    if len(chain.chain) < iteration or chain.log_prob.shape != chain.chain.shape[:2]:
         message = "chains of different lengths"
         raise ValueError(message)
     if not np.isfinite(chain.chain).all():
@@ -146,7 +150,7 @@ def _fill(chain: "Backend", held: "h5py.Group") -> None:
 def _store(group: "h5py.Group", chain: "Backend", signature: str) -> None:
     from emcee import __version__
 
-    described: dict[str, Any] = {
+    attributes: dict[str, Any] = {
         "version": __version__,
         "nwalkers": chain.nwalkers,
         "ndim": chain.ndim,
@@ -155,7 +159,7 @@ def _store(group: "h5py.Group", chain: "Backend", signature: str) -> None:
         "signature": signature,
     }
     states = {f"random_state_{number}": values for number, values in enumerate(chain.random_state or ())}
-    group.attrs.update({**described, **states})
+    group.attrs.update({**attributes, **states})
     group.create_dataset("accepted", data=chain.accepted, fletcher32=True)
     for name in ("chain", "log_prob"):
         values = getattr(chain, name)[: chain.iteration]
@@ -242,12 +246,12 @@ def draw(
         starts = [_start(laplace, width, (ensembles.seed, number)) for number in range(ensembles.count)]
         steps = ensembles.steps
 
-        def stepped(done: int, total: int) -> None:
+        def save_and_report(finished_steps: int, total: int) -> None:
             save()
-            progress(done, total)
+            progress(finished_steps, total)
 
         while True:
-            _run(samplers, starts, steps // ensembles.thin, ensembles.thin, stepped)
+            _run(samplers, starts, steps // ensembles.thin, ensembles.thin, save_and_report)
             posterior = _collect_draws(model, samplers, steps // ensembles.thin // 2, ensembles.thin)
             if 2 * steps > ensembles.longest or posterior.converged:
                 return posterior
@@ -290,15 +294,15 @@ def _run(
     """Step on from where the backends end, in blocks."""
     block = max(1, draws // _BLOCKS)
     for sampler, start in zip(samplers, starts, strict=True):
-        while (done := sampler.backend.iteration) < draws:
+        while (iteration := sampler.backend.iteration) < draws:
             sampler.run_mcmc(
-                start if done == 0 else None,
-                min(block, draws - done),
+                start if iteration == 0 else None,
+                min(block, draws - iteration),
                 thin_by=thin,
                 skip_initial_state_check=True,  # a start is drawn in all directions, however thin
             )
-            finished = sum(min(sampler.backend.iteration, draws) for sampler in samplers)
-            progress(thin * finished, thin * draws * len(samplers))
+            total_draws = sum(min(sampler.backend.iteration, draws) for sampler in samplers)
+            progress(thin * total_draws, thin * draws * len(samplers))
 
 
 def _start(laplace: Laplace, width: int, seed: tuple[int, int]) -> "State":
@@ -323,7 +327,7 @@ def _chains(
     names = [f"{group}/ensemble_{number}".strip("/") for number in range(ensembles.count)]
     signature = _signature(model, ensembles, width)
     shape = (width, len(model.parameters))
-    with ChainFile.opened(file, names, signature, shape, model=model.name) as (chain_file, chains):
+    with ChainFile.open(file, names, signature, shape, model=model.name) as (chain_file, chains):
         yield chains, chain_file.save
 
 

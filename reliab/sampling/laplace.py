@@ -38,12 +38,12 @@ class Laplace:
         begin = np.array([parameter.mean for parameter in model.parameters])
         spreads = np.array([parameter.spread for parameter in model.parameters])
 
-        def loss(scaled: Array) -> Array:
-            return np.minimum(-model.log_posterior(begin + spreads * scaled), _DESERT)
+        def loss(deviations: Array) -> Array:
+            return np.minimum(-model.log_posterior(begin + spreads * deviations), _DESERT)
 
         bounds = [(-_FARTHEST, _FARTHEST)] * begin.size
         optimum = scipy.optimize.minimize(
-            lambda scaled: _value_and_gradient(loss, scaled),
+            lambda deviations: _value_and_gradient(loss, deviations),
             np.zeros_like(begin),
             jac=True,
             method="L-BFGS-B",
@@ -75,17 +75,17 @@ class Laplace:
         """Independent Student-t proposals, with the logarithms of their Hastings factors."""
         normal = rng.standard_normal(walkers.shape)
         longer = np.sqrt(_DEGREES / rng.chisquare(_DEGREES, (len(walkers), 1)))
-        proposed = normal * longer * _WIDER
+        proposal = normal * longer * _WIDER
         present = np.asarray(np.linalg.solve(self.factor, (walkers - self.mode).T).T, dtype=np.float64)
-        return self.mode + proposed @ self.factor.T, _log_density(present) - _log_density(proposed)
+        return self.mode + proposal @ self.factor.T, _log_density(present) - _log_density(proposal)
 
 
-def _value_and_gradient(loss: Callable[[Array], Array], at: Array) -> tuple[float, Array]:
+def _value_and_gradient(loss: Callable[[Array], Array], point: Array) -> tuple[float, Array]:
     """Value and central differences, all evaluated at once."""
-    steps = _DIFFERENCE * np.concatenate([np.zeros((1, at.size)), np.eye(at.size), -np.eye(at.size)])
-    values = loss(at + steps)
-    ahead, behind = np.split(values[1:], 2)
-    return float(values[0]), (ahead - behind) / (2.0 * _DIFFERENCE)
+    steps = _DIFFERENCE * np.concatenate([np.zeros((1, point.size)), np.eye(point.size), -np.eye(point.size)])
+    values = loss(point + steps)
+    ahead, backward_values = np.split(values[1:], 2)
+    return float(values[0]), (ahead - backward_values) / (2.0 * _DIFFERENCE)
 
 
 def _log_density(standard: Array) -> Array:

@@ -22,10 +22,10 @@ class CubicPath:
     coefficients: Array  # Of the powers three to zero of the time since the sample before, shape (4, n - 1)
 
     @classmethod
-    def through(cls, times: _Numbers, values: _Numbers) -> Self:
+    def interpolate(cls, times: _Numbers, values: _Numbers) -> Self:
         """Lay the path through two or more samples, shape (n,) each; a line or parabola through two or three.
 
-        >>> path = CubicPath.through(np.arange(6.0), np.arange(6.0) ** 3)
+        >>> path = CubicPath.interpolate(np.arange(6.0), np.arange(6.0) ** 3)
         >>> round(float(path(np.array([2.5]))[0]), 12), round(float(path(np.array([2.5]), 1)[0]), 12)
         (15.625, 18.75)
         """
@@ -38,11 +38,11 @@ class CubicPath:
         square = (rises - slopes[:-1]) / steps - bend
         return cls(times=times, coefficients=np.stack([bend / steps, square, slopes[:-1], values[:-1]]))
 
-    def __call__(self, at: _Numbers, derivative: int = 0) -> Array:
+    def __call__(self, instants: _Numbers, derivative: int = 0) -> Array:
         """Read the path, or a derivative of it, at instants in any order."""
-        return np.asarray(self.read(at, (derivative,))[0])
+        return np.asarray(self.read(instants, (derivative,))[0])
 
-    def at_samples(self) -> Array:
+    def read_samples(self) -> Array:
         """Read the path and its first two derivatives at its samples, as `read` does, shape (3, n)."""
         _, square, slope, value = self.coefficients
         motion = np.empty((3, self.times.size))
@@ -50,48 +50,50 @@ class CubicPath:
         motion[:, -1:] = self.read(self.times[-1:], (0, 1, 2))
         return motion
 
-    def later(self, delay: float) -> Array:
+    def read_delayed(self, delay: float) -> Array:
         """Read an evenly sampled path at its samples less a delay, shape (n,); it stands still at both ends.
 
-        >>> path = CubicPath.through(np.arange(5.0), np.arange(5.0) ** 2)
-        >>> path.later(1.5).round(12).tolist(), path.later(-1.0).round(12).tolist()
+        >>> path = CubicPath.interpolate(np.arange(5.0), np.arange(5.0) ** 2)
+        >>> path.read_delayed(1.5).round(12).tolist(), path.read_delayed(-1.0).round(12).tolist()
         ([0.0, 0.0, 0.25, 2.25, 6.25], [1.0, 4.0, 9.0, 16.0, 16.0])
         """
         step = float(self.times[1] - self.times[0])
-        whole = int(np.ceil(delay / step))
-        since = whole * step - delay
+        samples = int(np.ceil(delay / step))
+        since = samples * step - delay
         cubic, square, slope, value = self.coefficients
-        between = value + since * (slope + since * (square + since * cubic))
+        delayed_values = value + since * (slope + since * (square + since * cubic))
         first, last = self(self.times[[0, -1]])
-        places = np.arange(1, self.times.size + 1) - whole
-        return np.concatenate([[first], between, [last]])[np.clip(places, 0, self.times.size)]
+        places = np.arange(1, self.times.size + 1) - samples
+        return np.concatenate([[first], delayed_values, [last]])[np.clip(places, 0, self.times.size)]
 
-    def read(self, at: _Numbers, derivatives: tuple[int, ...]) -> Array:
+    def read(self, instants: _Numbers, derivatives: tuple[int, ...]) -> Array:
         """Read several derivatives of the path at instants, shape (derivatives, instants)."""
-        place = np.clip(np.searchsorted(self.times, at, side="right") - 1, 0, self.times.size - 2)
-        since = at - self.times[place]
+        place = np.clip(np.searchsorted(self.times, instants, side="right") - 1, 0, self.times.size - 2)
+        since = instants - self.times[place]
         cubic, square, slope, value = (row[place] for row in self.coefficients)
-        by_order = {
+        polynomials = {
             0: lambda: value + slope * since + square * (since * since) + cubic * (since * since * since),
             1: lambda: slope + square * since * 2.0 + cubic * (since * since) * 3.0,
             2: lambda: square * 2.0 + cubic * since * 6.0,
         }
-        return np.stack([by_order[derivative]() for derivative in derivatives])
+        return np.stack([polynomials[derivative]() for derivative in derivatives])
 
 
 def _slopes(times: _Numbers, steps: _Numbers, rises: _Numbers) -> Array:
     """Slopes at the samples, at which the second derivative is continuous."""
-    diagonal, above, below = (np.empty(size) for size in (times.size, times.size - 1, times.size - 1))
+    diagonal, upper_diagonal, lower_diagonal = (
+        np.empty(size) for size in (times.size, times.size - 1, times.size - 1)
+    )
     right = np.empty(times.size)
     diagonal[1:-1] = 2.0 * (steps[:-1] + steps[1:])
-    above[1:], below[:-1] = steps[:-1], steps[1:]
+    upper_diagonal[1:], lower_diagonal[:-1] = steps[:-1], steps[1:]
     right[1:-1] = 3.0 * (steps[1:] * rises[:-1] + steps[:-1] * rises[1:])
     begin, end = times[2] - times[0], times[-1] - times[-3]
-    diagonal[0], above[0] = steps[1], begin
+    diagonal[0], upper_diagonal[0] = steps[1], begin
     right[0] = ((steps[0] + 2.0 * begin) * steps[1] * rises[0] + steps[0] ** 2 * rises[1]) / begin
-    diagonal[-1], below[-1] = steps[-2], end
+    diagonal[-1], lower_diagonal[-1] = steps[-2], end
     right[-1] = (steps[-1] ** 2 * rises[-2] + (2.0 * end + steps[-1]) * steps[-2] * rises[-1]) / end
-    *_, slopes, failed = scipy.linalg.lapack.dgtsv(below, diagonal, above, right)
-    if failed:
+    *_, slopes, lapack_status = scipy.linalg.lapack.dgtsv(lower_diagonal, diagonal, upper_diagonal, right)
+    if lapack_status:
         raise ArithmeticError("No cubic path through these samples.")
     return np.asarray(slopes)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
-from reliab.signals.spectra import convolved
+from reliab.signals.spectra import convolve_valid
 
 _ORDERS = range(1, 9)
 _ROOM = 0.9  # of the Nyquist frequency: a wider pass band is no filter
@@ -45,7 +45,7 @@ def _kaiser_taps(width: float, ripple: float) -> int:
     return int(np.ceil((ripple - 7.95) / 2.285 / (np.pi * width) + 1.0)) | 1
 
 
-def smoothed(values: Array, coefficients: Array) -> Array:
+def filter_symmetrically(values: Array, coefficients: Array) -> Array:
     """Pass histories through a symmetric filter.
 
     Beyond its ends the history is continued point-symmetrically about the end of a straight line through
@@ -54,15 +54,16 @@ def smoothed(values: Array, coefficients: Array) -> Array:
     `values`: histories, shape (…, n); `coefficients`: the filter, shape (odd,). Returns the filtered
     histories, shape (…, n); the histories themselves where the filter is long beside them.
 
-    >>> smoothed(np.arange(20.0), np.array([0.25, 0.5, 0.25])).round(12).tolist() == list(range(20))
+    >>> line = np.arange(20.0)
+    >>> bool(np.allclose(filter_symmetrically(line, np.array([0.25, 0.5, 0.25])), line))
     True
     """
     reach = coefficients.size // 2
     if reach == 0 or reach > REACH * values.shape[-1]:
         return values
-    before = 2.0 * _end_of_line(values[..., reach::-1]) - values[..., reach:0:-1]
-    after = 2.0 * _end_of_line(values[..., -reach - 1 :]) - values[..., -2 : -reach - 2 : -1]
-    return convolved(np.concatenate([before, values, after], axis=-1), coefficients)
+    start_extension = 2.0 * _end_of_line(values[..., reach::-1]) - values[..., reach:0:-1]
+    end_extension = 2.0 * _end_of_line(values[..., -reach - 1 :]) - values[..., -2 : -reach - 2 : -1]
+    return convolve_valid(np.concatenate([start_extension, values, end_extension], axis=-1), coefficients)
 
 
 def _end_of_line(values: Array) -> Array:
@@ -73,19 +74,19 @@ def _end_of_line(values: Array) -> Array:
     return np.asarray(values.mean(axis=-1) + slope * float(place[-1]))[..., np.newaxis]
 
 
-def recursively_filtered(numerator: Array, denominator: Array, values: Array) -> Array:
+def filter_recursively(numerator: Array, denominator: Array, values: Array) -> Array:
     """Pass a history through Σ a_k y[i-k] = Σ b_k x[i-k] from rest.
 
     `numerator`: b, shape (m,); `denominator`: a with a₀ = 1, shape (k,); `values`: x, shape (n,). Returns y,
     shape (n,), by a triangular system of equations.
 
-    >>> recursively_filtered(np.array([1.0]), np.array([1.0, -0.5]), np.array([1.0, 0.0, 0.0])).tolist()
+    >>> filter_recursively(np.array([1.0]), np.array([1.0, -0.5]), np.array([1.0, 0.0, 0.0])).tolist()
     [1.0, 0.5, 0.25]
     """
-    passed = np.convolve(values, numerator)[: values.size]
+    forward_part = np.convolve(values, numerator)[: values.size]
     band = np.repeat(denominator[:, np.newaxis], values.size, axis=1)
-    filtered, _ = scipy.linalg.lapack.dtbtrs(band, passed, uplo="L", diag="U")
-    return np.asarray(filtered).reshape(values.size)
+    solution, _ = scipy.linalg.lapack.dtbtrs(band, forward_part, uplo="L", diag="U")
+    return np.asarray(solution).reshape(values.size)
 
 
 def butterworth_poles(order: int) -> NDArray[np.complex128]:
@@ -138,7 +139,7 @@ class LowPass:
         """Share of the power that passes at frequencies [Hz]."""
         return np.asarray(1.0 / (1.0 + (frequency / self.corner) ** (2 * self.order)))
 
-    def passed(self, values: Array, time_step: float) -> Array:
+    def apply(self, values: Array, time_step: float) -> Array:
         """Pass histories through the filter, exactly for straight lines between samples, shape (…, n)."""
         zeros, poles, gain = scipy.signal.butter(
             self.order, 2.0 * np.pi * self.corner, analog=True, output="zpk"

@@ -17,17 +17,17 @@ from reliab.core.arrays import Array
 def analyse(values: Array, hop: int) -> Array:
     """Transform a history."""
     frames = -(-values.size // hop) + 1
-    after = frames * hop - values.size
-    before, after_end = 2.0 * values[0] - values[hop:0:-1], np.full(after, values[-1])
-    mirrored = 2.0 * values[-1] - values[-2::-1][:after]
-    after_end[: mirrored.size] = mirrored
-    blocks = np.concatenate([before, values, after_end]).reshape(frames + 1, hop)
+    padding = frames * hop - values.size
+    start_extension, end_extension = 2.0 * values[0] - values[hop:0:-1], np.full(padding, values[-1])
+    reflection = 2.0 * values[-1] - values[-2::-1][:padding]
+    end_extension[: reflection.size] = reflection
+    blocks = np.concatenate([start_extension, values, end_extension]).reshape(frames + 1, hop)
     window, half = _window(hop), hop // 2
     early, late = blocks[:-1] * window[:hop], blocks[1:] * window[hop:]
-    folded = np.concatenate(
+    folded_frames = np.concatenate(
         [-late[:, half - 1 :: -1] - late[:, half:], early[:, :half] - early[:, : half - 1 : -1]], axis=1
     )
-    return np.asarray(scipy.fft.dct(folded, type=4, norm="ortho", axis=1))
+    return np.asarray(scipy.fft.dct(folded_frames, type=4, norm="ortho", axis=1))
 
 
 def synthesise(coefficients: Array, size: int) -> Array:
@@ -38,9 +38,9 @@ def synthesise(coefficients: Array, size: int) -> Array:
     True
     """
     hop = coefficients.shape[-1]
-    folded = scipy.fft.dct(coefficients, type=4, norm="ortho", axis=-1)
+    folded_frames = scipy.fft.dct(coefficients, type=4, norm="ortho", axis=-1)
     window, half = _window(hop), hop // 2
-    first, second = folded[..., :half], folded[..., half:]
+    first, second = folded_frames[..., :half], folded_frames[..., half:]
     early = np.concatenate([second, -second[..., ::-1]], axis=-1) * window[:hop]
     late = np.concatenate([-first[..., ::-1], -first], axis=-1) * window[hop:]
     blocks = early[:, 1:] + late[:, :-1]

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from reliab.core.arrays import Array
 from reliab.core.compiled import compiled
-from reliab.signals.spectra import binned
+from reliab.signals.spectra import average_over_bins
 
 CORNERS = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
 """Corner frequencies of the coloured parts [Hz]."""
@@ -34,8 +34,8 @@ _LINE = 12.0  # times the local median that a periodogram must exceed to be a li
 
 _MOST_LEVELS = 0.25  # of the samples; the error of more levels is as good as white
 _FEWEST_LEVELS = 3  # any two lie on a grid
-_ON_THE_GRID = 0.02  # of a step; a text rounds the levels once more
-_SAME = 1e-9  # of the range: two values so near are one level
+_GRID_TOLERANCE = 0.02  # of a step; a text rounds the levels once more
+_LEVEL_TOLERANCE = 1e-9  # of the range: two values so near are one level
 _REFINEMENTS = 3
 _GRIDS = 8
 _LARGEST_SPREAD = 0.45  # of a step; more noise than this makes the error independent of the signal
@@ -76,8 +76,8 @@ def noise_shapes(frequency: Array, rate: float, corners: Sequence[float] = CORNE
     """
     cosine = np.cos(2.0 * np.pi * np.asarray(frequency) / rate)
     rho = np.exp(-2.0 * np.pi * np.asarray(corners) / rate)[:, np.newaxis]
-    coloured = (1.0 - rho) ** 2 / (1.0 - 2.0 * rho * cosine + rho**2)
-    return np.concatenate([np.ones((1, cosine.size)), coloured])
+    markov_shape = (1.0 - rho) ** 2 / (1.0 - 2.0 * rho * cosine + rho**2)
+    return np.concatenate([np.ones((1, cosine.size)), markov_shape])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,7 +102,7 @@ def fit_noise(periodograms: Sequence[Periodogram], rate: float, *, least: float 
     frequency = np.concatenate([periodogram.frequency for periodogram in periodograms])
     power = np.concatenate([_mask_mains(periodogram, 0.5 * rate) for periodogram in periodograms])
     valid = np.isfinite(power)
-    centre, mean, count = binned(frequency[valid], power[valid], _BINS)
+    centre, mean, count = average_over_bins(frequency[valid], power[valid], _BINS)
     shapes = noise_shapes(centre, rate)
     floor = 1e-12 * float(mean.max()) + 1e-300 + least
     start = max(float(np.average(mean, weights=count)), floor) / shapes.shape[0]
@@ -122,8 +122,8 @@ def fit_levels(
     Whittle likelihood, shape (sums, parts).
     """
     weights = np.full(shapes.shape[:2], start)
-    for levels, each in zip(weights, np.ascontiguousarray(shapes), strict=True):
-        _improve(each, mean, count, floor, levels, updates)
+    for levels, basis_shape in zip(weights, np.ascontiguousarray(shapes), strict=True):
+        _improve(basis_shape, mean, count, floor, levels, updates)
     return weights
 
 
@@ -182,9 +182,9 @@ def mains_frequencies(nyquist: float) -> list[float]:
     frequencies = set()
     for mains in (50.0, 60.0):
         for order in range(1, 8):
-            folded = abs((order * mains + nyquist) % (2.0 * nyquist) - nyquist)
-            if _LOWEST_LINE < folded < nyquist - 1.0:
-                frequencies.add(round(folded, 6))
+            alias_frequency = abs((order * mains + nyquist) % (2.0 * nyquist) - nyquist)
+            if _LOWEST_LINE < alias_frequency < nyquist - 1.0:
+                frequencies.add(round(alias_frequency, 6))
     return sorted(frequencies)
 
 
@@ -206,7 +206,7 @@ def converter_step(values: Array) -> float:
     """
     levels = np.unique(values)
     distances = np.diff(levels)
-    distances = distances[distances > _SAME * np.ptp(values)]
+    distances = distances[distances > _LEVEL_TOLERANCE * np.ptp(values)]
     if not _FEWEST_LEVELS <= distances.size + 1 < _MOST_LEVELS * values.size:
         return 0.0
     levels = np.concatenate([[0.0], np.cumsum(distances)])
@@ -214,7 +214,7 @@ def converter_step(values: Array) -> float:
     for _ in range(_REFINEMENTS):  # the smallest distance is a step but for what the file rounds
         places = np.concatenate([[0.0], np.cumsum(np.round(distances / step))])
         step = float(np.polyfit(places, levels, 1)[0])
-    return step if np.abs(levels / step - places).max() < _ON_THE_GRID else 0.0
+    return step if np.abs(levels / step - places).max() < _GRID_TOLERANCE else 0.0
 
 
 def vary_rounding(motion: Array, step: float) -> Iterator[Array]:
@@ -224,11 +224,11 @@ def vary_rounding(motion: Array, step: float) -> Iterator[Array]:
     rounding on a grid adds, shape (n,).
     """
     for shift in (np.arange(_GRIDS) + 0.5) / _GRIDS:
-        shifted = motion / step + shift
-        yield step * (np.round(shifted) - shifted)
+        motion_in_steps = motion / step + shift
+        yield step * (np.round(motion_in_steps) - motion_in_steps)
 
 
-def expected_error(signal: Array, step: float, spread: float, level: float) -> Array | None:
+def expect_rounding_error(signal: Array, step: float, spread: float, level: float) -> Array | None:
     """Mean of what the converter adds to a signal with some noise on it.
 
     `signal`: predicted signal, shape (n,); `spread`: standard deviation of what is not predicted; `level`:
@@ -241,8 +241,8 @@ def expected_error(signal: Array, step: float, spread: float, level: float) -> A
     turns = (signal - level) / step
     if share < _EXACT_BELOW:
         return np.asarray(step * (np.round(turns) - turns))
-    added = np.zeros_like(signal)
+    mean_error = np.zeros_like(signal)
     for k in range(1, _HARMONICS + 1):
         weight = (-1.0) ** k / (np.pi * k) * np.exp(-2.0 * (np.pi * k * share) ** 2)
-        added += step * weight * np.sin(2.0 * np.pi * k * turns)
-    return added
+        mean_error += step * weight * np.sin(2.0 * np.pi * k * turns)
+    return mean_error

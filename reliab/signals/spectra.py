@@ -8,23 +8,23 @@ import scipy
 from reliab.core.arrays import Array, read_only
 
 
-def convolved(history: Array, kernel: Array) -> Array:
+def convolve_valid(history: Array, kernel: Array) -> Array:
     """Convolve histories with a kernel where the two overlap wholly.
 
     `history`: shape (…, n); `kernel`: shape (k,) with k at most n. Returns shape (…, n - k + 1).
 
-    >>> convolved(np.array([1.0, 2.0, 4.0, 8.0]), np.array([0.5, 0.5])).round(12).tolist()
+    >>> convolve_valid(np.array([1.0, 2.0, 4.0, 8.0]), np.array([0.5, 0.5])).round(12).tolist()
     [1.5, 3.0, 6.0]
     """
     return _full(history, kernel)[..., kernel.size - 1 : history.shape[-1]].copy()
 
 
-def correlated(first: Array, second: Array) -> Array:
+def cross_correlate(first: Array, second: Array) -> Array:
     """Sum of products of two histories at every lag of the first behind the second.
 
     Returns shape (2 n - 1,), of histories of one length; the lag of no samples has the place n - 1.
 
-    >>> int(np.argmax(correlated(np.array([0.0, 1.0, 0.0]), np.array([1.0, 0.0, 0.0]))))
+    >>> int(np.argmax(cross_correlate(np.array([0.0, 1.0, 0.0]), np.array([1.0, 0.0, 0.0]))))
     3
     """
     return _full(first, second[::-1])
@@ -37,23 +37,23 @@ def _full(first: Array, second: Array) -> Array:
     return np.asarray(scipy.fft.irfft(spectrum, points)[..., :size])
 
 
-def binned(frequency: Array, power: Array, bins: int) -> tuple[Array, Array, Array]:
+def average_over_bins(frequency: Array, power: Array, bins: int) -> tuple[Array, Array, Array]:
     """Average a spectrum over bins.
 
     `frequency` [Hz].
     Returns mean frequency [Hz], mean power and number of frequencies of each bin that is not empty.
 
-    >>> centre, mean, count = binned(np.array([1.0, 10.0, 11.0]), np.array([1.0, 2.0, 4.0]), 2)
+    >>> centre, mean, count = average_over_bins(np.array([1.0, 10.0, 11.0]), np.array([1.0, 2.0, 4.0]), 2)
     >>> centre.tolist(), mean.tolist(), count.tolist()
     ([1.0, 10.5], [1.0, 3.0], [1.0, 2.0])
     """
     edges = np.geomspace(frequency.min() * 0.999, frequency.max() * 1.001, bins + 1)
     place = np.digitize(frequency, edges) - 1
     count = np.bincount(place, minlength=bins).astype(np.float64)
-    used = count > 0
-    centre = np.bincount(place, frequency, minlength=bins)[used] / count[used]
-    mean = np.bincount(place, power, minlength=bins)[used] / count[used]
-    return centre, mean, count[used]
+    occupied_bins = count > 0
+    centre = np.bincount(place, frequency, minlength=bins)[occupied_bins] / count[occupied_bins]
+    mean = np.bincount(place, power, minlength=bins)[occupied_bins] / count[occupied_bins]
+    return centre, mean, count[occupied_bins]
 
 
 def periodogram(values: Array, taper: Array) -> Array:

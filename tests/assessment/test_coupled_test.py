@@ -208,7 +208,7 @@ def play(motion, width=0.01):
 @pytest.mark.parametrize(
     ("seen", "stated"),
     [
-        (lambda motion: LowPass(corner=30.0).passed(motion, STEP), {"filter": ["measured=30"]}),
+        (lambda motion: LowPass(corner=30.0).apply(motion, STEP), {"filter": ["measured=30"]}),
         (play, {"hysteresis": 0.01}),
     ],
 )

@@ -398,7 +398,9 @@ def test_noise_beside_a_converter_is_what_its_steps_do_not_explain():
     problem = Problem(block=block, segments=(SimpleNamespace(test=0),))
     with (
         patch.object(Problem, "predictions", return_value={0: signal}),
-        patch("reliab.discrepancy.fitting.problem.expected_error", return_value=0.0 * signal) as expected,
+        patch(
+            "reliab.discrepancy.fitting.problem.expect_rounding_error", return_value=0.0 * signal
+        ) as expected,
     ):
         problem.corrected(space_of(), np.zeros(SIZE))
     _, found_step, spread, level = expected.call_args.args

@@ -111,7 +111,7 @@ def test_emcee_reads_the_file_of_chains(tmp_path):
 @pytest.mark.slow
 @SHORT
 def test_a_full_disk_says_that_earlier_draws_are_safe(tmp_path, monkeypatch):
-    monkeypatch.setattr(ensembles, "_EVERY", 0.0)
+    monkeypatch.setattr(ensembles, "_SAVING_INTERVAL", 0.0)
     monkeypatch.setattr(ensembles, "_SHARE_OF_TIME", 1e9)
     stored = []
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from reliab.signals.noise import converter_step, expected_error, vary_rounding
+from reliab.signals.noise import converter_step, expect_rounding_error, vary_rounding
 
 
 def test_all_levels_are_whole_steps_apart():
@@ -48,7 +48,7 @@ def test_a_motion_is_rounded_on_every_shifted_grid():
 def test_expected_error_of_a_converter_against_simulation(spread):
     step, level = 0.2, 0.05
     signal_values = np.linspace(-0.5, 0.5, 31) + 0.003
-    found = expected_error(signal_values, step, spread * step, level)
+    found = expect_rounding_error(signal_values, step, spread * step, level)
     noise = spread * step * np.random.default_rng(6).normal(size=(20_000, 1))
     noisy = signal_values + noise
     converted = step * np.round((noisy - level) / step) + level
@@ -56,7 +56,7 @@ def test_expected_error_of_a_converter_against_simulation(spread):
 
 
 def test_much_noise_leaves_nothing_to_correct():
-    assert expected_error(np.zeros(3), 1.0, 0.6, 0.0) is None
+    assert expect_rounding_error(np.zeros(3), 1.0, 0.6, 0.0) is None
 
 
 def test_steps_are_found_where_they_are():
@@ -75,7 +75,7 @@ def test_the_error_of_a_converter_is_the_mean_over_normal_noise(share):
     chance = norm.cdf((k + 0.5 - turns) / share) - norm.cdf((k - 0.5 - turns) / share)
     expected = step * ((k * chance).sum(axis=0) - turns)
     exact = share < 0.05  # there the noise is left out
-    assert expected_error(values, step, share * step, level) == pytest.approx(
+    assert expect_rounding_error(values, step, share * step, level) == pytest.approx(
         step * (np.round(turns) - turns) if exact else expected, abs=1e-9 if exact else 1e-6
     )
 

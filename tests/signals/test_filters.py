@@ -5,8 +5,8 @@ import pytest
 import scipy
 
 from reliab.signals.cubic_path import CubicPath
-from reliab.signals.filters import _end_of_line, butterworth_poles, low_pass, recursively_filtered
-from reliab.signals.spectra import convolved, correlated, hann, periodogram, taper, upper_level
+from reliab.signals.filters import _end_of_line, butterworth_poles, filter_recursively, low_pass
+from reliab.signals.spectra import convolve_valid, cross_correlate, hann, periodogram, taper, upper_level
 
 
 @pytest.fixture
@@ -18,11 +18,11 @@ def rng():
 def test_convolution_and_correlation(rng, size):
     history, kernel = rng.normal(size=size), rng.normal(size=8)
     np.testing.assert_array_equal(
-        convolved(history, kernel), scipy.signal.fftconvolve(history, kernel, mode="valid")
+        convolve_valid(history, kernel), scipy.signal.fftconvolve(history, kernel, mode="valid")
     )
     other = rng.normal(size=size)
     np.testing.assert_array_equal(
-        correlated(history, other), scipy.signal.correlate(history, other, method="fft")
+        cross_correlate(history, other), scipy.signal.correlate(history, other, method="fft")
     )
 
 
@@ -31,7 +31,7 @@ def test_convolution_and_correlation(rng, size):
 def test_a_cubic_path_within_and_beyond_its_samples(rng, samples, even):
     times = np.arange(samples) * 0.01 + (0.0 if even else 1.0) * np.sort(rng.uniform(0.0, 0.004, samples))
     values = rng.normal(size=samples)
-    path, spline = CubicPath.through(times, values), scipy.interpolate.CubicSpline(times, values)
+    path, spline = CubicPath.interpolate(times, values), scipy.interpolate.CubicSpline(times, values)
     at = np.append(times, rng.uniform(times[0] - 0.01, times[-1] + 0.01, 500))
     for derivative in (0, 1, 2):
         np.testing.assert_allclose(path(at, derivative), spline(at, derivative), rtol=1e-12, atol=1e-9)
@@ -61,7 +61,7 @@ def test_a_low_pass_filter_is_kaisers(edge, rate, ripple):
 def test_a_recursive_filter(rng):
     values, (numerator, denominator) = rng.normal(size=3000), scipy.signal.butter(2, 0.05)
     expected = scipy.signal.lfilter(numerator, denominator, values)
-    np.testing.assert_allclose(recursively_filtered(numerator, denominator, values), expected, atol=1e-11)
+    np.testing.assert_allclose(filter_recursively(numerator, denominator, values), expected, atol=1e-11)
 
 
 def test_the_end_of_a_line_is_that_of_least_squares():

@@ -38,12 +38,12 @@ def corrected(
     if (hysteresis := stated.get("hysteresis", StatedValue(0.0)).value) > 0.0:
         measured = measured + hysteresis * np.apply_along_axis(lag_of_reading, -1, command, hysteresis)
     if "measured" in filters:
-        command = filters["measured"].passed(command, step)
+        command = filters["measured"].apply(command, step)
     if "command" in filters:
-        measured = filters["command"].passed(measured, step)
+        measured = filters["command"].apply(measured, step)
     others = {name: values for name in _UNFILTERED if (values := getattr(recording, name, None)) is not None}
     for low_pass in filters.values():
-        others = {name: low_pass.passed(values, step) for name, values in others.items()}
+        others = {name: low_pass.apply(values, step) for name, values in others.items()}
     skew = stated.get("skew", StatedValue(0.0)).value / MILLI
     if skew != 0.0:
         measured = np.apply_along_axis(_earlier, -1, measured, skew, step)
@@ -52,7 +52,7 @@ def corrected(
 
 def _earlier(values: Array, time: float, step: float) -> Array:
     """Values of a history as much later [s], by a cubic through its samples, shape (n,)."""
-    return CubicPath.through(np.arange(values.size) * step, values).later(-time)
+    return CubicPath.interpolate(np.arange(values.size) * step, values).read_delayed(-time)
 
 
 def stated_of_filters(filters: Mapping[str, LowPass]) -> dict[str, StatedValue]:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from reliab.core.arrays import Array
-from reliab.signals.spectra import convolved
+from reliab.signals.spectra import convolve_valid
 
 _PERIODS_OF_KERNEL = 0.5
 _PER_PERIOD = 24.0  # samples of the equation in a period
@@ -41,11 +41,11 @@ class Kernel:
 
     def seen(self, history: Array, order: int) -> Array:
         """Convolve a history with φ⁽ᵏ⁾, which gives its smoothed k-th derivative."""
-        return convolved(history, self.values[order])[:: self.every]
+        return convolve_valid(history, self.values[order])[:: self.every]
 
     def sum_seen(self, history: Array, weights: tuple[float, float, float]) -> Array:
         """Weighted sum of a history's smoothed derivatives, from none to the second, by one convolution."""
-        return convolved(history, np.tensordot(weights, np.array(self.values), 1))[:: self.every]
+        return convolve_valid(history, np.tensordot(weights, np.array(self.values), 1))[:: self.every]
 
 
 def fit_equation(columns: Array, target: Array, kernel: Kernel) -> tuple[Array, Array, Array]:

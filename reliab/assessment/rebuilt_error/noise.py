@@ -21,9 +21,9 @@ import scipy
 from numpy.typing import NDArray
 
 from reliab.core.arrays import Array, read_only
-from reliab.signals.filters import RIPPLE, LowPass, low_pass, smoothed
+from reliab.signals.filters import RIPPLE, LowPass, filter_symmetrically, low_pass
 from reliab.signals.noise import fit_levels, noise_shapes
-from reliab.signals.spectra import binned, periodogram, upper_level
+from reliab.signals.spectra import average_over_bins, periodogram, upper_level
 
 LOST_IN_NOISE = 0.05
 """Standard deviation of the noise over the largest motion, from which no error is judged [-]."""
@@ -104,7 +104,7 @@ class SensorNoise:
 
     def smooth(self, values: Array) -> Array:
         """Return histories, shape (…, n), without what lies above the band, and without delay."""
-        return smoothed(values, self.filter)
+        return filter_symmetrically(values, self.filter)
 
     def passed(self, frequency: Array) -> Array:
         """Return the density [m²] of the noise that the filter lets pass at frequencies [Hz]."""
@@ -170,8 +170,8 @@ def _residual(
     power = _periodogram(measured - followed(commands, measured, time_step, powers))
     moved, floor = _together(powers), upper_level(power)
     power = np.minimum(power, _without_lines(power))
-    bins = binned(frequency, power, _BINS)
-    motion = binned(frequency, moved, _BINS)[1]
+    bins = average_over_bins(frequency, power, _BINS)
+    motion = average_over_bins(frequency, moved, _BINS)[1]
     ratio = float(bins[1][np.argmax(motion)] / motion.max())
     return bins, ratio * motion < _MOTION_LEFT * np.maximum(bins[1], floor), floor
 
@@ -207,7 +207,7 @@ def followed(commands: Array, measured: Array, step: float, powers: list[Array] 
     if len(commands) > 1:
         powers = powers or [_periodogram(command) for command in commands]
         filter_ = low_pass(_MARGIN * _highest(powers, commands.shape[1] * step), 1.0 / step)
-        left, right = (smoothed(one, filter_) for one in (rows, measured))
+        left, right = (filter_symmetrically(one, filter_) for one in (rows, measured))
     coefficients = np.linalg.lstsq(left @ left.T, left @ right.T, rcond=1e-12)[0]
     return np.asarray(coefficients.T @ left)
 
@@ -252,7 +252,7 @@ def _fitted(shapes: Array, mean: Array, count: Array) -> Array:
 def _band(power: Array, white: float, samples: int, step: float) -> float:
     """Highest frequency [Hz] at which a periodogram rises above the white noise."""
     frequency: Array = np.fft.rfftfreq(samples, step)[1:].astype(np.float64)
-    centre, mean, count = binned(frequency, power, _BINS)
+    centre, mean, count = average_over_bins(frequency, power, _BINS)
     limit = (1.0 + _ABOVE_NOISE * np.maximum(1.0 / np.sqrt(count), 0.25)) * white
     # a single bin above the noise is a line, not motion
     above = mean > limit

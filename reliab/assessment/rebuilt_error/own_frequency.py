@@ -140,7 +140,7 @@ class OwnFrequency:
     def governing(self) -> float:
         """Offset that makes the error largest, of those that test and statement leave open [-]."""
         offsets, density = self._density
-        errors = CubicPath.through(self.offsets, self.errors)(offsets)
+        errors = CubicPath.interpolate(self.offsets, self.errors)(offsets)
         return float(offsets[np.argmax(np.where(density > _LEFT_OPEN, errors, 0.0))])
 
     @cached_property
@@ -165,7 +165,7 @@ class OwnFrequency:
     @cached_property
     def _density(self) -> tuple[Array, Array]:
         fine = np.linspace(self.offsets[0], self.offsets[-1], _FINE)
-        likelihood = CubicPath.through(self.offsets, self.likelihood)(fine)
+        likelihood = CubicPath.interpolate(self.offsets, self.likelihood)(fine)
         stated = 0.5 * (_FREEDOM + 1.0) * np.log1p((fine / self.stated_deviation) ** 2 / _FREEDOM)
         logarithm = likelihood - stated
         return fine, np.asarray(np.exp(logarithm - logarithm.max()))

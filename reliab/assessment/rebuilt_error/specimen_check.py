@@ -18,7 +18,7 @@ from reliab.core.arrays import Array
 from reliab.core.compiled import compiled
 from reliab.core.errors import InputError
 from reliab.core.significant_digits import significant
-from reliab.signals.spectra import convolved
+from reliab.signals.spectra import convolve_valid
 
 _PER_PERIOD = 48.0  # samples in a period
 _BAND = 10.0  # natural frequencies that are kept
@@ -70,7 +70,7 @@ def examine_specimen(measured: Array, force: Array, time_step: float, frequency:
     every = max(int(1.0 / (_PER_PERIOD * frequency * time_step)), 1)
 
     def seen(history: Array) -> Array:
-        return convolved(history, low_pass)[::every]
+        return convolve_valid(history, low_pass)[::every]
 
     velocity = np.gradient(measured, time_step)
     linear = [seen(row) for row in (measured, velocity, np.gradient(velocity, time_step))]

@@ -11,7 +11,7 @@ from reliab.core.arrays import Array
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.spectra.segment import Segment, by_segment
-from reliab.signals.noise import NoiseModel, Periodogram, converter_step, expected_error, fit_noise
+from reliab.signals.noise import NoiseModel, Periodogram, converter_step, expect_rounding_error, fit_noise
 
 _LEAST_OF_CONVERSION = 0.2  # of the mean square of a converter's error
 _LEAST_POWER = 0.05  # of the strongest test's
@@ -63,7 +63,7 @@ class Problem:
             signal = self.block.at_rate(predicted, test)
             if step > 0.0:
                 spread = np.sqrt(max(float(np.mean((values - signal) ** 2)) - step**2 / 12.0, 0.0))
-                error = expected_error(signal, step, spread, float(values[0]))
+                error = expect_rounding_error(signal, step, spread, float(values[0]))
                 if error is not None:
                     conversion[test] = error
         return replace(self, conversion=conversion) if conversion else self

@@ -118,7 +118,7 @@ def recorded_late(values: Array, lag: float, step: float) -> Array:
 
 def path_through(values: Array) -> Array:
     """Coefficients of the cubic path through a channel, shape (4, n − 1)."""
-    return CubicPath.through(np.arange(values.size, dtype=np.float64), values).coefficients
+    return CubicPath.interpolate(np.arange(values.size, dtype=np.float64), values).coefficients
 
 
 @compiled

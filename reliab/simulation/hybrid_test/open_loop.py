@@ -104,9 +104,9 @@ class Motion3:
 
         `displacement` [m]; `step` [s].
         """
-        path = CubicPath.through(np.arange(displacement.size) * step, displacement)
+        path = CubicPath.interpolate(np.arange(displacement.size) * step, displacement)
         if parts == 1:
-            return cls(values=path.at_samples(), step=step)
+            return cls(values=path.read_samples(), step=step)
         times = np.arange((displacement.size - 1) * parts + 1) * (step / parts)
         return cls(values=path.read(times, (0, 1, 2)), step=step / parts)
 

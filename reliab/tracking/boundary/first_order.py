@@ -28,7 +28,7 @@ import scipy
 
 from reliab.core.arrays import Array, Spectrum
 from reliab.core.vocabulary import MILLI
-from reliab.signals.filters import recursively_filtered
+from reliab.signals.filters import filter_recursively
 from reliab.simulation.deviation import peak_of_history
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop.spectral import respond
@@ -108,13 +108,13 @@ def ellipse_of_response(response: Array, time_step: float, structure: Structure)
 def exact_response(acceleration: Array, time_step: float, structure: Structure) -> Array:
     """Exact displacement [m] from rest at the samples of a ground acceleration [m/s²], linear in between."""
     oscillator = _sampled_oscillator(structure.circular_frequency, structure.damping_ratio, time_step)
-    return recursively_filtered(*oscillator, -acceleration)
+    return filter_recursively(*oscillator, -acceleration)
 
 
 def error_histories(response: Array, time_step: float, structure: Structure) -> tuple[Array, Array, Array]:
     """Exact response x, its error Z for an amplitude error of one, and dZ/dt, that for a delay of 1 s."""
     w0, xi = structure.circular_frequency, structure.damping_ratio
-    filtered = recursively_filtered(*_sampled_oscillator(w0, xi, time_step), response)
+    filtered = filter_recursively(*_sampled_oscillator(w0, xi, time_step), response)
     of_gain = response - structure.experimental_fraction * w0**2 * filtered
     return response, of_gain, np.gradient(of_gain, time_step)
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from reliab.core.arrays import Array
-from reliab.signals.spectra import correlated
+from reliab.signals.spectra import cross_correlate
 
 
 def maximum_tracking_error(command: Array, measured: Array) -> float:
@@ -102,7 +102,7 @@ def delay_by_cross_correlation(command: Array, measured: Array, time_step: float
     >>> round(1e3 * delay_by_cross_correlation(command, measured, 0.001), 2)
     4.0
     """
-    correlation = correlated(measured, command)
+    correlation = cross_correlate(measured, command)
     lags = np.arange(1 - command.size, command.size)
     best = int(np.argmax(correlation))
     shift = 0.0

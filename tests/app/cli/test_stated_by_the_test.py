@@ -69,7 +69,7 @@ def filtered(tmp_path):
     frame = runs_of(1)[0][0]
     frame = frame[frame["time_s"] < SECONDS]
     name = next(name for name in frame.columns if name.startswith("measured"))
-    seen = LowPass(corner=30.0).passed(frame[name].to_numpy(), float(frame["time_s"].diff().iloc[1]))
+    seen = LowPass(corner=30.0).apply(frame[name].to_numpy(), float(frame["time_s"].diff().iloc[1]))
     (tmp_path / "channels.toml").write_text(FILTERS, encoding="utf-8")
     frame.assign(**{name: seen}).to_csv(tmp_path / "test.csv", index=False)
     return frame, tmp_path / "test.csv", tmp_path / "channels.toml"

@@ -146,7 +146,7 @@ def test_a_slow_recording_whose_skew_was_not_stated_says_what_is_assumed():
 def test_force_and_ground_motion_pass_the_filter_that_is_stated_of_the_displacement(recording):
     """Else the force of a spring leads the displacement, and its specimen is another one."""
     low_pass = LowPass(corner=20.0)
-    seen = low_pass.passed(recording.measured, recording.time_step)
+    seen = low_pass.apply(recording.measured, recording.time_step)
     whole = replace(recording, measured=seen, force=3e5 * recording.measured, ground=recording.command)
     again = corrected(whole, {}, {"measured": low_pass})
     np.testing.assert_allclose(again.force, 3e5 * again.measured, atol=1e-9 * np.abs(again.force).max())

@@ -12,7 +12,7 @@ from reliab.assessment.rebuilt_error.readings import delayed
 from reliab.assessment.rebuilt_error.size import MOST_DRAWN, require_fitting, samples_in_step_of_structure
 from reliab.core.errors import InputError
 from reliab.signals.lapped_transform import analyse, synthesise
-from reliab.signals.spectra import binned
+from reliab.signals.spectra import average_over_bins
 from reliab.structures.partition import Partition
 from reliab.structures.structure import Structure
 
@@ -61,7 +61,7 @@ def test_a_history_is_continued_point_symmetrically(ahead):
 def test_bins_are_equally_wide_on_a_logarithmic_axis():
     frequency = np.arange(1.0, 201.0)
     power = np.random.default_rng(1).exponential(size=200)
-    centre, mean, count = binned(frequency, power, 12)
+    centre, mean, count = average_over_bins(frequency, power, 12)
     edges = np.exp(np.linspace(np.log(0.999), np.log(200.2), 13))
     members = [(frequency >= low) & (frequency < high) for low, high in pairwise(edges)]
     members = [inside for inside in members if inside.any()]
