@@ -10,9 +10,9 @@ from reliab.assessment.fault_effects import FaultEffect
 from reliab.assessment.findings import Findings
 from reliab.assessment.recorded_force import doubts_of_force, remark_on_force
 from reliab.assessment.summary import summarise
-from reliab.assessment.verdict import ERROR_NAMES, Word
+from reliab.assessment.verdict import Word
 from reliab.core.significant_digits import percent, share_in_words, significant
-from reliab.core.vocabulary import MILLI, Metric
+from reliab.core.vocabulary import ERROR_NAMES, MILLI, Metric
 from reliab.criterion.experimental_share import whole_is_worst
 
 _BY_SHAPE = "shape of the response"
@@ -67,26 +67,26 @@ def _consequence(effect: FaultEffect, findings: Findings) -> Iterator[str]:
     metric = Metric(findings.criterion.metric)
     counted, otherwise = findings.error.estimate(metric).value, effect.otherwise.estimate(metric).value
     name, fault = ERROR_NAMES[metric], effect.fault
-    sizes = [percent(size, decimals=2) for size in (counted, otherwise)]
+    sizes = [percent(size, 2) for size in (counted, otherwise)]
     if fault.in_loop is True:
         yield (
-            f"The command responds to it, so that the structure felt it: {name} is {sizes[0]} with it and "
-            f"would be {sizes[1]} without."
+            f"The command responds to it, so that the structure felt it: the {name} is {sizes[0]} with it "
+            f"and would be {sizes[1]} without."
         )
     elif fault.kind == "zero":
         yield (
-            f"{name} is {sizes[0]} from there; from the recorded zero it would be {sizes[1]}. State zeros in "
-            "channels.toml if the structure rests elsewhere."
+            f"The {name} is {sizes[0]} from there; from the recorded zero it would be {sizes[1]}. State "
+            "zeros in channels.toml if the structure rests elsewhere."
         )
     elif fault.in_loop is False:
         why = (
             ""
             if fault.kind in ("spike", "held")
-            else "The command does not respond to it, so that only the sensor reading is wrong: "
+            else "The command does not respond to it, so that only the sensor reading is wrong. "
         )
-        yield f"{why}{name} is {sizes[0]} without it; had the structure felt it, {sizes[1]}."
+        yield f"{why}The {name} is {sizes[0]} without it; had the structure felt it, {sizes[1]}."
     else:
-        yield f"{name} is {sizes[0]} as recorded and {sizes[1]} without it."
+        yield f"The {name} is {sizes[0]} as recorded and {sizes[1]} without it."
 
 
 def _of_error(findings: Findings) -> Iterator[str]:
@@ -104,13 +104,12 @@ def _of_error(findings: Findings) -> Iterator[str]:
         else "a gain and a delay alone"
     )
     why = (
-        f"{percent(findings.tracking.unexplained_share, decimals=2)} of the rig's motion is neither gain "
-        "nor delay"
+        f"{percent(findings.tracking.unexplained_share, 2)} of the rig's motion is neither gain nor delay"
         if findings.tracking.unexplained_share > _UNEXPLAINED * float(np.sqrt(findings.limits[0]))
         else "this ground motion and length are more or less demanding than those"
     )
     yield (
-        f"The error of this test ({percent(size, decimals=2)}) and the index "
+        f"The error of this test ({percent(size, 2)}) and the index "
         f"({significant(findings.index)}, limit 1) "
         f"disagree: the index is for {basis}, and {why}. The verdict follows the error."
     )
@@ -161,8 +160,8 @@ def _of_signal(findings: Findings) -> Iterator[str]:
     limit = float(np.sqrt(findings.limits[0]))
     if tracking.unexplained_share > _UNEXPLAINED * limit:
         yield (
-            f"{percent(tracking.unexplained_share, decimals=2)} of the measured motion is neither gain nor "
-            f"delay, more than the tolerable amplitude error of {percent(limit, decimals=2)}. Look for "
+            f"{percent(tracking.unexplained_share, 2)} of the measured motion is neither gain nor "
+            f"delay, more than the tolerable amplitude error of {percent(limit, 2)}. Look for "
             "friction, backlash, saturation or slow noise; limits based on A and d may be off by 25 %."
         )
 

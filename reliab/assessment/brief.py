@@ -5,21 +5,31 @@ from typing import Any, Final
 
 from reliab.assessment.error_of_test import CANCELLING, part_in_words
 from reliab.assessment.rebuilt_error.spread import Estimate
-from reliab.assessment.verdict import ERROR_NAMES, Word, error_in_words, next_steps
-from reliab.core.significant_digits import percent, percent_with_interval, significant
-from reliab.core.vocabulary import Metric
+from reliab.assessment.verdict import Word, error_in_words, next_steps
+from reliab.core.significant_digits import (
+    decimals_of_interval,
+    decimals_of_uncertainty,
+    percent,
+    percent_with_interval,
+    significant,
+)
+from reliab.core.vocabulary import ERROR_NAMES, PERCENT, Metric
 
 _LARGEST: Final = 3  # entries of the budget
 
 
 def headline(content: Mapping[str, Any]) -> str:
-    """State the verdict, the error and the probability that it is small enough."""
+    """State the verdict, the error, how likely it is to be small enough, and what leaves a test undecided."""
     word, metric, error = Word(content["verdict"]).shout, content["metric"], content["error"]
     if error[metric]["value"] is None:
         return f"{word}: {content['reasons'][-1]}"
     size = Estimate(**{end: error[metric][end] for end in ("value", "low", "high")})
     name = f"{ERROR_NAMES[metric]}{_of_governing(error)}"
-    return f"{word}: {error_in_words(name, size, content['threshold'], content['probability'])}"
+    sentence = error_in_words(name, size, content["threshold"], content["probability"])
+    budget, alone = content.get("budget", []), len(content["reasons"]) == 1
+    if content["verdict"] == Word.UNDECIDED and alone and budget:
+        sentence += f"; least known: {budget[0]['quantity']}"
+    return f"{word}: {sentence}"
 
 
 def _of_governing(error: Mapping[str, Any]) -> str:
@@ -35,8 +45,10 @@ def findings(content: Mapping[str, Any]) -> Iterator[str]:
         sizes = (f"{ERROR_NAMES[name]} {_interval(error[name])}" for name in Metric)
         yield f"Errors with 90 % intervals: {'; '.join(sizes)}."
     if budget:
+        decimals = decimals_of_uncertainty(PERCENT * budget[0]["contribution"], digits=2)
         entries = (
-            f"{item['quantity']} ±{percent(item['contribution'], decimals=2)}" for item in budget[:_LARGEST]
+            f"{item['quantity']} ±{percent(item['contribution'], decimals=decimals)}"
+            for item in budget[:_LARGEST]
         )
         yield f"Largest contributions to the interval: {', '.join(entries)}."
     yield _tracking(content)
@@ -44,6 +56,11 @@ def findings(content: Mapping[str, Any]) -> Iterator[str]:
 
 def _interval(size: Mapping[str, Any]) -> str:
     return percent_with_interval(*(size[end] for end in ("value", "low", "high")))
+
+
+def _decimals(size: Mapping[str, Any]) -> int:
+    """Decimals in per cent that the interval of an error allows."""
+    return decimals_of_interval(*(PERCENT * size[end] for end in ("value", "low", "high")))
 
 
 def _tracking(content: Mapping[str, Any]) -> str:
@@ -66,10 +83,10 @@ def actions(content: Mapping[str, Any]) -> Iterator[str]:
     error = content["error"]
     first, narrowing = error["improve_first"], error.get("would_decide", ())
     if first is not None:
-        remaining = percent(error["parts"][first]["remaining_rms"], decimals=2)
+        remaining = percent(error["parts"][first]["remaining_rms"], decimals=_decimals(error["rms"]))
         yield (
-            f"Improve first: {part_in_words(first)}; without it RMS^R{_of_governing(error)} would be "
-            f"{remaining}."
+            f"Improve first: {part_in_words(first)}; without it the {ERROR_NAMES[Metric.RMS]}"
+            f"{_of_governing(error)} would be {remaining}."
         )
     elif error["parts"]:
         yield CANCELLING

@@ -68,7 +68,7 @@ class Comparison(ResultWithRows):
     shown: ClassVar[Columns] = {
         "Test": ("file", ""),
         "RMS error (90 % interval)": ("rms", _interval),
-        "MTE error (90 % interval)": ("mte", _interval),
+        "Largest error (90 % interval)": ("mte", _interval),
         "More than the first": ("difference", _interval),
         "Probability of that": ("probability_larger", lambda p: "" if p is None else significant(p, 3)),
         "A": ("A", ".4f"),

@@ -10,14 +10,13 @@ from reliab.assessment.fault_effects import FaultEffect
 from reliab.assessment.own_equation import OwnEquation
 from reliab.assessment.rebuilt_error.spread import Estimate
 from reliab.assessment.verdict import (
-    ERROR_NAMES,
     Verdict,
     Word,
     error_in_words,
     word_of_probability,
 )
 from reliab.core.significant_digits import percent, significant
-from reliab.core.vocabulary import Metric
+from reliab.core.vocabulary import ERROR_NAMES, Metric
 from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
 from reliab.structures.parts_of_structure import is_of_entries
@@ -70,11 +69,11 @@ def verdict_of_error(
     if any(word_of_probability(restated.probability) is not word for restated in assumed):
         by_size = sorted(assumed, key=lambda restated: restated.estimate(error.metric).value)
         sizes = " to ".join(
-            f"{percent(restated.estimate(error.metric).value, decimals=2)} "
+            f"{percent(restated.estimate(error.metric).value, 2)} "
             f"(ξ = {significant(restated.damping_ratio, 2)})"
             for restated in (by_size[0], by_size[-1])
         )
-        reasons.append(f"No damping ratio was stated, and the verdict depends on it: {name} is {sizes}.")
+        reasons.append(f"No damping ratio was stated, and the verdict depends on it: the {name} is {sizes}.")
         remedies.append("State the damping ratio of the structure.")
     return verdict.doubted(reasons, remedies)
 
@@ -100,7 +99,7 @@ def doubted_by_rest(
     while_moving = Estimate(value=factor * size.value, low=factor * size.low, high=factor * size.high)
     reason = (
         f"The structure moves in {significant(samples * recording.time_step)} of "
-        f"{significant(recording.duration)} s only: over these "
+        f"{significant(recording.duration)} s only. Over these seconds: "
         f"{error_in_words(ERROR_NAMES[Metric.RMS], while_moving, error.threshold, probability)}."
     )
     return verdict.doubted([reason], [_CUT])
@@ -121,7 +120,7 @@ def doubted_by_entries(verdict: Verdict, error: ErrorWithThreshold) -> Verdict:
         return verdict
     reason = (
         "Single entries of a matrix are uncertain, and for one of the structures within their tolerances "
-        f"the error is {percent(largest, decimals=2)}. Near resonance the error is largest at the "
+        f"the error is {percent(largest, 2)}. Near resonance the error is largest at the "
         "structure's true frequency, which a test as short as this does not show."
     )
     return verdict.doubted([reason], [_ENTRIES])

@@ -92,7 +92,7 @@ class ResponseErrors:
             return _NEEDS
         rms = governing.rms
         return (
-            f"Of all storeys, {governing.name} has the largest error of the drift: RMS^R "
+            f"Of all storeys, {governing.name} has the largest error of the drift: RMS error "
             f"{percent_with_interval(rms.value, rms.low, rms.high)} of its own peak, "
             f"{_SPECIMENS[self.specimen]}."
         )

@@ -15,8 +15,8 @@ from reliab.assessment.rebuilt_error.spread import Estimate
 from reliab.assessment.turning import Turning
 from reliab.assessment.verdict import Verdict, Word, probability_text
 from reliab.core.plain_values import PlainResult, html_table
-from reliab.core.significant_digits import percent_with_interval, significant
-from reliab.core.vocabulary import MILLI, PERCENT, Metric
+from reliab.core.significant_digits import percent, percent_with_interval, significant
+from reliab.core.vocabulary import ERROR_NAMES, MILLI, PERCENT, Metric
 from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
 
@@ -150,14 +150,14 @@ class JudgedTest(PlainResult):
         if math.isnan(size.value):
             return f"<{about}, all motion is lost in noise>"
         interval = percent_with_interval(size.value, size.low, size.high)
-        return f"<{about}, {self.metric.upper()} error{self.error.of_which} {interval}>"
+        return f"<{about}, {ERROR_NAMES[self.metric]}{self.error.of_which} {interval}>"
 
     def _repr_html_(self) -> str:
         """Write verdict, error, A, d and index as a table for notebooks."""
         content = self.to_dict()
-        below = f"probability of an error below {significant(self.threshold)} {self.metric.upper()}"
+        below = f"probability that the {ERROR_NAMES[self.metric]} is below {percent(self.threshold)}"
         rows = {"verdict": self.verdict.in_words, below: probability_text(self.probability)}
-        for name, metric in (("RMS error", Metric.RMS), ("largest error", Metric.MTE)):
+        for metric, name in ERROR_NAMES.items():
             size = content["error"][metric]
             rows[name] = "unknown" if size["value"] is None else percent_with_interval(**size)
         rows["amplitude A"] = f"{content['A']:.4f}"
@@ -212,6 +212,6 @@ def plot_errors(
     shown.set_yticks(rows, list(errors))
     shown.invert_yaxis()
     shown.set_xlim(left=0.0)
-    shown.set_xlabel(f"{metric.upper()} error of the whole test [%]")
+    shown.set_xlabel(f"{ERROR_NAMES[Metric(metric)]} of the whole test [%]")
     shown.legend(frameon=False)
     return shown

@@ -24,7 +24,7 @@ from reliab.core.arrays import Array
 from reliab.core.columns import Columns
 from reliab.core.errors import InputError
 from reliab.core.plain_values import ResultWithRows
-from reliab.core.significant_digits import percent, significant
+from reliab.core.significant_digits import percent_and_interval, percent_with_interval, significant
 from reliab.core.vocabulary import MILLI, PERCENT, Metric
 from reliab.signals.spectra import cross_correlate
 
@@ -78,12 +78,9 @@ class SameTest(ResultWithRows):
         "verdict": ("verdict", lambda word: Word(word).in_words, "left"),
         "gain": ("gain", ".3f"),
         "d, ms": ("d_ms", ".2f"),
-        "alone": ("alone", lambda size: percent(size["value"], decimals=2)),
-        "all runs": ("error", lambda size: percent(size["value"], decimals=2)),
-        "90 % interval": (
-            "error",
-            lambda size: " to ".join(percent(size[end], decimals=2) for end in ("low", "high")),
-        ),
+        "alone": ("alone", lambda size: percent_and_interval(**size)[0]),
+        "all runs": ("error", lambda size: percent_and_interval(**size)[0]),
+        "90 % interval": ("error", lambda size: percent_and_interval(**size)[1]),
         "probability": ("probability", probability_text),
     }
 
@@ -288,8 +285,7 @@ def _unknown_zero(found: Assessment, generator: np.random.Generator) -> Array:
 
 
 def _interval(size: Estimate) -> str:
-    value, low, high = (percent(end, decimals=2) for end in (size.value, size.low, size.high))
-    return f"{value} ({low} to {high})"
+    return percent_with_interval(size.value, size.low, size.high)
 
 
 def _require_one_test(runs: Mapping[str, Assessment]) -> None:

@@ -12,8 +12,7 @@ from reliab.assessment.verdict import Word, probability_text
 from reliab.core.columns import Columns
 from reliab.core.errors import InputError
 from reliab.core.plain_values import ResultWithRows
-from reliab.core.significant_digits import counted, percent
-from reliab.core.vocabulary import PERCENT
+from reliab.core.significant_digits import counted, percent_and_interval
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -32,12 +31,10 @@ class Assessments(ResultWithRows):
     shown: ClassVar[Columns] = {
         "test": ("file", ""),
         "verdict": ("verdict", lambda word: Word(word).in_words if word else "not judged", "left"),
-        "error": ("", lambda test: _size(test, lambda size: percent(size["value"], decimals=2))),
+        "error": ("", lambda test: _size(test, lambda size: percent_and_interval(**size)[0])),
         "90 % interval": (
             "",
-            lambda test: _size(
-                test, lambda size: f"{PERCENT * size['low']:.2f} … {percent(size['high'], decimals=2)}"
-            ),
+            lambda test: _size(test, lambda size: percent_and_interval(**size)[1]),
         ),
         "probability": ("probability", lambda share: "" if share is None else probability_text(share)),
         "A": ("A", lambda gain: "" if gain is None else f"{gain:.5f}"),

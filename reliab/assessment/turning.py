@@ -107,7 +107,7 @@ class Turning:
 
 
 def _between(errors: tuple[float, float]) -> str:
-    return f"{percent(errors[0], decimals=2)} to {percent(errors[1], decimals=2)}"
+    return f"{percent(errors[0], 2)} to {percent(errors[1], 2)}"
 
 
 def _turned(what: str, smallest: float | None) -> str:

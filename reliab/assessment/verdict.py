@@ -6,15 +6,12 @@ from enum import StrEnum
 from typing import Final
 
 from reliab.assessment.rebuilt_error.spread import Estimate
-from reliab.core.significant_digits import percent, percent_range, significant
-from reliab.core.vocabulary import Metric
+from reliab.core.significant_digits import percent, percent_and_interval, significant
 
 CERTAIN: Final = 0.95
 """Probability from which on a test is called reliable; below 1 − this, not reliable."""
-
-
-ERROR_NAMES: Final = {Metric.RMS: "RMS^R", Metric.MTE: "MTE^R"}
-"""Names of the errors in sentences."""
+_ALMOST_CERTAIN: Final = 0.99
+"""The largest probability that is stated: rarer cases are not known well enough."""
 
 
 class Word(StrEnum):
@@ -69,29 +66,36 @@ def word_of_probability(probability: float) -> Word:
 def error_in_words(
     name: str, size: Estimate, threshold: float, probability: float, *, with_interval: bool = False
 ) -> str:
-    """Say how large an error is [-], and with what probability it stays below a threshold [-].
+    """Say how large an error is [-], and how likely it is to stay below a threshold [-].
 
     The value is said where it and the probability decide alike, else the 90 % interval. `with_interval`:
     whether the interval is said in any case.
 
     >>> size = Estimate(value=0.0576, low=0.0051, high=0.0847)
-    >>> error_in_words("RMS^R", size, 0.05, 0.61)
-    'RMS^R is 0.51 to 8.47 %, below 5 % with probability 0.61'
-    >>> error_in_words("RMS^R", size, 0.05, 0.004, with_interval=True)
-    'RMS^R is 5.76 % (90 % interval 0.51 to 8.47 %), below 5 % with probability < 0.01'
+    >>> error_in_words("RMS error", size, 0.05, 0.61)
+    'RMS error 0.5 to 8.5 %, 61 % likely to be below 5 %'
+    >>> error_in_words("RMS error", size, 0.05, 0.004, with_interval=True)
+    'RMS error 5.8 % (90 % interval 0.5 to 8.5 %), less than 1 % likely to be below 5 %'
     """
     decided = Word.RELIABLE if size.value < threshold else Word.NOT_RELIABLE
-    value, interval = percent(size.value, decimals=2), percent_range(size.low, size.high)
+    value, interval = percent_and_interval(size.value, size.low, size.high)
     if word_of_probability(probability) is decided:
         how_large = f"{value} (90 % interval {interval})" if with_interval else value
     else:
         how_large = f"{interval} (90 % interval)" if with_interval else interval
-    return (
-        f"{name} is {how_large}, below {percent(threshold)} with probability {probability_text(probability)}"
-    )
+    return f"{name} {how_large}, {_likely(probability)} to be below {percent(threshold)}"
 
 
-def probability_text(probability: float, *, bound: float = 0.99) -> str:
+def _likely(probability: float) -> str:
+    """Say how likely something is, without claiming more than 99 %."""
+    if probability > _ALMOST_CERTAIN:
+        return f"more than {percent(_ALMOST_CERTAIN)} likely"
+    if probability < 1.0 - _ALMOST_CERTAIN:
+        return f"less than {percent(1.0 - _ALMOST_CERTAIN)} likely"
+    return f"{percent(probability, decimals=0)} likely"
+
+
+def probability_text(probability: float, *, bound: float = _ALMOST_CERTAIN) -> str:
     """Write a probability, without claiming more than 0.99.
 
     >>> probability_text(0.784), probability_text(0.9995), probability_text(0.0001)

@@ -1,12 +1,19 @@
 """Numbers in sentences: rounded to significant digits, without a power of ten where people write none.
 
-What a table holds too is written with the table's decimals: significant digits would add some to a small
-value and drop a last zero.
+A value with an interval has the digits that the interval allows, in sentences, tables and drawings alike.
 """
+
+import math
 
 from reliab.core.vocabulary import PERCENT
 
 _ORDINARY = (1e-4, 1e7)
+_TWO_DIGITS_BELOW = 5.0
+"""An uncertainty that begins with 1 to 4 is written with two digits, another with one: rounding then moves a
+number by at most a tenth of its uncertainty."""
+_UNKNOWN_DECIMALS = 2
+_MOST_OF_PERCENT = 2
+"""Decimals in per cent: whatever its draws say, no error is known to a hundred-thousandth of the response."""
 
 
 def significant(value: float, digits: int = 3) -> str:
@@ -39,22 +46,63 @@ def share_in_words(share: float | None, *, decimals: int | None = None) -> str:
     return "no share" if share is None else percent(share, decimals=decimals)
 
 
-def percent_range(low: float, high: float, *, decimals: int = 2) -> str:
-    """Write the ends of an interval in per cent.
+def decimals_of_uncertainty(uncertainty: float, digits: int | None = None) -> int:
+    """Return with how many decimals a number is written whose uncertainty is given in the same unit.
 
-    >>> percent_range(0.00078, 0.0492), percent_range(0.851, 0.92, decimals=1)
-    ('0.08 to 4.92 %', '85.1 to 92.0 %')
+    `digits`: significant digits of the uncertainty, where it is itself what is written.
+
+    >>> [decimals_of_uncertainty(uncertainty) for uncertainty in (18.0, 1.8, 0.54, 0.02)]
+    [0, 1, 1, 3]
     """
-    return f"{PERCENT * low:.{decimals}f} to {percent(high, decimals=decimals)}"
+    if not 0.0 < uncertainty < math.inf:
+        return _UNKNOWN_DECIMALS
+    exponent = math.floor(math.log10(uncertainty))
+    digits = digits or (2 if uncertainty < _TWO_DIGITS_BELOW * 10.0**exponent else 1)
+    return max(digits - 1 - exponent, 0)
+
+
+def decimals_of_interval(value: float, low: float, high: float) -> int:
+    """Return with how many decimals a value and its interval are written; the shorter side decides.
+
+    >>> decimals_of_interval(2.28, 0.42, 4.83), decimals_of_interval(11.0, 3.0, 20.0)
+    (1, 0)
+    """
+    sides = [side for side in (value - low, high - value) if side > 0.0]
+    return decimals_of_uncertainty(min(sides, default=0.0))
+
+
+def value_and_interval(
+    value: float, low: float, high: float, *, most_decimals: int | None = None
+) -> tuple[str, str]:
+    """Write a value and the ends of its interval, with the digits that the interval allows.
+
+    >>> value_and_interval(0.5969, 0.5764, 0.6160)
+    ('0.597', '0.576 to 0.616')
+    """
+    decimals = decimals_of_interval(value, low, high)
+    decimals = decimals if most_decimals is None else min(decimals, most_decimals)
+    return f"{value:.{decimals}f}", f"{low:.{decimals}f} to {high:.{decimals}f}"
+
+
+def percent_and_interval(value: float, low: float, high: float) -> tuple[str, str]:
+    """Write a share [-] and the ends of its interval in per cent.
+
+    >>> percent_and_interval(0.0228, 0.0042, 0.0483)
+    ('2.3 %', '0.4 to 4.8 %')
+    """
+    ends = (PERCENT * value, PERCENT * low, PERCENT * high)
+    size, interval = value_and_interval(*ends, most_decimals=_MOST_OF_PERCENT)
+    return f"{size} %", f"{interval} %"
 
 
 def percent_with_interval(value: float, low: float, high: float) -> str:
-    """Write an error [-] in per cent, with the ends of its interval.
+    """Write a share [-] in per cent, with the ends of its interval.
 
     >>> percent_with_interval(0.0228, 0.0042, 0.0483)
-    '2.28 % (0.42 to 4.83 %)'
+    '2.3 % (0.4 to 4.8 %)'
     """
-    return f"{percent(value, decimals=2)} ({percent_range(low, high)})"
+    size, interval = percent_and_interval(value, low, high)
+    return f"{size} ({interval})"
 
 
 def counted(number: int, noun: str) -> str:

@@ -78,6 +78,10 @@ class Metric(StrEnum):
         return cls(name)
 
 
+ERROR_NAMES: Final = {Metric.RMS: "RMS error", Metric.MTE: "largest error"}
+"""The errors of a test in sentences."""
+
+
 class Side(StrEnum):
     """Side of a boundary: an actuator that is late (d ≥ 0) or early (d < 0)."""
 

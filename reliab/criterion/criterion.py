@@ -13,8 +13,8 @@ from reliab.core.described_files import described_text
 from reliab.core.errors import InputError
 from reliab.core.physical_range import require_physical
 from reliab.core.plain_values import html_table
-from reliab.core.significant_digits import significant
-from reliab.core.vocabulary import MILLI, PERCENT, Metric, Side
+from reliab.core.significant_digits import percent, significant
+from reliab.core.vocabulary import ERROR_NAMES, MILLI, PERCENT, Metric, Side
 from reliab.criterion.laws.law import Law
 from reliab.criterion.methods.method import checked_share
 from reliab.criterion.population import Population
@@ -224,7 +224,7 @@ class Criterion:
 
     def __repr__(self) -> str:
         return (
-            f"<Criterion by {self.method}, law {self.law.name}: {self.metric.upper()} error below "
+            f"<Criterion by {self.method}, law {self.law.name}: {ERROR_NAMES[Metric(self.metric)]} below "
             f"{self.threshold:g} for {self._share_in_words}>"
         )
 
@@ -236,7 +236,7 @@ class Criterion:
 
     def _repr_html_(self) -> str:
         promise = {
-            "error": f"below {significant(self.threshold)} {self.metric.upper()}",
+            ERROR_NAMES[Metric(self.metric)]: f"below {percent(self.threshold)}",
             "confidence": f"{self._share_in_words}, by {self.method}",
             "limits": "a and b together" if self.joint else "a and b, separately",
         }

@@ -19,8 +19,8 @@ _NAMES = {
     "length": ("length of the record", " s"),
     "effective_duration": ("effective duration of the response", " s"),
     "cycles": ("number of cycles", ""),
-    "frequency_ratio": ("frequency of the error over that of the structure", ""),
-    "sensitivity": ("error for an amplitude error as large as the damping ratio", ""),
+    "frequency_ratio": ("ratio of the error's frequency to the structure's", ""),
+    "sensitivity": ("error that an amplitude error of ξ would cause", ""),
 }
 
 
@@ -45,6 +45,9 @@ class Position(StrEnum):
     OUTSIDE = "outside"
 
 
+_PLACES = {Position.EDGE: "at the edge of", Position.OUTSIDE: "outside"}
+
+
 @dataclass(frozen=True, kw_only=True)
 class ScopeComparison:
     """A test compared with the motions behind a criterion."""
@@ -54,7 +57,7 @@ class ScopeComparison:
 
 
 def compare_with_scope(scope: Mapping[str, Sequence[float]], test: Mapping[str, float]) -> ScopeComparison:
-    """Tell whether a test lies among the motions behind a criterion.
+    r"""Tell whether a test lies among the motions behind a criterion.
 
     `scope`: least value, 5 % and 95 % quantile and greatest value over the motions of each quantity, as a
     criterion's provenance holds them: `magnitude`, `length` [s], `cycles`, and those of responses:
@@ -63,8 +66,9 @@ def compare_with_scope(scope: Mapping[str, Sequence[float]], test: Mapping[str, 
     least and the greatest value, outside beyond them; of several quantities the least favourable.
 
     >>> compared = compare_with_scope({"length": (10.0, 20.0, 90.0, 100.0)}, {"length": 8.0})
-    >>> print(compared.position, *compared.sentences, sep=": ")
-    outside: The length of the record, 8 s, lies outside of the population (10 to 100 s).
+    >>> print(compared.position, *compared.sentences, sep="\n")
+    outside
+    The length of the record, 8 s, is outside the range of the motions behind the criterion (10 to 100 s).
     """
     positions, sentences = [Position.INSIDE], []
     for name, value in test.items():
@@ -77,8 +81,8 @@ def compare_with_scope(scope: Mapping[str, Sequence[float]], test: Mapping[str, 
         if position is not Position.INSIDE:
             words, unit = _NAMES[name]
             sentences.append(
-                f"The {words}, {significant(value)}{unit}, lies {position} of the population "
-                f"({significant(least)} to {significant(greatest)}{unit})."
+                f"The {words}, {significant(value)}{unit}, is {_PLACES[position]} the range of the motions "
+                f"behind the criterion ({significant(least)} to {significant(greatest)}{unit})."
             )
     worst = max(positions, key=list(Position).index)
     return ScopeComparison(position=worst, sentences=tuple(sentences))

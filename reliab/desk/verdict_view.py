@@ -7,7 +7,13 @@ from typing import Any, Final
 import panel as pn
 
 from reliab.assessment.verdict import next_steps
-from reliab.core.significant_digits import percent, percent_with_interval, significant
+from reliab.core.significant_digits import (
+    decimals_of_uncertainty,
+    percent,
+    percent_with_interval,
+    significant,
+)
+from reliab.core.vocabulary import ERROR_NAMES, PERCENT, Metric
 from reliab.desk.drawings import draw_error
 from reliab.desk.elements import button, downloads, html, listed
 from reliab.desk.work import Filed, Judgement
@@ -33,7 +39,10 @@ def interval_html(content: Mapping[str, Any]) -> str:
     low, value, high = (float(size[end]) for end in ("low", "value", "high"))
     scale = (_WIDTH - 40.0) / (1.15 * max(high, threshold))
     ends = [20.0 + scale * number for number in (low, value, high, threshold)]
-    name, interval = f"{content['metric'].upper()} error", percent_with_interval(value, low, high)
+    name, interval = (
+        ERROR_NAMES[Metric(content["metric"])].capitalize(),
+        percent_with_interval(value, low, high),
+    )
     label = f"{name} {interval}; the threshold is {percent(threshold)}"
     return (
         f'<svg class="scale" viewBox="0 0 {_WIDTH:g} 66" role="img" aria-label="{escape(label)}">'
@@ -99,6 +108,7 @@ class VerdictView:
         self._knowing.object = (
             '<p class="hint">Choose a quantity to see what knowing it better would change.</p>'
         )
+        decimals = decimals_of_uncertainty(PERCENT * largest, digits=2)
         rows = [
             pn.Row(
                 button(
@@ -106,7 +116,7 @@ class VerdictView:
                 ),
                 html(
                     f'<div class="bar"><i style="flex-grow:{item["contribution"] / largest:.3f}"></i></div>'
-                    f"<small>±{percent(item['contribution'], decimals=2)} of the error</small>"
+                    f"<small>±{percent(item['contribution'], decimals=decimals)} of the error</small>"
                 ),
                 sizing_mode="stretch_width",
             )
@@ -130,8 +140,8 @@ def knowing_html(item: Mapping[str, Any], content: Mapping[str, Any]) -> str:
     if entry is not None and entry["width"] is not None and entry["width_without"] is not None:
         now, then = float(entry["width"]), float(entry["width_without"])
         change = (
-            f"If you knew it exactly, the 90 % interval would be {percent(then, decimals=2)} wide instead of "
-            f"{percent(now, decimals=2)}."
+            f"If you knew it exactly, the 90 % interval would be {percent(then, 2)} wide instead of "
+            f"{percent(now, 2)}."
             if then < 0.99 * now
             else "Knowing it exactly would not make the interval narrower."
         )

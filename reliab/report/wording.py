@@ -14,9 +14,6 @@ from reliab.report.prose import Math, Piece
 ERRORS: Final = {Metric.RMS: Math(source='"RMS"^R'), Metric.MTE: Math(source='"MTE"^R')}
 """The errors of the whole test in mathematics."""
 
-ERROR_NAMES: Final = {Metric.RMS: "RMSᴿ", Metric.MTE: "MTEᴿ"}
-"""The errors of the whole test in plain text, where no mathematics can stand."""
-
 MEANINGS_OF_ERRORS: Final = {
     Metric.RMS: "the RMS of measured minus exact displacement over the peak (not the RMS) of the exact one",
     Metric.MTE: "the largest difference of measured and exact displacement over the peak of the exact one",

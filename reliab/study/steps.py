@@ -13,7 +13,7 @@ import xarray as xr
 from reliab.core.errors import InputError
 from reliab.core.files import written_whole
 from reliab.core.progress import Show
-from reliab.core.vocabulary import Metric
+from reliab.core.vocabulary import ERROR_NAMES, Metric
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.derivation import Derivation
 from reliab.criterion.ellipse_table import without_copies
@@ -235,9 +235,10 @@ def _derive(
     traced: xr.Dataset, threshold: float, metric: str, table: CriterionTable, show: Show
 ) -> DerivedCriteria:
     """Learn once from the ellipses of one error, and derive a criterion at each confidence."""
-    error = f"No criterion for {100 * threshold:g} % {metric.upper()}"
+    at = f"{100 * threshold:g} % of {ERROR_NAMES[Metric(metric)]}"
+    error = f"No criterion for {at}"
     try:
-        with show(f"Learning at {threshold:g} {metric.upper()}") as progress:
+        with show(f"Learning at {at}") as progress:
             learned = Derivation.from_ellipses(
                 traced,
                 method=method_of(table.method),

@@ -1,13 +1,13 @@
 """Report of how often diagnoses of campaigns with known, hidden effects were right."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from reliab.core.significant_digits import percent, percent_range
+from reliab.core.significant_digits import percent, percent_and_interval
 from reliab.core.vocabulary import PERCENT
 from reliab.effects.registry import library
 from reliab.report.axes import name_axes, plain
@@ -202,18 +202,21 @@ def _probabilities(run: Mapping[str, Any]) -> Section:
         caption = "How often effects were right that were named with a probability; the numbers count them."
         figure = RpFigure(drawing=discrepancy_reliability(bins), caption=caption, label="fig:reliability")
         return Section(title=title, blocks=(figure,))
-    sentences = (
-        prose(
-            "Of {n} effects that were named with a probability of {stated} in the mean, {share} were right "
-            "(95 % interval {ends}).",
-            n=row["of"],
-            stated=percent(row["mean_stated"], 4),
-            share=percent(row["share"], decimals=1),
-            ends=percent_range(row["low"], row["high"], decimals=1),
-        )
-        for row in bins.to_dict("records")
+    return Section(title=title, blocks=tuple(_right_of_named(row) for row in bins.to_dict("records")))
+
+
+def _right_of_named(row: Mapping[Hashable, Any]) -> Paragraph:
+    """Say how many effects that were named with a probability were right."""
+    share, ends = percent_and_interval(row["share"], row["low"], row["high"])
+    text = prose(
+        "Of {n} effects that were named with a probability of {stated} in the mean, {share} were right "
+        "(95 % interval {ends}).",
+        n=row["of"],
+        stated=percent(row["mean_stated"], 4),
+        share=share,
+        ends=ends,
     )
-    return Section(title=title, blocks=tuple(Paragraph(text=sentence) for sentence in sentences))
+    return Paragraph(text=text)
 
 
 def _failures(run: Mapping[str, Any]) -> Section:

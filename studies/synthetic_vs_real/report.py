@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.stats import ks_2samp
 
-from reliab.core.significant_digits import percent, percent_range
+from reliab.core.significant_digits import percent, percent_and_interval
 from reliab.core.vocabulary import PERCENT
 from reliab.report.axes import label_logarithmic, legend_below, name_axes, plain
 from reliab.report.document import Block, Column, Document, Figure as RpFigure, Paragraph, Section, Table
@@ -80,12 +80,10 @@ def _verdict(
 ) -> Prose:
     reference, compared = names[0], names[-1]
     ratios = _ratios(limits, reference, compared)
-    ending = (
-        ""
-        if containment is None
-        else f"; {percent(containment['rate'], decimals=1)} of the motions of “{reference}” contain it "
-        f"(95 % interval {percent_range(containment['low'], containment['high'], decimals=1)})"
-    )
+    ending = ""
+    if containment is not None:
+        rate, ends = percent_and_interval(*(containment[key] for key in ("rate", "low", "high")))
+        ending = f"; {rate} of the motions of “{reference}” contain it (95 % interval {ends})"
     return prose(
         "For a stated {share} of motions, the criterion from “{compared}” allows {a_low:.2f} to {a_high:.2f} "
         "times the amplitude error and {b_low:.2f} to {b_high:.2f} times the delay that the criterion from "

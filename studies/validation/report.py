@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from reliab_studies.paper2017.cases import case_table
 from reliab_studies.paper2017.pages.displacement_histories import case_histories
 
-from reliab.core.significant_digits import percent, percent_range
+from reliab.core.significant_digits import percent, percent_and_interval
 from reliab.core.vocabulary import MILLI, PERCENT
 from reliab.report.axes import label_logarithmic, legend_below, name_axes, plain
 from reliab.report.document import Block, Column, Document, Figure as RpFigure, Paragraph, Section, Table
@@ -110,14 +110,15 @@ def _verdict(rates: pd.DataFrame, confidence: float) -> tuple[Prose, bool]:
         else f", and {percent(unsafe.iloc[0]['rate'], decimals=1)} of the tests that it accepts exceed "
         "their error"
     )
+    rate, ends = percent_and_interval(row["rate"], row["low"], row["high"])
     verdict = prose(
         "The criterion “{name}”, which states {stated}, {word} its promise: {rate} of motions of held-out "
         "earthquakes contain it (95 % interval {ends}){ending}.",
         name=row["candidate"],
         stated=percent(row["confidence"]),
         word="keeps" if keeps else "does not keep",
-        rate=percent(row["rate"], decimals=1),
-        ends=percent_range(row["low"], row["high"], decimals=1),
+        rate=rate,
+        ends=ends,
         ending=ending,
     )
     return verdict, keeps

@@ -47,7 +47,7 @@ def measure_judge(desk: DeskBrowser) -> None:
     timed("drawn", lambda: desk.wait_for("What was recognised in"))
     desk.state_structure()
     desk.press("Judge this test")
-    timed("verdict", lambda: desk.wait_for("below 5 % with probability"))
+    timed("verdict", lambda: desk.wait_for("likely to be below 5 %"))
     timed("report", lambda: desk.wait_for("The whole report"))
 
 

@@ -12,7 +12,7 @@ from parsed import nodes
 
 import reliab
 from reliab.core.errors import InputError
-from reliab.core.significant_digits import percent, significant
+from reliab.core.significant_digits import percent, percent_with_interval, significant, value_and_interval
 from reliab.core.stated_value import StatedValue
 
 ORDINARY = [*np.geomspace(0.01, 1000.0, 400).tolist(), 0.995, 9.96, 99.5, 99.96, 999.5, 999.96, 1000.0]
@@ -46,6 +46,35 @@ def test_no_sentence_is_written_past_it():
         if re.search(r"\.([0-3]|\{digits\})g", ast.unparse(node.format_spec))
     ]
     assert stray == []
+
+
+@given(
+    value=st.floats(-1e3, 1e3),
+    lower=st.floats(1e-3, 1e3),
+    upper=st.floats(1e-3, 1e3),
+)
+def test_a_value_has_the_digits_that_its_interval_allows(value, lower, upper):
+    """Rounding moves no number by more than a tenth of the shorter side."""
+    low, high = value - lower, value + upper
+    shorter = min(value - low, high - value)
+    written, interval = value_and_interval(value, low, high)
+    for number, text in zip((value, low, high), (written, *interval.split(" to ")), strict=True):
+        assert abs(float(text) - number) <= max(0.1 * shorter, 0.5 if "." not in text else 0.0) + 1e-9
+    decimals = len(written.partition(".")[2])
+    assert decimals == 0 or 10.0**-decimals > 0.01 * shorter
+
+
+@pytest.mark.parametrize(
+    ("value", "low", "high", "written"),
+    [
+        (0.0224, 0.0072, 0.0435, "2.2 % (0.7 to 4.3 %)"),
+        (0.0601, 0.0201, 0.1192, "6.0 % (2.0 to 11.9 %)"),
+        (0.011069, 0.011049, 0.011086, "1.11 % (1.10 to 1.11 %)"),
+        (0.0123, 0.0123, 0.0123, "1.23 % (1.23 to 1.23 %)"),
+    ],
+)
+def test_an_error_has_the_digits_that_its_interval_allows(value, low, high, written):
+    assert percent_with_interval(value, low, high) == written
 
 
 IN_A_LOCALE_WITHOUT_UTF_8 = "1±0.01".encode().decode("ascii", "surrogateescape")

@@ -30,13 +30,13 @@ from reliab.assessment.rebuilt_error.loop_energy import FALSE_ALARMS
 from reliab.assessment.rebuilt_error.rebuild import DRAWS
 from reliab.assessment.rebuilt_error.running_error import Monitor
 from reliab.assessment.rebuilt_error.running_test import FALSE_ERROR_ALARMS
-from reliab.assessment.verdict import ERROR_NAMES, Word, error_in_words, word_of_probability
+from reliab.assessment.verdict import Word, error_in_words, word_of_probability
 from reliab.core.encodings import pieces_as_utf8
 from reliab.core.files import written_whole
 from reliab.core.plain_values import PlainResult
 from reliab.core.significant_digits import percent, significant
 from reliab.core.stated_value import StatedValue
-from reliab.core.vocabulary import Metric
+from reliab.core.vocabulary import ERROR_NAMES, Metric
 from reliab.recordings.followed_rows import (
     rows_about_zero,
     rows_at_equal_steps,
@@ -248,7 +248,7 @@ class FollowedTest:
             yield from self._alarm(
                 "error",
                 monitor,
-                f"the error is above twice {percent(self.threshold, decimals=2)}; "
+                f"the error is above twice {percent(self.threshold)}; "
                 + (
                     f"at most {percent(FALSE_ERROR_ALARMS)} of simulated tests that end below "
                     f"that threshold raised this alarm"

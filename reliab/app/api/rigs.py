@@ -41,7 +41,7 @@ class RigList(ResultWithRows):
         "A": ("A", ".4f"),
         "d [ms]": ("d_ms", ".2f"),
         "remainder": ("remainder", significant),
-        "error": ("rms", lambda error: "" if error is None else percent(error)),
+        "error": ("rms", lambda error: "" if error is None else percent(error, 2)),
         "verdict": ("verdict", lambda word: word.replace("_", " "), "left"),
         "change": ("change", lambda sentence: sentence or "", "left"),
     }

@@ -15,7 +15,7 @@ from reliab.app.cli.output import (
 )
 from reliab.core.columns import WHERE, Columns, digits
 from reliab.core.significant_digits import percent, significant
-from reliab.core.vocabulary import PERCENT
+from reliab.core.vocabulary import ERROR_NAMES, PERCENT, Metric
 
 
 @takes(questions.CriterionQuestion, outputs.Listing)
@@ -166,7 +166,7 @@ def _show_rig(rig: Mapping[str, Any]) -> None:
     for name, form in (("A", ".4f"), ("d_ms", ".3f")):
         values = sorted(motion[name] for motion in rig["motions"])
         rows[f"{name}, least to largest"] = f"{values[0]:{form}} to {values[-1]:{form}}"
-    title = f"Error of the described rig, {rig['metric']}"
+    title = f"Error of the described rig, {ERROR_NAMES[Metric(rig['metric'])]}"
     show_table(title, {"": "left", "value": "right"}, rows.items())
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from reliab.app import questions
 from reliab.app.cli.commands import Asked, takes
 from reliab.app.cli.output import progress_bar, say, show_rows
-from reliab.core.vocabulary import Metric
+from reliab.core.vocabulary import ERROR_NAMES, Metric
 
 if TYPE_CHECKING:
     from reliab.app.api.tracing import Boundaries
@@ -25,7 +25,7 @@ def ellipses(asked: Asked) -> None:
 
 def _show(traced: "Boundaries", metric: str) -> None:
     """Print one row for each boundary, page by page: a single table of very many would fill the memory."""
-    title = f"{len(traced)} boundaries of {metric.upper()}^R"
+    title = f"{len(traced)} boundaries of the {ERROR_NAMES[Metric(metric)]}"
     rows = traced.rows()
     while page := list(itertools.islice(rows, _PAGE)):
         show_rows(title, traced.shown, page)

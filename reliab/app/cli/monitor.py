@@ -17,12 +17,13 @@ from reliab.app.declaration import argument
 from reliab.app.options import OUTPUT
 from reliab.core.errors import InputError
 from reliab.core.files import refuse_unwritable
-from reliab.core.significant_digits import percent, percent_with_interval
-from reliab.core.vocabulary import Metric
+from reliab.core.significant_digits import decimals_of_uncertainty, percent, percent_with_interval
+from reliab.core.vocabulary import ERROR_NAMES, PERCENT, Metric
 
 if TYPE_CHECKING:
     from reliab.app.api.followed_test import Message
 
+_DECIMALS = 2  # at most, of the net damping ratio in per cent
 _NO = 1  # exit code where the answer is no
 
 
@@ -187,7 +188,7 @@ def _line(message: Mapping[str, Any], metric: Metric, threshold: float) -> str:
     error = message["error"][metric]
     damping, deviation = message["net_damping_ratio"], message["net_damping_deviation"]
     return (
-        f"{message['time_s']:8.2f} s  {metric.upper()}{_governing(message)} "
+        f"{message['time_s']:8.2f} s  {ERROR_NAMES[metric]}{_governing(message)} "
         f"{percent_with_interval(error['value'], error['low'], error['high'])}, probability below "
         f"{percent(threshold)}: {probability_text(message['error']['probability'])}, net damping "
         + ("not settled" if damping is None else _with_deviation(damping, deviation))
@@ -197,7 +198,8 @@ def _line(message: Mapping[str, Any], metric: Metric, threshold: float) -> str:
 
 def _with_deviation(damping: float, deviation: float) -> str:
     """Net damping with its standard error."""
-    return f"{100.0 * damping:.2f} ± {percent(deviation, decimals=2)}"
+    decimals = min(decimals_of_uncertainty(PERCENT * deviation), _DECIMALS)
+    return f"{PERCENT * damping:.{decimals}f} ± {percent(deviation, decimals=decimals)}"
 
 
 def _governing(message: Mapping[str, Any]) -> str:
@@ -219,12 +221,12 @@ def _table(message: "Message", metric: Metric, threshold: float) -> Any:  # noqa
         if "governing" in message.to_dict():
             shown["displacement with the largest error"] = message.to_dict()["governing"]
         shown["error now, mm"] = f"{1e3 * now.error:.3f}"
-        shown["RMS^R so far, with noise"] = percent(now.rms, decimals=2)
-        shown["MTE^R so far, with noise"] = percent(now.mte, decimals=2)
+        shown["RMS error so far, with noise"] = percent(now.rms, 2)
+        shown["largest error so far, with noise"] = percent(now.mte, 2)
     if result is not None:
         error = result.estimate(metric)
         size = percent_with_interval(error.value, error.low, error.high)
-        shown[f"{metric.upper()} with its 90 % interval"] = size
+        shown[f"{ERROR_NAMES[metric]} with its 90 % interval"] = size
         probability = result.probability(threshold, metric)
         shown[f"probability below {percent(threshold)}"] = f"{probability:.3f}"
     shown["net damping ratio"] = (

@@ -1,4 +1,4 @@
-"""What `reliab assess` prints first about a test: verdict, error, what to improve, in twelve lines."""
+"""What `reliab assess` prints first about a test: verdict, error, what to improve, in ten lines."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from reliab.app.cli.output import console, say, show_rows, show_table
 from reliab.core.significant_digits import counted, percent, percent_with_interval, significant
+from reliab.core.vocabulary import ERROR_NAMES, Metric
 
 if TYPE_CHECKING:
     from reliab.assessment.assessment import Assessment
@@ -58,7 +59,11 @@ def show_several(contents: list[dict[str, Any]]) -> None:
     from reliab.assessment.several import Assessments
 
     judged = [content for content in contents if "fault" not in content]
-    asked = f", {judged[0]['metric'].upper()} against {percent(judged[0]['threshold'])}" if judged else ""
+    asked = (
+        f", {ERROR_NAMES[Metric(judged[0]['metric'])]} against {percent(judged[0]['threshold'])}"
+        if judged
+        else ""
+    )
     title = f"Verdicts on {counted(len(contents), 'test')}{asked}"
     show_rows(title, Assessments.shown, contents)
     for content in contents:
@@ -67,7 +72,8 @@ def show_several(contents: list[dict[str, Any]]) -> None:
 
 def show_same_test(runs: "SameTest") -> None:
     """Print the verdicts on runs of one test."""
-    title = f"{len(runs.runs)} runs of one test, {runs.metric.upper()} against {percent(runs.threshold)}"
+    asked = f"{ERROR_NAMES[runs.metric]} against {percent(runs.threshold)}"
+    title = f"{len(runs.runs)} runs of one test, {asked}"
     show_rows(title, runs.shown, runs.plain_rows())
     say(*runs.sentences)
 
@@ -81,21 +87,23 @@ def _why(content: dict[str, Any]) -> list[str]:
 
 
 _STYLES = {"reliable": "bold green", "undecided": "bold yellow", "not_reliable": "bold red"}
-_LINES = 12
+_LINES = 10
 
 
 def show_briefly(content: dict[str, Any], *, without_details: bool) -> None:
-    """Print verdict, error, doubts and remedies; warnings as far as they fit where no details follow."""
+    """Print verdict, error, doubts and remedies; where no details follow, what fits, the remedies last."""
     from reliab.assessment import brief
 
-    say(brief.headline(content), style=_STYLES[content["verdict"]])
+    headline = brief.headline(content)
+    say(headline, style=_STYLES[content["verdict"]])
     found, actions = list(brief.findings(content)), list(brief.actions(content))
     if without_details:
         further = [warning for warning in content["warnings"] if warning not in content["reasons"]]
         more = [*map("Warning: {}".format, further), *_channels(content["recording"]["channels"])]
-        room = _LINES - 2 - sum(map(_lines, [*found, *actions]))
-        while more and sum(map(_lines, more)) > room:
-            more.pop()
+        room = _LINES - 1 - sum(map(_lines, [headline, *actions]))
+        for sentences in (more, found):
+            while sentences and sum(map(_lines, [*found, *more])) > room:
+                sentences.pop()
         found += [*more, _hidden(max(len(further) - len(more), 0), len(content["notes"]))]
     say(*found, *actions)
 
@@ -126,7 +134,7 @@ def _hidden(warnings: int, notes: int) -> str:
 
 def show_degrees(content: dict[str, Any]) -> None:
     """Print the errors of several displacements."""
-    headings = {"degree of freedom": "left", "RMS^R": "right", "MTE^R": "right", "below": "right"}
+    headings = {"degree of freedom": "left", "RMS error": "right", "largest error": "right", "below": "right"}
     degrees = content["error"].get("degrees_of_freedom", {})
     if degrees:
         rows = [_degree(name, degree) for name, degree in degrees.items()]

@@ -7,6 +7,7 @@ from reliab.app.cli.commands import Asked, takes
 from reliab.app.cli.output import progress_bar, say, show_rows
 from reliab.app.options import METHOD
 from reliab.core.significant_digits import percent
+from reliab.core.vocabulary import ERROR_NAMES, Metric
 
 
 class _Ways(TypedDict, total=False):
@@ -44,7 +45,7 @@ def show_criteria(content: dict[str, Any]) -> None:
 
     title = (
         f"{content['scheme'].replace('_', ' ')}: {content['n_motions']} motions of {content['n_events']} "
-        f"earthquakes, {content['metric'].upper()} {content['threshold']:g} over "
+        f"earthquakes, {ERROR_NAMES[Metric(content['metric'])]} {content['threshold']:g} over "
         f"{_window(content['window'])}"
     )
     show_rows(title, Validation.shown, content["rows"])

@@ -26,12 +26,12 @@ def moment_html(message: Mapping[str, Any]) -> str:
     error = message.get("error") or {}
     size = error.get("rms") or {}
     so_far = (
-        f"RMS error so far {percent_with_interval(size['value'], size['low'], size['high'])}, below the "
-        f"threshold with probability {error['probability']:.2f}."
+        f"RMS error so far {percent_with_interval(size['value'], size['low'], size['high'])}, "
+        f"{percent(error['probability'], decimals=0)} likely to be below the threshold."
         if size.get("value") is not None
         else "No interval yet."
         if message.get("rms") is None
-        else f"RMS error so far {percent(message['rms'], decimals=2)}."
+        else f"RMS error so far {percent(message['rms'], 2)}."
     )
     alarms = message.get("sentences") or ()
     shown_alarms = f'<div class="refusal" role="alert">{listed(alarms)}</div>' if alarms else ""

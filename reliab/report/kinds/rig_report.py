@@ -31,7 +31,7 @@ _QUANTITIES = {
     "A": "Amplitude A",
     "d_ms": "Equivalent delay d [ms]",
     "remainder": "Remainder, neither gain nor delay [%]",
-    "rms": "Error of the whole test, RMSᴿ [%]",
+    "rms": "RMS error of the whole test [%]",
     "ratio": "Logarithm of the error relative to that from A, d and remainder",
 }
 _IN_PERCENT = ("remainder", "rms")

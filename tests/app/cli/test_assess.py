@@ -12,6 +12,7 @@ from typer.testing import CliRunner, Result
 from reliab.app.cli import application, run as run_command, spread
 from reliab.app.cli.commands import as_options
 from reliab.core.errors import InputError
+from reliab.core.significant_digits import percent_with_interval
 from reliab.criterion.published import published_criterion
 
 pytestmark = pytest.mark.usefixtures("judged_once")
@@ -56,8 +57,8 @@ def test_good_test_is_reliable_and_says_so(folder):
     assert found["A"] == pytest.approx(0.999, abs=1e-3)
     assert found["d_ms"] == pytest.approx(0.4, abs=0.05)
     shown = run(folder / "good.csv", *ONE_HERTZ, "--exact", "--details").stdout
-    assert shown.startswith("RELIABLE: RMS^R is ")
-    assert "below 5 % with probability > 0.99" in shown
+    assert shown.startswith("RELIABLE: RMS error ")
+    assert "more than 99 % likely to be below 5 %" in shown
     for said in (
         "Structure: f = 1 Hz, ξ = 0.02, share of the stiffness in the laboratory α = 1",
         "Threshold and window: 5 %, over the test's own 40 s",
@@ -78,7 +79,7 @@ def test_what_to_improve_first_is_named(folder, name, first):
 
 def test_what_would_sharpen_a_verdict_most_comes_first_and_the_budget_as_a_table(folder):
     shown = " ".join(run("sample_test", *ONE_HERTZ, "--details").stdout.split())
-    assert shown.startswith("RELIABLE: RMS^R is 2.24 %, below 5 % with probability 0.9")
+    assert shown.startswith("RELIABLE: RMS error 2.2 %, 9")
     assert "To narrow the interval: calibrate the displacement sensor" in shown
     assert "skew of the channels" in shown
     left_open = answer(folder / "good.csv")
@@ -100,16 +101,16 @@ def test_what_would_sharpen_a_verdict_most_comes_first_and_the_budget_as_a_table
         ),
     ],
 )
-def test_the_screen_says_its_verdict_once_and_in_twelve_lines(folder, monkeypatch, name, width):
+def test_the_screen_says_its_verdict_once_and_in_ten_lines(folder, monkeypatch, name, width):
     monkeypatch.setattr("reliab.app.cli.output._WIDTH_OF_PIPES", width)
     shown = run.__wrapped__(folder / f"{name}.csv", *ONE_HERTZ).stdout
-    assert len(shown.splitlines()) <= 12
-    assert shown.count("with probability") == 1
+    assert len(shown.splitlines()) <= 10
+    assert shown.count("likely to be below") == 1
     content = answer(folder / f"{name}.csv")
     text = " ".join(shown.split())
     for metric in ("rms", "mte"):
         size = content["error"][metric]
-        assert f"{100 * size['value']:.2f} % ({100 * size['low']:.2f} to {100 * size['high']:.2f} %)" in text
+        assert percent_with_interval(**size) in text
     assert content["budget"][0]["quantity"] in text
     assert all(on_screen(remedy).lower() in text.lower() for remedy in content["would_decide"])
     details = run.__wrapped__(folder / f"{name}.csv", *ONE_HERTZ, "--details").stdout

@@ -126,7 +126,7 @@ def test_runs_of_the_same_test_are_judged_together(ask, runs):
     assert [run["file"] for run in content["runs"]] == ["good.csv", "late.csv"]
     assert "third run" in content["warnings"][0]
     _, out, _ = ask(*runs, command="extrapolate")
-    assert "2 runs of one test, RMS against 5 %" in out
+    assert "2 runs of one test, RMS error against 5 %" in out
     assert f"{100 * content['runs'][0]['error']['value']:.2f} %" in out
 
 

@@ -63,7 +63,7 @@ SHARES = {
     ],
 }
 RIG = {
-    "metric": "RMS^R",
+    "metric": "rms",
     "stable": True,
     "median": 0.0111,
     "largest": 0.0333,
@@ -147,7 +147,7 @@ def test_limits_and_the_error_of_a_rig_stand_below_their_headings(drawn, capsys)
         "0.000111",
         "2.22",
     )
-    rows = {row[""]: row["value"] for row in cells(drawn["Error of the described rig, RMS^R"])}
+    rows = {row[""]: row["value"] for row in cells(drawn["Error of the described rig, RMS error"])}
     assert rows == {
         "median of the motions": "1.11 %",
         "largest": "3.33 %",
@@ -211,12 +211,12 @@ def test_several_verdicts_stand_below_their_headings(drawn, capsys):
         "reasons": ["Too large."],
     }
     show_several([judged, {"file": "b/c.csv", "fault": "c.csv: no command"}])
-    assert cells(drawn["Verdicts on 2 tests, RMS against 5 %"]) == [
+    assert cells(drawn["Verdicts on 2 tests, RMS error against 5 %"]) == [
         {
             "test": "a.csv",
             "verdict": "not reliable",
-            "error": "6.00 %",
-            "90 % interval": "5.50 … 6.60 %",
+            "error": "6.0 %",
+            "90 % interval": "5.5 to 6.6 %",
             "probability": "0.25",
             "A": "0.99000",
             "d, ms": "1.5000",

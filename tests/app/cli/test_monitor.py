@@ -185,7 +185,7 @@ def test_the_end_decides_and_an_alarm_is_told(tmp_path, capsys):
     printed = " ".join(capsys.readouterr().out.split())
     assert printed.count("Alarm at") == 1
     assert "s: the error is above twice 0.20 %" in printed
-    assert printed.index("Alarm at") < printed.index("NOT RELIABLE: RMS^R is")
+    assert printed.index("Alarm at") < printed.index("NOT RELIABLE: RMS error")
     assert "No new row came for 0.1 s: the test counts as finished." in printed
 
 

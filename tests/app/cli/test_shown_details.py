@@ -51,7 +51,7 @@ RATES = {
 def test_rates_of_criteria_are_printed_with_what_limits_them(capsys):
     flat = " ".join(re.sub(r"[│┃]", " ", printed(capsys, show_rates, RATES)).split())
     for words in (
-        "events: 60 motions of 20 earthquakes, RMS 0.05 over the first 12 s",
+        "events: 60 motions of 20 earthquakes, RMS error 0.05 over the first 12 s",
         "ours 95 % 90.0 % (80.0 % … 95.0 %) 85.0 % 2.0 % none", "Judged on motions: It protects.",
         "3 of the motions are of earthquakes that the suite holds", "theirs at 99 % is not judged",
         "reaches beyond the stored results: 4 times", "the motions' own ellipses decide",
@@ -136,17 +136,17 @@ def test_a_test_with_several_actuators_is_shown_by_degree_of_freedom(capsys):
     show_degrees(SEVERAL)
     lines = lines_of(capsys.readouterr().out)
     for line in (
-        "NOT RELIABLE: RMS^R of x is 1.23 %, below 1 % with probability 0.02", "First of all this.",
+        "NOT RELIABLE: RMS error of x 1.2 %, 2 % likely to be below 1 %", "First of all this.",
         "Next step: a longer test",
         "Error of corner, with 90 % intervals", "theta not judged", "Warning: Look at this.",
-        "Improve first: gain of actuator 1; without it RMS^R of x would be 0.44 %.",
+        "Improve first: gain of actuator 1; without it the RMS error of x would be 0.4 %.",
         "Tracking: actuator 1 A = 0.9877, d = 2.35 ms; actuator 2 A = 1.0123, d = -0.567 ms.",
         "1 note: run with --details.",
     ):  # fmt: skip
         assert line in lines, line
     (row,) = [line for line in lines if line.startswith("x ")]
     assert row.endswith(" 0.87")
-    assert row.index("1.23") < row.index("3.4")
+    assert row.index(" 1.2 %") < row.index(" 3.")
     assert not any("Note" in line or "each part" in line for line in lines)
 
 
@@ -165,7 +165,7 @@ def test_tests_added_to_a_rig_are_shown_with_what_was_there_and_what_failed(caps
     for line in (
         "Tests added to r: 2", "Tests in the rig: 7.", "Already in the rig: a.csv, b.csv.",
         "Not judged: c.csv: no column",
-        "t1 01234567 2026-01-02 Kobe 0.9877 2.35 0.0123 4.56 % not reliable delay",
+        "t1 01234567 2026-01-02 Kobe 0.9877 2.35 0.0123 4.6 % not reliable delay",
         "t2 01234567 2026-01-02 Kobe 0.9877 2.35 0.0123 not reliable",
     ):  # fmt: skip
         assert line in lines, (line, lines)

@@ -8,6 +8,7 @@ from reliab.app.api.followed_test import Message
 from reliab.app.cli import validate
 from reliab.app.cli.monitor import _table
 from reliab.assessment.rebuilt_error.running_error import Monitor
+from reliab.core.significant_digits import percent_with_interval
 from reliab.core.vocabulary import Metric
 from reliab.structures.structure import Structure
 
@@ -45,10 +46,7 @@ def test_the_table_of_a_running_test_grows_with_what_is_known():
     result = monitor.ask(draws=8)
     message.alarms["energy"] = "the loop has gained energy"  # type: ignore[index]
     text = shown()
-    assert (
-        f"{100 * result.rms.value:.2f} % ({100 * result.rms.low:.2f} to {100 * result.rms.high:.2f} %)"
-        in text
-    )
+    assert percent_with_interval(result.rms.value, result.rms.low, result.rms.high) in text
     assert f"{result.probability(0.05):.3f}" in text
     assert f"{100 * monitor.now.damping.ratio:.2f} ± {100 * monitor.now.damping.deviation:.2f} %" in text
     assert "the loop has gained energy" in text

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from reliab.assessment.assess import assess
+from reliab.core.significant_digits import percent_and_interval
 from reliab.core.stated_value import StatedValue
 from reliab.criterion.derivation import derive_criterion
 from reliab.criterion.methods.registry import method_of
@@ -61,9 +62,9 @@ def test_a_test_is_reported_on_two_pages(
     assert "over the test's own 40 s" in read
     assert f"with the test {found.scope.position} of them" in read
     rms = found.error.rebuilt.rms
-    low, value, high = (f"{100.0 * end:.2f}" for end in (rms.low, rms.value, rms.high))
-    interval = f"{low} to {high} %"
+    value, interval = percent_and_interval(rms.value, rms.low, rms.high)
     sizes = {"undecided": f"{interval} (90 % interval)"}
-    assert f"is {sizes.get(word, f'{value} % (90 % interval {interval})')}, below 5 %" in read
-    assert f"RMSR {value} {low} to {high} " in read  # as the table has them
+    assert f"RMS error {sizes.get(word, f'{value} (90 % interval {interval})')}, " in read
+    assert "likely to be below 5 %" in read
+    assert f"RMS error {value} {interval} ".replace(" %", "") in read  # as the table has them
     assert all(with_options(remedy) in read for remedy in found.would_decide)

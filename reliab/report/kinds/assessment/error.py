@@ -14,8 +14,16 @@ from reliab.assessment.rebuilt_error.parts import Parts
 from reliab.assessment.rebuilt_error.spread import DisplacementError, Estimate
 from reliab.assessment.uncertainty_budget import BudgetItem
 from reliab.assessment.verdict import Word, error_in_words, next_steps
-from reliab.core.significant_digits import percent, percent_with_interval, significant
-from reliab.core.vocabulary import MILLI, PERCENT, Metric
+from reliab.core.significant_digits import (
+    decimals_of_interval,
+    decimals_of_uncertainty,
+    percent,
+    percent_and_interval,
+    percent_with_interval,
+    significant,
+    value_and_interval,
+)
+from reliab.core.vocabulary import ERROR_NAMES, MILLI, PERCENT, Metric
 from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
 from reliab.report.document import Block, Document, Figure, Source, Table, text_table
@@ -23,7 +31,7 @@ from reliab.report.figures.measured_test import error_over_time
 from reliab.report.numbers import MISSING
 from reliab.report.prose import Prose, prose
 from reliab.report.sources import SOURCES
-from reliab.report.wording import ERRORS, spelled_out, with_options
+from reliab.report.wording import spelled_out, with_options
 
 TONES: Final[Mapping[Word, Literal["plain", "good", "bad"]]] = {
     Word.RELIABLE: "good",
@@ -76,11 +84,14 @@ _STRETCHES, _PARTS_DRAWN = 40, 4
 
 def errors_table(error: ErrorOfTest, recording: Recording) -> Table:
     """Tabulate the error with its interval, and its parts."""
-    sizes = {"RMSᴿ": Metric.RMS, "MTEᴿ": Metric.MTE}
-    rows = [(name, *with_interval(error.estimate(metric)), "") for name, metric in sizes.items()]
+    decimals = decimals_of_error(error.estimate(Metric.RMS))
+    rows = [
+        (f"{name[:1].upper()}{name[1:]}", *with_interval(error.estimate(metric)), "")
+        for metric, name in ERROR_NAMES.items()
+    ]
     for name, share in error.parts.by_name.items():
-        remaining = f"{PERCENT * share.remaining_rms:.2f}"
-        rows.append((f"RMSᴿ from {PART_NAMES[name]} alone", f"{PERCENT * share.rms:.2f}", "", remaining))
+        alone, remaining = (f"{PERCENT * size:.{decimals}f}" for size in (share.rms, share.remaining_rms))
+        rows.append((f"RMS error from {PART_NAMES[name]} alone", alone, "", remaining))
     return text_table(
         rows,
         ("Error, over the peak of the exact displacement", "Found [%]", "90 % interval", "Without it"),
@@ -93,19 +104,27 @@ def errors_table(error: ErrorOfTest, recording: Recording) -> Table:
     )
 
 
+def decimals_of_error(size: Estimate) -> int:
+    """Return with how many decimals in per cent an error is written."""
+    return decimals_of_interval(*(PERCENT * end for end in (size.value, size.low, size.high)))
+
+
 def with_interval(size: Estimate) -> tuple[str, str]:
     """Write an error and its 90 % interval [%]."""
-    return f"{PERCENT * size.value:.2f}", f"{PERCENT * size.low:.2f} to {PERCENT * size.high:.2f}"
+    value, interval = percent_and_interval(size.value, size.low, size.high)
+    return value.removesuffix(" %"), interval.removesuffix(" %")
 
 
 def budget_table(budget: tuple[BudgetItem, ...], narrowing: tuple[str, ...]) -> Table:
     """Tabulate what is not known exactly, the largest first; `narrowing`: what would help most."""
+    largest = PERCENT * max((item.contribution for item in budget), default=0.0)
+    decimals = decimals_of_uncertainty(largest, digits=2)
     rows = [
         (
             item.quantity,
             "" if item.size is None else f"{significant(item.size, 2)} {item.unit}",
             str(item.source),
-            f"{PERCENT * item.contribution:.2f}",
+            f"{PERCENT * item.contribution:.{decimals}f}",
         )
         for item in budget
     ]
@@ -128,7 +147,7 @@ def responses_table(responses: ResponseErrors) -> Table:
         (
             response.name.capitalize(),
             *(
-                f"{significant(size.value)} ({significant(size.low)} to {significant(size.high)})"
+                f"{' ('.join(value_and_interval(size.value, size.low, size.high))})"
                 for size in (response.rms_mm, response.peak_mm)
             ),
             *(
@@ -140,9 +159,9 @@ def responses_table(responses: ResponseErrors) -> Table:
     ]
     return text_table(
         rows,
-        ("Response", f"RMS [{responses.unit}]", f"Largest [{responses.unit}]", "RMSᴿ", "MTEᴿ"),
+        ("Response", f"RMS [{responses.unit}]", f"Largest [{responses.unit}]", "RMS error", "Largest error"),
         caption="Deviation of the computed floors and storeys from those of the undisturbed "
-        f"frame, with 90 % intervals. {responses.sentence.replace('RMS^R', 'RMSᴿ')}",
+        f"frame, with 90 % intervals. {responses.sentence}",
         label="tab:responses",
     )
 
@@ -187,8 +206,13 @@ def improve_first(error: ErrorWithThreshold) -> str:
     first = error.parts.first
     if first is None:
         return CANCELLING
-    remaining = percent(error.parts.by_name[first].remaining_rms, decimals=2)
-    return f"Improve first: {part_in_words(first)}. Without it RMSᴿ{error.of_which} would be {remaining}."
+    remaining = percent(
+        error.parts.by_name[first].remaining_rms, decimals=decimals_of_error(error.estimate(Metric.RMS))
+    )
+    return (
+        f"Improve first: {part_in_words(first)}. Without it the RMS error{error.of_which} would be "
+        f"{remaining}."
+    )
 
 
 def error_sentence(error: ErrorWithThreshold, word: Word) -> Prose:
@@ -196,12 +220,9 @@ def error_sentence(error: ErrorWithThreshold, word: Word) -> Prose:
     size = error.estimate(error.metric)
     if np.isnan(size.value):
         return f"The test is {spelled_out(word)}: no displacement stands out of the noise of its sensors."
-    how_large = error_in_words(error.of_which, size, error.threshold, error.probability, with_interval=True)
-    return (
-        *prose("The test is *{word}*: its ", word=spelled_out(word)),
-        ERRORS[error.metric],
-        f"{how_large}.",
-    )
+    name = f"{ERROR_NAMES[error.metric]}{error.of_which}"
+    how_large = error_in_words(name, size, error.threshold, error.probability, with_interval=True)
+    return prose("The test is *{word}*: {how_large}.", word=spelled_out(word), how_large=how_large)
 
 
 def advice(assessment: Assessment) -> Prose:

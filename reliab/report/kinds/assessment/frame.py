@@ -10,12 +10,13 @@ from reliab.assessment.error_with_threshold import ErrorOfSeveral
 from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment, JudgedFrame, ModeOfTest
 from reliab.assessment.tracking_index import LEVEL
 from reliab.assessment.verdict import probability_text
-from reliab.core.significant_digits import percent, share_in_words, significant
+from reliab.core.significant_digits import percent, share_in_words, significant, value_and_interval
 from reliab.core.vocabulary import MILLI, PERCENT
 from reliab.report.axes import legend_below
 from reliab.report.document import Block, Document, Figure, Paragraph, Points, Section, Table, text_table
 from reliab.report.kinds.assessment.error import (
     budget_table,
+    decimals_of_error,
     document_of_test,
     errors_table,
     histories_figure,
@@ -158,8 +159,8 @@ def _over_frequency(assessment: FrameAssessment) -> tuple[Block, ...]:
         label="fig:frequency",
     )
     text = (
-        f"Amplitude and delay over frequency account for an RMSᴿ of {percent(tracked.rms, decimals=2)}; "
-        f"without them {percent(tracked.remaining_rms, decimals=2)} would remain, which no gain and delay "
+        f"Amplitude and delay over frequency account for an RMS error of {percent(tracked.rms, 2)}; "
+        f"without them {percent(tracked.remaining_rms, 2)} would remain, which no gain and delay "
         "describes: noise, friction, saturation, or a force that was fed back late."
     )
     return (_indices(assessment), modes_table(assessment), Paragraph(text=text), figure)
@@ -167,12 +168,12 @@ def _over_frequency(assessment: FrameAssessment) -> tuple[Block, ...]:
 
 def _indices(assessment: FrameAssessment) -> Table:
     tracking, margin = assessment.tracking, assessment.stability_margin
+    amplitude, delay = tracking.amplitude, tracking.delay
     (low_a, high_a), (low_d, high_d) = tracking.interval(LEVEL)
-    late = [f"{MILLI * value:.3f}" for value in (tracking.delay, low_d, high_d)]
     critical = MILLI * assessment.critical_delay
     rows = [
-        ("Amplitude A", f"{tracking.amplitude:.5f}", f"{low_a:.5f} to {high_a:.5f}"),
-        ("Equivalent delay d [ms]", late[0], f"{late[1]} to {late[2]}"),
+        ("Amplitude A", *value_and_interval(amplitude, low_a, high_a)),
+        ("Equivalent delay d [ms]", *value_and_interval(*(MILLI * end for end in (delay, low_d, high_d)))),
         (
             "Delay at which the loop is unstable [ms]",
             f"{critical:.2f}" if np.isfinite(critical) else "none",
@@ -256,7 +257,7 @@ def _errors(assessment: CoupledAssessment) -> Table:
         rows.append((degree.name, *with_interval(degree.rms), *with_interval(degree.mte), below))
     return text_table(
         rows,
-        ("Displacement", "RMSᴿ [%]", "90 % interval", "MTEᴿ [%]", "90 % interval", "Below"),
+        ("Displacement", "RMS error [%]", "90 % interval", "Largest error [%]", "90 % interval", "Below"),
         caption="Root mean square and largest value of measured minus exact displacement, over the peak of "
         f"the exact one. The last column is the probability of an error below "
         f"{percent(assessment.threshold)}.",
@@ -266,17 +267,19 @@ def _errors(assessment: CoupledAssessment) -> Table:
 
 def _parts(error: ErrorOfSeveral) -> Table:
     by_degree = {
-        degree.name: error.parts_of(degree).by_name for degree in error.displacements if degree.judged
+        degree.name: (decimals_of_error(degree.rms), error.parts_of(degree).by_name)
+        for degree in error.displacements
+        if degree.judged
     }
     rows = [
         (
             part_in_words(cause),
             *(
                 text
-                for parts in by_degree.values()
+                for decimals, parts in by_degree.values()
                 for text in (
-                    f"{PERCENT * parts[cause].rms:.2f}",
-                    f"{PERCENT * parts[cause].remaining_rms:.2f}",
+                    f"{PERCENT * parts[cause].rms:.{decimals}f}",
+                    f"{PERCENT * parts[cause].remaining_rms:.{decimals}f}",
                 )
             ),
         )
@@ -286,9 +289,9 @@ def _parts(error: ErrorOfSeveral) -> Table:
         rows,
         (
             "Part",
-            *(text for name in by_degree for text in (f"RMSᴿ of {name} [%]", "Without it [%]")),
+            *(text for name in by_degree for text in (f"RMS error of {name} [%]", "Without it [%]")),
         ),
-        caption="RMSᴿ that each part alone causes, and what would remain without it.",
+        caption="RMS error that each part alone causes, and what would remain without it.",
         label="tab:parts",
     )
 

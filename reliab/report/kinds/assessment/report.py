@@ -6,7 +6,7 @@ import numpy as np
 
 from reliab.assessment.assessment import Assessment
 from reliab.assessment.tracking_index import LEVEL
-from reliab.core.significant_digits import percent, share_in_words, significant
+from reliab.core.significant_digits import percent, share_in_words, significant, value_and_interval
 from reliab.core.vocabulary import MILLI, PERCENT
 from reliab.report.document import Document, Figure, Paragraph, Points, Section, Table, text_table
 from reliab.report.figures.measured_test import tracking_overview
@@ -22,8 +22,6 @@ from reliab.report.numbers import MISSING, Fixed, Significant, Written, in_line
 from reliab.report.prose import Prose, prose
 from reliab.report.sources import provenance_of
 from reliab.report.wording import meaning_of_confidence, spelled_out
-
-_FAR = 10.0
 
 
 def assessment_report(
@@ -105,14 +103,17 @@ def _numbers(assessment: Assessment) -> Table:
     tracking = assessment.tracking
     (low_a, high_a), (low_d, high_d) = tracking.interval(LEVEL)
     a, b = assessment.limits
-    critical = MILLI * assessment.critical_delay
+    critical, limit = MILLI * assessment.critical_delay, f"1 ± {significant(np.sqrt(a))}"
     rows = [
-        ("Amplitude A", f"{tracking.amplitude:.5f}", f"{low_a:.5f} to {high_a:.5f}", f"1 ± {np.sqrt(a):.5f}"),
-        ("Equivalent delay d [ms]", *_milliseconds(tracking.delay, low_d, high_d), f"{np.sqrt(b):.3f}"),
+        (
+            "Amplitude A",
+            *value_and_interval(tracking.amplitude, low_a, high_a),
+            limit,
+        ),
+        ("Equivalent delay d [ms]", *_milliseconds(tracking.delay, low_d, high_d), significant(np.sqrt(b))),
         (
             "Index (A − 1)²/a + d²/b",
-            MISSING if assessment.index is None else _index(assessment.index),
-            " to ".join(map(_index, assessment.index_interval or ())),
+            *_index(assessment),
             "1",
         ),
         *_on_own_boundary(assessment),
@@ -139,14 +140,14 @@ def _numbers(assessment: Assessment) -> Table:
     )
 
 
-def _index(value: float) -> str:
-    """Three decimals, or none where the index is far from its bound."""
-    return Fixed(decimals=3 if value < _FAR else 0)(value).digits
+def _index(assessment: Assessment) -> tuple[str, str]:
+    if assessment.index is None or assessment.index_interval is None:
+        return MISSING, ""
+    return value_and_interval(assessment.index, *assessment.index_interval)
 
 
 def _milliseconds(value: float, low: float, high: float) -> tuple[str, str]:
-    value, low, high = (MILLI * number for number in (value, low, high))
-    return f"{value:.3f}", f"{low:.3f} to {high:.3f}"
+    return value_and_interval(MILLI * value, MILLI * low, MILLI * high)
 
 
 def _on_own_boundary(assessment: Assessment) -> list[tuple[str, str, str, str]]:
@@ -156,8 +157,7 @@ def _on_own_boundary(assessment: Assessment) -> list[tuple[str, str, str, str]]:
     bound = f"{PERCENT * assessment.criterion.threshold:g}"
     row = (
         "Error under its own motion [%]",
-        f"{PERCENT * assessment.placement.error:.2f}",
-        f"{low:.2f} to {high:.2f}",
+        *value_and_interval(PERCENT * assessment.placement.error, low, high),
         bound,
     )
     return [row]

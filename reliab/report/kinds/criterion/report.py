@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Drawing
 from numpy.typing import NDArray
 
-from reliab.core.significant_digits import percent, percent_range, share_in_words
+from reliab.core.significant_digits import percent, percent_and_interval, share_in_words
 from reliab.core.vocabulary import PERCENT, Metric
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.distributions import Lognormal, LogSkewNormal
@@ -316,10 +316,11 @@ def _real(share: Mapping[str, float] | None) -> dict[str, Prose]:
     """Say how many real motions contain a criterion that was derived from others."""
     if share is None:
         return {}
+    rate, ends = percent_and_interval(share["rate"], share["low"], share["high"])
     sentence = (
-        f"{percent(share['rate'], decimals=1)} of {share['n_motions']:g} real motions of "
+        f"{rate} of {share['n_motions']:g} real motions of "
         f"{share['n_events']:g} other earthquakes contain this criterion by their simulated errors "
-        f"(95 % interval {percent_range(share['low'], share['high'], decimals=1)})"
+        f"(95 % interval {ends})"
     )
     return {"On real motions": sentence}
 
@@ -352,10 +353,8 @@ def _tested(coverage: pd.DataFrame, confidence: float) -> Prose:
     if overall.empty:
         return prose("see @sec:coverage")
     row = overall.iloc[0]
-    return (
-        f"{percent(row['rate'], decimals=1)} of the motions of held-out earthquakes contain the criterion "
-        f"(95 % interval {percent_range(row['low'], row['high'], decimals=1)})"
-    )
+    rate, ends = percent_and_interval(row["rate"], row["low"], row["high"])
+    return f"{rate} of the motions of held-out earthquakes contain the criterion (95 % interval {ends})"
 
 
 def no_criterion_report(

@@ -16,7 +16,7 @@ from matplotlib.ticker import FixedLocator, FormatStrFormatter, NullLocator
 from numpy.typing import NDArray
 
 from reliab.core.significant_digits import percent, share_in_words
-from reliab.core.vocabulary import PERCENT, CurveName, Metric, Side
+from reliab.core.vocabulary import ERROR_NAMES, PERCENT, CurveName, Metric, Side
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.ellipse_sample import EllipseSample, sample_of
 from reliab.report.axes import DAMPING_RATIO, FREQUENCY, name_axes
@@ -30,7 +30,6 @@ from reliab.report.figures.parameter_distributions import (
 from reliab.report.numbers import Fixed, Scientific, Shortest, Significant
 from reliab.report.prose import prose
 from reliab.report.style import INK, SEQUENTIAL, letters, panels, styled
-from reliab.report.wording import ERROR_NAMES
 
 _PAPER_STRUCTURE = (1.0, 0.02)
 
