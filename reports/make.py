@@ -30,7 +30,7 @@ from reliab.report.figures.parameter_distributions import ellipses_and_criterion
 from reliab.report.kinds.assessment.error import histories_figure
 from reliab.report.pdf import write_pdf
 from reliab.report.style import svg
-from reliab.study.folders import shipped_folders
+from reliab.study.folders import folders_of_studies
 from reliab.sweep.ellipse_dataset import open_ellipses
 
 if TYPE_CHECKING:
@@ -125,7 +125,7 @@ def main(arguments: list[str]) -> int:
     asked = parser.parse_args(arguments)
     makers: dict[str, Callable[[], bool]] = {
         name: lambda name=name: of_study(name, asked.motions)  # type: ignore[misc]
-        for name in shipped_folders()
+        for name in folders_of_studies()
     }
     makers |= {
         "assessment": assessment,

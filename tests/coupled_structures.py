@@ -98,7 +98,7 @@ def coupled_response(
     `ground` [m/s²], shape (n,); `time_step` [s]. Raises InputError where the test is unstable or actuators
     have pure delays.
     """
-    whole = partition.with_masses
+    whole = partition.nonsingular_form
     dynamics, load, command, measured = hybrid_system(whole, actuators)
     fastest = np.linalg.eigvals(dynamics).real.max()
     if fastest > 0.0:

@@ -81,7 +81,9 @@ def simulate_frame_test(
     of_specimen = draw.uniform(0.3, 0.9) * stiffness[0].sum()  # of the first storey
     whole = Frame(mass=mass, stiffness=stiffness, damping=damping)
     interface = floor_interface(whole, 1)
-    partition = Partition.of_frame(frame=whole, interface=interface, specimen=Specimen(stiffness=of_specimen))
+    partition = Partition.from_frame(
+        frame=whole, interface=interface, specimen=Specimen(stiffness=of_specimen)
+    )
     numerical = stiffness - of_specimen * np.outer(interface, interface)
     inverse = np.linalg.inv(mass / STEP**2 + damping / (2.0 * STEP))
     load = np.ascontiguousarray(-ground[:, np.newaxis] * mass.sum(axis=1))

@@ -183,7 +183,7 @@ def _stated_of_frequency(sizes: Mapping[str, Size], partition: Partition) -> flo
     lowest = float(partition.natural_frequencies[0])
     stated = {name: size.deviation for name, size in sizes.items() if size.source is Source.STATED}
     of_parts = [
-        float(partition.with_parts({name: deviation}).natural_frequencies[0]) / lowest - 1.0
+        float(partition.change_parts({name: deviation}).natural_frequencies[0]) / lowest - 1.0
         for name, deviation in stated.items()
         if is_part(name)
     ]

@@ -24,7 +24,7 @@ from reliab.criterion.response_measures import ResponseMeasures
 from reliab.criterion.scope import Position, range_of
 from reliab.criterion.shipped_tables import shipped_ellipses, shipped_measures
 from reliab.structures.structure import Structure
-from reliab.tracking.boundary.finite_errors import predicted_ellipse
+from reliab.tracking.boundary.finite_errors import predict_ellipse
 from reliab.tracking.boundary.first_order import FirstOrderEllipse
 
 SOURCE = "the shipped ellipses of the motions of FEMA P-695"
@@ -187,7 +187,7 @@ def _angle(
 ) -> float:
     """Direction of a test in the angle of the predicted ellipse [rad]."""
     side = Side.LEAD if delay < 0.0 else Side.LAG
-    a, b = predicted_ellipse(response, structure, threshold, side)
+    a, b = predict_ellipse(response, structure, threshold, side)
     return float(np.arctan2(MILLI * abs(delay) / np.sqrt(b), (amplitude - 1.0) / np.sqrt(a)))
 
 

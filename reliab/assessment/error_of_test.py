@@ -394,7 +394,7 @@ def _learned(recording: Recording, measured: Array, question: Question, rest: _R
                 where=recording.name,
             )
         mass = question.stated["mass"]
-        whole = Partition.of_structure(question.structure, mass.value)
+        whole = Partition.from_structure(question.structure, mass.value)
         mass_deviation = mass.deviation / mass.value
     if recording.force is None:
         raise InputError(

@@ -58,7 +58,7 @@ def _of_force(partition: Partition, at_interface: Array, force: Array, work: flo
 def _in_kilograms(partition: Partition, mass: float) -> Partition:
     """Structure of matrices per unit mass, with a mass [kg]."""
     names = ("mass", "damping", "stiffness", "specimen_stiffness", "specimen_damping", "specimen_mass")
-    return partition.changed(**{name: mass * getattr(partition, name) for name in names})
+    return partition.replace_values(**{name: mass * getattr(partition, name) for name in names})
 
 
 def exact_test(

@@ -164,8 +164,8 @@ class FrameAssessment(JudgedFrame):
             return super().modes
         modes = []
         for mode in super().modes:
-            seen = resolved.known(mode.frequency)
-            a, d = map(float, resolved.at(mode.frequency)) if seen else (None, None)
+            seen = resolved.covers(mode.frequency)
+            a, d = map(float, resolved.interpolate(mode.frequency)) if seen else (None, None)
             modes.append(replace(mode, amplitude=a, delay=d))
         return tuple(modes)
 

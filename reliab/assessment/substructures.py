@@ -41,7 +41,7 @@ class Substructures:
     @classmethod
     def of_partition(cls, partition: Partition) -> "Substructures":
         """Take a frame with its specimen."""
-        numerical = partition.without_specimen
+        numerical = partition.numerical_substructure
         return cls(
             mass=partition.mass,
             damping=numerical.damping,

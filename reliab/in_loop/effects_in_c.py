@@ -35,7 +35,7 @@ _OPERATORS: Final = {
     ast.Not: "!",
 }
 _FUNCTIONS: Final = {"abs": "fabs", "min": "smaller", "max": "larger", "int": "trunc"}
-_OF_MATH: Final = {"tanh", "exp", "pow", "sqrt", "sin", "cos", "tan", "atan", "log", "fabs", "floor"}
+_MATH_FUNCTIONS: Final = {"tanh", "exp", "pow", "sqrt", "sin", "cos", "tan", "atan", "log", "fabs", "floor"}
 
 
 class _NotTranslatedError(Exception):
@@ -47,10 +47,10 @@ def functions_in_c(effects: Sequence[Effect]) -> list[str]:
 
     Raises InputError, with its name, where an effect has no kernel or one that cannot be written in C.
     """
-    return [_of_effect(effect, f"effect_{place}") for place, effect in enumerate(effects)]
+    return [_write_effect(effect, f"effect_{place}") for place, effect in enumerate(effects)]
 
 
-def _of_effect(effect: Effect, name: str) -> str:
+def _write_effect(effect: Effect, name: str) -> str:
     try:
         return _Function(_kernel_of(effect), name).text
     except (_NotTranslatedError, OSError, SyntaxError) as reason:
@@ -80,11 +80,11 @@ class _Function:
         self._arguments = [argument.arg for argument in tree.args.args]
         self._locals: dict[str, None] = {}
         body = [line for statement in tree.body for line in self._statement(statement, 1)]
-        declared = [f"    double {', '.join(f'{local} = 0.0' for local in self._locals)};"] * bool(
+        declarations = [f"    double {', '.join(f'{local} = 0.0' for local in self._locals)};"] * bool(
             self._locals
         )
-        unused = [f"    (void){argument};" for argument in self._arguments]
-        self.text = "\n".join([self._head(name), "{", *declared, *unused, *body, "}"])
+        void_uses = [f"    (void){argument};" for argument in self._arguments]
+        self.text = "\n".join([self._head(name), "{", *declarations, *void_uses, *body, "}"])
 
     def _head(self, name: str) -> str:
         kinds = ("double *", "double ", "double ", "const double *", "double *")
@@ -122,15 +122,15 @@ class _Function:
         values = [
             f"const double value_{k} = {self._value(value)};" for k, value in enumerate(node.value.elts)
         ]
-        moved = [f"{self._target(target)} = value_{k};" for k, target in enumerate(targets_of_all.elts)]
-        return ["{", *(f"    {line}" for line in values + moved), "}"]
+        assignments = [f"{self._target(target)} = value_{k};" for k, target in enumerate(targets_of_all.elts)]
+        return ["{", *(f"    {line}" for line in values + assignments), "}"]
 
     def _change(self, node: ast.AugAssign, _depth: int) -> list[str]:
         return [f"{self._target(node.target)} {self._operator(node.op)}= {self._value(node.value)};"]
 
     def _branch(self, node: ast.If, _depth: int) -> list[str]:
-        otherwise = ["} else {", *self._block(node.orelse)] if node.orelse else []
-        return [f"if ({self._value(node.test)}) {{", *self._block(node.body), *otherwise, "}"]
+        else_lines = ["} else {", *self._block(node.orelse)] if node.orelse else []
+        return [f"if ({self._value(node.test)}) {{", *self._block(node.body), *else_lines, "}"]
 
     def _loop(self, node: ast.For, _depth: int) -> list[str]:
         count = node.iter
@@ -192,10 +192,10 @@ class _Function:
         return self._symbol(node.attr)
 
     def _arithmetic(self, node: ast.BinOp) -> str:
-        left, right = self._value(node.left), self._value(node.right)
+        left_operand, right_operand = self._value(node.left), self._value(node.right)
         if isinstance(node.op, ast.Pow):
-            return f"pow({left}, {right})"
-        return f"({left} {self._operator(node.op)} {right})"
+            return f"pow({left_operand}, {right_operand})"
+        return f"({left_operand} {self._operator(node.op)} {right_operand})"
 
     def _comparison(self, node: ast.Compare) -> str:
         values = [self._value(side) for side in (node.left, *node.comparators)]
@@ -208,7 +208,7 @@ class _Function:
     def _call(self, node: ast.Call) -> str:
         if node.keywords:
             raise _NotTranslatedError(f"`{ast.unparse(node)}` has no form in C")
-        return f"{self._called(node.func)}({', '.join(map(self._value, node.args))})"
+        return f"{self._write_call(node.func)}({', '.join(map(self._value, node.args))})"
 
     def _symbol(self, name: str) -> str:
         if name in self._locals or name in self._arguments:
@@ -218,13 +218,13 @@ class _Function:
             return repr(float(value))
         raise _NotTranslatedError(f"`{name}` is not a number")
 
-    def _called(self, node: ast.expr) -> str:
+    def _write_call(self, node: ast.expr) -> str:
         if isinstance(node, ast.Name) and node.id in _FUNCTIONS and node.id not in self._globals:
             return _FUNCTIONS[node.id]
         if (
             isinstance(node, ast.Attribute)
             and ast.unparse(node.value) in self._math
-            and node.attr in _OF_MATH
+            and node.attr in _MATH_FUNCTIONS
         ):
             return node.attr
         raise _NotTranslatedError(f"`{ast.unparse(node)}` is not a function that C has")

@@ -10,10 +10,10 @@ from typing import Final
 
 from reliab.in_loop.sources import CONFIGURATION, LoopMonitor, monitor_sources
 
-_BEFORE_BUILDS: Final = 2
+_BUILD_DEPTH: Final = 2
 """The version of FMI that names sources in the model's description, not in one of their own."""
 
-_WHEN = (1980, 1, 1, 0, 0, 0)  # so that the bytes depend on the content only
+_ARCHIVE_DATE = (1980, 1, 1, 0, 0, 0)  # so that the bytes depend on the content only
 _SPACE = uuid.UUID("4f3d8a52-6f0e-5a53-9d52-9c4b7be1a040")
 _SOURCES = ("reliab_monitor.c", "reliab_monitor.h", CONFIGURATION)
 
@@ -25,17 +25,17 @@ def pack_fmu(monitor: LoopMonitor, version: int) -> bytes:
     actuators = len(monitor.coefficients.carry)
     variables = list_variables(actuators)
     description = (
-        describe_for_3(variables, actuators) if version > _BEFORE_BUILDS else describe_for_2(variables)
+        describe_for_3(variables, actuators) if version > _BUILD_DEPTH else describe_for_2(variables)
     )
     values = {"@GUID@": guid, "@STEP@": f"{monitor.time_step:.17g}", **description}
-    packed = io.BytesIO()
-    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+    archive_bytes = io.BytesIO()
+    with zipfile.ZipFile(archive_bytes, "w", zipfile.ZIP_DEFLATED) as archive:
         for place, name in _templates(version).items():
-            _write(archive, place, _filled(name, values))
+            _write(archive, place, _fill_template(name, values))
         for name in _SOURCES:
             _write(archive, f"sources/{name}", texts[name])
         _write(archive, "documentation/README.md", texts["README.md"])
-    return packed.getvalue()
+    return archive_bytes.getvalue()
 
 
 def _templates(version: int) -> dict[str, str]:
@@ -46,12 +46,12 @@ def _templates(version: int) -> dict[str, str]:
         f"sources/{wrapper}": wrapper,
         "sources/unit.h": "unit.h",
     }
-    if version > _BEFORE_BUILDS:
+    if version > _BUILD_DEPTH:
         places["sources/buildDescription.xml"] = "buildDescription.xml"
     return places
 
 
-def _filled(name: str, values: dict[str, str]) -> str:
+def _fill_template(name: str, values: dict[str, str]) -> str:
     """Return a template with its values."""
     text = files("reliab.in_loop").joinpath("template", name).read_text(encoding="utf-8")
     for mark, value in values.items():
@@ -60,7 +60,7 @@ def _filled(name: str, values: dict[str, str]) -> str:
 
 
 def _write(archive: zipfile.ZipFile, name: str, text: str) -> None:
-    entry = zipfile.ZipInfo(name, _WHEN)
+    entry = zipfile.ZipInfo(name, _ARCHIVE_DATE)
     entry.compress_type = zipfile.ZIP_DEFLATED
     archive.writestr(entry, text)
 
@@ -92,10 +92,14 @@ def list_variables(actuators: int) -> list[Variable]:
     channels = ("command", "Command displacement"), ("measured", "Measured displacement")
     inputs = [
         Variable(
-            name=f"{name}{place[k]}", number=2 * k + channel, description=what, unit="m", causality="input"
+            name=f"{name}{place[k]}",
+            number=2 * k + channel,
+            description=description,
+            unit="m",
+            causality="input",
         )
         for k in place
-        for channel, (name, what) in enumerate(channels)
+        for channel, (name, description) in enumerate(channels)
     ]
     errors = (
         ("error", "Measured displacement minus exact response", "m"),
@@ -103,8 +107,8 @@ def list_variables(actuators: int) -> list[Variable]:
         ("mte", "MTE^R so far", ""),
     )
     outputs = [
-        Variable(name=f"{name}{place[k]}", number=block * actuators + k, description=what, unit=unit)
-        for block, (name, what, unit) in enumerate(errors, 2)
+        Variable(name=f"{name}{place[k]}", number=block * actuators + k, description=description, unit=unit)
+        for block, (name, description, unit) in enumerate(errors, 2)
         for k in place
     ]
     damping = "Net damping ratio of the loop; NaN before it is known"
@@ -113,8 +117,8 @@ def list_variables(actuators: int) -> list[Variable]:
         Variable(name="status", number=5 * actuators + 1, description=_STATUS, kind="Int32"),
     ]
     if actuators > 1:
-        which = "Number of the displacement with the largest error so far"
-        outputs.append(Variable(name="governing", number=5 * actuators + 3, description=which, kind="Int32"))
+        label = "Number of the displacement with the largest error so far"
+        outputs.append(Variable(name="governing", number=5 * actuators + 3, description=label, kind="Int32"))
     return [*inputs, *outputs, *_parameters(place)]
 
 
@@ -129,11 +133,11 @@ def _parameters(place: dict[int, str]) -> list[Variable]:
         Variable(
             name=f"{name}{place[k]}",
             number=(5 + block) * actuators + 4 + k,
-            description=what,
+            description=description,
             unit="m",
             causality="parameter",
         )
-        for block, (name, what) in enumerate(quantities)
+        for block, (name, description) in enumerate(quantities)
         for k in place
     ]
     whether = Variable(
@@ -161,7 +165,7 @@ def describe_for_3(variables: Sequence[Variable], actuators: int) -> dict[str, s
         'variability="continuous" unit="s" description="Time of the last sample"/>'
     )
     return {
-        "@VARIABLES@": "\n".join([*map(_typed, variables), time]),
+        "@VARIABLES@": "\n".join([*map(_type_element, variables), time]),
         "@OUTPUTS@": "".join(f'<Output valueReference="{number}"/>' for number in numbers),
         "@INITIAL@": "".join(f'<InitialUnknown valueReference="{number}"/>' for number in numbers),
     }
@@ -188,5 +192,5 @@ def _scalar(variable: Variable) -> str:
     return f"    <ScalarVariable {_attributes(variable)}><{kind}{_values(variable)}/></ScalarVariable>"
 
 
-def _typed(variable: Variable) -> str:
+def _type_element(variable: Variable) -> str:
     return f"    <{variable.kind} {_attributes(variable)}{_values(variable)}/>"

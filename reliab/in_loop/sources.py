@@ -63,7 +63,7 @@ _STUCK_SHARE = 0.01  # of its largest motion, where the value never repeated for
 _FEWEST_STUCK = 8  # samples that repeat a value
 _LONGER = 4  # times the longest repetition before
 _FEWEST_PER_PERIOD = 10.0
-_OF_ENERGY = {
+_ENERGY_NUMBERS = {
     "MEMORY": MEMORY,
     "INDEPENDENT": INDEPENDENT_SAMPLES,
     "FALSE_ALARMS": FALSE_ALARMS,
@@ -91,13 +91,16 @@ class LoopCoefficients:
     share: Array  # By which a sensor's offset that the loop feels moves its command back [-], shape (p,)
     modes: tuple[WatchedMode, ...]  # Three for each actuator at most
 
-    pushed: tuple[Array, Array]  # F₀ and F₁ of a force at the interface, shape (2n, p) each
+    force_loads: tuple[Array, Array]  # F₀ and F₁ of a force at the interface, shape (2n, p) each
 
     @classmethod
-    def of_structure(cls, structure: Partition, carry: Array, step: float) -> "LoopCoefficients":
+    def from_structure(cls, structure: Partition, carry: Array, step: float) -> "LoopCoefficients":
         """Take a structure with interface displacements that the channels are carried to; `step` [s]."""
-        whole = structure.with_masses
-        recursion, by_force = Recursion.of_displacement(whole, step), Recursion.of_force(whole, step)
+        regular = structure.nonsingular_form
+        recursion, force_recursion = (
+            Recursion.of_displacement(regular, step),
+            Recursion.of_force(regular, step),
+        )
         return cls(
             decay=recursion.transition,
             early=recursion.early,
@@ -107,8 +110,8 @@ class LoopCoefficients:
             carry=carry,
             equilibrium=recursion.static @ carry,
             share=structure.shares_at_sensors(carry),
-            modes=watched_modes(whole, step),
-            pushed=(by_force.early, by_force.late),
+            modes=watched_modes(regular, step),
+            force_loads=(force_recursion.early, force_recursion.late),
         )
 
 
@@ -162,7 +165,7 @@ class LoopMonitor:
     def coefficients(self) -> LoopCoefficients:
         """Numbers of the recursion."""
         carry = np.eye(self.linear.degrees) if self.to_interface is None else self.to_interface
-        return LoopCoefficients.of_structure(self.linear, carry, self.time_step)
+        return LoopCoefficients.from_structure(self.linear, carry, self.time_step)
 
 
 def monitor_sources(monitor: LoopMonitor) -> dict[str, str]:
@@ -217,7 +220,7 @@ def _numbers(monitor: LoopMonitor) -> dict[str, str]:
         "STUCK_M": _STUCK,
         "STUCK_SHARE": _STUCK_SHARE,
     }
-    whole = {
+    counts = {
         "ACTUATORS": len(monitor.coefficients.carry),
         "ORDER": len(monitor.coefficients.decay),
         "LAG_STEPS": int(monitor.feedback_lag / monitor.time_step),
@@ -228,9 +231,9 @@ def _numbers(monitor: LoopMonitor) -> dict[str, str]:
         "LONGER": _LONGER,
     }
     return {
-        **{name: f"{value}u" for name, value in whole.items()},
+        **{name: f"{value}u" for name, value in counts.items()},
         "METRIC_IS_RMS": str(int(monitor.metric is Metric.RMS)),
-        **{name: _real(value) for name, value in (real | _OF_ENERGY).items()},
+        **{name: _real(value) for name, value in (real | _ENERGY_NUMBERS).items()},
         **_numbers_of_specimen(monitor),
     }
 
@@ -275,18 +278,18 @@ def _coefficients(monitor: LoopMonitor) -> list[str]:
     ]
 
 
-def _modes(watched: Sequence[WatchedMode]) -> list[str]:
+def _modes(energy_modes: Sequence[WatchedMode]) -> list[str]:
     """Write all modes, and those whose energy is watched."""
-    modes = watched[0].modes
-    frequencies = (significant(mode.circular_frequency / (2.0 * np.pi)) for mode in watched)
+    modes = energy_modes[0].modes
+    frequencies = (significant(mode.circular_frequency / (2.0 * np.pi)) for mode in energy_modes)
     return [
         _vector("SQUARES", modes.circular_frequencies**2),
         _vector("TWICE", 2.0 * modes.ratios * modes.circular_frequencies),
         _vector("STIFFNESSES", np.diag(modes.coupling)),
-        f"static const mode WATCHED[{len(watched)}] = {{",
-        *(f"    {_mode(mode)}," for mode in watched),
+        f"static const mode WATCHED[{len(energy_modes)}] = {{",
+        *(f"    {_mode(mode)}," for mode in energy_modes),
         "};",
-        f"static const char REASONS[{len(watched)}][96] = {{",
+        f"static const char REASONS[{len(energy_modes)}][96] = {{",
         *(f'    "the loop gains energy in its mode of {hertz} Hz and may diverge",' for hertz in frequencies),
         "};",
     ]
@@ -310,7 +313,7 @@ def _specimen(monitor: LoopMonitor) -> list[str]:
         f"    total += {name}(motion, time, RELIAB_STEP, {name.upper()}, states[{place}]);"
         for place, name in enumerate(names)
     ]
-    early, late = monitor.coefficients.pushed
+    early, late = monitor.coefficients.force_loads
     return [
         _vector("PUSHED_EARLY", early[:, 0]),
         _vector("PUSHED_LATE", late[:, 0]),
@@ -330,11 +333,11 @@ def _specimen(monitor: LoopMonitor) -> list[str]:
 
 def _weights(monitor: LoopMonitor) -> Array:
     """Return weights of the displacements so many steps ago, and one, two and three more; shape (4,)."""
-    whole = int(monitor.feedback_lag / monitor.time_step)
-    impulse = np.zeros(2 * whole + 16)
-    impulse[whole + 8] = 1.0
+    lag_steps = int(monitor.feedback_lag / monitor.time_step)
+    impulse = np.zeros(2 * lag_steps + 16)
+    impulse[lag_steps + 8] = 1.0
     late = delayed(impulse, monitor.feedback_lag, monitor.time_step)
-    return np.asarray(late[2 * whole + 8 : 2 * whole + 12])
+    return np.asarray(late[2 * lag_steps + 8 : 2 * lag_steps + 12])
 
 
 def _matrix(name: str, values: Array) -> str:

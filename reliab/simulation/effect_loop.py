@@ -122,7 +122,7 @@ class EffectLoop:
             errors = np.array(list(pool.map(statistics, actuators)), dtype=np.float64).reshape(-1, 2)
         return Deviation(mean_square=errors[:, 0], peak=errors[:, 1], ideal_peak=peak_of_history(exact))
 
-    def at_rest(self) -> Deviation:
+    def rest_deviation(self) -> Deviation:
         """Deviation of an actuator that does not move: zero displacement against that of the perfect rig."""
         squares, peak = self.exact**2, peak_of_history(self.exact)
         mean_square = float(np.trapezoid(squares) / (squares.size - 1))

@@ -176,7 +176,7 @@ class Loop:
             return spectral.deviation(self.excitation, self.structure, gain, delay, longest=self.blocks.step)
         return delay_stepper.deviation(self.blocks, self.structure, gain, delay)
 
-    def at_rest(self) -> Deviation:
+    def rest_deviation(self) -> Deviation:
         """Deviation of an actuator that does not move: zero displacement against the exact response."""
         inside = self.blocks.ideal[self.blocks.before :]
         end = self.blocks.end

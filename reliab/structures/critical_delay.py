@@ -24,9 +24,9 @@ from reliab.core.arrays import Array, Spectrum
 from reliab.core.errors import InputError
 from reliab.structures.partition import Partition
 
-_ON_AXIS = 1e-6  # real part over modulus of an eigenvalue that may lie on the imaginary axis
+_AXIS_TOLERANCE = 1e-6  # real part over modulus of an eigenvalue that may lie on the imaginary axis
 _NEWTON_STEPS = 40
-_EVERYWHERE = 3000
+_GRID_POINTS = 3000
 _AROUND_A_MODE = np.sinh(np.linspace(-6.0, 6.0, 161)) * 0.1  # in half-widths of the resonance
 _RANGE = (0.02, 30.0)  # of the lowest and the highest natural frequency
 
@@ -58,21 +58,23 @@ def stability_limit(partition: Partition, gain: float | Array = 1.0) -> Stabilit
     6.368
     6.368
     """
-    whole = partition.with_masses
+    regular = partition.nonsingular_form
     gains = np.asarray(gain, dtype=float)
-    gains = gains if gains.ndim else gains * np.eye(whole.degrees)
-    _require_stable_without_delay(whole, gains)
-    limit, at = math.inf, math.nan
-    if _too_heavy(whole, gains):
+    gains = gains if gains.ndim else gains * np.eye(regular.degrees)
+    _require_stable_without_delay(regular, gains)
+    limit, limit_frequency = math.inf, math.nan
+    if _too_heavy(regular, gains):
         limit = 0.0
     else:
-        every = _crossings_of_one if whole.degrees == 1 else _crossings_of_several
-        for omega, value in every(whole, gains):
+        find_crossings = _crossings_of_one if regular.degrees == 1 else _crossings_of_several
+        for omega, value in find_crossings(regular, gains):
             delay = float((math.pi + np.angle(value)) % (2.0 * math.pi)) / omega
             if delay < limit:
-                limit, at = delay, omega
+                limit, limit_frequency = delay, omega
     return StabilityLimit(
-        delay=limit, frequency=at / (2.0 * math.pi), direction=_direction(whole, gains, at, limit)
+        delay=limit,
+        frequency=limit_frequency / (2.0 * math.pi),
+        direction=_direction(regular, gains, limit_frequency, limit),
     )
 
 
@@ -104,8 +106,8 @@ def _too_heavy(partition: Partition, gains: Array) -> bool:
     if not partition.specimen_mass.any():
         return False
     gamma = partition.interface
-    felt = gamma @ (partition.specimen_mass @ gains) @ gamma.T
-    return not np.abs(scipy.linalg.eigvals(felt, partition.numerical_mass)).max() < 1.0
+    specimen_inertia = gamma @ (partition.specimen_mass @ gains) @ gamma.T
+    return not np.abs(scipy.linalg.eigvals(specimen_inertia, partition.numerical_mass)).max() < 1.0
 
 
 def _numerical(partition: Partition) -> tuple[Array, Array, Array]:
@@ -120,10 +122,10 @@ def _crossings_of_one(partition: Partition, gains: Array) -> Iterator[tuple[floa
 
     def modulus(omega: float) -> tuple[float, float]:
         """Excess ln|L| and its slope over Ω."""
-        solved = np.linalg.solve(1j * omega * identity - a, np.column_stack([b, b]))[:, 0]
-        again = np.linalg.solve(1j * omega * identity - a, solved)
-        value = c @ solved + d
-        return float(np.log(abs(value))), float((-1j * (c @ again) / value).real)
+        response = np.linalg.solve(1j * omega * identity - a, np.column_stack([b, b]))[:, 0]
+        second_response = np.linalg.solve(1j * omega * identity - a, response)
+        value = c @ response + d
+        return float(np.log(abs(value))), float((-1j * (c @ second_response) / value).real)
 
     for near in _imaginary_eigenvalues(a, b, c, d).tolist():
         omega = near
@@ -146,12 +148,12 @@ def _state_space(partition: Partition) -> tuple[Array, Array, Array, float]:
     a[:n, n:] = scale * np.eye(n)
     a[n:, :n] = -np.linalg.solve(mass, stiffness) / scale
     a[n:, n:] = -np.linalg.solve(mass, damping)
-    accelerated = np.linalg.solve(mass, gamma)
-    b = np.concatenate([np.zeros(n), accelerated / scale])
+    acceleration = np.linalg.solve(mass, gamma)
+    b = np.concatenate([np.zeros(n), acceleration / scale])
     k, c, m = partition.specimen.stiffness, partition.specimen.damping, partition.specimen.mass
-    of_acceleration = m * scale * (gamma @ a[n:])
-    c_row = np.concatenate([k * gamma, c * scale * gamma]) + of_acceleration
-    return a, b, c_row, float(m * gamma @ accelerated)
+    inertia_row = m * scale * (gamma @ a[n:])
+    c_row = np.concatenate([k * gamma, c * scale * gamma]) + inertia_row
+    return a, b, c_row, float(m * gamma @ acceleration)
 
 
 def _imaginary_eigenvalues(a: Array, b: Array, c: Array, d: float) -> Array:
@@ -164,7 +166,7 @@ def _imaginary_eigenvalues(a: Array, b: Array, c: Array, d: float) -> Array:
         ]
     )
     eigenvalues = np.linalg.eigvals(hamiltonian)
-    near = (np.abs(eigenvalues.real) < _ON_AXIS * np.abs(eigenvalues)) & (eigenvalues.imag > 0.0)
+    near = (np.abs(eigenvalues.real) < _AXIS_TOLERANCE * np.abs(eigenvalues)) & (eigenvalues.imag > 0.0)
     return np.asarray(np.sort(eigenvalues[near].imag))
 
 
@@ -184,8 +186,8 @@ def _loop(partition: Partition, gains: Array, omega: Array) -> Spectrum:
     s = np.asarray(1j * np.atleast_1d(omega), dtype=np.complex128)
     square = s[:, np.newaxis, np.newaxis]
     mass, damping, stiffness = _numerical(partition)
-    moved = np.linalg.solve(square**2 * mass + square * damping + stiffness, partition.interface + 0j)
-    return np.asarray((partition.interface.T @ moved) @ partition.impedance(s) @ gains)
+    displacement = np.linalg.solve(square**2 * mass + square * damping + stiffness, partition.interface + 0j)
+    return np.asarray((partition.interface.T @ displacement) @ partition.impedance(s) @ gains)
 
 
 def _frequencies_of_loop(partition: Partition) -> Array:
@@ -200,9 +202,9 @@ def _frequencies_of_loop(partition: Partition) -> Array:
         points.append(omega)
     fastest = float(omega.max())
     slowest = float(omega.min())
-    points.append(np.geomspace(_RANGE[0] * slowest, _RANGE[1] * fastest, _EVERYWHERE))
-    every = np.unique(np.concatenate(points))
-    return np.asarray(every[every >= _RANGE[0] * slowest])
+    points.append(np.geomspace(_RANGE[0] * slowest, _RANGE[1] * fastest, _GRID_POINTS))
+    grid = np.unique(np.concatenate(points))
+    return np.asarray(grid[grid >= _RANGE[0] * slowest])
 
 
 def _track_eigenvalues(loops: Spectrum) -> Spectrum:

@@ -24,10 +24,12 @@ _SINGULAR = 1e-10  # of the largest eigenvalue
 _NO_MASS = 1e-12  # of the largest mass
 
 
-def condensed(stiffness: Array, matrices: tuple[Array, ...], retained: int) -> tuple[Array, ...]:
+def condense_statically(
+    stiffness: Array, matrices: tuple[Array, ...], retained_count: int
+) -> tuple[Array, ...]:
     """Condense matrices of a specimen statically to its first degrees of freedom."""
-    followed = np.arange(stiffness.shape[0]) >= retained
-    shapes = static_shapes(stiffness, followed)
+    is_dependent = np.arange(stiffness.shape[0]) >= retained_count
+    shapes = static_shapes(stiffness, is_dependent)
     return tuple(shapes.T @ matrix @ shapes for matrix in matrices)
 
 
@@ -36,23 +38,23 @@ def massless(mass: Array) -> NDArray[np.bool_]:
     return np.asarray(np.abs(mass).max(axis=1) <= _NO_MASS * np.abs(mass).max())
 
 
-def static_shapes(stiffness: Array, followed: NDArray[np.bool_]) -> Array:
+def static_shapes(stiffness: Array, is_dependent: NDArray[np.bool_]) -> Array:
     """Shapes of the structure when the remaining degrees of freedom move by one each."""
-    moving = ~followed
+    moving = ~is_dependent
     shapes = np.zeros((stiffness.shape[0], int(moving.sum())))
     shapes[moving] = np.eye(shapes.shape[1])
-    shapes[followed] = -np.linalg.solve(
-        stiffness[np.ix_(followed, followed)], stiffness[np.ix_(followed, moving)]
+    shapes[is_dependent] = -np.linalg.solve(
+        stiffness[np.ix_(is_dependent, is_dependent)], stiffness[np.ix_(is_dependent, moving)]
     )
     return shapes
 
 
 def mass_orthonormal(shapes: Array, mass: Array) -> Array:
     """Basis of the same motions, of unit mass each, without those that depend on others."""
-    scaled = shapes / np.sqrt(np.einsum("di,de,ei->i", shapes, mass, shapes))
-    values, vectors = np.linalg.eigh(scaled.T @ mass @ scaled)
+    unit_mass_shapes = shapes / np.sqrt(np.einsum("di,de,ei->i", shapes, mass, shapes))
+    values, vectors = np.linalg.eigh(unit_mass_shapes.T @ mass @ unit_mass_shapes)
     independent = values > _SINGULAR * values.max()
-    return np.asarray(scaled @ vectors[:, independent] / np.sqrt(values[independent]))
+    return np.asarray(unit_mass_shapes @ vectors[:, independent] / np.sqrt(values[independent]))
 
 
 def modal_damping(mass: ArrayLike, stiffness: ArrayLike, ratios: ArrayLike) -> Array:
@@ -98,17 +100,17 @@ def rayleigh_damping(
             "Rayleigh damping needs two different positive frequencies", value=f"{frequencies} Hz"
         )
     system = 0.5 * np.array([[1.0 / first, first], [1.0 / second, second]])
-    on_mass, on_stiffness = np.linalg.solve(system, np.asarray(ratios, dtype=np.float64))
+    mass_factor, stiffness_factor = np.linalg.solve(system, np.asarray(ratios, dtype=np.float64))
     squares = scipy.linalg.eigh(mass, stiffness, eigvals_only=True)  # 1/ω², zero without a mass
     omega = 1.0 / np.sqrt(np.maximum(squares, np.finfo(float).tiny))
-    lowest = 0.5 * (on_mass / omega + on_stiffness * omega).min()
+    lowest = 0.5 * (mass_factor / omega + stiffness_factor * omega).min()
     if lowest < 0.0:
         raise InputError(
             "Rayleigh damping must leave every mode a positive damping ratio",
             value=f"{significant(lowest)} for some mode",
             remedy="Choose ratios or frequencies that lie closer together",
         )
-    return np.asarray(on_mass * np.asarray(mass) + on_stiffness * np.asarray(stiffness))
+    return np.asarray(mass_factor * np.asarray(mass) + stiffness_factor * np.asarray(stiffness))
 
 
 _QUANTITIES = {"mass": "mass", "damping": "damping coefficient", "stiffness": "stiffness"}
@@ -278,8 +280,8 @@ class Frame:
     @cached_property
     def poles(self) -> Spectrum:
         """Poles of the structure with positive imaginary part [1/s], lowest first, shape (n,) or fewer."""
-        every = np.linalg.eigvals(self.state_matrix)
-        oscillating = every[every.imag > 0.0]
+        eigenvalues = np.linalg.eigvals(self.state_matrix)
+        oscillating = eigenvalues[eigenvalues.imag > 0.0]
         return np.asarray(oscillating[np.argsort(np.abs(oscillating))])
 
     @cached_property
@@ -323,7 +325,7 @@ def exact_step(dynamics: Array, loads: Array, step: float) -> tuple[Array, Array
     return flow[:n, :n].copy(), flow[:n, n : n + m] - late, late
 
 
-def undivided_response(frame: Frame, ground: Array, step: float) -> Array:
+def reference_response(frame: Frame, ground: Array, step: float) -> Array:
     """Exact displacements of the undivided linear structure [m], shape (degrees of freedom, samples).
 
     `ground` [m/s²]; `step` [s].
@@ -334,11 +336,11 @@ def undivided_response(frame: Frame, ground: Array, step: float) -> Array:
 
 
 @compiled
-def follow_load(transition: Array, early: Array, late: Array, ground: Array, shown: int) -> Array:
+def follow_load(transition: Array, early: Array, late: Array, ground: Array, output_count: int) -> Array:
     """First states of a linear system under a load that is linear in every step, shape (shown, samples)."""
     states, samples = transition.shape[0], ground.size
     z, z_next = np.zeros(states), np.zeros(states)
-    moved = np.zeros((shown, samples))
+    outputs = np.zeros((output_count, samples))
     for k in range(samples - 1):
         for i in range(states):
             total = early[i] * ground[k] + late[i] * ground[k + 1]
@@ -347,6 +349,6 @@ def follow_load(transition: Array, early: Array, late: Array, ground: Array, sho
             z_next[i] = total
         for i in range(states):
             z[i] = z_next[i]
-        for i in range(shown):
-            moved[i, k + 1] = z[i]
-    return moved
+        for i in range(output_count):
+            outputs[i, k + 1] = z[i]
+    return outputs

@@ -33,14 +33,14 @@ from reliab.structures.frame import (
     square_matrix,
     static_shapes,
 )
-from reliab.structures.parts_of_structure import with_parts
+from reliab.structures.parts_of_structure import change_matrices
 from reliab.structures.specimen import Specimen
 from reliab.structures.structure import Structure
 
 _QUASI_STATIC = 2.0 * math.pi * 2000.0  # rad/s, of a driven degree of freedom without mass
 _SINGULAR = 1e-10  # of the largest singular value
 _SAME_SPECIMEN = 1e-6
-_FEW = 6  # degrees of freedom that are too few to be reduced
+_FEWEST_TO_REDUCE = 6  # degrees of freedom that are too few to be reduced
 _LEAST_SHARE = 1e-6
 _MOVES = 1e-6  # of a mode's largest displacement: less at the interface is none
 
@@ -111,10 +111,10 @@ class Partition:
         self._name("names", degrees, "interface displacements")
         self._name("degrees_of_freedom", rows, "degrees of freedom")
 
-    def _name(self, field: str, number: int, what: str) -> None:
+    def _name(self, field: str, number: int, description: str) -> None:
         names = tuple(getattr(self, field)) or tuple(str(place + 1) for place in range(number))
         if len(names) != number or len(set(names)) != number:
-            raise InputError(f"The {number} {what} need as many different names", value=list(names))
+            raise InputError(f"The {number} {description} need as many different names", value=list(names))
         object.__setattr__(self, field, names)
 
     def _check_effects(self) -> None:
@@ -172,18 +172,18 @@ class Partition:
 
     def _require_mass_left(self) -> None:
         """Refuse one actuator that drives all of the mass: the computer's part divides by what is left."""
-        whole = self.with_masses
-        most = 1.0 / float(whole.direction @ np.linalg.solve(whole.mass, whole.direction))
-        if self.specimen.mass >= most:
+        regular = self.nonsingular_form
+        interface_mass = 1.0 / float(regular.direction @ np.linalg.solve(regular.mass, regular.direction))
+        if self.specimen.mass >= interface_mass:
             raise InputError(
                 "The specimen's mass must be smaller than the mass that moves at the interface, "
-                f"which is {most:g} kg",
+                f"which is {interface_mass:g} kg",
                 value=f"{self.specimen.mass:g} kg",
                 remedy="The frame's mass matrix includes the specimen; raise it or take a lighter specimen",
             )
 
     @classmethod
-    def of_frame(
+    def from_frame(
         cls, frame: Frame, interface: Array, specimen: Specimen, effects: tuple[Effect, ...] = ()
     ) -> "Partition":
         """Take a frame with a specimen in it that one actuator drives; `interface`: γ [-], shape (n,).
@@ -192,7 +192,7 @@ class Partition:
 
         >>> from reliab.structures.structure import Structure
         >>> frame = Frame.from_structure(Structure(frequency=1.0, damping_ratio=0.02), mass=1000.0)
-        >>> partition = Partition.of_frame(frame, np.ones(1), Specimen(stiffness=39478.4176))
+        >>> partition = Partition.from_frame(frame, np.ones(1), Specimen(stiffness=39478.4176))
         >>> partition.stiffness_shares.round(6)
         array([1.])
         """
@@ -210,7 +210,7 @@ class Partition:
         )
 
     @classmethod
-    def of_structure(cls, structure: Structure, mass: float = 1.0) -> "Partition":
+    def from_structure(cls, structure: Structure, mass: float = 1.0) -> "Partition":
         """Take one degree of freedom of a mass [kg]: M = m, C = 2ξω₀m, K = ω₀²m, K_e = αω₀²m."""
         require_physical("mass", mass, called="mass of the structure")
         w0 = structure.circular_frequency
@@ -235,7 +235,7 @@ class Partition:
         partition.__dict__.update(values)
         return partition
 
-    def changed(self, **values: Any) -> "Partition":  # noqa: ANN401 - arrays and names
+    def replace_values(self, **values: Any) -> "Partition":  # noqa: ANN401 - arrays and names
         """Return the structure with other matrices, which are not checked: a draw may be what no frame is."""
         return self._construct(**{field.name: getattr(self, field.name) for field in fields(self)} | values)
 
@@ -285,8 +285,8 @@ class Partition:
             names=self.degrees_of_freedom,
         )
 
-    def _subtract_specimen(self, whole: Array, specimen: Array) -> Array:
-        return np.asarray(whole - self.interface @ specimen @ self.interface.T)
+    def _subtract_specimen(self, matrix: Array, specimen: Array) -> Array:
+        return np.asarray(matrix - self.interface @ specimen @ self.interface.T)
 
     @property
     def numerical_mass(self) -> Array:
@@ -309,58 +309,55 @@ class Partition:
         return np.asarray(self.specimen_stiffness + s * (self.specimen_damping + s * self.specimen_mass))
 
     @cached_property
-    def with_masses(self) -> "Partition":
+    def nonsingular_form(self) -> "Partition":
         """The same structure without degrees of freedom that have no mass."""
-        bare = massless(self.mass)
+        is_massless = massless(self.mass)
         driven = self.interface.any(axis=1)
-        if not bare.any():
+        if not is_massless.any():
             return self
-        followed = bare & ~driven
-        reduced = self.projected(static_shapes(self.stiffness, followed)) if followed.any() else self
-        light = (bare & driven)[~followed]
-        added = np.where(light, np.diag(reduced.stiffness) / _QUASI_STATIC**2, 0.0)
-        return reduced.changed(mass=reduced.mass + np.diag(added))
+        is_condensed = is_massless & ~driven
+        regular = self.project(static_shapes(self.stiffness, is_condensed)) if is_condensed.any() else self
+        light = (is_massless & driven)[~is_condensed]
+        driven_mass = np.where(light, np.diag(regular.stiffness) / _QUASI_STATIC**2, 0.0)
+        return regular.replace_values(mass=regular.mass + np.diag(driven_mass))
 
-    def projected(self, shapes: Array) -> "Partition":
+    def project(self, shapes: Array) -> "Partition":
         """Confine the structure to shapes of motion, in columns, shape (n, shapes)."""
-        return self.changed(
-            mass=shapes.T @ self.mass @ shapes,
+        mass = shapes.T @ self.mass @ shapes
+        # ι moves with the ground: M ι is what counts
+        influence = np.linalg.lstsq(mass, shapes.T @ self.mass @ self.influence, rcond=None)[0]
+        return self.replace_values(
+            mass=mass,
             damping=shapes.T @ self.damping @ shapes,
             stiffness=shapes.T @ self.stiffness @ shapes,
             interface=shapes.T @ self.interface,
             degrees_of_freedom=(),
-            # ι moves with the ground: M ι is what counts
-            influence=np.asarray(
-                np.linalg.lstsq(
-                    shapes.T @ self.mass @ shapes, shapes.T @ self.mass @ self.influence, rcond=None
-                )[0],
-                dtype=np.float64,
-            ),
+            influence=np.asarray(influence, dtype=np.float64),
         )
 
-    def below(self, highest: float) -> "Partition":
+    def truncate_modes(self, highest: float) -> "Partition":
         """Reduce the structure by modes above a frequency [Hz], which follow by statics and inertia."""
-        return self.with_lowest_modes(int(np.count_nonzero(self.natural_frequencies <= highest)))
+        return self.reduce_to_modes(int(np.count_nonzero(self.natural_frequencies <= highest)))
 
-    def with_lowest_modes(self, count: int) -> "Partition":
+    def reduce_to_modes(self, count: int) -> "Partition":
         """Reduce the structure to its lowest modes; those above follow by statics and inertia.
 
         The shapes that are kept are these modes and K⁻¹Γ, K⁻¹MK⁻¹Γ, so that statics at the interface and its
         first correction are exact.
         """
-        whole = self.with_masses
-        if whole.size <= _FEW or count + 2 * self.degrees >= whole.size:
-            return whole
-        slow = scipy.linalg.eigh(whole.stiffness, whole.mass)[1][:, :count]
-        static = np.linalg.solve(whole.stiffness, whole.interface)
-        inertial = np.linalg.solve(whole.stiffness, whole.mass @ static)
-        return whole.projected(mass_orthonormal(np.hstack([slow, static, inertial]), whole.mass))
+        regular = self.nonsingular_form
+        if regular.size <= _FEWEST_TO_REDUCE or count + 2 * self.degrees >= regular.size:
+            return regular
+        slow = scipy.linalg.eigh(regular.stiffness, regular.mass)[1][:, :count]
+        static = np.linalg.solve(regular.stiffness, regular.interface)
+        inertial = np.linalg.solve(regular.stiffness, regular.mass @ static)
+        return regular.project(mass_orthonormal(np.hstack([slow, static, inertial]), regular.mass))
 
     @cached_property
     def natural_frequencies(self) -> Array:
         """Natural frequencies of the undamped structure [Hz], ascending."""
-        whole = self.with_masses
-        squares = scipy.linalg.eigh(whole.stiffness, whole.mass, eigvals_only=True)
+        regular = self.nonsingular_form
+        squares = scipy.linalg.eigh(regular.stiffness, regular.mass, eigvals_only=True)
         return np.asarray(np.sqrt(np.maximum(squares, 0.0)) / (2.0 * math.pi))
 
     @cached_property
@@ -369,11 +366,11 @@ class Partition:
 
         Shapes (modes,), (modes,) and (p, modes).
         """
-        whole = self.with_masses
-        squares, shapes = scipy.linalg.eigh(whole.stiffness, whole.mass)
+        regular = self.nonsingular_form
+        squares, shapes = scipy.linalg.eigh(regular.stiffness, regular.mass)
         omega = np.sqrt(np.maximum(squares, 0.0))
-        damping = np.einsum("di,de,ei->i", shapes, whole.damping, shapes)
-        return omega / (2.0 * math.pi), damping / (2.0 * omega), whole.interface.T @ shapes
+        damping = np.einsum("di,de,ei->i", shapes, regular.damping, shapes)
+        return omega / (2.0 * math.pi), damping / (2.0 * omega), regular.interface.T @ shapes
 
     @property
     def lowest_mode(self) -> Structure:
@@ -385,8 +382,8 @@ class Partition:
     @property
     def stiffness_shares(self) -> Array:
         """Specimen's share of the stiffness of each mode, φᵀΓK_eΓᵀφ/ω² [-], shape (modes,)."""
-        frequency, _, moved = self.modes
-        stiffness = np.einsum("pm,pq,qm->m", moved, self.specimen_stiffness, moved)
+        frequency, _, interface_shapes = self.modes
+        stiffness = np.einsum("pm,pq,qm->m", interface_shapes, self.specimen_stiffness, interface_shapes)
         return np.asarray(stiffness / (2.0 * math.pi * frequency) ** 2)
 
     @property
@@ -396,17 +393,19 @@ class Partition:
         Its real part is the share of the stiffness less that of the mass, its imaginary part 2ζ times that
         of the damping; for a spring it is α_i.
         """
-        frequency, _, moved = self.modes
+        frequency, _, interface_shapes = self.modes
         omega = 2.0 * math.pi * frequency
         forces = self.impedance((1j * omega).astype(np.complex128))
-        felt = [moved[:, mode] @ force @ moved[:, mode] for mode, force in enumerate(forces)]
-        return np.asarray(felt / omega**2)
+        modal_forces = [
+            shape @ force @ shape for shape, force in zip(interface_shapes.T, forces, strict=True)
+        ]
+        return np.asarray(modal_forces / omega**2)
 
     @property
     def static_transfer(self) -> Array:
         """Interface displacements by which a constant x_c − x_m moves the structure, ΓᵀK⁻¹ΓK_e [-]."""
-        moved = np.linalg.solve(self.stiffness, self.interface @ self.specimen_stiffness)
-        return np.asarray(self.interface.T @ moved)
+        displacement = np.linalg.solve(self.stiffness, self.interface @ self.specimen_stiffness)
+        return np.asarray(self.interface.T @ displacement)
 
     def shares_at_sensors(self, carry: Array) -> Array:
         """Share by which an offset that the loop feels at each sensor moves its command back [-], shape (p,).
@@ -416,29 +415,30 @@ class Partition:
         shares = np.diag(np.linalg.solve(carry, self.static_transfer @ carry))
         return np.asarray(np.clip(shares, _LEAST_SHARE, 1.0))
 
-    def with_parts(self, changes: Mapping[str, float]) -> "Partition":
+    def change_parts(self, changes: Mapping[str, float]) -> "Partition":
         """Structure whose floors, storeys, modes or specimen are off by relative changes."""
-        of_modes = any(name.startswith("mode") for name in changes)
-        whole, more = self.with_masses if of_modes else self, changes.get("specimen_stiffness", 0.0)
-        changed = with_parts(whole.mass, whole.damping, whole.stiffness, changes)
-        return whole.changed(**_matrices(changed, whole._specimen))._scale_specimen(1.0 + more)  # noqa: SLF001
+        has_modes = any(name.startswith("mode") for name in changes)
+        regular = self.nonsingular_form if has_modes else self
+        matrices = change_matrices(regular.mass, regular.damping, regular.stiffness, changes)
+        partition = regular.replace_values(**_matrices(matrices, regular._specimen))  # noqa: SLF001
+        return partition._scale_specimen(1.0 + changes.get("specimen_stiffness", 0.0))  # noqa: SLF001
 
     @property
-    def without_specimen(self) -> "Partition":
+    def numerical_substructure(self) -> "Partition":
         """Numerical substructure: what the computer simulates of the structure."""
         return self._scale_specimen(0.0)
 
     def _scale_specimen(self, factor: float) -> "Partition":
         """Structure with the specimen multiplied by a factor."""
-        whole = zip((self.mass, self.damping, self.stiffness), reversed(self._specimen), strict=True)
-        return self.changed(
+        pairs = zip((self.mass, self.damping, self.stiffness), reversed(self._specimen), strict=True)
+        return self.replace_values(
             **_matrices(
-                [self._subtract_specimen(matrix, (1.0 - factor) * part) for matrix, part in whole],
+                [self._subtract_specimen(matrix, (1.0 - factor) * part) for matrix, part in pairs],
                 [factor * part for part in self._specimen],
             )
         )
 
-    def scaled(
+    def scale(
         self,
         *,
         frequency: float | Array = 1.0,
@@ -450,9 +450,9 @@ class Partition:
         Factors of many draws, shape (draws,), give its matrices a first axis of draws.
         """
         f, ratio, part = (
-            np.asarray(one)[..., np.newaxis, np.newaxis] for one in (frequency, damping_ratio, share)
+            np.asarray(factor)[..., np.newaxis, np.newaxis] for factor in (frequency, damping_ratio, share)
         )
-        return self.changed(
+        return self.replace_values(
             damping=self.damping * (f * ratio),
             stiffness=self.stiffness * f**2,
             specimen_stiffness=self.specimen_stiffness * (f**2 * part),
@@ -464,9 +464,9 @@ class Partition:
     def first_mode(self) -> Array:
         """Shape of the lowest undamped mode that moves the interface, at most by one, shape (n,)."""
         for shape in scipy.linalg.eigh(self.stiffness, self.mass)[1].T:
-            moved = max(self.interface.T @ shape, key=abs)
-            if abs(moved) > _MOVES * np.abs(shape).max():
-                return np.asarray(shape / moved)
+            interface_displacement = max(self.interface.T @ shape, key=abs)
+            if abs(interface_displacement) > _MOVES * np.abs(shape).max():
+                return np.asarray(shape / interface_displacement)
         interface = self.interface[:, 0]
         return np.asarray(interface / float(interface @ interface))
 
@@ -475,26 +475,25 @@ class Partition:
         """Shapes in which interface displacements are one, shape (n, p): of one alone, the lowest mode."""
         if self.degrees == 1:
             return self.first_mode[:, np.newaxis]
-        moved = np.linalg.solve(self.stiffness, self.interface)
-        return np.asarray(np.linalg.solve((self.interface.T @ moved).T, moved.T).T)
+        displacement = np.linalg.solve(self.stiffness, self.interface)
+        return np.asarray(np.linalg.solve((self.interface.T @ displacement).T, displacement.T).T)
 
     def error_transfer(self, s: Spectrum) -> Spectrum:
         """Transfer function from x_c − x_m to the interface's error, Γᵀ(M s² + C s + K)⁻¹Γ Z(s).
 
         `s` [rad/s]; returns [-], shape (…, p, p).
         """
-        at = np.asarray(s)[..., np.newaxis, np.newaxis]
-        dynamic = at**2 * self.mass + at * self.damping + self.stiffness
+        s_matrix = np.asarray(s)[..., np.newaxis, np.newaxis]
+        dynamic = s_matrix**2 * self.mass + s_matrix * self.damping + self.stiffness
         return np.asarray(self.interface.T @ np.linalg.solve(dynamic, self.interface @ self.impedance(s)))
 
 
-def _matrices(whole: Iterable[Array], specimen: Iterable[Array]) -> dict[str, Array]:
+def _matrices(matrices: Iterable[Array], specimen: Iterable[Array]) -> dict[str, Array]:
     """Name M, C and K of a structure, and K_e, C_e and M_e of its specimen."""
-    of_specimen = ("specimen_stiffness", "specimen_damping", "specimen_mass")
-    names = ("mass", "damping", "stiffness", *of_specimen)
-    return dict(zip(names, (*whole, *specimen), strict=True))
+    names = ("mass", "damping", "stiffness", "specimen_stiffness", "specimen_damping", "specimen_mass")
+    return dict(zip(names, (*matrices, *specimen), strict=True))
 
 
 def whole_structure(structure: Structure | Partition) -> Partition:
     """Convert any description of a structure with a specimen to its matrices."""
-    return structure if isinstance(structure, Partition) else Partition.of_structure(structure)
+    return structure if isinstance(structure, Partition) else Partition.from_structure(structure)

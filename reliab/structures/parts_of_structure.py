@@ -68,19 +68,19 @@ def name_of_entries(matrix: str, places: Sequence[tuple[int, int]]) -> str:
 
 def _places_of_entries(name: str) -> tuple[str, list[tuple[int, int]]] | None:
     """Matrix, rows and columns of entries that are off together."""
-    if (found := _ENTRIES.fullmatch(name)) is None:
+    if (match := _ENTRIES.fullmatch(name)) is None:
         return None
-    numbers = [int(number) - 1 for number in found[2].split("_")[1:]]
-    return found[1], list(zip(numbers[::2], numbers[1::2], strict=True))
+    numbers = [int(number) - 1 for number in match[2].split("_")[1:]]
+    return match[1], list(zip(numbers[::2], numbers[1::2], strict=True))
 
 
-def with_parts(
+def change_matrices(
     mass: Array, damping: Array, stiffness: Array, changes: Mapping[str, float]
 ) -> tuple[Array, Array, Array]:
     """Return M, C and K with parts that are off by relative changes.
 
     >>> stiffness = np.array([[300.0, -100.0], [-100.0, 100.0]])
-    >>> with_parts(np.eye(2), 0.01 * stiffness, stiffness, {"storey_stiffness_2": 0.1})[2]
+    >>> change_matrices(np.eye(2), 0.01 * stiffness, stiffness, {"storey_stiffness_2": 0.1})[2]
     array([[ 310., -110.],
            [-110.,  110.]])
     """
@@ -97,26 +97,26 @@ def with_parts(
         _scale_motions(damping, drifts, factors["storey_damping"]) * _factor(changes.get("damping", 0.0)),
         _scale_motions(stiffness, drifts, factors["storey_stiffness"]),
     )
-    m, c, k = (with_entries(one, name, changes) for one, name in zip(parts, MATRICES, strict=True))
+    m, c, k = (change_entries(matrix, name, changes) for matrix, name in zip(parts, MATRICES, strict=True))
     return m, c, k
 
 
-def with_entries(matrix: Array, name: str, changes: Mapping[str, float]) -> Array:
+def change_entries(matrix: Array, name: str, changes: Mapping[str, float]) -> Array:
     """Return a matrix with entries off by relative changes, or by as much of them as a structure allows."""
-    added = np.zeros_like(matrix)
+    increments = np.zeros_like(matrix)
     for entries, change in changes.items():
-        of_matrix = _places_of_entries(entries)
-        if of_matrix is not None and of_matrix[0] == name:
-            for row, column in of_matrix[1]:
-                added[row, column] += change * matrix[row, column]
+        entry_places = _places_of_entries(entries)
+        if entry_places is not None and entry_places[0] == name:
+            for row, column in entry_places[1]:
+                increments[row, column] += change * matrix[row, column]
                 if row != column:
-                    added[column, row] += change * matrix[column, row]
-    if not added.any():
+                    increments[column, row] += change * matrix[column, row]
+    if not increments.any():
         return matrix
     least = least_of(matrix)
-    while np.linalg.eigvalsh(matrix + added)[0] < least:
-        added = added / 2.0
-    return np.asarray(matrix + added)
+    while np.linalg.eigvalsh(matrix + increments)[0] < least:
+        increments = increments / 2.0
+    return np.asarray(matrix + increments)
 
 
 def least_of(matrix: Array) -> float:

@@ -30,8 +30,8 @@ def shear_frame(masses: Sequence[float], storey_stiffnesses: Sequence[float]) ->
     for place, (mass, stiffness) in enumerate(zip(m.tolist(), k.tolist(), strict=True), start=1):
         require_physical("mass", mass, called=f"mass of floor {place}")
         require_physical("stiffness", stiffness, called=f"stiffness of storey {place}")
-    above = np.append(k[1:], 0.0)
-    return np.diag(m), np.diag(k + above) - np.diag(k[1:], 1) - np.diag(k[1:], -1)
+    upper_stiffness = np.append(k[1:], 0.0)
+    return np.diag(m), np.diag(k + upper_stiffness) - np.diag(k[1:], 1) - np.diag(k[1:], -1)
 
 
 _MOST_UNKNOWNS = 5_000  # whose matrix takes 200 MB
@@ -97,8 +97,8 @@ class PlanarFrame:
             for bay in range(self.bays):
                 self._add_beam(full, floor, bay)
         swept = np.linalg.solve(full[n:, n:], full[n:, :n])
-        condensed = full[:n, :n] - full[:n, n:] @ swept
-        return np.asarray(0.5 * (condensed + condensed.T))
+        lateral = full[:n, :n] - full[:n, n:] @ swept
+        return np.asarray(0.5 * (lateral + lateral.T))
 
     def _rotation(self, floor: int, line: int) -> int:
         return self.storeys + floor * (self.bays + 1) + line

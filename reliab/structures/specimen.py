@@ -54,13 +54,13 @@ def drift_interface(frame: Frame, upper: str | int, lower: str | int) -> Array:
     return interface
 
 
-def with_specimen(frame: Frame, interface: Sequence[float] | Array, specimen: Specimen) -> Frame:
+def add_specimen(frame: Frame, interface: Sequence[float] | Array, specimen: Specimen) -> Frame:
     """Return the frame with a specimen added at an interface: the whole of which it is then a part."""
-    along = np.outer(interface, interface)
+    interface_product = np.outer(interface, interface)
     return Frame(
-        mass=frame.mass + specimen.mass * along,
-        damping=frame.damping + specimen.damping * along,
-        stiffness=frame.stiffness + specimen.stiffness * along,
+        mass=frame.mass + specimen.mass * interface_product,
+        damping=frame.damping + specimen.damping * interface_product,
+        stiffness=frame.stiffness + specimen.stiffness * interface_product,
         influence=frame.influence,
         names=frame.names,
     )

@@ -76,11 +76,11 @@ def refuse_long_leads(structure: Structure, gain: Array, delay: Array) -> None:
     longest = longest_lead(structure, gain)
     wrong = -delay > longest * (1.0 + 1e-12)
     if wrong.any():
-        at = int(np.argmax(-delay - longest))
+        worst = int(np.argmax(-delay - longest))
         raise InputError(
-            f"A lead must be shorter than a quarter of the structure's period, {1e3 * longest[at]:.4g} ms "
-            f"for f = {structure.frequency:g} Hz and k_p = {gain[at]:g}",
-            value=f"{-1e3 * delay[at]:.4g} ms",
+            f"A lead must be shorter than a quarter of the structure's period, {1e3 * longest[worst]:.4g} ms "
+            f"for f = {structure.frequency:g} Hz and k_p = {gain[worst]:g}",
+            value=f"{-1e3 * delay[worst]:.4g} ms",
             remedy="Check the sign and the time axis of command and measured displacement",
         )
 

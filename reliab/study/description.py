@@ -130,13 +130,13 @@ class Study(Table):
     # by default
     date: dt.date | None = None
 
-    def titled(self, population: str) -> str:
+    def full_title(self, population: str) -> str:
         """Title of the report with the ground motions that it is about, in words."""
         if self.title.endswith("?"):
             return f"{self.title} {population[:1].upper()}{population[1:]}"
         return f"{self.title}: {population}"
 
-    def on(self, sources: Sequence[str] | None, sets: Sequence[str] | None) -> Self:
+    def replace_motions(self, sources: Sequence[str] | None, sets: Sequence[str] | None) -> Self:
         """Return the same study on other ground motions.
 
         `sources`, `sets`: as the keys of `[motions]`; None keeps what the study says.
@@ -162,19 +162,19 @@ class RecordsStudy(Study):
 
     motions: RecordsTable = RecordsTable()
 
-    def titled(self, population: str) -> str:
+    def full_title(self, population: str) -> str:
         """Title of the report with the ground motions that it is about, in words."""
         if self.title.endswith("?"):
             return f"{self.title} {population[:1].upper()}{population[1:]}"
         return f"{self.title}: {population}"
 
-    def on(self, sources: Sequence[str] | None, sets: Sequence[str] | None) -> Self:
+    def replace_motions(self, sources: Sequence[str] | None, sets: Sequence[str] | None) -> Self:
         """Return the same study on other records."""
         present = self.motions.model_dump()
         if sources is not None and "results" in present:
             present["results"] = None
-        changed = {"sources": sources and tuple(sources), "sets": sets and tuple(sets)}
-        tables = {**present, **{name: value for name, value in changed.items() if value is not None}}
+        changes = {"sources": sources and tuple(sources), "sets": sets and tuple(sets)}
+        tables = {**present, **{name: value for name, value in changes.items() if value is not None}}
         try:
             motions = type(self.motions).model_validate(tables)
         except ValueError as error:

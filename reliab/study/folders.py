@@ -65,15 +65,15 @@ REMEDY: Final = (
 _CODE: Final = "kind"
 
 
-def shipped_folders() -> dict[str, Path]:
+def folders_of_studies() -> dict[str, Path]:
     """Folders of the studies that ship, by their names."""
-    return {file.parent.name: file.parent for file in sorted(_shipped_root().glob(f"*/{FILE}"))}
+    return {file.parent.name: file.parent for file in sorted(_studies_root().glob(f"*/{FILE}"))}
 
 
-def described_folders() -> dict[str, dict[str, Any]]:
+def study_contents() -> dict[str, dict[str, Any]]:
     """Read the files of the studies that ship, by name; nothing of one that cannot be read."""
     contents: dict[str, dict[str, Any]] = {}
-    for name, folder in shipped_folders().items():
+    for name, folder in folders_of_studies().items():
         contents[name] = {}
         with suppress(InputError):
             contents[name] = read_toml(folder / FILE, rule=RULE, remedy=REMEDY)
@@ -82,10 +82,10 @@ def described_folders() -> dict[str, dict[str, Any]]:
 
 def folders_of_kinds() -> dict[str, Path]:
     """Folders of the studies that bring their kind with them, by its name; none is imported."""
-    folders = shipped_folders()
+    folders = folders_of_studies()
     return {
         content["kind"]: folders[name]
-        for name, content in described_folders().items()
+        for name, content in study_contents().items()
         if isinstance(content.get("kind"), str) and (folders[name] / f"{_CODE}.py").is_file()
     }
 
@@ -121,7 +121,7 @@ def kind_of(folder: Path) -> Kind | None:
     return kind
 
 
-def _shipped_root() -> Path:
+def _studies_root() -> Path:
     """Return the folder of the studies that ship; it does not exist where they were taken away."""
     return shipped_folder("studies").resolve()
 
@@ -129,7 +129,7 @@ def _shipped_root() -> Path:
 def _package(parent: Path) -> str:
     """Make the folders below a folder importable; return the name of their package."""
     name = PACKAGE
-    if parent != _shipped_root():
+    if parent != _studies_root():
         name = f"{PACKAGE}_{sha256(str(parent).encode()).hexdigest()[:12]}"
     if name not in sys.modules:
         spec = ModuleSpec(name, None, is_package=True)
@@ -138,4 +138,4 @@ def _package(parent: Path) -> str:
     return name
 
 
-_package(_shipped_root())
+_package(_studies_root())

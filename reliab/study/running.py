@@ -14,7 +14,7 @@ from reliab.report.pdf import write_pdf
 from reliab.report.prose import plain_text
 from reliab.report.setting import Setting
 from reliab.study.description import Study
-from reliab.study.folders import FILE, REMEDY, RULE, described_folders, kind_of, shipped_folders
+from reliab.study.folders import FILE, REMEDY, RULE, folders_of_studies, kind_of, study_contents
 from reliab.study.kinds import KINDS
 from reliab.study.stages import RunFolder, Stage, date_of, study_of
 
@@ -22,17 +22,17 @@ from reliab.study.stages import RunFolder, Stage, date_of, study_of
 def read_study(path: str | Path) -> Study:
     """Read a study."""
     content = read_toml(path, rule=RULE, remedy=REMEDY)
-    return study_from(content, where=str(path))
+    return study_from(content, location=str(path))
 
 
-def study_from(content: Mapping[str, Any], *, where: str = "") -> Study:
+def study_from(content: Mapping[str, Any], *, location: str = "") -> Study:
     """Make a study of its tables."""
     name = content.get("kind")
     if not isinstance(name, str) or name not in KINDS:
         raise InputError(
             "The study has no kind" if name is None else f"Unknown kind of study: {name!r}",
             remedy=f"Choose among {', '.join(KINDS)}",
-            where=where,
+            where=location,
         )
     tables = KINDS[name].tables
     return described(
@@ -40,7 +40,7 @@ def study_from(content: Mapping[str, Any], *, where: str = "") -> Study:
         content,
         rule="A study holds the keys that its kind knows, with allowed values",
         remedy=f"A study of the kind {name} knows {', '.join(tables.model_fields)}",
-        where=where,
+        where=location,
     )
 
 
@@ -66,7 +66,7 @@ def open_study(name: str | Path) -> Study:
     """
     path = Path(name)
     if not path.suffix and len(path.parts) == 1 and not is_own_data(path, FILE):
-        present = shipped_folders()
+        present = folders_of_studies()
         if path.name not in present:
             raise InputError(
                 f"No study {str(name)!r}",
@@ -84,7 +84,7 @@ def list_shipped() -> list[dict[str, str]]:
     """Name, kind and title of every study that ships; no code of theirs is imported."""
     return [
         {"name": name, **{key: str(content.get(key, "")) for key in ("kind", "title")}}
-        for name, content in described_folders().items()
+        for name, content in study_contents().items()
     ]
 
 
@@ -130,7 +130,7 @@ def run_study(
     """
     stages = list(KINDS[study.kind].stages(study, show))
     results = [name for stage in stages for name in stage.writes]
-    with RunFolder.opened(Path(out), study=study.model_dump(mode="json")) as folder:
+    with RunFolder.open(Path(out), study=study.model_dump(mode="json")) as folder:
         for stage in (*stages, _reporting(study, results, setting)):
             tell(stage.name, folder.perform(stage))
     return folder.path / REPORT
@@ -159,7 +159,7 @@ def write_report(folder: str | Path, *, setting: Setting | None = None) -> Path:
     """
     folder = Path(folder)
     refuse_links(folder)
-    study = study_from(study_of(folder), where=str(folder))
+    study = study_from(study_of(folder), location=str(folder))
     rule, remedy = "The files of a run must be as `reliab run` wrote them", "Run the study again"
     with decoding(rule, remedy=remedy, where=folder):  # somebody may have sent it
         document = KINDS[study.kind].report(study, folder)

@@ -69,7 +69,7 @@ class RunFolder:
 
     @classmethod
     @contextlib.contextmanager
-    def opened(cls, path: Path, *, study: Mapping[str, Any]) -> Iterator["RunFolder"]:
+    def open(cls, path: Path, *, study: Mapping[str, Any]) -> Iterator["RunFolder"]:
         """Open a run folder, and keep every other process from running a study in it."""
         with refuse_unwritable("Cannot write the run folder", where=path):
             path.mkdir(parents=True, exist_ok=True)
@@ -139,7 +139,7 @@ def study_of(path: Path) -> dict[str, Any]:
     return dict(study)
 
 
-def made_with(path: Path) -> dict[str, Any]:
+def software_provenance(path: Path) -> dict[str, Any]:
     """Return the packages with which the results of a run were made.
 
     Returns versions by package, under "packages"; where stages were run with different ones, by stage. A
@@ -249,8 +249,8 @@ def _packages() -> tuple[tuple[str, str], ...]:
             versions[name] = version(name)
         except PackageNotFoundError:
             continue  # needed on other systems only
-        needed = [line for line in requires(name) or () if "extra ==" not in line]
-        names = [match[0].lower() for line in needed if (match := _NAME.match(line))]
+        requirements = [line for line in requires(name) or () if "extra ==" not in line]
+        names = [match[0].lower() for line in requirements if (match := _NAME.match(line))]
         waiting.extend(re.sub(r"[-_.]+", "-", package) for package in names)  # a package has one name
     return tuple(sorted(versions.items()))
 

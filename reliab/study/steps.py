@@ -36,7 +36,12 @@ from reliab.sweep.shares import at_share
 from reliab.tracking.indices.window import Window
 from reliab.validation.cross_validation.counts import CrossValidation
 from reliab.validation.cross_validation.folds import folds_of
-from reliab.validation.cross_validation.judge import Candidate, Derived, Printed, cross_validate
+from reliab.validation.cross_validation.judge import (
+    Candidate,
+    DerivedCandidate,
+    PrintedCandidate,
+    cross_validate,
+)
 from reliab.validation.cross_validation.truth import StoredTruth
 
 RESULTS: Final = "results.zarr"
@@ -78,19 +83,19 @@ class Material(Records):
         self._results = results
 
     @cached_property
-    def stored(self) -> Path | None:
+    def results_path(self) -> Path | None:
         """Stored results, once they are known to hold the structures; a report never asks for them."""
         if self._results is None:
             return None
         structures = self._study.structures
-        stored = stored_results(Path(self._results), structures.f, structures.xi)
-        self._check(stored)
-        return stored
+        path = stored_results(Path(self._results), structures.f, structures.xi)
+        self._check(path)
+        return path
 
     @cached_property
     def checksums(self) -> list[str]:
         """What the ground motions, or the stored results, are known by."""
-        return [digest(self.stored)] if self.stored is not None else super().checksums
+        return [digest(self.results_path)] if self.results_path is not None else super().checksums
 
     @property
     def population(self) -> str:
@@ -107,7 +112,7 @@ class Material(Records):
     def results(self, folder: Path) -> xr.Dataset:
         """Results of the study's structures, stored or simulated in its run folder."""
         window = Window.parse(self._study.errors.window).label
-        return self._select(open_results(self.stored or folder / RESULTS, window=window))
+        return self._select(open_results(self.results_path or folder / RESULTS, window=window))
 
     def truth(self, folder: Path, motions: Sequence[str]) -> StoredTruth:
         """Return the true errors of tests under motions of these names, read from the results."""
@@ -116,11 +121,11 @@ class Material(Records):
     def _select(self, results: xr.Dataset) -> xr.Dataset:
         structures = self._study.structures
         f, xi = list(structures.f), list(structures.xi)
-        of_share = at_share(results, structures.experimental_fraction)
-        return of_share.sel(f=f, xi=xi, method="nearest", tolerance=1e-9)
+        share_results = at_share(results, structures.experimental_fraction)
+        return share_results.sel(f=f, xi=xi, method="nearest", tolerance=1e-9)
 
-    def _check(self, stored: Path) -> None:
-        results = open_results(stored, window=Window.parse(self._study.errors.window).label)
+    def _check(self, path: Path) -> None:
+        results = open_results(path, window=Window.parse(self._study.errors.window).label)
         structures = self._study.structures
         try:
             self._select(results)
@@ -153,7 +158,7 @@ _PAPER_ERROR = (0.05, str(Metric.RMS))
 
 def simulation(study: SimulatedStudy, material: Material, show: Show) -> list[Stage]:
     """Simulate the study's motions, unless results are given."""
-    if material.stored is not None:
+    if material.results_path is not None:
         return []
     request = sweep_request(
         f=study.structures.f,
@@ -180,23 +185,23 @@ def tracing(study: SimulatedStudy, material: Material, show: Show) -> Stage:
 
     def work(folder: Path) -> None:
         with show("Tracing boundaries") as progress:
-            traced = material.results(folder).reliab.ellipses(
+            ellipses = material.results(folder).reliab.ellipses(
                 study.errors.thresholds, [Metric(name) for name in study.errors.metrics], progress=progress
             )
-        if material.stored is None:
-            traced = traced.assign_coords(outline=outlines_of(material.motions))
-        known = "a_cut" in traced  # of records that ship, whose ratios came with their boundaries
-        if material.stored is None and study.errors.window == Window().label and not known:
+        if material.results_path is None:
+            ellipses = ellipses.assign_coords(outline=outlines_of(material.motions))
+        has_cut_ratios = "a_cut" in ellipses  # of records that ship, whose ratios came with their boundaries
+        if material.results_path is None and study.errors.window == Window().label and not has_cut_ratios:
             structures = study.structures.f, study.structures.xi, study.structures.experimental_fraction
-            traced = traced.merge(measure_cut_records(material.motions, *structures))
-        write_ellipses(traced, folder / ELLIPSES)
+            ellipses = ellipses.merge(measure_cut_records(material.motions, *structures))
+        write_ellipses(ellipses, folder / ELLIPSES)
 
     inputs = {
         "results": material.checksums,
         "structures": study.structures.model_dump(),
         "errors": study.errors.model_dump(),
     }
-    reads = () if material.stored is not None else (RESULTS,)
+    reads = () if material.results_path is not None else (RESULTS,)
     return Stage(name="trace", inputs=inputs, reads=reads, writes=(ELLIPSES,), work=work)
 
 
@@ -213,15 +218,17 @@ def derivation(errors: ErrorsTable, criterion: CriterionTable, show: Show) -> St
     """Derive the study's criteria, one for each error and confidence for which the motions suffice."""
 
     def work(folder: Path) -> None:
-        traced = without_copies(open_ellipses(folder / ELLIPSES))
-        derived = [
-            _derive(traced, threshold, metric, criterion, show)
+        ellipses = without_copies(open_ellipses(folder / ELLIPSES))
+        derivations = [
+            _derive(ellipses, threshold, metric, criterion, show)
             for metric in errors.metrics
             for threshold in errors.thresholds
         ]
         content = {
-            "criteria": [json.loads(item.to_json()) for criteria in derived for item in criteria.criteria],
-            "refusals": [sentence for criteria in derived for sentence in criteria.refusals],
+            "criteria": [
+                json.loads(item.to_json()) for criteria in derivations for item in criteria.criteria
+            ],
+            "refusals": [sentence for criteria in derivations for sentence in criteria.refusals],
         }
         text = json.dumps(content, ensure_ascii=False, allow_nan=False)
         with written_whole(folder / CRITERIA) as file:
@@ -232,15 +239,15 @@ def derivation(errors: ErrorsTable, criterion: CriterionTable, show: Show) -> St
 
 
 def _derive(
-    traced: xr.Dataset, threshold: float, metric: str, table: CriterionTable, show: Show
+    ellipses: xr.Dataset, threshold: float, metric: str, table: CriterionTable, show: Show
 ) -> DerivedCriteria:
     """Learn once from the ellipses of one error, and derive a criterion at each confidence."""
-    at = f"{100 * threshold:g} % of {ERROR_NAMES[Metric(metric)]}"
-    error = f"No criterion for {at}"
+    error_text = f"{100 * threshold:g} % of {ERROR_NAMES[Metric(metric)]}"
+    error = f"No criterion for {error_text}"
     try:
-        with show(f"Learning at {at}") as progress:
-            learned = Derivation.from_ellipses(
-                traced,
+        with show(f"Learning at {error_text}") as progress:
+            derivation = Derivation.from_ellipses(
+                ellipses,
                 method=method_of(table.method),
                 law=known(FITTED, table.law),
                 threshold=threshold,
@@ -249,17 +256,17 @@ def _derive(
             )
     except InputError as refusal:
         return DerivedCriteria(criteria=(), refusals=(f"{error}: {refusal}",))
-    learned.warn_unless_converged()
-    if not learned.converged:
+    derivation.warn_unless_converged()
+    if not derivation.converged:
         return DerivedCriteria(criteria=(), refusals=(f"{error}: its posterior has not converged.",))
     criteria, refusals = [], []
     for confidence in table.confidences:
         try:
-            criterion = learned.criterion(confidence, joint=table.joint)
+            criterion = derivation.criterion(confidence, joint=table.joint)
         except InputError as refusal:
             refusals.append(f"{error} at {100 * confidence:g} %: {refusal}")
             continue
-        if np.max(criterion.limits(traced["f"].values[:, np.newaxis], traced["xi"].values)) > 0.0:
+        if np.max(criterion.limits(ellipses["f"].values[:, np.newaxis], ellipses["xi"].values)) > 0.0:
             criteria.append(criterion)
         else:
             reasons = " ".join(criterion.provenance.warnings)
@@ -281,20 +288,20 @@ def judgement(study: CriterionStudy, material: Material, show: Show) -> Stage:
     threshold, metric = study.errors.thresholds[0], study.errors.metrics[0]
 
     def work(folder: Path) -> None:
-        traced = without_copies(open_ellipses(folder / ELLIPSES))
+        ellipses = without_copies(open_ellipses(folder / ELLIPSES))
         refusals: dict[str, str] = {}
         for scheme in study.validation.schemes:
             try:
                 with show(f"Cross-validating, {scheme.replace('_', ' ')}") as progress:
                     validation = cross_validate(
-                        traced,
-                        folds_of(scheme, traced["event"].values),
+                        ellipses,
+                        folds_of(scheme, ellipses["event"].values),
                         candidates(study.errors, study.criterion),
                         scheme=scheme,
                         confidences=study.validation.confidences,
                         threshold=threshold,
                         metric=metric,
-                        truth=material.truth(folder, traced["motion"].values.tolist()),
+                        truth=material.truth(folder, ellipses["motion"].values.tolist()),
                         trials=study.validation.trials,
                         progress=progress,
                     )
@@ -314,24 +321,24 @@ def judgement(study: CriterionStudy, material: Material, show: Show) -> Stage:
 def candidates(errors: ErrorsTable, criterion: CriterionTable) -> list[Candidate]:
     """Criteria that a study puts to the test; the first is its own, with its own law."""
     label = criterion.method if criterion.law == "table" else f"{criterion.method}, {criterion.law}"
-    candidate = Derived(
+    candidate = DerivedCandidate(
         name=label,
         method=method_of(criterion.method),
         joint=criterion.joint,
         law=known(FITTED, criterion.law),
     )
-    paper = Derived(name="quantile", method=Quantile(), joint=False)
-    judged: list[Candidate] = [candidate] if candidate == paper else [candidate, paper]
+    paper = DerivedCandidate(name="quantile", method=Quantile(), joint=False)
+    trial_criteria: list[Candidate] = [candidate] if candidate == paper else [candidate, paper]
     if (errors.thresholds[0], errors.metrics[0]) == _PAPER_ERROR:
-        judged += [Printed(name=law.name, law=law) for law in OF_MANY_MOTIONS.values()]
-    return judged
+        trial_criteria += [PrintedCandidate(name=law.name, law=law) for law in OF_MANY_MOTIONS.values()]
+    return trial_criteria
 
 
 def validations_of(study: CriterionStudy, folder: Path) -> dict[str, CrossValidation]:
     """Read the cross-validations of a run by their schemes; those that could not be made are missing."""
     return {
         scheme: CrossValidation(
-            counts=opened(folder / _counts_file(scheme)),
+            counts=read_run_dataset(folder / _counts_file(scheme)),
             scheme=scheme,
             threshold=study.errors.thresholds[0],
             metric=study.errors.metrics[0],
@@ -355,6 +362,6 @@ def _counts_file(scheme: str) -> str:
     return f"validation_{scheme}.nc"
 
 
-def opened(path: Path) -> xr.Dataset:
+def read_run_dataset(path: Path) -> xr.Dataset:
     """Read a dataset of a run."""
     return read_netcdf(path, "A run holds the files that `reliab run` wrote", "Run the study again")

@@ -140,7 +140,10 @@ def _tables(motions: Sequence[Motion], request: EllipseRequest, progress: Progre
     for solved, structure in enumerate(structures, start=1):
         loops = [loop_of(request.model, excitation, structure, request.engine) for excitation in excitations]
         errors_at_rest.append(
-            [[relative_error(loop.at_rest(), metric)[0] for metric in request.metrics] for loop in loops]
+            [
+                [relative_error(loop.rest_deviation(), metric)[0] for metric in request.metrics]
+                for loop in loops
+            ]
         )
         rows.append([_rows(loops, metric, request) for metric in request.metrics])
         progress(solved, len(structures))

@@ -99,7 +99,9 @@ def trace_frame_ellipses(
             output=frame.output,
         )
         modes.append(loop.governing_mode)
-        errors_at_rest.append([[[relative_error(loop.at_rest(), metric)[0] for metric in request.metrics]]])
+        errors_at_rest.append(
+            [[[relative_error(loop.rest_deviation(), metric)[0] for metric in request.metrics]]]
+        )
         tables.append(_table(loop, request))
         headers.append(motion_coordinates([motion]))
         progress(len(headers), len(motions))

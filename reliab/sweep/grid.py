@@ -13,7 +13,7 @@ from reliab.core.errors import InputError
 from reliab.core.vocabulary import Dimension
 from reliab.simulation.linear_loop.cells import Cells
 from reliab.structures.structure import Structure
-from reliab.tracking.boundary.contour import DELAY_SCALE, GAIN_SCALE, REACH, furthest_lead, stretched
+from reliab.tracking.boundary.contour import DELAY_SCALE, GAIN_SCALE, REACH, furthest_lead, stretch_coordinate
 
 _FEWEST_GAINS, _FEWEST_DELAYS = 5, 4
 
@@ -184,5 +184,5 @@ class ScaledGrid(Grid):
 def _space_evenly(core: float, scale: float, furthest: float, steps: int) -> Array:
     """Values from zero, evenly spaced in the coordinate in which surfaces are interpolated."""
     dense = np.concatenate([[0.0], np.geomspace(1e-3 * core, furthest, 20_000)])
-    even = np.linspace(0.0, float(stretched(np.array(furthest), core, scale)), steps + 1)
-    return np.asarray(np.interp(even, stretched(dense, core, scale), dense), dtype=np.float64)
+    even = np.linspace(0.0, float(stretch_coordinate(np.array(furthest), core, scale)), steps + 1)
+    return np.asarray(np.interp(even, stretch_coordinate(dense, core, scale), dense), dtype=np.float64)

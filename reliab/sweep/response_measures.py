@@ -12,7 +12,7 @@ from reliab.structures.structure import Structure
 from reliab.sweep.labels import join_coordinates, motion_coordinates
 from reliab.sweep.request import excitation_of
 from reliab.sweep.results_accessor import ResultsAccessor, contours_of
-from reliab.tracking.boundary.finite_errors import DIRECTIONS, predicted_ellipse, scales_of_contour
+from reliab.tracking.boundary.finite_errors import DIRECTIONS, predict_ellipse, scales_of_contour
 from reliab.tracking.boundary.first_order import FirstOrderEllipse, first_order_ellipse
 from reliab.tracking.indices.window import Window
 
@@ -85,7 +85,7 @@ def compare_boundaries(
         for motion, of_motion in enumerate(contours):
             response = _response(of_structure.isel(motion=motion))
             scales[motion, row, column] = [
-                scales_of_contour(contour, *predicted_ellipse(response, structure, *pair))
+                scales_of_contour(contour, *predict_ellipse(response, structure, *pair))
                 for contour, pair in zip(of_motion, pairs, strict=True)
             ]
         progress(count, len(places))

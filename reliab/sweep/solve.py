@@ -81,7 +81,7 @@ def _solve_structure(
             "A": amplitude.astype(np.float32),
             "d": delay.astype(np.float32),
             "stable": cells.stable.reshape(shape),
-            "rms_at_rest": relative_error(loop.at_rest(), Metric.RMS)[0].astype(np.float32),
+            "rms_at_rest": relative_error(loop.rest_deviation(), Metric.RMS)[0].astype(np.float32),
         }
 
 

@@ -38,7 +38,7 @@ def leave_one_event_out(events: NDArray[np.str_]) -> Iterator[NDArray[np.bool_]]
         yield events == event
 
 
-def held_out_scores(
+def score_held_out_events(
     values: NDArray[np.float64], events: NDArray[np.str_], family: type[Distribution]
 ) -> HeldOutScores:
     """Score motions by a distribution fitted to those of all other earthquakes.
@@ -47,9 +47,9 @@ def held_out_scores(
     """
     log_score, tail_score = np.empty(values.size), np.empty(values.size)
     for held_out in leave_one_event_out(events):
-        fitted = family.fit(values[~held_out])
-        log_score[held_out] = fitted.log_density(values[held_out]) + np.log(values[held_out])
-        excess = np.log(values[held_out]) - np.log(fitted.quantile(TAIL))
+        distribution = family.fit(values[~held_out])
+        log_score[held_out] = distribution.log_density(values[held_out]) + np.log(values[held_out])
+        excess = np.log(values[held_out]) - np.log(distribution.quantile(TAIL))
         tail_score[held_out] = excess * (TAIL - (excess < 0.0))
     return HeldOutScores(log_score=log_score, tail_score=tail_score)
 
@@ -65,10 +65,10 @@ def compare_distributions(values: NDArray[np.float64], events: NDArray[np.str_])
     >>> compare_distributions(values, events).loc["weibull", "gain"] > 0.0
     np.True_
     """
-    reference = held_out_scores(values, events, Lognormal)
+    reference = score_held_out_events(values, events, Lognormal)
     rows = {}
     for name, family in DISTRIBUTIONS.items():
-        scores = held_out_scores(values, events, family)
+        scores = score_held_out_events(values, events, family)
         difference = scores.log_score - reference.log_score
         rows[name] = {
             "log_score": scores.log_score.mean(),
@@ -110,8 +110,8 @@ class _Motions:
         scatter of these motions leads from there to the median.
         """
         if isinstance(law, Law):
-            stated = self.limits(law, _PRINTED_CONFIDENCE)
-            return np.asarray(stated + scipy.special.ndtri(_PRINTED_CONFIDENCE) * self.values.std(axis=0))
+            log_limits = self.limits(law, _PRINTED_CONFIDENCE)
+            return np.asarray(log_limits + scipy.special.ndtri(_PRINTED_CONFIDENCE) * self.values.std(axis=0))
         return self._fit_law(law, self.values.mean(axis=0))
 
     def limits(self, law: FittedLaw | Law, confidence: float) -> NDArray[np.float64]:
@@ -130,9 +130,9 @@ class _Motions:
     def _fit_law(self, law: FittedLaw, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Fit a law to ln α and ln β of the grid and evaluate it there, shape (F, X, 2)."""
         a, b = np.moveaxis(np.exp(values + self.scale), -1, 0)
-        fitted = law.fit(self.frequencies, self.damping_ratios, a, b)
+        law_fit = law.fit(self.frequencies, self.damping_ratios, a, b)
         grid = self.frequencies[:, None], self.damping_ratios[None, :]
-        return np.asarray(np.log(np.stack(fitted.limits(*grid), axis=-1)) - self.scale)
+        return np.asarray(np.log(np.stack(law_fit.limits(*grid), axis=-1)) - self.scale)
 
     def covariance(self, law: FittedLaw | Law, location: NDArray[np.float64]) -> NDArray[np.float64]:
         """Scatter of ln α and ln β about a law; about their own means for a printed one."""
@@ -215,20 +215,22 @@ def _judge(
 ) -> pd.DataFrame:
     """One law at every frequency."""
     score = np.empty(values.shape[:3])
-    stated = np.empty(values.shape)
+    log_limits = np.empty(values.shape)
     for held_out in leave_one_event_out(events):
-        learned = _Motions(values=values[~held_out], frequencies=frequencies, damping_ratios=damping_ratios)
-        location = learned.location(law)
-        covariance = learned.covariance(law, location)
+        training_motions = _Motions(
+            values=values[~held_out], frequencies=frequencies, damping_ratios=damping_ratios
+        )
+        location = training_motions.location(law)
+        covariance = training_motions.covariance(law, location)
         residual = values[held_out] - location
         score[held_out] = (
             scipy.stats.multivariate_normal([0.0, 0.0], covariance)
             .logpdf(residual)
             .reshape(residual.shape[:3])
         )
-        stated[held_out] = learned.limits(law, confidence)
-    room = (values - stated).min(axis=-1)  # by which the limits could grow, in logarithms
-    size = stated.mean(axis=-1)  # ln √(ab) of the stated limits
+        log_limits[held_out] = training_motions.limits(law, confidence)
+    room = (values - log_limits).min(axis=-1)  # by which the limits could grow, in logarithms
+    size = log_limits.mean(axis=-1)  # ln √(ab) of the stated limits
     factor = np.quantile(room, 1.0 - confidence, method="lower")
     factor_at_f = np.quantile(room, 1.0 - confidence, axis=(0, 2), method="lower")
     return pd.DataFrame(

@@ -15,7 +15,7 @@ import xarray as xr
 
 from reliab.motions.motion import are_copies
 
-_SHIPPED: Final[Mapping[str, tuple[str, str]]] = {
+_SUITE_EVENTS: Final[Mapping[str, tuple[str, str]]] = {
     "CAPEMEND": ("Cape Mendocino", "1992-04-25"),
     "CHICHI": ("Chi-Chi", "1999-09-20"),
     "DENALI": ("Denali", "2002-11-03"),
@@ -69,14 +69,14 @@ def earthquakes_among(
     """
     names = suite["event"].values.tolist()
     records = dict(zip(suite["checksum"].values.tolist(), names, strict=True)) if "checksum" in suite else {}
-    known, copied = dict.fromkeys(names), dict[int, str]()
+    event_names, copies = dict.fromkeys(names), dict[int, str]()
     if len(outlines) and "outline" in suite.coords:
         pairs = np.argwhere(are_copies(outlines, suite["outline"].values.tolist())).tolist()
-        copied = {place: names[other] for place, other in pairs}
+        copies = {place: names[index] for place, index in pairs}
     return [
         records.get(checksum)
-        or copied.get(place)
-        or next((name for name in known if _is_same_event(event, name)), None)
+        or copies.get(place)
+        or next((name for name in event_names if _is_same_event(event, name)), None)
         for place, (event, checksum) in enumerate(zip(events, checksums, strict=True))
     ]
 
@@ -85,13 +85,13 @@ def _is_same_event(event: str, name: str) -> bool:
     """Whether an earthquake is the one of a suite."""
     if event == name:
         return True
-    title, date = _SHIPPED.get(name, (name, name))
-    day, known = _date(event), _date(date)
-    between = abs(day - known) if day and known else None
-    if between is not None and between <= _ONE_DAY and _DATE.search(event):
+    title, date = _SUITE_EVENTS.get(name, (name, name))
+    day, other_day = _date(event), _date(date)
+    difference = abs(day - other_day) if day and other_day else None
+    if difference is not None and difference <= _ONE_DAY and _DATE.search(event):
         return True
-    alike = any(_begins(_letters(event), _letters(alias)) for alias in (name, title))
-    return alike and (between is None or between <= _ONE_YEAR)
+    has_same_name = any(_begins(_letters(event), _letters(alias)) for alias in (name, title))
+    return has_same_name and (difference is None or difference <= _ONE_YEAR)
 
 
 def _begins(*names: str) -> bool:

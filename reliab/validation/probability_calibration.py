@@ -39,40 +39,40 @@ def probability_calibration(
     folds = folds_of(scheme, events, ellipses["duration"].values if "duration" in ellipses.coords else None)
     structures = list(product(ellipses["f"].values.tolist(), ellipses["xi"].values.tolist()))
     shape = (events.size, len(edges) - 1)
-    stated, good, count = (np.zeros(shape) for _ in range(3))
-    for done, (f, xi) in enumerate(structures, start=1):
-        at = ellipses.sel(f=[f], xi=[xi])
+    stated_sums, good, count = (np.zeros(shape) for _ in range(3))
+    for step, (f, xi) in enumerate(structures, start=1):
+        structure_ellipses = ellipses.sel(f=[f], xi=[xi])
         cell = Cell(frequency=f, damping_ratio=xi, threshold=threshold, metric=metric)
         tests = draw_trials(ellipses, cell, trials)
         errors = np.array([truth.errors(cell, k, tests.gain, tests.delay) for k in range(events.size)])
         for fold in folds:
             population = Population.from_ellipses(
-                at.isel(motion=fold.learned), threshold=threshold, metric=metric
+                structure_ellipses.isel(motion=fold.learned), threshold=threshold, metric=metric
             )
             probability = population.probability(tests.gain, tests.delay, f, xi)
             bins = np.clip(np.digitize(probability, edges) - 1, 0, shape[1] - 1)
             for motion in np.flatnonzero(fold.judged):
-                known = np.isfinite(errors[motion])
-                stated[motion] += np.bincount(bins[known], probability[known], shape[1])
-                good[motion] += np.bincount(bins[known], errors[motion][known] <= 1.0, shape[1])
-                count[motion] += np.bincount(bins[known], minlength=shape[1])
-        progress(done, len(structures))
-    return _table(stated, good, count, events)
+                is_finite = np.isfinite(errors[motion])
+                stated_sums[motion] += np.bincount(bins[is_finite], probability[is_finite], shape[1])
+                good[motion] += np.bincount(bins[is_finite], errors[motion][is_finite] <= 1.0, shape[1])
+                count[motion] += np.bincount(bins[is_finite], minlength=shape[1])
+        progress(step, len(structures))
+    return _table(stated_sums, good, count, events)
 
 
 def _table(
-    stated: NDArray[np.float64],
+    stated_sums: NDArray[np.float64],
     good: NDArray[np.float64],
     count: NDArray[np.float64],
     events: NDArray[np.str_],
 ) -> pd.DataFrame:
-    filled = count.sum(axis=0) > 0.0
-    low, high = event_bootstrap(good[:, filled], count[:, filled], events)
-    total = count[:, filled].sum(axis=0)
+    is_filled = count.sum(axis=0) > 0.0
+    low, high = event_bootstrap(good[:, is_filled], count[:, is_filled], events)
+    total = count[:, is_filled].sum(axis=0)
     return pd.DataFrame(
         {
-            "stated": stated[:, filled].sum(axis=0) / total,
-            "observed": good[:, filled].sum(axis=0) / total,
+            "stated": stated_sums[:, is_filled].sum(axis=0) / total,
+            "observed": good[:, is_filled].sum(axis=0) / total,
             "low": low,
             "high": high,
             "tests": total.astype(np.int64),

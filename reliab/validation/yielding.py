@@ -24,7 +24,7 @@ class Yielding:
     largest_ratio: float  # Largest error over the one of the linear boundary [-]
 
 
-def measured_yielding() -> tuple[Yielding, ...]:
+def read_yielding() -> tuple[Yielding, ...]:
     """Read the results that ship, one for each R."""
     table = pd.read_csv(shipped("datasets", _TABLE))
     return tuple(

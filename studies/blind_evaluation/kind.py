@@ -10,7 +10,7 @@ from reliab.core.shipped import shipped
 from reliab.report.document import Document
 from reliab.study.description import Study
 from reliab.study.folders import Kind
-from reliab.study.stages import Stage, digest, made_with, read_result
+from reliab.study.stages import Stage, digest, read_result, software_provenance
 
 EVALUATION: Final = "evaluation.json"
 
@@ -37,7 +37,7 @@ def report(study: Study, folder: Path) -> Document:
         provenance={
             **study.provenance,
             "figures, SHA-256": digest(folder / EVALUATION),
-            **made_with(folder),
+            **software_provenance(folder),
         },
         notes=(study.purpose,) if study.purpose else (),
     )

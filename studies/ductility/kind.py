@@ -15,7 +15,7 @@ from reliab.core.shipped import or_shipped
 from reliab.report.document import Document
 from reliab.study.description import MotionsTable, RecordsStudy, StructuresTable, Table
 from reliab.study.folders import Kind
-from reliab.study.stages import Stage, digest, made_with
+from reliab.study.stages import Stage, digest, software_provenance
 from reliab.study.steps import Records
 
 TESTS: Final = "tests.csv"
@@ -120,7 +120,7 @@ def report(study: DuctilityStudy, folder: Path) -> Document:
         title=study.title,
         levels=read_table(folder / LEVELS),
         limits=read_table(folder / LIMITS),
-        provenance={**study.provenance, **made_with(folder)},
+        provenance={**study.provenance, **software_provenance(folder)},
         purpose=study.purpose,
     )
 

@@ -12,7 +12,7 @@ from reliab.simulation.hybrid_test.closed_loop import Compensator
 from reliab.simulation.hybrid_test.open_loop import STATES, Plan, plan
 from reliab.simulation.transfer_systems.servo_hydraulic import ServoHydraulic
 from reliab.simulation.transfer_systems.transfer_function import Plant, TransferSystem
-from reliab.structures.frame import exact_step, undivided_response
+from reliab.structures.frame import exact_step, reference_response
 from reliab.structures.partition import Partition
 
 from .march import Events, NumericalStep, PlantStep, march
@@ -104,7 +104,7 @@ def run_laboratory(
     >>> from reliab.structures.partition import Partition
     >>> from reliab.simulation.transfer_systems.transfer_function import TransferFunction
     >>> shaken = np.sin(2 * np.pi * np.arange(0.0, 10.0, 0.01))
-    >>> partition = Partition.of_structure(Structure(frequency=1.0, damping_ratio=0.05), mass=1000.0)
+    >>> partition = Partition.from_structure(Structure(frequency=1.0, damping_ratio=0.05), mass=1000.0)
     >>> lag = TransferFunction(numerator=(1.0,), denominator=(0.001, 1.0))
     >>> run = run_laboratory(partition, Rig(transfer_system=lag), shaken, 0.01)
     >>> run.lost, run.measured.size
@@ -115,7 +115,7 @@ def run_laboratory(
     at_samples = step * np.arange(ground.size)
     shaken = np.interp(times, at_samples, ground)
     between = np.interp(times + 0.5 * h, at_samples, ground)
-    reference = undivided_response(partition.frame, shaken, h)
+    reference = reference_response(partition.frame, shaken, h)
     plant = rig.transfer_system.plant(partition.specimen)
     _check(partition, rig, plant, seed, emulate_differences)
     largest = float(np.abs(partition.direction @ reference).max())

@@ -13,7 +13,7 @@ from reliab.core.progress import Show
 from reliab.report.document import Document
 from reliab.study.description import Names, RecordsStudy, Table
 from reliab.study.folders import Kind
-from reliab.study.stages import Stage, made_with, read_result
+from reliab.study.stages import Stage, read_result, software_provenance
 from reliab.study.steps import Records
 
 from .controllers import CONTROLLERS, find_controller
@@ -74,7 +74,7 @@ def report(study: MultiAxialStudy, folder: Path) -> Document:
         title=study.title,
         tests=read_result(folder / TESTS)["tests"],
         threshold=study.marths.threshold,
-        provenance={**study.provenance, **made_with(folder)},
+        provenance={**study.provenance, **software_provenance(folder)},
         purpose=study.purpose,
     )
 

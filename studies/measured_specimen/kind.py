@@ -12,7 +12,7 @@ from reliab.core.progress import Show
 from reliab.report.document import Document
 from reliab.study.description import MotionsTable, Names, RecordsStudy, Table
 from reliab.study.folders import Kind
-from reliab.study.stages import Stage, made_with
+from reliab.study.stages import Stage, software_provenance
 from reliab.study.steps import Records
 
 from .specimens import FAMILIES
@@ -88,7 +88,7 @@ def report(study: MeasuredSpecimenStudy, folder: Path) -> Document:
         tests=read_table(folder / TESTS),
         rates=read_table(folder / RATES),
         threshold=study.specimens.threshold,
-        provenance={**study.provenance, **made_with(folder)},
+        provenance={**study.provenance, **software_provenance(folder)},
         purpose=study.purpose,
     )
 

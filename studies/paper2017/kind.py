@@ -9,8 +9,8 @@ from reliab.core.progress import Show
 from reliab.report.document import Document
 from reliab.study.description import SimulatedStudy
 from reliab.study.folders import Kind
-from reliab.study.stages import Stage, made_with
-from reliab.study.steps import ELLIPSES, Material, motion_by_name, opened, simulation, tracing
+from reliab.study.stages import Stage, software_provenance
+from reliab.study.steps import ELLIPSES, Material, motion_by_name, read_run_dataset, simulation, tracing
 from reliab.sweep.ellipse_dataset import open_ellipses
 from reliab.sweep.netcdf import write_netcdf
 
@@ -45,11 +45,11 @@ def report(study: SimulatedStudy, folder: Path) -> Document:
 
     return paper_report(
         title=study.title,
-        example=opened(folder / EXAMPLE),
+        example=read_run_dataset(folder / EXAMPLE),
         ellipses=open_ellipses(folder / ELLIPSES),
-        cases=opened(folder / CASES),
+        cases=read_run_dataset(folder / CASES),
         purpose=study.purpose,
-        provenance={**study.provenance, **made_with(folder)},
+        provenance={**study.provenance, **software_provenance(folder)},
     )
 
 

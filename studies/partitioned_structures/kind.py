@@ -11,7 +11,7 @@ from reliab.core.progress import Show
 from reliab.report.document import Document
 from reliab.study.description import RecordsStudy, Table
 from reliab.study.folders import Kind
-from reliab.study.stages import Stage, made_with
+from reliab.study.stages import Stage, software_provenance
 from reliab.study.steps import Records
 
 TESTS: Final = "tests.csv"
@@ -55,7 +55,7 @@ def report(study: PartitionedStudy, folder: Path) -> Document:
         title=study.title,
         tests=read_table(folder / TESTS),
         shares=read_table(folder / SHARES),
-        provenance={**study.provenance, **made_with(folder)},
+        provenance={**study.provenance, **software_provenance(folder)},
         purpose=study.purpose,
     )
 

@@ -34,7 +34,7 @@ from reliab.structures.critical_delay import stability_limit
 from reliab.structures.frame import Frame, modal_damping
 from reliab.structures.partition import Partition
 from reliab.structures.planar_frame import shear_frame
-from reliab.structures.specimen import Specimen, drift_interface, floor_interface, with_specimen
+from reliab.structures.specimen import Specimen, add_specimen, drift_interface, floor_interface
 from reliab.structures.structure import Structure
 from reliab.sweep.ellipse_dataset import open_ellipses
 from reliab.tracking.indices.frequency_evaluation import frequency_evaluation, tracking_over_frequency
@@ -96,13 +96,13 @@ def partitioned_structures() -> dict[str, Partition]:
     six = Frame(mass=tall, stiffness=tower, damping=modal_damping(tall, tower, 0.02))
 
     def spring(frame: Frame, interface: Array, specimen: Specimen) -> Partition:
-        return Partition.of_frame(frame=frame, interface=interface, specimen=specimen)
+        return Partition.from_frame(frame=frame, interface=interface, specimen=specimen)
 
     def beside(frame: Frame, interface: Array, specimen: Specimen) -> Partition:
-        return spring(with_specimen(frame, interface, specimen), interface, specimen)
+        return spring(add_specimen(frame, interface, specimen), interface, specimen)
 
     return {
-        "one mass, half of its spring": Partition.of_structure(structure, mass=1000.0),
+        "one mass, half of its spring": Partition.from_structure(structure, mass=1000.0),
         "two storeys, the first one tested": spring(
             two, floor_interface(two, 1), Specimen(stiffness=4e5, mass=100.0)
         ),

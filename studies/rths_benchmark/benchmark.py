@@ -95,7 +95,7 @@ def benchmark_partition(case: int, stiffness: float = _SPECIMEN_STIFFNESS) -> Pa
     frame = benchmark_frame(case)
     damping = 2.0 * _SPECIMEN_RATIO * math.sqrt(stiffness * _SPECIMEN_MASS)
     specimen = Specimen(stiffness=stiffness, damping=damping, mass=_SPECIMEN_MASS)
-    return Partition.of_frame(frame=frame, interface=floor_interface(frame, 1), specimen=specimen)
+    return Partition.from_frame(frame=frame, interface=floor_interface(frame, 1), specimen=specimen)
 
 
 def benchmark_plants(perturbed: int, seed: int = 0) -> list[BenchmarkPlant]:

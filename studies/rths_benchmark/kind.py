@@ -16,7 +16,7 @@ from reliab.core.shipped import shipped
 from reliab.report.document import Document
 from reliab.study.description import Names, RecordsStudy, Table
 from reliab.study.folders import Kind
-from reliab.study.stages import Stage, digest, made_with, read_result
+from reliab.study.stages import Stage, digest, read_result, software_provenance
 from reliab.study.steps import Records
 
 from .benchmark import benchmark_compensator
@@ -118,7 +118,7 @@ def report(study: BenchmarkStudy, folder: Path) -> Document:
         tests=read_result(folder / TESTS)["tests"],
         published=published if len(published) else None,
         threshold=study.benchmark.threshold,
-        provenance={**study.provenance, **made_with(folder)},
+        provenance={**study.provenance, **software_provenance(folder)},
         purpose=study.purpose,
     )
 

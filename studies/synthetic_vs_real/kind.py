@@ -16,7 +16,7 @@ from reliab.criterion.provenance import records_checksum
 from reliab.report.document import Document
 from reliab.study.description import CriterionTable, SimulatedStudy, TransferTable
 from reliab.study.folders import Kind
-from reliab.study.stages import Stage, digest, made_with
+from reliab.study.stages import Stage, digest, software_provenance
 from reliab.study.steps import (
     CRITERIA,
     ELLIPSES,
@@ -25,7 +25,7 @@ from reliab.study.steps import (
     candidates,
     derivation,
     derivation_of,
-    opened,
+    read_run_dataset,
     simulation,
     tracing,
 )
@@ -73,21 +73,21 @@ def report(study: SuitesStudy, folder: Path) -> Document:
     real, compared = _reference(study), open_ellipses(folder / ELLIPSES)
     names = (_NAME, (study.motions.sources or (SYNTHETIC,))[0])
     transfer = CrossValidation(
-        counts=opened(folder / TRANSFER),
+        counts=read_run_dataset(folder / TRANSFER),
         scheme=f"{names[1]} to {names[0]}",
         threshold=study.errors.thresholds[0],
         metric=study.errors.metrics[0],
         truth="simulated",
     )
     return suites_report(
-        title=study.titled(Material(study).population),
+        title=study.full_title(Material(study).population),
         measures={
             names[0]: _with_ellipses(pd.read_csv(_shipped(MEASURES)), real, study),
             names[1]: _with_ellipses(read_table(folder / MEASURES), compared, study),
         },
         spectra={
-            names[0]: opened(_shipped(SPECTRA))["spectral_acceleration"],
-            names[1]: opened(folder / SPECTRA)["spectral_acceleration"],
+            names[0]: read_run_dataset(_shipped(SPECTRA))["spectral_acceleration"],
+            names[1]: read_run_dataset(folder / SPECTRA)["spectral_acceleration"],
         },
         limits=_limits(study, folder, real, names),
         coverage=rates_table(transfer),
@@ -96,7 +96,7 @@ def report(study: SuitesStudy, folder: Path) -> Document:
             **study.provenance,
             f"records of {names[0]}, SHA-256": records_checksum(real),
             f"records of {names[1]}, SHA-256": records_checksum(compared),
-            **made_with(folder),
+            **software_provenance(folder),
         },
         purpose=study.purpose,
     )

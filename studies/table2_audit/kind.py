@@ -13,7 +13,7 @@ from reliab.core.shipped import shipped
 from reliab.report.document import Document
 from reliab.study.description import RecordsStudy
 from reliab.study.folders import Kind
-from reliab.study.stages import Stage, digest, made_with
+from reliab.study.stages import Stage, digest, software_provenance
 from reliab.study.steps import Records
 
 ROWS: Final = "table2.csv"
@@ -47,7 +47,7 @@ def report(study: RecordsStudy, folder: Path) -> Document:
     return table_audit_report(
         title=study.title,
         rows=read_table(folder / ROWS),
-        provenance={**study.provenance, **made_with(folder)},
+        provenance={**study.provenance, **software_provenance(folder)},
         notes=(study.purpose,) if study.purpose else (),
     )
 

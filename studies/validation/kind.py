@@ -20,7 +20,7 @@ from reliab.report.document import Document
 from reliab.structures.structure import Structure
 from reliab.study.description import CriterionStudy, ValidationTable
 from reliab.study.folders import Kind
-from reliab.study.stages import Stage, made_with
+from reliab.study.stages import Stage, software_provenance
 from reliab.study.steps import (
     CRITERIA,
     ELLIPSES,
@@ -29,7 +29,7 @@ from reliab.study.steps import (
     derivation,
     derivation_of,
     judgement,
-    opened,
+    read_run_dataset,
     refusals_of,
     simulation,
     tracing,
@@ -82,8 +82,12 @@ def report(study: ValidationStudy, folder: Path) -> Document:
     from .report import validation_report
 
     validations, traced = validations_of(study, folder), open_ellipses(folder / ELLIPSES)
-    title = study.titled(Material(study, results=study.motions.results).population)
-    provenance = {**study.provenance, "records, SHA-256": records_checksum(traced), **made_with(folder)}
+    title = study.full_title(Material(study, results=study.motions.results).population)
+    provenance = {
+        **study.provenance,
+        "records, SHA-256": records_checksum(traced),
+        **software_provenance(folder),
+    }
     if not validations:
         return no_criterion_report(
             title=title,
@@ -104,7 +108,7 @@ def report(study: ValidationStudy, folder: Path) -> Document:
         beyond=read_table(folder / BEYOND),
         rebuilt=read_table(folder / REBUILT) if study.validation.rebuilt_error_trials else None,
         threshold=study.errors.thresholds[0],
-        cases=opened(folder / CASES) if _held_out(study) else None,
+        cases=read_run_dataset(folder / CASES) if _held_out(study) else None,
         provenance=provenance,
         notes=refusals_of(folder),
         purpose=study.purpose,

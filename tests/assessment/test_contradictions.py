@@ -138,7 +138,7 @@ def test_a_stiff_structure_that_moves_below_its_frequency_is_not_doubted(simulat
 def test_a_frame_is_doubted_as_well(simulate):
     mass, stiffness = shear_frame([2000.0, 1500.0], [4e7, 3e7])
     whole = Frame(mass=mass, stiffness=stiffness, damping=modal_damping(mass, stiffness, 0.03))
-    partition = Partition.of_frame(
+    partition = Partition.from_frame(
         frame=whole, interface=floor_interface(whole, 1), specimen=Specimen(stiffness=2e7)
     )
     frame = FrameUnderTest(name="stiff", partition=partition, output=None, error_of="interface")

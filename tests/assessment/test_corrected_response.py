@@ -17,7 +17,7 @@ from reliab.assessment.substructures import Substructures
 from reliab.core.shipped import shipped
 from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.simulation.frames.frame_file import read_structure
-from reliab.structures.frame import Frame, undivided_response
+from reliab.structures.frame import Frame, reference_response
 from reliab.structures.partition import Partition
 
 _STEP = 1.0 / 512.0
@@ -49,7 +49,7 @@ def test_all_displacements_follow_from_the_interface_and_the_ground() -> None:
     """Against the undivided structure under the same ground motion, of which the interface alone is told."""
     frame, partition = _two_storeys()
     shared = Substructures.of_partition(partition)
-    true = undivided_response(frame, _GROUND, _STEP)
+    true = reference_response(frame, _GROUND, _STEP)
     found = shared.displacements(partition.interface.T @ true, _GROUND, _STEP)
     assert found == pytest.approx(true, abs=2e-4 * np.abs(true).max())
 
@@ -58,7 +58,7 @@ def test_what_acts_on_the_masses_is_their_absolute_acceleration() -> None:
     """Springs, dashpots and the specimen's force, beside twice the derivative of the displacements."""
     frame, partition = _two_storeys()
     shared = Substructures.of_partition(partition)
-    true = undivided_response(frame, _GROUND, _STEP)
+    true = reference_response(frame, _GROUND, _STEP)
     force, felt = shared.force_of_linear(partition.interface.T @ true, _STEP)
     found = shared.accelerations(true, force, _STEP)
     expected = np.gradient(np.gradient(true, _STEP, axis=1), _STEP, axis=1) + _GROUND
@@ -71,7 +71,7 @@ def test_degrees_of_freedom_without_mass_follow_too() -> None:
     frame, partition = _two_storeys()
     light = replace(frame, mass=np.diag([1000.0, 900.0, 1e-3]))
     bare = replace(partition, mass=np.diag([1000.0, 900.0, 0.0]))
-    true = undivided_response(light, _GROUND, _STEP)
+    true = reference_response(light, _GROUND, _STEP)
     shared = Substructures.of_partition(bare)
     found = shared.displacements(partition.interface.T @ true, _GROUND, _STEP)
     assert found == pytest.approx(true, abs=5e-3 * np.abs(true).max())
@@ -100,7 +100,7 @@ def coupled() -> tuple[CoupledAssessment, np.ndarray, np.ndarray]:
         stiffness=partition.stiffness,
         influence=partition.influence,
     )
-    return assess_frame(recording, frame), undivided_response(whole, _GROUND, _STEP), ran.measured
+    return assess_frame(recording, frame), reference_response(whole, _GROUND, _STEP), ran.measured
 
 
 def _shaken_by(found: CoupledAssessment, ground: np.ndarray | None) -> xr.Dataset:

@@ -362,7 +362,7 @@ def test_actuators_that_move_alike_keep_gains_near_one():
 def off(path, factor, **tolerances):
     """The frame with all natural frequencies off by a factor."""
     frame = read_structure(path)
-    partition = frame.partition.scaled(frequency=factor, damping_ratio=1.0, share=1.0)
+    partition = frame.partition.scale(frequency=factor, damping_ratio=1.0, share=1.0)
     return replace(frame, partition=partition, tolerances=TolerancesTable(**tolerances))
 
 

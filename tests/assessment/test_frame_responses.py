@@ -25,7 +25,7 @@ WHOLE = Frame(
 )
 STATED = FrameUnderTest(
     name="two",
-    partition=Partition.of_frame(
+    partition=Partition.from_frame(
         frame=WHOLE, interface=TWO_STOREYS.interface, specimen=Specimen(stiffness=2e5)
     ),
     output=None,

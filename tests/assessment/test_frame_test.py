@@ -21,7 +21,7 @@ from reliab.simulation.frames.frame_file import FrameUnderTest, read_structure
 from reliab.simulation.frames.governing_mode import governing_mode
 from reliab.simulation.frames.tolerances_table import TolerancesTable
 from reliab.simulation.transfer_systems.transfer_function import TransferFunction
-from reliab.structures.frame import Frame, modal_damping, undivided_response
+from reliab.structures.frame import Frame, modal_damping, reference_response
 from reliab.structures.partition import Partition
 from reliab.structures.planar_frame import shear_frame
 from reliab.structures.specimen import Specimen, floor_interface
@@ -38,7 +38,7 @@ SERVO = TransferFunction(numerator=(1.0,), denominator=(2e-6, 2e-3, 1.0), delay=
 def frame():
     mass, stiffness = shear_frame([2000.0, 1500.0], [4e5, 3e5])
     whole = Frame(mass=mass, stiffness=stiffness, damping=modal_damping(mass, stiffness, 0.03))
-    partition = Partition.of_frame(
+    partition = Partition.from_frame(
         frame=whole, interface=floor_interface(whole, 1), specimen=Specimen(stiffness=2e5)
     )
     return FrameUnderTest(name="two storeys", partition=partition, output=None, error_of="interface")
@@ -56,7 +56,7 @@ def simulated(partition, motion, seed):
     rig = Rig(transfer_system=SERVO, sensors=Sensors(displacement_noise=2e-6))
     run = run_laboratory(partition, rig, ground, motion.time_step, rate=RATE, seed=seed)
     fine = np.interp(np.arange(run.piston.size) / RATE, motion.time_step * np.arange(ground.size), ground)
-    exact = partition.direction @ undivided_response(partition.frame, fine, 1.0 / RATE)
+    exact = partition.direction @ reference_response(partition.frame, fine, 1.0 / RATE)
     error = float(np.sqrt(np.mean((run.piston - exact) ** 2)) / np.abs(exact).max())
     recording = Recording(
         name="frame.csv",
@@ -224,7 +224,7 @@ def test_intervals_hold_where_the_stiffness_is_known_to_three_per_cent(frame):
         factor = 1.0 + 0.03 * rng.normal()
         built = replace(whole, stiffness=factor * whole.stiffness)
         specimen = Specimen(stiffness=factor * frame.partition.specimen.stiffness)
-        true = Partition.of_frame(frame=built, interface=frame.partition.direction, specimen=specimen)
+        true = Partition.from_frame(frame=built, interface=frame.partition.direction, specimen=specimen)
         recording, error = simulated(true, motion, seed)
         for name, known in (("exact", frame), ("uncertain", uncertain)):
             interval = assess_frame(recording, known, stated={"feedback_lag": LAG}).error.estimate(Metric.RMS)

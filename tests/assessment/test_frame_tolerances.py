@@ -82,7 +82,7 @@ def simulated(tested):
 def frame(**tolerances):
     """The frame as stated, and how exactly it is known."""
     whole = Frame(mass=TWO_STOREYS.mass, damping=TWO_STOREYS.damping, stiffness=TWO_STOREYS.stiffness)
-    partition = Partition.of_frame(
+    partition = Partition.from_frame(
         frame=whole, interface=TWO_STOREYS.interface, specimen=Specimen(stiffness=2e5)
     )
     return FrameUnderTest(

@@ -24,7 +24,7 @@ simulated_tests = pytest.importorskip("reliab_studies.measured_specimen.simulate
 
 _STEP = 1.0 / 256.0
 _TIMES = np.arange(0.0, 16.0, _STEP)
-_STRUCTURE = Partition.of_structure(Structure(frequency=1.0, damping_ratio=0.03))
+_STRUCTURE = Partition.from_structure(Structure(frequency=1.0, damping_ratio=0.03))
 
 
 @pytest.fixture

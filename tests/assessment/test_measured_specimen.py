@@ -225,7 +225,7 @@ def test_without_an_actuators_error_the_response_is_the_command() -> None:
     coefficients = np.linspace(0.1, 1.0, elements.kinds.size)
     growing = _SINE * (1.0 + _TIMES / 30.0)  # a peak that is met again exactly is a jump of some elements
     felt = coefficients @ elements.along(growing, _STEP, _STILL)
-    computed = Partition.of_structure(Structure(frequency=0.4, damping_ratio=0.04))
+    computed = Partition.from_structure(Structure(frequency=0.4, damping_ratio=0.04))
     numerical = Recursion.of_force(computed, _STEP)
     response = elements.respond(coefficients, growing, felt, _STEP, _STILL, numerical)
     assert response == pytest.approx(growing, abs=1e-9)
@@ -233,12 +233,12 @@ def test_without_an_actuators_error_the_response_is_the_command() -> None:
 
 def test_a_spring_has_the_exact_response_of_the_linear_equation() -> None:
     """The oracle is the recursion of the whole structure from x_c − x_m, which holds no element."""
-    whole = Partition.of_structure(Structure(frequency=0.7, damping_ratio=0.05, experimental_fraction=0.6))
+    whole = Partition.from_structure(Structure(frequency=0.7, damping_ratio=0.05, experimental_fraction=0.6))
     spring = _one(Kind.ELASTIC_PLASTIC, 1e9)
     late = np.interp(_TIMES - 0.01, _TIMES, _SINE)
     stiffness = whole.specimen_stiffness[0]
     felt = stiffness @ spring.along(late, _STEP, _STILL)
-    numerical = Recursion.of_force(whole.without_specimen, _STEP)
+    numerical = Recursion.of_force(whole.numerical_substructure, _STEP)
     response = spring.respond(stiffness, _SINE, felt, _STEP, _STILL, numerical)
     expected = _SINE - respond(Recursion.of_displacement(whole, _STEP), _SINE - late)[0]
     assert response == pytest.approx(expected, abs=1e-4 * np.abs(expected - _SINE).max())
@@ -246,8 +246,8 @@ def test_a_spring_has_the_exact_response_of_the_linear_equation() -> None:
 
 def test_a_response_that_diverges_ends_at_once() -> None:
     """Smooth hysteresis goes on in parts of its yield displacement, of which there would be no end."""
-    whole = Partition.of_structure(Structure(frequency=0.7, damping_ratio=0.05))
-    late, numerical = 0.9 * _SINE, Recursion.of_force(whole.without_specimen, _STEP)
+    whole = Partition.from_structure(Structure(frequency=0.7, damping_ratio=0.05))
+    late, numerical = 0.9 * _SINE, Recursion.of_force(whole.numerical_substructure, _STEP)
     law = _law(Kind.SMOOTH_PINCHED, SMOOTH_TRAITS)
     response = law.respond(np.array([-1e9]), _SINE, late, _STEP, _STILL, numerical)
     assert np.isnan(response[-1])
@@ -320,7 +320,7 @@ def _structure(test: Any) -> Partition:
         damping_ratio=test.loop.damping_ratio,
         experimental_fraction=test.loop.share,
     )
-    return Partition.of_structure(stated)
+    return Partition.from_structure(stated)
 
 
 def _judged(test: Any, **stated: Any) -> MeasuredSpecimen:

@@ -327,7 +327,7 @@ def cases(count: int, seed: int, kinds: Sequence[str]) -> Iterator[LoopCase]:
     ):
         if case.kind not in kinds:
             continue
-        monitor = LoopMonitor(structure=Partition.of_structure(case.structure), time_step=1.0 / RATE)
+        monitor = LoopMonitor(structure=Partition.from_structure(case.structure), time_step=1.0 / RATE)
         offset = float(np.mean(case.measured[:20] - case.command[:20])) if case.facts["offset"] else 0.0
         rows = (np.atleast_2d(values) for values in (case.command, case.measured, case.ideal))
         command, measured, ideal = rows

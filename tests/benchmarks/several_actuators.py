@@ -164,11 +164,11 @@ def off_by_chance(partition: Partition, rng: np.random.Generator, asked: argpars
     """Draw the structure that is tested, where another one is stated."""
     if asked.stiffness:
         frequency = np.sqrt(1.0 + asked.stiffness * rng.standard_normal())
-        return partition.scaled(frequency=frequency, damping_ratio=1.0, share=1.0)
+        return partition.scale(frequency=frequency, damping_ratio=1.0, share=1.0)
     if not asked.imperfect:
         return partition
     frequency, ratio, share = 1.0 + rng.standard_normal(3) * [0.02, 0.15, 0.01]
-    return partition.scaled(frequency=frequency, damping_ratio=max(ratio, 0.3), share=share)
+    return partition.scale(frequency=frequency, damping_ratio=max(ratio, 0.3), share=share)
 
 
 def read_by_chance(measured: np.ndarray, rng: np.random.Generator, clock: float) -> np.ndarray:

@@ -29,7 +29,7 @@ from reliab.sweep.response_measures import compare_boundaries, measure_responses
 from reliab.sweep.run import run_sweep
 from reliab.tracking.indices.window import Window
 from reliab.validation.cross_validation.folds import k_fold
-from reliab.validation.cross_validation.judge import Derived, cross_validate
+from reliab.validation.cross_validation.judge import DerivedCandidate, cross_validate
 from reliab.validation.probability_calibration import probability_calibration
 
 PACKAGE = Path(reliab.__file__).parent
@@ -96,7 +96,7 @@ def of_posteriors(progress, monkeypatch):
 
 
 def of_folds(progress, ellipses):
-    candidate = Derived(name="quantile", method=method_of("quantile"))
+    candidate = DerivedCandidate(name="quantile", method=method_of("quantile"))
     folds = k_fold(ellipses["event"].values, 3)
     cross_validate(ellipses, folds, [candidate], scheme="k", confidences=[0.5], trials=8, progress=progress)
 

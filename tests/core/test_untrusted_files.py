@@ -28,7 +28,7 @@ from reliab.report.content import saved_content
 from reliab.sampling.ensembles import draw
 from reliab.simulation.frames.frame_file import read_frame
 from reliab.study.stages import RunFolder
-from reliab.study.steps import opened
+from reliab.study.steps import read_run_dataset
 from reliab.sweep.ellipse_dataset import open_ellipses
 from reliab.sweep.results import open_results
 from reliab.sweep.run import run_sweep
@@ -72,7 +72,7 @@ def finished_run():
 
 
 def open_run(folder):
-    with RunFolder.opened(folder, study={}):
+    with RunFolder.open(folder, study={}):
         pass
 
 
@@ -192,7 +192,7 @@ HDF5 = {
     "a test": (corpus.tests, read_tests),
     "ellipses": (corpus.ellipse_files, open_ellipses),
     "results": (corpus.ellipse_files, open_results),
-    "a run": (corpus.ellipse_files, opened),
+    "a run": (corpus.ellipse_files, read_run_dataset),
     "chains": (corpus.chains, resumed_chains),
 }
 """Seeds of everything that is read from HDF5, and its reader."""

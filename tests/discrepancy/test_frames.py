@@ -86,7 +86,7 @@ def test_ground_and_reading_alone_show_no_block_of_a_frame(small_campaign):
 
 def test_one_mass_balances_by_its_equation_of_motion():
     structure = Structure(frequency=1.3, damping_ratio=0.04, experimental_fraction=0.6)
-    partition = Partition.of_structure(structure, mass=20.0)
+    partition = Partition.from_structure(structure, mass=20.0)
     random = np.random.default_rng(3)
     ground, motion = random.normal(size=50), random.normal(size=(3, 50))
     w0 = structure.circular_frequency

@@ -34,7 +34,7 @@ from reliab.simulation.frames.frame_file import read_frame
 from reliab.simulation.frames.transfer_table import read_matlab
 from reliab.simulation.hybrid_test.model_file import read_model
 from reliab.study.running import read_study
-from reliab.study.stages import date_of, made_with, study_of
+from reliab.study.stages import date_of, software_provenance, study_of
 from reliab.sweep.results import open_results
 from reliab.sweep.run import run_sweep
 
@@ -228,7 +228,7 @@ def _assess_with_criterion(folder: Path) -> None:
 def _manifest(folder: Path) -> None:
     assert isinstance(study_of(folder), dict)
     assert date_of(folder).year
-    json.dumps(made_with(folder))
+    json.dumps(software_provenance(folder))
 
 
 def _defaults(folder: Path) -> None:

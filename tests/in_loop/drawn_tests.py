@@ -76,7 +76,7 @@ def of_one_degree(seed, rate):
     """A linear structure of one degree of freedom, with a delay up to thrice the critical one."""
     structure, command, measured = random_test(seed, rate)
     monitor = LoopMonitor(
-        structure=Partition.of_structure(structure),
+        structure=Partition.from_structure(structure),
         time_step=1.0 / rate,
         feedback_lag=(0.0, 0.37, 2.6)[seed % 3] / rate,
     )
@@ -116,7 +116,7 @@ def random_partition(seed, degrees=None):
 
 def delayed_loop(partition, delay, rate, ground):
     """Interface commands and measured displacements of a loop whose actuators are late by whole samples."""
-    whole = partition.with_masses
+    whole = partition.nonsingular_form
     gamma, late = whole.interface, round(delay * rate)
     mass, damping, stiffness = whole.numerical_mass, whole.numerical_damping, whole.numerical_stiffness
     x, v = np.zeros(whole.size), np.zeros(whole.size)
@@ -143,7 +143,7 @@ def of_frame(seed, rate):
     (command,), (measured,) = delayed_loop(partition, delay, rate, shaken(rate, 6.0, seed))
     read = measured + 1e-3 * np.abs(command).max() * rng.normal(size=command.size)
     monitor = LoopMonitor(
-        structure=partition.with_masses,
+        structure=partition.nonsingular_form,
         time_step=1.0 / rate,
         feedback_lag=float(rng.choice([0.0, 0.4, 2.7])) / rate,
     )
@@ -155,7 +155,7 @@ def by_assess(partition, carry, command, measured, rate, lag=0.0, standing=None)
 
     In a loop the next sample is not known, and readings are joined by straight lines.
     """
-    recursion = Recursion.of_displacement(partition.with_masses, 1.0 / rate)
+    recursion = Recursion.of_displacement(partition.nonsingular_form, 1.0 / rate)
     felt = np.stack([delayed(row, lag, 1.0 / rate) for row in measured])
     state = None if standing is None else recursion.static @ carry @ standing
     return respond(recursion, carry @ (command - felt), state) - carry @ (command - measured)

@@ -175,7 +175,7 @@ def test_an_error_stands_in_sentences_as_in_the_table(damped):
 
 
 def test_a_frame_is_told_by_its_size_and_lowest_frequency(damped):
-    partition = Partition.of_structure(Structure(frequency=1.25, damping_ratio=0.02), mass=20.0)
+    partition = Partition.from_structure(Structure(frequency=1.25, damping_ratio=0.02), mass=20.0)
     campaign = replace(damped.campaign, partition=partition)
     facts = dict(text_of(discrepancy_report(replace(damped, campaign=campaign), provenance={}))["facts"])
     assert "frame of 1 degrees of freedom" in json.dumps(facts["Structure"])

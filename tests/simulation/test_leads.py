@@ -186,12 +186,12 @@ def test_lead_that_the_pole_cannot_stand_for_is_solved_exactly(random_record):
 
 def test_actuator_at_rest_misses_the_whole_response(loop):
     history, _ = spectral.response(loop.excitation, loop.structure, 1.0, 0.0)
-    rest = loop.at_rest()
+    rest = loop.rest_deviation()
     assert relative_error(rest, Metric.MTE)[0] == 1.0
     expected = np.sqrt(np.trapezoid(history**2) / (history.size - 1)) / np.abs(history).max()
     assert relative_error(rest, Metric.RMS)[0] == pytest.approx(expected, rel=2e-4)
     effects = EffectLoop(excitation=loop.excitation, test=HybridTest(structure=loop.structure))
-    assert relative_error(effects.at_rest(), Metric.RMS)[0] == pytest.approx(expected, rel=2e-3)
+    assert relative_error(effects.rest_deviation(), Metric.RMS)[0] == pytest.approx(expected, rel=2e-3)
 
 
 def test_lead_is_stable_where_the_lag_is_not(loop):

@@ -27,7 +27,7 @@ from reliab.structures.specimen import Specimen
 from reliab.structures.structure import Structure
 
 STEP = 1.0 / 1024.0
-PARTITION = Partition.of_structure(Structure(frequency=1.0, damping_ratio=0.05), mass=1000.0)
+PARTITION = Partition.from_structure(Structure(frequency=1.0, damping_ratio=0.05), mass=1000.0)
 SERIES = partial(AdaptiveTimeSeries, factors=(1.0, 0.02, 0.0002))
 MODEL_BASED = partial(AdaptiveModelBased, factors=(1.0, 0.02, 8.4e-5, 2e-7))
 MODEL = partial(

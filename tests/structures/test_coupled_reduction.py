@@ -29,7 +29,7 @@ def tall(stories=60):
 def test_modes_below_a_frequency_and_statics_at_the_interface_are_kept():
     whole = tall()
     highest = 0.5 * (whole.natural_frequencies[6] + whole.natural_frequencies[7])
-    less = whole.below(highest)
+    less = whole.truncate_modes(highest)
     assert 7 + 2 < less.size <= 7 + 2 * 2  # a static shape may nearly be one of the modes
     np.testing.assert_allclose(less.mass, np.eye(less.size), atol=1e-5)
     np.testing.assert_allclose(less.natural_frequencies[:7], whole.natural_frequencies[:7], rtol=1e-8)
@@ -45,7 +45,7 @@ def test_modes_below_a_frequency_and_statics_at_the_interface_are_kept():
 
 def test_a_small_structure_or_one_that_is_wanted_whole_is_not_reduced():
     small, whole = tall(41), tall()
-    assert whole.below(2.0 * whole.natural_frequencies[-1]) is whole
+    assert whole.truncate_modes(2.0 * whole.natural_frequencies[-1]) is whole
     few = Partition(
         mass=np.diag([4.0, 3.0, 2.0]),
         damping=0.1 * np.eye(3),
@@ -53,13 +53,13 @@ def test_a_small_structure_or_one_that_is_wanted_whole_is_not_reduced():
         interface=np.eye(3)[:, :2],
         specimen_stiffness=np.eye(2),
     )
-    assert few.below(0.1) is few
-    assert small.below(small.natural_frequencies[1] * 1.01).size == 2 + 4
+    assert few.truncate_modes(0.1) is few
+    assert small.truncate_modes(small.natural_frequencies[1] * 1.01).size == 2 + 4
 
 
 def test_a_structure_scaled_has_frequencies_damping_and_specimen_of_its_own():
     whole = replace(tall(5 + 40), specimen_damping=np.eye(2) * 7.0, specimen_mass=np.eye(2) * 30.0)
-    changed = whole.scaled(frequency=1.3, damping_ratio=0.7, share=0.6)
+    changed = whole.scale(frequency=1.3, damping_ratio=0.7, share=0.6)
     f, xi, shapes = whole.modes
     new_f, new_xi, new_shapes = changed.modes
     np.testing.assert_allclose(new_f, 1.3 * f, rtol=1e-9)

@@ -5,7 +5,7 @@ import pytest
 
 from reliab.structures.frame import modal_damping
 from reliab.structures.partition import Partition
-from reliab.structures.parts_of_structure import is_part, part_and_number, with_parts
+from reliab.structures.parts_of_structure import change_matrices, is_part, part_and_number
 from reliab.structures.planar_frame import shear_frame
 
 MASSES, STOREYS, RATIOS = [1200.0, 1000.0, 700.0], [9e5, 7e5, 5e5], [0.02, 0.03, 0.05]
@@ -27,35 +27,37 @@ def modes_of(mass, damping, stiffness):
 
 
 def test_a_storey_of_a_shear_frame_is_stiffer():
-    changed = with_parts(MASS, DAMPING, STIFFNESS, {"storey_stiffness_2": 0.1, "storey_stiffness_3": -0.2})[2]
+    changed = change_matrices(
+        MASS, DAMPING, STIFFNESS, {"storey_stiffness_2": 0.1, "storey_stiffness_3": -0.2}
+    )[2]
     np.testing.assert_allclose(changed, shear_frame(MASSES, [9e5, 7.7e5, 4e5])[1], rtol=1e-12)
 
 
 def test_all_storeys_are_stiffer_alike():
-    changed = with_parts(MASS, DAMPING, STIFFNESS, {"storey_stiffness": 0.1})[2]
+    changed = change_matrices(MASS, DAMPING, STIFFNESS, {"storey_stiffness": 0.1})[2]
     np.testing.assert_allclose(changed, 1.1 * STIFFNESS, rtol=1e-12)
 
 
 def test_a_floor_is_heavier():
-    changed = with_parts(MASS, DAMPING, STIFFNESS, {"floor_mass_1": 0.25})[0]
+    changed = change_matrices(MASS, DAMPING, STIFFNESS, {"floor_mass_1": 0.25})[0]
     np.testing.assert_allclose(changed, np.diag([1500.0, 1000.0, 700.0]), rtol=1e-12)
 
 
 def test_a_dashpot_of_a_storey_is_stronger():
     dashpots = shear_frame(MASSES, [900.0, 700.0, 500.0])[1]
-    changed = with_parts(MASS, dashpots, STIFFNESS, {"storey_damping_1": 0.5, "damping": 0.1})[1]
+    changed = change_matrices(MASS, dashpots, STIFFNESS, {"storey_damping_1": 0.5, "damping": 0.1})[1]
     np.testing.assert_allclose(changed, 1.1 * shear_frame(MASSES, [1350.0, 700.0, 500.0])[1], rtol=1e-12)
 
 
 def test_damping_that_no_storeys_make_stays_dissipative():
     changes = {"storey_damping_1": 0.9, "storey_damping_2": -0.9}
-    assert np.linalg.eigvalsh(with_parts(MASS, DAMPING, STIFFNESS, changes)[1]).min() > 0.0
+    assert np.linalg.eigvalsh(change_matrices(MASS, DAMPING, STIFFNESS, changes)[1]).min() > 0.0
 
 
 def test_modes_have_other_frequencies_and_ratios_and_the_same_shapes():
     changes = {"mode_frequency_1": 0.05, "mode_damping_ratio_3": 0.4, "mode_damping_ratio_1": -0.1}
     omega, ratios, shapes = modes_of(MASS, DAMPING, STIFFNESS)
-    found = modes_of(*with_parts(MASS, DAMPING, STIFFNESS, changes))
+    found = modes_of(*change_matrices(MASS, DAMPING, STIFFNESS, changes))
     np.testing.assert_allclose(found[0], omega * [1.05, 1.0, 1.0], rtol=1e-10)
     np.testing.assert_allclose(found[1], ratios * [0.9, 1.0, 1.4], rtol=1e-10)
     np.testing.assert_allclose(np.abs(found[2]), np.abs(shapes), atol=1e-8)
@@ -63,7 +65,7 @@ def test_modes_have_other_frequencies_and_ratios_and_the_same_shapes():
 
 def test_what_is_not_named_stays():
     for before, after in zip(
-        (MASS, DAMPING, STIFFNESS), with_parts(MASS, DAMPING, STIFFNESS, {}), strict=True
+        (MASS, DAMPING, STIFFNESS), change_matrices(MASS, DAMPING, STIFFNESS, {}), strict=True
     ):
         assert after is before or (after == before).all()
 
@@ -79,7 +81,7 @@ def test_a_stronger_specimen_leaves_what_the_computer_has():
         specimen_damping=20.0,
         specimen_mass=10.0,
     )
-    changed = whole.with_parts({"specimen_stiffness": 0.2})
+    changed = whole.change_parts({"specimen_stiffness": 0.2})
     grid = np.outer(interface, interface)
     assert changed.specimen_stiffness == pytest.approx(3.6e5)
     for name in ("mass", "damping", "stiffness"):
@@ -105,7 +107,7 @@ def test_names_of_parts(name, expected):
 
 
 def test_entries_are_off_with_those_opposite_to_them():
-    changed = with_parts(MASS, DAMPING, STIFFNESS, {"stiffness_entry_1_2_3_3": 0.01})[2] - STIFFNESS
+    changed = change_matrices(MASS, DAMPING, STIFFNESS, {"stiffness_entry_1_2_3_3": 0.01})[2] - STIFFNESS
     expected = np.zeros((3, 3))
     expected[0, 1] = expected[1, 0] = 0.01 * STIFFNESS[0, 1]
     expected[2, 2] = 0.01 * STIFFNESS[2, 2]
@@ -114,5 +116,5 @@ def test_entries_are_off_with_those_opposite_to_them():
 
 def test_entries_leave_a_structure():
     stiffness = np.array([[1.05, -1.0], [-1.0, 1.0]])
-    changed = with_parts(np.eye(2), np.zeros((2, 2)), stiffness, {"stiffness_entry_1_2": 0.2})[2]
+    changed = change_matrices(np.eye(2), np.zeros((2, 2)), stiffness, {"stiffness_entry_1_2": 0.2})[2]
     assert 0.0 < np.linalg.eigvalsh(changed)[0] < np.linalg.eigvalsh(stiffness)[0]

@@ -14,7 +14,7 @@ from reliab.structures.specimen import Specimen
 from reliab.structures.structure import Structure
 
 SOUND = Structure(frequency=1.0, damping_ratio=0.05)
-PARTITION = Partition.of_structure(SOUND, mass=10.0)
+PARTITION = Partition.from_structure(SOUND, mass=10.0)
 FRICTION = partial(find_effect("coulomb_friction"), regularisation_velocity_m_per_s=1e-3)
 FORCE = FRICTION(force_n=1.0)
 READING = find_effect("sensor_bias")(bias_m=0.001)
@@ -28,7 +28,7 @@ def parameter(**changed):
 
 def partition(**changed):
     parts = {"frame": PARTITION.frame, "interface": PARTITION.direction, "specimen": PARTITION.specimen}
-    return Partition.of_frame(**{**parts, **changed})
+    return Partition.from_frame(**{**parts, **changed})
 
 
 @pytest.mark.parametrize(

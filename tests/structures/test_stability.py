@@ -126,7 +126,7 @@ def test_critical_delay_is_where_a_root_crosses(specimen_damping, gains):
 
 def test_one_actuator_has_its_own_critical_delay():
     structure = Structure(frequency=1.3, damping_ratio=0.04, experimental_fraction=0.6)
-    partition = Partition.of_structure(structure, 2000.0)
+    partition = Partition.from_structure(structure, 2000.0)
     assert stability_limit(partition).delay == pytest.approx(float(critical_delay(structure)), rel=1e-10)
 
 
@@ -140,7 +140,7 @@ def test_specimens_with_half_of_the_mass_tolerate_no_delay_whatever_the_number_o
         specimen_mass=np.diag([0.1, 0.6]),
     )
     assert stability_limit(heavy).delay == 0.0
-    assert rightmost_root(heavy.changed(specimen_mass=np.zeros((2, 2))), np.eye(2), 1e-3).real < 0.0
+    assert rightmost_root(heavy.replace_values(specimen_mass=np.zeros((2, 2))), np.eye(2), 1e-3).real < 0.0
 
 
 def test_a_specimen_must_be_part_of_the_frame():

@@ -5,14 +5,14 @@ from typing import Any
 import pytest
 
 from reliab.core.errors import InputError
-from reliab.study.folders import shipped_folders
+from reliab.study.folders import folders_of_studies
 from reliab.study.running import open_study, read_study
 
 
 @pytest.mark.of_studies
 def test_every_shipped_study_is_valid_and_says_what_it_is_for():
-    assert "quick" in shipped_folders()
-    for study in map(open_study, shipped_folders()):
+    assert "quick" in folders_of_studies()
+    for study in map(open_study, folders_of_studies()):
         assert study.title
         assert study.purpose
 
@@ -82,7 +82,7 @@ def test_a_study_that_is_not_there_is_said_to_be_missing(tmp_path):
 @pytest.mark.of_studies
 def test_other_motions_change_the_digest_and_displace_stored_results():
     study = open_study("quick")
-    other: Any = study.on(["elsewhere"], None)
+    other: Any = study.replace_motions(["elsewhere"], None)
     assert other.motions.sources == ("elsewhere",)
     assert other.motions.results is None
     assert other.digest() != study.digest()
@@ -92,13 +92,13 @@ def test_other_motions_change_the_digest_and_displace_stored_results():
 def test_a_study_of_no_ground_motions_takes_none():
     for name in ("hidden_effect", "blind_evaluation"):
         with pytest.raises(InputError, match="take no ground motions"):
-            open_study(name).on(["elsewhere"], None)
+            open_study(name).replace_motions(["elsewhere"], None)
     with pytest.raises(InputError, match="sets"):
-        open_study("quick").on(None, ["far_field"])
+        open_study("quick").replace_motions(None, ["far_field"])
 
 
 @pytest.mark.of_studies
 def test_a_question_is_not_followed_by_a_colon():
-    titles = {name: open_study(name).titled("real motions") for name in ("quick", "validation")}
+    titles = {name: open_study(name).full_title("real motions") for name in ("quick", "validation")}
     assert titles["quick"] == "Limits of amplitude error and delay: real motions"
     assert titles["validation"] == "Do criteria keep their promise? Real motions"

@@ -16,7 +16,7 @@ from reliab.app.api import studies
 from reliab.core.errors import InputError
 from reliab.core.shipped import shipped_folder
 from reliab.study import folders
-from reliab.study.folders import kind_of, shipped_folders
+from reliab.study.folders import folders_of_studies, kind_of
 from reliab.study.kinds import KINDS
 from reliab.study.running import list_shipped, open_study, run_study
 
@@ -43,7 +43,7 @@ def test_the_study_that_the_page_shows_runs(tmp_path, text_of):
     assert re.search(r"The strongest of \d+ motions has \d+\.\d m/s", text)
 
 
-@pytest.mark.parametrize("name", [name for name, folder in shipped_folders().items() if kind_of(folder)])
+@pytest.mark.parametrize("name", [name for name, folder in folders_of_studies().items() if kind_of(folder)])
 def test_a_copy_under_another_name_is_a_study_of_its_own(name, tmp_path):
     """Its modules import one another relatively, so that the copy's own code is used."""
     copied = tmp_path / f"my_{name}"
@@ -78,7 +78,7 @@ def shipped(tmp_path, monkeypatch):
     broken = written(studies / "broken")
     (broken / "kind.py").write_text("raise RuntimeError('broken')", encoding="utf-8")
     (broken / "study.toml").write_text('kind = "broken"\ntitle = "Broken"', encoding="utf-8")
-    monkeypatch.setattr(folders, "_shipped_root", lambda: studies)
+    monkeypatch.setattr(folders, "_studies_root", lambda: studies)
     monkeypatch.setattr(folders, "PACKAGE", f"studies_of_{tmp_path.name}")
     return studies
 

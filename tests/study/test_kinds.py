@@ -130,7 +130,7 @@ def test_studies_of_the_paper_need_its_records(name, tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["paper2017", "table2_audit"])
 def test_studies_of_the_paper_run_on_its_records(name, real_motions_folder, tmp_path, text_of):
-    study = open_study(name).on([str(real_motions_folder)], None)
+    study = open_study(name).replace_motions([str(real_motions_folder)], None)
     run_study(study, tmp_path / "run")
     text = text_of_run(study, tmp_path / "run", text_of)
     assert "74 of the 100 rows" in text or "74 of 100 rows" in text

@@ -215,14 +215,14 @@ def test_results_keep_the_day_and_the_packages_with_which_they_were_made(finishe
     for entry in manifest["stages"].values():
         entry["packages"], entry["date"] = {"numpy": "1.2.3"}, "2020-02-03"
     (finished / "manifest.json").write_text(json.dumps(manifest), encoding="utf-8")
-    assert stages.made_with(finished) == {"packages": {"numpy": "1.2.3"}}
+    assert stages.software_provenance(finished) == {"packages": {"numpy": "1.2.3"}}
     assert stages.date_of(finished) == dt.date(2020, 2, 3)
     document = KINDS["criterion"].report(small_study, finished)
     assert document.provenance["packages"] == "numpy 1.2.3"
     (finished / "criteria.json").unlink()
     monkeypatch.setattr("reliab.study.running.write_pdf", lambda _, path, **_options: path.touch())
     run_study(small_study, finished)
-    assert set(stages.made_with(finished)["packages"]) == {
+    assert set(stages.software_provenance(finished)["packages"]) == {
         "simulate",
         "trace",
         "derive",
@@ -238,7 +238,9 @@ def test_a_stage_that_draws_tells_the_packages_of_those_that_are_done(tmp_path):
     first = Stage(name="diagnose", inputs={}, writes=(), work=lambda _: None)
     folder.perform(first)
     folder.perform(
-        Stage(name="draw", inputs={}, writes=(), work=lambda run: told.append(stages.made_with(run)))
+        Stage(
+            name="draw", inputs={}, writes=(), work=lambda run: told.append(stages.software_provenance(run))
+        )
     )
     assert told == [{"packages": installed_versions()}]
 
@@ -333,11 +335,11 @@ def plain(document):
 
 def test_what_a_killed_run_was_writing_is_removed_when_it_is_resumed(tmp_path):
     run = tmp_path / "run"
-    with RunFolder.opened(run, study={"kind": "criterion"}):
+    with RunFolder.open(run, study={"kind": "criterion"}):
         pass
     (run / "folder").mkdir()
     for place in (run, run / "folder"):
         (place / f"{UNFINISHED}0").write_text("half")
-    with RunFolder.opened(run, study={"kind": "criterion"}):
+    with RunFolder.open(run, study={"kind": "criterion"}):
         pass
     assert not [path for path in run.rglob("*") if path.name.startswith(UNFINISHED)]

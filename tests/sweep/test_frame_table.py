@@ -27,7 +27,7 @@ def framed(partition, output=None):
 def test_a_frame_of_one_mass_has_the_ellipses_of_the_one_mode_structure():
     motions = load_motions("synthetic")[:1]
     structure = Structure(frequency=1.0, damping_ratio=0.05)
-    frame = framed(Partition.of_structure(structure, mass=20.0))
+    frame = framed(Partition.from_structure(structure, mass=20.0))
     asked = {"thresholds": (0.03, 0.05), "metrics": (Metric.RMS, Metric.MTE)}
     found = trace_frame_ellipses(motions, FrameRequest(frame=frame, **asked))
     expected = trace_ellipses(motions, EllipseRequest(frequencies=(1.0,), damping_ratios=(0.05,), **asked))
@@ -40,13 +40,13 @@ def test_a_frame_of_one_mass_has_the_ellipses_of_the_one_mode_structure():
 
 def test_the_governing_mode_is_described_as_it_is():
     structure = Structure(frequency=1.7, damping_ratio=0.03, experimental_fraction=0.4)
-    mode = governing_mode(Partition.of_structure(structure, mass=3.0))
+    mode = governing_mode(Partition.from_structure(structure, mass=3.0))
     assert dataclasses.astuple(mode) == pytest.approx((1.7, 0.03, 0.4))
 
 
 def test_a_specimen_that_tolerates_no_delay_has_no_boundary():
     frame = Frame.from_structure(Structure(frequency=1.0, damping_ratio=0.02), mass=100.0)
-    heavy = Partition.of_frame(
+    heavy = Partition.from_frame(
         frame=frame, interface=floor_interface(frame, 1), specimen=Specimen(stiffness=100.0, mass=60.0)
     )
     with pytest.raises(InputError, match="tolerates some delay"):

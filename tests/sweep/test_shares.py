@@ -128,7 +128,7 @@ def traced_frame(motions, request, **options):
     structure = Structure(frequency=1.0, damping_ratio=0.05)
     frame = FrameUnderTest(
         name="frame",
-        partition=Partition.of_structure(structure, mass=20.0),
+        partition=Partition.from_structure(structure, mass=20.0),
         output=None,
         error_of="interface",
     )

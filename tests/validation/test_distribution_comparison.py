@@ -18,8 +18,8 @@ from reliab.sweep.results import open_results
 from reliab.validation.comparison import (
     compare_distributions,
     compare_laws,
-    held_out_scores,
     leave_one_event_out,
+    score_held_out_events,
 )
 
 KINDS = {
@@ -45,7 +45,7 @@ def test_the_true_distribution_is_among_the_best(name):
 
 def test_the_score_is_that_of_the_density_without_the_earthquake():
     values, events = np.array([1.0, 2.0, 4.0, 8.0, 3.0]), np.array(["a", "b", "b", "c", "c"])
-    scores = held_out_scores(values, events, Lognormal)
+    scores = score_held_out_events(values, events, Lognormal)
     without = Lognormal.fit(values[1:])
     assert scores.log_score[0] == pytest.approx(stats.norm.logpdf(0.0, without.mu, without.sigma))
 

@@ -1,11 +1,11 @@
 """Reports say what was measured on specimens that yield."""
 
 from reliab.report.sections.method import limits_section
-from reliab.validation.yielding import measured_yielding
+from reliab.validation.yielding import read_yielding
 
 
 def test_reports_say_what_was_measured_and_no_longer_that_yielding_is_safe():
-    first = measured_yielding()[0]
+    first = read_yielding()[0]
     assert first.reduction == 2.0
     assert first.exceeding > 0.2
     (points,) = limits_section(()).blocks

@@ -201,7 +201,7 @@ class FollowedTest:
             return Monitor(self.model or followed, step, feedback_lag=lag, tolerances=tolerances)
         mass = self.stated.get("mass")
         return MeasuredMonitor(
-            whole_structure(followed) if mass is None else Partition.of_structure(structure, mass.value),
+            whole_structure(followed) if mass is None else Partition.from_structure(structure, mass.value),
             step,
             StatedForce(
                 mass_deviation=0.0 if mass is None else mass.deviation / mass.value,

@@ -132,7 +132,7 @@ def _structure(asked: questions.MonitorInLoop) -> tuple[Partition | HybridTest, 
             )
     stated = stated_values(f=asked["f"], xi=asked["xi"], alpha=asked["alpha"])
     require_sound(stated)
-    return Partition.of_structure(structure_of(stated)), None
+    return Partition.from_structure(structure_of(stated)), None
 
 
 def _of_frame(frame: FrameUnderTest, where: str) -> tuple[Partition, Array | None]:

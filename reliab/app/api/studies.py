@@ -73,7 +73,7 @@ def run_study(
     """
     described = open_study(study)
     if asked["motions"] or asked["sets"]:
-        described = described.on(listed(asked["motions"]), listed(asked["sets"]))
+        described = described.replace_motions(listed(asked["motions"]), listed(asked["sets"]))
     place = Path(study).resolve()
     name = place.parent.name if place.name == "study.toml" else place.stem
     folder = _OUT / name if out is None else Path(out)

@@ -37,7 +37,12 @@ from reliab.criterion.scope import population_of
 from reliab.sweep.shares import share_of
 from reliab.validation.cross_validation.counts import RATES, CrossValidation, tabulate
 from reliab.validation.cross_validation.folds import GROUP_SCHEMES
-from reliab.validation.cross_validation.judge import Candidate, Derived, Printed, cross_validate
+from reliab.validation.cross_validation.judge import (
+    Candidate,
+    DerivedCandidate,
+    PrintedCandidate,
+    cross_validate,
+)
 from reliab.validation.probability_calibration import probability_calibration
 
 _CONFIDENCES = (0.50, 0.60, 0.70, 0.80, 0.90, 0.95, 0.99)
@@ -177,9 +182,11 @@ class _Candidates:
             fitted = known(FITTED, name)
             for method in methods or [RECOMMENDED]:
                 label = method if name == "table" else f"{method}, {name}"
-                candidates.append(Derived(name=label, method=method_of(method), joint=joint, law=fitted))
+                candidates.append(
+                    DerivedCandidate(name=label, method=method_of(method), joint=joint, law=fitted)
+                )
         idle = "`method`" if methods else "`joint`" if joint is not None else ""
-        if idle and not any(isinstance(candidate, Derived) for candidate in candidates):
+        if idle and not any(isinstance(candidate, DerivedCandidate) for candidate in candidates):
             raise InputError(
                 f"{idle} has no effect on published laws",
                 value=", ".join(names),
@@ -190,7 +197,7 @@ class _Candidates:
     def _printed(self, name: str, law: Law, *, asked: bool) -> Candidate:
         """Take a printed law, which states one confidence for one error."""
         law.validity.require_error(self.error, self.metric)
-        candidate = Printed(name=name, law=law)
+        candidate = PrintedCandidate(name=name, law=law)
         if asked and not any(candidate.promises(confidence) for confidence in self.confidences):
             raise InputError(
                 f"The law {name} has a confidence of {percent(candidate.confidence, decimals=0)}",

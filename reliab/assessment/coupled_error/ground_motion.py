@@ -109,7 +109,7 @@ class _Fit:
         return np.asarray((rebuilt - direct) / self._sizes)
 
     def _structure(self, factor: float, ratio: float) -> tuple[Recursion, Array]:
-        scaled = self.structure.scaled(frequency=factor, damping_ratio=ratio)
+        scaled = self.structure.scale(frequency=factor, damping_ratio=ratio)
         return self.histories.recursion(scaled), ideal_response(scaled, self.ground, self.histories.time_step)
 
     def _columns(self, factor: float, ratio: float, rest: Array) -> Iterator[Array]:

@@ -62,7 +62,7 @@ class CoupledMonitor(RunningTest):
         seed: int = 0,
     ) -> None:
         tolerances = tolerances or Tolerances()
-        super().__init__(structure.with_masses, time_step, tolerances.time_shift)
+        super().__init__(structure.nonsingular_form, time_step, tolerances.time_shift)
         self._partition, self._lag, self._metric, self._seed = structure, feedback_lag, metric, seed
         self._carry = np.eye(structure.degrees) if to_interface is None else np.asarray(to_interface)
         self._tolerances, self._stated_recursion = tolerances, recursion

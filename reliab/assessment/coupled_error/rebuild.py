@@ -96,7 +96,7 @@ def rebuild_coupled(
     channels = _examined(command, measured, time_step, partition, carry, sensor_offsets)
     band, frequencies = channels.noises[0].band, partition.natural_frequencies
     modes = int(np.count_nonzero(frequencies <= _ABOVE_BAND * max(band, float(frequencies[0]))))
-    structure = partition.with_lowest_modes(modes)
+    structure = partition.reduce_to_modes(modes)
     governing = _governing_modes(structure, _NEAR_BAND * band)
     fastest = float(governing.max()) if governing.size else float(frequencies[0])
     of_structure = max(int(1.0 / (_PER_PERIOD * fastest * time_step)), 1)

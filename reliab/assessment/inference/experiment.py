@@ -91,5 +91,5 @@ def _scaled_structure(
     share: float,
     parts: tuple[tuple[str, float], ...],
 ) -> Partition:
-    changed = partition.with_parts(dict(parts)) if parts else partition
-    return changed.scaled(frequency=frequency, damping_ratio=damping_ratio, share=share)
+    changed = partition.change_parts(dict(parts)) if parts else partition
+    return changed.scale(frequency=frequency, damping_ratio=damping_ratio, share=share)

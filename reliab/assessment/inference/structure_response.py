@@ -65,7 +65,7 @@ def respond(partition: Partition, frequencies: Frequencies) -> StructureResponse
             ground=(gamma * mass * float(partition.influence[0]) * dynamic)[:, np.newaxis],
             impedance=impedance,
         )
-    whole = partition.with_masses
+    whole = partition.nonsingular_form
     inputs = np.column_stack([whole.interface, whole.mass @ whole.influence])
     answers = _by_poles(whole, s, whole.interface.T, inputs)
     return StructureResponse(

@@ -151,13 +151,13 @@ class LearnedTest:
 
     def _recursion(self, relative: list[float]) -> Recursion:
         """Recursion of the numerical substructure, relative changes of each stated value given."""
-        return Recursion.of_force(self._scaled(relative).without_specimen, self.thin.time_step)
+        return Recursion.of_force(self._scaled(relative).numerical_substructure, self.thin.time_step)
 
     def _scaled(self, relative: list[float]) -> Partition:
         """Structure with relative changes of each stated value."""
         frequency, damping_ratio, share = (max(1.0 + change, _LEAST) for change in relative)
         most = 1.0 / float(self.whole.static_transfer[0, 0])  # of a stiffness, none is negative
-        return self.whole.scaled(frequency=frequency, damping_ratio=damping_ratio, share=min(share, most))
+        return self.whole.scale(frequency=frequency, damping_ratio=damping_ratio, share=min(share, most))
 
     def response(self, specimen: LearnedSpecimen, moved: Array, *, late: bool = True) -> Array:
         """Exact response, had the actuator moved as given along the command [m], shape (n,).

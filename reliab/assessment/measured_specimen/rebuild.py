@@ -213,7 +213,7 @@ def _samples_in_step(whole: Partition, time_step: float) -> int:
     lowest = float(whole.natural_frequencies[0])
     every = samples_in_step_of_simulation(lowest, time_step, least_rate=_LEAST_RATE, per_period=_PER_PERIOD)
     while every > 1:
-        recursion = Recursion.of_force(whole.without_specimen, every * time_step)
+        recursion = Recursion.of_force(whole.numerical_substructure, every * time_step)
         moved = recursion.output @ recursion.late  # by a unit force at the end of the step
         if float((whole.specimen_stiffness @ moved)[0, 0]) <= _FORESEEN:
             break

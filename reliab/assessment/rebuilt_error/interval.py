@@ -457,7 +457,7 @@ def _factors_of_draws(drawn: Mapping[str, Array]) -> list[Array]:
 
 def reduced_to(structure: Partition, modes: int | None) -> Partition:
     """Structure of which so many of the lowest modes move, or all, and others follow by statics."""
-    return structure if modes is None else structure.with_lowest_modes(modes)
+    return structure if modes is None else structure.reduce_to_modes(modes)
 
 
 def structures_of_draws(
@@ -468,7 +468,7 @@ def structures_of_draws(
     parts = {name: values for name, values in drawn.items() if is_part(name)}
     if parts:
         changed = [
-            structure.with_parts({name: float(values[draw]) for name, values in parts.items()})
+            structure.change_parts({name: float(values[draw]) for name, values in parts.items()})
             for draw in range(f.size)
         ]
         structure = stacked([reduced_to(one, modes) for one in changed])
@@ -476,4 +476,4 @@ def structures_of_draws(
         structure = reduced_to(structure, modes)
     if not (np.concatenate([f, ratio, share]) != 1.0).any():
         return structure
-    return structure.scaled(frequency=f, damping_ratio=ratio, share=share)
+    return structure.scale(frequency=f, damping_ratio=ratio, share=share)

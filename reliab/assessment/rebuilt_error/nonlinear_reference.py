@@ -136,7 +136,7 @@ def tangent_structure(test: HybridTest) -> Partition:
         called="natural frequency of the model with its linear specimen",
         remedy="Give the specimen of the model its stiffness, or the computer a part of it",
     )
-    return Partition.of_structure(test.structure).changed(
+    return Partition.from_structure(test.structure).replace_values(
         mass=np.array([[1.0 + m]]),
         damping=np.array([[numerical.damping + c]]),
         stiffness=np.array([[numerical.stiffness + k]]),

@@ -99,7 +99,7 @@ class EntriesOfStructure:
     def _factors(self, drawn: Mapping[str, Array]) -> Array:
         """Lowest natural frequency of each draw, over the stated one [-], shape (draws,)."""
         draws = zip(*(drawn[name].tolist() for name in self.deviations), strict=True)
-        changed = (self.structure.with_parts(dict(zip(self.deviations, one, strict=True))) for one in draws)
+        changed = (self.structure.change_parts(dict(zip(self.deviations, one, strict=True))) for one in draws)
         lowest = np.array([structure.natural_frequencies[0] for structure in changed])
         return np.asarray(lowest / self.structure.natural_frequencies[0])
 
@@ -205,7 +205,7 @@ def learn_frequency(
     )
 
     def responses(factors: Array) -> Iterator[tuple[Array, Array]]:
-        scaled = structure.scaled(frequency=factors)
+        scaled = structure.scale(frequency=factors)
         recursions = Recursion.of_displacement(scaled, step, smooth=smooth)
         for draw in range(factors.size):
             recursion = recursions.of_draw(draw)

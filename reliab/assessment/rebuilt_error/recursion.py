@@ -165,7 +165,7 @@ _MATRICES = ("mass", "damping", "stiffness", "specimen_stiffness", "specimen_dam
 def structure_of_draw(structures: Partition, draw: int) -> Partition:
     """Structure of one of many draws; matrices that are not drawn are those of each."""
     drawn = {name: getattr(structures, name) for name in _MATRICES}
-    return structures.changed(
+    return structures.replace_values(
         **{name: matrix[draw] for name, matrix in drawn.items() if matrix.ndim > 2}  # noqa: PLR2004
     )
 
@@ -173,7 +173,7 @@ def structure_of_draw(structures: Partition, draw: int) -> Partition:
 def stacked(structures: Sequence[Partition]) -> Partition:
     """Structures of one size as one whose matrices have a first axis of draws."""
     matrices = {name: np.stack([getattr(one, name) for one in structures]) for name in _MATRICES}
-    return structures[0].changed(**matrices)
+    return structures[0].replace_values(**matrices)
 
 
 def states_in_motion(structure: Partition, shapes: Array) -> Array:
@@ -206,7 +206,7 @@ def respond(recursion: Recursion, values: Array, state: Array | None = None) -> 
 
     >>> from reliab.structures.structure import Structure
     >>> half = Structure(frequency=1.0, damping_ratio=0.2, experimental_fraction=0.5)
-    >>> recursion = Recursion.of_displacement(Partition.of_structure(half), 0.01)
+    >>> recursion = Recursion.of_displacement(Partition.from_structure(half), 0.01)
     >>> round(float(respond(recursion, np.ones(2000))[0, -1]), 6)
     0.5
     """

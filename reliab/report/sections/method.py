@@ -8,7 +8,7 @@ from reliab.criterion.criterion import Criterion
 from reliab.report.document import Equation, Paragraph, Points, Section
 from reliab.report.prose import Prose, prose
 from reliab.report.wording import listed, meaning_of_confidence, window_in_words
-from reliab.validation.yielding import HARDENING, measured_yielding
+from reliab.validation.yielding import HARDENING, read_yielding
 
 _FITTED = (
     "an ellipse is fitted to it by least squares, as a straight line of d² over (A − 1)²; the boundary may "
@@ -206,7 +206,7 @@ def limits_section(sentences: Sequence[Prose]) -> Section:
 
 def _yielding() -> str:
     """Say what was measured on specimens that yield."""
-    measured = measured_yielding()
+    measured = read_yielding()
     shares = listed(
         [
             f"{percent(measurement.exceeding, 2)} of {measurement.tests} tests at $R = "

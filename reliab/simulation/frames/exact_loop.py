@@ -74,7 +74,7 @@ class ExactLoop:
             sizes[:, cell] = self._sizes(gain[cell] * shift - 1.0)
         return self._as_deviation(sizes)
 
-    def at_rest(self) -> Deviation:
+    def rest_deviation(self) -> Deviation:
         """Deviation where the actuators that err do not move, whose part may then be free to drift."""
         return self._as_deviation(np.array(self._sizes(-np.ones_like(self._line.s)))[:, np.newaxis])
 
@@ -198,7 +198,7 @@ def stable_with(partition: Partition, actuators: TransferSystem | ActuatorMatrix
     >>> [stable_with(partition, gain_and_delay(delay=delay)) for delay in (0.0146, 0.0147)]
     [True, False]
     """
-    whole = partition.with_masses
+    whole = partition.nonsingular_form
     s = (2j * np.pi * _frequencies(whole)).astype(np.complex128)
     receptance = whole.interface.T @ _displacement_transfer(whole, s)[1]
     loop = np.eye(whole.degrees) + receptance @ whole.impedance(s) @ error_of(actuators, whole, s)

@@ -93,9 +93,9 @@ class FrameLoop:
                 "A frame is solved by the engines automatic, spectral or, with one actuator, pole",
                 value=self.engine,
             )
-        if self.output is not None and np.shape(self.output) != (self.partition.with_masses.size,):
+        if self.output is not None and np.shape(self.output) != (self.partition.nonsingular_form.size,):
             raise InputError(
-                f"An output needs {self.partition.with_masses.size} weights", value=np.shape(self.output)
+                f"An output needs {self.partition.nonsingular_form.size} weights", value=np.shape(self.output)
             )
 
     @property
@@ -142,7 +142,7 @@ class FrameLoop:
         """Engine "spectral"."""
         return ExactLoop(
             excitation=self.excitation,
-            partition=self.partition.with_masses,
+            partition=self.partition.nonsingular_form,
             erring=self._erring,
             output=self.output,
             longest_step=self.step,
@@ -154,7 +154,7 @@ class FrameLoop:
         """Engine "pole", for one actuator."""
         return ReducedLoop(
             excitation=self.excitation,
-            partition=self.partition.with_masses,
+            partition=self.partition.nonsingular_form,
             output=self.output,
             step=self.step,
         )
@@ -178,12 +178,12 @@ class FrameLoop:
             deviation.put(again, self.exact.deviation(cells.gain[again], cells.delay[again]))
         return deviation
 
-    def at_rest(self) -> Deviation:
+    def rest_deviation(self) -> Deviation:
         """Deviation of actuators that do not move: the computer then moves what is left to it alone.
 
         That part may be free to drift, as where the whole stiffness of a storey stands in the laboratory.
         """
-        return self.exact.at_rest()
+        return self.exact.rest_deviation()
 
     @property
     def judged(self) -> NDArray[np.bool_]:

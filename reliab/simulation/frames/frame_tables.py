@@ -17,7 +17,7 @@ from reliab.simulation.frames.tolerances_table import DescribedTable, Tolerances
 from reliab.simulation.frames.transfer_table import TransferTable
 from reliab.structures.frame import (
     Frame,
-    condensed,
+    condense_statically,
     massless,
     modal_damping,
     place_of,
@@ -171,7 +171,7 @@ class SpecimenTable(DescribedTable):
         if len(stiffness) == degrees:
             return stiffness, damping, mass
         try:
-            stiffness, damping, mass = condensed(stiffness, (stiffness, damping, mass), degrees)
+            stiffness, damping, mass = condense_statically(stiffness, (stiffness, damping, mass), degrees)
         except np.linalg.LinAlgError:
             raise InputError(
                 "The inner degrees of freedom of a specimen must not move without a force",

@@ -18,9 +18,9 @@ def place_of_governing_mode(
     is the measured interface displacements. `erring`: what actuators that err add to the interface per
     command, shape (p, p); by default all err alike.
     """
-    frame = partition.with_masses.frame
+    frame = partition.nonsingular_form.frame
     shapes = frame.modes.shapes
-    seen = partition.with_masses.interface.T if output is None else output[np.newaxis]
+    seen = partition.nonsingular_form.interface.T if output is None else output[np.newaxis]
     moved = np.abs(seen @ shapes).max(axis=0) * np.abs(shapes.T @ frame.mass @ frame.influence)
     # The response of a mode to a given ground acceleration goes with 1/ω², its sensitivity with α/ξ.
     lightly = np.abs(_shares(partition, erring)) / np.maximum(frame.damping_ratios, _LEAST_RATIO)
@@ -31,7 +31,7 @@ def governing_mode(
     partition: Partition, output: Array | None = None, erring: Array | None = None
 ) -> Structure:
     """Frequency, damping ratio and share of the specimen of the mode that suffers most."""
-    frame, place = partition.with_masses.frame, place_of_governing_mode(partition, output, erring)
+    frame, place = partition.nonsingular_form.frame, place_of_governing_mode(partition, output, erring)
     share = abs(float(_shares(partition, erring)[place].real))
     return Structure(
         frequency=float(frame.modes.frequency[place]),
@@ -48,7 +48,7 @@ def scale_of_errors(
     Its frequency is that of the mode and its damping ratio ξ/α with the specimen's share α in the mode, so
     that errors of an actuator matter as much as in the frame.
     """
-    frame, place = partition.with_masses.frame, place_of_governing_mode(partition, output, erring)
+    frame, place = partition.nonsingular_form.frame, place_of_governing_mode(partition, output, erring)
     share = min(float(np.abs(_shares(partition, erring)[place])), 1.0)
     # Amplitude errors count as far as the specimen's share of the mode; ξ/α is their scale.
     scale = float(frame.damping_ratios[place]) / max(share, _LEAST_SHARE)

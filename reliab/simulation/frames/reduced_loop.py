@@ -29,7 +29,7 @@ from reliab.simulation.deviation import LATEST, TRACKS, Deviation, follow, peak_
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop.blocks import ramp_weights
 from reliab.structures.critical_delay import stability_limit
-from reliab.structures.frame import undivided_response
+from reliab.structures.frame import reference_response
 from reliab.structures.partition import Partition
 
 _PARTS = 4  # in which the actuator's error is approached
@@ -360,7 +360,7 @@ class ReducedLoop:
     @cached_property
     def _ideal(self) -> Array:
         """Exact response of the output [m] at the steps."""
-        floors = undivided_response(self.partition.frame, self._sampled[0], self.step)
+        floors = reference_response(self.partition.frame, self._sampled[0], self.step)
         seen = self.partition.direction if self.output is None else self.output
         return np.ascontiguousarray(seen @ floors)
 

@@ -52,7 +52,7 @@ class TransferSystem(ABC):
         """Measured over sent displacement [-] at s [rad/s] with a linear specimen."""
 
 
-_ON_AXIS = 1e-9  # real part over modulus of a pole that lies on the imaginary axis
+_AXIS_TOLERANCE = 1e-9  # real part over modulus of a pole that lies on the imaginary axis
 _SAME = 1e-6  # relative distance of poles that are one pole repeated
 _MOST_SPREAD = 1e100  # of coefficients; a system of twenty poles at 10⁵ 1/s has as much
 
@@ -96,8 +96,8 @@ class TransferFunction(TransferSystem):
         poles = self.poles
         if poles.size == 0:
             return
-        scale = np.maximum(np.abs(poles), _ON_AXIS * np.abs(poles).max())
-        right = poles.real > _ON_AXIS * scale
+        scale = np.maximum(np.abs(poles), _AXIS_TOLERANCE * np.abs(poles).max())
+        right = poles.real > _AXIS_TOLERANCE * scale
         if right.any():
             raise InputError(
                 "A transfer system must be stable",

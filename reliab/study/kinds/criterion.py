@@ -15,7 +15,7 @@ from reliab.criterion.criterion import Criterion
 from reliab.report.document import Document
 from reliab.study.description import CriterionStudy
 from reliab.study.folders import Kind
-from reliab.study.stages import Stage, digest, made_with, read_result
+from reliab.study.stages import Stage, digest, read_result, software_provenance
 from reliab.study.steps import (
     CRITERIA,
     ELLIPSES,
@@ -32,7 +32,7 @@ from reliab.sweep.ellipse_dataset import open_ellipses
 from reliab.sweep.results import REAL, open_results, real_results
 from reliab.validation.cross_validation.counts import CrossValidation
 from reliab.validation.cross_validation.folds import Fold
-from reliab.validation.cross_validation.judge import Printed, cross_validate
+from reliab.validation.cross_validation.judge import PrintedCandidate, cross_validate
 from reliab.validation.cross_validation.truth import StoredTruth
 from reliab.validation.earthquakes import earthquakes_among
 
@@ -47,7 +47,7 @@ def stages(study: CriterionStudy, show: Show) -> Sequence[Stage]:
         tracing(study, material, show),
         derivation(study.errors, study.criterion, show),
         judgement(study, material, show),
-        *on_real_motions(study, material),
+        *real_motion_stages(study, material),
     )
 
 
@@ -57,14 +57,14 @@ def report(study: CriterionStudy, folder: Path) -> Document:
     from reliab.report.sections.rates import rates_table
 
     population = Material(study, results=study.motions.results).population
-    derived, traced = derivation_of(folder), open_ellipses(folder / ELLIPSES)
-    title = study.titled(population)
-    provenance = {**study.provenance, **made_with(folder)}
-    if not derived.criteria:
+    derivations, ellipses = derivation_of(folder), open_ellipses(folder / ELLIPSES)
+    title = study.full_title(population)
+    provenance = {**study.provenance, **software_provenance(folder)}
+    if not derivations.criteria:
         return no_criterion_report(
             title=title,
-            ellipses=traced,
-            reasons=derived.refusals,
+            ellipses=ellipses,
+            reasons=derivations.refusals,
             provenance=provenance,
             purpose=study.purpose,
         )
@@ -72,8 +72,8 @@ def report(study: CriterionStudy, folder: Path) -> Document:
     coverage = tables[0][tables[0]["measure"] == "containment"] if tables else None
     return criterion_report(
         title=title,
-        ellipses=traced,
-        criteria=derived.criteria,
+        ellipses=ellipses,
+        criteria=derivations.criteria,
         coverage=coverage,
         population=population,
         real_motions=real_share(folder / REAL_MOTIONS),
@@ -87,20 +87,20 @@ KIND: Final = Kind(name="criterion", tables=CriterionStudy, stages=stages, repor
 """How much amplitude error and delay a test may have."""
 
 
-def on_real_motions(study: CriterionStudy, material: Material) -> list[Stage]:
+def real_motion_stages(study: CriterionStudy, material: Material) -> list[Stage]:
     """Judge the study's criterion on the real motions that ship, unless it was derived from them.
 
     Returns one stage, or none where the shipped results hold no such structure, error or window.
     """
     results = _results(study)
-    alike = study.errors.window == "record" and study.structures.experimental_fraction == 1.0
-    if material.is_real_suite or not alike:
+    has_same_error = study.errors.window == "record" and study.structures.experimental_fraction == 1.0
+    if material.is_real_suite or not has_same_error:
         return []
 
     def work(folder: Path) -> None:
         criteria = derivation_of(folder).criteria
-        judged = _judge_on_real_motions(criteria[0], folder, results) if criteria else None
-        content = None if judged is None else _content(judged)
+        validation = _judge_on_real_motions(criteria[0], folder, results) if criteria else None
+        content = None if validation is None else _content(validation)
         with written_whole(folder / REAL_MOTIONS) as file:
             file.write_text(json.dumps(content), encoding="utf-8")
 
@@ -135,25 +135,30 @@ def _results(study: CriterionStudy) -> Path:
 
 def _judge_on_real_motions(criterion: Criterion, folder: Path, results: Path) -> CrossValidation | None:
     """Judge a criterion on the real motions of earthquakes that it was not learned from."""
-    simulated = open_results(results)
-    learned = open_ellipses(folder / ELLIPSES)
+    simulated_results = open_results(results)
+    training_ellipses = open_ellipses(folder / ELLIPSES)
     real = open_ellipses(shipped("datasets", f"{REAL}/ellipses.nc"))
-    nodes = [np.intersect1d(np.round(learned[name], 9), np.round(simulated[name], 9)) for name in ("f", "xi")]
+    nodes = [
+        np.intersect1d(np.round(training_ellipses[name], 9), np.round(simulated_results[name], 9))
+        for name in ("f", "xi")
+    ]
     learned_events = {
-        *earthquakes_among(learned["event"].values.tolist(), learned["checksum"].values.tolist(), real)
+        *earthquakes_among(
+            training_ellipses["event"].values.tolist(), training_ellipses["checksum"].values.tolist(), real
+        )
     } - {None}
     unseen = ~np.isin(real["event"].values, [name for name in learned_events if name])
     if not (nodes[0].size and nodes[1].size and unseen.any()):
         return None
     thresholds = real["threshold"].values
     nearest = float(thresholds[np.argmin(np.abs(thresholds - criterion.threshold))])
-    of_structures = real.sel(f=nodes[0], xi=nodes[1], method="nearest").sel(threshold=[nearest])
+    real_ellipses = real.sel(f=nodes[0], xi=nodes[1], method="nearest").sel(threshold=[nearest])
     try:
         return cross_validate(
-            of_structures.assign_coords(threshold=[criterion.threshold]),
+            real_ellipses.assign_coords(threshold=[criterion.threshold]),
             [Fold(name="all", learned=np.zeros(unseen.size, dtype=np.bool_), judged=unseen)],
             [
-                Printed(
+                PrintedCandidate(
                     name="criterion",
                     law=criterion.law,
                     lead_law=criterion.lead_law,
@@ -164,7 +169,7 @@ def _judge_on_real_motions(criterion: Criterion, folder: Path, results: Path) ->
             confidences=(criterion.confidence,),
             threshold=criterion.threshold,
             metric=criterion.metric,
-            truth=StoredTruth(simulated),
+            truth=StoredTruth(simulated_results),
             trials=64,
         )
     except InputError:
@@ -174,12 +179,12 @@ def _judge_on_real_motions(criterion: Criterion, folder: Path, results: Path) ->
 def _content(validation: CrossValidation) -> dict[str, float] | None:
     """Rate with its interval, and how many motions it is of."""
     counts = validation.counts.sel(side="lag").sum(["f", "xi"]).squeeze(["candidate", "confidence"])
-    judged = counts["judged"].values > 0
-    if not judged.any():
+    judged_cells = counts["judged"].values > 0
+    if not judged_cells.any():
         return None
     rate = validation.containment()
     return {
         **{name: float(rate[name].item()) for name in ("rate", "low", "high")},
-        "n_motions": int(judged.sum()),
-        "n_events": len(set(counts["event"].values[judged].tolist())),
+        "n_motions": int(judged_cells.sum()),
+        "n_events": len(set(counts["event"].values[judged_cells].tolist())),
     }

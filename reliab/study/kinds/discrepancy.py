@@ -13,7 +13,7 @@ from reliab.report.content import save_content, saved_content
 from reliab.report.document import Document
 from reliab.study.description import Study, Table
 from reliab.study.folders import Kind
-from reliab.study.stages import Stage, digest, made_with
+from reliab.study.stages import Stage, digest, software_provenance
 
 if TYPE_CHECKING:
     from reliab.discrepancy.adding.adding import Addition
@@ -49,10 +49,12 @@ def stages(study: DiscrepancyStudy, show: Show) -> Sequence[Stage]:
             save_content(_document(study, campaign, folder), folder / CONTENT)
 
     inputs = {"campaign": digest(campaign)}
-    described = study.model_dump(mode="json")
+    description = study.model_dump(mode="json")
     return (
         Stage(name="diagnose", inputs=inputs, writes=(DIAGNOSIS,), work=work),
-        Stage(name="draw", inputs={**inputs, **described}, reads=(DIAGNOSIS,), writes=(CONTENT,), work=draw),
+        Stage(
+            name="draw", inputs={**inputs, **description}, reads=(DIAGNOSIS,), writes=(CONTENT,), work=draw
+        ),
     )
 
 
@@ -69,7 +71,7 @@ def _document(study: DiscrepancyStudy, campaign: Path, folder: Path) -> Document
     return discrepancy_report(
         addition.diagnosis,
         posteriors=addition.posteriors,
-        provenance={**study.provenance, "campaign, SHA-256": digest(campaign), **made_with(folder)},
+        provenance={**study.provenance, "campaign, SHA-256": digest(campaign), **software_provenance(folder)},
         notes=(study.purpose,) if study.purpose else (),
     )
 

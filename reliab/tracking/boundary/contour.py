@@ -34,7 +34,7 @@ GAIN_SCALE, DELAY_SCALE = 0.2, 0.1
 """Shares of the largest |ln k_p| and delay beyond which the coordinates are linear."""
 
 
-def stretched(value: Array, core: float, scale: float) -> Array:
+def stretch_coordinate(value: Array, core: float, scale: float) -> Array:
     """Coordinate that is linear below the core, logarithmic up to the scale, and linear beyond.
 
     `value`: values, any shape and unit; `core`, `scale`: limits of the logarithmic part, in the unit of the
@@ -52,21 +52,21 @@ class ErrorSurfaces:
 
     def __init__(self, gain: Array, delay: Array, error: Array) -> None:
         offset = np.log(gain)
-        at_one = int(np.argmin(np.abs(offset)))
-        self._cores = (max(offset[at_one + 1], -offset[at_one - 1]), delay[delay > 0.0][0])
+        unit_gain_index = int(np.argmin(np.abs(offset)))
+        self._cores = (max(offset[unit_gain_index + 1], -offset[unit_gain_index - 1]), delay[delay > 0.0][0])
         self._scales = (GAIN_SCALE * max(offset[-1], -offset[0]), DELAY_SCALE * delay[-1])
         self._ends = (gain[0], gain[-1], delay[0], delay[-1])
-        bounded = np.minimum(np.nan_to_num(error, nan=np.inf), _LARGEST_ERROR)
-        values = np.log(bounded.astype(np.float64) ** 2 + _FLOOR**2)
+        bounded_error = np.minimum(np.nan_to_num(error, nan=np.inf), _LARGEST_ERROR)
+        values = np.log(bounded_error.astype(np.float64) ** 2 + _FLOOR**2)
         self._edges = self._stretch(offset, 0), self._stretch(delay, 1)
-        along_gain = scipy.interpolate.CubicSpline(self._edges[0], values, axis=1).c  # (4, kp, surface, tau)
-        along_delay = scipy.interpolate.CubicSpline(
-            self._edges[1], along_gain, axis=3
+        gain_spline = scipy.interpolate.CubicSpline(self._edges[0], values, axis=1).c  # (4, kp, surface, tau)
+        delay_spline = scipy.interpolate.CubicSpline(
+            self._edges[1], gain_spline, axis=3
         ).c  # (4, tau, 4, kp, surface)
-        self._patches = np.ascontiguousarray(along_delay.transpose(4, 3, 1, 2, 0))
+        self._patches = np.ascontiguousarray(delay_spline.transpose(4, 3, 1, 2, 0))
 
     def _stretch(self, value: Array, axis: int) -> Array:
-        return stretched(value, self._cores[axis], self._scales[axis])
+        return stretch_coordinate(value, self._cores[axis], self._scales[axis])
 
     def error(self, amplitude: Array, delay: Array, surface: NDArray[np.int64]) -> Array:
         """Error of given actuators.
@@ -75,12 +75,12 @@ class ErrorSurfaces:
         actuator, shape (cells,). Returns error [-], shape (cells,); NaN outside the grid.
         """
         lowest, highest, earliest, latest = self._ends
-        inside = (amplitude >= lowest * (1 - 1e-9)) & (amplitude <= highest * (1 + 1e-9))
-        inside &= (delay >= earliest * (1 + 1e-9)) & (delay <= latest)
+        is_on_grid = (amplitude >= lowest * (1 - 1e-9)) & (amplitude <= highest * (1 + 1e-9))
+        is_on_grid &= (delay >= earliest * (1 + 1e-9)) & (delay <= latest)
         offset = np.log(np.clip(amplitude, lowest, highest))
         place = self._stretch(offset, 0), self._stretch(np.clip(delay, earliest, latest), 1)
         value = _evaluate(*self._edges, self._patches, *place, surface)
-        return np.where(inside, np.sqrt(np.maximum(np.exp(value) - _FLOOR**2, 0.0)), np.nan)
+        return np.where(is_on_grid, np.sqrt(np.maximum(np.exp(value) - _FLOOR**2, 0.0)), np.nan)
 
 
 @compiled
@@ -101,8 +101,8 @@ def _evaluate(
         patch = patches[surface[cell], i, j]
         total = 0.0
         for row in range(4):
-            along = ((patch[row, 0] * y + patch[row, 1]) * y + patch[row, 2]) * y + patch[row, 3]
-            total = total * x + along
+            row_value = ((patch[row, 0] * y + patch[row, 1]) * y + patch[row, 2]) * y + patch[row, 3]
+            total = total * x + row_value
         errors[cell] = total
     return errors
 
@@ -196,16 +196,16 @@ def trace_contours(
     contours = [Contour(amplitude=nowhere, delay=nowhere) for _ in thresholds]
     everyone = np.arange(thresholds.size)
     least = _finite(error(np.ones(everyone.size), np.zeros(everyone.size), everyone))
-    reached = np.flatnonzero(least < thresholds)
-    if reached.size:
-        traced = _trace(
-            lambda amplitude, delay, contour: error(amplitude, delay, reached[contour]),
-            thresholds[reached],
-            sign[reached],
+    crossing_indices = np.flatnonzero(least < thresholds)
+    if crossing_indices.size:
+        crossing_contours = _trace(
+            lambda amplitude, delay, contour: error(amplitude, delay, crossing_indices[contour]),
+            thresholds[crossing_indices],
+            sign[crossing_indices],
             structure,
             amplitude_step,
         )
-        for place, contour in zip(reached.tolist(), traced, strict=True):
+        for place, contour in zip(crossing_indices.tolist(), crossing_contours, strict=True):
             contours[place] = contour
     return contours
 
@@ -215,16 +215,16 @@ def _trace(
 ) -> list[Contour]:
     """Trace contours that enclose the perfect actuator; the sign is that of their delays."""
     half_widths = _half_widths(error, thresholds, REACH * structure.damping_ratio)
-    offsets = [_offsets(below, above, amplitude_step) for below, above in half_widths]
+    offsets = [_offsets(lower_width, upper_width, amplitude_step) for lower_width, upper_width in half_widths]
     owner = np.repeat(np.arange(thresholds.size), [offset.size for offset in offsets])
     offset = np.concatenate(offsets)
     furthest = np.where(sign[owner] < 0.0, furthest_lead(structure, 1.0 + offset), np.inf)
-    size, closed = _delays(error, thresholds, sign, (offset, owner), half_widths, structure, furthest)
+    size, has_delay = _delays(error, thresholds, sign, (offset, owner), half_widths, structure, furthest)
     contours = []
-    for side, (below, above) in enumerate(half_widths):
+    for side, (lower_width, upper_width) in enumerate(half_widths):
         here = owner == side
-        amplitude, delay, complete = 1.0 + offset[here], sign[side] * size[here], closed[here]
-        tips = np.array([[1.0 - below, 1.0 + above], [0.0, 0.0]])
+        amplitude, delay, complete = 1.0 + offset[here], sign[side] * size[here], has_delay[here]
+        tips = np.array([[1.0 - lower_width, 1.0 + upper_width], [0.0, 0.0]])
         cut = np.stack([amplitude[~complete], delay[~complete]])
         contours.append(
             Contour(
@@ -250,23 +250,23 @@ def _half_widths(error: ErrorOfCells, thresholds: Array, reach: float) -> Array:
     guess = np.full(owner.size, _FIRST_GUESS)
     slope = (excess(guess, side, owner) + thresholds[owner]) / guess
     outer = np.minimum(thresholds[owner] / slope, furthest)
-    while ((inside := excess(outer, side, owner) < 0.0) & (outer < furthest)).any():
-        outer = np.where(inside, np.minimum(_GROWTH * outer, furthest), outer)
+    while ((is_inside := excess(outer, side, owner) < 0.0) & (outer < furthest)).any():
+        outer = np.where(is_inside, np.minimum(_GROWTH * outer, furthest), outer)
     root = elementwise.find_root(
         excess, (np.zeros_like(outer), outer), args=(side, owner), tolerances=_TOLERANCES
     )
-    return np.where(inside, furthest, root.x).reshape(-1, 2)
+    return np.where(is_inside, furthest, root.x).reshape(-1, 2)
 
 
-def _offsets(below: float, above: float, step: float) -> Array:
+def _offsets(lower_width: float, upper_width: float, step: float) -> Array:
     """Amplitude offsets ± j·step inside a contour."""
-    narrow, wide = min(below, above), max(below, above)
+    narrow, wide = min(lower_width, upper_width), max(lower_width, upper_width)
     if narrow < (_FEWEST_STEPS + 1) * step:
         step /= np.ceil((_FEWEST_STEPS + 1) * step / narrow)
     if wide > _MOST_STEPS * step:
         step *= np.ceil(wide / (_MOST_STEPS * step))
     # At the tip itself the delay is zero, and there is nothing to search for.
-    first, last = int(below / step - _TIP), int(above / step - _TIP)
+    first, last = int(lower_width / step - _TIP), int(upper_width / step - _TIP)
     return step * np.arange(-first, last + 1, dtype=np.float64)
 
 
@@ -290,19 +290,19 @@ def _delays(
     half_width = half_widths[owner, (offset > 0.0).astype(np.int64)]
     height = np.sqrt(np.maximum(1.0 - (offset / half_width) ** 2, 1e-3))
     outer = np.minimum(1.1 / structure.circular_frequency * half_width * height, furthest)
-    while ((inside := excess(outer, offset, owner) < 0.0) & (outer < furthest)).any():
-        outer = np.where(inside, np.minimum(_GROWTH * outer, furthest), outer)
+    while ((is_inside := excess(outer, offset, owner) < 0.0) & (outer < furthest)).any():
+        outer = np.where(is_inside, np.minimum(_GROWTH * outer, furthest), outer)
     size = outer.copy()
-    closed = ~inside
-    if closed.any():
+    is_closed = ~is_inside
+    if is_closed.any():
         root = elementwise.find_root(
             excess,
-            (np.zeros(int(closed.sum())), outer[closed]),
-            args=(offset[closed], owner[closed]),
+            (np.zeros(int(is_closed.sum())), outer[is_closed]),
+            args=(offset[is_closed], owner[is_closed]),
             tolerances=_TOLERANCES,
         )
-        size[closed] = root.x
-    return size, closed
+        size[is_closed] = root.x
+    return size, is_closed
 
 
 def _finite(error: Array) -> Array:

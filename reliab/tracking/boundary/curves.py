@@ -19,8 +19,8 @@ _FEWEST_POINTS = 3
 
 def fit_line(x: Array, y: Array) -> tuple[float, float]:
     """Slope and intercept of the least-squares straight line."""
-    centred = x - x.mean()
-    slope = float(centred @ y / (centred @ centred))
+    deviation = x - x.mean()
+    slope = float(deviation @ y / (deviation @ deviation))
     return slope, float(y.mean() - slope * x.mean())
 
 
@@ -44,7 +44,7 @@ class Curve(ABC):
 
     @classmethod
     @abstractmethod
-    def _squared_delay(cls, offset: Array, a: float, b: float) -> Array:
+    def _delay_squared(cls, offset: Array, a: float, b: float) -> Array:
         """Square of the delay [ms²] at amplitude offsets A − 1; negative outside the curve."""
 
     @classmethod
@@ -65,15 +65,15 @@ class Curve(ABC):
             )
         offset, delay = contour.amplitude - 1.0, MILLI * contour.delay
         a, b = cls._parameters(offset, delay)
-        misfit = cls._squared_delay(offset, a, b) - delay**2
+        misfit = cls._delay_squared(offset, a, b) - delay**2
         return cls(a=a, b=b, sse=float(misfit @ misfit), n=offset.size)
 
     def delay(self, amplitude: Array) -> Array:
         """Delay on the curve [s] at given amplitudes [-]; NaN where the curve has no delay."""
         if self.n == 0:
             return np.full(np.shape(amplitude), np.nan)
-        squared = self._squared_delay(np.asarray(amplitude) - 1.0, self.a, self.b)
-        return np.sqrt(np.where(squared >= 0.0, squared, np.nan)) / MILLI
+        delay_squared = self._delay_squared(np.asarray(amplitude) - 1.0, self.a, self.b)
+        return np.sqrt(np.where(delay_squared >= 0.0, delay_squared, np.nan)) / MILLI
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,7 +99,7 @@ class Ellipse(Curve):
         return -intercept / slope, intercept
 
     @classmethod
-    def _squared_delay(cls, offset: Array, a: float, b: float) -> Array:
+    def _delay_squared(cls, offset: Array, a: float, b: float) -> Array:
         return b - (b / a) * offset**2
 
 
@@ -139,7 +139,7 @@ class InscribedEllipse(Ellipse):
         width = min(-float(offset.min()), float(offset.max()))
         squares = np.stack([np.append(offset**2, width**2), np.append((MILLI * delay) ** 2, 0.0)])
         a, b = _largest_below(_lower_hull(squares))
-        misfit = cls._squared_delay(contour.amplitude - 1.0, a, b) - (MILLI * contour.delay) ** 2
+        misfit = cls._delay_squared(contour.amplitude - 1.0, a, b) - (MILLI * contour.delay) ** 2
         return cls(a=a, b=b, sse=float(misfit @ misfit), n=contour.amplitude.size)
 
 
@@ -186,7 +186,7 @@ class Cosine(Curve):
         return float(a), float(b)
 
     @classmethod
-    def _squared_delay(cls, offset: Array, a: float, b: float) -> Array:
+    def _delay_squared(cls, offset: Array, a: float, b: float) -> Array:
         return np.asarray((a * np.cos(b * offset)) ** 2)
 
 
@@ -202,5 +202,5 @@ class Parabola(Curve):
         return fit_line(offset**2, delay)
 
     @classmethod
-    def _squared_delay(cls, offset: Array, a: float, b: float) -> Array:
+    def _delay_squared(cls, offset: Array, a: float, b: float) -> Array:
         return np.asarray((a * offset**2 + b) ** 2)

@@ -47,7 +47,7 @@ def ratio_of_delays(size: Array, side: Side | str) -> Array:
     return np.asarray(2.0 / (np.sqrt(4.0 + narrow**2 / 16.0) - 0.75 * narrow))
 
 
-def predicted_ellipse(
+def predict_ellipse(
     response: "FirstOrderEllipse", structure: "Structure", threshold: float, side: Side
 ) -> tuple[float, float]:
     """Ellipse parameters a [-] and b [ms²] that a response predicts for an error of finite size.
@@ -58,7 +58,7 @@ def predicted_ellipse(
     >>> from reliab.structures.structure import Structure
     >>> response = FirstOrderEllipse(amplitude=0.05, delay=1000.0, effective_duration=4.0, duration=30.0)
     >>> structure = Structure(frequency=1.0, damping_ratio=0.02)
-    >>> [round(value, 6) for value in predicted_ellipse(response, structure, 0.05, Side.LAG)]
+    >>> [round(value, 6) for value in predict_ellipse(response, structure, 0.05, Side.LAG)]
     [0.000125, 1.770767]
     """
     a, b = response.parameters(threshold)
@@ -120,13 +120,13 @@ def ratios_of_cut_record(
     squares = [
         scipy.integrate.cumulative_trapezoid(history**2, dx=time_step, initial=0.0) for history in histories
     ]
-    whole, ratios = (response.size - 1) * time_step, np.ones((len(lengths), 2))
+    record_duration, ratios = (response.size - 1) * time_step, np.ones((len(lengths), 2))
     for row, length in enumerate(lengths):
-        if length >= whole:
+        if length >= record_duration:
             continue
-        begin = round(min(onset, whole - length) / time_step)
+        begin = round(min(onset, record_duration - length) / time_step)
         end = min(begin + round(length / time_step), response.size - 1)
         peak = np.abs(response[begin : end + 1]).max() / np.abs(response).max()
         shares = np.array([(square[end] - square[begin]) / square[-1] for square in squares])
-        ratios[row] = length / whole * peak**2 / shares
+        ratios[row] = length / record_duration * peak**2 / shares
     return ratios

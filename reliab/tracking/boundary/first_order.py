@@ -79,11 +79,13 @@ def first_order_ellipse(excitation: Excitation, structure: Structure) -> FirstOr
         return np.asarray(dynamic(s, numerical_fraction) / dynamic(s, 1.0) ** 2)
 
     exact, step = respond(excitation, lambda s: 1.0 / dynamic(s, 1.0))
-    of_gain, _ = respond(excitation, to_gain)
-    of_delay, _ = respond(excitation, lambda s: -s * to_gain(s))
+    gain_response, _ = respond(excitation, to_gain)
+    delay_response, _ = respond(excitation, lambda s: -s * to_gain(s))
     peak = peak_of_history(exact)
     duration = excitation.window_duration
-    squares = [float(np.trapezoid(response**2, dx=step)) for response in (exact, of_gain, of_delay)]
+    squares = [
+        float(np.trapezoid(response**2, dx=step)) for response in (exact, gain_response, delay_response)
+    ]
     return _ellipse_from_integrals(squares, peak, duration)
 
 
@@ -107,38 +109,38 @@ def ellipse_of_response(response: Array, time_step: float, structure: Structure)
 
 def exact_response(acceleration: Array, time_step: float, structure: Structure) -> Array:
     """Exact displacement [m] from rest at the samples of a ground acceleration [m/s²], linear in between."""
-    oscillator = _sampled_oscillator(structure.circular_frequency, structure.damping_ratio, time_step)
+    oscillator = _discretise_oscillator(structure.circular_frequency, structure.damping_ratio, time_step)
     return filter_recursively(*oscillator, -acceleration)
 
 
 def error_histories(response: Array, time_step: float, structure: Structure) -> tuple[Array, Array, Array]:
     """Exact response x, its error Z for an amplitude error of one, and dZ/dt, that for a delay of 1 s."""
     w0, xi = structure.circular_frequency, structure.damping_ratio
-    filtered = filter_recursively(*_sampled_oscillator(w0, xi, time_step), response)
-    of_gain = response - structure.experimental_fraction * w0**2 * filtered
-    return response, of_gain, np.gradient(of_gain, time_step)
+    oscillator_response = filter_recursively(*_discretise_oscillator(w0, xi, time_step), response)
+    gain_error = response - structure.experimental_fraction * w0**2 * oscillator_response
+    return response, gain_error, np.gradient(gain_error, time_step)
 
 
 @lru_cache(maxsize=1024)  # the motions of a suite share their steps
-def _sampled_oscillator(w0: float, xi: float, step: float) -> tuple[Array, Array]:
+def _discretise_oscillator(w0: float, xi: float, step: float) -> tuple[Array, Array]:
     """Coefficients of the recursion of x'' + 2 ξ ω₀ x' + ω₀² x = u, exact for straight lines in a step."""
-    whole = np.zeros((4, 4))  # states, u and the rise of u in a step
-    whole[:2] = step * np.array([[0.0, 1.0, 0.0, 0.0], [-(w0**2), -2.0 * xi * w0, 1.0, 0.0]])
-    whole[2, 3] = 1.0
-    moved = scipy.linalg.expm(whole)
-    states, held, rising = moved[:2, :2], moved[:2, 2:3], moved[:2, 3:]
-    into = held - rising + states @ rising
+    system = np.zeros((4, 4))  # states, u and the rise of u in a step
+    system[:2] = step * np.array([[0.0, 1.0, 0.0, 0.0], [-(w0**2), -2.0 * xi * w0, 1.0, 0.0]])
+    system[2, 3] = 1.0
+    step_matrix = scipy.linalg.expm(system)
+    states, constant_load, rising = step_matrix[:2, :2], step_matrix[:2, 2:3], step_matrix[:2, 3:]
+    input_vector = constant_load - rising + states @ rising
     denominator = np.poly(states)
-    read = np.poly(states - into @ np.array([[1.0, 0.0]]))
+    read = np.poly(states - input_vector @ np.array([[1.0, 0.0]]))
     return np.asarray(read + (rising[0, 0] - 1.0) * denominator), np.asarray(denominator)
 
 
 def _ellipse_from_integrals(squares: Sequence[float], peak: float, duration: float) -> FirstOrderEllipse:
     """Ellipse from the integrals of the squares of x, Z and dZ/dt, the peak of x and the length [s]."""
-    energy, by_gain, by_delay = (square / peak**2 for square in squares)
+    energy, gain_energy, delay_energy = (square / peak**2 for square in squares)
     return FirstOrderEllipse(
-        amplitude=duration / by_gain,
-        delay=MILLI**2 * duration / by_delay,
+        amplitude=duration / gain_energy,
+        delay=MILLI**2 * duration / delay_energy,
         effective_duration=energy,
         duration=duration,
     )

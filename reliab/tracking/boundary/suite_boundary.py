@@ -39,7 +39,7 @@ class SolvedLoop(Protocol):
     def deviation(self, cells: Cells) -> Deviation:
         """Deviation of the measured displacement from the exact response."""
 
-    def at_rest(self) -> Deviation:
+    def rest_deviation(self) -> Deviation:
         """Deviation of an actuator that does not move."""
 
 
@@ -81,16 +81,16 @@ def suite_contours(
     contours: dict[int, list[Contour]] = {}
     if regular:
         suite = _Suite(loops=[loops[place] for place in regular], contours_of_motion=len(thresholds))
-        traced = trace_contours(
+        suite_traces = trace_contours(
             suite.error,
             np.tile(np.asarray(thresholds, dtype=np.float64), len(regular)),
             loops[0].structure,
             side=list(side) * len(regular),
         )
         for rank, place in enumerate(regular):
-            of_motion = traced[rank * len(thresholds) : (rank + 1) * len(thresholds)]
-            if _is_reducible(loops[place], of_motion):
-                contours[place] = of_motion
+            motion_traces = suite_traces[rank * len(thresholds) : (rank + 1) * len(thresholds)]
+            if _is_reducible(loops[place], motion_traces):
+                contours[place] = motion_traces
     return [
         contours[place] if place in contours else motion_contours(loop, thresholds, Metric.RMS, side=side)
         for place, loop in enumerate(loops)
@@ -112,18 +112,18 @@ class _Suite:
             [loop.responses for loop in self.loops], cells.expansions(self.loops[0].blocks.step), motion
         )
         for place in np.unique(motion[~precise]):
-            which = np.flatnonzero(~precise & (motion == place))
+            motion_cells = np.flatnonzero(~precise & (motion == place))
             loop = self.loops[place]
-            cells_of_motion = loop.cells(gain=amplitude[which], delay=delay[which])
-            squares[which] = loop.deviation(cells_of_motion).mean_square
+            cells_of_motion = loop.cells(gain=amplitude[motion_cells], delay=delay[motion_cells])
+            squares[motion_cells] = loop.deviation(cells_of_motion).mean_square
         peaks = np.array([loop.blocks.ideal_peak for loop in self.loops])
         return np.asarray(np.sqrt(squares) / peaks[motion])
 
 
 def _is_regular(loop: Loop) -> bool:
     """Whether a loop may be solved by its dominant pole, in blocks of the length that suits the structure."""
-    by_pole = loop.engine in (Engine.AUTOMATIC, Engine.POLE)
-    return by_pole and loop.blocks.step == block_length(loop.structure)
+    has_pole_engine = loop.engine in (Engine.AUTOMATIC, Engine.POLE)
+    return has_pole_engine and loop.blocks.step == block_length(loop.structure)
 
 
 def _is_reducible(loop: Loop, contours: Sequence[Contour]) -> bool:

@@ -44,11 +44,11 @@ class FrequencyEvaluation:
 
 
 def frequency_evaluation(
-    command: Array, measured: Array, time_step: float, *, window: str = "hann"
+    command: Array, measured_displacement: Array, time_step: float, *, window: str = "hann"
 ) -> FrequencyEvaluation:
     """Evaluate how an actuator tracked its command, equations (1)–(5).
 
-    `command`, `measured` [m]; `time_step` [s].
+    `command`, `measured_displacement` [m]; `time_step` [s].
 
     >>> t = np.arange(0.0, 40.0, 1.0 / 1024.0)
     >>> command, measured = np.sin(2 * np.pi * t), 1.01 * np.sin(2 * np.pi * (t - 0.002))
@@ -56,7 +56,9 @@ def frequency_evaluation(
     >>> round(found.amplitude, 4), round(1e3 * found.equivalent_delay, 3)
     (1.01, 2.0)
     """
-    return CommandSpectrum(command=command, time_step=time_step, window=window).evaluate(measured)
+    return CommandSpectrum(command=command, time_step=time_step, window=window).evaluate(
+        measured_displacement
+    )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -67,11 +69,11 @@ class CommandSpectrum:
     time_step: float  # [s]
     window: str = "hann"
 
-    def evaluate(self, measured: Array) -> FrequencyEvaluation:
+    def evaluate(self, measured_displacement: Array) -> FrequencyEvaluation:
         """Evaluate one as :func:`frequency_evaluation` does."""
-        _check(self.command, measured)
-        into, total, frequency = self._into
-        index = np.sum(self._spectrum(measured) * into.conj()) / total
+        _check(self.command, measured_displacement)
+        command_spectrum, total, frequency = self._command_power
+        index = np.sum(self._spectrum(measured_displacement) * command_spectrum.conj()) / total
         phase = float(np.angle(index))
         return FrequencyEvaluation(
             amplitude=float(np.abs(index)),
@@ -88,12 +90,12 @@ class CommandSpectrum:
         return np.fft.rfft(values * taper(self.window, values.size), self._points)[1:]
 
     @cached_property
-    def _into(self) -> tuple[NDArray[np.complex128], float, float]:
+    def _command_power(self) -> tuple[NDArray[np.complex128], float, float]:
         """Spectrum of the command, the sum of its power, and the equivalent frequency [Hz]."""
-        into = self._spectrum(self.command)
-        power = np.abs(into) ** 2
+        spectrum = self._spectrum(self.command)
+        power = np.abs(spectrum) ** 2
         total, frequencies = power.sum(), np.fft.rfftfreq(self._points, self.time_step)[1:]
-        return into, total, float(np.sum(power * frequencies) / total)
+        return spectrum, total, float(np.sum(power * frequencies) / total)
 
 
 def evaluate_sums(sums: "TrackingSums") -> tuple[Array, Array]:
@@ -109,12 +111,12 @@ def evaluate_sums(sums: "TrackingSums") -> tuple[Array, Array]:
     return np.abs(index), delay
 
 
-def _check(command: Array, measured: Array) -> None:
-    if command.shape != measured.shape or command.size < _FEWEST_SAMPLES:
+def _check(command: Array, measured_displacement: Array) -> None:
+    if command.shape != measured_displacement.shape or command.size < _FEWEST_SAMPLES:
         raise InputError(
             f"Command and measured displacement must have the same length of at least {_FEWEST_SAMPLES} "
             "samples",
-            value=f"{command.size} and {measured.size} samples",
+            value=f"{command.size} and {measured_displacement.size} samples",
             remedy="Cut both histories to the same stretch of the test",
         )
     if np.ptp(command) == 0.0:
@@ -144,7 +146,7 @@ class TrackingOverFrequency:
     delay_deviation: Array
     coherence: Array  # γ² [-], shape (n,)
 
-    def at(self, frequency: Array | float) -> tuple[Array, Array]:
+    def interpolate(self, frequency: Array | float) -> tuple[Array, Array]:
         """Give A [-] and d [s] at frequencies [Hz]; beyond the known ones those of the nearest."""
         frequencies = np.abs(np.asarray(frequency, dtype=np.float64))
         return (
@@ -152,13 +154,13 @@ class TrackingOverFrequency:
             np.interp(frequencies, self.frequency, self.delay),
         )
 
-    def known(self, frequency: float) -> bool:
+    def covers(self, frequency: float) -> bool:
         """Whether a frequency [Hz] lies between those at which the test shows A and d."""
         return bool(self.frequency[0] <= frequency <= self.frequency[-1])
 
     def transfer(self, s: Spectrum) -> Spectrum:
         """Measured over command displacement σ = A e^(−sd) [-] at s [rad/s], near the imaginary axis."""
-        amplitude, delay = self.at(s.imag / (2.0 * np.pi))
+        amplitude, delay = self.interpolate(s.imag / (2.0 * np.pi))
         return np.asarray(amplitude * np.exp(-s * delay))
 
     def follow(self, command: Array, time_step: float) -> Array:
@@ -177,26 +179,30 @@ class TrackingOverFrequency:
         return float(np.ptp(self.amplitude)), float(np.ptp(self.delay))
 
 
-def tracking_over_frequency(command: Array, measured: Array, time_step: float) -> TrackingOverFrequency:
+def tracking_over_frequency(
+    command: Array, measured_displacement: Array, time_step: float
+) -> TrackingOverFrequency:
     """Estimate A and d over frequency.
 
-    `command`, `measured` [m]; `time_step` [s].
+    `command`, `measured_displacement` [m]; `time_step` [s].
     Returns A(f) and d(f), by stretches of 8 s or, in a shorter test, of two fifths of it.
 
     >>> noise = np.random.default_rng(0).standard_normal(40_000).cumsum()
     >>> found = tracking_over_frequency(noise[2:], 0.98 * noise[:-2], 1.0 / 1000.0)
-    >>> amplitude, delay = found.at(3.0)
+    >>> amplitude, delay = found.interpolate(3.0)
     >>> round(float(amplitude), 2), round(1e3 * float(delay), 1)
     (0.98, 2.0)
     """
-    whole = frequency_evaluation(command, measured, time_step).equivalent_delay
-    aligned = _advance(measured, whole, time_step)
+    mean_delay = frequency_evaluation(command, measured_displacement, time_step).equivalent_delay
+    aligned_displacement = _advance(measured_displacement, mean_delay, time_step)
     points = min(int(_LONGEST / time_step), 2 * command.size // (_LEAST_STRETCHES + 1))
     rate = 1.0 / time_step
-    frequency, cross = scipy.signal.csd(command, aligned, fs=rate, nperseg=points)
-    _, into = scipy.signal.welch(command, fs=rate, nperseg=points)
-    _, out = scipy.signal.welch(aligned, fs=rate, nperseg=points)
-    coherent = (np.abs(cross) ** 2 > _COHERENT * into * out) & (into > _LEAST_POWER * into.max())
+    frequency, cross = scipy.signal.csd(command, aligned_displacement, fs=rate, nperseg=points)
+    _, command_power = scipy.signal.welch(command, fs=rate, nperseg=points)
+    _, measured_power = scipy.signal.welch(aligned_displacement, fs=rate, nperseg=points)
+    coherent = (np.abs(cross) ** 2 > _COHERENT * command_power * measured_power) & (
+        command_power > _LEAST_POWER * command_power.max()
+    )
     coherent[0] = False
     if int(coherent.sum()) < _FEWEST:
         raise InputError(
@@ -204,15 +210,17 @@ def tracking_over_frequency(command: Array, measured: Array, time_step: float) -
             value=f"coherent at {int(coherent.sum())} frequencies",
             remedy="Record longer, or with less noise",
         )
-    frequency, ratio = frequency[coherent], cross[coherent] / into[coherent]
-    coherence = np.minimum(np.abs(cross[coherent]) ** 2 / (into[coherent] * out[coherent]), 1.0)
+    frequency, ratio = frequency[coherent], cross[coherent] / command_power[coherent]
+    coherence = np.minimum(
+        np.abs(cross[coherent]) ** 2 / (command_power[coherent] * measured_power[coherent]), 1.0
+    )
     stretches = (2.0 * command.size / points - 1.0) / _OVERLAP_LOSS
     relative = np.sqrt((1.0 - coherence) / (2.0 * coherence * stretches))
     turn = 2.0 * np.pi * frequency
     return TrackingOverFrequency(
         frequency=frequency,
         amplitude=np.abs(ratio),
-        delay=whole - np.unwrap(np.angle(ratio)) / turn,
+        delay=mean_delay - np.unwrap(np.angle(ratio)) / turn,
         amplitude_deviation=np.abs(ratio) * relative,
         delay_deviation=relative / turn,
         coherence=coherence,
@@ -224,5 +232,5 @@ def _advance(history: Array, time: float, time_step: float) -> Array:
     points = 2 * history.size
     turns = np.fft.rfftfreq(points, time_step)
     middle = 0.5 * (history[0] + history[-1])
-    shifted = np.fft.rfft(history - middle, points) * np.exp(2j * np.pi * turns * time)
-    return np.asarray(middle + np.fft.irfft(shifted, points)[: history.size])
+    advanced_history = np.fft.rfft(history - middle, points) * np.exp(2j * np.pi * turns * time)
+    return np.asarray(middle + np.fft.irfft(advanced_history, points)[: history.size])

@@ -33,19 +33,19 @@ def relative_error(deviation: Deviation, metric: Metric) -> Array:
     return size / deviation.ideal_peak
 
 
-def response_error(measured: Array, ideal: Array, metric: Metric = Metric.RMS) -> float:
+def response_error(measured_displacement: Array, ideal: Array, metric: Metric = Metric.RMS) -> float:
     """RMS^R or MTE^R of one test from its histories.
 
-    `measured`, `ideal` [m]; returns [-].
+    `measured_displacement`, `ideal` [m]; returns [-].
 
     >>> phase = np.linspace(0.0, 20.0 * np.pi, 2001)
     >>> round(response_error(1.01 * np.sin(phase), np.sin(phase)), 5)
     0.00707
     """
-    strayed = measured - ideal
+    difference = measured_displacement - ideal
     deviation = Deviation(
-        mean_square=np.array([np.trapezoid(strayed**2) / (strayed.size - 1)]),
-        peak=np.array([peak_of_history(strayed)]),
+        mean_square=np.array([np.trapezoid(difference**2) / (difference.size - 1)]),
+        peak=np.array([peak_of_history(difference)]),
         ideal_peak=peak_of_history(ideal),
     )
     return float(relative_error(deviation, metric)[0])

@@ -104,8 +104,8 @@ def tabulate(
         )
         for name in RATES
     ]
-    merged = xr.merge([*rates, validation.confusion((*over, "motion"), side)])
-    table = merged.to_dataframe(dim_order=merged[RATES[0]].dims).reset_index()
+    measures = xr.merge([*rates, validation.confusion((*over, "motion"), side)])
+    table = measures.to_dataframe(dim_order=measures[RATES[0]].dims).reset_index()
     return table.dropna(subset=RATES[0]).reset_index(drop=True)
 
 
@@ -135,13 +135,15 @@ def event_bootstrap(
     np.add.at(top, group, numerator)
     np.add.at(bottom, group, denominator)
     rng = np.random.default_rng(seed)
-    drawn = rng.multinomial(distinct.size, np.full(distinct.size, 1.0 / distinct.size), _REPETITIONS)
+    event_counts = rng.multinomial(distinct.size, np.full(distinct.size, 1.0 / distinct.size), _REPETITIONS)
     with np.errstate(invalid="ignore", divide="ignore"):  # nothing accepted in a drawing
-        rates = np.tensordot(drawn, top, axes=1) / np.tensordot(drawn, bottom, axes=1)
+        rates = np.tensordot(event_counts, top, axes=1) / np.tensordot(event_counts, bottom, axes=1)
     ends = np.full((2, *rates.shape[1:]), np.nan)
-    known = bottom.sum(axis=0) > 0.0
-    ends[:, known] = np.nanquantile(rates[:, known], [0.5 * (1.0 - level), 0.5 * (1.0 + level)], axis=0)
-    none, every = top.sum(axis=0) == 0.0, top.sum(axis=0) == bottom.sum(axis=0)
+    has_denominator = bottom.sum(axis=0) > 0.0
+    ends[:, has_denominator] = np.nanquantile(
+        rates[:, has_denominator], [0.5 * (1.0 - level), 0.5 * (1.0 + level)], axis=0
+    )
+    is_zero, is_one = top.sum(axis=0) == 0.0, top.sum(axis=0) == bottom.sum(axis=0)
     least = (0.5 * (1.0 - level)) ** (1.0 / np.maximum((bottom > 0.0).sum(axis=0), 1))
-    low = np.where(known & every, least, ends[0])
-    return low, np.where(known & none, 1.0 - least, ends[1])
+    low = np.where(has_denominator & is_one, least, ends[0])
+    return low, np.where(has_denominator & is_zero, 1.0 - least, ends[1])

@@ -43,8 +43,8 @@ def leave_one_event_out(events: NDArray[np.str_]) -> Iterator[Fold]:
     `events` (motions,).
     """
     for event in _distinct(events, 2):
-        judged = events == event
-        yield Fold(name=str(event), learned=~judged, judged=judged)
+        is_judged = events == event
+        yield Fold(name=str(event), learned=~is_judged, judged=is_judged)
 
 
 def k_fold(events: NDArray[np.str_], folds: int, *, seed: int = 0) -> Iterator[Fold]:
@@ -52,10 +52,10 @@ def k_fold(events: NDArray[np.str_], folds: int, *, seed: int = 0) -> Iterator[F
 
     `events` (motions,).
     """
-    shuffled = np.random.default_rng(seed).permutation(_distinct(events, folds))
-    for number, group in enumerate(np.array_split(shuffled, folds), start=1):
-        judged = np.isin(events, group)
-        yield Fold(name=f"group {number}", learned=~judged, judged=judged)
+    random_order = np.random.default_rng(seed).permutation(_distinct(events, folds))
+    for number, group in enumerate(np.array_split(random_order, folds), start=1):
+        is_judged = np.isin(events, group)
+        yield Fold(name=f"group {number}", learned=~is_judged, judged=is_judged)
 
 
 def random_halves(events: NDArray[np.str_], splits: int, *, seed: int = 0) -> Iterator[Fold]:
@@ -66,9 +66,9 @@ def random_halves(events: NDArray[np.str_], splits: int, *, seed: int = 0) -> It
     distinct = _distinct(events, 4)
     rng = np.random.default_rng(seed)
     for number in range(1, splits + 1):
-        chosen = rng.permutation(distinct)[: distinct.size // 2]
-        learned = np.isin(events, chosen)
-        yield Fold(name=f"half {number}", learned=learned, judged=~learned)
+        training_events = rng.permutation(distinct)[: distinct.size // 2]
+        is_learned = np.isin(events, training_events)
+        yield Fold(name=f"half {number}", learned=is_learned, judged=~is_learned)
 
 
 def leave_structures_out(folds: Iterable[Fold], dimension: str, values: Sequence[float]) -> Iterator[Fold]:
@@ -94,24 +94,24 @@ def transfer(
             if (choices := sorted(set(sets.tolist()) - {""}))
             else "State sets in the column set of a catalogue",
         )
-    from_these, these = np.isin(sets, learned), np.isin(sets, judged)
-    shared = np.isin(events, events[from_these])
+    is_training, these = np.isin(sets, learned), np.isin(sets, judged)
+    shared = np.isin(events, events[is_training])
     if (these & ~shared).any():
-        yield Fold(name="other earthquakes", learned=from_these, judged=these & ~shared)
+        yield Fold(name="other earthquakes", learned=is_training, judged=these & ~shared)
     for event in np.unique(events[these & shared]):
-        of_event = events == event
-        yield Fold(name=str(event), learned=from_these & ~of_event, judged=these & of_event)
+        is_event = events == event
+        yield Fold(name=str(event), learned=is_training & ~is_event, judged=these & is_event)
 
 
-def from_another(recognised: Sequence[str | None], events: NDArray[np.str_]) -> Iterator[Fold]:
+def from_another(training_names: Sequence[str | None], events: NDArray[np.str_]) -> Iterator[Fold]:
     """Learn from another suite and judge all motions of this one, never by motions of the same earthquake.
 
     `events` (motions of the other suite,).
     """
-    names = np.array([name or "" for name in recognised], dtype=np.str_)
+    names = np.array([name or "" for name in training_names], dtype=np.str_)
     for name in np.unique(names):
-        learned = events != name if name else np.ones(events.size, dtype=np.bool_)
-        yield Fold(name=str(name) or "other earthquakes", learned=learned, judged=names == name)
+        is_learned = events != name if name else np.ones(events.size, dtype=np.bool_)
+        yield Fold(name=str(name) or "other earthquakes", learned=is_learned, judged=names == name)
 
 
 def _distinct(events: NDArray[np.str_], fewest: int) -> NDArray[np.str_]:
@@ -153,8 +153,8 @@ def leave_groups_out(groups: NDArray[np.str_], events: NDArray[np.str_]) -> Iter
     """
     names = _distinct(groups, 2).tolist()
     for name in names:
-        others = [other for other in names if other != name]
-        for fold in transfer(groups, events, learned=others, judged=[name]):
+        other_names = [other_name for other_name in names if other_name != name]
+        for fold in transfer(groups, events, learned=other_names, judged=[name]):
             if fold.learned.any():
                 yield replace(fold, name=f"{name}, {fold.name}")
 

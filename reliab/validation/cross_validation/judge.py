@@ -82,7 +82,7 @@ class Candidate(ABC):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Derived(Candidate):
+class DerivedCandidate(Candidate):
     """Limits derived from ellipses."""
 
     method: Method  # The method, which defines the meaning of the confidence
@@ -97,7 +97,7 @@ class Derived(Candidate):
         derivation = Derivation.from_ellipses(
             without_copies(ellipses), method=self.method, law=self.law, threshold=threshold, metric=metric
         )
-        learned: dict[float, Limits] = {}
+        limits: dict[float, Limits] = {}
         refusals: list[InputError] = []
         for confidence in confidences:
             try:
@@ -105,15 +105,15 @@ class Derived(Candidate):
             except InputError as refusal:
                 refusals.append(refusal)
             else:
-                learned[confidence] = Limits(law=criterion.law, lead_law=criterion.lead_law)
+                limits[confidence] = Limits(law=criterion.law, lead_law=criterion.lead_law)
         derivation.warn_unless_converged()
-        if refusals and not learned:
+        if refusals and not limits:
             raise refusals[0]
-        return learned
+        return limits
 
 
 @dataclass(frozen=True, kw_only=True)
-class Printed(Candidate):
+class PrintedCandidate(Candidate):
     """Printed limits, independent of the motions."""
 
     law: Law  # The printed law
@@ -125,9 +125,9 @@ class Printed(Candidate):
     ) -> Mapping[float, Limits]:
         """Return the law at the confidence that it states."""
         del ellipses, threshold, metric
-        stated = [confidence for confidence in confidences if self.promises(confidence)]
+        matching_confidences = [confidence for confidence in confidences if self.promises(confidence)]
         return dict.fromkeys(
-            stated,
+            matching_confidences,
             Limits(law=self.law, lead_law=self.law if self.law.counts_leads_as_lags else self.lead_law),
         )
 
@@ -196,31 +196,31 @@ def cross_validate(
     total = len(folds) + len(structures)
     entries: list[_Entry] = []
     refusals: list[InputError] = []
-    for done, fold in enumerate(folds, start=1):
-        known = _training_ellipses(ellipses if learn_from is None else learn_from, fold)
+    for step, fold in enumerate(folds, start=1):
+        training_ellipses = _training_ellipses(ellipses if learn_from is None else learn_from, fold)
         for number, candidate in enumerate(candidates):
             try:
-                learned = candidate.learn(known, threshold, metric, confidences)
+                candidate_limits = candidate.learn(training_ellipses, threshold, metric, confidences)
             except InputError as refusal:
                 refusals.append(refusal)
                 continue
             entries += [
-                _Entry(number, list(confidences).index(stated), fold, limits)
-                for stated, limits in learned.items()
+                _Entry(number, list(confidences).index(confidence), fold, limits)
+                for confidence, limits in candidate_limits.items()
             ]
-        progress(done, total)
+        progress(step, total)
     if refusals and not entries:
         raise refusals[0]
     sizes = (ellipses.sizes[name] for name in ("f", "xi", "motion"))
     shape = (len(candidates), len(confidences), len(Side), *sizes)
     counts = np.zeros((len(COUNTS), *shape), dtype=np.int64)
-    for done, ((i, f), (j, xi)) in enumerate(structures, start=len(folds) + 1):
+    for step, ((i, f), (j, xi)) in enumerate(structures, start=len(folds) + 1):
         cell = Cell(frequency=f, damping_ratio=xi, threshold=threshold, metric=metric)
         for place, side in enumerate(Side):
             if str(side) in names_along(ellipses, "side"):
-                at = counts[:, :, :, place, i, j]
-                _judge(at, cell, side, entries, ellipses, truth, trials)
-        progress(done, total)
+                cell_counts = counts[:, :, :, place, i, j]
+                _judge(cell_counts, cell, side, entries, ellipses, truth, trials)
+        progress(step, total)
     return CrossValidation(
         counts=_label_counts(counts, ellipses, candidates, confidences),
         scheme=scheme,
@@ -241,11 +241,13 @@ class _Entry(NamedTuple):
 
 def _training_ellipses(ellipses: xr.Dataset, fold: Fold) -> xr.Dataset:
     """Ellipses that a fold learns from."""
-    known = ellipses.isel(motion=fold.learned)
+    ellipses_of_motions = ellipses.isel(motion=fold.learned)
     if fold.left_out is None:
-        return known
+        return ellipses_of_motions
     dimension, value = fold.left_out
-    return known.sel({dimension: known[dimension].values[known[dimension].values != value]})
+    return ellipses_of_motions.sel(
+        {dimension: ellipses_of_motions[dimension].values[ellipses_of_motions[dimension].values != value]}
+    )
 
 
 def _judge(
@@ -268,22 +270,25 @@ def _judge(
     if not judging:
         return
     tests = draw_trials(ellipses, cell, trials, side=side)
-    accepted = np.array([region.accepts(tests) for _, region in judging])
+    is_accepted = np.array([region.accepts(tests) for _, region in judging])
     edges = [region.edge() for _, region in judging]
     places = np.array([(entry.candidate, entry.confidence) for entry, _ in judging])
-    judged = np.array([entry.fold.judged for entry, _ in judging])
+    is_judged = np.array([entry.fold.judged for entry, _ in judging])
     axes = np.stack(cell.parameters(ellipses, side=side), axis=-1)
     limits = np.array([(region.a, region.b) for _, region in judging])
-    for motion in range(judged.shape[1]):
-        chosen = np.flatnonzero(judged[:, motion])
-        if not chosen.size:
+    for motion in range(is_judged.shape[1]):
+        region_indices = np.flatnonzero(is_judged[:, motion])
+        if not region_indices.size:
             continue
-        errors = truth.errors(cell, motion, *_concatenate([tests, *(edges[k] for k in chosen)]))
-        of_tests, of_edges = errors[:trials], errors[trials:].reshape(chosen.size, -1)
+        errors = truth.errors(cell, motion, *_concatenate([tests, *(edges[k] for k in region_indices)]))
+        trial_errors, edge_errors = errors[:trials], errors[trials:].reshape(region_indices.size, -1)
         outcomes = np.concatenate(
-            [_containment(of_edges, axes[motion], limits[chosen]), _fates(of_tests, accepted[chosen])]
+            [
+                _containment(edge_errors, axes[motion], limits[region_indices]),
+                _fates(trial_errors, is_accepted[region_indices]),
+            ]
         )
-        np.add.at(counts[..., motion].transpose(1, 2, 0), tuple(places[chosen].T), outcomes.T)
+        np.add.at(counts[..., motion].transpose(1, 2, 0), tuple(places[region_indices].T), outcomes.T)
 
 
 def _concatenate(parts: Sequence[Actuators]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -295,24 +300,24 @@ def _containment(
     errors: NDArray[np.float64], axes: NDArray[np.float64], limits: NDArray[np.float64]
 ) -> NDArray[np.int64]:
     """First five counts of each region, from errors (regions, points) over the threshold along its edge."""
-    exceeded = (errors > 1.0).any(axis=1)
-    judged = exceeded | np.isfinite(errors).all(axis=1)
-    fitted = np.full(judged.size, np.isfinite(axes).all())
-    within = fitted & (limits <= axes).all(axis=1)
-    return np.array([judged & ~exceeded, judged, ~judged, within, fitted], dtype=np.int64)
+    is_exceeded = (errors > 1.0).any(axis=1)
+    is_judged = is_exceeded | np.isfinite(errors).all(axis=1)
+    has_ellipse = np.full(is_judged.size, np.isfinite(axes).all())
+    is_within = has_ellipse & (limits <= axes).all(axis=1)
+    return np.array([is_judged & ~is_exceeded, is_judged, ~is_judged, is_within, has_ellipse], dtype=np.int64)
 
 
-def _fates(errors: NDArray[np.float64], accepted: NDArray[np.bool_]) -> NDArray[np.int64]:
+def _fates(errors: NDArray[np.float64], is_accepted: NDArray[np.bool_]) -> NDArray[np.int64]:
     """Last five counts of each region, from errors (trials,) over the threshold and what it accepts."""
-    known, good = np.isfinite(errors), errors <= 1.0
-    accepted = accepted & known
-    accepted_good = (accepted & good).sum(axis=1)
-    everywhere = np.ones(len(accepted), dtype=np.int64)
+    is_finite, good = np.isfinite(errors), errors <= 1.0
+    is_accepted = is_accepted & is_finite
+    accepted_good = (is_accepted & good).sum(axis=1)
+    everywhere = np.ones(len(is_accepted), dtype=np.int64)
     return np.array(
         [
-            known.sum() * everywhere,
-            accepted.sum(axis=1),
-            accepted.sum(axis=1) - accepted_good,
+            is_finite.sum() * everywhere,
+            is_accepted.sum(axis=1),
+            is_accepted.sum(axis=1) - accepted_good,
             accepted_good,
             good.sum() * everywhere,
         ],

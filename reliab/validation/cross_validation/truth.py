@@ -47,13 +47,13 @@ class Cell:
         Returns `a, b`: parameters [-] and [ms²] of the ellipses of least squares, shape (motions,); NaN where
         there is none.
         """
-        of_side = of_curve(ellipses, CurveName.ELLIPSE, side)
-        at = of_side.sel(
+        side_ellipses = of_curve(ellipses, CurveName.ELLIPSE, side)
+        cell_ellipses = side_ellipses.sel(
             f=self.frequency, xi=self.damping_ratio, threshold=self.threshold, metric=self.metric
         )
-        a, b = at["a"].values, at["b"].values
-        known = is_ellipse(a, b)
-        return np.where(known, a, np.nan), np.where(known, b, np.nan)
+        a, b = cell_ellipses["a"].values, cell_ellipses["b"].values
+        has_ellipse = is_ellipse(a, b)
+        return np.where(has_ellipse, a, np.nan), np.where(has_ellipse, b, np.nan)
 
 
 _EDGE_POINTS = 33
@@ -177,8 +177,8 @@ class StoredTruth(Truth):
     ) -> NDArray[np.float64]:
         """Interpolate the stored errors; NaN outside of the stored grid."""
         surfaces = self._surfaces(cell.frequency, cell.damping_ratio, cell.metric)
-        which = np.full(gain.size, motion, dtype=np.int64)
-        return np.asarray(surfaces.error(gain, delay, which) / cell.threshold)
+        motion_indices = np.full(gain.size, motion, dtype=np.int64)
+        return np.asarray(surfaces.error(gain, delay, motion_indices) / cell.threshold)
 
 
 class EllipseTruth(Truth):
@@ -199,9 +199,9 @@ class EllipseTruth(Truth):
         index = np.full(gain.size, np.nan)
         for side in (Side(name) for name in names_along(self._ellipses, "side")):
             a, b = (float(values[motion]) for values in cell.parameters(self._ellipses, side=side))
-            of_side = side.sign * delay >= 0.0
-            index[of_side] = np.square(gain[of_side] - 1.0) / a
-            index[of_side] += np.square(MILLI * delay[of_side]) / b
+            is_on_side = side.sign * delay >= 0.0
+            index[is_on_side] = np.square(gain[is_on_side] - 1.0) / a
+            index[is_on_side] += np.square(MILLI * delay[is_on_side]) / b
         return np.asarray(np.sqrt(index))
 
 

@@ -5,7 +5,7 @@ import typer
 
 from reliab.app.cli import application
 from reliab.criterion.methods.registry import METHODS
-from reliab.study.folders import shipped_folders
+from reliab.study.folders import folders_of_studies
 
 COMMANDS = typer.main.get_group(application()).commands
 CASES = [
@@ -19,7 +19,7 @@ CASES = [
     ("criterion", "results", "r", ["real_suite"]),
     ("criterion", "law", "dim", ["dimensionless"]),
     ("validate", "method", "", list(METHODS)),
-    pytest.param("run", "study", "", sorted(shipped_folders()), marks=pytest.mark.of_studies),
+    pytest.param("run", "study", "", sorted(folders_of_studies()), marks=pytest.mark.of_studies),
     pytest.param("run", "study", "quick", ["quick"], marks=pytest.mark.of_studies),
 ]
 

@@ -30,7 +30,7 @@ def simulated(build=two_storeys, seconds=24.0):
 @pytest.mark.parametrize("build", [two_storeys, node])
 def test_errors_are_those_of_the_whole_test_however_samples_come(build, lag):
     partition, command, measured = simulated(build)
-    recursion = Recursion.of_displacement(partition.with_masses, 1.0 / RATE)
+    recursion = Recursion.of_displacement(partition.nonsingular_form, 1.0 / RATE)
     carry = np.eye(partition.degrees) + 0.1
     monitor = CoupledMonitor(partition, 1.0 / RATE, to_interface=carry, feedback_lag=lag, recursion=recursion)
     cuts = [1, 2, 700, 3001]
@@ -55,7 +55,7 @@ def test_errors_are_those_of_the_whole_test_however_samples_come(build, lag):
 
 
 def test_one_actuator_is_followed_as_by_the_monitor_of_one():
-    structure = Partition.of_structure(Structure(frequency=1.0, damping_ratio=0.05))
+    structure = Partition.from_structure(Structure(frequency=1.0, damping_ratio=0.05))
     time = np.arange(0.0, 30.0, 1.0 / RATE)
     command = np.minimum(time / 10.0, 1.0) * np.sin(2.0 * np.pi * time)
     measured = 0.98 * command + 1e-4 * np.random.default_rng(0).standard_normal(time.size)

@@ -165,7 +165,7 @@ def test_a_degree_that_does_not_move_is_not_judged(run):
 
 def test_one_interface_displacement_is_the_case_of_one_actuator():
     structure = Structure(frequency=1.0, damping_ratio=0.04, experimental_fraction=0.8)
-    partition = Partition.of_structure(structure, 1000.0)
+    partition = Partition.from_structure(structure, 1000.0)
     time = np.arange(0.0, 20.0, STEP)
     command = np.sin(2.0 * np.pi * time) * np.minimum(time / 5.0, 1.0) ** 3
     measured = np.interp(time - 0.003, time, 0.99 * command)

@@ -21,7 +21,9 @@ STEP = 1.0 / 256.0
 
 
 def circumstances_of(test, *, f, xi, share=1.0, ground=False, equipment=None, stated=None):
-    partition = Partition.of_structure(Structure(frequency=f, damping_ratio=xi, experimental_fraction=share))
+    partition = Partition.from_structure(
+        Structure(frequency=f, damping_ratio=xi, experimental_fraction=share)
+    )
     channels = ChannelSpectra.of_channels(
         test.command[np.newaxis],
         test.measured[np.newaxis],
@@ -65,7 +67,7 @@ def test_noise_of_the_displacement_makes_no_specimen_softer():
     ground = earthquake(duration=30.0, time_step=STEP, seed=4)
     told = {"frequency": 3.8, "damping_ratio": 0.03}
     test = simulate(**told, share=0.8, gain=0.98, delay=0.0015, ground=ground, time_step=STEP, noise=0.03)
-    partition = Partition.of_structure(Structure(**told, experimental_fraction=0.8))
+    partition = Partition.from_structure(Structure(**told, experimental_fraction=0.8))
     channels = ChannelSpectra.of_channels(
         test.command[np.newaxis],
         test.measured[np.newaxis],

@@ -31,7 +31,7 @@ from reliab.structures.structure import Structure
 STEP = 1.0 / 256.0
 TIME = STEP * np.arange(2048)
 W0, XI, SHARE = 2.0 * np.pi * 1.5, 0.05, 0.6
-STRUCTURE = Partition.of_structure(Structure(frequency=1.5, damping_ratio=XI, experimental_fraction=SHARE))
+STRUCTURE = Partition.from_structure(Structure(frequency=1.5, damping_ratio=XI, experimental_fraction=SHARE))
 DRAWS = 128
 
 
@@ -96,7 +96,7 @@ def test_a_linear_tolerance_moves_the_error_by_its_own_response(histories, name)
     [("frequency", "frequency"), ("damping_ratio", "damping_ratio"), ("experimental_fraction", "share")],
 )
 def test_a_tolerance_of_the_structure_moves_the_error_by_its_derivative(histories, name, factor):
-    by_factor = [response(histories.difference, STRUCTURE.scaled(**{factor: 1.0 + d})) for d in (1e-4, -1e-4)]
+    by_factor = [response(histories.difference, STRUCTURE.scale(**{factor: 1.0 + d})) for d in (1e-4, -1e-4)]
     derivative = (by_factor[0] - by_factor[1]) / 2e-4
     spread = swept(histories, **{name: 0.002})
     assert spread.deviation == pytest.approx(0.002 * np.abs(derivative), rel=0.05, abs=1e-6)
@@ -181,7 +181,7 @@ def test_what_lies_between_swept_samples_counts(histories, every):
 
 def test_a_step_of_the_sweep_resolves_structure_and_motion():
     """64 samples in a period of the structure; a quarter of the motion's period for up to 4096 samples."""
-    stiff = Partition.of_structure(Structure(frequency=0.5, damping_ratio=0.05))
+    stiff = Partition.from_structure(Structure(frequency=0.5, damping_ratio=0.05))
     noise = SensorNoise(time_step=1.0 / 1024.0, weights=np.zeros(6), band=32.0)
     of_structure = samples_in_step_of_structure(stiff, noise.time_step)
     assert samples_in_step(of_structure, noise, 20_000) == 8

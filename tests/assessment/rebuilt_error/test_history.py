@@ -92,7 +92,7 @@ def test_recursion_and_transform_agree(mass):
 
 
 def test_recursion_is_exact_for_straight_lines_between_samples():
-    whole = Partition.of_structure(Structure(frequency=0.8, damping_ratio=0.1, experimental_fraction=0.7))
+    whole = Partition.from_structure(Structure(frequency=0.8, damping_ratio=0.1, experimental_fraction=0.7))
     nodes = np.random.default_rng(2).normal(size=12)
     w0 = 2.0 * np.pi * 0.8
 

@@ -18,7 +18,7 @@ def simulated(seed, f=1.3, xi=0.04, duration=30.0):
 
 
 def shown_by(outcome, f, xi=0.04, deviation=0.02):
-    structure = Partition.of_structure(Structure(frequency=f, damping_ratio=xi, experimental_fraction=0.8))
+    structure = Partition.from_structure(Structure(frequency=f, damping_ratio=xi, experimental_fraction=0.8))
     return learned(outcome.command, outcome.command - outcome.measured, structure, deviation)
 
 

@@ -19,7 +19,7 @@ STEP = 1.0 / 128.0
 XI, SHARE, FREQUENCY = 0.04, 0.7, 1.25
 W0 = 2.0 * np.pi * FREQUENCY
 STRUCTURE = Structure(frequency=FREQUENCY, damping_ratio=XI, experimental_fraction=SHARE)
-(MODE,) = watched_modes(Partition.of_structure(STRUCTURE), STEP)
+(MODE,) = watched_modes(Partition.from_structure(STRUCTURE), STEP)
 TIME = STEP * np.arange(1500)
 COMMAND = 0.01 * np.sin(W0 * TIME) * (1.0 + 0.3 * np.sin(0.9 * TIME))
 

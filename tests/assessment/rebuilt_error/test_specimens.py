@@ -176,7 +176,7 @@ def test_what_is_not_a_specimen_is_refused_or_linear():
 )
 def test_what_is_no_structure_is_refused(changes, rule):
     with pytest.raises(InputError, match=rule):
-        replace(Partition.of_structure(STRUCTURE), **changes)
+        replace(Partition.from_structure(STRUCTURE), **changes)
 
 
 def test_a_structure_whose_interface_no_mode_moves_is_pushed_as_a_whole():
@@ -193,8 +193,8 @@ def test_a_structure_whose_interface_no_mode_moves_is_pushed_as_a_whole():
 
 def test_a_frame_of_one_degree_of_freedom_is_its_structure():
     spring = Specimen(stiffness=5.0 * STRUCTURE.experimental_fraction * STRUCTURE.circular_frequency**2)
-    whole = Partition.of_frame(Frame.from_structure(STRUCTURE, mass=5.0), np.ones(1), spring)
-    single = Partition.of_structure(STRUCTURE)
+    whole = Partition.from_frame(Frame.from_structure(STRUCTURE, mass=5.0), np.ones(1), spring)
+    single = Partition.from_structure(STRUCTURE)
     assert whole.natural_frequencies == pytest.approx(single.natural_frequencies)
     s = np.array([1.0 + 3.0j, 20.0j])
     assert whole.error_transfer(s) == pytest.approx(single.error_transfer(s))

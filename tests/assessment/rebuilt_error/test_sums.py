@@ -128,7 +128,7 @@ def test_the_amplitude_at_the_beginning_is_that_of_displacement_and_velocity():
 
 def test_a_scaled_structure_has_the_scaled_frequency_damping_ratio_and_share():
     structure = replace(heavy(3.0, 1.5, 0.04, 0.6), specimen_damping=2.0, specimen_mass=0.5)
-    changed = structure.scaled(frequency=1.2, damping_ratio=1.5, share=0.7)
+    changed = structure.scale(frequency=1.2, damping_ratio=1.5, share=0.7)
     expected = heavy(3.0, 1.2 * 1.5, 1.5 * 0.04, 0.7 * 0.6)
     for field in ("mass", "damping", "stiffness", "specimen_stiffness"):
         assert getattr(changed, field) == pytest.approx(getattr(expected, field)), field

@@ -124,7 +124,9 @@ def test_the_highest_mode_is_swept_at_64_samples_a_period():
     assert samples_in_step_of_structure(whole, 1.0 / 1280.0) == 5
     assert samples_in_step_of_structure(whole, 1.0 / 1279.0) == 4
     assert (
-        samples_in_step_of_structure(Partition.of_structure(Structure(frequency=4.0, damping_ratio=0.1)), 0.1)
+        samples_in_step_of_structure(
+            Partition.from_structure(Structure(frequency=4.0, damping_ratio=0.1)), 0.1
+        )
         == 1
     )
 

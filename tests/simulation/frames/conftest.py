@@ -22,7 +22,9 @@ def random_partition():
             damping=float(rng.uniform(5, 20)) * mass,
             mass=float(rng.uniform(5, 60)) * mass,
         )
-        return Partition.of_frame(frame=frame, interface=floor_interface(frame, floor + 1), specimen=specimen)
+        return Partition.from_frame(
+            frame=frame, interface=floor_interface(frame, floor + 1), specimen=specimen
+        )
 
     return build
 

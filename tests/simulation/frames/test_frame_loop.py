@@ -88,7 +88,7 @@ def test_one_degree_of_freedom_is_the_one_mode_loop(shaken):
     structure = Structure(frequency=1.3, damping_ratio=0.03, experimental_fraction=0.7)
     excitation = Excitation(acceleration=shaken, time_step=0.02, window=(2.0, 11.0))
     one = Loop(excitation=excitation, structure=structure)
-    frame = FrameLoop(excitation=excitation, partition=Partition.of_structure(structure, mass=30.0))
+    frame = FrameLoop(excitation=excitation, partition=Partition.from_structure(structure, mass=30.0))
     actuators = {"gain": [1.0, 0.98, 1.01, 1.0], "delay": [1e-3, 0.0, 2e-3, 0.03]}
     expected, by_poles = one.deviation(one.cells(**actuators)), frame.deviation(frame.cells(**actuators))
     np.testing.assert_allclose(by_poles.mean_square, expected.mean_square, rtol=1e-3)
@@ -104,7 +104,7 @@ def one_mode_partition(mode=0):
     share = 0.6 * frame.modes.circular_frequency[mode] ** 2
     influence = frame.modes.shapes[:, mode]  # the ground excites this mode only
     frame = Frame(mass=mass, stiffness=stiffness, damping=frame.damping, influence=influence)
-    return Partition.of_frame(frame=frame, interface=along, specimen=Specimen(stiffness=share))
+    return Partition.from_frame(frame=frame, interface=along, specimen=Specimen(stiffness=share))
 
 
 @pytest.mark.parametrize("mode", [0, 1])
@@ -143,7 +143,7 @@ def braced_first_storey(share, output=(0.0, 0.0, 1.0)):
     mass, stiffness = shear_frame([2000.0, 2000.0, 1500.0], [1.2e6, 1.0e6, 8.0e5])
     frame = Frame(mass=mass, stiffness=stiffness, damping=modal_damping(mass, stiffness, 0.02))
     specimen = Specimen(stiffness=share * 1.2e6)
-    partition = Partition.of_frame(frame=frame, interface=[1.0, 0.0, 0.0], specimen=specimen)
+    partition = Partition.from_frame(frame=frame, interface=[1.0, 0.0, 0.0], specimen=specimen)
     return partition, None if output is None else np.array(output)
 
 
@@ -158,7 +158,7 @@ def test_an_actuator_at_rest_leaves_the_floors_to_the_computer_alone(shaken, sha
     partition, seen = braced_first_storey(share, output)
     rest = FrameLoop(
         excitation=Excitation(acceleration=shaken, time_step=0.02), partition=partition, output=seen
-    ).at_rest()
+    ).rest_deviation()
     times = np.arange(0.0, 0.02 * (shaken.size - 1) + 1e-9, 0.005)
     ground = np.interp(times, 0.02 * np.arange(shaken.size), shaken)
 
@@ -212,7 +212,7 @@ def test_what_a_frame_cannot_be_asked_is_refused(shaken, benchmark_partition):
     with pytest.raises(InputError, match="gains must be positive"):
         FrameLoop(excitation=excitation, partition=partition).cells(gain=-1.0, delay=0.0)
     friction = find_effect("cubic_stiffness")(cubic_n_per_m3=1e9)
-    rough = Partition.of_frame(
+    rough = Partition.from_frame(
         frame=partition.frame,
         interface=partition.direction,
         specimen=partition.specimen,

@@ -8,7 +8,7 @@ from reliab.simulation.frames.frame_file import frame_of_tables, read_frame
 from reliab.structures.frame import Frame, modal_damping
 from reliab.structures.partition import Partition
 from reliab.structures.planar_frame import shear_frame
-from reliab.structures.specimen import Specimen, drift_interface, floor_interface, with_specimen
+from reliab.structures.specimen import Specimen, add_specimen, drift_interface, floor_interface
 
 
 @pytest.fixture
@@ -23,7 +23,7 @@ def test_benchmark_shares(benchmark_partition):
 
 def test_shares_of_a_whole_storey_sum_to_the_energy_in_it(frame):
     interface = drift_interface(frame, 2, 1)
-    partition = Partition.of_frame(frame=frame, interface=interface, specimen=Specimen(stiffness=1e6))
+    partition = Partition.from_frame(frame=frame, interface=interface, specimen=Specimen(stiffness=1e6))
     shapes = frame.modes.shapes
     energy = 1e6 * (shapes[1] - shapes[0]) ** 2 / frame.modes.circular_frequency**2
     np.testing.assert_allclose(partition.stiffness_shares, energy)
@@ -32,7 +32,7 @@ def test_shares_of_a_whole_storey_sum_to_the_energy_in_it(frame):
 
 def test_shares_in_every_matrix_are_by_their_definition(frame):
     specimen = Specimen(stiffness=1e5, damping=300.0, mass=50.0)
-    partition = Partition.of_frame(frame=frame, interface=floor_interface(frame, 1), specimen=specimen)
+    partition = Partition.from_frame(frame=frame, interface=floor_interface(frame, 1), specimen=specimen)
     shapes, omega = frame.modes.shapes, frame.modes.circular_frequency
     assert (np.abs(omega - 1.0) > 10.0).all()
     modal = (shapes.T @ frame.damping @ shapes).diagonal()
@@ -45,8 +45,8 @@ def test_shares_in_every_matrix_are_by_their_definition(frame):
 def test_adding_a_specimen_and_taking_it_out_again_is_the_bare_frame(frame):
     interface = floor_interface(frame, 1)
     specimen = Specimen(stiffness=1e5, damping=300.0, mass=50.0)
-    whole = with_specimen(frame, interface, specimen)
-    partition = Partition.of_frame(frame=whole, interface=interface, specimen=specimen)
+    whole = add_specimen(frame, interface, specimen)
+    partition = Partition.from_frame(frame=whole, interface=interface, specimen=specimen)
     np.testing.assert_allclose(partition.numerical_mass, frame.mass)
     np.testing.assert_allclose(partition.numerical_damping, frame.damping)
 
@@ -62,7 +62,7 @@ def test_adding_a_specimen_and_taking_it_out_again_is_the_bare_frame(frame):
 )
 def test_specimens_that_the_structure_cannot_spare_are_refused(frame, specimen, sentence):
     with pytest.raises(InputError, match=sentence):
-        Partition.of_frame(frame=frame, interface=floor_interface(frame, 1), specimen=specimen)
+        Partition.from_frame(frame=frame, interface=floor_interface(frame, 1), specimen=specimen)
 
 
 @pytest.mark.parametrize(
@@ -75,13 +75,13 @@ def test_specimens_that_the_structure_cannot_spare_are_refused(frame, specimen, 
     ],
 )
 def test_any_one_property_makes_a_specimen(frame, specimen):
-    assert Partition.of_frame(frame=frame, interface=floor_interface(frame, 1), specimen=specimen)
+    assert Partition.from_frame(frame=frame, interface=floor_interface(frame, 1), specimen=specimen)
 
 
 def test_interfaces_that_do_not_fit_are_refused(frame):
     for interface in ([1.0], [0.0, 0.0], [np.nan, 1.0]):
         with pytest.raises(InputError, match="interface needs 2 finite numbers"):
-            Partition.of_frame(frame=frame, interface=interface, specimen=Specimen(stiffness=1.0))
+            Partition.from_frame(frame=frame, interface=interface, specimen=Specimen(stiffness=1.0))
     with pytest.raises(InputError, match="two different degrees of freedom"):
         drift_interface(frame, 1, 1)
 

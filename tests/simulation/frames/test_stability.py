@@ -25,7 +25,7 @@ def test_benchmark_critical_delays(case, milliseconds, benchmark_partition):
 @pytest.mark.parametrize("gain", [0.9, 1.0, 1.1])
 def test_one_mode_is_the_closed_form(alpha, gain):
     structure = Structure(frequency=1.7, damping_ratio=0.03, experimental_fraction=alpha)
-    limit = stability_limit(Partition.of_structure(structure, mass=12.0), gain)
+    limit = stability_limit(Partition.from_structure(structure, mass=12.0), gain)
     assert limit.delay == pytest.approx(float(critical_delay(structure, gain)), rel=1e-9)
 
 
@@ -69,7 +69,7 @@ def test_tests_grow_beyond_the_critical_delay_and_decay_below(random_partition, 
 
 def test_a_specimen_with_half_of_the_mass_tolerates_no_delay():
     frame = Frame.from_structure(Structure(frequency=1.0, damping_ratio=0.02), mass=100.0)
-    heavy = Partition.of_frame(
+    heavy = Partition.from_frame(
         frame=frame, interface=floor_interface(frame, 1), specimen=Specimen(stiffness=100.0, mass=60.0)
     )
     assert stability_limit(heavy).delay == 0.0
@@ -78,4 +78,4 @@ def test_a_specimen_with_half_of_the_mass_tolerates_no_delay():
 def test_partitions_that_are_unstable_without_delay_are_refused():
     structure = Structure(frequency=1.0, damping_ratio=0.02)
     with pytest.raises(InputError, match="unstable partition"):
-        stability_limit(Partition.of_structure(structure), gain=-1.0)
+        stability_limit(Partition.from_structure(structure), gain=-1.0)

@@ -25,7 +25,7 @@ from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.simulation.transfer_systems.servo_hydraulic import ServoHydraulic
 from reliab.simulation.transfer_systems.transfer_function import TransferFunction, gain_and_delay
-from reliab.structures.frame import Frame, undivided_response
+from reliab.structures.frame import Frame, reference_response
 from reliab.structures.partition import Partition
 from reliab.structures.specimen import Specimen, floor_interface
 from reliab.structures.structure import Structure
@@ -71,7 +71,7 @@ def test_reference_has_the_published_rms_and_peak(elcentro):
     for case, rms, peak in ((1, 0.626, 3.902), (2, 0.669, 4.044), (3, 1.014, 5.509), (4, 0.802, 4.384)):
         times = np.arange(int((ground.size - 1) * step * RATE) + 1) / RATE
         shaken = np.interp(times, step * np.arange(ground.size), ground)
-        first = 1e3 * undivided_response(benchmark_frame(case), shaken, 1 / RATE)[0]
+        first = 1e3 * reference_response(benchmark_frame(case), shaken, 1 / RATE)[0]
         assert np.sqrt(np.mean(first**2)) == pytest.approx(rms, abs=6e-4)
         assert np.abs(first).max() == pytest.approx(peak, abs=6e-4)
 
@@ -149,7 +149,7 @@ def test_a_delayed_spring_is_the_closed_loop_of_one_mode():
     ground = np.sin(2 * np.pi * 1.1 * t) * np.exp(-t / 4)
     rate, delay = 4096.0, 0.006
     run = run_laboratory(
-        Partition.of_structure(structure, mass=50.0),
+        Partition.from_structure(structure, mass=50.0),
         Rig(transfer_system=gain_and_delay(0.99, delay)),
         ground,
         0.01,
@@ -166,7 +166,7 @@ def test_a_delayed_spring_is_the_closed_loop_of_one_mode():
 def test_a_nonlinear_specimen_before_a_servo_is_a_fine_integration():
     cubic, specimen = 5e8, Specimen(stiffness=2e5, damping=100.0, mass=20.0)
     frame = Frame(mass=[[1000.0]], damping=[[12000.0]], stiffness=[[8e5]])
-    partition = Partition.of_frame(
+    partition = Partition.from_frame(
         frame=frame,
         interface=floor_interface(frame, 1),
         specimen=specimen,
@@ -220,7 +220,7 @@ def test_sensors_have_the_noise_and_resolution_that_they_are_given():
         transfer_system=TransferFunction(numerator=(63165.0,), denominator=(1.0, 402.1, 63165.0)),
         sensors=Sensors(displacement_noise=1e-5, displacement_step=2e-6, force_step=3.0),
     )
-    partition = Partition.of_structure(Structure(frequency=1.0, damping_ratio=0.05), mass=1000.0)
+    partition = Partition.from_structure(Structure(frequency=1.0, damping_ratio=0.05), mass=1000.0)
     ground = np.sin(2 * np.pi * np.arange(0, 8, 0.01))
     run = run_laboratory(partition, rig, ground, 0.01, rate=2048.0, seed=4)
     assert np.std(run.measured - run.piston) == pytest.approx(1e-5, rel=0.03)
@@ -248,7 +248,7 @@ def test_bad_laboratories_are_refused():
         run_laboratory(partition, benchmark_rig("inverse", plant), ground, 0.01)
     with pytest.raises(InputError, match="emulated for a servo"):
         run_laboratory(
-            Partition.of_structure(Structure(frequency=1.0, damping_ratio=0.05)),
+            Partition.from_structure(Structure(frequency=1.0, damping_ratio=0.05)),
             Rig(transfer_system=gain_and_delay()),
             ground,
             0.01,
@@ -256,7 +256,7 @@ def test_bad_laboratories_are_refused():
         )
     with pytest.raises(InputError, match="A force is limited where"):
         run_laboratory(
-            Partition.of_structure(Structure(frequency=1.0, damping_ratio=0.05)),
+            Partition.from_structure(Structure(frequency=1.0, damping_ratio=0.05)),
             Rig(transfer_system=gain_and_delay(), limits=Limits(force=1.0)),
             ground,
             0.01,

@@ -13,7 +13,13 @@ from reliab.motions.loading import load_motions
 from reliab.simulation.engine import Engine, Loop
 from reliab.simulation.excitation import Excitation
 from reliab.structures.structure import Structure, longest_lead
-from reliab.tracking.boundary.contour import Contour, ErrorSurfaces, furthest_lead, stretched, trace_contours
+from reliab.tracking.boundary.contour import (
+    Contour,
+    ErrorSurfaces,
+    furthest_lead,
+    stretch_coordinate,
+    trace_contours,
+)
 from reliab.tracking.boundary.curves import Cosine, Ellipse, InscribedEllipse, Parabola
 from reliab.tracking.boundary.suite_boundary import motion_contours, suite_contours
 from reliab.tracking.indices.response_error import relative_error
@@ -271,8 +277,8 @@ def test_the_perfect_actuator_has_no_error():
 
 
 def test_the_coordinate_is_odd_and_linear_near_and_far():
-    assert stretched(np.array([-0.3]), 0.1, 2.0) == pytest.approx(-np.arcsinh(3.0) - 0.15)
-    assert stretched(np.array([1e-6]), 0.1, 2.0) == pytest.approx(1e-6 * (1 / 0.1 + 1 / 2.0))
+    assert stretch_coordinate(np.array([-0.3]), 0.1, 2.0) == pytest.approx(-np.arcsinh(3.0) - 0.15)
+    assert stretch_coordinate(np.array([1e-6]), 0.1, 2.0) == pytest.approx(1e-6 * (1 / 0.1 + 1 / 2.0))
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ from reliab.simulation.excitation import Excitation
 from reliab.structures.structure import Structure
 from reliab.tracking.boundary.finite_errors import (
     DIRECTIONS,
-    predicted_ellipse,
+    predict_ellipse,
     ratio_of_delays,
     ratios_of_cut_record,
     scales_of_contour,
@@ -34,7 +34,7 @@ def test_a_steady_response_predicts_its_boundary(steady, side, threshold):
     response = first_order_ellipse(excitation, structure)
     loop = Loop(excitation=excitation, structure=structure)
     (contour,) = motion_contours(loop, [threshold], side=side)
-    towards = scales_of_contour(contour, *predicted_ellipse(response, structure, threshold, side))[1:]
+    towards = scales_of_contour(contour, *predict_ellipse(response, structure, threshold, side))[1:]
     small = scales_of_contour(contour, *response.parameters(threshold))[1:]
     middle = DIRECTIONS.size // 2  # a delay alone
     assert abs(np.log(towards[middle])) < 0.35 * abs(np.log(small[middle]))

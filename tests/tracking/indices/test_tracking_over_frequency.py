@@ -83,8 +83,8 @@ def test_where_both_sensors_have_their_zero_changes_nothing(command):
     found = tracking_over_frequency(command, measured, STEP)
     shifted = tracking_over_frequency(command + offset, measured + offset, STEP)
     near = (found.frequency > 0.5) & (found.frequency < 3.0)
-    assert shifted.at(found.frequency[near])[0] == pytest.approx(found.amplitude[near], abs=5e-4)
-    assert shifted.at(found.frequency[near])[1] == pytest.approx(found.delay[near], abs=1e-4)
+    assert shifted.interpolate(found.frequency[near])[0] == pytest.approx(found.amplitude[near], abs=5e-4)
+    assert shifted.interpolate(found.frequency[near])[1] == pytest.approx(found.delay[near], abs=1e-4)
     assert found.follow(command + offset, STEP) - offset == pytest.approx(
         found.follow(command, STEP), abs=1e-9 * offset
     )
@@ -99,9 +99,9 @@ def test_between_known_frequencies_values_are_interpolated_and_beyond_them_held(
         delay_deviation=np.zeros(2),
         coherence=np.ones(2),
     )
-    assert found.at(np.array([0.0, 2.0, -2.0, 9.0]))[0] == pytest.approx([0.9, 1.0, 1.0, 1.1])
-    assert found.at(2.0)[1] == pytest.approx(0.02)
-    assert [found.known(frequency) for frequency in (0.99, 1.0, 3.0, 3.01)] == [False, True, True, False]
+    assert found.interpolate(np.array([0.0, 2.0, -2.0, 9.0]))[0] == pytest.approx([0.9, 1.0, 1.0, 1.1])
+    assert found.interpolate(2.0)[1] == pytest.approx(0.02)
+    assert [found.covers(frequency) for frequency in (0.99, 1.0, 3.0, 3.01)] == [False, True, True, False]
     assert found.spread == pytest.approx((0.2, 0.02))
     s = 2j * np.pi * np.array([2.0, -2.0])
     assert found.transfer(s) == pytest.approx(np.exp([-0.08j * np.pi, 0.08j * np.pi]))
@@ -117,7 +117,7 @@ def test_only_frequencies_between_the_first_and_the_last_are_known():
         delay_deviation=nothing,
         coherence=1.0 + nothing,
     )
-    assert [tracking.known(frequency) for frequency in (0.49, 0.5, 2.0, 4.0, 4.01)] == [0, 1, 1, 1, 0]
+    assert [tracking.covers(frequency) for frequency in (0.49, 0.5, 2.0, 4.0, 4.01)] == [0, 1, 1, 1, 0]
 
 
 @pytest.mark.parametrize("steps", [1, 7])

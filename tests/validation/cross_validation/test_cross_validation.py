@@ -20,7 +20,7 @@ from reliab.validation.cross_validation.folds import (
     random_halves,
     transfer,
 )
-from reliab.validation.cross_validation.judge import Derived, Printed, cross_validate
+from reliab.validation.cross_validation.judge import DerivedCandidate, PrintedCandidate, cross_validate
 
 
 def lognormal_ellipses(events: int, motions: int, seed: int, share: float = 0.3) -> xr.Dataset:
@@ -49,8 +49,8 @@ def lognormal_ellipses(events: int, motions: int, seed: int, share: float = 0.3)
     )
 
 
-QUANTILE = Derived(name="plug-in, each", method=method_of("quantile"), joint=False)
-RECOMMENDED = Derived(name="recommended", method=method_of("dirichlet"))
+QUANTILE = DerivedCandidate(name="plug-in, each", method=method_of("quantile"), joint=False)
+RECOMMENDED = DerivedCandidate(name="recommended", method=method_of("dirichlet"))
 
 
 def judged(ellipses, folds, candidates=(QUANTILE,), **options):
@@ -92,7 +92,7 @@ def test_containment_of_a_large_suite_is_nominal():
 def test_criterion_without_limits_is_never_contained_and_one_of_zero_always():
     ellipses = lognormal_ellipses(6, 2, 3)
     wide, narrow = (
-        Printed(name=name, law=Table.fit([1.0], [0.02], [[limit]], [[limit]]))
+        PrintedCandidate(name=name, law=Table.fit([1.0], [0.02], [[limit]], [[limit]]))
         for name, limit in (("none", 1e9), ("all", 1e-12))
     )
     found = judged(
@@ -174,7 +174,9 @@ def test_an_earthquake_that_both_suites_hold_is_not_learned_from():
 
 def test_what_the_motions_do_not_carry_is_neither_contained_nor_judged():
     ellipses = lognormal_ellipses(30, 2, 12)
-    silent = Printed(name="no promise", law=Table.fit([1.0], [0.02], [[0.0]], [[0.0]]), confidence=0.8)
+    silent = PrintedCandidate(
+        name="no promise", law=Table.fit([1.0], [0.02], [[0.0]], [[0.0]]), confidence=0.8
+    )
     found = judged(
         ellipses, leave_one_event_out(ellipses["event"].values), (silent, QUANTILE), confidences=(0.8,)
     )
@@ -186,7 +188,7 @@ def test_law_is_judged_at_the_structure_that_it_did_not_see():
     one = lognormal_ellipses(20, 2, 10)
     ellipses = xr.concat([one.assign_coords(f=[f]) for f in (0.5, 1.0, 2.0)], dim="f")
     ellipses = ellipses.assign(b=ellipses["b"] / ellipses["f"] ** 2)
-    law = Derived(name="law", method=method_of("quantile"), law=Dimensionless)
+    law = DerivedCandidate(name="law", method=method_of("quantile"), law=Dimensionless)
     folds = leave_structures_out(k_fold(ellipses["event"].values, 2), "f", [0.5, 1.0, 2.0])
     found = judged(ellipses.transpose(*ELLIPSE_DIMENSIONS), folds, (law,), confidences=(0.9,))
     judged_at = found.counts["judged"].sel(side="lag").sum("motion").squeeze().values

@@ -15,7 +15,7 @@ from reliab.simulation.linear_loop import spectral
 from reliab.structures.structure import Structure
 from reliab.tracking.indices.window import Window
 from reliab.validation.cross_validation.folds import leave_one_event_out
-from reliab.validation.cross_validation.judge import Printed, cross_validate
+from reliab.validation.cross_validation.judge import PrintedCandidate, cross_validate
 from reliab.validation.cross_validation.truth import Cell, EllipseTruth, Region, SimulatedTruth, StoredTruth
 
 CELL = Cell(frequency=1.0, damping_ratio=0.02, threshold=0.05, metric="rms")
@@ -99,7 +99,7 @@ def test_a_motion_whose_ellipse_flatters_it_does_not_contain_the_criterion(motio
     validation = cross_validate(
         flattered,
         leave_one_event_out(ellipses["event"].values),
-        [Printed(name="printed", law=law.fit([1.0], [0.02], [[100 * own[0]]], [[100 * own[1]]]))],
+        [PrintedCandidate(name="printed", law=law.fit([1.0], [0.02], [[100 * own[0]]], [[100 * own[1]]]))],
         scheme="test",
         confidences=(0.95,),
         truth=SimulatedTruth(motions=motions),
@@ -116,7 +116,7 @@ def test_containment_is_the_share_of_motions_with_no_error_above_along_the_edge(
     validation = cross_validate(
         ellipses,
         leave_one_event_out(ellipses["event"].values),
-        [Printed(name="printed", law=Table.fit([1.0], [0.02], [[a]], [[b]]))],
+        [PrintedCandidate(name="printed", law=Table.fit([1.0], [0.02], [[a]], [[b]]))],
         scheme="test",
         confidences=(0.95,),
         truth=SimulatedTruth(motions=motions),
@@ -134,7 +134,7 @@ def test_motions_without_an_ellipse_are_judged_by_their_errors_only(motions, ell
         counts = cross_validate(
             unknown,
             leave_one_event_out(ellipses["event"].values),
-            [Printed(name="printed", law=law)],
+            [PrintedCandidate(name="printed", law=law)],
             scheme="test",
             confidences=(0.95,),
             truth=truth,
@@ -153,8 +153,8 @@ def test_leads_are_judged_by_their_own_limits_and_errors(motions, both_sides):
     assert own["lead"][1] > 1.1 * own["lag"][1]
     laws = {side: Table.fit([1.0], [0.02], [[a]], [[b]]) for side, (a, b) in own.items()}
     candidates = [
-        Printed(name="each side", law=laws["lag"], lead_law=laws["lead"]),
-        Printed(name="lag limits of leads", law=laws["lead"], lead_law=laws["lead"]),
+        PrintedCandidate(name="each side", law=laws["lag"], lead_law=laws["lead"]),
+        PrintedCandidate(name="lag limits of leads", law=laws["lead"], lead_law=laws["lead"]),
     ]
     validation = cross_validate(
         both_sides,
@@ -177,7 +177,7 @@ def test_a_threshold_that_an_actuator_at_rest_keeps_is_refused(motions, both_sid
         cross_validate(
             at_rest,
             leave_one_event_out(both_sides["event"].values),
-            [Printed(name="printed", law=law)],
+            [PrintedCandidate(name="printed", law=law)],
             scheme="test",
             confidences=(0.95,),
             truth=SimulatedTruth(motions=motions),
@@ -187,7 +187,7 @@ def test_a_threshold_that_an_actuator_at_rest_keeps_is_refused(motions, both_sid
 
 def test_a_law_of_the_paper_counts_leads_as_lags_and_other_laws_say_nothing_of_them():
     silent, printed = (
-        Printed(name="law", law=law).learn(None, 0.05, "rms", [0.95])[0.95].regions(CELL)
+        PrintedCandidate(name="law", law=law).learn(None, 0.05, "rms", [0.95])[0.95].regions(CELL)
         for law in (Table.fit([1.0], [0.02], [[1e-4]], [[1.0]]), OF_MANY_MOTIONS["guo_2017_18"])
     )
     assert [region.side for region in silent] == [Side.LAG]

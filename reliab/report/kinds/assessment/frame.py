@@ -346,7 +346,7 @@ def amplitude_and_delay_over_frequency(
         place.fill_between(resolved.frequency, *ends, color=PALE, linewidth=0.0, label="90 % band")
         place.plot(resolved.frequency, values, color=BLUE, linewidth=0.9, label="over frequency")
         place.axhline(whole, color=VERMILION, linewidth=0.9, linestyle="--", label="index of the test")
-        for frequency in filter(resolved.known, modes):
+        for frequency in filter(resolved.covers, modes):
             place.axvline(frequency, color=GREY, linewidth=0.7, linestyle=":")
         heights = np.append(values, whole)
         reach = _MARGIN * max(float(np.ptp(heights)), 0.02 * float(np.abs(heights).max()), 1e-3)
