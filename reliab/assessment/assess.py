@@ -36,7 +36,7 @@ from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import MILLI, Metric
 from reliab.criterion.criterion import Criterion
 from reliab.recordings.recording import Recording
-from reliab.recordings.spikes import without_spikes
+from reliab.recordings.spikes import remove_spikes
 from reliab.structures.partition import whole_structure
 from reliab.structures.structure import Structure
 
@@ -134,7 +134,7 @@ def assess(
     """
     learned: tuple[str, ...] = ()
     if equipment is not None and not (measured_specimen or linear_specimen or model is not None):
-        nonlinear = "mass" in (stated or {}) and looks_nonlinear(without_spikes(recording)[0], structure)
+        nonlinear = "mass" in (stated or {}) and looks_nonlinear(remove_spikes(recording)[0], structure)
         measured_specimen = bool(nonlinear)
         learned = (_LEARNED,) if nonlinear else ()
     linear = model is None and not measured_specimen
@@ -222,7 +222,7 @@ def _require_judgeable(
     require_plausible(recording, stiffness=stated_stiffness(structure, stated), linear=linear)
     if "mass" in stated and not linear:
         lag = stated.get("feedback_lag", StatedValue(0.0)).value / MILLI
-        sound, *_ = without_spikes(recording)
+        sound, *_ = remove_spikes(recording)
         require_unit_of_force(sound, structure, mass=stated["mass"].value, feedback_lag=lag)
 
 
@@ -374,7 +374,7 @@ def _shown_damping(
     """
     mass, lag = stated.get("mass"), stated.get("feedback_lag", StatedValue(0.0))
     shown = examine_ground(
-        without_spikes(recording)[0],
+        remove_spikes(recording)[0],
         structure,
         mass=None if mass is None else mass.value,
         feedback_lag=lag.value / MILLI,

@@ -19,7 +19,7 @@ from reliab.core.significant_digits import percent, significant
 from reliab.core.vocabulary import MILLI
 from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
-from reliab.recordings.spikes import without_spikes
+from reliab.recordings.spikes import remove_spikes
 from reliab.recordings.zero import zero_of
 from reliab.signals.cubic_path import CubicPath
 
@@ -143,7 +143,7 @@ def _faults_about(
     seed: int,
 ) -> tuple[tuple[Fault, ...], TrackingIndex]:
     """Look for faults of a recording from which another zero was taken, if it was moved."""
-    clean, *in_channels = without_spikes(recording)
+    clean, *in_channels = remove_spikes(recording)
     tracking = track(clean, window=window, seed=seed)
     expected = _expected(clean, tracking)
     faults = (
@@ -159,7 +159,7 @@ def _faults_about(
 
 def plain_faults(recording: Recording) -> tuple[Fault, ...]:
     """Look for faults that show without any model of the rig: spikes, and one channel exported twice."""
-    return tuple(_plain_faults(recording, *without_spikes(recording)))
+    return tuple(_plain_faults(recording, *remove_spikes(recording)))
 
 
 def _plain_faults(

@@ -269,7 +269,7 @@ def _channels(recording: Recording | CoupledRecording) -> Iterator[tuple[int, Re
         return
     moved = np.ptp(recording.command, axis=1)
     for number in np.flatnonzero(moved > _SMALL_MOTION * moved.max()).tolist():
-        yield number, recording.of_actuator(number)
+        yield number, recording.select_actuator(number)
 
 
 def _over_frequency(recording: Recording) -> TrackingOverFrequency | None:

@@ -11,7 +11,7 @@ from reliab.core.errors import InputError
 from reliab.core.significant_digits import percent, significant
 from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
-from reliab.recordings.spikes import without_spikes
+from reliab.recordings.spikes import remove_spikes
 from reliab.signals.spectra import cross_correlate
 from reliab.structures.partition import Partition
 
@@ -85,7 +85,7 @@ def require_plausible(
     `stiffness`: stated one of the specimen [N/m], without which the unit of a recorded force is not examined;
     `linear`: whether the specimen is taken as linear; `fitted`: whether its stiffness is fitted.
     """
-    clean, *_ = without_spikes(recording)
+    clean, *_ = remove_spikes(recording)
     _require_following(clean)
     if clean.force is not None:
         step, where = clean.time_step, clean.name

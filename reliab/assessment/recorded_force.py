@@ -20,7 +20,7 @@ from reliab.core.errors import InputError
 from reliab.core.significant_digits import percent, significant
 from reliab.core.stated_value import StatedValue
 from reliab.recordings.recording import Recording
-from reliab.recordings.spikes import without_spikes
+from reliab.recordings.spikes import remove_spikes
 from reliab.signals.cubic_path import CubicPath
 from reliab.structures.structure import Structure
 
@@ -139,7 +139,7 @@ class _Sign:
 
 def doubts_of_force(recording: Recording) -> Iterator[str]:
     """Say where sign or columns of a recorded force may be wrong, though that is not certain."""
-    clean, *_ = without_spikes(recording)
+    clean, *_ = remove_spikes(recording)
     if clean.force is None or (kernel := _kernel(clean.measured, clean.force, clean.time_step)) is None:
         return
     yield from doubts_of_sign(clean.measured, clean.force, clean.time_step)
@@ -237,7 +237,7 @@ def remark_on_force(recording: Recording, structure: Structure, stated: Mapping[
 
     Empty where there is nothing to say.
     """
-    clean, *_ = without_spikes(recording)
+    clean, *_ = remove_spikes(recording)
     if clean.force is None or (kernel := _kernel(clean.measured, clean.force, clean.time_step)) is None:
         return ""
     expected = stated_stiffness(structure, stated)

@@ -10,8 +10,8 @@ from reliab.recordings.recording import LARGEST_READING
 
 _MOST_SAMPLES: Final = 1 << 16  # that are looked at, where the first history moves most
 _LONGEST_LAG: Final = 0.125  # of them
-_SAME: Final = 1e-6  # of the larger range, up to which two histories are copies
-_ALIKE, _LARGEST_RATIO = 0.9, 2.0
+_COPY_TOLERANCE: Final = 1e-6  # of the larger range, up to which two histories are copies
+_LEAST_CORRELATION, _LARGEST_RATIO = 0.9, 2.0
 _FEWEST: Final = 16
 
 
@@ -26,9 +26,9 @@ class Likeness:
     copies: bool  # Whether both are the same but for rounding
 
     @property
-    def alike(self) -> bool:
+    def is_pair(self) -> bool:
         """Whether both may be the same motion in the same unit."""
-        return self.correlation >= _ALIKE and 1.0 / _LARGEST_RATIO <= self.ratio <= _LARGEST_RATIO
+        return self.correlation >= _LEAST_CORRELATION and 1.0 / _LARGEST_RATIO <= self.ratio <= _LARGEST_RATIO
 
 
 def moves(values: Array) -> bool:
@@ -50,11 +50,11 @@ def compare(first: Array, second: Array) -> Likeness:
         lag=lag,
         ratio=sizes[1] / sizes[0],
         noise_ratio=(noises[1] + 1e-15) / (noises[0] + 1e-15),
-        copies=bool(np.abs(x - y).max() <= _SAME * max(np.ptp(x), np.ptp(y))),
+        copies=bool(np.abs(x - y).max() <= _COPY_TOLERANCE * max(np.ptp(x), np.ptp(y))),
     )
 
 
-def explained(force: Array, displacement: Array) -> float:
+def share_explained(force: Array, displacement: Array) -> float:
     """Share of a force that its displacement, velocity and acceleration explain linearly."""
     force, displacement = (_centre(values) for values in _strongest(force, displacement))
     velocity = np.gradient(displacement)
@@ -69,10 +69,10 @@ def explained(force: Array, displacement: Array) -> float:
 def _centre(values: Array) -> Array:
     """Take the mean from readings; zero stands where a value is none."""
     are_readings = np.abs(values) < LARGEST_READING
-    centred = np.zeros(values.shape)
+    deviation = np.zeros(values.shape)
     if are_readings.any():
-        centred[are_readings] = values[are_readings] - values[are_readings].mean()
-    return centred
+        deviation[are_readings] = values[are_readings] - values[are_readings].mean()
+    return deviation
 
 
 def _strongest(first: Array, second: Array) -> tuple[Array, Array]:
@@ -81,24 +81,24 @@ def _strongest(first: Array, second: Array) -> tuple[Array, Array]:
     first, second = first[:size], second[:size]
     if size <= _MOST_SAMPLES:
         return first, second
-    moved = np.abs(np.diff(_centre(first))).cumsum()
-    begin = int(np.argmax(moved[_MOST_SAMPLES:] - moved[:-_MOST_SAMPLES]))
+    travel = np.abs(np.diff(_centre(first))).cumsum()
+    begin = int(np.argmax(travel[_MOST_SAMPLES:] - travel[:-_MOST_SAMPLES]))
     return first[begin : begin + _MOST_SAMPLES], second[begin : begin + _MOST_SAMPLES]
 
 
 def _peak(x: Array, y: Array) -> tuple[float, float]:
     """Largest absolute cross-correlation of two histories of unit RMS, and its lag [samples]."""
     points = 1 << (2 * x.size - 1).bit_length()
-    crossed = np.fft.irfft(np.conj(np.fft.rfft(x, points)) * np.fft.rfft(y, points), points) / x.size
-    most = max(int(_LONGEST_LAG * x.size), 2)
-    near = np.abs(np.concatenate([crossed[-most:], crossed[: most + 1]]))
+    correlation = np.fft.irfft(np.conj(np.fft.rfft(x, points)) * np.fft.rfft(y, points), points) / x.size
+    longest_lag = max(int(_LONGEST_LAG * x.size), 2)
+    near = np.abs(np.concatenate([correlation[-longest_lag:], correlation[: longest_lag + 1]]))
     place = int(np.argmax(near))
     shift = 0.0
     if 0 < place < near.size - 1:
-        below, peak, above = near[place - 1 : place + 2]
-        curvature = below - 2.0 * peak + above
-        shift = 0.5 * float(below - above) / float(curvature) if curvature < 0.0 else 0.0
-    return min(float(near[place]), 1.0), place - most + shift
+        value_before, peak, value_after = near[place - 1 : place + 2]
+        curvature = value_before - 2.0 * peak + value_after
+        shift = 0.5 * float(value_before - value_after) / float(curvature) if curvature < 0.0 else 0.0
+    return min(float(near[place]), 1.0), place - longest_lag + shift
 
 
 def _noise(values: Array) -> float:

@@ -32,33 +32,33 @@ from reliab.signals.noise import converter_step
 _RADII: Array = np.geomspace(3e-4, 0.05, 32)  # half widths of the plays over half the range of the motion
 _STRETCHES = 8  # each gives an estimate of its own
 _SPACING, _SKEWS = 1.25e-3, 40  # s and their number on both sides, about which skews are looked for
-_AT_REST = 0.01  # of the command's range: a measured channel that moves less is locked
+_LOCKED_SHARE = 0.01  # of the command's range: a measured channel that moves less is locked
 _LEAST_CORRELATION = 0.9
 _ALWAYS_LEFT = 3e-4  # of half the range
-_BEYOND_NOISE = 1.3  # times its noise: what is left where the channels hold more than the model
+_MODEL_MARGIN = 1.3  # times its noise: what is left where the channels hold more than the model
 _HARMONICS = 6.0  # of the motion's highest frequency, by which a play shows itself
 _SAMPLES_OF_EDGE = 12.0  # in a period of the highest frequency that passes
 _MOST_SAMPLES, _FEW_SAMPLES = 8_000, 1_000  # of an estimate, and of where to look for it
-_ABOVE_NOISE = 30.0  # times the mean power of the noise: no noise reaches it
-_PASSED = 1.0 - 1e-9  # of the command's energy, which the filter against its noise lets through
+_NOISE_MARGIN = 30.0  # times the mean power of the noise: no noise reaches it
+_ENERGY_SHARE = 1.0 - 1e-9  # of the command's energy, which the filter against its noise lets through
 _SHORTEST_REST = 0.2  # s
 _STILL = 1e-4  # of the command's range
 _WINDOW = 0.06  # s, over which the path between rests is averaged
 # what the filter and interpolation may add, seen on simulated calibrations
-_OF_A_SAMPLE, _OF_SCALE, _OF_HYSTERESIS = 0.03, 3e-5, 0.03
+_SKEW_TOLERANCE, _SCALE_TOLERANCE, _HYSTERESIS_TOLERANCE = 0.03, 3e-5, 0.03
 _SHARE_UNSURE, _LEAST_UNSURE = 0.3, 5e-4
 _FEWEST_LEVELS = 3  # of rests in steps
 _SHARE_OF_RESTS = 0.4
 
 _UNSURE = (("skew_ms", "skew_sd_ms"), ("scale", "scale_sd"), ("hysteresis", "hysteresis_sd"))
 _PLAIN = ("resolution_m", "noise_m", "command_noise_m")
-_FORMER = re.compile(r"^\[calibration\].*?(?=^\[|\Z)", re.MULTILINE | re.DOTALL)
+_CALIBRATION_TABLE = re.compile(r"^\[calibration\].*?(?=^\[|\Z)", re.MULTILINE | re.DOTALL)
 
 _HOLDS_DELAY = (
     "The skew includes the actuator's delay, which these two channels cannot show apart: give "
     "`actuator_delay`, unless you fed one signal to both channels."
 )
-_LOCKED = "The measured channel does not move, so that this test shows only its noise and resolution."
+_LOCKED_NOTE = "The measured channel does not move, so that this test shows only its noise and resolution."
 _ACTUATOR_MOVES = (
     "The measured displacement also contains the dynamics of the actuator. Scale and hysteresis come from "
     "the samples at rest; the skew cannot be determined."
@@ -108,29 +108,31 @@ def calibrate_channels(
         noise_m=noise,
         command_noise_m=command_noise,
         resolution_m=resolution,
-        notes=(_LOCKED,),
+        notes=(_LOCKED_NOTE,),
     )
-    if np.ptp(recording.measured) < _AT_REST * np.ptp(recording.command):
+    if np.ptp(recording.measured) < _LOCKED_SHARE * np.ptp(recording.command):
         return calibration
     _require_one_motion(recording)
     rests = _rests(recording, command_noise)
-    at_rest = _estimate_at_rest(recording, rests) if rests else None
-    channels = _Channels(recording, rests, None if at_rest is None else at_rest.weights)
+    rest_estimate = _estimate_at_rest(recording, rests) if rests else None
+    channels = _Channels(recording, rests, None if rest_estimate is None else rest_estimate.weights)
     white = float(np.linalg.norm([noise, command_noise, resolution / np.sqrt(12.0)]))
     skew, scale, hysteresis, remainder = channels.estimate()
-    if remainder > _BEYOND_NOISE * channels.noise_gain * white + _ALWAYS_LEFT * channels.half_range:
-        if at_rest is None:
+    if remainder > _MODEL_MARGIN * channels.noise_gain * white + _ALWAYS_LEFT * channels.half_range:
+        if rest_estimate is None:
             raise _never_rests(recording, remainder / channels.half_range)
-        unsure = StatedValue(at_rest.hysteresis.value, _unsure(at_rest.hysteresis))
-        return replace(calibration, scale=at_rest.scale, hysteresis=unsure, notes=(_ACTUATOR_MOVES,))
+        unsure = StatedValue(rest_estimate.hysteresis.value, _unsure(rest_estimate.hysteresis))
+        return replace(calibration, scale=rest_estimate.scale, hysteresis=unsure, notes=(_ACTUATOR_MOVES,))
     deviations = channels.deviations(skew, scale, hysteresis)
     delay = actuator_delay_ms or StatedValue(0.0)
     deviation = float(np.hypot(MILLI * deviations[0], delay.deviation))
     return replace(
         calibration,
         skew_ms=StatedValue(MILLI * skew - delay.value, deviation),
-        scale=at_rest.scale if at_rest else StatedValue(scale, float(deviations[1])),
-        hysteresis=at_rest.hysteresis if at_rest else StatedValue(hysteresis, float(deviations[2])),
+        scale=rest_estimate.scale if rest_estimate else StatedValue(scale, float(deviations[1])),
+        hysteresis=rest_estimate.hysteresis
+        if rest_estimate
+        else StatedValue(hysteresis, float(deviations[2])),
         notes=() if actuator_delay_ms else (_HOLDS_DELAY,),
     )
 
@@ -149,10 +151,10 @@ def _never_rests(recording: Recording, remainder: float) -> InputError:
     )
 
 
-def calibration_in_toml(calibration: ChannelCalibration, described: str, source: str) -> str:
+def calibration_in_toml(calibration: ChannelCalibration, description: str, source: str) -> str:
     """Write a calibration as the table of a file `channels.toml`, after what the file states of channels.
 
-    `described`: content of such a file, of which a former calibration is left out; may be empty; `source`:
+    `description`: content of such a file, of which a former calibration is left out; may be empty; `source`:
     from what it was measured, for a comment.
 
     >>> locked = ChannelCalibration(
@@ -171,7 +173,7 @@ def calibration_in_toml(calibration: ChannelCalibration, described: str, source:
         if value is not None:
             lines += [f"{name} = {value.value:.6g}", f"{deviation} = {value.deviation:.4g}"]
     lines += [f"{name} = {getattr(calibration, name):.6g}" for name in _PLAIN]
-    remaining = _FORMER.sub("", described).rstrip()
+    remaining = _CALIBRATION_TABLE.sub("", description).rstrip()
     return "\n".join([*([remaining, ""] if remaining else []), *lines, ""])
 
 
@@ -203,23 +205,23 @@ class _Channels:
         self.radii: Array = self.half_range * _RADII[: len(stops)]
         self.noise_gain = float(np.linalg.norm(coefficients))
         # near its ends the filtered motion is a guess, and the plays have not turned yet
-        within = slice(coefficients.size // 2, motion.size - coefficients.size // 2)
-        every = max(int(rate / (_SAMPLES_OF_EDGE * edge)), 1)
-        filtered = np.stack(
+        full_overlap = slice(coefficients.size // 2, motion.size - coefficients.size // 2)
+        thinning = max(int(rate / (_SAMPLES_OF_EDGE * edge)), 1)
+        filtered_rows = np.stack(
             [filter_symmetrically(values, coefficients) for values in (recording.measured, *stops)]
         )
         self.time_step = recording.time_step
-        self.times = np.float64(recording.time_step) * np.arange(motion.size)[within][::every]
-        self.measured = filtered[0][within][::every]
-        basis = np.vstack([motion, filtered[1:]]).T[within][::every]
+        self.times = np.float64(recording.time_step) * np.arange(motion.size)[full_overlap][::thinning]
+        self.measured = filtered_rows[0][full_overlap][::thinning]
+        basis = np.vstack([motion, filtered_rows[1:]]).T[full_overlap][::thinning]
         self.path = scipy.interpolate.make_interp_spline(self.times, basis)
 
     def estimate(self) -> tuple[float, float, float, float]:
         """Estimate skew [s], scale, hysteresis and the RMS of what is left [m]."""
         samples = np.arange(self.times.size)
         skews = _SPACING * np.arange(-_SKEWS, _SKEWS + 1)
-        few = samples[:: 1 + samples.size // _FEW_SAMPLES]
-        remainders = np.array([self._fit(few, skew)[2] for skew in skews])
+        thin_samples = samples[:: 1 + samples.size // _FEW_SAMPLES]
+        remainders = np.array([self._fit(thin_samples, skew)[2] for skew in skews])
         lowest = sorted(scipy.signal.argrelmin(remainders)[0], key=remainders.__getitem__)[:3]
         near = skews[lowest or [int(remainders.argmin())]]
         return min((self._refine(samples, float(skew)) for skew in near), key=lambda values: values[3])
@@ -231,7 +233,9 @@ class _Channels:
         # weights that are not negative bias the estimates, those of stretches √8 times as much
         biases = (estimates.mean(axis=0) - values) / (np.sqrt(_STRETCHES) - 1.0)
         scatter = estimates.std(axis=0, ddof=1) / np.sqrt(_STRETCHES)
-        floors = np.array([_OF_A_SAMPLE * self.time_step, _OF_SCALE, _OF_HYSTERESIS * values[2]])
+        floors = np.array(
+            [_SKEW_TOLERANCE * self.time_step, _SCALE_TOLERANCE, _HYSTERESIS_TOLERANCE * values[2]]
+        )
         return np.asarray(np.linalg.norm([scatter, biases, floors], axis=0))
 
     def _refine(self, samples: NDArray[np.intp], near: float) -> tuple[float, float, float, float]:
@@ -247,11 +251,11 @@ class _Channels:
 
     def _fit(self, samples: NDArray[np.intp], skew: float) -> tuple[float, Array, float]:
         """Fit scale [-] and weights of the plays; returns them with the RMS of what is left [m]."""
-        moved = self.times[samples] - skew  # beyond its ends the path is unknown
-        inside = samples[(moved >= self.times[0]) & (moved <= self.times[-1])]
-        times = self.times[inside]
+        shifted_times = self.times[samples] - skew  # beyond its ends the path is unknown
+        inner_samples = samples[(shifted_times >= self.times[0]) & (shifted_times <= self.times[-1])]
+        times = self.times[inner_samples]
         basis = self.path(times - skew)
-        return _fit_plays(times, basis[:, 0], basis[:, 1:], self.measured[inside], self.radii)
+        return _fit_plays(times, basis[:, 0], basis[:, 1:], self.measured[inner_samples], self.radii)
 
 
 def _fit_plays(
@@ -259,16 +263,16 @@ def _fit_plays(
 ) -> tuple[float, Array, float]:
     """Fit offset, drift, scale and plays to a reading [m], shape (n,); stops [m] of shape (n, radii)."""
     free, triangle = np.linalg.qr(np.stack([np.ones_like(times), times, motion], axis=1))
-    of_reading, of_plays = free.T @ reading, -free.T @ stops
-    plays = (-stops - free @ of_plays) / radii  # columns of one size
-    remainder = reading - free @ of_reading
+    reading_products, play_products = free.T @ reading, -free.T @ stops
+    plays = (-stops - free @ play_products) / radii  # columns of one size
+    remainder = reading - free @ reading_products
     if not radii.size:
-        scale = float(np.linalg.solve(triangle, of_reading)[2])
+        scale = float(np.linalg.solve(triangle, reading_products)[2])
         return scale, radii, float(np.sqrt(np.mean(remainder**2)))
     root = scipy.linalg.cholesky(plays.T @ plays + 1e-12 * times.size * np.eye(radii.size))
     target = scipy.linalg.solve_triangular(root, plays.T @ remainder, trans="T")
     weights = scipy.optimize.nnls(root, target)[0]
-    scale = float(np.linalg.solve(triangle, of_reading - of_plays @ (weights / radii))[2])
+    scale = float(np.linalg.solve(triangle, reading_products - play_products @ (weights / radii))[2])
     rms = float(np.sqrt(np.mean((remainder - plays @ weights) ** 2)))
     return scale, weights / radii / scale, rms
 
@@ -283,27 +287,31 @@ class _RestEstimate:
 def _estimate_at_rest(recording: Recording, rests: list[NDArray[np.intp]]) -> _RestEstimate:
     """Estimate scale and plays from the second halves of the rests of a test, by the path between them."""
     command, reading = (
-        np.array([values[rest].mean() for rest in rests])
+        np.array([values[stretch].mean() for stretch in rests])
         for values in (recording.command, recording.measured)
     )
     half_range = 0.5 * float(np.ptp(recording.command))
     window = np.hanning(max(round(_WINDOW / recording.time_step), 1) | 1)  # steps do not ring in it
     path = _flatten_rests(filter_symmetrically(recording.measured, window / window.sum()), rests)
-    stops = _stops(path, half_range)[:, [rest[-1] for rest in rests]].T
-    times = np.array([rest.mean() for rest in rests])
+    stops = _stops(path, half_range)[:, [stretch[-1] for stretch in rests]].T
+    times = np.array([stretch.mean() for stretch in rests])
 
-    def estimate(used: NDArray[np.bool_]) -> tuple[float, Array]:
-        return _fit_plays(times[used], command[used], stops[used], reading[used], half_range * _RADII)[:2]
+    def estimate(is_used: NDArray[np.bool_]) -> tuple[float, Array]:
+        return _fit_plays(
+            times[is_used], command[is_used], stops[is_used], reading[is_used], half_range * _RADII
+        )[:2]
 
     places = np.arange(len(rests)) % _STRETCHES
-    without = [estimate(places != place) for place in range(_STRETCHES)]
-    jackknife = np.std([(scale, float(weights @ _RADII)) for scale, weights in without], axis=0)
+    leave_one_out = [estimate(places != place) for place in range(_STRETCHES)]
+    jackknife = np.std([(scale, float(weights @ _RADII)) for scale, weights in leave_one_out], axis=0)
     deviations = jackknife * np.sqrt(_STRETCHES - 1.0)
     scale, weights = estimate(places >= 0)
     hysteresis = float(weights @ _RADII)
     return _RestEstimate(
-        scale=StatedValue(scale, float(np.hypot(deviations[0], _OF_SCALE))),
-        hysteresis=StatedValue(hysteresis, float(np.hypot(deviations[1], _OF_HYSTERESIS * hysteresis))),
+        scale=StatedValue(scale, float(np.hypot(deviations[0], _SCALE_TOLERANCE))),
+        hysteresis=StatedValue(
+            hysteresis, float(np.hypot(deviations[1], _HYSTERESIS_TOLERANCE * hysteresis))
+        ),
         weights=weights,
     )
 
@@ -313,8 +321,8 @@ def _filter_of(command: Array, rate: float) -> tuple[float, Array]:
     size = command.size
     spectrum = np.fft.rfft((command - command.mean()) * scipy.signal.windows.hann(size))
     noise_power = 0.375 * size * white_noise(command) ** 2
-    energy = np.cumsum(np.maximum(np.abs(spectrum) ** 2 - _ABOVE_NOISE * noise_power, 0.0))
-    edge = _HARMONICS * float(np.searchsorted(energy, _PASSED * energy[-1])) * rate / size
+    energy = np.cumsum(np.maximum(np.abs(spectrum) ** 2 - _NOISE_MARGIN * noise_power, 0.0))
+    edge = _HARMONICS * float(np.searchsorted(energy, _ENERGY_SHARE * energy[-1])) * rate / size
     return edge, low_pass(edge, rate)
 
 
@@ -341,14 +349,14 @@ def _rests(recording: Recording, noise: float) -> list[NDArray[np.intp]]:
     edges = np.flatnonzero(np.diff(np.concatenate([[False], still, [False]]).astype(np.int8)))
     spans = zip(edges[::2], edges[1::2], strict=True)
     rests = [np.arange((begin + end) // 2, end) for begin, end in spans if end - begin >= 4 * reach]
-    levels = {round(2.0 * float(recording.command[rest].mean() / np.ptp(command)), 1) for rest in rests}
-    in_steps = still.mean() > _SHARE_OF_RESTS and len(levels) >= _FEWEST_LEVELS and len(rests) >= _STRETCHES
-    return rests if in_steps else []
+    levels = {round(2.0 * float(recording.command[stretch].mean() / np.ptp(command)), 1) for stretch in rests}
+    has_steps = still.mean() > _SHARE_OF_RESTS and len(levels) >= _FEWEST_LEVELS and len(rests) >= _STRETCHES
+    return rests if has_steps else []
 
 
 def _flatten_rests(motion: Array, rests: list[NDArray[np.intp]]) -> Array:
     """Take the noise from the rests of a motion, which would move its plays, shape (n,)."""
     flat = motion.copy()
-    for rest in rests:
-        flat[rest] = motion[rest].mean()
+    for stretch in rests:
+        flat[stretch] = motion[stretch].mean()
     return flat

@@ -10,7 +10,7 @@ from reliab.core.errors import InputError
 from reliab.core.physical_range import Physical
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import MILLI
-from reliab.recordings.recording import Part, Stated, StatedChannels
+from reliab.recordings.recording import ChannelDeclaration, Part, StatedChannels
 
 _RULE: Final = "This is no file of channels"
 _REMEDY: Final = "Compare it with one that `reliab calibrate --out` writes"
@@ -48,10 +48,10 @@ class ChannelTable(_Table):
         default=0.0, description="Reading at rest, in the unit of the file, which is subtracted"
     )
 
-    def stated(self) -> Stated:
+    def declaration(self) -> ChannelDeclaration:
         """Return the same for the recognition."""
         columns = (self.column,) if isinstance(self.column, str) else tuple(self.column)
-        return Stated(
+        return ChannelDeclaration(
             columns=columns,
             unit=self.unit,
             sign=self.sign,
@@ -159,14 +159,14 @@ def read_channels_file(path: str | Path) -> StatedChannels:
             where=str(path),
         )
     return StatedChannels(
-        stated=stated_by_tables(tables.channels),
+        declarations=declared_parts(tables.channels),
         rate_hz=tables.sampling.rate_hz,
         calibration=tables.calibration.quantities(),
         filters=tables.filters.texts(),
     )
 
 
-def stated_by_tables(tables: ChannelTables) -> dict[Part, Stated]:
+def declared_parts(tables: ChannelTables) -> dict[Part, ChannelDeclaration]:
     """Return what tables state of the channels, by part."""
-    by_part = {part: getattr(tables, name) for name, part in _PARTS.items()}
-    return {part: table.stated() for part, table in by_part.items() if table is not None}
+    part_tables = {part: getattr(tables, name) for name, part in _PARTS.items()}
+    return {part: table.declaration() for part, table in part_tables.items() if table is not None}

@@ -30,17 +30,19 @@ from reliab.recordings.recording import (
     Channel,
     require_few_samples,
 )
-from reliab.recordings.units import TIMES, Unit, listed_units, unit_of
+from reliab.recordings.units import TIMES, Unit, unit_of, units_text
 from reliab.recordings.words import Quantity
 from reliab.signals.cubic_path import CubicPath
 
-_FEW: Final = 0.01  # share of unusual steps up to which they are faults, and not the rounding of the times
+_FAULTY_SHARE: Final = (
+    0.01  # share of unusual steps up to which they are faults, and not the rounding of the times
+)
 _GAP: Final = 0.5  # of a step, by which one that is such a fault differs from others
 _MISSING: Final = 0.75  # of a step by which times jump where a sample is missing; a jitter of 0.45 does half
 _LATE: Final = 1.35  # of the steps beside it, from which a step may hide a missing sample
-_BESIDE: Final = 32  # samples on either side of which the clock is known, which makes 0.45 of jitter 0.5
+_NEIGHBOURS: Final = 32  # samples on either side of which the clock is known, which makes 0.45 of jitter 0.5
 _DIGITS: Final = 9
-_ROUNDED: Final = 1e-9  # relative
+_ROUNDING: Final = 1e-9  # relative
 _STEADY: Final = 0.05  # relative, up to which the rate of an uneven clock is one rate
 _LARGEST_RATIO: Final = 20.0  # of two rates of one clock
 
@@ -55,7 +57,7 @@ class Clock:
     start: np.datetime64 | None = None
     note: str = ""  # What is uneven about it, in a sentence
 
-    def at(self, size: int) -> Array:
+    def sample_times(self, size: int) -> Array:
         """Return the times of its samples [s]."""
         even = self.begin + self.step * np.arange(size, dtype=np.float64)
         return even if self.times is None else self.times
@@ -76,15 +78,15 @@ def clock_of(columns: Columns, name: str, times: Array, factor: float) -> Clock:
         raise InputError(
             f"Only {times.size} samples; a test needs at least {FEWEST_SAMPLES}",
             remedy="Give the whole test",
-            where=columns.where,
+            where=columns.location,
         )
     steps = np.diff(times)
     usual, mean = float(np.median(steps)), float((times[-1] - times[0]) / steps.size)
     odd = np.abs(steps - usual) > _EVEN * abs(usual)
     gaps = np.abs(steps - usual) > _GAP * abs(usual)
-    if mean <= 0.0 or (gaps.any() and odd.mean() <= _FEW):
+    if mean <= 0.0 or (gaps.any() and odd.mean() <= _FAULTY_SHARE):
         raise _no_equal_steps(columns, name, times, int(np.argmax(gaps) if gaps.any() else np.argmin(steps)))
-    require_physical("time step", factor * mean, where=columns.where)
+    require_physical("time step", factor * mean, where=columns.location)
     latest = _latest(times)
     if latest <= max(_EVEN * mean, 1.01 * _rounding(times)):
         return Clock(begin=factor * float(times[0]), step=_round_rate(factor * mean))
@@ -117,13 +119,13 @@ def _first_jump(times: Array) -> int | None:
     """
     steps = np.diff(times)
     jumps = steps <= 0.0
-    for reach in (_BESIDE // 2, _BESIDE):
+    for reach in (_NEIGHBOURS // 2, _NEIGHBOURS):
         level, rise = _lines(times, reach)
-        before, after = level + 0.5 * reach * rise, level - 0.5 * reach * rise
+        level_before, level_after = level + 0.5 * reach * rise, level - 0.5 * reach * rise
         size = np.maximum(rise[:-reach], rise[reach:])
         inner = slice(reach - 1, times.size - reach)
-        apart = after[reach:] - before[:-reach]
-        jumps[inner] |= (apart > _MISSING * size) & (steps[inner] > _LATE * size)
+        level_change = level_after[reach:] - level_before[:-reach]
+        jumps[inner] |= (level_change > _MISSING * size) & (steps[inner] > _LATE * size)
     return int(np.argmax(jumps)) if jumps.any() else None
 
 
@@ -139,7 +141,7 @@ def _lines(times: Array, reach: int) -> tuple[Array, Array]:
 
 def _uneven(columns: Columns, times: Array, off: float) -> Clock:
     """Clock of times [s] that jitter, drift or change their rate, by up to `off` steps."""
-    rises = _lines(times, _BESIDE)[1]
+    rises = _lines(times, _NEIGHBOURS)[1]
     shortest, longest = float(rises.min()), float(rises.max())
     mean = float(times[-1] - times[0]) / (times.size - 1)
     if longest > _LARGEST_RATIO * shortest:
@@ -147,24 +149,24 @@ def _uneven(columns: Columns, times: Array, off: float) -> Clock:
             f"The steps between samples range from {significant(shortest)} to {significant(longest)} s, "
             f"by more than a factor of {_LARGEST_RATIO:g}",
             remedy="Resample the test, or cut it where the rate changes",
-            where=columns.where,
+            where=columns.location,
         )
     changes = longest > (1.0 + 2.0 * _STEADY) * shortest
     step = _round_rate(shortest) if changes else mean
     if changes:
-        what = f"The step between samples changes between {shortest:.4g} and {longest:.4g} s"
+        description = f"The step between samples changes between {shortest:.4g} and {longest:.4g} s"
     elif off > 1.0:
-        what = f"The clock drifts by up to {significant(off)} steps"
+        description = f"The clock drifts by up to {significant(off)} steps"
     else:
-        what = f"The clock jitters by up to {significant(off, 2)} of a step"
-    note = f"{what}; the channels were interpolated at equal steps of {step:.6g} s."
+        description = f"The clock jitters by up to {significant(off, 2)} of a step"
+    note = f"{description}; the channels were interpolated at equal steps of {step:.6g} s."
     return Clock(begin=float(times[0]), step=step, times=times, note=note)
 
 
 def _round_rate(step: float) -> float:
     """Step [s], without the rounding of the times where it is that of a whole number of hertz."""
     rate = round(1.0 / step)
-    return 1.0 / rate if rate > 0 and abs(rate * step - 1.0) < _ROUNDED else step
+    return 1.0 / rate if rate > 0 and abs(rate * step - 1.0) < _ROUNDING else step
 
 
 def _latest(times: Array) -> float:
@@ -185,7 +187,7 @@ def _rounding(times: Array) -> float:
 
 _EVEN: Final = 0.01  # relative, by which rates may differ and still be one
 _LEAST_SHARED: Final = 0.9
-_SAME: Final = 1e-3  # of a step, by which clocks may differ and still be one
+_CLOCK_TOLERANCE: Final = 1e-3  # of a step, by which clocks may differ and still be one
 _SHORTEST_TEST: Final = 0.25  # s, below which times without a unit may be in minutes, hours or days
 _FASTEST: Final = 2e-5  # s, the same of a step
 _STATED_UNIT: Final = re.compile(  # behind a name, of times, that no program here knows
@@ -197,47 +199,47 @@ _SLOWEST: Final = 0.5  # s, from which a step without a unit may be one of milli
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Aligned:
+class AlignedHistories:
     """Histories of a test at one clock."""
 
     values: Mapping[str, Array]  # As read, by the keys of the channels, shape (n,)
     step: float  # s
-    applied: Mapping[str, tuple[str, ...]]  # What was done to each, in words
+    corrections: Mapping[str, tuple[str, ...]]  # What was done to each, in words
     notes: tuple[str, ...]  # What was done to all of them, in sentences
     has_rows: bool  # Whether the samples are the rows of the file
 
 
-def with_paired_times(columns: Columns) -> Columns:
+def pair_times(columns: Columns) -> Columns:
     """Give channels the times that stand beside each, where there are several columns of them.
 
     A column of times is that of the columns behind it, up to the next, where all bear one name; else that of
     the channels with the role in its name, where there are several roles.
     """
-    named = describe(list(columns.series), columns.units)
-    times = [name for name, what in named.items() if what.quantity is Quantity.TIME]
-    of_roles = {named[name].role: name for name in times if named[name].role is not None}
+    meanings = describe(list(columns.series), columns.units)
+    times = [name for name, meaning in meanings.items() if meaning.quantity is Quantity.TIME]
+    time_of_role = {meanings[name].role: name for name in times if meanings[name].role is not None}
     owners: dict[str, str] = {}
     if len(times) > 1 and len({re.sub(r"[\W_]*\d*\W*$", "", name) for name in times}) == 1:
-        for name in named:
+        for name in meanings:
             owners[name] = name if name in times else next(reversed(owners.values()), "")
-    elif len(of_roles) > 1:
-        owners = {name: of_roles.get(what.role, "") for name, what in named.items()}
+    elif len(time_of_role) > 1:
+        owners = {name: time_of_role.get(meaning.role, "") for name, meaning in meanings.items()}
     series = dict(columns.series)
     for name, owner in owners.items():
         if owner and name not in times and series[name].times is None:
-            clock, unit = columns.series[owner], named[owner].unit
+            clock, unit = columns.series[owner], meanings[owner].unit
             text = unit.text if unit else ""
             series[name] = replace(series[name], times=clock.values, times_unit=text, start=clock.start)
     return replace(columns, series=series)
 
 
-def at_one_clock(
+def align_clocks(
     columns: Columns,
     channels: Mapping[str, Channel],
     *,
     rate_hz: float | None,
     time_units: str | None,
-) -> Aligned:
+) -> AlignedHistories:
     """Bring the channels of a test to the clock of the first one."""
     time = channels.get("time")
     values = {
@@ -257,7 +259,7 @@ def at_one_clock(
         raise InputError(
             f"The times show {1.0 / clocks[lead].step:.6g} Hz, but the sampling rate is {rate_hz:g} Hz",
             remedy="Correct `rate`, or say with `time_units` in what unit the times are",
-            where=columns.where,
+            where=columns.location,
         )
     return _interpolate(columns, channels, values, clocks)
 
@@ -285,18 +287,20 @@ def _from_one_date(
     columns: Columns, clocks: Mapping[str, Clock], channels: Mapping[str, Channel]
 ) -> dict[str, Clock]:
     """Count the times of all channels from the earliest date that one of them states."""
-    dated = {key: clock for key, clock in clocks.items() if clock.start is not None}
-    if not dated:
+    dated_clocks = {key: clock for key, clock in clocks.items() if clock.start is not None}
+    if not dated_clocks:
         return dict(clocks)
-    if bare := [key for key in clocks if key not in dated]:
+    if bare := [key for key in clocks if key not in dated_clocks]:
         raise InputError(
-            f"{channels[next(iter(dated))].column!r} states when it begins, but "
+            f"{channels[next(iter(dated_clocks))].column!r} states when it begins, but "
             f"{channels[bare[0]].column!r} does not",
             remedy="Export them with one clock, or from the program that recorded both",
-            where=columns.where,
+            where=columns.location,
         )
-    first = min(clock.start for clock in dated.values() if clock.start is not None)
-    return {key: clock.later(seconds_between(first, clock.start or first)) for key, clock in dated.items()}
+    first = min(clock.start for clock in dated_clocks.values() if clock.start is not None)
+    return {
+        key: clock.later(seconds_between(first, clock.start or first)) for key, clock in dated_clocks.items()
+    }
 
 
 def _interpolate(
@@ -304,34 +308,39 @@ def _interpolate(
     channels: Mapping[str, Channel],
     values: Mapping[str, Array],
     clocks: Mapping[str, Clock],
-) -> Aligned:
+) -> AlignedHistories:
     """Histories at equal steps of the first clock; those that have it are only cut."""
     first = next(iter(clocks))
     lead, size = clocks[first], values[first].size
     place, count = _common(columns, values, clocks)
-    at = lead.begin + lead.step * np.arange(place, place + count)
-    histories, applied = {}, {}
+    instants = lead.begin + lead.step * np.arange(place, place + count)
+    histories, corrections = {}, {}
     for key, clock in clocks.items():
         hold = find_hold(values[key], clock.step) if channels[key].part in DISPLACEMENTS else None
         shift = (clock.begin - lead.begin) / lead.step
-        is_cut = hold is None and _is_parallel(clock, lead, size) and abs(shift - round(shift)) < _SAME
+        is_cut = (
+            hold is None and _is_parallel(clock, lead, size) and abs(shift - round(shift)) < _CLOCK_TOLERANCE
+        )
         if is_cut:
             begin = place - round(shift)
             histories[key] = values[key][begin : begin + count]
         else:
-            nodes, known = clock.at(values[key].size), values[key]
-            inside = np.clip(at, nodes[0], nodes[-1])
+            nodes, values_of_channel = clock.sample_times(values[key].size), values[key]
+            clipped_instants = np.clip(instants, nodes[0], nodes[-1])
             if hold is not None:
-                nodes, known = nodes[hold.places] - hold.lateness * clock.step, known[hold.places]
-            histories[key] = CubicPath.interpolate(nodes, known)(inside)
-        of_own = not is_cut and (lead.times is None or clock.times is not lead.times)
-        applied[key] = tuple(
-            _describe_changes(clock, lead, hold, channels[first].column, is_interpolated=of_own)
+                nodes, values_of_channel = (
+                    nodes[hold.places] - hold.lateness * clock.step,
+                    values_of_channel[hold.places],
+                )
+            histories[key] = CubicPath.interpolate(nodes, values_of_channel)(clipped_instants)
+        has_own_clock = not is_cut and (lead.times is None or clock.times is not lead.times)
+        corrections[key] = tuple(
+            _describe_changes(clock, lead, hold, channels[first].column, is_interpolated=has_own_clock)
         )
-    return Aligned(
+    return AlignedHistories(
         values=histories,
         step=lead.step,
-        applied=applied,
+        corrections=corrections,
         notes=(lead.note,) if lead.note else (),
         has_rows=lead.times is None and (place, count) == (0, size),
     )
@@ -340,7 +349,7 @@ def _interpolate(
 def _is_parallel(clock: Clock, lead: Clock, size: int) -> bool:
     """Whether two clocks have equal steps over a test, of which only the begins may differ."""
     even = clock.times is None and lead.times is None
-    return even and abs(clock.step / lead.step - 1.0) * size < _SAME
+    return even and abs(clock.step / lead.step - 1.0) * size < _CLOCK_TOLERANCE
 
 
 def _describe_changes(
@@ -348,7 +357,7 @@ def _describe_changes(
 ) -> Iterator[str]:
     """Say what was done to a channel to bring it to the clock of the first one, if it has another."""
     late = clock.begin - lead.begin
-    if abs(late) > _SAME * lead.step:
+    if abs(late) > _CLOCK_TOLERANCE * lead.step:
         yield f"begins {significant(MILLI * abs(late), 5)} ms {'after' if late > 0.0 else 'before'} {first!r}"
     if hold is not None:
         yield f"interpolated, since it holds each value for {significant(hold.length)} samples"
@@ -364,17 +373,17 @@ def _common(columns: Columns, values: Mapping[str, Array], clocks: Mapping[str, 
     lead = next(iter(clocks.values()))
     ends = {key: (clock.begin, clock.end(values[key].size)) for key, clock in clocks.items()}
     begin, end = max(begin for begin, _ in ends.values()), min(end for _, end in ends.values())
-    place = max(int(np.ceil((begin - lead.begin) / lead.step - _SAME)), 0)
-    count = int(np.floor((end - lead.begin) / lead.step + _SAME)) - place + 1
-    whole = next(iter(ends.values()))
-    size = int(np.floor((whole[1] - whole[0]) / lead.step + _SAME)) + 1
+    place = max(int(np.ceil((begin - lead.begin) / lead.step - _CLOCK_TOLERANCE)), 0)
+    count = int(np.floor((end - lead.begin) / lead.step + _CLOCK_TOLERANCE)) - place + 1
+    overlap = next(iter(ends.values()))
+    size = int(np.floor((overlap[1] - overlap[0]) / lead.step + _CLOCK_TOLERANCE)) + 1
     if count < _LEAST_SHARED * size:
         raise InputError(
             f"The channels were not recorded at the same time: {max(count, 0)} of {size} samples in common",
             remedy="Cut the channels to the same time, or name those of one test",
-            where=columns.where,
+            where=columns.location,
         )
-    require_few_samples(count, columns.where)
+    require_few_samples(count, columns.location)
     return place, count
 
 
@@ -392,7 +401,7 @@ def _clock_of(columns: Columns, name: str, shared: Clock | None, size: int, time
             f"Channels without times differ in length: {series.values.size} samples of {name!r} "
             f"and {size} of others",
             remedy="Export all channels at one rate, or with their times",
-            where=columns.where,
+            where=columns.location,
         )
     if shared is not None:
         return shared if series.start is None else replace(shared, start=series.start)
@@ -400,15 +409,15 @@ def _clock_of(columns: Columns, name: str, shared: Clock | None, size: int, time
         raise InputError(
             "No times and no sampling rate in the file",
             remedy="Name the column of times with `time`, or give the sampling rate with `rate`. "
-            f"Columns in the file: {columns.listed}",
-            where=columns.where,
+            f"Columns in the file: {columns.names_text}",
+            where=columns.location,
         )
-    require_physical("time step", step, where=columns.where)
+    require_physical("time step", step, where=columns.location)
     if step >= _SLOWEST:
         raise InputError(
             f"The file states a sampling rate of {1.0 / step:.6g} Hz, which no test has",
             remedy="Give the rate with `rate`",
-            where=columns.where,
+            where=columns.location,
         )
     return Clock(begin=0.0, step=step)
 
@@ -419,12 +428,12 @@ def _shared_clock(
     """Clock of all channels without their own: a column of times, else the rate that the user states."""
     if time is None:
         if rate_hz is not None:
-            require_physical("time step", 1.0 / rate_hz, where=columns.where)
+            require_physical("time step", 1.0 / rate_hz, where=columns.location)
         return None if rate_hz is None else Clock(begin=0.0, step=1.0 / rate_hz)
-    unit, of_file = _time_unit(columns, time_units or time.unit), _time_unit(columns, time.unit)
+    unit, file_unit = _time_unit(columns, time_units or time.unit), _time_unit(columns, time.unit)
     factor = time.factor
     if time_units is not None and unit is not None:
-        factor *= unit.factor / (1.0 if of_file is None else of_file.factor)
+        factor *= unit.factor / (1.0 if file_unit is None else file_unit.factor)
     times = _readings(columns, time.column, columns.values[time.column])
     clock = clock_of(columns, time.column, times, factor)
     if rate_hz is None:
@@ -438,26 +447,26 @@ def _time_unit(columns: Columns, text: str) -> Unit | None:
     if text and (unit is None or unit.quantity is not Quantity.TIME):
         raise InputError(
             f"Unknown unit of time: {text!r}",
-            remedy=f"Choose among {listed_units(TIMES)}, or export the channels over time",
-            where=columns.where,
+            remedy=f"Choose among {units_text(TIMES)}, or export the channels over time",
+            where=columns.location,
         )
     return unit
 
 
 def _require_unit(columns: Columns, name: str, clock: Clock, size: int, unit: Unit | None) -> None:
     """Ask for a unit where a test in seconds would be shorter or slower than any."""
-    stated = _STATED_UNIT.search(name)
-    if unit is None and stated is not None:
+    stated_unit = _STATED_UNIT.search(name)
+    if unit is None and stated_unit is not None:
         raise InputError(
-            f"Unknown unit of the times: {stated[1]}",
-            remedy=f"State it with `time_units`: {listed_units(TIMES)}",
-            where=columns.where,
+            f"Unknown unit of the times: {stated_unit[1]}",
+            remedy=f"State it with `time_units`: {units_text(TIMES)}",
+            where=columns.location,
         )
     if unit is None and not (_FASTEST <= clock.step < _SLOWEST and clock.step * size >= _SHORTEST_TEST):
         raise InputError(
             f"{name!r} has steps of {clock.step:.6g} without a unit: hardly seconds",
             remedy="State the unit with `time_units`, such as ms or d, or give the sampling rate with `rate`",
-            where=columns.where,
+            where=columns.location,
         )
 
 

@@ -12,7 +12,7 @@ from reliab.core.errors import InputError
 from reliab.core.physical_range import require_physical
 from reliab.core.stated_value import StatedValue
 from reliab.recordings.readers.columns import Columns, is_frame, read_frame
-from reliab.recordings.reading import Histories, histories_of, read_test, stated_in
+from reliab.recordings.reading import Histories, histories_of, read_statements, read_test
 from reliab.recordings.recording import (
     DISPLACEMENTS,
     FEWEST_SAMPLES,
@@ -72,9 +72,9 @@ class CoupledRecording:
         require_physical("time step", self.time_step, where=self.name)
         actuators = tuple(self.actuators) or tuple(str(place + 1) for place in range(shape[0]))
         object.__setattr__(self, "actuators", actuators)
-        for what, rows in (("command", self.command), ("measured displacement", self.measured)):
+        for description, rows in (("command", self.command), ("measured displacement", self.measured)):
             for number, values in zip(actuators, rows, strict=True):
-                require_finite(values, f"{what} {number}", self.name)
+                require_finite(values, f"{description} {number}", self.name)
         if self.ground is not None:
             require_finite(self.ground, "ground acceleration", self.name)
         if not (np.ptp(self.command, axis=1) > 0.0).any():
@@ -85,7 +85,7 @@ class CoupledRecording:
         """Time between the first and the last sample [s]."""
         return float((self.command.shape[1] - 1) * self.time_step)
 
-    def of_actuator(self, place: int) -> Recording:
+    def select_actuator(self, place: int) -> Recording:
         """Return the recording of one actuator, which must move."""
         return Recording(
             command=self.command[place],
@@ -95,7 +95,7 @@ class CoupledRecording:
         )
 
 
-_OF_RECORD: Final = "the record says so"
+_RECORD_REASON: Final = "the record says so"
 
 
 def read_coupled_recording(
@@ -108,37 +108,39 @@ def read_coupled_recording(
     """
     time_units = reading.pop("time_units", None)
     columns = read_frame(path) if is_frame(path) else read_test(path, **reading)
-    columns = with_numbered_pairs(columns)
+    columns = number_pairs(columns)
     histories = histories_of(columns, laboratory, time_units=time_units)
-    recording = coupled_recording_of(histories.without_moves())
-    return replace(recording, stated=laboratory.beside(stated_in(columns)))
+    recording = build_coupled_recording(histories.cut_moves())
+    return replace(recording, stated=laboratory.merge_statements(read_statements(columns)))
 
 
-def coupled_recording_of(histories: Histories) -> CoupledRecording:
+def build_coupled_recording(histories: Histories) -> CoupledRecording:
     """Take commands and measured displacements of all actuators of a test, in the order of their numbers."""
     commands = {
         channel.actuator: key for key, channel in histories.channels.items() if channel.part is Part.COMMAND
     }
-    measured = {
+    measured_rows = {
         channel.actuator: key for key, channel in histories.channels.items() if channel.part is Part.MEASURED
     }
     numbers = numbers_of_pairs((channel.part, channel.actuator) for channel in histories.channels.values())
     columns, channels = histories.columns, histories.channels.values()
     grounds = (key for key, channel in histories.channels.items() if channel.part is Part.GROUND)
-    named = (replace(channel, reason=channel.reason.replace(_OF_RECORD, "its name")) for channel in channels)
+    renamed_channels = (
+        replace(channel, reason=channel.reason.replace(_RECORD_REASON, "its name")) for channel in channels
+    )
     return CoupledRecording(
         command=np.stack([histories.values[commands[number]] for number in numbers]),
-        measured=np.stack([histories.values[measured[number]] for number in numbers]),
+        measured=np.stack([histories.values[measured_rows[number]] for number in numbers]),
         time_step=histories.time_step,
         actuators=tuple(number or "1" for number in numbers),
         name=f"{columns.path.name}, {columns.test}" if columns.test else columns.path.name,
         notes=tuple(dict.fromkeys(histories.notes)),
-        channels=tuple(named),
+        channels=tuple(renamed_channels),
         ground=next((histories.values[key] for key in grounds), None),
     )
 
 
-def with_numbered_pairs(columns: Columns) -> Columns:
+def number_pairs(columns: Columns) -> Columns:
     """Take columns command_1, measured_1, command_2, … as those of actuators where there are several."""
     matches = {name: match for name in columns.values if (match := _NAMED_SO.match(name))}
     parts = {name: (match[1], match[2]) for name, match in matches.items()}
@@ -149,6 +151,10 @@ def with_numbered_pairs(columns: Columns) -> Columns:
 
 def numbers_of_pairs(channels: Iterable[tuple[Part, str]]) -> tuple[str, ...]:
     """Numbers of actuators with both channels, in their order."""
-    every = set(channels)
-    numbers = {number for part, number in every if all((one, number) in every for one in DISPLACEMENTS)}
+    pair_keys = set(channels)
+    numbers = {
+        number
+        for part, number in pair_keys
+        if all((displacement, number) in pair_keys for displacement in DISPLACEMENTS)
+    }
     return tuple(sorted(numbers, key=lambda number: (len(number), number)))

@@ -22,7 +22,7 @@ _GAP = 0.6  # of a step that a sample may come late or early after the one befor
 _LOOK: Final = 1 << 13  # rows in which a channel of a slower clock is looked for
 _WHOLE_RATE = 1e-4  # relative distance up to which a rate is a whole number of hertz
 _SHARED = 0.5  # of another zero: distance between the means of two channels that share it
-_MOST_KEPT: Final = 1 << 14  # samples of a test that is followed, by which its zero is told
+_LONGEST_BUFFER: Final = 1 << 14  # samples of a test that is followed, by which its zero is told
 
 
 def rows_without_skew(rows: Iterator[Rows], samples: float) -> Iterator[Rows]:
@@ -48,30 +48,34 @@ def rows_without_skew(rows: Iterator[Rows], samples: float) -> Iterator[Rows]:
         read = np.concatenate([read, part.measured], axis=-1)
         waiting = part if waiting is None else _join(waiting, part)
         if first < 0:
-            dropped = min(-first, read.shape[-1])
-            read, first = read[..., dropped:], first + dropped
+            lost_samples = min(-first, read.shape[-1])
+            read, first = read[..., lost_samples:], first + lost_samples
         ready = min(read.shape[-1] - weights.size + 1, waiting.command.shape[-1]) if first >= 0 else 0
         if ready > 0:
             nodes = np.lib.stride_tricks.sliding_window_view(read, weights.size, axis=-1)
-            moved = nodes[..., :ready, :] @ weights
-            yield replace(waiting.part(slice(ready)), measured=moved)
+            shifted_rows = nodes[..., :ready, :] @ weights
+            yield replace(waiting.part(slice(ready)), measured=shifted_rows)
             waiting, read = waiting.part(slice(ready, None)), read[..., ready:]
 
 
 def _cubic(place: float) -> Array:
     """Weights of samples at −1, 0, 1 and 2 for a cubic at a place between 0 and 1 (Lagrange)."""
     nodes = np.array([-1.0, 0.0, 1.0, 2.0])
-    others = [np.delete(nodes, k) for k in range(nodes.size)]
-    return np.array([np.prod((place - o) / (node - o)) for node, o in zip(nodes, others, strict=True)])
+    other_nodes = [np.delete(nodes, k) for k in range(nodes.size)]
+    return np.array([np.prod((place - o) / (node - o)) for node, o in zip(nodes, other_nodes, strict=True)])
 
 
-def _join(before: Rows, after: Rows) -> Rows:
+def _join(first: Rows, second: Rows) -> Rows:
     def follow(name: str) -> Any:  # noqa: ANN401 - arrays, or none
-        held = getattr(before, name), getattr(after, name)
-        return None if held[0] is None or held[1] is None else np.concatenate(held, axis=-1)
+        joined_fields = getattr(first, name), getattr(second, name)
+        return (
+            None
+            if joined_fields[0] is None or joined_fields[1] is None
+            else np.concatenate(joined_fields, axis=-1)
+        )
 
     names = ("time", "command", "measured", "force", "lines")
-    return replace(after, **{name: follow(name) for name in names})
+    return replace(second, **{name: follow(name) for name in names})
 
 
 def step_of_rows(rows: Iterator[Rows], rate: float | None) -> tuple[float, Iterator[Rows]]:
@@ -111,9 +115,9 @@ def step_of_rows(rows: Iterator[Rows], rate: float | None) -> tuple[float, Itera
             where=first[-1].place(-1),
         )
     require_physical("time step", step, where=name)
-    whole = round(1.0 / step)
-    if whole > 0 and abs(whole * step - 1.0) < _WHOLE_RATE:
-        step = 1.0 / whole
+    whole_rate = round(1.0 / step)
+    if whole_rate > 0 and abs(whole_rate * step - 1.0) < _WHOLE_RATE:
+        step = 1.0 / whole_rate
     return step, chain(first, rows)
 
 
@@ -147,7 +151,7 @@ def rows_at_equal_steps(rows: Iterator[Rows], step: float) -> Iterator[Rows]:
                 )
             drift = float(late[-1])
         count += part.command.shape[-1]
-        displacements = np.stack([np.atleast_2d(each)[0] for each in (part.command, part.measured)])
+        displacements = np.stack([np.atleast_2d(rows)[0] for rows in (part.command, part.measured)])
         recent, since = (
             np.concatenate([recent, displacements], axis=1)[:, -_LOOK:],
             since + displacements.shape[1],
@@ -158,7 +162,7 @@ def rows_at_equal_steps(rows: Iterator[Rows], step: float) -> Iterator[Rows]:
         yield part
 
 
-def _require_new_samples(recent: Array, step: float, where: str) -> None:
+def _require_new_samples(recent: Array, step: float, location: str) -> None:
     """Refuse channels of a slower clock, whose values stand for several rows; `recent` of shape (2, n)."""
     for part, values in zip(DISPLACEMENTS, recent, strict=True):
         hold = find_hold(values, step)
@@ -167,7 +171,7 @@ def _require_new_samples(recent: Array, step: float, where: str) -> None:
                 f"The {part} displacement holds each value for {significant(hold.length)} rows",
                 remedy="Write a row for each new value, or judge the test afterwards, when it can be "
                 "interpolated",
-                where=where,
+                where=location,
             )
 
 
@@ -177,23 +181,23 @@ def rows_about_zero(rows: Iterable[Rows], time_step: float) -> Iterator[Rows]:
     A loop that felt an offset of its sensor from before the first row moves the command alone. `time_step`
     [s].
     """
-    kept: list[tuple[_Decimator, _Decimator]] = []
+    buffers: list[tuple[_Decimator, _Decimator]] = []
     name = ""
     for part in rows:
         name = part.name
         channels = np.stack([np.atleast_2d(part.command), np.atleast_2d(part.measured)], axis=1)
-        kept = kept or [(_Decimator(), _Decimator()) for _ in channels]
-        for pair, histories in zip(kept, channels, strict=True):
-            for thinned, history in zip(pair, histories, strict=True):
-                thinned.add(history)
+        buffers = buffers or [(_Decimator(), _Decimator()) for _ in channels]
+        for pair, histories in zip(buffers, channels, strict=True):
+            for decimator, history in zip(pair, histories, strict=True):
+                decimator.add(history)
         yield part
-    for commanded, measured in kept:
-        command, reading = (np.array(each.samples) for each in (commanded, measured))
+    for command_buffer, measured_buffer in buffers:
+        command, reading = (np.array(buffer.samples) for buffer in (command_buffer, measured_buffer))
         with naming(name):
-            _require_rest_at_zero(command, reading, time_step * commanded.every)
+            _require_rest_at_zero(command, reading, time_step * command_buffer.every)
 
 
-def _require_rest_at_zero(command: Array, measured: Array, time_step: float) -> None:
+def _require_rest_at_zero(command: Array, measured_displacement: Array, time_step: float) -> None:
     """Refuse histories about another value than zero, and a move before or after a test."""
     begin, end = extent_of_test(command, time_step)
     zero = zero_of(command[begin:end])
@@ -204,7 +208,7 @@ def _require_rest_at_zero(command: Array, measured: Array, time_step: float) -> 
         remedy = (
             "Write the rows of the test only, from where the command stands before it, and follow it again"
         )
-    elif zero and abs(float(measured.mean() - command.mean())) < _SHARED * abs(zero):
+    elif zero and abs(float(measured_displacement.mean() - command.mean())) < _SHARED * abs(zero):
         value = f"a command that oscillates about {significant(MILLI * zero)} mm"
         remedy = (
             "State the reading of both channels at rest, as `zero` of a file `channels`, and follow it again"
@@ -234,5 +238,5 @@ class _Decimator:
         """Take further samples, shape (n,)."""
         self.samples += history[-self.seen % self.every :: self.every].tolist()
         self.seen += history.size
-        while len(self.samples) > _MOST_KEPT:
+        while len(self.samples) > _LONGEST_BUFFER:
             self.samples, self.every = self.samples[::2], 2 * self.every

@@ -22,13 +22,13 @@ from reliab.core.errors import InputError
 from reliab.core.files import ordinary
 from reliab.core.stated_value import StatedValue
 from reliab.core.text_tables import Line, TimesOfDay, cells_of, is_comment, number_of, time_of_day
-from reliab.recordings.coupled_recording import numbers_of_pairs, with_numbered_pairs
+from reliab.recordings.coupled_recording import number_pairs, numbers_of_pairs
 from reliab.recordings.readers.columns import Columns, Series
 from reliab.recordings.readers.header import header_of
 from reliab.recordings.readers.text import begins_table, delimiter_of
-from reliab.recordings.reading import require_clear_numbers, stated_in
+from reliab.recordings.reading import read_statements, require_clear_numbers
 from reliab.recordings.recognition import recognise
-from reliab.recordings.recording import DISPLACEMENTS, LARGEST_READING, Channel, Part, Stated
+from reliab.recordings.recording import DISPLACEMENTS, LARGEST_READING, Channel, ChannelDeclaration, Part
 
 _POLL = 0.05  # s between two looks at a file that does not grow
 _BYTES = 1 << 16
@@ -68,8 +68,8 @@ def _wait_for(path: Path, limit: float, say: Callable[[str], None]) -> BinaryIO:
     """Open a file that a logger may still have to create in its folder."""
     if not path.exists() and path.absolute().parent.is_dir():
         say(f"Waiting up to {limit:g} s for {path.name}, which does not exist yet; Ctrl-C ends the waiting.")
-        until = time.monotonic() + limit
-        while not path.exists() and time.monotonic() < until:
+        deadline = time.monotonic() + limit
+        while not path.exists() and time.monotonic() < deadline:
             time.sleep(_POLL)
     return _open(path)
 
@@ -131,7 +131,7 @@ class _Request:
     """What is looked for in a text: its name, what is stated of channels, and which there must be."""
 
     name: str
-    stated: Mapping[Part, Stated]
+    stated: Mapping[Part, ChannelDeclaration]
     also: tuple[Part, ...]
     several: bool
 
@@ -152,54 +152,54 @@ def rows_as_written(
     pieces: Iterator[bytes],
     *,
     name: str,
-    stated: Mapping[Part, Stated],
+    declarations: Mapping[Part, ChannelDeclaration],
     also: Sequence[Part] = (),
-    several: bool = False,
+    has_several: bool = False,
 ) -> Iterator[Rows]:
     """Rows of a text that comes in pieces.
 
-    `name` is that of its file, `also` which columns it must have beside both displacements, `several` whether
-    these are of several actuators, as command_1, measured_1, command_2, …
+    `name` is that of its file, `also` which columns it must have beside both displacements, `has_several`
+    whether these are of several actuators, as command_1, measured_1, command_2, …
     """
-    wanted = _Request(name=name, stated=stated, also=tuple(also), several=several)
+    request = _Request(name=name, stated=declarations, also=tuple(also), several=has_several)
     remainder, number = b"", 0
     layout: _Layout | None = None
     waiting: list[tuple[int, str]] = []
-    before: _Layout | None = None
+    layout_above: _Layout | None = None
     for piece in pieces_as_utf8(pieces):
         if not piece:
-            remainder, waiting, before, layout = b"", [], layout or before, None
+            remainder, waiting, layout_above, layout = b"", [], layout or layout_above, None
             continue
-        *whole, remainder = (remainder + piece).split(b"\n")
+        *complete_lines, remainder = (remainder + piece).split(b"\n")
         if len(remainder) > _LONGEST_LINE:
             raise InputError(
-                f"Line {number + len(whole) + 1} has more than {_LONGEST_LINE} characters",
+                f"Line {number + len(complete_lines) + 1} has more than {_LONGEST_LINE} characters",
                 remedy="Write one sample in each line",
                 where=name,
             )
         lines = [
             (number + k, raw.decode("utf-8-sig", errors="replace").rstrip("\r"))
-            for k, raw in enumerate(whole, 1)
+            for k, raw in enumerate(complete_lines, 1)
         ]
-        number += len(whole)
+        number += len(complete_lines)
         if layout is None:
             waiting += lines
-            layout, lines = _detect_layout(waiting, wanted, before)
+            layout, lines = _detect_layout(waiting, request, layout_above)
         if layout is not None and (rows := [line for line in lines if not is_comment(line[1])]):
             yield _parse(rows, layout, name)
-    if layout is None and before is None:
-        _explain(waiting, wanted)
+    if layout is None and layout_above is None:
+        _explain(waiting, request)
 
 
-def _explain(waiting: list[tuple[int, str]], wanted: _Request) -> None:
+def _explain(waiting: list[tuple[int, str]], request: _Request) -> None:
     """Say what is wrong with a text in which no two rows of numbers stand below names."""
     lines = [(number, line) for number, line in waiting if not is_comment(line)]
     if len(lines) > 1:
         delimiter = delimiter_of([line for _, line in lines])
         first = next((k for k, (_, line) in enumerate(lines) if _has_number(line, delimiter)), len(lines))
         if 0 < first < len(lines):
-            above = [line for _, line in lines[:first]]
-            _parse(lines[first:], _layout(above, above[-1], delimiter, wanted), wanted.name)
+            header_lines = [line for _, line in lines[:first]]
+            _parse(lines[first:], _layout(header_lines, header_lines[-1], delimiter, request), request.name)
 
 
 def _has_number(line: str, delimiter: str) -> bool:
@@ -207,26 +207,28 @@ def _has_number(line: str, delimiter: str) -> bool:
 
 
 def _detect_layout(
-    waiting: list[tuple[int, str]], wanted: _Request, before: _Layout | None
+    waiting: list[tuple[int, str]], request: _Request, layout_above: _Layout | None
 ) -> tuple[_Layout | None, list[tuple[int, str]]]:
     """Layout of a text, as soon as a row stands below names, or two rows do, and the lines from there."""
     lines = [line for _, line in waiting]
-    delimiter = delimiter_of(lines) if before is None else before.delimiter
+    delimiter = delimiter_of(lines) if layout_above is None else layout_above.delimiter
     for place, line in enumerate(lines):
         if is_comment(line):
             continue
         if begins_table(lines, delimiter, place) or _stands_below_names(lines[: place + 1], delimiter):
-            above = lines[:place]
-            has_names = any(text.strip() for text in above)
-            named = (
-                before if before is not None and not has_names else _layout(above, line, delimiter, wanted)
+            header_lines = lines[:place]
+            has_names = any(text.strip() for text in header_lines)
+            name_lines = (
+                layout_above
+                if layout_above is not None and not has_names
+                else _layout(header_lines, line, delimiter, request)
             )
-            return named, waiting[place:]
+            return name_lines, waiting[place:]
     if len(lines) > _LONGEST_PREAMBLE:
         raise InputError(
             f"No rows of numbers in the first {_LONGEST_PREAMBLE:,} lines",
             remedy="Write command and measured displacement as columns",
-            where=wanted.name,
+            where=request.name,
         )
     return None, []
 
@@ -242,65 +244,65 @@ def _stands_below_names(lines: list[str], delimiter: str) -> bool:
     )
 
 
-def _layout(above: list[str], line: str, delimiter: str, wanted: _Request) -> _Layout:
+def _layout(header_lines: list[str], line: str, delimiter: str, request: _Request) -> _Layout:
     cells = cells_of(line, delimiter)
     width = len(cells)
-    header = header_of(above, width, delimiter, where=wanted.name)
+    header = header_of(header_lines, width, delimiter, location=request.name)
     if not header.named:
         raise InputError(
             f"The first line names no columns: {line[:40]!r}",
             remedy="Write time_s,command_m,measured_m as the first line",
-            where=wanted.name,
+            where=request.name,
         )
     columns = Columns(
-        path=Path(wanted.name),
+        path=Path(request.name),
         series={
             column: Series(values=np.zeros(0), unit=unit, unclear=unclear)
             for column, unit, unclear in zip(header.names, header.units, header.unclear, strict=True)
         },
         header=header.statements,
     )
-    columns = with_numbered_pairs(columns) if wanted.several else columns
-    recognised = recognise(columns, wanted.stated, histories=False)
-    if not wanted.several:
-        _require_one(recognised, wanted.name)
-    parts = {Part.TIME, *DISPLACEMENTS, *wanted.also}
+    columns = number_pairs(columns) if request.several else columns
+    recognised_channels = recognise(columns, request.stated, histories=False)
+    if not request.several:
+        _require_one(recognised_channels, request.name)
+    parts = {Part.TIME, *DISPLACEMENTS, *request.also}
     channels = {
         (channel.part, channel.actuator): (header.names.index(channel.column), channel)
-        for channel in recognised
+        for channel in recognised_channels
         if channel.part in parts
     }
-    require_clear_numbers(columns, (channel for _, channel in channels.values()), wanted.stated)
+    require_clear_numbers(columns, (channel for _, channel in channels.values()), request.stated)
     time = channels.get((Part.TIME, ""))
-    _require_columns(wanted, {part for part, _ in channels}, header.names)
+    _require_columns(request, {part for part, _ in channels}, header.names)
     return _Layout(
         delimiter=delimiter,
         width=width,
         channels=channels,
         actuators=numbers_of_pairs(channels),
-        stated=stated_in(columns),
+        stated=read_statements(columns),
         times_of_day=TimesOfDay() if time is not None and number_of(cells[time[0]]) is None else None,
     )
 
 
-def _require_columns(wanted: _Request, parts: set[Part], names: Sequence[str]) -> None:
+def _require_columns(request: _Request, parts: set[Part], names: Sequence[str]) -> None:
     """Refuse a text without the columns that are needed beside both displacements."""
-    for part in wanted.also:
+    for part in request.also:
         if part not in parts:
             raise InputError(
                 f"No column for the {part}",
                 remedy="Record it, or name it and its unit in a file `channels.toml` for `channels`. "
                 f"Columns in the file: {', '.join(names)}",
-                where=wanted.name,
+                where=request.name,
             )
 
 
-def _require_one(recognised: Sequence[Channel], name: str) -> None:
+def _require_one(channels: Sequence[Channel], name: str) -> None:
     """Refuse channels of several actuators."""
-    if any(channel.actuator for channel in recognised):
+    if any(channel.actuator for channel in channels):
         raise InputError(
             "The file holds the channels of several actuators: "
-            + " and ".join(repr(channel.column) for channel in recognised if channel.actuator),
+            + " and ".join(repr(channel.column) for channel in channels if channel.actuator),
             remedy="Choose a pair with `command` and `measured`, or state the `structure` that all drive",
             where=name,
         )
@@ -317,8 +319,8 @@ def _parse(lines: list[tuple[int, str]], layout: _Layout, name: str) -> Rows:
                 where=f"{name}, line {number}",
             )
         for key, (place, channel) in layout.channels.items():
-            of_day = key[0] is Part.TIME and layout.times_of_day is not None
-            value = time_of_day(cells[place]) if of_day else number_of(cells[place])
+            is_time_of_day = key[0] is Part.TIME and layout.times_of_day is not None
+            value = time_of_day(cells[place]) if is_time_of_day else number_of(cells[place])
             if value is None or not abs(value) < LARGEST_READING:
                 raise InputError(
                     f"Not a finite number below {LARGEST_READING:g}",
@@ -330,15 +332,15 @@ def _parse(lines: list[tuple[int, str]], layout: _Layout, name: str) -> Rows:
     readings = {key: np.array(values) for key, values in read.items()}
     if layout.times_of_day is not None:
         readings[Part.TIME, ""] = layout.times_of_day.counted(readings[Part.TIME, ""])
-    histories = {key: layout.channels[key][1].in_si(values) for key, values in readings.items()}
-    command, measured = (
+    histories = {key: layout.channels[key][1].convert_to_si(values) for key, values in readings.items()}
+    command, measured_rows = (
         np.stack([histories[part, number] for number in layout.actuators]) for part in DISPLACEMENTS
     )
-    one = layout.actuators == ("",)
+    is_single = layout.actuators == ("",)
     return Rows(
         time=histories.get((Part.TIME, "")),
-        command=command[0] if one else command,
-        measured=measured[0] if one else measured,
+        command=command[0] if is_single else command,
+        measured=measured_rows[0] if is_single else measured_rows,
         force=histories.get((Part.FORCE, "")),
         stated=layout.stated,
         actuators=layout.actuators,

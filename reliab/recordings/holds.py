@@ -53,6 +53,8 @@ def find_hold(values: Array, time_step: float) -> Hold | None:
     bounds = np.concatenate([[0], changes, [values.size]])
     samples = np.arange(values.size)
     stretch = np.searchsorted(bounds, samples, side="right")
-    within, remaining = samples - bounds[stretch - 1], bounds[stretch] - samples
-    is_new = (within == 0) | ((within % usual == 0) & (remaining >= usual))  # a value may come again
+    samples_in_stretch, remaining = samples - bounds[stretch - 1], bounds[stretch] - samples
+    is_new = (samples_in_stretch == 0) | (
+        (samples_in_stretch % usual == 0) & (remaining >= usual)
+    )  # a value may come again
     return Hold(places=np.flatnonzero(is_new), length=length, lateness=0.5 * (1.0 - 1.0 / phases))

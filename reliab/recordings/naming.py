@@ -13,8 +13,8 @@ from typing import Final, TypeVar
 from reliab.recordings.behaviour import Likeness
 from reliab.recordings.units import Unit, split_unit, unit_of
 from reliab.recordings.words import (
-    ALTERED,
-    CALCULATED,
+    ALTERATION_WORDS,
+    CALCULATION_WORDS,
     COMMAND_ENDINGS,
     MEASURED_ENDINGS,
     NEUTRAL,
@@ -26,6 +26,9 @@ from reliab.recordings.words import (
     Quantity,
     Role,
 )
+
+_STEM: Final = re.compile(r"(?:\(\d+\)|\[\d+\]|\d+)+$")  # places in a matrix or a list behind its name
+
 
 _Meaning = TypeVar("_Meaning", Quantity, Role)
 _FLAG: Final = re.compile(r"^(?:at|new)(?=[A-Z])")  # atTarget: whether it was reached, not the target
@@ -39,7 +42,7 @@ _LONGEST_NAME: Final = 200
 _SHORTEST_GLUED, _LONGEST_WORD = 5, 40
 _COORDINATES: Final = frozenset("xyzdus")
 
-WITHOUT_ROLE: Final = 8
+ROLELESS_RANK: Final = 8
 """Rank from which no word marks a displacement as measured."""
 
 _WEAK_RANK, _ALTERED_RANK, _TABLE_RANK = 2, 4, 2
@@ -47,7 +50,7 @@ _LEAST_NOISE_RATIO = 3.0
 
 
 def _meaning_by_word(words: Mapping[_Meaning, str]) -> dict[str, _Meaning]:
-    return {word: meaning for meaning, listed in words.items() for word in listed.split()}
+    return {word: meaning for meaning, word_list in words.items() for word in word_list.split()}
 
 
 _QUANTITY_OF: Final = _meaning_by_word(QUANTITIES)
@@ -59,10 +62,10 @@ _ROLE_OF: Final = _meaning_by_word(ROLES)
 _WEAK_ROLE_OF: Final = _meaning_by_word(WEAK_ROLES)
 
 
-_ALTERED: Final = frozenset(ALTERED.split())
+_ALTERATION_WORDS: Final = frozenset(ALTERATION_WORDS.split())
 
 
-_AFTER_LETTERS: Final = frozenset(
+_LETTER_SUFFIXES: Final = frozenset(
     {
         *_ROLE_OF,
         *_WEAK_ROLE_OF,
@@ -71,10 +74,12 @@ _AFTER_LETTERS: Final = frozenset(
 ) - {"in", "pot", "is"}
 
 
-_CALCULATED: Final = frozenset(CALCULATED.split())
+_CALCULATION_WORDS: Final = frozenset(CALCULATION_WORDS.split())
 
 
-_KNOWN: Final = frozenset({*_QUANTITY_OF, *_ROLE_OF, *_WEAK_ROLE_OF, *_ALTERED, *NEUTRAL.split()})
+_VOCABULARY: Final = frozenset(
+    {*_QUANTITY_OF, *_ROLE_OF, *_WEAK_ROLE_OF, *_ALTERATION_WORDS, *NEUTRAL.split()}
+)
 
 
 _PRECEDENCE: Final = (  # of several quantities in a name: "Displacement error (mm)" is an error
@@ -85,22 +90,37 @@ _PRECEDENCE: Final = (  # of several quantities in a name: "Displacement error (
 
 
 @dataclass(frozen=True, kw_only=True)
-class Named:
+class Meaning:
     """What the name and the unit of a column say."""
 
     column: str  # Its name in the file
     quantity: Quantity | None  # What it measures; None where nothing says so
     role: Role | None  # Its side of the transfer system; None where nothing says so
     weak: bool  # Whether the role rests on a word that often means something else
-    altered: bool  # Whether a word says that the history was changed
+    is_altered: bool  # Whether a word says that the history was changed
     number: str  # Number of the actuator or channel; empty where the name has none
     unit: Unit | None  # Its unit, of the file or in the name
 
 
-def describe(columns: Sequence[str], units: Mapping[str, str]) -> dict[str, Named]:
+def describe(columns: Sequence[str], units: Mapping[str, str]) -> dict[str, Meaning]:
     """Say what names and units of all columns mean."""
-    named = {column: _describe(column, unit_of(units.get(column, ""))) for column in columns}
-    return {column: _role_by_ending(what, named) for column, what in named.items()}
+    meanings = {column: _describe(column, unit_of(units.get(column, ""))) for column in columns}
+    return {column: _role_by_ending(meaning, meanings) for column, meaning in meanings.items()}
+
+
+def describe_columns(
+    columns: Sequence[str], units: Mapping[str, str], *, has_names: bool
+) -> dict[str, Meaning]:
+    """Say what names and units mean; columns of one matrix have its name, which says nothing of any."""
+    meanings = describe(columns, units)
+    if has_names or len({_STEM.sub("", name) for name in meanings}) > 1:
+        return meanings
+    return {
+        name: replace(
+            meaning, quantity=meaning.unit.quantity if meaning.unit else None, role=None, is_altered=False
+        )
+        for name, meaning in meanings.items()
+    }
 
 
 def plain(name: str) -> str:
@@ -120,26 +140,26 @@ def words_of(name: str) -> tuple[str, ...]:
     (('act', '1', 'disp', 'cmd'), ('axial', 'displacement'))
     """
     parts = [part for part in _GAPS.split(_ascii(name)[:_LONGEST_NAME]) if part]
-    whole = "".join(parts).lower()
-    if whole in _KNOWN:  # "SetPoint", "LoadCell"
-        return (whole,)
+    text = "".join(parts).lower()
+    if text in _VOCABULARY:  # "SetPoint", "LoadCell"
+        return (text,)
     return tuple(word for part in parts for word in _split_compound(part.lower()))
 
 
 @cache
 def _split_compound(word: str) -> tuple[str, ...]:
     """Words of which one is put together, all of them known; itself where it is not."""
-    if word in _KNOWN or len(word) > _LONGEST_WORD:
+    if word in _VOCABULARY or len(word) > _LONGEST_WORD:
         return (word,)
     for letter, remainder in ((word[0], word[1:]), (word[-1], word[:-1])):  # xref, dmeas, cmdx
-        if letter in _COORDINATES and remainder in _AFTER_LETTERS:
+        if letter in _COORDINATES and remainder in _LETTER_SUFFIXES:
             return (letter, remainder)
     if len(word) < _SHORTEST_GLUED:
         return (word,)
     begins: dict[int, tuple[str, ...]] = {0: ()}
     for end in range(1, len(word) + 1):
         for begin in range(end - 2, -1, -1):  # longer words first
-            if begin in begins and word[begin:end] in _KNOWN:
+            if begin in begins and word[begin:end] in _VOCABULARY:
                 candidate = (*begins[begin], word[begin:end])
                 if end not in begins or len(candidate) < len(begins[end]):
                     begins[end] = candidate
@@ -161,26 +181,26 @@ def _ascii(name: str) -> str:
     return "".join(letter for letter in plain_letters if not unicodedata.combining(letter))
 
 
-def _describe(column: str, stated: Unit | None) -> Named:
+def _describe(column: str, stated_unit: Unit | None) -> Meaning:
     last = leaf(column)
     symbol = SYMBOLS.get(re.sub(r"\d+$", "", plain(last)))
-    bare, written = (last, None) if symbol else split_unit(last)
+    bare, unit_text = (last, None) if symbol else split_unit(last)
     if symbol is None and (shorter := SYMBOLS.get(re.sub(r"\d+$", "", plain(bare)))):
         symbol = shorter
     words, around = words_of(bare), words_of(column[: -len(last)] if last != column else "")
     role, weak = _role(words, around)
-    if weak and role is Role.MEASURED and _CALCULATED & {*words, *around}:
+    if weak and role is Role.MEASURED and _CALCULATION_WORDS & {*words, *around}:
         role, weak = None, False  # "model output"
     quantity = _quantity(words) or _quantity(around)
     if symbol is not None:
         quantity, role, weak = symbol[0], symbol[1], False
-    unit = stated or written
-    return Named(
+    unit = stated_unit or unit_text
+    return Meaning(
         column=column,
         quantity=_apply_unit(quantity, unit, words),
         role=role,
         weak=weak,
-        altered=bool(_ALTERED & {*words, *around}) or bool(_FLAG.match(last)),
+        is_altered=bool(_ALTERATION_WORDS & {*words, *around}) or bool(_FLAG.match(last)),
         number=_number(words, bare),
         unit=unit,
     )
@@ -222,22 +242,22 @@ def _number(words: Sequence[str], bare: str) -> str:
     return digits[-1] if digits else (ending[1] or ending[2]).lower() if ending else ""
 
 
-def _role_by_ending(what: Named, named: Mapping[str, Named]) -> Named:
+def _role_by_ending(meaning: Meaning, meanings: Mapping[str, Meaning]) -> Meaning:
     """Tell x_d and x_m, or disp_c and disp_m, by their last letters, where both are there."""
-    name = what.column
-    if what.role is not None or len(name) < 3 or name[-2] != "_":  # noqa: PLR2004 - a letter, _ and a letter
-        return what
-    for endings, others, role in (
+    name = meaning.column
+    if meaning.role is not None or len(name) < 3 or name[-2] != "_":  # noqa: PLR2004 - a letter, _ and a letter
+        return meaning
+    for endings, other_endings, role in (
         (COMMAND_ENDINGS, MEASURED_ENDINGS, Role.COMMAND),
         (MEASURED_ENDINGS, COMMAND_ENDINGS, Role.MEASURED),
     ):
-        if name[-1].lower() in endings and any(name[:-1] + letter in named for letter in others):
+        if name[-1].lower() in endings and any(name[:-1] + letter in meanings for letter in other_endings):
             return replace(
-                what,
+                meaning,
                 role=role,
-                unit=None if what.unit and what.unit.text == name[-1] else what.unit,
+                unit=None if meaning.unit and meaning.unit.text == name[-1] else meaning.unit,
             )
-    return what
+    return meaning
 
 
 def votes(likeness: Likeness) -> int:
@@ -252,41 +272,41 @@ def votes(likeness: Likeness) -> int:
     return follows if noisier == follows or (noisier == 0 and follows > 0) else 0
 
 
-def _may_be(what: Named, quantity: Quantity) -> bool:
-    return what.quantity in {None, quantity}
+def _may_be(meaning: Meaning, quantity: Quantity) -> bool:
+    return meaning.quantity in {None, quantity}
 
 
-def _rank(what: Named) -> int:
-    return (what.quantity is None) + _WEAK_RANK * what.weak + _ALTERED_RANK * what.altered
+def _rank(meaning: Meaning) -> int:
+    return (meaning.quantity is None) + _WEAK_RANK * meaning.weak + _ALTERED_RANK * meaning.is_altered
 
 
-def rank_as_command(what: Named) -> int | None:
+def rank_as_command(meaning: Meaning) -> int | None:
     """Rank a column as the commanded displacement."""
-    if what.role is not Role.COMMAND or not _may_be(what, Quantity.DISPLACEMENT):
+    if meaning.role is not Role.COMMAND or not _may_be(meaning, Quantity.DISPLACEMENT):
         return None
-    return _rank(what)
+    return _rank(meaning)
 
 
-def rank_as_measured(what: Named) -> int | None:
+def rank_as_measured(meaning: Meaning) -> int | None:
     """Rank a column as the measured displacement."""
-    if not _may_be(what, Quantity.DISPLACEMENT):
+    if not _may_be(meaning, Quantity.DISPLACEMENT):
         return None
-    if what.role is Role.MEASURED:
-        return _rank(what)
-    if what.quantity is None or what.role is Role.COMMAND:
+    if meaning.role is Role.MEASURED:
+        return _rank(meaning)
+    if meaning.quantity is None or meaning.role is Role.COMMAND:
         return None
-    return _rank(what) + WITHOUT_ROLE + _TABLE_RANK * (what.role is Role.GROUND)
+    return _rank(meaning) + ROLELESS_RANK + _TABLE_RANK * (meaning.role is Role.GROUND)
 
 
-def rank_as_ground(what: Named) -> int | None:
+def rank_as_ground(meaning: Meaning) -> int | None:
     """Rank a column as the ground acceleration."""
-    if what.role is not Role.GROUND or not _may_be(what, Quantity.ACCELERATION) or what.altered:
+    if meaning.role is not Role.GROUND or not _may_be(meaning, Quantity.ACCELERATION) or meaning.is_altered:
         return None
-    return 0 if what.quantity is Quantity.ACCELERATION else 1
+    return 0 if meaning.quantity is Quantity.ACCELERATION else 1
 
 
-def rank_as_force(what: Named) -> int | None:
+def rank_as_force(meaning: Meaning) -> int | None:
     """Rank a column as the force."""
-    if what.quantity is not Quantity.FORCE or what.role is Role.COMMAND or what.altered:
+    if meaning.quantity is not Quantity.FORCE or meaning.role is Role.COMMAND or meaning.is_altered:
         return None
-    return 0 if what.role is Role.MEASURED else 1
+    return 0 if meaning.role is Role.MEASURED else 1

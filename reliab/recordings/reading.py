@@ -11,8 +11,8 @@ from reliab.core.arrays import Array
 from reliab.core.errors import InputError, naming
 from reliab.core.significant_digits import significant
 from reliab.core.stated_value import StatedValue
-from reliab.recordings.behaviour import compare, explained, moves
-from reliab.recordings.clocks import at_one_clock, with_paired_times
+from reliab.recordings.behaviour import compare, moves, share_explained
+from reliab.recordings.clocks import align_clocks, pair_times
 from reliab.recordings.readers.columns import Columns, is_frame, read_frame
 from reliab.recordings.readers.registry import read_tests
 from reliab.recordings.recognition import recognise
@@ -20,12 +20,12 @@ from reliab.recordings.recording import (
     DISPLACEMENTS,
     QUANTITY_OF,
     Channel,
+    ChannelDeclaration,
     Part,
     Recording,
-    Stated,
     StatedChannels,
 )
-from reliab.recordings.units import ANGLES, LENGTHS, listed_units, split_unit, unit_of
+from reliab.recordings.units import ANGLES, LENGTHS, split_unit, unit_of, units_text
 from reliab.recordings.zero import extent_of_test
 
 if TYPE_CHECKING:
@@ -42,8 +42,10 @@ _HEADER_NAMES: Final = {
 _NO_UNITS: Final = frozenset(
     {"", "1", "?", "none", "unknown", "n/a", "na", "unit", "a.u.", "arb", "dimensionless"}
 )
-_EXPLAINED: Final = 0.9  # share of a nameless column that the motion explains, from which it may be a force
-_OF_LENGTHS: Final = ("", "displacement ", "length ")  # before "units" in a header
+_LEAST_EXPLAINED_SHARE: Final = (
+    0.9  # share of a nameless column that the motion explains, from which it may be a force
+)
+_LENGTH_WORDS: Final = ("", "displacement ", "length ")  # before "units" in a header
 _NAMES_SHOWN: Final = 20  # of the tests of a file, in a message
 _LARGEST_RATIO: Final = 3.0  # of measured to commanded displacement in one unit
 
@@ -59,7 +61,7 @@ class Histories:
     notes: tuple[str, ...]  # What was assumed or done, in sentences
     has_rows: bool = True  # Whether the samples are the rows of the file, neither interpolated nor cut
 
-    def without_moves(self) -> "Histories":
+    def cut_moves(self) -> "Histories":
         """Leave out what the commands do before and after a test to reach its position, and say so."""
         commands = [
             self.values[key] for key, channel in self.channels.items() if channel.part is Part.COMMAND
@@ -71,8 +73,8 @@ class Histories:
             return self
         lasting = (begin * self.time_step, (size - end) * self.time_step)
         parts = [
-            f"the {which} {significant(time)} s"
-            for which, time in zip(("first", "last"), lasting, strict=True)
+            f"the {end_name} {significant(time)} s"
+            for end_name, time in zip(("first", "last"), lasting, strict=True)
             if time
         ]
         left_out = f"{' and '.join(parts)} left out, in which the command only moved to or from its position"
@@ -80,7 +82,7 @@ class Histories:
             self,
             values={key: values[begin:end] for key, values in self.values.items()},
             channels={
-                key: replace(channel, applied=(*channel.applied, left_out))
+                key: replace(channel, corrections=(*channel.corrections, left_out))
                 for key, channel in self.channels.items()
             },
             notes=(*self.notes, f"{left_out[0].upper()}{left_out[1:]}."),
@@ -134,10 +136,10 @@ def read_recording(
     """
     names = {Part.COMMAND: command, Part.MEASURED: measured, Part.TIME: time}
     table = read_frame(path) if is_frame(path) else read_test(path, test, delimiter=delimiter)
-    laboratory = stated_by_options(channels, names, units, rate_hz)
+    laboratory = declare_channels(channels, names, units, rate_hz)
     histories = histories_of(table, laboratory, time_units=time_units)
-    recording = recording_of(histories.without_moves())
-    return replace(recording, stated=laboratory.beside(recording.stated))
+    recording = recording_of(histories.cut_moves())
+    return replace(recording, stated=laboratory.merge_statements(recording.stated))
 
 
 def read_test(path: str | Path, test: str | None = None, *, delimiter: str | None = None) -> Columns:
@@ -157,9 +159,9 @@ def one_test(tests: Sequence[Columns], name: str | None) -> Columns:
             )
         return tests[names.index(name)]
     if len(tests) > 1:
-        further = " …" if len(names) > _NAMES_SHOWN else ""
+        ellipsis = " …" if len(names) > _NAMES_SHOWN else ""
         raise InputError(
-            f"The file holds several tests: {', '.join(names[:_NAMES_SHOWN])}{further}",
+            f"The file holds several tests: {', '.join(names[:_NAMES_SHOWN])}{ellipsis}",
             remedy="Choose one with `test_name`, or all of them with `test_name=all`",
             where=tests[0].path.name,
         )
@@ -170,44 +172,44 @@ def histories_of(
     columns: Columns,
     laboratory: StatedChannels,
     *,
-    needed: Iterable[Part] = DISPLACEMENTS,
+    needed_parts: Iterable[Part] = DISPLACEMENTS,
     time_units: str | None = None,
 ) -> Histories:
     """Recognise the channels of a test, and bring them to SI units and one clock."""
-    if Part.TIME not in laboratory.stated:
-        columns = with_paired_times(columns)
-    completed, notes = _complete_units(columns, recognise(columns, laboratory.stated, needed=needed))
-    keyed = {_key(channel): channel for channel in sorted(completed, key=_order)}
-    if not any(channel.part is not Part.TIME for channel in keyed.values()):
+    if Part.TIME not in laboratory.declarations:
+        columns = pair_times(columns)
+    recognised = recognise(columns, laboratory.declarations, needed_parts=needed_parts)
+    channels, notes = _complete_units(columns, recognised)
+    channel_of = {_key(channel): channel for channel in sorted(channels, key=_order)}
+    if not any(channel.part is not Part.TIME for channel in channel_of.values()):
         raise InputError(
             "No column for the command or the measured displacement",
             remedy=f"Name the columns command and measured, or choose them with `command` and `measured`. "
-            f"Columns in the file: {columns.listed}",
-            where=columns.where,
+            f"Columns in the file: {columns.names_text}",
+            where=columns.location,
         )
-    require_clear_numbers(columns, keyed.values(), laboratory.stated)
-    aligned = at_one_clock(columns, keyed, rate_hz=laboratory.rate_hz, time_units=time_units)
-    applied = {
-        key: (*columns.series[channel.column].applied, *aligned.applied.get(key, ()))
-        for key, channel in keyed.items()
+    require_clear_numbers(columns, channel_of.values(), laboratory.declarations)
+    histories = align_clocks(columns, channel_of, rate_hz=laboratory.rate_hz, time_units=time_units)
+    corrections = {
+        key: (*columns.series[channel.column].corrections, *histories.corrections.get(key, ()))
+        for key, channel in channel_of.items()
     }
     sentences = (
-        f"{keyed[key].column!r}: {'; '.join(clauses)}." for key, clauses in applied.items() if clauses
+        f"{channel_of[key].column!r}: {'; '.join(clauses)}."
+        for key, clauses in corrections.items()
+        if clauses
     )
-    keyed = {key: replace(channel, applied=(*applied[key], *aligned.notes)) for key, channel in keyed.items()}
+    channel_of = {
+        key: replace(channel, corrections=(*corrections[key], *histories.notes))
+        for key, channel in channel_of.items()
+    }
     return Histories(
         columns=columns,
-        channels=keyed,
-        values={key: keyed[key].in_si(values) for key, values in aligned.values.items()},
-        time_step=aligned.step,
-        has_rows=aligned.has_rows,
-        notes=(
-            *columns.notes,
-            *notes,
-            *_possible_forces(columns, completed),
-            *aligned.notes,
-            *sentences,
-        ),
+        channels=channel_of,
+        values={key: channel_of[key].convert_to_si(values) for key, values in histories.values.items()},
+        time_step=histories.step,
+        has_rows=histories.has_rows,
+        notes=(*columns.notes, *notes, *_possible_forces(columns, channels), *histories.notes, *sentences),
     )
 
 
@@ -219,7 +221,7 @@ def recording_of(histories: Histories) -> Recording:
         raise InputError(
             f"The file holds channels of actuators {', '.join(numbers)}: {' and '.join(map(repr, commands))}",
             remedy="Choose a pair with `command` and `measured`; `reliab record` keeps all of them",
-            where=histories.columns.where,
+            where=histories.columns.location,
         )
     values, columns = histories.values, histories.columns
     return Recording(
@@ -230,16 +232,16 @@ def recording_of(histories: Histories) -> Recording:
         notes=histories.notes,
         ground=values.get("ground acceleration"),
         force=values.get("force"),
-        stated=stated_in(columns),
+        stated=read_statements(columns),
         channels=tuple(histories.channels.values()),
     )
 
 
-def stated_in(columns: Columns) -> dict[str, StatedValue]:
+def read_statements(columns: Columns) -> dict[str, StatedValue]:
     """Read what the header, or single numbers of a binary file, say of the structure and the sensor."""
     texts = {name.rpartition(".")[2].lower(): f"{value:.17g}" for name, value in columns.scalars.items()}
     texts |= {name: text.removesuffix("Hz") for name, text in columns.header.items()}
-    with naming(columns.where):
+    with naming(columns.location):
         return {
             quantity: StatedValue.parse(texts[name], name)
             for quantity, names in _HEADER_NAMES.items()
@@ -248,7 +250,7 @@ def stated_in(columns: Columns) -> dict[str, StatedValue]:
         }
 
 
-def stated_by_options(
+def declare_channels(
     channels: str | Path | None, names: Mapping[Part, str | None], units: str | None, rate_hz: float | None
 ) -> StatedChannels:
     """Put what options state before what a file `channels.toml` states; `rate_hz` [Hz]."""
@@ -258,14 +260,14 @@ def stated_by_options(
 
         laboratory = read_channels_file(channels)
     if units is not None and units not in LENGTHS:
-        raise InputError(f"Unknown unit of length: {units!r}", remedy=f"Choose among {listed_units(LENGTHS)}")
-    result = dict(laboratory.stated)
+        raise InputError(f"Unknown unit of length: {units!r}", remedy=f"Choose among {units_text(LENGTHS)}")
+    result = dict(laboratory.declarations)
     for part, name in names.items():
         if name is not None:
-            result[part] = replace(result.get(part, Stated()), columns=(name,))
+            result[part] = replace(result.get(part, ChannelDeclaration()), columns=(name,))
     for part in DISPLACEMENTS if units else ():
-        result[part] = replace(result.get(part, Stated()), unit=units or "")
-    return replace(laboratory, stated=result, rate_hz=rate_hz or laboratory.rate_hz)
+        result[part] = replace(result.get(part, ChannelDeclaration()), unit=units or "")
+    return replace(laboratory, declarations=result, rate_hz=rate_hz or laboratory.rate_hz)
 
 
 def _key(channel: Channel) -> str:
@@ -281,45 +283,43 @@ def _complete_units(columns: Columns, channels: Sequence[Channel]) -> tuple[list
     """Complete the units; a channel beside the displacements without one is left out."""
     channels = [_apply_header_unit(columns, _apply_angle_unit(columns, channel)) for channel in channels]
     pairs = {(channel.part, channel.actuator): channel for channel in channels}
-    completed, notes = [], []
+    result, notes = [], []
     if not columns.named:
         order = ", ".join(f"{channel.part} = {channel.column}" for channel in channels)
         notes.append(f"The columns have no names and were identified by their histories: {order}.")
     for channel in channels:
         partner = {Part.COMMAND: Part.MEASURED, Part.MEASURED: Part.COMMAND}.get(channel.part)
-        beside = pairs.get((partner, channel.actuator)) if partner else None
-        if channel.part in DISPLACEMENTS and not channel.unit and beside is not None:
-            if beside.unit:
-                _require_plain_unit(columns, beside)
-                _require_same_unit(columns, channel, beside)
-                unit = unit_of(beside.unit)
+        twin = pairs.get((partner, channel.actuator)) if partner else None
+        if channel.part in DISPLACEMENTS and not channel.unit and twin is not None:
+            if twin.unit:
+                _require_plain_unit(columns, twin)
+                _require_same_unit(columns, channel, twin)
+                unit = unit_of(twin.unit)
                 notes.append(
-                    f"The {channel.part} displacement states no unit and was taken to be in {beside.unit} "
-                    "too."
+                    f"The {channel.part} displacement states no unit and was taken to be in {twin.unit} too."
                 )
-                completed.append(
-                    replace(channel, unit=beside.unit, factor=channel.factor * (unit.factor if unit else 1.0))
-                )
+                factor = channel.factor * (unit.factor if unit else 1.0)
+                result.append(replace(channel, unit=twin.unit, factor=factor))
                 continue
             if channel.part is Part.COMMAND:
-                whose = f" of actuator {channel.actuator}" if channel.actuator else ""
+                owner = f" of actuator {channel.actuator}" if channel.actuator else ""
                 notes.append(
-                    f"Neither displacement{whose} states a unit of length: they were taken to share one, and "
+                    f"Neither displacement{owner} states a unit of length: they were taken to share one, and "
                     "to be in metres."
                 )
         elif channel.part in {Part.FORCE, Part.GROUND} and not channel.unit:
             unit_name = "N" if channel.part is Part.FORCE else "m/s²"
             notes.append(f"The {channel.part} states no unit and was taken to be in {unit_name}.")
-        elif beside is not None and channel.part is Part.COMMAND and beside.unit not in {"", channel.unit}:
-            notes.append(f"The command is stated in {channel.unit}, the measured in {beside.unit}.")
-        completed.append(channel)
-    return completed, notes
+        elif twin is not None and channel.part is Part.COMMAND and twin.unit not in {"", channel.unit}:
+            notes.append(f"The command is stated in {channel.unit}, the measured in {twin.unit}.")
+        result.append(channel)
+    return result, notes
 
 
 def _apply_header_unit(columns: Columns, channel: Channel) -> Channel:
     """Take the unit that a comment states for all channels of a kind, "units: mm" or "time unit: ms"."""
     words = {Part.TIME: ("time ",), Part.FORCE: ("force ",), Part.GROUND: ("acceleration ",)}
-    names = (f"{word}{noun}" for word in words.get(channel.part, _OF_LENGTHS) for noun in ("unit", "units"))
+    names = (f"{word}{noun}" for word in words.get(channel.part, _LENGTH_WORDS) for noun in ("unit", "units"))
     units = (unit_of(columns.header.get(name, "")) for name in names)
     unit = next((unit for unit in units if unit and unit.quantity is QUANTITY_OF[channel.part]), None)
     if channel.unit or unit is None:
@@ -336,45 +336,50 @@ def _apply_angle_unit(columns: Columns, channel: Channel) -> Channel:
 
 
 def require_clear_numbers(
-    columns: Columns, channels: Iterable[Channel], stated: Mapping[Part, Stated]
+    columns: Columns, channels: Iterable[Channel], declarations: Mapping[Part, ChannelDeclaration]
 ) -> None:
     """Refuse an unknown unit, and what may be a scale, of a channel that the laboratory does not state."""
     for channel in channels:
-        series, laboratory = columns.series[channel.column], stated.get(channel.part, Stated())
+        series, laboratory = (
+            columns.series[channel.column],
+            declarations.get(channel.part, ChannelDeclaration()),
+        )
         if series.unclear and not laboratory.is_scaled:
             raise InputError(
                 f"The file states {series.unclear} beside {channel.column!r}, but not whether its numbers "
                 "contain it",
                 remedy=f"State scale and zero of the {channel.part} in a file `channels.toml`, 1 and 0 if "
                 "the numbers are in their unit",
-                where=columns.where,
+                where=columns.location,
             )
         text = series.unit.strip()
         if unit_of(text) is None and text.lower() not in _NO_UNITS and not laboratory.unit:
             raise InputError(
                 f"Unknown unit {text!r} of {channel.column!r}",
                 remedy=f"State the unit of the {channel.part} in a file `channels.toml`",
-                where=columns.where,
+                where=columns.location,
             )
 
 
 def _possible_forces(columns: Columns, channels: Sequence[Channel]) -> list[str]:
     """Name nameless columns that the motion explains: a force, a velocity or a second sensor may do so."""
-    measured = next((channel.column for channel in channels if channel.part is Part.MEASURED), None)
-    if columns.named or measured is None or any(channel.part is Part.FORCE for channel in channels):
+    measured_column = next((channel.column for channel in channels if channel.part is Part.MEASURED), None)
+    if columns.named or measured_column is None or any(channel.part is Part.FORCE for channel in channels):
         return []
-    used = {channel.column for channel in channels}
-    motion = columns.values[measured]
-    alike = [
+    used_columns = {channel.column for channel in channels}
+    motion = columns.values[measured_column]
+    candidates = [
         repr(name)
         for name, values in columns.values.items()
-        if name not in used and values.size == motion.size and moves(values)
-        if explained(values, motion) >= _EXPLAINED
+        if name not in used_columns and values.size == motion.size and moves(values)
+        if share_explained(values, motion) >= _LEAST_EXPLAINED_SHARE
     ]
-    if not alike:
+    if not candidates:
         return []
-    which = " and ".join(alike)
-    return [f"{which} may hold the force, and is not used: state the column and its unit with `channels`."]
+    columns_text = " and ".join(candidates)
+    return [
+        f"{columns_text} may hold the force, and is not used: state the column and its unit with `channels`."
+    ]
 
 
 def _require_plain_unit(columns: Columns, channel: Channel) -> None:
@@ -383,17 +388,17 @@ def _require_plain_unit(columns: Columns, channel: Channel) -> None:
         raise InputError(
             f"{channel.column!r} may be in inches, or an input",
             remedy="State the unit with `units`",
-            where=columns.where,
+            where=columns.location,
         )
 
 
-def _require_same_unit(columns: Columns, channel: Channel, beside: Channel) -> None:
+def _require_same_unit(columns: Columns, channel: Channel, partner: Channel) -> None:
     """Refuse to take one unit for two displacements of very different size."""
-    ratio = compare(columns.values[beside.column], columns.values[channel.column]).ratio
+    ratio = compare(columns.values[partner.column], columns.values[channel.column]).ratio
     if not 1.0 / _LARGEST_RATIO < ratio < _LARGEST_RATIO and np.isfinite(ratio):
         raise InputError(
             f"{channel.column!r} states no unit, and is {significant(ratio)} times the size of "
-            f"{beside.column!r} in {beside.unit}",
+            f"{partner.column!r} in {partner.unit}",
             remedy="Name the column with its unit, or state it in a file `channels.toml`",
-            where=columns.where,
+            where=columns.location,
         )

@@ -20,8 +20,8 @@ from reliab.core.physical_range import RANGES
 from reliab.core.shipped import checksum_of
 from reliab.core.untrusted_files import objects_of, opened_hdf5
 from reliab.recordings.readers.columns import Series
-from reliab.recordings.readers.hierarchical import STATED, text_of
-from reliab.recordings.reading import Histories, histories_of, read_test, stated_in
+from reliab.recordings.readers.hierarchical import STATED_ATTRIBUTES, text_of
+from reliab.recordings.reading import Histories, histories_of, read_statements, read_test
 from reliab.recordings.recording import FEWEST_SAMPLES, Channel, Part, StatedChannels
 from reliab.version import __version__
 
@@ -38,7 +38,7 @@ _VARIABLES: Final = {
     Part.FORCE: ("force", "N", "restoring force of the specimen"),
     Part.GROUND: ("ground_acceleration", "m s-2", "ground acceleration"),
 }
-_NEEDED: Final = ("schema", "source_file", "source_sha256", "sampling_rate_hz", "time_step_s")
+_REQUIRED_ATTRIBUTES: Final = ("schema", "source_file", "source_sha256", "sampling_rate_hz", "time_step_s")
 _MOST_BYTES: Final = 2_000_000_000
 _DIGITS: Final = 64  # of a checksum
 _EVEN: Final = 1e-6  # of a step
@@ -61,8 +61,8 @@ class About:
 
     def attributes(self) -> dict[str, str]:
         """All of them that are stated."""
-        named = {name: value for name, value in vars(self).items() if name != "further" and value}
-        return {**self.further, **named}
+        filled_attributes = {name: value for name, value in vars(self).items() if name != "further" and value}
+        return {**self.further, **filled_attributes}
 
 
 def record_test(
@@ -86,9 +86,9 @@ def record_test(
 def write_record(record: "xr.Dataset", path: str | Path) -> None:
     """Write a record as NetCDF, whole or not at all."""
     texts = {name: as_text(text) for name, text in record.attrs.items() if isinstance(text, str)}
-    packed = {str(name): {"zlib": True, "complevel": 4, "shuffle": True} for name in record.data_vars}
+    encoding = {str(name): {"zlib": True, "complevel": 4, "shuffle": True} for name in record.data_vars}
     with written_whole(path) as file:
-        file.write_bytes(record.assign_attrs(texts).to_netcdf(engine="h5netcdf", encoding=packed))
+        file.write_bytes(record.assign_attrs(texts).to_netcdf(engine="h5netcdf", encoding=encoding))
 
 
 def write_csv(record: "xr.Dataset", histories: Histories, path: str | Path) -> None:
@@ -99,9 +99,11 @@ def write_csv(record: "xr.Dataset", histories: Histories, path: str | Path) -> N
         if key in histories.values:
             names.append(f"{key.replace(' ', '_')}_{endings[channel.part]}")
             values.append(histories.values[key])
-    stated = [f"# {name} = {record.attrs[name]}\n" for name in STATED if name in record.attrs]
+    comment_lines = [
+        f"# {name} = {record.attrs[name]}\n" for name in STATED_ATTRIBUTES if name in record.attrs
+    ]
     with written_whole(path) as place, place.open("w", encoding="utf-8", newline="\n") as file:
-        file.write("".join(stated) + ",".join(names) + "\n")
+        file.write("".join(comment_lines) + ",".join(names) + "\n")
         np.savetxt(file, np.column_stack(values), fmt="%.17g", delimiter=",")
 
 
@@ -123,12 +125,12 @@ def _as_dataset(histories: Histories, path: Path, about: About) -> "xr.Dataset":
     variables = {_VARIABLES[part][0]: entry for part in _VARIABLES if (entry := _variable(histories, part))}
     variables |= _remaining_channels(histories, set(variables))
     time = ("time", step * np.arange(size), {"units": "s", "long_name": "time from the first sample"})
-    stated = {name: str(value) for name, value in stated_in(histories.columns).items()}
+    statements = {name: str(value) for name, value in read_statements(histories.columns).items()}
     return xr.Dataset(
         variables,
         coords={"time": time, "actuator": ("actuator", np.array(numbers, dtype="U20"))},
         attrs={
-            **stated,
+            **statements,
             **about.attributes(),
             "schema": SCHEMA,
             "Conventions": "CF-1.11",
@@ -150,10 +152,10 @@ def _variable(histories: Histories, part: Part) -> tuple[Any, ...]:
     rows = [histories.values[key] for key in channels]
     if not rows:
         return ()
-    over_actuators = part in {Part.COMMAND, Part.MEASURED}
+    has_actuators = part in {Part.COMMAND, Part.MEASURED}
     return (
-        ("actuator", "time") if over_actuators else ("time",),
-        np.stack(rows) if over_actuators else rows[0],
+        ("actuator", "time") if has_actuators else ("time",),
+        np.stack(rows) if has_actuators else rows[0],
         {
             "units": unit,
             "long_name": long_name,
@@ -171,37 +173,42 @@ def _size(histories: Histories) -> int:
 def _transformation(channel: Channel, unit: str) -> str:
     """Say how readings became the variable."""
     reading = "reading" if channel.zero == 0.0 else f"(reading - {channel.zero:.17g})"
-    converted = f"{reading} * {channel.factor:.17g}, from {channel.unit or 'no stated unit'} to {unit}"
-    return ", ".join((*channel.applied, converted))
+    conversion = f"{reading} * {channel.factor:.17g}, from {channel.unit or 'no stated unit'} to {unit}"
+    return ", ".join((*channel.corrections, conversion))
 
 
-def _remaining_channels(histories: Histories, taken: set[str]) -> dict[str, Any]:
+def _remaining_channels(histories: Histories, taken_names: set[str]) -> dict[str, Any]:
     """Channels of the source that were not needed, as they stand there, where they have the test's clock."""
     import re
 
-    columns, used = histories.columns, {channel.column for channel in histories.channels.values()}
+    columns, used_columns = histories.columns, {channel.column for channel in histories.channels.values()}
     lead = columns.series[next(iter(histories.channels[key].column for key in histories.values))]
-    others: dict[str, Any] = {}
+    variables: dict[str, Any] = {}
     for column, series in columns.series.items() if histories.has_rows else ():
-        if column in used or series.values.size != lead.values.size or not _have_one_clock(series, lead):
+        if (
+            column in used_columns
+            or series.values.size != lead.values.size
+            or not _have_one_clock(series, lead)
+        ):
             continue
         plain = re.sub(r"\W+", "_", column).strip("_") or "channel"
         name = next(
             free
-            for k in range(len(others) + 2 + len(taken))
-            if (free := plain if k == 0 else f"{plain}_{k}") not in {*others, *taken, "time", "actuator"}
+            for k in range(len(variables) + 2 + len(taken_names))
+            if (free := plain if k == 0 else f"{plain}_{k}")
+            not in {*variables, *taken_names, "time", "actuator"}
         )
-        others[name] = (
+        variables[name] = (
             ("time",),
             series.values,
             {
                 "units": str(series.unit) or "unknown",
                 "long_name": column,
                 "source_column": column,
-                "transformation": "; ".join((*series.applied, *filter(None, [series.unclear]))) or "none",
+                "transformation": "; ".join((*series.corrections, *filter(None, [series.unclear]))) or "none",
             },
         )
-    return others
+    return variables
 
 
 def _have_one_clock(first: Series, second: Series) -> bool:
@@ -216,18 +223,18 @@ def _faults(file: "h5py.File") -> Iterator[str]:
     if schema != SCHEMA:
         yield f"The attribute `schema` is {schema!r} instead of {SCHEMA!r}."
         return
-    missing = [f"attribute `{name}`" for name in _NEEDED if name not in file.attrs]
+    missing = [f"attribute `{name}`" for name in _REQUIRED_ATTRIBUTES if name not in file.attrs]
     missing += [
         f"variable `{name}`" for name in ("time", "actuator", "command", "measured") if name not in file
     ]
-    yield from (f"The {what} is missing." for what in missing)
+    yield from (f"The {variable_name} is missing." for variable_name in missing)
     if missing:
         return
     size = file["time"].shape[0] if len(file["time"].shape) == 1 else 0
     for part, (name, unit, _) in _VARIABLES.items():
         if name in file:
-            over_both = part in {Part.COMMAND, Part.MEASURED}
-            shape = (*file["actuator"].shape, size) if over_both else (size,)
+            has_actuators = part in {Part.COMMAND, Part.MEASURED}
+            shape = (*file["actuator"].shape, size) if has_actuators else (size,)
             yield from _faults_of_variable(file[name], name, unit, shape)
     yield from _faults_of_time(file)
 
@@ -241,9 +248,9 @@ def _faults_of_variable(
         yield f"The numbers of `{name}` are stored with a scale; store them as they are."
     elif not bool(np.isfinite(variable[()]).all()):
         yield f"`{name}` has values that are not finite numbers."
-    stated = text_of(variable.attrs.get("units", ""))
-    if stated != unit:
-        yield f"The unit of `{name}` is {stated!r} instead of {unit!r}."
+    unit_text = text_of(variable.attrs.get("units", ""))
+    if unit_text != unit:
+        yield f"The unit of `{name}` is {unit_text!r} instead of {unit!r}."
     for attribute in ("long_name", "source_column", "transformation"):
         if attribute not in variable.attrs:
             yield f"The variable `{name}` lacks its `{attribute}`."

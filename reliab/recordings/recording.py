@@ -51,7 +51,7 @@ DISPLACEMENTS: Final = (Part.COMMAND, Part.MEASURED)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Stated:
+class ChannelDeclaration:
     """What a laboratory states of a channel, by options or in `channels.toml`."""
 
     columns: tuple[str, ...] = ()  # Names in the file, of which the first that is there counts
@@ -66,14 +66,14 @@ class Stated:
 class StatedChannels:
     """What is stated of the channels of tests: by a file `channels.toml`, or by options."""
 
-    stated: Mapping[Part, Stated] = field(default_factory=dict)
+    declarations: Mapping[Part, ChannelDeclaration] = field(default_factory=dict)
     rate_hz: float | None = None  # Sampling rate [Hz], where a file holds no time
     # Skew [ms], scale, hysteresis [-] and resolution [mm] of the measured channel, as calibrated
     calibration: Mapping[str, StatedValue] = field(default_factory=dict)
     filters: Mapping[str, str] = field(default_factory=dict)  # Low-pass filters, "200/4", by channel
 
     @property
-    def of_tests(self) -> dict[str, StatedValue]:
+    def test_values(self) -> dict[str, StatedValue]:
         """What the calibration says of every test.
 
         The skew that one motion on both channels showed has the delay of their filters in it, of which
@@ -83,9 +83,9 @@ class StatedChannels:
         filters = {} if skew is None else {"filter_delay": StatedValue(0.0, skew.deviation)}
         return {**self.calibration, **filters}
 
-    def beside(self, of_test: Mapping[str, StatedValue]) -> dict[str, StatedValue]:
+    def merge_statements(self, test_values: Mapping[str, StatedValue]) -> dict[str, StatedValue]:
         """Put what the file of a test states before what is stated of every test."""
-        return {**self.of_tests, **of_test}
+        return {**self.test_values, **test_values}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,9 +99,11 @@ class Channel:
     reason: str  # Why it was taken, in words
     zero: float = 0.0  # reading that is taken away before
     actuator: str = ""  # Number of its actuator, in a file of several
-    applied: tuple[str, ...] = ()  # What of its file, and of its clock, was applied to the readings, in words
+    corrections: tuple[
+        str, ...
+    ] = ()  # What of its file, and of its clock, was applied to the readings, in words
 
-    def in_si(self, readings: Array) -> Array:
+    def convert_to_si(self, readings: Array) -> Array:
         """Return readings in SI units, with the zero taken away."""
         return (readings - self.zero) * self.factor
 
@@ -113,17 +115,17 @@ class Channel:
             "unit": self.unit,
             "factor": self.factor,
             "reason": self.reason,
-            "applied": list(self.applied),
+            "applied": list(self.corrections),
         }
 
 
-def require_few_samples(samples: int, where: str) -> None:
+def require_few_samples(samples: int, location: str) -> None:
     """Refuse a test whose statistics would not fit in memory."""
     if samples > MOST_SAMPLES:
         raise InputError(
             f"Too many samples: {samples:,}, above {MOST_SAMPLES:,}",
             remedy="Resample it at a lower rate, or cut it where everything stands still",
-            where=where,
+            where=location,
         )
 
 
@@ -168,18 +170,18 @@ class Recording:
             )
         require_few_samples(self.command.size, self.name)
         require_physical("time step", self.time_step, where=self.name)
-        for what, values in (("command", self.command), ("measured displacement", self.measured)):
-            require_finite(values, what, self.name)
+        for description, values in (("command", self.command), ("measured displacement", self.measured)):
+            require_finite(values, description, self.name)
             if np.ptp(values) <= max(1e-9 * np.abs(values).max(), _SMALLEST):
                 raise InputError(
-                    f"The {what} does not move: {values[0]:g} throughout",
+                    f"The {description} does not move: {values[0]:g} throughout",
                     remedy="Check that the column is the right one and the channel was connected",
                     where=self.name,
                 )
 
-        for what, extra in (("ground acceleration", self.ground), ("force", self.force)):
+        for description, extra in (("ground acceleration", self.ground), ("force", self.force)):
             if extra is not None:
-                require_finite(extra, what, self.name)
+                require_finite(extra, description, self.name)
 
     @property
     def duration(self) -> float:
@@ -187,14 +189,14 @@ class Recording:
         return (self.command.size - 1) * self.time_step
 
 
-def require_finite(values: NDArray[np.float64], what: str, where: str) -> None:
+def require_finite(values: NDArray[np.float64], description: str, location: str) -> None:
     """Refuse a history with a gap, or a value too large for a displacement, a force or an acceleration."""
     wrong = ~(np.abs(values) < LARGEST_READING)
     if wrong.any():
         row = int(np.flatnonzero(wrong)[0])
         raise InputError(
             f"Not a finite number below {LARGEST_READING:g}",
-            value=f"{values[row]} in the {what}, sample {row + 1}",
+            value=f"{values[row]} in the {description}, sample {row + 1}",
             remedy="Fill the gap, or cut the test there",
-            where=where,
+            where=location,
         )

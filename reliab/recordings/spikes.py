@@ -31,38 +31,38 @@ def spikes(values: Array) -> NDArray[np.bool_]:
     usual = float(np.quantile(size, _QUANTILE))
     peak = float(np.quantile(np.abs(values), _QUANTILE))
     jumps = np.flatnonzero(size > max(_JUMP * usual, _LEAST * peak))
-    marked = np.zeros(values.size, dtype=np.bool_)
+    is_spike = np.zeros(values.size, dtype=np.bool_)
     for place, begin in enumerate(jumps):
         for end in jumps[place + 1 :]:
             if end - begin > _WIDEST:
                 break
             remaining = abs(float(values[end + 1] - values[begin]))
             if remaining <= _RETURN * size[begin] and steps[begin] * steps[end] < 0.0:
-                marked[begin + 1 : end + 1] = True
+                is_spike[begin + 1 : end + 1] = True
                 break
-    return marked
+    return is_spike
 
 
-def without_spikes(recording: Recording) -> tuple[Recording, NDArray[np.bool_], NDArray[np.bool_]]:
+def remove_spikes(recording: Recording) -> tuple[Recording, NDArray[np.bool_], NDArray[np.bool_]]:
     """Bridge the spikes of both histories by straight lines.
 
     Returns the test without spikes, the same object where it has none, and which samples of command and
     measured displacement were spikes, each shape (n,).
     """
-    in_command, in_measured = spikes(recording.command), spikes(recording.measured)
-    if not (in_command.any() or in_measured.any()):
-        return recording, in_command, in_measured
+    command_spikes, measured_spikes = spikes(recording.command), spikes(recording.measured)
+    if not (command_spikes.any() or measured_spikes.any()):
+        return recording, command_spikes, measured_spikes
     return (
         replace(
             recording,
-            command=_bridge(recording.command, in_command),
-            measured=_bridge(recording.measured, in_measured),
+            command=_bridge(recording.command, command_spikes),
+            measured=_bridge(recording.measured, measured_spikes),
         ),
-        in_command,
-        in_measured,
+        command_spikes,
+        measured_spikes,
     )
 
 
-def _bridge(values: Array, marked: NDArray[np.bool_]) -> Array:
+def _bridge(values: Array, is_spike: NDArray[np.bool_]) -> Array:
     places = np.arange(values.size)
-    return np.interp(places, places[~marked], values[~marked])
+    return np.interp(places, places[~is_spike], values[~is_spike])

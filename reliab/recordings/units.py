@@ -98,9 +98,9 @@ TIMES: Final = UNITS[Quantity.TIME]
 """Units of time [s]."""
 
 _SIGNS: Final = str.maketrans({"μ": "µ", "·": ".", "⋅": ".", "−": "-", "[": "", "]": "", "(": "", ")": ""})
-_BY_NAME: Final = {name: (quantity, name) for quantity, names in UNITS.items() for name in names}
+_UNIT_BY_NAME: Final = {name: (quantity, name) for quantity, names in UNITS.items() for name in names}
 _NOT_ENDINGS: Final = frozenset({"a", "c", "d", "f", "h", "k", "std", "-", "%", "min", "in.", '"'})
-_WITH_GAP: Final = frozenset(
+_SPACED_UNITS: Final = frozenset(
     {"mm", "cm", "kn", "ms", "sec", "kip", "kips", "lbf", "µm", "gal", "m/s2", "m/s^2", "mm/s"}
 )
 _BRACKETS: Final = re.compile(r"(?:[\[({]|<)\s*([^\])}>]{1,20}?)\s*(?:[\])}]|>)\s*$")
@@ -109,10 +109,10 @@ _MULTIPLE: Final = re.compile(r"(\d{0,9}\.?\d+(?:e-?\d{1,2})?)\s*[*x]?\s*([^\d/]
 _LAST_WORD: Final = re.compile(r"(?<!\d)[\s,;-]+(?:in\s+|/\s*)?([^\s\[({]+)$")
 
 
-def listed_units(units: Mapping[str, float]) -> str:
+def units_text(units: Mapping[str, float]) -> str:
     """List units for a message, each by its first spelling.
 
-    >>> listed_units(LENGTHS)
+    >>> units_text(LENGTHS)
     'm, cm, mm, um, in, ft, mil'
     """
     first: dict[float, str] = {}
@@ -139,10 +139,10 @@ def unit_of(text: str) -> Unit | None:
     plain = text.partition(" since ")[0].strip().translate(_SIGNS).strip()  # "seconds since 2026-01-01"
     multiple = _MULTIPLE.fullmatch(plain)
     single = plain if multiple is None else multiple[2]
-    known = _BY_NAME.get(single) or _BY_NAME.get(single.lower())
-    if known is None or single in {"mN", "mn"}:
+    unit = _UNIT_BY_NAME.get(single) or _UNIT_BY_NAME.get(single.lower())
+    if unit is None or single in {"mN", "mn"}:
         return None
-    quantity, name = known
+    quantity, name = unit
     times = 1.0 if multiple is None else float(multiple[1])
     return Unit(text=plain, quantity=quantity, factor=times * UNITS[quantity][name])
 
@@ -153,13 +153,13 @@ def split_unit(name: str) -> tuple[str, Unit | None]:
     >>> split_unit("Axial Displacement [mm]")[0], split_unit("command_m")[1].text
     ('Axial Displacement', 'm')
     """
-    stripped = name.strip()
-    for pattern, allowed in (
+    trimmed = name.strip()
+    for pattern, allowed_units in (
         (_BRACKETS, bool),
         (_ENDING, lambda text: text.lower() not in _NOT_ENDINGS),
-        (_LAST_WORD, lambda text: text.lower() in _WITH_GAP),
+        (_LAST_WORD, lambda text: text.lower() in _SPACED_UNITS),
     ):
-        match = pattern.search(stripped)
-        if match is not None and allowed(match[1]) and (unit := unit_of(match[1])) is not None:
-            return stripped[: match.start()].strip(), unit
-    return stripped, None
+        match = pattern.search(trimmed)
+        if match is not None and allowed_units(match[1]) and (unit := unit_of(match[1])) is not None:
+            return trimmed[: match.start()].strip(), unit
+    return trimmed, None

@@ -112,11 +112,11 @@ WEAK_ROLES: Final[Mapping[Role, str]] = {
 }
 """Words that say so only where no column does with a plainer one: `act` may be the actuator's."""
 
-CALCULATED: Final = "predicted estimated est simulated sim model ideal emulated numerical"
+CALCULATION_WORDS: Final = "predicted estimated est simulated sim model ideal emulated numerical"
 """Words of what was calculated: the output of a model is no measurement."""
 
-ALTERED: Final = (
-    f"{CALCULATED} drift filtered filt raw compensated comp compensation corrected smoothed delayed "
+ALTERATION_WORDS: Final = (
+    f"{CALCULATION_WORDS} drift filtered filt raw compensated comp compensation corrected smoothed delayed "
     "initial old previous offset peak max min mean gefiltert roh kompensiert "
     "filtrato compensato filtrado compensado lvbo buchang"
 )

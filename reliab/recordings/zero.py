@@ -13,13 +13,13 @@ from reliab.core.arrays import Array
 from reliab.recordings.behaviour import white_noise
 
 _LEAST = 0.02  # of the command's span: another zero below which nothing is said
-_FROM_REST = 0.05  # of the largest step between samples: a first step of a command that begins at rest
+_FIRST_STEP_SHARE = 0.05  # of the largest step between samples: a first step of a command that begins at rest
 _NEAR = 0.05  # of the span: distance of the mean from the first sample that may be motion
 _PIECES, _STEADY = 8, 0.25  # of a command about another zero, and the scatter of their means over the mean
 _MOVE: Final = 0.05  # of the span of a command: a move before or after a test, at least
 _DWELL: Final = 0.2  # s that a command stands between a move and a test, at least
 _STANDING: Final = 0.1  # of the mean speed of a move, up to which a command stands
-_TURNED: Final = 0.01  # of the span by which a command goes back when it no longer moves to a position
+_RETURN_SHARE: Final = 0.01  # of the span by which a command goes back when it no longer moves to a position
 _ABOUT: Final = 0.1  # of the span of a test: distance of its mean along its path from the position before it
 _NOISE: Final = 6.0  # of its standard deviation, which the difference of two samples hardly exceeds
 
@@ -33,7 +33,7 @@ def zero_of(command: Array) -> float:
     """
     first, mean, span = float(command[0]), float(command.mean()), float(np.ptp(command))
     steps = np.abs(np.diff(command))
-    if steps[0] <= _FROM_REST * steps.max():
+    if steps[0] <= _FIRST_STEP_SHARE * steps.max():
         oscillates = abs(mean - first) <= abs(first) / 2.0
         zero = first if abs(mean - first) <= _NEAR * span else mean
     else:
@@ -64,18 +64,18 @@ def _end_of_move(command: Array, time_step: float) -> int:
     span, noise = float(np.ptp(command)), _NOISE * white_noise(command)
     stand = max(round(_DWELL / time_step), 8)
     first = float(np.median(command[:stand]))
-    moved = command - first
-    away = np.abs(moved) > _MOVE * span
+    travel = command - first
+    away = np.abs(travel) > _MOVE * span
     if not away.any():
         return 0
-    moved = moved * np.sign(moved[np.argmax(away)])
-    turned = np.maximum.accumulate(moved) - moved > _TURNED * span + noise
-    moved = moved[: int(np.argmax(turned))] if turned.any() else moved
-    if stand >= moved.size:
+    travel = travel * np.sign(travel[np.argmax(away)])
+    has_turned = np.maximum.accumulate(travel) - travel > _RETURN_SHARE * span + noise
+    travel = travel[: int(np.argmax(has_turned))] if has_turned.any() else travel
+    if stand >= travel.size:
         return 0
-    mean_speed = moved / np.arange(1, moved.size + 1)
+    mean_speed = travel / np.arange(1, travel.size + 1)
     ends = {"size": stand + 1, "origin": -((stand + 1) // 2)}  # of windows that begin with each sample
-    ranges = scipy.ndimage.maximum_filter1d(moved, **ends) - scipy.ndimage.minimum_filter1d(moved, **ends)
+    ranges = scipy.ndimage.maximum_filter1d(travel, **ends) - scipy.ndimage.minimum_filter1d(travel, **ends)
     stands = ranges[:-stand] <= _STANDING * stand * mean_speed[:-stand] + noise
     places = np.flatnonzero(stands & away[: stands.size])
     runs = np.split(places, np.flatnonzero(np.diff(places) > 1) + 1)

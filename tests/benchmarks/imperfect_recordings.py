@@ -343,7 +343,7 @@ def calibration(told: Told, fault: Fault, rng: np.random.Generator) -> Mapping[s
     with TemporaryDirectory() as folder:
         file = Path(folder) / "channels.toml"
         file.write_text(calibration_in_toml(calibrate_channels(recording), "", "sweep"), encoding="utf-8")
-        return read_channels_file(file).of_tests
+        return read_channels_file(file).test_values
 
 
 def judge(

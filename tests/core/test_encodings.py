@@ -66,7 +66,7 @@ def test_tables_of_ellipses(tmp_path, encoding):
 def test_a_running_test_in_pieces(tmp_path, encoding, size):
     content = written(TEST, encoding, tmp_path / "a.csv").read_bytes()
     pieces = [content[k : k + size] for k in range(0, len(content), size)]
-    rows = rows_as_written(iter([*pieces, b"", *pieces]), name="a.csv", stated={})
+    rows = rows_as_written(iter([*pieces, b"", *pieces]), name="a.csv", declarations={})
     measured = np.concatenate([row.measured for row in rows])
     np.testing.assert_array_equal(measured, np.tile(np.arange(80) % 5, 2))
 

@@ -92,14 +92,14 @@ def test_clocks_of_twelve_and_of_twenty_four_hours_are_times_at_every_door(tmp_p
     test = read_recording(path)
     assert test.time_step == pytest.approx(1.0 / RATE, rel=1e-6)
     np.testing.assert_allclose(test.measured, 1e-3 * MEASURED, atol=1e-8)
-    followed = list(rows_as_written(iter([path.read_bytes() + b"\n"]), name="t.csv", stated={}))
+    followed = list(rows_as_written(iter([path.read_bytes() + b"\n"]), name="t.csv", declarations={}))
     np.testing.assert_allclose(np.concatenate([part.time for part in followed]), TIME, atol=1e-6)
 
 
 def test_exponents_of_fortran_are_numbers_at_every_door(tmp_path):
     path = written(tmp_path, NAMES, *(row.replace("e", "D") for row in rows(number="{:.9e}")))
     np.testing.assert_allclose(read_recording(path).command, 1e-3 * COMMAND, atol=1e-9)
-    (part,) = rows_as_written(iter([path.read_bytes() + b"\n"]), name="t.csv", stated={})
+    (part,) = rows_as_written(iter([path.read_bytes() + b"\n"]), name="t.csv", declarations={})
     np.testing.assert_allclose(part.command, 1e-3 * COMMAND, atol=1e-9)
 
 

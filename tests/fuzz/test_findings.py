@@ -294,7 +294,7 @@ def test_a_test_without_ends_of_lines_is_not_followed_for_ever(tmp_path):
     (tmp_path / "test.csv").write_bytes(b"x" * 200_000)
     pieces = chunks_of_text(str(tmp_path / "test.csv"), wait=0.01, start_within=0.01)
     with pytest.raises(InputError, match="characters"):
-        list(rows_as_written(pieces, name="test.csv", stated={}))
+        list(rows_as_written(pieces, name="test.csv", declarations={}))
 
 
 @pytest.mark.parametrize("table", ["", "[actuator]\n"])

@@ -99,7 +99,7 @@ def test_packed_numbers_are_unpacked_and_the_scale_is_listed(tmp_path, write):
     np.testing.assert_allclose(test.measured, MEASURED, atol=3e-6)
     np.testing.assert_allclose(test.command, COMMAND, atol=3e-6)
     measured = next(channel for channel in test.channels if channel.part == "measured")
-    assert "scale" in measured.applied[0]
+    assert "scale" in measured.corrections[0]
     assert any("scale" in note for note in test.notes)
 
 

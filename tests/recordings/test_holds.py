@@ -11,7 +11,7 @@ from reliab.recordings.following import Rows
 from reliab.recordings.holds import find_hold
 from reliab.recordings.reading import read_recording
 from reliab.recordings.recording import Recording
-from reliab.recordings.spikes import spikes, without_spikes
+from reliab.recordings.spikes import remove_spikes, spikes
 
 RATE, SIZE, DELAY = 1024.0, 12288, 2e-3
 TIME = np.arange(SIZE) / RATE
@@ -43,7 +43,7 @@ def test_a_held_command_is_what_it_was_before(rows):
     test = read_recording(frame(held(COMMAND, rows), MEASURED))
     np.testing.assert_allclose(test.command, COMMAND, atol=2e-6)
     np.testing.assert_array_equal(test.measured, MEASURED)
-    assert f"holds each value for {rows} samples" in test.channels[0].applied[0]
+    assert f"holds each value for {rows} samples" in test.channels[0].corrections[0]
 
 
 def test_a_rest_between_motions_stays_one():
@@ -135,9 +135,9 @@ def test_in_a_history_that_mostly_stands_small_steps_are_no_spikes():
 
 def test_each_history_is_bridged_where_it_had_its_spikes():
     sound = Recording(command=HISTORY, measured=0.9 * HISTORY, time_step=0.01)
-    assert without_spikes(sound)[0] is sound
+    assert remove_spikes(sound)[0] is sound
     recording = Recording(command=with_a_jump(3.0), measured=0.9 * with_a_jump(-3.0, 500, 2), time_step=0.01)
-    bridged, in_command, in_measured = without_spikes(recording)
+    bridged, in_command, in_measured = remove_spikes(recording)
     assert np.flatnonzero(in_command).tolist() == [300]
     assert np.flatnonzero(in_measured).tolist() == [500, 501]
     assert bridged.command[300] == pytest.approx(0.5 * (HISTORY[299] + HISTORY[301]))

@@ -271,7 +271,7 @@ def test_a_channel_that_began_at_another_time_is_moved_there(tmp_path, write):
 def test_whole_samples_are_moved_without_interpolation(tmp_path, steps):
     test = read_recording(tdms(tmp_path, {"wf_start_offset": 0.0}, {"wf_start_offset": steps / RATE}))
     is_whole = steps == int(steps)
-    assert ("interpolated" in " ".join(test.channels[1].applied)) != is_whole
+    assert ("interpolated" in " ".join(test.channels[1].corrections)) != is_whole
     assert np.isin(test.measured, MEASURED).all() == is_whole
 
 
@@ -280,7 +280,7 @@ def test_a_clock_that_drifts_against_the_other_is_followed():
     table = {"time_command_s": TIME, "time_measured_s": times, "command_m": COMMAND}
     test = read_recording(pd.DataFrame({**table, "measured_m": motion(times - DELAY)}))
     assert delay_of(test.command, test.measured, test.time_step) == pytest.approx(DELAY, abs=3e-5)
-    assert test.channels[1].applied == ("interpolated at the samples of 'command_m'",)
+    assert test.channels[1].corrections == ("interpolated at the samples of 'command_m'",)
 
 
 def test_times_that_labview_never_set_are_none(tmp_path):

@@ -258,7 +258,7 @@ def test_columns_of_a_matrix_without_names_of_their_own_are_told_by_what_they_do
 
 def test_a_header_states_the_skew_of_the_channels(tmp_path):
     file = text(tmp_path / "t.csv", ["# skew_ms: 0.2+-0.05", "time_s,command_m,measured_m"], COLUMNS.values())
-    rows = next(rows_as_written(iter([file.read_bytes()]), name=file.name, stated={}))
+    rows = next(rows_as_written(iter([file.read_bytes()]), name=file.name, declarations={}))
     assert read_recording(file).stated == rows.stated == {"skew": StatedValue(0.2, 0.05)}
 
 

@@ -55,7 +55,7 @@ def test_moves_before_and_after_a_test_are_left_out_and_said(shape, noise):
     assert TIME.size + 400 < test.command.size < TIME.size + 1400
     assert np.ptp(test.command) == pytest.approx(np.ptp(COMMAND), rel=0.05)
     assert any("left out, in which the command only moved" in note for note in test.notes)
-    assert "left out" in test.channels[0].applied[-1]
+    assert "left out" in test.channels[0].corrections[-1]
 
 
 @pytest.mark.slow

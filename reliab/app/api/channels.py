@@ -13,7 +13,7 @@ from reliab.core.shipped import or_shipped
 from reliab.recordings.coupled_recording import CoupledRecording, read_coupled_recording
 from reliab.recordings.readers.columns import is_frame
 from reliab.recordings.readers.registry import read_tests
-from reliab.recordings.reading import read_recording, stated_by_options
+from reliab.recordings.reading import declare_channels, read_recording
 from reliab.recordings.recording import Part, Recording, StatedChannels
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ class Channels:
     def laboratory(self) -> StatedChannels:
         """Return what the laboratory states of its channels."""
         columns = {Part.COMMAND: self.command, Part.MEASURED: self.measured, Part.TIME: self.time}
-        return stated_by_options(self.channels, columns, self.units, self.rate)
+        return declare_channels(self.channels, columns, self.units, self.rate)
 
     def of_each_test(self, test: str | Path) -> "dict[str, Channels]":
         """Return what is stated of each test of a file, by file and name."""
@@ -106,7 +106,7 @@ class Channels:
         self._require_sound(test)
         return read_coupled_recording(
             test if is_frame(test) else Path(test),
-            stated_by_options(self.channels, {}, self.units, None if self.rate is None else float(self.rate)),
+            declare_channels(self.channels, {}, self.units, None if self.rate is None else float(self.rate)),
             delimiter=self.delimiter,
             test=self.test_name,
             time_units=self.time_units,

@@ -163,7 +163,9 @@ class FollowedTest:
         """Take what the file of the test states, where no option does."""
         first = list(islice(rows, 1))
         header = first[0].stated if first else {}
-        of_file = self.laboratory.beside({name: header[name] for name in _BY_HEADER if name in header})
+        of_file = self.laboratory.merge_statements(
+            {name: header[name] for name in _BY_HEADER if name in header}
+        )
         self.stated.update({**dict.fromkeys(("alpha", "scale"), StatedValue(1.0)), **of_file, **self.stated})
         require_sound(self.stated)
         return chain(first, rows)

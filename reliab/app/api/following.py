@@ -92,9 +92,9 @@ def follow_test(
     rows = rows_as_written(
         text.kept(chunks_of_text(path, asked["wait"], asked["start_within"], say)),
         name=text.name,
-        stated=laboratory.stated,
+        declarations=laboratory.declarations,
         also=() if of_force is None else (Part.FORCE,),
-        several=frame is not None and frame.several,
+        has_several=frame is not None and frame.several,
     )
     as_assessed = questions.only_those_of(questions.StatedOfTest, {**asked, "force_channel": force_channel})
     watch = FollowedTest(

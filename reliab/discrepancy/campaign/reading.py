@@ -38,7 +38,7 @@ from reliab.core.physical_range import Physical
 from reliab.core.shipped import is_own_data, shipped
 from reliab.core.untrusted_files import named_within
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
-from reliab.recordings.channels_file import ChannelTables, stated_by_tables
+from reliab.recordings.channels_file import ChannelTables, declared_parts
 from reliab.recordings.reading import Histories, histories_of, read_test
 from reliab.recordings.recording import FEWEST_SAMPLES, LARGEST_READING, Part, StatedChannels
 from reliab.simulation.frames.frame_file import frame_of_tables, with_one_actuator
@@ -68,8 +68,8 @@ def read_channels(
 
     `rate` [Hz]; `test` names one of several in the file.
     """
-    histories = histories_of(read_test(path, test or None), said, needed=())
-    where = histories.columns.where
+    histories = histories_of(read_test(path, test or None), said, needed_parts=())
+    where = histories.columns.location
     channels = {_CHANNELS[key]: values for key, values in histories.values.items() if key in _CHANNELS}
     _require_units(histories)
     if not channels:
@@ -98,7 +98,7 @@ def _require_units(histories: Histories) -> None:
                 "A channel of a campaign must state its unit",
                 value=repr(channel.column),
                 remedy=f"Name it {_CHANNELS[key]}, or state its unit under [channels] in campaign.toml",
-                where=histories.columns.where,
+                where=histories.columns.location,
             )
 
 
@@ -261,7 +261,7 @@ def read_campaign(folder: Path | str) -> Campaign:
     _check_files(folder, described.tests)
     held_out = _held_out(described.tests)
     rate = described.sampling.rate_hz
-    said = StatedChannels(stated=stated_by_tables(described.channels), rate_hz=rate)
+    said = StatedChannels(declarations=declared_parts(described.channels), rate_hz=rate)
     tests, samples = [], 0
     for test, out in zip(described.tests, held_out, strict=True):
         channels, notes = read_channels(folder / test.file, rate, said, test.test)

@@ -42,7 +42,7 @@ _RANGES: Final = (
     ("validrange", 0, 1.0),
     ("validrange", -1, -1.0),
 )
-_APPLIED: Final = frozenset({_SCALE, _OFFSET, *_MARKS, *(name for name, _, _ in _RANGES)})
+_APPLIED_ATTRIBUTES: Final = frozenset({_SCALE, _OFFSET, *_MARKS, *(name for name, _, _ in _RANGES)})
 _NEUTRAL: Final = {
     **dict.fromkeys(("scale", "scaling", "scalingfactor", "gain", "slope", "factor", "multiplier"), 1.0),
     **dict.fromkeys(("sign", "polarity"), 1.0),
@@ -58,53 +58,62 @@ _NEUTRAL_OF_COUNTS: Final = {
 
 
 def series_of(
-    values: NDArray[Any], attributes: Mapping[str, object], *, marks: Sequence[float] = (), where: str = ""
+    values: NDArray[Any], attributes: Mapping[str, object], *, marks: Sequence[float] = (), location: str = ""
 ) -> Series:
     """Apply what attributes state of the stored numbers of a channel, shape (n,) or of a matrix of channels.
 
     `marks`: further stored numbers that stand for missing samples, which become NaN.
     """
-    stated = {plain(name): _single(value) for name, value in attributes.items()}
+    attribute_values = {plain(name): _single(value) for name, value in attributes.items()}
     names = {plain(name): name for name in attributes}
-    held = {name: _numbers(stated[name], names[name], where) for name in _APPLIED & stated.keys()}
-    if str(stated.get("unsigned")).lower() == "true" and values.dtype.kind == "i":
+    numbers = {
+        name: _numbers(attribute_values[name], names[name], location)
+        for name in _APPLIED_ATTRIBUTES & attribute_values.keys()
+    }
+    if str(attribute_values.get("unsigned")).lower() == "true" and values.dtype.kind == "i":
         values = values.view(values.dtype.str.replace("i", "u"))
     counts, raw = values.dtype.kind in "iu", values.astype(np.float64)
-    scale, offset = (held.get(name, np.full(1, one)) for name, one in ((_SCALE, 1.0), (_OFFSET, 0.0)))
+    scale, offset = (
+        numbers.get(name, np.full(1, default)) for name, default in ((_SCALE, 1.0), (_OFFSET, 0.0))
+    )
     with np.errstate(over="ignore", invalid="ignore"):
-        in_unit = scale[0] * raw + offset[0] if {_SCALE, _OFFSET} & held.keys() else raw
-    applied = []
-    if in_unit is not raw:
-        applied.append(f"scale_factor {scale[0]:.9g} and add_offset {offset[0]:.9g}")
-    every = _as_stored([*marks, *(mark for name in _MARKS for mark in held.get(name, ()))], values.dtype)
-    missing = np.isin(raw, every) if every.size else np.zeros(raw.shape, dtype=np.bool_)
+        scaled = scale[0] * raw + offset[0] if {_SCALE, _OFFSET} & numbers.keys() else raw
+    corrections = []
+    if scaled is not raw:
+        corrections.append(f"scale_factor {scale[0]:.9g} and add_offset {offset[0]:.9g}")
+    fill_values = _as_stored(
+        [*marks, *(mark for name in _MARKS for mark in numbers.get(name, ()))], values.dtype
+    )
+    missing = np.isin(raw, fill_values) if fill_values.size else np.zeros(raw.shape, dtype=np.bool_)
     for name, place, sign in _RANGES:
-        if name in held:  # of stored numbers, unless a real number stands beside packed whole ones
-            ranged = in_unit if counts and np.asarray(stated[name]).dtype.kind == "f" else raw
-            missing |= sign * ranged < sign * held[name][place]
+        if name in numbers:  # of stored numbers, unless a real number stands beside packed whole ones
+            values_in_range = (
+                scaled if counts and np.asarray(attribute_values[name]).dtype.kind == "f" else raw
+            )
+            missing |= sign * values_in_range < sign * numbers[name][place]
     if missing.any():
-        in_unit = np.where(missing, np.nan, in_unit)
-        applied.append(f"{counted(int(missing.sum()), 'sample')} marked as missing")
-    unit = next((text for name in _UNITS if isinstance(text := stated.get(name), str) and text), "")
+        scaled = np.where(missing, np.nan, scaled)
+        corrections.append(f"{counted(int(missing.sum()), 'sample')} marked as missing")
+    unit = next((text for name in _UNITS if isinstance(text := attribute_values.get(name), str) and text), "")
     series = Series(
-        values=in_unit,
+        values=scaled,
         unit=unit,
         start=date_of(since) if (since := unit.partition(" since ")[2]) else None,
-        applied=tuple(applied),
+        corrections=tuple(corrections),
         unclear=unclear_in(attributes, counts=counts),
     )
     return add_clock(series, attributes)
 
 
-def with_attributes(series: Series, attributes: Mapping[str, object]) -> Series:
+def apply_attributes(series: Series, attributes: Mapping[str, object]) -> Series:
     """Apply further attributes to a channel, such as those of the structure that holds it alone."""
-    further = series_of(series.values, attributes)
-    unclear = " and ".join(filter(None, (series.unclear, further.unclear)))
+    new_series = series_of(series.values, attributes)
+    unclear = " and ".join(filter(None, (series.unclear, new_series.unclear)))
     return replace(
-        series if further.times is None else further,
-        values=further.values,
-        unit=series.unit or further.unit,
-        applied=(*series.applied, *further.applied),
+        series if new_series.times is None else new_series,
+        values=new_series.values,
+        unit=series.unit or new_series.unit,
+        corrections=(*series.corrections, *new_series.corrections),
         unclear=unclear,
     )
 
@@ -114,20 +123,23 @@ def add_clock(series: Series, attributes: Mapping[str, object], *, has_times: bo
 
     `has_times`: whether they stand in another channel, of which the attributes may state the date.
     """
-    stated = {plain(name): _single(value) for name, value in attributes.items()}
-    dates = (_date(stated[name]) for name in _DATES if name in stated)
+    attribute_values = {plain(name): _single(value) for name, value in attributes.items()}
+    dates = (_date(attribute_values[name]) for name in _DATES if name in attribute_values)
     start = next((date for date in dates if date is not None), series.start)
-    steps = (_positive(stated[name]) for name in _OWN_STEPS if name in stated)
-    rates = (_positive(stated[name]) for name in _OWN_RATES if name in stated)
+    steps = (_positive(attribute_values[name]) for name in _OWN_STEPS if name in attribute_values)
+    rates = (_positive(attribute_values[name]) for name in _OWN_RATES if name in attribute_values)
     step = next((step for step in (*steps, *(1.0 / rate for rate in rates if rate)) if step), 0.0)
     if has_times or series.times is not None or not step:
         return replace(series, start=start)
-    begins = (stated[name] for name in _BEGINS if name in stated)
-    begin = next((float(each) for each in begins if isinstance(each, int | float | np.number)), 0.0)
+    begins = (attribute_values[name] for name in _BEGINS if name in attribute_values)
+    begin = next(
+        (float(begin_value) for begin_value in begins if isinstance(begin_value, int | float | np.number)),
+        0.0,
+    )
     return replace(
         series,
         times=begin + step * np.arange(len(series.values), dtype=np.float64),
-        times_unit=str(stated.get("wfxunitstring") or "s"),
+        times_unit=str(attribute_values.get("wfxunitstring") or "s"),
         start=start,
     )
 
@@ -161,7 +173,7 @@ def _as_stored(marks: Sequence[float], kind: np.dtype[Any]) -> Array:
     return np.where((numbers < 0.0) & (kind.kind == "u"), numbers + 2.0 ** (8 * kind.itemsize), numbers)
 
 
-def _numbers(value: object, name: str, where: str) -> Array:
+def _numbers(value: object, name: str, location: str) -> Array:
     """Read the numbers of an attribute, which some programs write as text."""
     try:
         numbers = np.asarray(value).astype(np.float64).reshape(-1)
@@ -173,7 +185,7 @@ def _numbers(value: object, name: str, where: str) -> Array:
             f"The attribute {name} of this channel is no number",
             value=str(value)[:40],
             remedy="Correct it, or export the channel in its unit",
-            where=where,
+            where=location,
         )
     return numbers
 

@@ -29,7 +29,7 @@ class Series:
     times_unit: str = "s"
     start: np.datetime64 | None = None  # Date of time zero, of its own clock or, of times, of theirs
     axis: str = ""  # Name of the channel that holds its times, where the file says so
-    applied: tuple[str, ...] = ()  # What was done to the stored numbers, such as a scale, in words
+    corrections: tuple[str, ...] = ()  # What was done to the stored numbers, such as a scale, in words
     unclear: str = ""  # What may or may not be in the numbers yet, such as a gain, in words
 
 
@@ -61,16 +61,16 @@ class Columns:
 
     def place(self, row: int, name: str = "") -> str:
         """Say where a row lies, for an error."""
-        at = f"sample {row + 1}" if self.lines is None else f"line {self.lines[row]}"
-        return f"{self.where}, {at}" + (f", column {name}" if name else "")
+        position = f"sample {row + 1}" if self.lines is None else f"line {self.lines[row]}"
+        return f"{self.location}, {position}" + (f", column {name}" if name else "")
 
     @property
-    def where(self) -> str:
+    def location(self) -> str:
         """File, and test where it holds several."""
         return f"{self.path.name}, test {self.test}" if self.test else self.path.name
 
     @property
-    def listed(self) -> str:
+    def names_text(self) -> str:
         """Names of the columns, for a sentence."""
         names = [repr(name) for name in self.values]
         return ", ".join(names[:8]) + (f" and {len(names) - 8} more" if len(names) > 8 else "")  # noqa: PLR2004
@@ -90,15 +90,15 @@ def read_frame(frame: "pd.DataFrame") -> Columns:
     >>> list(read_frame(frame).values)
     ['time_s', 'command_m']
     """
-    indexed = frame.reset_index() if frame.index.name is not None else frame
+    frame_with_index = frame.reset_index() if frame.index.name is not None else frame
     return Columns(
         path=Path("the data frame"),
-        series=series_of_frame(indexed),
+        series=series_of_frame(frame_with_index),
         scalars={
             str(name): float(value) for name, value in frame.attrs.items() if isinstance(value, int | float)
         },
         header={str(name).lower(): value for name, value in frame.attrs.items() if isinstance(value, str)},
-        named=not all(isinstance(name, int) for name in indexed),
+        named=not all(isinstance(name, int) for name in frame_with_index),
     )
 
 
@@ -115,8 +115,8 @@ def series_of_frame(frame: "pd.DataFrame", units: Mapping[str, str] | None = Non
             value=repr(frame.columns[frame.columns.duplicated()][0]),
             remedy="Rename one of the columns",
         )
-    timed = isinstance(frame.index, pd.DatetimeIndex | pd.TimedeltaIndex)
-    clock = _seconds_of_instants(frame.index.to_series()) if timed else None
+    has_time_index = isinstance(frame.index, pd.DatetimeIndex | pd.TimedeltaIndex)
+    clock = _seconds_of_instants(frame.index.to_series()) if has_time_index else None
     series = {}
     for name, column in frame.items():
         kind = column.dtype.kind
@@ -134,8 +134,8 @@ def series_of_frame(frame: "pd.DataFrame", units: Mapping[str, str] | None = Non
 
 def _seconds_of_instants(column: "pd.Series") -> Series:
     """Take dates, in any time zone, or durations as seconds."""
-    zoned = getattr(column.dtype, "tz", None) is not None
-    instants = (column.dt.tz_convert(None) if zoned else column).to_numpy()
+    has_zone = getattr(column.dtype, "tz", None) is not None
+    instants = (column.dt.tz_convert(None) if has_zone else column).to_numpy()
     return Series(values=seconds(instants), unit="s", start=start_of(instants))
 
 

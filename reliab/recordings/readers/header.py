@@ -23,11 +23,11 @@ _RATE: Final = re.compile(
     re.IGNORECASE,
 )
 _STEP: Final = re.compile(r"dt|delta|time|.*(?:interval|period)$", re.IGNORECASE)
-_ALIKE: Final = 1.01  # ratio of two statements of one step
+_STEP_TOLERANCE: Final = 1.01  # ratio of two statements of one step
 _HERTZ: Final = {"hz": 1.0, "khz": 1e3, "mhz": 1e6, "s/s": 1.0, "ks/s": 1e3, "sps": 1.0}
 _MOST_LINES: Final = 1000  # of a preamble in which a rate is looked for
 _HEADER_LINES: Final = 8
-_BETWEEN_NAMES: Final = ("\t", ";", ",", "  ", "")
+_NAME_SEPARATORS: Final = ("\t", ";", ",", "  ", "")
 _TITLE: Final = re.compile(
     r"^(?:columns?|channels?|fields?|variables?|signals?|names?|header|units?)\s*[:=]\s*", re.IGNORECASE
 )
@@ -48,30 +48,30 @@ class Header:
 
 
 def header_of(
-    lines: Sequence[str], width: int, delimiter: str, *, decimal_comma: bool = False, where: str = ""
+    lines: Sequence[str], width: int, delimiter: str, *, decimal_comma: bool = False, location: str = ""
 ) -> Header:
     """Read the lines above a table of `width` columns."""
     wide = [cells for line in lines[-_HEADER_LINES:] if (cells := _names_in(line, width, delimiter))]
-    named = [cells for cells in wide if not _is_units(cells)]
+    name_rows = [cells for cells in wide if not _is_units(cells)]
     units = next((cells for cells in reversed(wide[-2:]) if _is_units(cells)), ())
-    telling = max(reversed(named), key=_telling) if named else ("",) * width
+    telling = max(reversed(name_rows), key=_telling) if name_rows else ("",) * width
     names = [name or f"column {place + 1}" for place, name in enumerate(telling)]
     for place, name in enumerate(names):  # times may stand before each channel
         if name in names[:place] and describe([name], {})[name].quantity is Quantity.TIME:
             names[place] = f"{name} {names[: place + 1].count(name)}"
     if len(set(names)) < len(names):
-        repeated = next(name for name in names if names.count(name) > 1)
+        duplicate = next(name for name in names if names.count(name) > 1)
         raise InputError(
             "Two columns have the same name",
-            value=repr(repeated),
+            value=repr(duplicate),
             remedy="Rename one of the columns",
-            where=where,
+            where=location,
         )
     statements = dict(_statements(lines))
     return Header(
         names=names,
         units=list(units) or [""] * width,
-        named=bool(named),
+        named=bool(name_rows),
         statements=statements,
         sampling=_sampling(lines, delimiter, decimal_comma=decimal_comma),
         unclear=_scales(lines[-_HEADER_LINES:], statements, names, delimiter),
@@ -80,11 +80,11 @@ def header_of(
 
 def _names_in(line: str, width: int, delimiter: str) -> tuple[str, ...]:
     """Cells of a line above a table, if they are as many as its columns and no numbers."""
-    as_written = cells_of(line, delimiter)
-    if len(as_written) == width and as_written[0] == "%" and _is_units(as_written):
-        return as_written  # per cent, the unit of the first column, begins no comment
+    raw_cells = cells_of(line, delimiter)
+    if len(raw_cells) == width and raw_cells[0] == "%" and _is_units(raw_cells):
+        return raw_cells  # per cent, the unit of the first column, begins no comment
     plain = _TITLE.sub("", _strip_mark(line)) if line.strip().startswith(COMMENTS) else line
-    for sign in (delimiter, *_BETWEEN_NAMES):
+    for sign in (delimiter, *_NAME_SEPARATORS):
         cells = tuple(re.split(r"\s{2,}", plain.strip())) if sign == "  " else cells_of(plain, sign)
         if len(cells) > width and not any(cells[width:]):
             cells = cells[:width]
@@ -99,16 +99,18 @@ def _strip_mark(line: str) -> str:
 
 def _telling(cells: Sequence[str]) -> int:
     """How many cells of a line are names that say what a column measures, or its side."""
-    described = describe(cells, {}).values()
-    return sum(what.quantity is not None or what.role is not None for what in described)
+    meanings = describe(cells, {}).values()
+    return sum(meaning.quantity is not None or meaning.role is not None for meaning in meanings)
 
 
 def _is_units(cells: Sequence[str]) -> bool:
     """Whether a line states units: half of its cells are some that are no mere letter, or all are some."""
-    stated = [cell for cell in cells if cell]
-    known = [cell for cell in stated if unit_of(cell) is not None and not cell[0].isdigit()]
-    clear = [cell for cell in known if cell.strip("[]()").lower() not in _LETTERS]
-    return 2 * len(clear) >= max(len(stated), 1) or (bool(clear) and len(known) == len(stated))
+    filled_cells = [cell for cell in cells if cell]
+    unit_cells = [cell for cell in filled_cells if unit_of(cell) is not None and not cell[0].isdigit()]
+    clear = [cell for cell in unit_cells if cell.strip("[]()").lower() not in _LETTERS]
+    return 2 * len(clear) >= max(len(filled_cells), 1) or (
+        bool(clear) and len(unit_cells) == len(filled_cells)
+    )
 
 
 def _statements(lines: Sequence[str]) -> Iterator[tuple[str, str]]:
@@ -123,22 +125,24 @@ def _scales(
     lines: Sequence[str], statements: Mapping[str, str], names: Sequence[str], delimiter: str
 ) -> list[str]:
     """Name scales and offsets that a comment states of all channels, or a row of numbers of each column."""
-    of_all = " and ".join(f"{name} = {text}" for name, text in statements.items() if _SCALES.fullmatch(name))
-    described = describe(names, {})
-    unclear = ["" if described[name].quantity is Quantity.TIME else of_all for name in names]
+    statements_text = " and ".join(
+        f"{name} = {text}" for name, text in statements.items() if _SCALES.fullmatch(name)
+    )
+    meanings = describe(names, {})
+    unclear = ["" if meanings[name].quantity is Quantity.TIME else statements_text for name in names]
     for line in lines:
         label, *cells = cells_of(_strip_mark(line), delimiter) or ("",)
         first = len(names) - len(cells)  # the label may stand in the first column
         if first in {0, 1}:
             for place, cell in enumerate(cells, start=first):
-                stated = unclear_in({label.rstrip(":"): number_of(cell)})
-                unclear[place] = " and ".join(filter(None, (unclear[place], stated)))
+                unclear_units = unclear_in({label.rstrip(":"): number_of(cell)})
+                unclear[place] = " and ".join(filter(None, (unclear[place], unclear_units)))
     return unclear
 
 
 def _sampling(lines: Sequence[str], delimiter: str, *, decimal_comma: bool) -> dict[str, float]:
     """Find the sampling rate or step that lines above a table state; nothing where two of them differ."""
-    stated: list[tuple[str, float]] = []
+    statements: list[tuple[str, float]] = []
     for line in lines[:_MOST_LINES]:
         match = _RATE.match(_first_statement(line[:200], delimiter))
         if match is None or not (value := _header_number(match[3], decimal_comma=decimal_comma)):
@@ -148,10 +152,10 @@ def _sampling(lines: Sequence[str], delimiter: str, *, decimal_comma: bool) -> d
         units = (unit_of(word) for word in words)
         seconds = next((unit.factor for unit in units if unit and unit.quantity is Quantity.TIME), None)
         is_step = bool(_STEP.match(match[1])) if hertz is None and seconds is None else hertz is None
-        stated.append(("dt" if is_step else "rate", value * (hertz or seconds or 1.0)))
-    steps = [value if name == "dt" else 1.0 / value for name, value in stated]
-    alike = bool(steps) and max(steps) < _ALIKE * min(steps)
-    return dict(stated[:1]) if alike else {}
+        statements.append(("dt" if is_step else "rate", value * (hertz or seconds or 1.0)))
+    steps = [value if name == "dt" else 1.0 / value for name, value in statements]
+    is_consistent = bool(steps) and max(steps) < _STEP_TOLERANCE * min(steps)
+    return dict(statements[:1]) if is_consistent else {}
 
 
 def _first_statement(line: str, delimiter: str) -> str:

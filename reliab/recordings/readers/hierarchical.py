@@ -28,7 +28,7 @@ _PARTS: Final = {
     "force": "force",
     "ground_acceleration": "ground acceleration",
 }
-STATED: Final = ("f", "xi", "alpha", "mass", "scale", "skew")
+STATED_ATTRIBUTES: Final = ("f", "xi", "alpha", "mass", "scale", "skew")
 """Attributes that state the structure and the sensor."""
 
 _SIGNATURE: Final = b"\x89HDF\r\n\x1a\n"
@@ -64,16 +64,16 @@ def columns_of_record(file: "h5py.File", path: Path) -> Columns:
     for name, item in file.items():
         if not hasattr(item, "shape") or item.dtype.kind not in "iuf" or name == "actuator":
             continue
-        where = f"{path.name}, {name}"
-        require_few_samples(max(item.shape, default=0), where)
-        whole = series_of(np.atleast_2d(item[()]), item.attrs, marks=_marks(item), where=where)
-        for number, row in zip(numbers if len(whole.values) > 1 else [""], whole.values, strict=True):
+        location = f"{path.name}, {name}"
+        require_few_samples(max(item.shape, default=0), location)
+        matrix = series_of(np.atleast_2d(item[()]), item.attrs, marks=_marks(item), location=location)
+        for number, row in zip(numbers if len(matrix.values) > 1 else [""], matrix.values, strict=True):
             column = f"{name}_{number}" if number else name
-            series[column] = replace(whole, values=row)
+            series[column] = replace(matrix, values=row)
             if name in _PARTS:
                 parts[column] = (_PARTS[name], number)
-    stated = {name: text_of(file.attrs[name]) for name in STATED if name in file.attrs}
-    return Columns(path=path, series=series, parts=parts, header=stated)
+    attributes = {name: text_of(file.attrs[name]) for name in STATED_ATTRIBUTES if name in file.attrs}
+    return Columns(path=path, series=series, parts=parts, header=attributes)
 
 
 def text_of(value: object) -> str:
@@ -116,7 +116,7 @@ def read_classic(path: Path, _delimiter: str | None = None) -> list[Columns]:
     return tests_of_tree(path, tree)
 
 
-def _unpack_variable(variable: "scipy.io.netcdf_variable", where: str) -> Tree:
+def _unpack_variable(variable: "scipy.io.netcdf_variable", location: str) -> Tree:
     """Unpack a vector or a matrix of a classic NetCDF file, whose times have the name of its dimension."""
     values = np.array(variable[()])
     if not 0 < values.ndim <= _MATRIX or values.dtype.kind not in "iuf":
@@ -126,7 +126,7 @@ def _unpack_variable(variable: "scipy.io.netcdf_variable", where: str) -> Tree:
         values.astype(values.dtype.newbyteorder("=")),
         attributes,
         marks=_NEVER_WRITTEN.get(values.dtype.str[1:], ()),
-        where=where,
+        location=location,
     )
     return replace(series, axis=variable.dimensions[0] if values.ndim < _MATRIX else "")
 
@@ -217,11 +217,13 @@ class _Contents:
 
     def _apply_attributes(self, item: "h5py.Dataset", values: np.ndarray) -> Tree:
         """Apply what stands beside a vector, or beside a matrix with names and units of its columns."""
-        stated = dict(item.attrs)
-        texts = {name: _texts(value) for name, value in stated.items()}
-        units = next((texts[name] for name in stated if plain(name) in {"unit", "units"} and texts[name]), [])
-        where = f"{self._path.name}, {_name_of(item)}"
-        series = _mark_gaps(series_of(values, stated, marks=_marks(item), where=where), item)
+        attributes = dict(item.attrs)
+        texts = {name: _texts(value) for name, value in attributes.items()}
+        units = next(
+            (texts[name] for name in attributes if plain(name) in {"unit", "units"} and texts[name]), []
+        )
+        location = f"{self._path.name}, {_name_of(item)}"
+        series = _mark_gaps(series_of(values, attributes, marks=_marks(item), location=location), item)
         scales = [self._scales_of(axis) for axis in lists_of_scales(item)]
         if values.squeeze().ndim == 1:
             times = [_name_of(scale) for scale in scales[int(np.argmax(values.shape))]] if scales else []
@@ -229,14 +231,14 @@ class _Contents:
         if values.ndim != _MATRIX:
             return series
         labels = [_texts(scale[()]) for axis in scales for scale in axis if scale.dtype.kind in "SOU"]
-        for names in (*(listed for listed in texts.values() if listed is not units), *labels):
+        for names in (*(name_list for name_list in texts.values() if name_list is not units), *labels):
             if len(names) in values.shape and len(set(names)) == len(names) > 1:
                 upright = series.values if len(names) == values.shape[1] else series.values.T
-                of_columns = units * len(names) if len(units) == 1 else units
-                of_columns = of_columns if len(of_columns) == len(names) else [""] * len(names)
+                column_units = units * len(names) if len(units) == 1 else units
+                column_units = column_units if len(column_units) == len(names) else [""] * len(names)
                 return {
                     name: replace(series, values=column, unit=unit)
-                    for name, column, unit in zip(names, upright.T, of_columns, strict=True)
+                    for name, column, unit in zip(names, upright.T, column_units, strict=True)
                 }
         return series
 
@@ -289,25 +291,27 @@ def _name_of(item: "h5py.Dataset") -> str:
 
 def _mark_gaps(series: Series, item: "h5py.Dataset") -> Series:
     """Mark samples of chunks that were never written, where others were; the library reads zeros there."""
-    written = 0 if item.chunks is None else item.id.get_num_chunks()
+    chunk_count = 0 if item.chunks is None else item.id.get_num_chunks()
     grid = [-(-size // chunk) for size, chunk in zip(item.shape, item.chunks or item.shape, strict=True)]
-    if not 0 < written < np.prod(grid):
+    if not 0 < chunk_count < np.prod(grid):
         return series
-    held = np.zeros(grid, dtype=np.bool_)
-    for place in range(written):
-        held[tuple(np.floor_divide(item.id.get_chunk_info(place).chunk_offset, item.chunks))] = True
+    is_written = np.zeros(grid, dtype=np.bool_)
+    for place in range(chunk_count):
+        is_written[tuple(np.floor_divide(item.id.get_chunk_info(place).chunk_offset, item.chunks))] = True
     for axis, (size, chunk) in enumerate(zip(item.shape, item.chunks, strict=True)):
-        held = np.repeat(held, chunk, axis=axis).take(range(size), axis=axis)
-    gap = f"{counted(int((~held).sum()), 'sample')} never written"
-    return replace(series, values=np.where(held, series.values, np.nan), applied=(*series.applied, gap))
+        is_written = np.repeat(is_written, chunk, axis=axis).take(range(size), axis=axis)
+    gap = f"{counted(int((~is_written).sum()), 'sample')} never written"
+    return replace(
+        series, values=np.where(is_written, series.values, np.nan), corrections=(*series.corrections, gap)
+    )
 
 
 def _marks(item: "h5py.Dataset") -> tuple[float, ...]:
     """Return what stands where nothing was written, if the file states it; zero may be a reading."""
     import h5py
 
-    stated = item.id.get_create_plist().fill_value_defined() == h5py.h5d.FILL_VALUE_USER_DEFINED
-    return (float(item.fillvalue),) if stated and item.fillvalue else ()
+    has_fill_value = item.id.get_create_plist().fill_value_defined() == h5py.h5d.FILL_VALUE_USER_DEFINED
+    return (float(item.fillvalue),) if has_fill_value and item.fillvalue else ()
 
 
 def _texts(value: object) -> list[str]:
@@ -321,7 +325,7 @@ def _require_single_references(file: "h5py.File") -> None:
     """Refuse what is referred to twice and large or refers further: it would multiply in memory."""
     import h5py
 
-    seen, total = set(), 0
+    visited, total = set(), 0
     for _, item in objects_of(file):
         if not isinstance(item, h5py.Dataset):
             continue
@@ -332,16 +336,16 @@ def _require_single_references(file: "h5py.File") -> None:
             target = file[reference]
             place = h5py.h5o.get_info(target.id).addr
             small = isinstance(target, h5py.Dataset) and not _refers(target) and target.nbytes < _LARGE
-            if place in seen and not small:
+            if place in visited and not small:
                 raise ValueError("a part that is referred to twice")
-            seen.add(place)
+            visited.add(place)
     if total > _MOST_BYTES:
         raise ValueError(f"{total:,} bytes of numbers, of at most {_MOST_BYTES:,}")
 
 
 def _characters(values: np.ndarray) -> str | list[str]:
     """Characters of MATLAB 7.3, in numbers of UTF-16; rows of a matrix of them are texts of their own."""
-    across = np.moveaxis(np.atleast_2d(values.T), 1, -1)
-    rows = across.reshape(-1, across.shape[-1]).astype("<u2")
+    character_rows = np.moveaxis(np.atleast_2d(values.T), 1, -1)
+    rows = character_rows.reshape(-1, character_rows.shape[-1]).astype("<u2")
     texts = [row.tobytes().decode("utf-16-le", errors="replace").strip() for row in rows]
     return texts[0] if len(texts) == 1 else texts

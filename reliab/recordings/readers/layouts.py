@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from reliab.core.errors import InputError
 from reliab.recordings.naming import describe
-from reliab.recordings.readers.attributes import add_clock, series_of, with_attributes
+from reliab.recordings.readers.attributes import add_clock, apply_attributes, series_of
 from reliab.recordings.readers.columns import Columns, Series
 from reliab.recordings.recording import require_few_samples
 from reliab.recordings.words import Quantity
@@ -59,9 +59,9 @@ class _Histories:
 def tests_of_tree(path: Path, tree: Mapping[str, Tree]) -> list[Columns]:
     """Find the tests in what a file holds."""
     captures = _join_captures(list(_captures(tree, ""))) or [("", _plain(tree))]
-    beside = {name: value for name, value in _scalars(tree, "") if "." not in name}
+    scalars = {name: value for name, value in _scalars(tree, "") if "." not in name}
     for _, histories in captures:
-        histories.scalars = {**beside, **histories.scalars}
+        histories.scalars = {**scalars, **histories.scalars}
     tests = [
         _columns(path, name if len(captures) > 1 else "", histories)
         for name, histories in captures
@@ -81,12 +81,12 @@ def _join_captures(captures: list[tuple[str, _Histories]]) -> list[tuple[str, _H
     """Take captures of a single history each as the channels of one test, named after their structures."""
     if len(captures) < 2 or any(len(histories.series) > 1 for _, histories in captures):  # noqa: PLR2004
         return captures
-    merged = _Histories()
+    joint_histories = _Histories()
     for name, histories in captures:
         ((label, series),) = histories.series.items()
-        merged.add(label if histories.named and label else name, series)
-        merged.scalars.update(histories.scalars)
-    return [("", merged)]
+        joint_histories.add(label if histories.named and label else name, series)
+        joint_histories.scalars.update(histories.scalars)
+    return [("", joint_histories)]
 
 
 def _captures(tree: Tree, name: str) -> Iterator[tuple[str, _Histories]]:
@@ -110,10 +110,14 @@ def _captures(tree: Tree, name: str) -> Iterator[tuple[str, _Histories]]:
 def _sibling_groups(tree: Mapping[str, Tree], name: str) -> Iterator[tuple[str, _Histories]]:
     """Take groups that hold histories of the same names: each is a test."""
     groups = {key: item for key, item in tree.items() if isinstance(item, Mapping)}
-    held = {key: _vector_names(item) for key, item in groups.items()}
-    alike = [key for key, names in held.items() if len(names) > 1 and list(held.values()).count(names) > 1]
-    if len(alike) > 1:
-        for key in alike:
+    names_of_group = {key: _vector_names(item) for key, item in groups.items()}
+    repeated_groups = [
+        key
+        for key, names in names_of_group.items()
+        if len(names) > 1 and list(names_of_group.values()).count(names) > 1
+    ]
+    if len(repeated_groups) > 1:
+        for key in repeated_groups:
             histories = _plain(groups[key])
             histories.scalars.update({k: v for k, v in _plain(tree).scalars.items() if "." not in k})
             yield f"{name}.{key}".lstrip("."), histories
@@ -138,12 +142,12 @@ def _dspace(tree: Mapping[str, Tree]) -> _Histories | None:
         if series is None:
             continue
         index = _number(channel.get("XIndex"))
-        of_channel = clocks[int(index) - 1] if index is not None and 1 <= index <= len(clocks) else None
-        histories.add(name, _add_first_clock(series, of_channel, *clocks))
+        channel_clock = clocks[int(index) - 1] if index is not None and 1 <= index <= len(clocks) else None
+        histories.add(name, _add_first_clock(series, channel_clock, *clocks))
     step = _number(capture.get("SamplingPeriod")) if isinstance(capture, Mapping) else None
     if step is not None:
-        thinned = _number(capture.get("Downsampling")) if isinstance(capture, Mapping) else None
-        histories.scalars["dt"] = step * (thinned if thinned and thinned >= 1.0 else 1.0)
+        downsampling = _number(capture.get("Downsampling")) if isinstance(capture, Mapping) else None
+        histories.scalars["dt"] = step * (downsampling if downsampling and downsampling >= 1.0 else 1.0)
     return histories
 
 
@@ -159,15 +163,17 @@ def _values(tree: Mapping[str, Tree]) -> _Histories | None:
     """Simulink Real-Time and xPC: structures with `values`, of which none needs a name."""
     if "values" in tree and "signals" not in tree:
         return _signal_histories([tree], tree.get("time", tree.get("t")))
-    held = {name: _as_list(item) for name, item in tree.items() if _are_values(_as_list(item))}
+    lists = {name: _as_list(item) for name, item in tree.items() if _are_values(_as_list(item))}
     time = tree.get("time", tree.get("t", tree.get("tout")))
-    if len(held) == 1:
-        ((name, signals),) = held.items()
+    if len(lists) == 1:
+        ((name, signals),) = lists.items()
         return _signal_histories(signals, time, name)
-    if time is None or any(len(items) != 1 or _vector(items[0]["values"]) is None for items in held.values()):
+    if time is None or any(
+        len(items) != 1 or _vector(items[0]["values"]) is None for items in lists.values()
+    ):
         return None
     return _signal_histories(
-        [{**items[0], "label": _text(items[0].get("label")) or name} for name, items in held.items()], time
+        [{**items[0], "label": _text(items[0].get("label")) or name} for name, items in lists.items()], time
     )
 
 
@@ -185,7 +191,7 @@ def _signal_histories(signals: Sequence[Mapping[str, Tree]], time: Tree, outer: 
             or _text(signal.get("blockName"))
             or _text(signal.get("name"))
         )
-        of_signal = _history(signal.get("time"))
+        signal_clock = _history(signal.get("time"))
         columns = _columns_of(signal["values"])
         labels = [part.strip() for part in re.split(r"[,;\n]", label)]
         histories.named = histories.named or bool(label)
@@ -195,9 +201,9 @@ def _signal_histories(signals: Sequence[Mapping[str, Tree]], time: Tree, outer: 
                 if len(labels) == len(columns) and labels[k]
                 else short_names([label])[0] or f"{outer}({place})"
             )
-            several = len(columns) > 1 and len(labels) != len(columns)
-            series = _add_first_clock(_apply_attributes(values, signal), of_signal, shared)
-            histories.add(f"{name}[{k + 1}]" if several else name, series)
+            has_components = len(columns) > 1 and len(labels) != len(columns)
+            series = _add_first_clock(_apply_attributes(values, signal), signal_clock, shared)
+            histories.add(f"{name}[{k + 1}]" if has_components else name, series)
     return histories
 
 
@@ -237,8 +243,8 @@ def _is_timeseries(item: Mapping[str, Tree]) -> bool:
     )
 
 
-def _value_of(item: Mapping[str, Tree], wanted: str) -> Tree:
-    return next((value for key, value in item.items() if key.lower() == wanted), None)
+def _value_of(item: Mapping[str, Tree], wanted_name: str) -> Tree:
+    return next((value for key, value in item.items() if key.lower() == wanted_name), None)
 
 
 def _unit_of_series(item: Mapping[str, Tree]) -> str:
@@ -260,18 +266,18 @@ def _matrix_with_names(tree: Mapping[str, Tree]) -> _Histories | None:
         units = next(
             (names for key, names in lists.items() if "unit" in key.lower() or "einheit" in key.lower()), None
         )
-        others = [names for names in lists.values() if names is not units]
-        if not others:
+        name_lists = [names for names in lists.values() if names is not units]
+        if not name_lists:
             continue
         histories = _Histories(scalars=dict(_scalars(tree, "")))
-        whole = matrix if isinstance(matrix, Series) else Series(values=matrix)
-        for place, (name, values) in enumerate(zip(others[0], columns, strict=True)):
+        series = matrix if isinstance(matrix, Series) else Series(values=matrix)
+        for place, (name, values) in enumerate(zip(name_lists[0], columns, strict=True)):
             unit = units[place] if units else ""
-            histories.add(name or f"column {place + 1}", replace(whole, values=values, unit=unit))
+            histories.add(name or f"column {place + 1}", replace(series, values=values, unit=unit))
         for key, item in tree.items():
-            beside = _vector(item)  # such as Simulink's `tout`
-            if beside is not None and beside.size == columns[0].size:
-                histories.add(key, Series(values=beside))
+            clock = _vector(item)  # such as Simulink's `tout`
+            if clock is not None and clock.size == columns[0].size:
+                histories.add(key, Series(values=clock))
         return histories
     return None
 
@@ -289,12 +295,12 @@ def _plain(tree: Mapping[str, Tree]) -> _Histories:
     )
     clocks = _clocks_of(vectors)
     matrices_only = True
-    for name, series, of_matrix in vectors:
-        matrices_only = matrices_only and of_matrix
-        of_group = clocks.get((name.rpartition(".")[0], series.values.size))
-        held = clocks.get((series.axis, 0), of_group)
+    for name, series, is_column in vectors:
+        matrices_only = matrices_only and is_column
+        group_clock = clocks.get((name.rpartition(".")[0], series.values.size))
+        clock = clocks.get((series.axis, 0), group_clock)
         histories.add(
-            name, _add_first_clock(series, held) if series.times is None and series.axis != name else series
+            name, _add_first_clock(series, clock) if series.times is None and series.axis != name else series
         )
     histories.named = len(vectors) > 1 and not matrices_only
     return histories
@@ -307,13 +313,13 @@ def _clocks_of(vectors: Sequence[tuple[str, Series, bool]]) -> dict[tuple[str, i
         if _is_time(name, series):
             unit = describe([name], {name: series.unit})[name].unit
             times[name] = replace(series, unit=unit.text if unit else "")
-    of_groups: dict[tuple[str, int], Series] = {}
+    group_clocks: dict[tuple[str, int], Series] = {}
     for name, series in times.items():
-        of_groups.setdefault((name.rpartition(".")[0], series.values.size), series)
+        group_clocks.setdefault((name.rpartition(".")[0], series.values.size), series)
     axes = {series.axis for name, series, _ in vectors if series.axis in times and name not in times}
-    if max(len(of_groups), len(axes)) < 2:  # noqa: PLR2004 - one clock is that of all
+    if max(len(group_clocks), len(axes)) < 2:  # noqa: PLR2004 - one clock is that of all
         return {}
-    return {**of_groups, **{(name, 0): series for name, series in times.items()}}
+    return {**group_clocks, **{(name, 0): series for name, series in times.items()}}
 
 
 def _is_time(name: str, series: Series) -> bool:
@@ -327,27 +333,27 @@ def _vectors(tree: Tree, name: str) -> Iterator[tuple[str, Series, bool]]:
     """
     if isinstance(tree, Mapping):
         inner = [(key, list(_vectors(item, f"{name}.{key}".lstrip(".")))) for key, item in tree.items()]
-        vectors = [vector for _, below in inner for vector in below]
-        beside = _attributes_of(tree)
+        vectors = [vector for _, inner_vectors in inner for vector in inner_vectors]
+        attributes = _attributes_of(tree)
         has_times = any(_is_time(label, series) for label, series, _ in vectors)
-        for label, series, of_matrix in vectors:
+        for label, series, is_column in vectors:
             if not name or label.rpartition(".")[0] != name:
-                yield label, series, of_matrix
+                yield label, series, is_column
             elif len(vectors) == 1:
-                yield label, with_attributes(series, beside), of_matrix
+                yield label, apply_attributes(series, attributes), is_column
             else:
-                yield label, add_clock(series, beside, has_times=has_times), of_matrix
+                yield label, add_clock(series, attributes, has_times=has_times), is_column
     elif isinstance(tree, list):
         for place, item in enumerate(tree, start=1):
             yield from _vectors(item, f"{name}({place})")
     else:
         columns = _columns_of(tree)
         for k, values in enumerate(columns):
-            label, of_matrix = f"{name}[{k + 1}]" if len(columns) > 1 else name, len(columns) > 1
+            label, is_column = f"{name}[{k + 1}]" if len(columns) > 1 else name, len(columns) > 1
             yield (
                 label,
                 replace(tree, values=values) if isinstance(tree, Series) else Series(values=values),
-                of_matrix,
+                is_column,
             )
 
 
@@ -391,16 +397,16 @@ def _columns(path: Path, test: str, histories: _Histories) -> Columns:
     """Make a test of histories; without clocks of their own only those of the most common length."""
     plain = [series.values.size for series in histories.series.values() if series.times is None]
     size = max(set(plain), key=lambda length: (plain.count(length), length)) if plain else 0
-    kept = {
+    columns = {
         name: series
         for name, series in histories.series.items()
         if series.times is not None or series.values.size == size
     }
-    for name, series in kept.items():
+    for name, series in columns.items():
         require_few_samples(series.values.size, f"{path.name}, {name}")
     return Columns(
         path=path,
-        series=kept,
+        series=columns,
         scalars=histories.scalars,
         named=histories.named,
         test=test,

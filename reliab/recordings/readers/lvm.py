@@ -37,9 +37,11 @@ def read_lvm(path: Path, delimiter: str | None = None) -> list[Columns]:
     require_small(path, _MOST_BYTES, remedy=f"{TOO_LARGE}, or export it as TDMS")
     lines = lines_of(decoded(path.read_bytes()))
     ends = [place for place, line in enumerate(lines) if line.strip().startswith(_END)]
-    above = lines[: ends[0] if ends else 0]
-    separator = delimiter or next((match[1] for line in above if (match := _SEPARATOR.match(line))), "\t")
-    head = _values(above, separator)
+    header_end = lines[: ends[0] if ends else 0]
+    separator = delimiter or next(
+        (match[1] for line in header_end if (match := _SEPARATOR.match(line))), "\t"
+    )
+    head = _values(header_end, separator)
     tables = []
     for begin, first, last in _segments(lines, ends, separator):
         segment = _Segment(
@@ -85,12 +87,12 @@ def _table(lines: Sequence[str], first: int, last: int, separator: str, path: Pa
     ]
     if not any(number_of(row.split(separator)[0].strip()) is not None for row in rows if row):
         return None
-    table, *further = tables_of([separator.join(names), *rows], path, separator, above=first)
-    if further:
+    table, *other_tables = tables_of([separator.join(names), *rows], path, separator, lines_above=first)
+    if other_tables:
         raise InputError(
             "A line without numbers between the rows of a segment",
             remedy="Remove it",
-            where=f"{path.name}, {further[0].place(0).rpartition(', ')[2]}",
+            where=f"{path.name}, {other_tables[0].place(0).rpartition(', ')[2]}",
         )
     return table
 
@@ -114,8 +116,10 @@ class _Segment:
         for place in channels:
             x = max((x for x in xs if x < place), default=None) if layout != "no" else None
             owner = channels[0] if layout == "one" else place
-            known = None if x is None else table.values[f"X_Value {x}"]
-            series[self.names[place]] = self._channel(place, table.values[self.names[place]], known, owner)
+            time_values = None if x is None else table.values[f"X_Value {x}"]
+            series[self.names[place]] = self._channel(
+                place, table.values[self.names[place]], time_values, owner
+            )
         return series
 
     def _channel(self, place: int, values: Array, x: Array | None, owner: int) -> Series:
@@ -128,8 +132,8 @@ class _Segment:
             times = x[: values.size] + begin - self._number(owner, "X0", 0.0)
         start = date_of(f"{self._text(place, 'Date')} {self._text(place, 'Time')}")
         if times is not None and times.size and abs(times[0]) > _ABSOLUTE:
-            whole = np.floor(times[0])
-            times, start = times - whole, _FIRST_DATE + np.timedelta64(int(whole), "s")
+            whole_seconds = np.floor(times[0])
+            times, start = times - whole_seconds, _FIRST_DATE + np.timedelta64(int(whole_seconds), "s")
         dimension = self._text(place, "X_Dimension")
         return Series(
             values=values,
@@ -146,6 +150,6 @@ class _Segment:
             return single[0]
         return cells[place - 1] if 0 < place <= len(cells) else ""
 
-    def _number(self, place: int, name: str, otherwise: float) -> float:
+    def _number(self, place: int, name: str, default: float) -> float:
         number = number_of(self._text(place, name))
-        return number if number is not None and np.isfinite(number) else otherwise
+        return number if number is not None and np.isfinite(number) else default

@@ -118,8 +118,8 @@ def _start_date(about: Mapping[str, Tree]) -> np.datetime64 | None:
 
 def _property_value(properties: Mapping[str, Tree], name: str) -> Tree:
     """Value of a property under its own name or the one it is saved with; None where neither holds any."""
-    held = (properties.get(key) for key in (name, f"{name}_")) if isinstance(properties, Mapping) else ()
-    return next((value for value in held if value is not None and np.size(value) > 0), None)
+    values = (properties.get(key) for key in (name, f"{name}_")) if isinstance(properties, Mapping) else ()
+    return next((value for value in values if value is not None and np.size(value) > 0), None)
 
 
 def _equal_steps(about: Mapping[str, Tree]) -> np.ndarray | None:

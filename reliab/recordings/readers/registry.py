@@ -24,7 +24,7 @@ class Format:
     read: Callable[[Path, str | None], list[Columns]]
 
 
-_SHIPPED = (
+_BUILT_IN = (
     Format(
         name="HDF5, NetCDF 4 or MATLAB 7.3",
         recognises=hierarchical.recognises,
@@ -55,7 +55,7 @@ FORMATS = Registry(
     noun="format of recordings",
     base=Format,
     group="reliab.recording_formats",
-    shipped=_SHIPPED,
+    shipped=_BUILT_IN,
     name_of=lambda form: form.name,
 )
 """Every format by its name; other packages register a `Format`. What none of them recognises may be text."""
@@ -75,7 +75,7 @@ def read_tests(path: str | Path, *, delimiter: str | None = None) -> list[Column
             with naming(path.name):
                 return form.read(path, delimiter)
     kind, remedy = next(
-        (what for begin, what in _NOT_READ.items() if begin in head[:_BEGIN]),
+        (description for begin, description in _NOT_READ.items() if begin in head[:_BEGIN]),
         ("this binary format", "Export the test as text in columns, MATLAB, HDF5, TDMS or NetCDF"),
     )
     raise InputError(

@@ -16,7 +16,7 @@ from reliab.recordings.readers.layouts import MOST_COLUMNS, Tree, tests_of_tree
 from reliab.recordings.recording import require_few_samples
 
 _SIGNATURE: Final = b"TDSm"
-_DECIMATED: Final = re.compile(r"Decimated Data_Level\d+$")  # thinned copies beside a test
+_DECIMATED_GROUP: Final = re.compile(r"Decimated Data_Level\d+$")  # thinned copies beside a test
 _SCALE: Final = re.compile(r"NI_Scale\[\d+\]_Scale_Type")
 _KNOWN_SCALES: Final = frozenset(
     (
@@ -55,7 +55,7 @@ def read_tdms(path: Path, _delimiter: str | None = None) -> list[Columns]:
         ) from None
     log_manager.set_level(logging.CRITICAL)  # what npTDMS notices of a file becomes a note or an error
     with path.open("rb") as file, TdmsFile.open(file) as content:
-        groups = [group for group in content.groups() if not _DECIMATED.search(group.name)]
+        groups = [group for group in content.groups() if not _DECIMATED_GROUP.search(group.name)]
         groups = groups or content.groups()
         _require_bounded([channel for group in groups for channel in group.channels()], path)
         tree: dict[str, Tree] = {}
@@ -86,19 +86,19 @@ def _require_bounded(channels: list[Any], path: Path) -> None:
         )
 
 
-def _group(group: Any, of_file: Mapping[str, object]) -> dict[str, Tree]:  # noqa: ANN401 - npTDMS is untyped
+def _group(group: Any, file_properties: Mapping[str, object]) -> dict[str, Tree]:  # noqa: ANN401 - npTDMS is untyped
     tree: dict[str, Tree] = {
         name: np.asarray(value) for name, value in group.properties.items() if isinstance(value, int | float)
     }
     for channel in group.channels():
-        series = _series(channel, {**of_file, **group.properties})
+        series = _series(channel, {**file_properties, **group.properties})
         if series is not None:
             tree[channel.name] = series
     return tree
 
 
-def _series(channel: Any, above: Mapping[str, object]) -> Series | None:  # noqa: ANN401
-    """History of a channel; None where it holds texts, or nothing. `above`: properties of group and file."""
+def _series(channel: Any, inherited: Mapping[str, object]) -> Series | None:  # noqa: ANN401
+    """History of a channel; None where it has no numbers. `inherited`: properties of group and file."""
     if channel.data_type is None or len(channel) < 2:  # noqa: PLR2004 - a single number is no history
         return None
     values = np.asarray(channel[:])
@@ -106,14 +106,16 @@ def _series(channel: Any, above: Mapping[str, object]) -> Series | None:  # noqa
         return Series(values=seconds(values), unit="s", start=start_of(values))
     if values.dtype.kind not in "iufb":
         return None
-    return _list_scales(series_of(values, channel.properties), {**above, **channel.properties})
+    return _list_scales(series_of(values, channel.properties), {**inherited, **channel.properties})
 
 
-def _list_scales(series: Series, stated: Mapping[str, object]) -> Series:
+def _list_scales(series: Series, attributes: Mapping[str, object]) -> Series:
     """List the scales that npTDMS has applied; without a word it applies none where it does not know one."""
-    kinds = {str(kind) for name, kind in stated.items() if _SCALE.fullmatch(name)}
-    if not kinds or stated.get("NI_Scaling_Status") == "scaled":
+    kinds = {str(kind) for name, kind in attributes.items() if _SCALE.fullmatch(name)}
+    if not kinds or attributes.get("NI_Scaling_Status") == "scaled":
         return series
     if unknown := sorted(kinds - _KNOWN_SCALES):
         return replace(series, unclear=f"a scale of the type {unknown[0][:_LONGEST]!r}")
-    return replace(series, applied=(*series.applied, f"scale of the file ({', '.join(sorted(kinds))})"))
+    return replace(
+        series, corrections=(*series.corrections, f"scale of the file ({', '.join(sorted(kinds))})")
+    )

@@ -41,51 +41,57 @@ _HALF: Final = 0.5
 
 def join_tables(tables: Sequence[Columns]) -> list[Columns]:
     """Join tables in which all channels go on one step after the last time of each; number what remains."""
-    joined = [tables[0]]
+    tables_joined = [tables[0]]
     for table in tables[1:]:
-        if _goes_on(joined[-1], table):
-            joined[-1] = _append(joined[-1], table)
+        if _goes_on(tables_joined[-1], table):
+            tables_joined[-1] = _append(tables_joined[-1], table)
         else:
-            joined.append(table)
-    return joined if len(joined) == 1 else [replace(table, test=str(k)) for k, table in enumerate(joined, 1)]
+            tables_joined.append(table)
+    return (
+        tables_joined
+        if len(tables_joined) == 1
+        else [replace(table, test=str(k)) for k, table in enumerate(tables_joined, 1)]
+    )
 
 
-def _goes_on(before: Columns, after: Columns) -> bool:
-    if list(before.series) != list(after.series) or before.units != after.units:
+def _goes_on(first: Columns, second: Columns) -> bool:
+    if list(first.series) != list(second.series) or first.units != second.units:
         return False
-    described = describe(list(before.series), before.units)
-    time = next((name for name, what in described.items() if what.quantity is Quantity.TIME), None)
-    for name, held in before.series.items():
-        times, further = (
-            each.values[time] if time and series.times is None else series.times
-            for each, series in ((before, held), (after, after.series[name]))
+    meanings = describe(list(first.series), first.units)
+    time = next((name for name, meaning in meanings.items() if meaning.quantity is Quantity.TIME), None)
+    for name, first_series in first.series.items():
+        times, time_pair = (
+            table.values[time] if time and series.times is None else series.times
+            for table, series in ((first, first_series), (second, second.series[name]))
         )
-        if times is None or further is None or times.size < 2:  # noqa: PLR2004 - a step
+        if times is None or time_pair is None or times.size < 2:  # noqa: PLR2004 - a step
             return False
         step = float(np.median(np.diff(times)))
-        gap = float(further[0] - times[-1]) + _lateness(held, after.series[name]) - step
+        gap = float(time_pair[0] - times[-1]) + _lateness(first_series, second.series[name]) - step
         if not abs(gap) < _HALF * abs(step):
             return False
     return True
 
 
-def _append(before: Columns, after: Columns) -> Columns:
+def _append(first: Columns, second: Columns) -> Columns:
     series = {}
-    for name, held in before.series.items():
-        further = after.series[name]
-        series[name] = replace(held, values=np.concatenate([held.values, further.values]))
-        if held.times is not None and further.times is not None:
-            later = further.times + _lateness(held, further)
-            series[name] = replace(series[name], times=np.concatenate([held.times, later]))
-    lines = [part.lines for part in (before, after) if part.lines is not None]
-    return replace(before, series=series, lines=np.concatenate(lines))
+    for name, first_series in first.series.items():
+        second_series = second.series[name]
+        series[name] = replace(
+            first_series, values=np.concatenate([first_series.values, second_series.values])
+        )
+        if first_series.times is not None and second_series.times is not None:
+            later = second_series.times + _lateness(first_series, second_series)
+            series[name] = replace(series[name], times=np.concatenate([first_series.times, later]))
+    lines = [part.lines for part in (first, second) if part.lines is not None]
+    return replace(first, series=series, lines=np.concatenate(lines))
 
 
-def _lateness(held: Series, further: Series) -> float:
+def _lateness(series: Series, second_series: Series) -> float:
     """Time by which the clock of a series begins after that of another [s]."""
-    if held.start is None or further.start is None:
-        return 0.0 if held.start is further.start else np.inf
-    return seconds_between(held.start, further.start)
+    if series.start is None or second_series.start is None:
+        return 0.0 if series.start is second_series.start else np.inf
+    return seconds_between(series.start, second_series.start)
 
 
 TOO_LARGE: Final = "Leave columns out, resample the test, or cut it where everything stands still"
@@ -110,11 +116,11 @@ def read_text(path: Path, delimiter: str | None = None) -> list[Columns]:
 
 
 def tables_of(
-    lines: Sequence[str], path: Path, delimiter: str | None = None, *, above: int = 0
+    lines: Sequence[str], path: Path, delimiter: str | None = None, *, lines_above: int = 0
 ) -> list[Columns]:
-    """Read the tables of a text in lines, of which `above` stand before them in the file."""
+    """Read the tables of a text in lines, of which `lines_above` stand before them in the file."""
     separator = delimiter if delimiter is not None else delimiter_of(lines)
-    text = _Text(lines=lines, delimiter=separator, path=path, above=above)
+    text = _Text(lines=lines, delimiter=separator, path=path, lines_above=lines_above)
     tables: list[Columns] = []
     begin = 0
     while (place := text.first_row(begin)) is not None:
@@ -131,10 +137,10 @@ def tables_of(
 
 def delimiter_of(lines: Sequence[str]) -> str:
     """Delimiter under which two lines of at least two numbers, else one, come first."""
-    seen = 0
+    count = 0
     for place, line in enumerate(lines):
-        seen += len(line)
-        if seen > _LONGEST_PREAMBLE:
+        count += len(line)
+        if count > _LONGEST_PREAMBLE:
             break
         if not is_comment(line):
             for candidate in _DELIMITERS:
@@ -166,11 +172,11 @@ class _Text:
     lines: Sequence[str]
     delimiter: str
     path: Path
-    above: int  # Lines of the file before these
+    lines_above: int  # Lines of the file before these
 
     def first_row(self, begin: int) -> int | None:
         """Find the first row of a table: of two rows of one width, else of any, else one with texts."""
-        single = mixed = None
+        single = mixed_row = None
         for place in range(begin, len(self.lines)):
             if is_comment(self.lines[place]):
                 continue
@@ -179,11 +185,11 @@ class _Text:
             line = Line(cells=cells_of(self.lines[place], self.delimiter))
             if single is None and len(line.cells) >= FEWEST_COLUMNS and line.holds_numbers:
                 single = place
-            if mixed is None and self._begins_mixed_table(place):
-                mixed = place
-            if mixed is not None and place - mixed > _HEADER_LINES:
+            if mixed_row is None and self._begins_mixed_table(place):
+                mixed_row = place
+            if mixed_row is not None and place - mixed_row > _HEADER_LINES:
                 break
-        return mixed if single is None else single
+        return mixed_row if single is None else single
 
     def _begins_mixed_table(self, place: int) -> bool:
         """Whether rows begin in which some columns hold a text, such as a remark."""
@@ -199,33 +205,39 @@ class _Text:
             raise InputError(
                 "Only one column of numbers",
                 remedy="Export command and measured displacement as columns, or give their `delimiter`",
-                where=self._where(place),
+                where=self._location(place),
             )
         comma = self._has_decimal_comma(place)
         header = header_of(
-            self.lines[begin:place], len(cells), self.delimiter, decimal_comma=comma, where=self._where(place)
+            self.lines[begin:place],
+            len(cells),
+            self.delimiter,
+            decimal_comma=comma,
+            location=self._location(place),
         )
         self._require_no_row_above(begin, place, header)
         rows, numbers, end = self._quick_rows(place, cells, decimal_comma=comma) or self._rows(
             place, header.names
         )
-        kept = [k for k, name in enumerate(header.names) if _holds_anything(rows[:, k], name, cells[k])]
+        filled_columns = [
+            k for k, name in enumerate(header.names) if _holds_anything(rows[:, k], name, cells[k])
+        ]
         series = {
             header.names[k]: Series(values=rows[:, k].copy(), unit=header.units[k], unclear=header.unclear[k])
-            for k in kept
+            for k in filled_columns
         }
         table = Columns(
             path=self.path,
             series=series,
             scalars=header.sampling,
             header=header.statements,
-            lines=numbers + self.above,
+            lines=numbers + self.lines_above,
             named=header.named,
         )
         return table, end
 
-    def _where(self, place: int) -> str:
-        return f"{self.path.name}, line {place + 1 + self.above}"
+    def _location(self, place: int) -> str:
+        return f"{self.path.name}, line {place + 1 + self.lines_above}"
 
     def _has_decimal_comma(self, place: int) -> bool:
         """Whether numbers of a table have a decimal comma; what may be thousands as well is refused."""
@@ -240,18 +252,18 @@ class _Text:
                 "It is unclear whether the comma is a decimal comma or separates thousands",
                 value=repr(next(cell for cell in cells if has_decimal_comma(cell))),
                 remedy="Export the numbers with a decimal point and without separators of thousands",
-                where=self._where(place),
+                where=self._location(place),
             )
         return any(map(has_decimal_comma, cells))
 
     def _require_no_row_above(self, begin: int, place: int, header: Header) -> None:
         """Refuse a damaged row between the names and the first sound one."""
-        for above in range(place - 1, begin - 1, -1):
-            cells = cells_of(self.lines[above], self.delimiter)
+        for place_above in range(place - 1, begin - 1, -1):
+            cells = cells_of(self.lines[place_above], self.delimiter)
             if tuple(cells[: len(header.names)]) == tuple(header.names) or not header.named:
                 return
-            row = Line(number=above + 1 + self.above, cells=cells)
-            if row.numbers and not is_comment(self.lines[above]) and not _LABEL.match(cells[0]):
+            row = Line(number=place_above + 1 + self.lines_above, cells=cells)
+            if row.numbers and not is_comment(self.lines[place_above]) and not _LABEL.match(cells[0]):
                 list(self._numbers(row, header.names, set()))
 
     def _quick_rows(
@@ -287,7 +299,7 @@ class _Text:
                 end, cells, names
             ):
                 break
-            values.extend(self._numbers(Line(number=end + 1 + self.above, cells=cells), names, texts))
+            values.extend(self._numbers(Line(number=end + 1 + self.lines_above, cells=cells), names, texts))
             numbers.append(end + 1)
         else:
             end = len(self.lines)
@@ -304,12 +316,12 @@ class _Text:
         return any(cells_of(line, self.delimiter)[: len(names)] == tuple(names) for line in following)
 
     def _numbers(self, row: Line, names: Sequence[str], texts: set[int]) -> Iterator[float]:
-        where = f"{self.path.name}, line {row.number}"
+        location = f"{self.path.name}, line {row.number}"
         if len(row.cells) != len(names):
             raise InputError(
                 f"{len(row.cells)} columns, but {len(names)} in the first line",
                 remedy="Correct the line, or cut the file before it",
-                where=where,
+                where=location,
             )
         for place, (name, cell) in enumerate(zip(names, row.cells, strict=True)):
             number = time_of_day(cell) if place in texts else number_of(cell)
@@ -320,7 +332,7 @@ class _Text:
                     "Not a number",
                     value=repr(cell if len(cell) <= _LONGEST_CELL else f"{cell[:_LONGEST_CELL]} …"),
                     remedy="Correct the line, or cut the file before it",
-                    where=f"{where}, column {name}",
+                    where=f"{location}, column {name}",
                 )
             yield number
 

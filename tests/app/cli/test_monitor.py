@@ -290,7 +290,7 @@ def rows_while(path: Path, change) -> np.ndarray:
             yield piece
             next(steps, None)
 
-    rows = rows_as_written(pieces(), name="test.csv", stated={})
+    rows = rows_as_written(pieces(), name="test.csv", declarations={})
     return np.concatenate([part.time for part in rows])
 
 

@@ -127,7 +127,7 @@ def test_what_is_stated_of_both_scales_is_one_deviation(of_sensor, expected, equ
 def test_a_calibration_that_found_no_hysteresis_replaces_the_default(tmp_path):
     file = tmp_path / "channels.toml"
     file.write_text("[calibration]\nhysteresis = 0\nhysteresis_sd = 1e-4\n", encoding="utf-8")
-    stated = read_channels_file(file).of_tests
+    stated = read_channels_file(file).test_values
     require_sound(stated)
     sizes = sizes_of_unknown(stated, ONE_HERTZ, ordinary_equipment(), 1.0 / 1024.0)
     assert sizes["lagging_hysteresis"] == Size(deviation=1e-4, source=Source.STATED)
