@@ -4,10 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from reliab.assessment.assessment import Assessment
-from reliab.assessment.budget.sizes import Equipment, sizes_of_unknown, tolerances_of
+from reliab.assessment.budget.sizes import Equipment, exact_equipment, sizes_of_unknown, tolerances_of
 from reliab.assessment.conflicts import find_conflicts, identify_structure, shown_ratio
 from reliab.assessment.contradictions import (
     of_columns,
@@ -30,7 +28,7 @@ from reliab.assessment.recorded_ground import ShownGround, examine_ground, requi
 from reliab.assessment.scope_of_test import place_by_response, scope_of_test
 from reliab.assessment.tracking_index import TrackingIndex, measure_tracking, track, track_windows
 from reliab.assessment.turning import examine_turning
-from reliab.assessment.verdict import Verdict, word_of_probability
+from reliab.assessment.verdict import word_of_probability
 from reliab.core.significant_digits import significant
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import MILLI, Metric
@@ -46,14 +44,11 @@ if TYPE_CHECKING:
     from reliab.motions.motion import Motion
     from reliab.simulation.hybrid_test.model_file import UpdatedModel
 
-_LEAST_RATIO, _LARGEST_RATIO = 0.001, 0.5  # of a structure, where an equation of motion shows it
 _LEARNED = (
     "The recorded force is that of a nonlinear specimen, which was therefore learned from it, as with "
     "`specimen` measured. State it as linear if it was."
 )
-_LIKE_DAMPING = ("time_shift", "filter_delay", "feedback_lag")  # what looks like a damping ratio
 _ANY_RATIO = 0.86  # of a ratio that nobody stated, as of one that lies anywhere from 0.5 to 10 %
-_DAMPING_RATIOS = tuple(np.geomspace(0.005, 0.1, 7).tolist())  # of structures in laboratories
 
 
 def assess(
@@ -114,8 +109,8 @@ def assess(
         What the recorded force of a measured specimen contains besides that of the specimen.
     assumed : tuple of str, optional
         Sentences saying that no damping ratio was stated and which one is assumed; repeated among the
-        warnings. A recorded ground acceleration shows the ratio; without one the test is undecided unless
-        the verdict is the same with each of seven ratios from 0.5 to 10 %.
+        warnings. The interval then allows for any ratio from 0.5 to 10 %, as far as the channels do not show
+        it.
     taper : str, optional
         Window of the evaluation index.
     seed : int, optional
@@ -133,7 +128,8 @@ def assess(
         displacement does not follow the command.
     """
     learned: tuple[str, ...] = ()
-    if equipment is not None and not (measured_specimen or linear_specimen or model is not None):
+    equipment = equipment or exact_equipment()
+    if not (equipment.is_exact or measured_specimen or linear_specimen or model is not None):
         nonlinear = "mass" in (stated or {}) and looks_nonlinear(remove_spikes(recording)[0], structure)
         measured_specimen = bool(nonlinear)
         learned = (_LEARNED,) if nonlinear else ()
@@ -141,19 +137,12 @@ def assess(
     _require_judgeable(recording, structure, stated or {}, linear=linear)
     stated = dict(stated or {})
     tolerances_of(sizes_of_unknown(stated, structure, equipment, recording.time_step))
-    shown = None
-    if assumed and linear and equipment is None:
-        shown = _shown_damping(recording, structure, stated)
-    if shown is not None:
-        structure, stated = replace(structure, damping_ratio=shown.value), {**stated, "xi": shown}
-        assumed = (_shows_ratio(shown),)
     named = structure.frequency, structure.damping_ratio, threshold, confidence
     chosen = criterion or criterion_of_test(*named, metric=metric, duration=recording.duration)
     question = Question(
         structure=structure,
         stated=stated,
         equipment=equipment,
-        damping_shown=shown is not None,
         metric=Metric(chosen.metric),
         threshold=chosen.threshold,
         model=model,
@@ -184,12 +173,12 @@ def _examined(
     clean = repaired(recording, faults)
     if faults:
         tracking = track(clean, window=taper, seed=question.seed)
-    judged = _judged(recording, clean, faults, question, any_damping=bool(assumed))
+    judged = _judged(recording, clean, faults, _with_broad_damping(question) if assumed else question)
     if assumed and judged.error.inferred is not None:
         question, assumed = _with_shown_damping(question, judged.error.inferred.posterior)
-    structure, by_any_damping = question.structure, assumed and not question.damping_shown
+    structure = question.structure
     turning = examine_turning(judged.error, recording, question)
-    verdict = judged.verdict(_with_any_damping(clean, question) if by_any_damping else ())
+    verdict = verdict_of_error(judged.error, judged.effects, judged.equation)
     verdict = doubted_by_rest(verdict, judged.error, clean)
     assessment = Assessment(
         recording=recording,
@@ -275,32 +264,40 @@ class _Judged:
     effects: tuple[FaultEffect, ...]
     equation: OwnEquation
 
-    def verdict(self, with_any_damping: tuple[ErrorOfTest, ...]) -> Verdict:
-        """Judge the test; `with_any_damping` holds its errors where no damping ratio was stated."""
-        return verdict_of_error(self.error, self.effects, self.equation, with_any_damping)
 
-
-def _judged(
-    recording: Recording,
-    clean: Recording,
-    faults: tuple[Fault, ...],
-    question: Question,
-    *,
-    any_damping: bool,
-) -> _Judged:
+def _judged(recording: Recording, clean: Recording, faults: tuple[Fault, ...], question: Question) -> _Judged:
     """Error of the test, and what its recording shows of the structure."""
-    if question.inferred:
-        found = _inferred(
-            recording, clean, faults, _with_broad_damping(question) if any_damping else question
-        )
-        if found is not None:
-            return found
+    structure, nonlinear, ground = question.structure, "", ShownGround()
+    if question.linear:
+        ground, nonlinear = _examine_ground(clean, question), looks_nonlinear(clean, structure)
+        force = None if nonlinear else recording.force
+        recording = replace(recording, ground=ground.evidence(recording.ground), force=force)
     error, effects = error_of_one_with_faults(recording, faults, question)
-    if not question.linear:
+    if error.inferred is None:
         return _Judged(error=error, effects=effects, equation=OwnEquation())
-    ground = _examine_ground(clean, question)
-    equation = compare_with_stated(clean, question.structure, ground, question.stated)
+    equation = compare_with_stated(clean, structure, ground, question.stated)
+    if not question.equipment.is_exact:
+        equation = _compare_with_posterior(error.inferred.posterior, equation, ground, question)
     return _Judged(error=error, effects=effects, equation=equation)
+
+
+def _compare_with_posterior(
+    posterior: TestPosterior, equation: OwnEquation, ground: ShownGround, question: Question
+) -> OwnEquation:
+    """Compare stated values with what the channels show where no value is exact."""
+    structure = question.structure
+    conflicts = tuple(find_conflicts(posterior, structure, question.stated))
+    identified = None
+    if ground.identified is not None:
+        misfit = ground.identified.misfit
+        identified = identify_structure(posterior, structure, question.feedback_lag, misfit)
+    return replace(
+        equation,
+        identified=identified,
+        wrong=tuple(conflict.option for conflict in conflicts if conflict.option),
+        contradictions=tuple(conflict.finding for conflict in conflicts),
+        doubts=(*ground.doubts, *(conflict for conflict in conflicts if conflict.remedy)),
+    )
 
 
 def _examine_ground(clean: Recording, question: Question) -> ShownGround:
@@ -332,67 +329,3 @@ def _with_broad_damping(question: Question) -> Question:
     """Take a damping ratio that nobody stated as one that lies anywhere from 0.5 to 10 %."""
     ratio = question.structure.damping_ratio
     return replace(question, stated={**question.stated, "xi": StatedValue(ratio, _ANY_RATIO * ratio)})
-
-
-def _inferred(
-    recording: Recording, clean: Recording, faults: tuple[Fault, ...], question: Question
-) -> _Judged | None:
-    """Error by the posterior of all that is uncertain, and what the channels show; None without one."""
-    structure, stated = question.structure, question.stated
-    ground = _examine_ground(clean, question)
-    nonlinear = looks_nonlinear(clean, structure)
-    evidence = replace(
-        recording,
-        ground=ground.evidence(recording.ground),
-        force=None if nonlinear else recording.force,
-    )
-    error, effects = error_of_one_with_faults(evidence, faults, question)
-    if error.inferred is None:
-        return None
-    posterior = error.inferred.posterior
-    conflicts = tuple(find_conflicts(posterior, structure, stated))
-    equation = OwnEquation(
-        identified=None
-        if ground.identified is None
-        else identify_structure(posterior, structure, question.feedback_lag, ground.identified.misfit),
-        contradictions=tuple(conflict.finding for conflict in conflicts),
-        nonlinear=nonlinear,
-        notes=ground.notes,
-        doubts=(*ground.doubts, *(conflict for conflict in conflicts if conflict.remedy)),
-    )
-    return _Judged(error=error, effects=effects, equation=equation)
-
-
-def _shown_damping(
-    recording: Recording,
-    structure: Structure,
-    stated: Mapping[str, StatedValue],
-) -> StatedValue | None:
-    """Take the damping ratio that the recorded ground acceleration shows; None where it shows none.
-
-    A skew and a lag of the force look like damping, so that it is no better known than these.
-    """
-    mass, lag = stated.get("mass"), stated.get("feedback_lag", StatedValue(0.0))
-    shown = examine_ground(
-        remove_spikes(recording)[0],
-        structure,
-        mass=None if mass is None else mass.value,
-        feedback_lag=lag.value / MILLI,
-    ).identified
-    if shown is None or not _LEAST_RATIO < shown.damping_ratio.value < _LARGEST_RATIO:
-        return None
-    sizes = sizes_of_unknown(stated, structure, None, recording.time_step)
-    late = [sizes[name].deviation for name in _LIKE_DAMPING if name in sizes]
-    per_second = 0.5 * structure.experimental_fraction * structure.circular_frequency
-    of_channels = per_second * float(np.linalg.norm(late))
-    return StatedValue(shown.damping_ratio.value, float(np.hypot(shown.damping_ratio.deviation, of_channels)))
-
-
-def _with_any_damping(recording: Recording, question: Question) -> tuple[ErrorOfTest, ...]:
-    """Errors with damping ratios of structures, from the lowest to the highest."""
-    return tuple(
-        error_of_test(
-            recording, replace(question, structure=replace(question.structure, damping_ratio=ratio))
-        )
-        for ratio in _DAMPING_RATIOS
-    )

@@ -33,6 +33,7 @@ def find_conflicts(
             yield Contradiction(
                 finding=_finding(unknown, posterior, structure, stated),
                 remedy=unknown.quantity.remedy if unknown.quantity.option in _BEHIND_ERROR else "",
+                option=unknown.quantity.option,
                 of_structure=unknown.quantity.option in _OF_STRUCTURE,
             )
 

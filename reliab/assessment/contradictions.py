@@ -38,6 +38,7 @@ class Contradiction:
 
     finding: str  # What contradicts it, a sentence
     remedy: str  # What would resolve it, a sentence
+    option: str = ""  # Under which it is stated; empty of what has none
     of_structure: bool = False  # Whether the structure may be another one: no bad test is surely bad then
 
 

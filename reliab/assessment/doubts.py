@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 
-from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.error_with_threshold import ErrorWithThreshold
 from reliab.assessment.fault_effects import FaultEffect
 from reliab.assessment.own_equation import OwnEquation
@@ -38,13 +37,11 @@ def verdict_of_error(
     error: ErrorWithThreshold,
     effects: tuple[FaultEffect, ...],
     equation: OwnEquation | None = None,
-    assumed: tuple[ErrorOfTest, ...] = (),
 ) -> Verdict:
     """Judge a test by its own error.
 
     Returns undecided where the interval contains the threshold, where a fault of the recording would change
-    the verdict, where another damping ratio than the
-    assumed one would change the verdict, and where noise leaves nothing to be judged.
+    the verdict, and where noise leaves nothing to be judged.
     """
     equation = equation or OwnEquation()
     size = error.estimate(error.metric)
@@ -66,15 +63,6 @@ def verdict_of_error(
     if equation.nonlinear:
         reasons.append(equation.nonlinear)
         remedies.append(_NONLINEAR)
-    if any(word_of_probability(restated.probability) is not word for restated in assumed):
-        by_size = sorted(assumed, key=lambda restated: restated.estimate(error.metric).value)
-        sizes = " to ".join(
-            f"{percent(restated.estimate(error.metric).value, 2)} "
-            f"(ξ = {significant(restated.damping_ratio, 2)})"
-            for restated in (by_size[0], by_size[-1])
-        )
-        reasons.append(f"No damping ratio was stated, and the verdict depends on it: the {name} is {sizes}.")
-        remedies.append("State the damping ratio of the structure.")
     return verdict.doubted(reasons, remedies)
 
 

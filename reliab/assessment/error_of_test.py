@@ -11,7 +11,6 @@ from reliab.assessment.budget.sizes import (
     Equipment,
     Size,
     Source,
-    as_certain_as,
     sizes_of_structure,
     sizes_of_unknown,
     tolerances_of,
@@ -19,13 +18,10 @@ from reliab.assessment.budget.sizes import (
 from reliab.assessment.error_with_threshold import ErrorWithThreshold
 from reliab.assessment.rebuilt_error.interval import Histories
 from reliab.assessment.rebuilt_error.noise import filter_of_noise
-from reliab.assessment.rebuilt_error.own_frequency import OwnFrequency
 from reliab.assessment.rebuilt_error.parts import Part, Parts
-from reliab.assessment.rebuilt_error.rebuild import RebuiltError, rebuild
-from reliab.assessment.rebuilt_error.spread import Spread
+from reliab.assessment.rebuilt_error.rebuild import RebuiltError
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.widenings import Widening
-from reliab.assessment.yielding import draw_yielding, widened, widening_of_yielding
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.stated_value import StatedValue
@@ -71,7 +67,7 @@ class Question:
     # Frequency "f" [Hz], damping ratio "xi", share "alpha", sensor "scale" [-] and "feedback_lag" [ms], each
     # with its standard deviation
     stated: Mapping[str, StatedValue]
-    equipment: Equipment | None  # What is not known where nothing is stated; None: everything is exact
+    equipment: Equipment  # What is not known where nothing is stated
     metric: Metric  # Which error
     threshold: float  # Error of the whole test [-]
     model: "UpdatedModel | None" = None  # Calibrated model of a nonlinear specimen
@@ -99,21 +95,19 @@ class Question:
         return self.model is None and not self.measured_specimen
 
     @property
-    def inferred(self) -> bool:
-        """Whether the error is inferred from all channels: of a linear specimen with ordinary equipment."""
-        return self.linear and self.equipment is not None
-
-    @property
     def tolerances(self) -> dict[str, float]:
         """Relative standard deviations that the file of a frame states, by names of quantities and parts."""
         sizes = {} if self.frame is None else sizes_of_structure(self.frame)
         return {name: size.deviation for name, size in sizes.items()}
 
-    def yielding(self, recording: Recording) -> float:
-        """Probability that the specimen of a test yielded, of which nobody recorded the force [-]."""
-        if self.equipment is None or not self.linear or self.linear_specimen or recording.force is not None:
-            return 0.0
-        return self.equipment.yielding
+    def may_have_yielded(self, recording: Recording) -> bool:
+        """Whether the specimen may have yielded, of which nothing was stated and no force recorded."""
+        return (
+            self.linear
+            and not self.linear_specimen
+            and recording.force is None
+            and self.equipment.yielding > 0.0
+        )
 
     @property
     def feedback_lag(self) -> float:
@@ -139,8 +133,6 @@ class ErrorOfTest(ErrorWithThreshold):
     # What was learned of the specimen from its own force, where it is known by that only
     specimen: "MeasuredSpecimen | None" = None
     modelled: bool = False  # Whether a calibrated model says what the specimen does
-    # Draws of the error with a linear specimen only, where others are among those of `rebuilt`
-    if_linear: Spread | None = None
 
     @property
     def displacements(self) -> tuple[RebuiltError]:
@@ -167,20 +159,6 @@ class ErrorOfTest(ErrorWithThreshold):
         }
 
     @property
-    def probability(self) -> float:
-        """Probability that the error asked about stays below the threshold.
-
-        It is the less certain one of with and without specimens that yield. Where sizes of what is unknown
-        are assumed it is at most 0.99: rare sizes are not known so well.
-        """
-        probabilities = [
-            draws.probability_below(self.threshold, self.metric)
-            for draws in (self.rebuilt.draws, self.if_linear)
-            if draws is not None
-        ]
-        return as_certain_as(self.sizes, min(probabilities, key=lambda probability: abs(probability - 0.5)))
-
-    @property
     def reference(self) -> Array:
         """Response without actuator errors, computed from the test [m], shape (n,)."""
         return self.rebuilt.reference
@@ -199,16 +177,7 @@ class ErrorOfTest(ErrorWithThreshold):
         """What widens the interval, the widest first."""
         if self.inferred is not None:
             return self.inferred.widenings(self.metric)
-        if self.if_linear is None:
-            return (self.specimen or self.rebuilt).widenings(self.metric)
-        own = replace(self.rebuilt, draws=self.if_linear).widenings(self.metric)
-        share = self.sizes["yielding"].deviation
-        yielded = widening_of_yielding(self.rebuilt.draws, self.if_linear, share, self.metric)
-        return tuple(sorted((*own, yielded), key=lambda part: -part.contribution))
-
-    @property
-    def _of_specimen(self) -> str:
-        return "" if self.if_linear is None else " for a linear specimen"
+        return (self.specimen or self.rebuilt).widenings(self.metric)
 
 
 def part_in_words(name: str) -> str:
@@ -230,44 +199,36 @@ def error_of_test(
     """Rebuild the error of a test; `sensor_offset` [m]."""
     measured = recording.measured / question.stated.get("scale", StatedValue(1.0)).value
     sizes = {**_sizes(recording, question), **(left_by_repairs or {})}
-    inferred = _inferred(recording, measured, question, sizes, sensor_offset)
-    if inferred is not None:
-        return inferred
+    if question.linear:
+        return _inferred(recording, measured, question, sizes, sensor_offset)
     rest = _Rest(sensor_offset=sensor_offset, tolerances=tolerances_of(sizes), seed=question.seed)
-    specimen = _learned(recording, measured, question, rest) if question.measured_specimen else None
-    rebuilt = _rebuilt(recording, measured, question, rest) if specimen is None else specimen.rebuilt
-    error = ErrorOfTest(
+    specimen = None
+    if question.model is None:
+        specimen = _learned(recording, measured, question, rest)
+        rebuilt = specimen.rebuilt
+    else:
+        rebuilt = _modelled(recording, measured, question.model, rest)
+    return ErrorOfTest(
         rebuilt=rebuilt,
         metric=question.metric,
         threshold=question.threshold,
         damping_ratio=question.structure.damping_ratio,
-        sizes=with_learned(sizes, rebuilt.unknown.own_frequency) | _sizes_of_force(specimen),
+        sizes=sizes | _sizes_of_force(specimen),
         specimen=specimen,
         modelled=question.model is not None,
     )
-    return _that_may_have_yielded(error, question.yielding(recording))
 
 
-def _rebuilt(recording: Recording, measured: Array, question: Question, rest: "_Rest") -> RebuiltError:
-    """Rebuild the error with a specimen as stated or modelled; `measured` [m]."""
-    if question.model is not None:
-        from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_with_specimen
+def _modelled(recording: Recording, measured: Array, model: "UpdatedModel", rest: "_Rest") -> RebuiltError:
+    """Rebuild the error with a calibrated model of the specimen; `measured` [m]."""
+    from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_with_specimen
 
-        return rebuild_with_specimen(
-            recording.command,
-            measured,
-            recording.time_step,
-            question.model.test,
-            deviations=question.model.deviations,
-            **rest,
-        )
-    return rebuild(
+    return rebuild_with_specimen(
         recording.command,
         measured,
         recording.time_step,
-        question.whole,
-        feedback_lag=question.feedback_lag,
-        resolution=question.resolution,
+        model.test,
+        deviations=model.deviations,
         **rest,
     )
 
@@ -278,23 +239,20 @@ def _inferred(
     question: Question,
     sizes: Mapping[str, Size],
     sensor_offset: float | None,
-) -> ErrorOfTest | None:
-    """Infer the error of a test from all of its channels; None where they determine no posterior.
+) -> ErrorOfTest:
+    """Infer the error of a test of a linear specimen from all of its channels.
 
     `measured`, `sensor_offset` [m].
     """
     from reliab.assessment.inferred_error import infer_error
 
-    if question.equipment is None or not question.inferred:
-        return None
     shown = None
     if question.frame is not None and recording.ground is not None:
         shown = _shown_by_ground(recording, measured, question.whole)
-        if shown is None or shown.other:
-            return None
-        recording = replace(recording, ground=shown.evidence(recording.ground))
+        ground = None if shown is None or shown.other else shown.evidence(recording.ground)
+        recording = replace(recording, ground=ground)
     of_equipment = question.sizes(recording.time_step)
-    found = infer_error(
+    inferred, rebuilt = infer_error(
         recording,
         measured,
         question.whole,
@@ -308,9 +266,6 @@ def _inferred(
         resolution=question.resolution,
         seed=question.seed,
     )
-    if found is None:
-        return None
-    inferred, rebuilt = found
     return ErrorOfTest(
         rebuilt=rebuilt,
         metric=question.metric,
@@ -350,23 +305,10 @@ def _sizes_of_force(specimen: "MeasuredSpecimen | None") -> dict[str, Size]:
     }
 
 
-def _that_may_have_yielded(error: ErrorOfTest, share: float) -> ErrorOfTest:
-    """Widen the error by specimens that yield, which have a share of the probability [-]."""
-    if not share:
-        return error
-    rebuilt = error.rebuilt
-    return replace(
-        error,
-        rebuilt=widened(rebuilt, draw_yielding(rebuilt), share),
-        if_linear=rebuilt.draws,
-        sizes={**error.sizes, "yielding": Size(deviation=share, source=Source.DEFAULT)},
-    )
-
-
 def _sizes(recording: Recording, question: Question) -> dict[str, Size]:
     """Sizes of what is not known, with the filter that noise shows where no filter is stated."""
     sizes = question.sizes(recording.time_step)
-    if question.equipment is None or "filter_delay" in question.stated or question.frame is not None:
+    if question.equipment.is_exact or "filter_delay" in question.stated or question.frame is not None:
         return sizes
     filtering = filter_of_noise(recording.command, recording.measured, recording.time_step)
     if filtering is None:
@@ -417,10 +359,3 @@ def _learned(recording: Recording, measured: Array, question: Question, rest: _R
         resolution=question.resolution,
         **rest,
     )
-
-
-def with_learned(sizes: Mapping[str, Size], shown: OwnFrequency | None) -> dict[str, Size]:
-    """Sizes of what is not known, with that of the natural frequency where the test itself showed it."""
-    if shown is None:
-        return dict(sizes)
-    return {**sizes, "frequency": Size(deviation=shown.deviation, source=Source.LEARNED)}

@@ -20,7 +20,6 @@ from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.interval import ACCURACY
 from reliab.assessment.rebuilt_error.spread import Estimate, Spread
 from reliab.assessment.substructures import Substructures
-from reliab.assessment.yielding import exact_if_yielding
 from reliab.core.arrays import Array
 from reliab.core.plain_values import PlainResult
 from reliab.core.significant_digits import percent_with_interval, significant
@@ -38,7 +37,6 @@ _OTHER_MOTION = (
 _SPECIMENS: Final = {
     "linear": "for a linear specimen",
     "measured": "for the specimen learned from its force",
-    "may_have_yielded": "for a linear specimen or, in the interval, one that yielded",
 }
 
 
@@ -66,7 +64,7 @@ class ResponseErrors:
     """Errors of all floors and storeys of a frame, the largest first."""
 
     each: tuple[ResponseError, ...]  # Error of each floor and storey, with its interval
-    specimen: str = "linear"  # How the specimen is known: "linear", "measured" or "may_have_yielded"
+    specimen: str = "linear"  # How the specimen is known: "linear" or "measured"
     # Factor by which the ground motion explains the test best [-]; None without a ground motion of this
     # test
     ground_factor: float | None = None
@@ -130,36 +128,27 @@ def errors_of_responses(
     degrees: tuple[str, ...],
     recorded: Array | None,
     motion: Motion | None = None,
-    yielding: float = 0.0,
+    *,
+    force_known: bool = True,
 ) -> ResponseErrors:
     """Compute the errors of all floors and storeys of a frame from those of the interface.
 
     `degrees`: names of all degrees of freedom; `recorded`: ground acceleration [m/s²]; `motion`: the ground
-    motion in place of it.
+    motion in place of it; `force_known`: whether the specimen's force is known, as of a linear one.
     """
     test = exact_test(error, degrees, recorded)
     names, weights = _responses(test)
-    single = error if isinstance(error, ErrorOfTest) else None
-    specimen = None if single is None else single.specimen
-    share = 0.0 if single is None else yielding
-    ground = ground_of_test(test, motion, force_known=not share)
+    specimen = error.specimen if isinstance(error, ErrorOfTest) else None
+    ground = ground_of_test(test, motion, force_known=force_known)
     looking = _Looking(test=test, weights=weights, ground=ground)
-    sizes = looking.as_stated
     draws = looking.of_draws((draw.structure, draw.at_interface) for draw in test.draws())
-    yielded = draws[:0]
-    if single is not None and share:
-        of_yielding = exact_if_yielding(single.rebuilt)
-        yielded = looking.of_draws(
-            (Substructures.of_partition(changed), exact) for changed, exact in of_yielding
-        )
     errors = [
-        _response(sizes[:, place], draws[..., place], yielded[..., place], share, *name)
-        for place, name in enumerate(names)
+        _response(looking.as_stated[:, place], draws[..., place], *name) for place, name in enumerate(names)
     ]
     expected = motion is not None or test.ground is not None
     return ResponseErrors(
         each=tuple(sorted(errors, key=lambda response: -response.size)),
-        specimen="may_have_yielded" if share else "linear" if specimen is None else "measured",
+        specimen="linear" if specimen is None else "measured",
         ground_factor=ground.factor if ground is not None and ground.differs else None,
         other_motion=expected and ground is None and not test.stated.structure.all_driven,
         over_peaks=looking.over_peaks,
@@ -233,19 +222,13 @@ class _Looking:
         return np.stack([rms, np.abs(strayed).max(axis=1), peaks])
 
 
-def _response(
-    sizes: Array, draws: Array, yielded: Array, share: float, kind: str, name: str
-) -> ResponseError:
+def _response(sizes: Array, draws: Array, kind: str, name: str) -> ResponseError:
     """Error of one response from RMS, largest deviation and peak, (3,), and those of draws, (draws, 3)."""
 
     def estimates(values: Array, unit: float | None) -> list[Estimate]:
-        linear = _spread(draws, unit)
-        both = linear if not share else linear.together(_spread(yielded, unit), share)
+        spread = _spread(draws, unit)
         metrics = zip((Metric.RMS, Metric.MTE), values.tolist(), strict=True)
-        return [
-            linear.estimate(metric, value).with_ends_of(both.estimate(metric, value))
-            for metric, value in metrics
-        ]
+        return [spread.estimate(metric, value) for metric, value in metrics]
 
     rms_mm, peak_mm = estimates(MILLI * sizes[:2], 1.0 / MILLI)
     rms = mte = None

@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 from reliab.assessment.alignment import factor_of_ground
-from reliab.assessment.budget.sizes import Equipment, Size, tolerances_of
+from reliab.assessment.budget.sizes import Equipment, Size, Source, exact_equipment, tolerances_of
 from reliab.assessment.conflicts import find_conflicts
 from reliab.assessment.contradictions import (
     Contradiction,
@@ -18,7 +18,7 @@ from reliab.assessment.contradictions import (
     of_stability,
 )
 from reliab.assessment.doubts import doubted_by_entries, doubted_by_rest, verdict_of_error
-from reliab.assessment.error_of_test import ErrorOfTest, Question, with_learned
+from reliab.assessment.error_of_test import ErrorOfTest, Question
 from reliab.assessment.error_with_threshold import ErrorOfSeveral, ErrorWithThreshold
 from reliab.assessment.exact_response import exact_test
 from reliab.assessment.fault_effects import FaultEffect, error_of_one_with_faults, error_with_faults
@@ -130,7 +130,7 @@ def assess_frame(
     question = Question(
         structure=mode,
         stated={**stated, "scale": StatedValue(1.0, scale.deviation / abs(scale.value))},
-        equipment=equipment,
+        equipment=equipment or exact_equipment(),
         metric=metric,
         threshold=threshold,
         linear_specimen=linear_specimen,
@@ -160,7 +160,7 @@ def _of_one(
     sound = repaired(recording, faults)
     tracking, over_frequency = track(sound), _over_frequency(sound)
     turning = examine_turning(error, recording, question)
-    responses = _responses(error, recording, partition, motion, question.yielding(recording))
+    responses = _responses(error, recording, question, motion)
     assessment = FrameAssessment(
         recording=recording,
         frame=frame,
@@ -204,7 +204,7 @@ def _of_several(
         recording=recording,
         frame=frame,
         error=error,
-        responses=_responses(error, recording, partition, motion),
+        responses=_responses(error, recording, question, motion),
         faults=effects,
         judgement=_verdict(error, effects, repaired(recording, faults)),
         turning=examine_turning(error, recording, question),
@@ -220,23 +220,24 @@ def _of_several(
 
 def _of_structure(error: ErrorWithThreshold, question: Question, time_step: float) -> Iterator[Contradiction]:
     """Say where the channels contradict the structure as stated; `time_step` [s]."""
-    if error.inferred is None:
+    if error.inferred is None or question.equipment.is_exact:
         yield from of_ground(error.shown_by_ground, question.sizes(time_step), question.whole)
-        return
-    conflicts = find_conflicts(error.inferred.posterior, question.structure, question.stated)
-    yield from (conflict for conflict in conflicts if conflict.remedy)
+    if error.inferred is not None:
+        conflicts = find_conflicts(error.inferred.posterior, question.structure, question.stated)
+        yield from (conflict for conflict in conflicts if conflict.remedy)
 
 
 def _responses(
     error: ErrorWithThreshold,
     recording: Recording | CoupledRecording,
-    partition: Partition,
+    question: Question,
     motion: Motion | None,
-    yielding: float = 0.0,
 ) -> ResponseErrors:
-    responses = errors_of_responses(error, partition.degrees_of_freedom, recording.ground, motion, yielding)
+    degrees = question.whole.degrees_of_freedom
+    force_known = not (isinstance(recording, Recording) and question.may_have_yielded(recording))
+    responses = errors_of_responses(error, degrees, recording.ground, motion, force_known=force_known)
     if motion is None and recording.ground is not None:
-        exact = exact_test(error, partition.degrees_of_freedom, recording.ground)
+        exact = exact_test(error, degrees, recording.ground)
         require_unit_of_ground(recording, factor_of_ground(exact))
     return responses
 
@@ -316,7 +317,7 @@ def _error_of_several(
     if test.ground is not None:
         as_stated = rebuild(draws=_DRAWS_AS_STATED)
         shown = compare_with_ground(as_stated.histories, as_stated.reduced, test.ground)
-        if question.equipment is not None and shown is not None and not shown.other:
+        if shown is not None and not shown.other:
             found = infer_coupled(
                 as_stated,
                 command,
@@ -331,7 +332,8 @@ def _error_of_several(
                 error, inferred = found
                 return of_test(rebuilt=error, sizes=sizes, inferred=inferred, shown_by_ground=shown)
     error = rebuild(tolerances=tolerances_of(sizes))
-    sizes = with_learned(sizes, error.unknown.own_frequency)
+    if (own := error.unknown.own_frequency) is not None:
+        sizes["frequency"] = Size(deviation=own.deviation, source=Source.LEARNED)
     return of_test(rebuilt=error, sizes=sizes, shown_by_ground=shown)
 
 

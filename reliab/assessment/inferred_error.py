@@ -39,8 +39,6 @@ from reliab.effects.effect import SteppedEffect
 from reliab.recordings.recording import Recording
 from reliab.structures.partition import Partition
 
-_FEWEST = 32.0  # effective draws, below which a posterior is not trusted
-_LONGEST = 1 << 15  # coarse samples, above which a posterior takes too long
 _NARROWED = 0.9  # of a standard deviation a priori, below which the test itself shows a quantity
 _HALF = 0.75  # of the variance, which has to go for half the width
 
@@ -180,8 +178,8 @@ def infer_error(
     sensor_offset: float | None,
     resolution: float | None,
     seed: int,
-) -> tuple[InferredError, RebuiltError] | None:
-    """Infer the error of a test with one actuator; None where its channels do not determine a posterior.
+) -> tuple[InferredError, RebuiltError]:
+    """Infer the error of a test with one actuator.
 
     `measured` [m]: with its stated scale taken away; ground acceleration and force of the recording are
     evidence. `tolerances`: relative standard deviations that the file of a frame states, by names of
@@ -191,8 +189,6 @@ def infer_error(
     lag = stated.get("feedback_lag", StatedValue(0.0)).value / MILLI
     require_lag(lag, recording.duration)
     readings = _Readings.of_test(recording, measured, whole, stated, sensor_offset, resolution)
-    if readings.start.standing:
-        return None
     circumstances = Circumstances(
         partition=whole,
         channels=readings.channels,
@@ -204,22 +200,16 @@ def infer_error(
         left_by_faults=left_by_faults,
     )
     inferred = infer_errors(circumstances, readings.every, seed)
-    return None if inferred is None else (inferred, readings.rebuilt(inferred, seed))
+    return inferred, readings.rebuilt(inferred, seed)
 
 
-def infer_errors(circumstances: Circumstances, every: int, seed: int) -> InferredError | None:
-    """Infer the errors of all interface displacements; None where the channels determine no posterior.
+def infer_errors(circumstances: Circumstances, every: int, seed: int) -> InferredError:
+    """Infer the errors of all interface displacements.
 
     `every`: number of samples of which exact responses give one.
     """
-    if circumstances.channels.band.coarse_points > _LONGEST:
-        return None
     posterior = infer(circumstances, seed=seed)
-    if not posterior.draws.effective >= min(_FEWEST, posterior.draws.weights.size):
-        return None
     errors = draw_errors(posterior, circumstances.partition.names)
-    if not all(np.isfinite(one.rms).all() and np.isfinite(one.mte).all() for one in errors.displacements):
-        return None
     return InferredError(posterior=posterior, errors=errors, every=every)
 
 
@@ -253,9 +243,11 @@ class _Readings:
         noise = replace(estimate_noise(command, measured, step), resolution=resolution)
         start = stated_start(command, measured, step, whole, noise, sensor_offset)
         read = measured - start.offset
+        answered = float(whole.static_transfer[0, 0]) * start.standing  # by the command, before the record
+        stood = start.standing - answered
         channels = ChannelSpectra.of_channels(
-            command[np.newaxis],
-            read[np.newaxis],
+            (command + answered)[np.newaxis],
+            (read - stood)[np.newaxis],
             step,
             whole,
             ground=recording.ground,
@@ -264,6 +256,7 @@ class _Readings:
         channels = replace(
             channels,
             offset_size=np.array([start.offset_deviation]),
+            standing=np.array([stood]),
             initial_size=0.0 if start.at_rest else channels.initial_size,
         )
         return cls(
@@ -289,6 +282,7 @@ class _Readings:
         moved = world.displacement(self.channels)
         spectra = [errors.exact_spectrum, errors.error_spectrum, moved, world.late(moved, self.channels)]
         reference, error, displaced, late = band.full_history(np.stack(spectra))[:, 0]
+        displaced, late = displaced + self.channels.standing, late + self.channels.standing
         return RebuiltError(
             error=self.read - reference,
             smooth_error=error,
@@ -306,6 +300,7 @@ class _Readings:
                 measured=displaced,
                 fed_back=self.command - late,
                 time_step=self.time_step,
+                standing=-self.start.standing,
             ),
             differences=(self.command - displaced)[np.newaxis, ::every],
             every=every,

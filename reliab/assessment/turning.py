@@ -121,11 +121,11 @@ def _turned(what: str, smallest: float | None) -> str:
 def examine_turning(
     error: ErrorWithThreshold, recording: Recording | CoupledRecording, question: Question
 ) -> Turning:
-    """Find what would turn the verdict; nothing is asked where everything was stated.
+    """Find what would turn the verdict; nothing is asked of a model, or where all is taken as exact.
 
     With several actuators only the skew of a slow recording is asked about.
     """
-    if question.equipment is None or question.model is not None:
+    if question.equipment.is_exact or question.model is not None:
         return Turning()
     step = recording.time_step
     doubt_of_skew = "" if "skew" in question.stated else question.equipment.doubt_of_skew(step)

@@ -37,12 +37,7 @@ class BudgetItem(PlainResult):
         )
 
 
-_NOT_INFERRED = {  # with a measured specimen, or where its yielding or the noise of its sensor is drawn
-    "yielding": Described(
-        words="whether the specimen yielded",
-        unit="",
-        remedy="Record the force of the specimen, or state it as linear if it stayed linear.",
-    ),
+_NOT_INFERRED = {  # with a measured specimen, or where the noise of its sensor is drawn
     "specimen": Described(
         words="what the force shows of the specimen",
         unit="%",

@@ -8,7 +8,7 @@ import pytest
 from rebuilt_error.laboratory import CUBIC, DELAY, HYSTERESIS, RATE, Lab, run, synthetic_ground
 
 from reliab.assessment.assess import assess
-from reliab.assessment.budget.sizes import Equipment, ordinary_equipment
+from reliab.assessment.budget.sizes import Equipment, exact_equipment, ordinary_equipment
 from reliab.assessment.error_of_test import ErrorOfTest, Question
 from reliab.assessment.rebuilt_error.rebuild import rebuild
 from reliab.assessment.turning import Turning, _errors_if_filtered, examine_turning
@@ -129,9 +129,18 @@ def test_the_highest_filter_is_the_first_that_crosses_the_threshold(linear, rebu
 def test_nothing_is_asked_of_an_exact_laboratory_or_a_recorded_force(linear, rebuilt):
     recording = Recording(command=linear.command, measured=linear.measured, time_step=STEP)
     error = error_under(rebuilt, 1.0)
-    assert examine_turning(error, recording, asked(1.0, equipment=None)) == Turning()
+    assert examine_turning(error, recording, asked(1.0, equipment=exact_equipment())) == Turning()
     with_force = replace(recording, force=linear.force)
     assert examine_turning(error, with_force, asked(1.0)).error_if_yielding is None
+
+
+def test_a_specimen_may_have_yielded_whose_force_nobody_recorded_or_stated(linear):
+    recording = Recording(command=linear.command, measured=linear.measured, time_step=STEP)
+    assert asked(1.0).may_have_yielded(recording)
+    assert not asked(1.0, linear_specimen=True).may_have_yielded(recording)
+    assert not asked(1.0, equipment=exact_equipment()).may_have_yielded(recording)
+    assert not asked(1.0, measured_specimen=True).may_have_yielded(recording)
+    assert not asked(1.0).may_have_yielded(replace(recording, force=linear.force))
 
 
 def test_assess_states_what_would_turn_its_verdict(linear):

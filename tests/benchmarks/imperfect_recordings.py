@@ -40,7 +40,7 @@ from rebuilt_error import laboratory as lab  # noqa: E402
 
 from reliab.assessment.assess import assess  # noqa: E402
 from reliab.assessment.budget.corrections import corrected  # noqa: E402
-from reliab.assessment.budget.sizes import Equipment, ordinary_equipment  # noqa: E402
+from reliab.assessment.budget.sizes import Equipment, exact_equipment, ordinary_equipment  # noqa: E402
 from reliab.assessment.error_of_test import ErrorOfTest, Question, error_of_test  # noqa: E402
 from reliab.assessment.rebuilt_error.spread import Estimate  # noqa: E402
 from reliab.assessment.turning import examine_turning  # noqa: E402
@@ -363,7 +363,7 @@ def judge(
     recording = corrected(recording, stated, {})
     structure = Structure(frequency=told.f, damping_ratio=told.xi, experimental_fraction=told.alpha)
     row: dict[str, object] = {"f": told.f, "xi": told.xi, "alpha": told.alpha, "true": told.true}
-    equipment = None if exact else ordinary_equipment()
+    equipment = exact_equipment() if exact else ordinary_equipment()
     if error_alone:
         asked = replace(question(structure, equipment), stated=stated, linear_specimen=linear)
         error = error_of_test(recording, asked)
@@ -394,7 +394,7 @@ def parts(error: ErrorOfTest) -> dict[str, float]:
     return {widening.name: widening.contribution for widening in error.widenings}
 
 
-def question(structure: Structure, equipment: Equipment | None) -> Question:
+def question(structure: Structure, equipment: Equipment) -> Question:
     """What is asked of a test of which nothing else is stated."""
     return Question(
         structure=structure,

@@ -79,14 +79,14 @@ def stated_threshold(threshold: float | None) -> float:
     return limit
 
 
-def known_equipment(equipment: "str | Path | Equipment | None", *, exact: bool) -> "Equipment | None":
-    """Read the accuracy of a laboratory's equipment, that of ordinary equipment by default; None if exact."""
-    from reliab.assessment.budget.sizes import ordinary_equipment, read_equipment
+def known_equipment(equipment: "str | Path | Equipment | None", *, exact: bool) -> "Equipment":
+    """Read the accuracy of a laboratory's equipment, that of ordinary equipment by default."""
+    from reliab.assessment.budget.sizes import exact_equipment, ordinary_equipment, read_equipment
 
     if exact:
         if equipment is not None:
             raise unused("equipment", "together with `exact`, which takes all quantities as known exactly")
-        return None
+        return exact_equipment()
     if isinstance(equipment, str | Path):
         return read_equipment(equipment)
     return equipment or ordinary_equipment()

@@ -126,7 +126,7 @@ class FollowedTest:
     model: UpdatedModel | None
     frame: FrameUnderTest | None
     of_force: ForceChannel | None  # What is stated of a measured specimen's force; None without one
-    equipment: Equipment | None
+    equipment: Equipment
     threshold: float  # [-]
     metric: Metric
     every: float  # [s]

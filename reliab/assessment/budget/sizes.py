@@ -76,6 +76,11 @@ class Equipment:
             if (value := getattr(self, size.name)) is not None:
                 require_physical(_QUANTITIES[size.name], value, zero=True, called=f"size {size.name}")
 
+    @property
+    def is_exact(self) -> bool:
+        """Whether whatever a test does not state is taken as exact."""
+        return self == exact_equipment()
+
     def skew(self, time_step: float) -> float:
         """Skew of channels that are recorded at a time step [s], in seconds."""
         of_samples = self.skew_samples * time_step
@@ -97,6 +102,12 @@ def ordinary_equipment() -> Equipment:
     """Read the sizes of ordinary equipment, with their sources: `reliab/assessment/budget/defaults.toml`."""
     text = files(__package__).joinpath("defaults.toml").read_text(encoding="utf-8")
     return Equipment(**parse_toml(text, rule=_RULE, remedy=_REMEDY, where="defaults.toml"))
+
+
+@cache
+def exact_equipment() -> Equipment:
+    """Take whatever a test does not state as exact: channels, structure and specimen."""
+    return Equipment(**{size.name: 0.0 for size in fields(Equipment) if size.default is not None})
 
 
 def read_equipment(path: str | Path) -> Equipment:
@@ -175,21 +186,20 @@ _OF_STRUCTURE = ("frequency", "damping_ratio", "experimental_fraction")
 def sizes_of_unknown(
     stated: Mapping[str, StatedValue],
     structure: Structure,
-    equipment: Equipment | None,
+    equipment: Equipment,
     time_step: float,
     *,
     calibrated: bool = False,
 ) -> dict[str, Size]:
     """Give the sizes of what is not known of a test, by the names of `Tolerances`.
 
-    `time_step` [s]; without equipment only what is stated with a deviation is unknown. The structure of a
-    calibrated model is known as well as the model says.
+    `time_step` [s]. The structure of a calibrated model is known as well as the model says.
     """
-    sizes = {} if equipment is None else _assumed(structure, equipment, time_step)
+    sizes = _assumed(structure, equipment, time_step)
     of_sensor = stated.get("hysteresis", StatedValue(0.0))
     if "hysteresis" in stated:
         sizes.pop(_LAGGING, None)
-    if of_sensor.value and equipment is not None:
+    if of_sensor.value and not equipment.is_exact:
         sizes["hysteresis"] = Size(deviation=DEVIATION_OF_HYSTERESIS * of_sensor.value, source=Source.DEFAULT)
     if calibrated:
         sizes = {name: size for name, size in sizes.items() if name not in _OF_STRUCTURE}

@@ -56,8 +56,6 @@ def infer_coupled(
         left_by_faults=left_by_faults,
     )
     inferred = infer_errors(circumstances, as_stated.every, seed=0)
-    if inferred is None:
-        return None
     full = channels.band.full_history
     references, errors = full(inferred.errors.exact_spectrum), full(inferred.errors.error_spectrum)
     raw = as_stated.histories.at_interface(measured - offsets[:, np.newaxis])

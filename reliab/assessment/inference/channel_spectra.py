@@ -16,6 +16,7 @@ _BLOCK = 1.0  # periods of the structure in a hop of the lapped transform
 _SMALLEST_HOP = 4
 _TAIL = (1.25, 0.95)  # of the band's edge and of the Nyquist frequency: between them noise is read
 _FEWEST_BINS = 16
+_COLLINEAR = 1e-6  # of the largest singular value, below which a sine gives gain and curvature alike
 _CLEAR = 2.0  # power of a tracking error over the sensor's noise, below which it cannot be told from noise
 
 
@@ -33,6 +34,9 @@ class ChannelSpectra:
     tracked: Spectrum  # The same, its difference from the command freed of the sensors' noise
     # Standard deviation of the noise that is left in `tracked`, over time and frequency, shape (p, J, hop)
     noise_left: Array
+    # What one standard deviation of each coefficient, by which `tracked` follows the command, would add, as
+    # far as noise leaves these open [m], shape (p, 3, K)
+    follow_left: Spectrum
     noise: Array  # Variance of a sample of the displacement sensors' noise [m²], shape (p,)
     constant: Spectrum  # Of a channel that is 1 throughout, shape (K,)
     ramp: Spectrum  # Of one that rises from −½ to ½ over the record
@@ -43,6 +47,9 @@ class ChannelSpectra:
     initial_size: float  # Size of the error with which a record that begins in motion may begin [m]
     ground: Spectrum | None = None  # Ground acceleration [m/s²], shape (K,)
     force: Spectrum | None = None  # Recorded force [N]
+    # Displacement of the interface that the channels do not hold: that in which it stood before the record,
+    # less what the command answered it with [m], shape (p,)
+    standing: Array | float = 0.0
 
     @classmethod
     def of_channels(
@@ -75,7 +82,7 @@ class ChannelSpectra:
         noise = np.array([white_noise(row, time_step, band.flat, corner) for row in measured])
         places = np.linspace(-0.5, 0.5, command.shape[-1])
         told, read = band.spectrum(command), band.spectrum(measured)
-        tracked, noise_left = _denoised(band, told, read, noise, hop)
+        tracked, noise_left, follow_left = _denoised(band, told, read, noise, hop)
         offset, drift = slow_parts(command, measured, time_step)
         return cls(
             band=band,
@@ -84,6 +91,7 @@ class ChannelSpectra:
             measured=read,
             tracked=tracked,
             noise_left=noise_left,
+            follow_left=follow_left,
             noise=noise,
             constant=band.spectrum(np.ones(command.shape[-1])),
             ramp=band.spectrum(places),
@@ -99,7 +107,9 @@ class ChannelSpectra:
     def draw_noise(self, generator: np.random.Generator) -> Spectrum:
         """Draw the noise that may be left in `tracked` [m], shape (p, K)."""
         cells = self.noise_left * generator.standard_normal(self.noise_left.shape)
-        return self.band.coarse_spectrum(synthesise(cells, self.band.samples))
+        follows = generator.standard_normal(self.follow_left.shape[:2])
+        left = np.einsum("pc,pck->pk", follows, self.follow_left)
+        return np.asarray(self.band.coarse_spectrum(synthesise(cells, self.band.samples)) + left)
 
     @cached_property
     def columns(self) -> int:
@@ -141,23 +151,26 @@ def white_noise(values: Array, time_step: float, edge: float, corner: float | No
 
 def _denoised(
     band: AnalysisBand, command: Spectrum, measured: Spectrum, noise: Array, hop: int
-) -> tuple[Spectrum, Array]:
+) -> tuple[Spectrum, Array, Spectrum]:
     """Free measured displacements of the sensors' noise.
 
     What follows the command by a constant gain, delay and curvature is kept whole: it is coherent with the
     command, so that its loss where the motion is weak would look like damping. The rest passes Wiener's
     filter over time and frequency.
-    Returns also the standard deviation of the noise that is left, shape (p, J, hop).
+    Returns also the standard deviation of the noise that is left, and what it leaves open of gain, delay and
+    curvature; see `ChannelSpectra`.
     """
     answer = np.empty_like(measured)
     left = np.zeros((len(measured), *analyse(np.zeros(band.samples), hop).shape))
+    follow_left = np.zeros((len(measured), 3, band.bins), dtype=np.complex128)
     columns = max(int(2.0 * hop * band.time_step * band.flat), 2)
     for row, variance in enumerate(noise):
         level = variance * band.noise_gain
         if level == 0.0:
             answer[row] = measured[row]
             continue
-        follows = _follow(command[row], measured[row], band.s)
+        follows, directions = _follow(command[row], measured[row], band)
+        follow_left[row] = np.sqrt(level) * directions
         history = band.history(measured[row] - follows)
         cells = analyse(history, hop)
         power = scipy.ndimage.gaussian_filter(cells[:, :columns] ** 2, (1.5, 0.8), mode="nearest")
@@ -167,16 +180,20 @@ def _denoised(
         left[row] = np.sqrt(gain * level)
         kept = synthesise((cells * gain)[np.newaxis], history.size)[0]
         answer[row] = follows + band.coarse_spectrum(kept)
-    return answer, left
+    return answer, left, follow_left
 
 
-def _follow(command: Spectrum, measured: Spectrum, s: Spectrum) -> Spectrum:
-    """Least squares of a measured displacement on the command and its first two derivatives."""
-    scale = np.sqrt(np.sum(np.abs(s * command) ** 2) / np.sum(np.abs(command) ** 2))
-    basis = np.stack([command, s / scale * command, (s / scale) ** 2 * command])
-    normal, right = (basis @ basis.conj().T).real, (basis.conj() @ measured).real
-    fitted = np.linalg.lstsq(normal, right, rcond=1e-12)[0]
-    return np.asarray(fitted @ basis)
+def _follow(command: Spectrum, measured: Spectrum, band: AnalysisBand) -> tuple[Spectrum, Spectrum]:
+    """Least squares of a measured displacement on the command and its first two derivatives, over time.
+
+    Returns also the directions in which noise of unit variance at the coarse samples moves the result.
+    """
+    scale = np.sqrt(np.sum(np.abs(band.s * command) ** 2) / np.sum(np.abs(command) ** 2))
+    basis = np.stack([command, band.s / scale * command, (band.s / scale) ** 2 * command])
+    shapes, sizes, turned = np.linalg.svd(band.history(basis), full_matrices=False)
+    inverse = np.where(sizes > _COLLINEAR * sizes[0], 1.0 / np.maximum(sizes, np.finfo(float).tiny), 0.0)
+    directions = (shapes * inverse).T @ basis  # whose histories are the orthonormal rows of `turned`
+    return np.asarray(turned @ band.history(measured) @ directions), directions
 
 
 @compiled

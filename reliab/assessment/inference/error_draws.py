@@ -8,6 +8,7 @@ import numpy as np
 from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.posterior import TestPosterior
 from reliab.assessment.inference.rebuilt import rebuild, relative_errors
+from reliab.assessment.rebuilt_error.interval import ACCURACY
 from reliab.assessment.rebuilt_error.spread import ENDS, Estimate, weighted_quantiles
 from reliab.core.arrays import Array, Spectrum
 from reliab.core.vocabulary import Metric
@@ -65,6 +66,8 @@ def draw_errors(posterior: TestPosterior, names: Sequence[str], seed: int = 0) -
         both = np.stack([rebuilt.error, rebuilt.exact])
         histories = channels.band.history(both)
         rms[row], mte[row] = relative_errors(histories[0], histories[1])
+        computed = 1.0 + ACCURACY * generator.standard_normal()
+        rms[row], mte[row] = computed * rms[row], computed * mte[row]
         mean += weights[row] * histories[0]
         square += weights[row] * histories[0] ** 2
         spectra += weights[row] * both

@@ -115,9 +115,9 @@ class LeastSquares:
         return np.array([(self.determinant(z + s) - self.determinant(z - s)) / (2.0 * _STEP) for s in steps])
 
     def draw(self, count: int, seed: int) -> Draws:
-        """Draw from the posterior; one draw is all there is if nothing is uncertain."""
+        """Draw from the posterior; if nothing is uncertain, all draws are alike."""
         if self.size == 0:
-            return Draws(values=np.zeros((1, 0)), weights=np.ones(1))
+            return Draws(values=np.zeros((count, 0)), weights=np.full(count, 1.0 / count))
         normals = normal_points(self.size, 1 << (count - 1).bit_length(), seed).T[:count]
         draws = self._draw(normals, chords=0)
         if draws.effective < _ENOUGH * count:

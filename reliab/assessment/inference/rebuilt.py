@@ -45,7 +45,10 @@ def rebuild(channels: ChannelSpectra, partition: Partition, experiment: Experime
     error = _moved(response, difference)
     if experiment.initial_displacement or experiment.initial_velocity:
         error = error + _free_vibration(structure, experiment, channels.band.s)
-    return RebuiltResponse(exact=channels.at_interface - error, displacement=displacement, response=response)
+    stood = np.multiply.outer(channels.standing, channels.constant)
+    return RebuiltResponse(
+        exact=channels.at_interface - error, displacement=displacement + stood, response=response
+    )
 
 
 def _moved(response: StructureResponse, difference: Spectrum) -> Spectrum:

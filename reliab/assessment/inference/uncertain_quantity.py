@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 
 import scipy
 
-from reliab.assessment.budget.sizes import Equipment, Source
+from reliab.assessment.budget.sizes import Equipment, Source, exact_equipment
 from reliab.assessment.inference.experiment import Experiment
 from reliab.core.arrays import Spectrum
 from reliab.core.stated_value import StatedValue
@@ -69,7 +69,7 @@ class Circumstances:
     partition: Partition  # The structure as stated
     channels: "ChannelSpectra"
     stated: Mapping[str, StatedValue] = field(default_factory=dict)  # By the names of the options
-    equipment: Equipment | None = None  # None if everything that is not stated as uncertain is exact
+    equipment: Equipment = field(default_factory=exact_equipment)
     learned: Mapping[str, Prior] = field(default_factory=dict)  # In place of those that follow
     # Relative standard deviations of a frame's frequencies, damping and parts that its file states [-]
     tolerances: Mapping[str, float] = field(default_factory=dict)
@@ -136,8 +136,6 @@ class Quantity(Described):
                 if size
                 else None
             )
-        if circumstances.equipment is None:
-            return None
         name = circumstances.named(self.name) if self.per_actuator else self.name
         added = circumstances.left_by_faults.get(name, 0.0)
         deviation = math.hypot(self.ordinary(circumstances, circumstances.equipment), added)

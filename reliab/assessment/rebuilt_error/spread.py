@@ -10,7 +10,7 @@ no size of its error is likelier than another.
 `datasets/rebuilt_error/README.md` states the coverage with it, on tests that had no part in the choice.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import scipy
@@ -43,10 +43,6 @@ class Estimate:
         """Put it into plain values."""
         return {name: finite(value) for name, value in vars(self).items()}
 
-    def with_ends_of(self, other: "Estimate") -> "Estimate":
-        """Widen the interval so that it holds another one; the value stays."""
-        return replace(self, low=min(self.low, other.low), high=max(self.high, other.high))
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Spread:
@@ -73,25 +69,6 @@ class Spread:
             return np.ones_like(self.rms)
         weights = 1.0 / np.maximum(self.rms, least)
         return np.asarray(weights / weights.mean())
-
-    def together(self, other: "Spread", share: float) -> "Spread":
-        """Put draws of two kinds together, of which the other one has a share of the probability."""
-        sizes = np.array([self.rms.size, other.rms.size])
-        parts = zip((self, other), (1.0 - share, share), sizes, strict=True)
-        mean = (1.0 - share) * self.mean + share * other.mean
-        square = (1.0 - share) * (self.deviation**2 + (self.mean - mean) ** 2)
-        square = square + share * (other.deviation**2 + (other.mean - mean) ** 2)
-        return Spread(
-            rms=np.concatenate([self.rms, other.rms]),
-            mte=np.concatenate([self.mte, other.mte]),
-            mean=mean,
-            deviation=np.sqrt(square),
-            counts=np.concatenate([one.weights() * part * sizes.sum() / size for one, part, size in parts]),
-        )
-
-    def average(self, metric: Metric) -> float:
-        """Mean of RMS^R or MTE^R over the draws, each with its weight [-]."""
-        return float(np.average(self.errors(metric), weights=self.weights()))
 
     def interval(self, metric: Metric) -> tuple[float, float]:
         """Return the ends of the 90 % interval of RMS^R or MTE^R [-]."""

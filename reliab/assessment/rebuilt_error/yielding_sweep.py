@@ -10,24 +10,19 @@ than nothing. The response x_c − e at a sample
 depends on the input there by (ω₀h)²/6 only, which two corrections take away.
 """
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Sequence
 
 import numpy as np
 
-from reliab.assessment.rebuilt_error.error_statistics import mean_and_deviation, tally
+from reliab.assessment.rebuilt_error.error_statistics import tally
 from reliab.assessment.rebuilt_error.interval import (
     EXACT,
     Histories,
-    Unknown,
-    draw_unknown,
     inputs_of_reading,
     states_at_first_sample,
     structures_of_draws,
 )
-from reliab.assessment.rebuilt_error.recursion import Recursion, advance, structure_of_draw
-from reliab.assessment.rebuilt_error.spread import Spread, spread_of_draws
+from reliab.assessment.rebuilt_error.recursion import Recursion, advance
 from reliab.core.arrays import Array, read_only
 from reliab.core.compiled import compiled
 from reliab.core.threads import in_two_shares
@@ -50,57 +45,6 @@ def yielding_specimen(displacement: float, hardening: float, sharpness: float) -
         exponent=sharpness,
         lost_share=1.0,
     )
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class YieldingDraws:
-    """Draws of a test with one specimen of `yielding_specimen` for each."""
-
-    specimens: Sequence[Hysteresis]
-    histories: Histories
-    structure: Partition
-    unknown: Unknown
-    differences: Array  # Draws of x_c − x_m at each `every`-th sample [m]
-    every: int
-    seed: int
-
-    @cached_property
-    def _thin(self) -> Histories:
-        return self.histories.thinned(self.every)
-
-    @cached_property
-    def _drawn(self) -> tuple[dict[str, Array], Array]:
-        """What is not known, and the velocity of the error at the first sample [m]."""
-        return draw_unknown(self.unknown, len(self.specimens), self.seed)
-
-    @cached_property
-    def _reading(self) -> tuple[Array, Array]:
-        return inputs_of_reading(self._thin, self._drawn[0])
-
-    def errors(self) -> Spread:
-        """Errors of all draws, with the mean and the deviation of x_m − x_I at each sample."""
-        thin, (drawn, velocity) = self._thin, self._drawn
-        coarse = errors_with_specimens(self.specimens[:1], thin, self.structure)
-        fine = errors_with_specimens(self.specimens[:1], self.histories, self.structure)
-        scale = np.divide(fine, coarse, out=np.ones_like(fine), where=coarse > 0.0)[0]
-        rows, band = _swept(
-            self.specimens, thin, self.structure, drawn, velocity, self.differences, self._reading
-        )
-        places = np.arange(self.histories.command.size) / self.every
-        return spread_of_draws(rows * scale, *mean_and_deviation(band, len(self.specimens)), places)
-
-    def exact(self) -> Iterator[tuple[Partition, Array]]:
-        """Structures, and responses without actuator errors [m], shape (1, m), draw by draw."""
-        thin, (drawn, velocity), (columns, shifts) = self._thin, self._drawn, self._reading
-        for draw, specimen in enumerate(self.specimens):
-            at = slice(draw, draw + 1)
-            one = {name: values[at] for name, values in drawn.items()}
-            difference = self.differences[draw % len(self.differences)]
-            of_one = thin, self.structure, one, velocity[at], difference[np.newaxis], (columns, shifts[at])
-            _, strayed = _swept([specimen], *of_one)  # x_m − x_I and its square
-            measured = thin.command - difference - shifts[draw] @ columns
-            changed = structure_of_draw(structures_of_draws(self.structure, one), 0)
-            yield changed, (measured - strayed[0])[np.newaxis]
 
 
 def added_displacement(specimen: SteppedEffect, motion: Array, time_step: float) -> Array:

@@ -11,6 +11,7 @@ from reliab.assessment.budget.corrections import corrected
 from reliab.assessment.budget.sizes import (
     Size,
     Source,
+    exact_equipment,
     ordinary_equipment,
     read_equipment,
     sizes_of_unknown,
@@ -56,7 +57,7 @@ def test_what_is_not_stated_has_the_size_of_ordinary_equipment():
 
 
 def test_only_what_is_stated_is_unknown_without_equipment():
-    sizes = sizes_of_unknown({"xi": StatedValue(0.03, 0.003)}, ONE_HERTZ, None, 1.0 / 1024.0)
+    sizes = sizes_of_unknown({"xi": StatedValue(0.03, 0.003)}, ONE_HERTZ, exact_equipment(), 1.0 / 1024.0)
     assert list(sizes) == ["damping_ratio"]
     assert sizes["damping_ratio"].deviation == pytest.approx(0.1)
 
@@ -116,7 +117,7 @@ def test_contributions_add_up_to_the_interval(judged):
 
 
 @pytest.mark.parametrize(("of_sensor", "expected"), [(None, 0.002), (StatedValue(1.0, 0.0015), 0.0025)])
-@pytest.mark.parametrize("equipment", [None, ordinary_equipment()])
+@pytest.mark.parametrize("equipment", [exact_equipment(), ordinary_equipment()])
 def test_what_is_stated_of_both_scales_is_one_deviation(of_sensor, expected, equipment):
     stated = {"command_scale": StatedValue(2.0, 0.004)} | ({} if of_sensor is None else {"scale": of_sensor})
     size = sizes_of_unknown(stated, ONE_HERTZ, equipment, 1.0 / 1024.0)["sensor_scale"]

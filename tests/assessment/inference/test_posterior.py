@@ -5,7 +5,7 @@ import pytest
 from assessment.inference.simulated_loop import earthquake, simulate
 from scipy.interpolate import CubicSpline
 
-from reliab.assessment.budget.sizes import ordinary_equipment
+from reliab.assessment.budget.sizes import exact_equipment, ordinary_equipment
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.error_draws import draw_errors
 from reliab.assessment.inference.evidence import ImpliedGroundMotion
@@ -31,7 +31,9 @@ def circumstances_of(test, *, f, xi, share=1.0, ground=False, equipment=None, st
         partition,
         ground=test.ground if ground else None,
     )
-    return Circumstances(partition=partition, channels=channels, stated=stated or {}, equipment=equipment)
+    return Circumstances(
+        partition=partition, channels=channels, stated=stated or {}, equipment=equipment or exact_equipment()
+    )
 
 
 @pytest.fixture(scope="module")
@@ -83,9 +85,7 @@ def test_noise_of_the_displacement_makes_no_specimen_softer():
         "scale": StatedValue(1.0, 0.003),
     }
     posterior = infer(
-        Circumstances(
-            partition=partition, channels=channels, stated=stated, equipment=None, specimen_force=True
-        ),
+        Circumstances(partition=partition, channels=channels, stated=stated, specimen_force=True),
         draws=50,
     )
     assert abs(posterior.means["experimental_fraction"]) < 0.01  # -0.041 if noise counts as softness

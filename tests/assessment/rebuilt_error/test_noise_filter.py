@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy
 
-from reliab.assessment.budget.sizes import ordinary_equipment
+from reliab.assessment.budget.sizes import exact_equipment, ordinary_equipment
 from reliab.assessment.error_of_test import Question, error_of_test
 from reliab.assessment.rebuilt_error.noise import filter_of_noise
 from reliab.core.stated_value import StatedValue
@@ -84,7 +84,7 @@ def test_the_interval_holds_the_error_with_and_without_its_delay_until_filters_a
         Question(
             structure=structure,
             stated={},
-            equipment=None,
+            equipment=exact_equipment(),
             metric=Metric.RMS,
             threshold=0.05,
             model=None,

@@ -1,16 +1,11 @@
 """The error of a frame whose specimen yields, against an integration of both frames' equations of motion."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import scipy
 
-from reliab.assessment.rebuilt_error.interval import Unknown
 from reliab.assessment.rebuilt_error.rebuild import rebuild
-from reliab.assessment.rebuilt_error.tolerances import Tolerances
-from reliab.assessment.rebuilt_error.yielding_sweep import YieldingDraws, yielding_specimen
-from reliab.assessment.yielding import draw_yielding, errors_of_ductilities
+from reliab.assessment.yielding import errors_of_ductilities
 from reliab.core.vocabulary import Metric
 from reliab.structures.partition import Partition
 
@@ -79,24 +74,3 @@ def test_a_specimen_that_hardly_yields_has_the_error_of_a_linear_one(rebuilt):
     assert errors_of_ductilities(rebuilt, Metric.RMS, (0.1,))[0.1] == pytest.approx(
         rebuilt.rms.value, rel=2e-3
     )
-
-
-def test_what_is_not_known_of_channels_and_structure_widens_the_draws(rebuilt):
-    stated = Tolerances(sensor_scale=0.01, damping_ratio=0.1, frequency=0.02)
-    unsure = replace(rebuilt, unknown=Unknown(tolerances=stated, offset=0.0, error_at_start=0.0))
-    specimens = [yielding_specimen(10.0 * YIELD, HARDENING, SHARPNESS)] * 32
-
-    def width(test):
-        drawn = YieldingDraws(
-            specimens=specimens,
-            histories=test.histories,
-            structure=FRAME,
-            unknown=test.unknown,
-            differences=test.differences,
-            every=test.every,
-            seed=0,
-        )
-        return np.ptp(drawn.errors().rms)
-
-    assert width(unsure) > 10.0 * width(rebuilt)
-    assert draw_yielding(unsure).rms.size == len(unsure.differences)
