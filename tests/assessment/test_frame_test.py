@@ -238,8 +238,8 @@ def test_the_tolerances_of_a_frame_stand_in_its_budget(frame, test_and_truth):
     budget = assess_frame(test_and_truth[0], replace(frame, tolerances=tolerances)).to_dict()["budget"]
     sizes = {item["name"]: item["size"] for item in budget}
     assert 0.0 < sizes["frequency"] < 2.5
-    assert sizes["damping_ratio"] == pytest.approx(10.0)
-    assert sizes["experimental_fraction"] == pytest.approx(2.0)
+    assert sizes["damping_ratio"] == pytest.approx(10.0, rel=0.05)
+    assert sizes["experimental_fraction"] == pytest.approx(2.0, rel=0.05)
     sources = {item["name"]: item["source"] for item in budget}
     assert (sources["frequency"], sources["damping_ratio"]) == ("learned from this test", "stated")
     contributions = [item["contribution"] for item in budget]
