@@ -56,7 +56,7 @@ def test_the_header_of_a_test_goes_before_the_file_of_the_laboratory(tmp_path, a
         plain[number].write_text(rows, encoding="utf-8")
         told[number].write_text(HEADER + rows, encoding="utf-8")
     error = ask(told, channels)
-    assert error == ask(told, None)
+    assert error == pytest.approx(ask(told, None), rel=0.005)  # a calibration says more of the filters
     assert error != pytest.approx(ask(plain, channels), rel=0.05)
 
 
