@@ -79,7 +79,7 @@ def test_what_to_improve_first_is_named(folder, name, first):
 
 def test_what_would_sharpen_a_verdict_most_comes_first_and_the_budget_as_a_table(folder):
     shown = " ".join(run("sample_test", *ONE_HERTZ, "--details").stdout.split())
-    assert shown.startswith("RELIABLE: RMS error 2.2 %, 9")
+    assert shown.startswith("RELIABLE: RMS error 2.3 %, 9")
     assert "To narrow the interval: calibrate the displacement sensor" in shown
     assert "skew of the channels" in shown
     left_open = answer(folder / "good.csv")
