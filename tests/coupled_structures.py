@@ -126,7 +126,7 @@ def responses_over_frequency(
         partition.numerical_stiffness,
     )
     square = np.asarray(s, dtype=np.complex128)[..., np.newaxis, np.newaxis]
-    actuator = actuators.at_interface(s)
+    actuator = actuators.interface_transfer(s)
     force = gamma @ (partition.impedance(s) @ actuator) @ gamma.T
     dynamic = square**2 * mass + square * damping + stiffness + force
     load = -(partition.mass @ partition.influence).astype(complex)

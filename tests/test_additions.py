@@ -10,7 +10,7 @@ import pytest
 
 from reliab.core.errors import InputError
 from reliab.core.registry import read_entry_points
-from reliab.criterion.laws.registry import FITTED, law_from_dict, law_to_dict
+from reliab.criterion.laws.registry import FITTED_LAWS, law_from_dict, law_to_dict
 from reliab.criterion.methods.registry import METHODS, method_of
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.diagnose import diagnose
@@ -102,7 +102,7 @@ ADDITIONS = {
     ),
 }
 REGISTRIES = {
-    "law": FITTED,
+    "law": FITTED_LAWS,
     "method": METHODS,
     "effect": library(),
     "format": FORMATS,
@@ -140,7 +140,9 @@ def plugin(tmp_path, monkeypatch):
 
 def test_law_is_fitted_and_comes_back_from_json(plugin):
     plugin("law")
-    law = FITTED.find("constant").fit([1.0, 2.0], [0.02, 0.05], np.full((2, 2), 1e-4), np.full((2, 2), 2.0))
+    law = FITTED_LAWS.find("constant").fit(
+        [1.0, 2.0], [0.02, 0.05], np.full((2, 2), 1e-4), np.full((2, 2), 2.0)
+    )
     assert law.limits(1.5, 0.03) == pytest.approx((1e-4, 2.0))
     assert law_from_dict(law_to_dict(law)) == law
 

@@ -174,12 +174,12 @@ def test_a_record_in_a_large_file_is_refused_after_reading_no_more_than_allowed(
     path = tmp_path / "record.txt"
     path.write_text("0.1\n" * 100)
     report = Report(file=str(path))
-    assert open_source(path, report, most=400) is not None
+    assert open_source(path, report, byte_limit=400) is not None
     assert not report.faults
-    assert open_source(path, report, most=399) is None
+    assert open_source(path, report, byte_limit=399) is None
     with pytest.raises(InputError, match=r"The file is larger than 0\.000399 MB\. Keep"):
         report.require(None)
-    assert open_source(path, report, limit=100, most=399).content == b"0.1\n" * 25  # a head of any file
+    assert open_source(path, report, limit=100, byte_limit=399).content == b"0.1\n" * 25  # a head of any file
 
 
 @pytest.mark.slow

@@ -20,7 +20,7 @@ from reliab.motions.motion import Motion
 from reliab.sweep.cut_records import measure_cut_records
 from reliab.sweep.ellipse_dataset import write_ellipses
 from reliab.sweep.labels import outlines_of
-from reliab.sweep.netcdf import packed, write_netcdf
+from reliab.sweep.netcdf import pack, write_netcdf
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.response_measures import compare_boundaries, measure_responses
 from reliab.sweep.results import open_results, write_compact
@@ -73,7 +73,7 @@ def small(ellipses: xr.Dataset) -> xr.Dataset:
     ellipses = ellipses.drop_vars("n").sel(window=list(STORED_WINDOWS))
     for name, neighbour in (("a", "side"), ("b", "curve")):
         along = ("xi", "threshold", neighbour, "window")
-        ellipses = packed(ellipses, (name,), step=8e-3, along=along, unknown="no_ellipse")
+        ellipses = pack(ellipses, (name,), step=8e-3, dimensions=along, unknown="no_ellipse")
     fitted, of_rms, of_lags = (
         ellipses[name] == label for name, label in (("curve", "ellipse"), ("metric", "rms"), ("side", "lag"))
     )
@@ -101,7 +101,7 @@ def write_measures(measures: xr.Dataset) -> None:
     measures = measures.astype(np.float32)
     measures["unknown"] = (~np.isfinite(measures["scale"])).astype(np.int8)
     for name, step in (("scale", 4e-3), ("scale_towards", 1.6e-2)):
-        measures = packed(measures, (name,), step=step, along=("threshold", "xi"), unknown="unknown")
+        measures = pack(measures, (name,), step=step, dimensions=("threshold", "xi"), unknown="unknown")
     encoding = {
         str(name): {
             "zlib": True,

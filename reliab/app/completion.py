@@ -38,9 +38,9 @@ def methods(incomplete: str) -> list[str]:
 
 def laws(incomplete: str) -> list[str]:
     """Complete the name of a law of natural frequency and damping ratio."""
-    from reliab.criterion.laws.registry import FITTED, OF_MANY_MOTIONS
+    from reliab.criterion.laws.registry import FITTED_LAWS, MANY_MOTION_LAWS
 
-    return _begun(incomplete, [*FITTED, *OF_MANY_MOTIONS])
+    return _begun(incomplete, [*FITTED_LAWS, *MANY_MOTION_LAWS])
 
 
 def _begun(incomplete: str, names: Iterable[str]) -> list[str]:

@@ -18,11 +18,11 @@ from reliab.criterion.carrying import carry_to_length, carry_to_response
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.derivation import derive_criterion
 from reliab.criterion.ellipse_table import EllipseTable, neighbours
-from reliab.criterion.methods.registry import RECOMMENDED, method_of
+from reliab.criterion.methods.registry import RECOMMENDED_METHOD, method_of
 from reliab.criterion.population import Population
 from reliab.criterion.response_measures import ResponseMeasures
 from reliab.criterion.scope import Position, range_of
-from reliab.criterion.shipped_tables import shipped_ellipses, shipped_measures
+from reliab.criterion.shipped_tables import read_shipped_ellipses, read_shipped_measures
 from reliab.structures.structure import Structure
 from reliab.tracking.boundary.finite_errors import predict_ellipse
 from reliab.tracking.boundary.first_order import FirstOrderEllipse
@@ -47,7 +47,8 @@ def default_criterion(
     frequency, damping_ratio : float
         The structure [Hz, -]; beyond the shipped ones the criterion is that of the nearest.
     threshold : float, optional
-        Error of the whole test [-]; see :meth:`reliab.criterion.ellipse_table.EllipseTable.at_threshold`.
+        Error of the whole test [-]; see
+        :meth:`reliab.criterion.ellipse_table.EllipseTable.interpolate_threshold`.
     confidence : float, optional
         Share of the population's ground motions, in (0, 1).
     metric : str, optional
@@ -84,7 +85,7 @@ def criterion_of_test(
     Where the error is too large for a criterion, its limits are those of the largest possible one, on the
     safe side, and it promises nothing. Arguments are those of :func:`default_criterion`.
     """
-    stored = sorted(map(float, _shipped_ellipses().at["threshold"]), reverse=True)
+    stored = sorted(map(float, _shipped_ellipses().coordinates["threshold"]), reverse=True)
     refusals: list[InputError] = []
     for error in (threshold, *(smaller for smaller in stored if smaller < threshold)):
         try:
@@ -125,22 +126,22 @@ def _derived(
     places = {"f": frequency, "xi": damping_ratio}
     ellipses = _shipped_ellipses(metric)
     around = ellipses.take(
-        **{name: neighbours(ellipses.at[name], value) for name, value in places.items()},
+        **{name: neighbours(ellipses.coordinates[name], value) for name, value in places.items()},
         motion=ellipses.events != without,
     )
     if duration is not None:
         carried = carry_to_length(around, duration)
         around = carried.stating(window=f"{significant(duration)} s", caution="")
     criterion = derive_criterion(
-        around.at_threshold(threshold),
-        method=method_of(RECOMMENDED),
+        around.interpolate_threshold(threshold),
+        method=method_of(RECOMMENDED_METHOD),
         joint=True,
         threshold=threshold,
         metric=metric,
         confidence=confidence,
         source=SOURCE,
     )
-    of_responses = _of_nearest(frequency, damping_ratio).compared
+    of_responses = _of_nearest(frequency, damping_ratio).measure_values
     scope = criterion.provenance.scope | {name: range_of(values) for name, values in of_responses.items()}
     return replace(criterion, provenance=replace(criterion.provenance, scope=scope))
 
@@ -161,15 +162,15 @@ def criterion_of_response(
     side for a single test. None for a structure that is partly numerical or lies beyond the shipped ones,
     where responses of the motions are not known.
     """
-    ellipses, measures = _shipped_ellipses(), shipped_measures()
+    ellipses, measures = _shipped_ellipses(), read_shipped_measures()
     f, xi = structure.frequency, structure.damping_ratio
     grid = (measures.frequencies, f), (measures.damping_ratios, xi)
     beyond = any(not values.min() <= value <= values.max() for values, value in grid)
     if beyond or structure.experimental_fraction != 1.0:
         return None
     learned = ~np.isin(ellipses.events, without)
-    of_test = ResponseMeasures.of_one(response, structure, "this test")
-    of_threshold = ellipses.take(motion=learned).at_threshold(threshold)
+    of_test = ResponseMeasures.from_response(response, structure, "this test")
+    of_threshold = ellipses.take(motion=learned).interpolate_threshold(threshold)
     carried = carry_to_response(of_threshold, measures, of_test)
     criterion = derive_criterion(
         carried, joint=True, threshold=threshold, confidence=confidence, source=SOURCE
@@ -177,7 +178,7 @@ def criterion_of_response(
     if tracking is None:
         return criterion
     angle = _angle(response, structure, threshold, *tracking)
-    towards = carry_to_response(of_threshold, shipped_measures(angle), of_test, angle=angle)
+    towards = carry_to_response(of_threshold, read_shipped_measures(angle), of_test, angle=angle)
     leads = None if criterion.lead_population is None else _population_of(towards, criterion, Side.LEAD)
     return replace(criterion, population=_population_of(towards, criterion, Side.LAG), lead_population=leads)
 
@@ -230,7 +231,7 @@ def ellipses_of_nearest(frequency: float, damping_ratio: float, metric: str) -> 
     wanted = {"f": frequency, "xi": damping_ratio}
     return ellipses.take(
         **{
-            name: [int(np.abs(np.log(ellipses.at[name].astype(np.float64) / value)).argmin())]
+            name: [int(np.abs(np.log(ellipses.coordinates[name].astype(np.float64) / value)).argmin())]
             for name, value in wanted.items()
         }
     )
@@ -238,15 +239,15 @@ def ellipses_of_nearest(frequency: float, damping_ratio: float, metric: str) -> 
 
 def shipped_frequencies() -> list[float]:
     """Natural frequencies [Hz] of the shipped ellipses, increasing."""
-    return [float(frequency) for frequency in np.sort(_shipped_ellipses().at["f"])]
+    return [float(frequency) for frequency in np.sort(_shipped_ellipses().coordinates["f"])]
 
 
 def _shipped_ellipses(metric: str = Metric.RMS) -> EllipseTable:
-    return shipped_ellipses(CurveName.INSCRIBED, "record", metric)
+    return read_shipped_ellipses(CurveName.INSCRIBED, "record", metric)
 
 
 def _of_nearest(frequency: float, damping_ratio: float) -> ResponseMeasures:
     """Measures of the responses of the nearest structure, shape (motions, 1, 1)."""
-    measures = shipped_measures()
+    measures = read_shipped_measures()
     f, xi = measures.nearest(np.array([frequency]), np.array([damping_ratio]))
-    return measures.at(f, xi)
+    return measures.select_structures(f, xi)

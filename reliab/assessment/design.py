@@ -16,7 +16,7 @@ from reliab.core.arrays import Array
 from reliab.core.vocabulary import MILLI, Side
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.experimental_share import growth
-from reliab.criterion.scope import promised
+from reliab.criterion.scope import promised_confidence
 from reliab.structures.structure import Structure, critical_delay
 
 CONFIDENCES = (0.80, 0.90, 0.95, 0.99)
@@ -51,7 +51,7 @@ class Tolerance:
     @property
     def promise(self) -> float | None:
         """Share of the population's ground motions; None where the criterion promises none."""
-        return promised(self.confidence, self.position, self.promised_from)
+        return promised_confidence(self.confidence, self.position, self.promised_from)
 
     @property
     def amplitude_error(self) -> float:
@@ -182,9 +182,11 @@ def boundaries_of_motions(
 
     Those of the nearest shipped structure, carried as limits are; motions without an ellipse are left out.
     """
-    table = ellipses_of_nearest(f, xi, metric).at_threshold(threshold)
-    near = Structure(frequency=float(table.at["f"][0]), damping_ratio=float(table.at["xi"][0]))
-    lag = table.at["side"].tolist().index(str(Side.LAG))
+    table = ellipses_of_nearest(f, xi, metric).interpolate_threshold(threshold)
+    near = Structure(
+        frequency=float(table.coordinates["f"][0]), damping_ratio=float(table.coordinates["xi"][0])
+    )
+    lag = table.coordinates["side"].tolist().index(str(Side.LAG))
     a, b = (np.asarray(values[..., lag], dtype=np.float64).ravel() for values in (table.a, table.b))
     larger = float(growth(alpha, xi)) * (xi / near.damping_ratio) ** 2
     known = (a > 0.0) & (b > 0.0)

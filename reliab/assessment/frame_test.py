@@ -140,7 +140,7 @@ def assess_frame(
     )
     if isinstance(recording, CoupledRecording):
         return _of_several(_in_order(recording, frame), frame, question, motion)
-    if frame.several:
+    if frame.has_several:
         frame.order_of_channels(("",), recording.name)
     return _of_one(recording, frame, question, criterion, motion)
 
@@ -301,7 +301,7 @@ def _error_of_several(
     from reliab.assessment.coupled_error.rebuild import rebuild_coupled
 
     sizes = {**question.sizes(test.time_step), **repairs}
-    command, measured = frame.straightened(test.command), frame.straightened(test.measured)
+    command, measured = frame.straighten(test.command), frame.straighten(test.measured)
     rebuild = partial(
         rebuild_coupled,
         command,
@@ -347,7 +347,7 @@ def _limit(partition: Partition, gains: Array) -> tuple[StabilityLimit, bool]:
 
 def _mode_of_sizes(frame: FrameUnderTest) -> Structure:
     """Mode that governs the error; of several actuators the lowest one."""
-    if not frame.several:
+    if not frame.has_several:
         return governing_mode(frame.partition, frame.output)
     return frame.partition.lowest_mode
 
@@ -369,12 +369,12 @@ def require_answerable(frame: FrameUnderTest, *, measured: bool = False, **optio
     `measured`: whether the specimen is learned from its force.
     """
     for name, is_asked in options.items():
-        if is_asked and frame.several:
+        if is_asked and frame.has_several:
             raise InputError(
                 f"`{name}` has no effect together with a `structure` with several actuators",
                 remedy="Leave it out",
             )
-    if not frame.several:
+    if not frame.has_several:
         require_linear_interface(frame, measured=measured)
 
 

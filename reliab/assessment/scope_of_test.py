@@ -46,7 +46,7 @@ def scope_of_test(
     test = {"length": recording.duration, "cycles": recording.duration * structure.frequency}
     if reference is not None:
         shown = ellipse_of_response(reference, recording.time_step, structure)
-        of_test = ResponseMeasures.of_one(shown, structure, "this test").compared
+        of_test = ResponseMeasures.from_response(shown, structure, "this test").measure_values
         test |= {name: float(value.item()) for name, value in of_test.items()}
     return compared(criterion, test)
 

@@ -27,7 +27,7 @@ from reliab.core.errors import InputError
 from reliab.core.physical_range import require_physical
 from reliab.core.significant_digits import significant
 from reliab.core.vocabulary import CurveName, Metric
-from reliab.criterion.ellipse_table import CUT, DIMENSIONS, Ellipses, EllipseTable, names_along, tabled
+from reliab.criterion.ellipse_table import CUT, DIMENSIONS, Ellipses, EllipseTable, as_table, names_along
 from reliab.criterion.event_components import event_components
 from reliab.criterion.laws.table import tents
 from reliab.criterion.response_measures import ResponseMeasures
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-_Given = TypeVar("_Given", "xr.Dataset", EllipseTable)
+_Ellipses = TypeVar("_Ellipses", "xr.Dataset", EllipseTable)
 
 Labels = dict[str, Any]
 """Threshold, metric, curve and side of one table of ellipses."""
@@ -46,33 +46,33 @@ _STEEPEST: Final = 5.0
 """Amplitude errors over the damping ratio at which boundaries end, and beyond which none is predicted."""
 
 # Tables "by the response" and "simulated motions of each length" of `tests/benchmarks/results/criterion.csv`
-_BY_RESPONSE_ELSEWHERE: Final = (
+_RESPONSE_CAUTION: Final = (
     "Of simulated motions of other kinds (small earthquakes, large and far ones, pulses, soft soil) 96 to "
     "98 % keep limits that state 95 %, 91 to 97 % those that state 90 % and 77 to 90 % those that state "
     "80 %; errors exceed the threshold of 5 % by up to 6 % of it. On a soil of one frequency it is 94, 85 "
     "and 69 %. Where the actuator leads it is 92 to 99 %, 75 to 96 % and 65 to 90 %, and errors exceed "
     "the threshold by up to 7 % of it."
 )
-_BY_LENGTH_ELSEWHERE: Final = (
+_LENGTH_CAUTION: Final = (
     "Of simulated motions of other kinds, whole and cut to their shaking or to 20 s, 93 to 100 % keep limits "
     "that state 95 % and 81 to 100 % those that state 90 %, but 62 to 100 % those that state 80 % and 32 to "
     "97 % those that state 50 %: rely on 95 %."
 )
 
 _FEWEST_OF_SUITE: Final = 2  # motions, below which a suite shows no scatter
-_BETWEEN_POPULATIONS: Final = 0.5  # variance of means of populations over that of motions, at least
-_BETWEEN_RESPONSES: Final = 0.2  # the same of what responses leave, of records, cuts and simulations
+_POPULATION_VARIANCE_RATIO: Final = 0.5  # variance of means of populations over that of motions, at least
+_RESPONSE_VARIANCE_RATIO: Final = 0.2  # the same of what responses leave, of records, cuts and simulations
 _KEPT_FROM: Final = 0.8  # share [-]; smaller ones need means of populations known to a tenth of that scatter
 _MOTIONS_OF_SCATTER: Final = 10.0  # motions that the population's scatter is worth beside a suite's own
 
 
 def carry_to_response(
-    ellipses: _Given,
+    ellipses: _Ellipses,
     measures: "xr.Dataset | ResponseMeasures",
     response: "xr.Dataset | ResponseMeasures",
     *,
     angle: float | None = None,
-) -> _Given:
+) -> _Ellipses:
     """Transfer the ellipses of a population to a structure's response under one motion.
 
     Every motion's boundary is compared with the one that its response predicts, by the multiple of the
@@ -89,46 +89,48 @@ def carry_to_response(
     default they are compared over the whole of a region. Returns ellipses of the population's motions at the
     response's structures, as if each had that response.
     """
-    table = tabled(ellipses)
+    table = as_table(ellipses)
     _require_rms(table)
-    known, own = _as_measures(measures), _as_measures(response).take(slice(1))
-    rows = {str(name): row for row, name in enumerate(known.motions)}
-    known = known.take([rows[str(name)] for name in table.at["motion"]])
-    at = _grid(known.frequencies, known.damping_ratios), _grid(own.frequencies, own.damping_ratios)
+    population, motion = _as_measures(measures), _as_measures(response).take(slice(1))
+    rows = {str(name): row for row, name in enumerate(population.motions)}
+    population = population.take([rows[str(name)] for name in table.coordinates["motion"]])
+    grids = [_grid(part.frequencies, part.damping_ratios) for part in (population, motion)]
     weights = [
-        tents(known.frequencies, own.frequencies),
-        tents(known.damping_ratios, own.damping_ratios),
+        tents(population.frequencies, motion.frequencies),
+        tents(population.damping_ratios, motion.damping_ratios),
     ]
-    events, duration = table.events, float(own.duration[0])
+    events, duration = table.events, float(motion.duration[0])
 
-    def carried(cell: Labels, a: Array, b: Array) -> tuple[Array, Array]:
+    def carry_cell(cell: Labels, a: Array, b: Array) -> tuple[Array, Array]:
         error = float(cell["threshold"]), str(cell["side"])
-        of_a, of_b, sizes = known.predicted(*error)
-        own_a, own_b, size = (part[0] for part in own.predicted(*error))
+        predicted_a, predicted_b, sizes = population.predict_ellipses(*error)
+        own_a, own_b, size = (part[0] for part in motion.predict_ellipses(*error))
         if cell["curve"] != CurveName.INSCRIBED:
-            multiples = (np.log(a / of_a) + np.log(b / of_b)) / 2.0
-        elif known.scales is not None:
-            multiples = known.scales.logarithms(*error, angle)
+            multiples = (np.log(a / predicted_a) + np.log(b / predicted_b)) / 2.0
+        elif population.scales is not None:
+            multiples = population.scales.logarithms(*error, angle)
         else:
-            multiples = np.log(np.minimum(a / of_a, b / of_b))
-        fit = _Fit.by_least_squares(
+            multiples = np.log(np.minimum(a / predicted_a, b / predicted_b))
+        fit = _Fit.fit(
             multiples,
-            _response_covariates(sizes, known.duration[:, None, None], *at[0]),
+            _response_covariates(sizes, population.duration[:, None, None], *grids[0]),
             events,
             growth=_growth(sizes),
         )
         residuals = np.einsum("mfx,gf,yx->mgy", fit.residuals, *weights)
-        target = _response_covariates(size, duration, *at[1])
-        factor = np.exp(fit.carried(residuals, target, _growth(size), _BETWEEN_RESPONSES))
+        target = _response_covariates(size, duration, *grids[1])
+        factor = np.exp(fit.carry(residuals, target, _growth(size), _RESPONSE_VARIANCE_RATIO))
         return own_a * factor, own_b * factor
 
-    near = known.at(*known.nearest(own.frequencies, own.damping_ratios)).compared
+    near = population.select_structures(
+        *population.nearest(motion.frequencies, motion.damping_ratios)
+    ).measure_values
     case = {"length": duration} | {
-        name: _farthest(values[0], near[name]) for name, values in own.compared.items()
+        name: _farthest(values[0], near[name]) for name, values in motion.measure_values.items()
     }
-    words, scope = f"for a structure that responds as under {own.motions[0]}", scope_of(table, near)
-    assembled = _assemble(table, own.frequencies, own.damping_ratios, carried)
-    return _as_given(ellipses, _stating(assembled, words, scope, case, _BY_RESPONSE_ELSEWHERE, _KEPT_FROM))
+    words, scope = f"for a structure that responds as under {motion.motions[0]}", scope_of(table, near)
+    carried_table = _assemble(table, motion.frequencies, motion.damping_ratios, carry_cell)
+    return _convert_like(ellipses, _stating(carried_table, words, scope, case, _RESPONSE_CAUTION, _KEPT_FROM))
 
 
 def _farthest(values: Array, population: Array) -> float:
@@ -141,14 +143,14 @@ def _as_measures(measures: "xr.Dataset | ResponseMeasures") -> ResponseMeasures:
     return measures if isinstance(measures, ResponseMeasures) else ResponseMeasures.from_dataset(measures)
 
 
-def _as_given(given: _Given, carried: EllipseTable) -> _Given:
+def _convert_like(ellipses: _Ellipses, table: EllipseTable) -> _Ellipses:
     """Return a table where one was given, a dataset otherwise."""
-    if isinstance(given, EllipseTable):
-        return carried  # type: ignore[return-value]  # of the type that was given
-    return carried.to_dataset(given)
+    if isinstance(ellipses, EllipseTable):
+        return table  # type: ignore[return-value]  # of the type that was given
+    return table.to_dataset(ellipses)
 
 
-def carry_to_length(ellipses: _Given, duration: float) -> _Given:
+def carry_to_length(ellipses: _Ellipses, duration: float) -> _Ellipses:
     """Transfer the ellipses of a population to records of another length [s].
 
     Each record is cut to the length, where it is longer, from the onset of its shaking; shorter ones stay as
@@ -168,25 +170,25 @@ def carry_to_length(ellipses: _Given, duration: float) -> _Given:
     True
     """
     require_physical("number", duration, called="length of a record", remedy="Give seconds")
-    table = tabled(ellipses)
+    table = as_table(ellipses)
     if table.cut_records is None:
         raise InputError(
             "These ellipses cannot be transferred to a length of record",
             value="ellipses without the ratios of cut records",
             remedy="Derive the criterion from `motions`, whole records, or from real_suite",
         )
-    of_rms = np.array(names_along(table, "metric")) == Metric.RMS
-    ratios = table.cut_records.at(duration)[:, :, :, None, None, None, None, :]
-    factors = np.where(of_rms[:, None, None, None], ratios, 1.0)
-    at_rest = table.error_at_rest
-    if at_rest is not None:  # of the whole record: not known where that is cut
-        whole = table.of_motions["duration"][:, None, None, None] <= duration
-        at_rest = np.where(whole, at_rest, np.nan)
+    is_rms = np.array(names_along(table, "metric")) == Metric.RMS
+    ratios = table.cut_records.interpolate(duration)[:, :, :, None, None, None, None, :]
+    factors = np.where(is_rms[:, None, None, None], ratios, 1.0)
+    rest_errors = table.error_at_rest
+    if rest_errors is not None:  # of the whole record: not known where that is cut
+        is_shorter = table.motion_values["duration"][:, None, None, None] <= duration
+        rest_errors = np.where(is_shorter, rest_errors, np.nan)
     a, b = table.a * factors[..., 0], table.b * factors[..., 1]
-    carried = replace(table, a=a, b=b, error_at_rest=at_rest, cut_records=None)
+    carried_table = replace(table, a=a, b=b, error_at_rest=rest_errors, cut_records=None)
     words = f"for records of {significant(duration)} s"
-    stated = _stating(carried, words, scope_of(table), {"length": duration}, _BY_LENGTH_ELSEWHERE)
-    return _as_given(ellipses, stated)
+    labelled_table = _stating(carried_table, words, scope_of(table), {"length": duration}, _LENGTH_CAUTION)
+    return _convert_like(ellipses, labelled_table)
 
 
 def carry_to_suite(ellipses: "xr.Dataset", suite: "xr.Dataset") -> "xr.Dataset":
@@ -214,40 +216,42 @@ def carry_to_suite(ellipses: "xr.Dataset", suite: "xr.Dataset") -> "xr.Dataset":
         case["length"] = float(np.exp(np.log(suite["duration"]).mean()))
         near = carry_to_length(near, case["length"])
 
-    table = tabled(near)
+    table = as_table(near)
 
-    def carried(name: str, cell: Labels, values: Array) -> Array:
-        own = np.log(suite[name].sel(cell).transpose("motion", "f", "xi").values)
-        return np.exp(_pool(np.log(values), table.events, own, suite["event"].values))
+    def carry_cell(name: str, cell: Labels, values: Array) -> Array:
+        suite_values = np.log(suite[name].sel(cell).transpose("motion", "f", "xi").values)
+        return np.exp(_pool(np.log(values), table.events, suite_values, suite["event"].values))
 
     events = np.unique(suite["event"].values).size
     words = f"pooled with {suite.sizes['motion']} motions of {events} earthquakes of the suite"
-    f, xi = (table.at[name].astype(np.float64) for name in ("f", "xi"))
-    assembled = _assemble(table, f, xi, _separately(carried))
-    return _stating(assembled, words, scope_of(ellipses), case).to_dataset(near)
+    f, xi = (table.coordinates[name].astype(np.float64) for name in ("f", "xi"))
+    carried_table = _assemble(table, f, xi, _separately(carry_cell))
+    return _stating(carried_table, words, scope_of(ellipses), case).to_dataset(near)
 
 
-def _pool(population: Array, events: NDArray[np.str_], own: Array, own_events: NDArray[np.str_]) -> Array:
+def _pool(
+    population: Array, events: NDArray[np.str_], suite_values: Array, own_events: NDArray[np.str_]
+) -> Array:
     """Logarithms of a population (motions, f, ξ), moved and stretched towards those of a suite."""
-    moved = np.full_like(population, np.nan)
+    pooled_values = np.full_like(population, np.nan)
     for row, column in np.ndindex(population.shape[1:]):
-        known, measured = (np.isfinite(part[:, row, column]) for part in (population, own))
-        if measured.sum() < _FEWEST_OF_SUITE:
+        is_known, is_measured = (np.isfinite(part[:, row, column]) for part in (population, suite_values))
+        if is_measured.sum() < _FEWEST_OF_SUITE:
             continue  # nothing to pool with: the criterion then says that motions are missing
-        values, suite = population[known, row, column], own[measured, row, column]
-        parts = event_components(values, events[known])
+        values, suite = population[is_known, row, column], suite_values[is_measured, row, column]
+        parts = event_components(values, events[is_known])
         spread = float(parts.between + parts.within)
-        between = max(float(parts.between), _BETWEEN_POPULATIONS * spread)
-        worth = float(event_components(suite, own_events[measured]).effective_number)
-        share = worth * between / (worth * between + spread)
+        population_variance = max(float(parts.between), _POPULATION_VARIANCE_RATIO * spread)
+        worth = float(event_components(suite, own_events[is_measured]).effective_number)
+        share = worth * population_variance / (worth * population_variance + spread)
         degrees = suite.size - 1.0
-        pooled = _MOTIONS_OF_SCATTER * spread + degrees * float(suite.var(ddof=1))
-        pooled /= _MOTIONS_OF_SCATTER + degrees
+        pooled_variance = _MOTIONS_OF_SCATTER * spread + degrees * float(suite.var(ddof=1))
+        pooled_variance /= _MOTIONS_OF_SCATTER + degrees
         centre = float(values.mean())
         shift = share * (float(suite.mean()) - centre)
-        stretch = np.sqrt((pooled + between * (1.0 - share)) / spread)
-        moved[known, row, column] = centre + shift + stretch * (values - centre)
-    return moved
+        stretch = np.sqrt((pooled_variance + population_variance * (1.0 - share)) / spread)
+        pooled_values[is_known, row, column] = centre + shift + stretch * (values - centre)
+    return pooled_values
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -261,19 +265,19 @@ class _Fit:
     variance: Array  # Residual variance as a line in `growth`, shape (2,)
 
     @classmethod
-    def by_least_squares(
-        cls, values: Array, covariates: Array, events: Array, growth: Array | None = None
-    ) -> "_Fit":
+    def fit(cls, values: Array, covariates: Array, events: Array, growth: Array | None = None) -> "_Fit":
         """Fit `values` (motions, f, ξ) by `covariates` (motions, f, ξ, covariates)."""
-        known = np.isfinite(values)
-        x, y = covariates[known], values[known]
+        is_finite = np.isfinite(values)
+        x, y = covariates[is_finite], values[is_finite]
         coefficients, *_ = np.linalg.lstsq(x, y, rcond=None)
         residuals = values - covariates @ coefficients
-        scores = np.where(known, residuals, 0.0)[..., None] * np.where(known[..., None], covariates, 0.0)
+        scores = np.where(is_finite, residuals, 0.0)[..., None] * np.where(
+            is_finite[..., None], covariates, 0.0
+        )
         sums = np.array([scores[events == event].sum(axis=(0, 1, 2)) for event in np.unique(events)])
         bread = np.linalg.pinv(x.T @ x)
         growth = np.zeros_like(values) if growth is None else growth
-        variance = _line_above_zero(growth[known], residuals[known] ** 2)
+        variance = _line_above_zero(growth[is_finite], residuals[is_finite] ** 2)
         return cls(
             coefficients=np.asarray(coefficients, dtype=np.float64),
             covariance=bread @ (sums.T @ sums) @ bread,
@@ -282,16 +286,16 @@ class _Fit:
             variance=variance,
         )
 
-    def carried(
-        self, residuals: Array, target: Array, growth: Array | float = 0.0, between: float = 0.0
+    def carry(
+        self, residuals: Array, target: Array, growth: Array | float = 0.0, response_variance: float = 0.0
     ) -> Array:
         """Values at covariates `target` (f, ξ, covariates) of motions with residuals (motions, f, ξ).
 
-        `between`: variance of the means of populations over that of motions.
+        `response_variance`: variance of the means of populations over that of motions.
         """
         distance = target - self.centre
         doubt = np.einsum("fxi,ij,fxj->fx", distance, self.covariance, distance)
-        spread = np.sqrt((1.0 + between) * (self.variance[0] + self.variance[1] * growth) + doubt)
+        spread = np.sqrt((1.0 + response_variance) * (self.variance[0] + self.variance[1] * growth) + doubt)
         return np.asarray(target @ self.coefficients + residuals * spread)
 
 
@@ -301,9 +305,9 @@ def _line_above_zero(places: Array, values: Array) -> Array:
     line = np.linalg.lstsq(terms, values, rcond=None)[0]
     if (line >= 0.0).all():
         return np.asarray(line)
-    alone = np.diag([values.mean(), float(places @ values) / max(float(places @ places), 1e-300)])
-    errors = [float(np.sum((terms @ pair - values) ** 2)) for pair in alone]
-    return np.asarray(alone[int(np.argmin(errors))])
+    single_terms = np.diag([values.mean(), float(places @ values) / max(float(places @ places), 1e-300)])
+    errors = [float(np.sum((terms @ pair - values) ** 2)) for pair in single_terms]
+    return np.asarray(single_terms[int(np.argmin(errors))])
 
 
 def _response_covariates(sizes: Array, duration: Array | float, f: Array, xi: Array) -> Array:
@@ -324,24 +328,27 @@ def _grid(f: Array, xi: Array) -> tuple[Array, Array]:
 
 
 def _assemble(
-    table: EllipseTable, f: Array, xi: Array, carried: Callable[[Labels, Array, Array], tuple[Array, Array]]
+    table: EllipseTable,
+    f: Array,
+    xi: Array,
+    carry_cell: Callable[[Labels, Array, Array], tuple[Array, Array]],
 ) -> EllipseTable:
     """Carry a and b of every error, curve and side to other structures."""
     sizes = (table.n_motions, f.size, xi.size, *table.a.shape[3:])
     a, b = np.full(sizes, np.nan), np.full(sizes, np.nan)
-    for at, cell in _cells(table):
-        index: Any = (..., *at)
+    for place, cell in _cells(table):
+        index: Any = (..., *place)
         pair = (values[index].astype(np.float64) for values in (table.a, table.b))
-        a[index], b[index] = carried(cell, *(np.where(values > 0.0, values, np.nan) for values in pair))
-    grid = {**table.at, "f": f, "xi": xi}
-    return replace(table, a=a, b=b, at=grid, error_at_rest=None, cut_records=None)
+        a[index], b[index] = carry_cell(cell, *(np.where(values > 0.0, values, np.nan) for values in pair))
+    grid = {**table.coordinates, "f": f, "xi": xi}
+    return replace(table, a=a, b=b, coordinates=grid, error_at_rest=None, cut_records=None)
 
 
 def _separately(
-    carried: Callable[[str, Labels, Array], Array],
+    carry: Callable[[str, Labels, Array], Array],
 ) -> Callable[[Labels, Array, Array], tuple[Array, Array]]:
     """Carry a and b separately."""
-    return lambda cell, a, b: (carried("a", cell, a), carried("b", cell, b))
+    return lambda cell, a, b: (carry("a", cell, a), carry("b", cell, b))
 
 
 def _stating(
@@ -371,8 +378,11 @@ def _stating(
 def _cells(table: EllipseTable) -> Iterator[tuple[tuple[int, ...], Labels]]:
     """Places and labels of every threshold, metric, curve and side."""
     names = DIMENSIONS[3:]
-    for at in product(*(range(table.at[name].size) for name in names)):
-        yield at, {name: table.at[name][place] for name, place in zip(names, at, strict=True)}
+    for indices in product(*(range(table.coordinates[name].size) for name in names)):
+        yield (
+            indices,
+            {name: table.coordinates[name][place] for name, place in zip(names, indices, strict=True)},
+        )
 
 
 def _require_rms(table: EllipseTable) -> None:
@@ -387,13 +397,13 @@ def _require_rms(table: EllipseTable) -> None:
 
 _LEAST_MOTIONS: Final = 30  # of a population, below which its lengths are no sample of lengths
 _LEAST_EARTHQUAKES: Final = 10
-_PROTECTED: Final = (0.1, 0.5, 0.9)  # quantiles of the lengths that are protected
+_LENGTH_QUANTILES: Final = (0.1, 0.5, 0.9)  # quantiles of the lengths that are protected
 _UNFAVOURABLE: Final = 0.05  # quantile of a and b by which lengths are compared
 
 
 def protect_over_lengths(
-    ellipses: _Given, *, metric: str = Metric.RMS, curve: str = CurveName.INSCRIBED
-) -> _Given:
+    ellipses: _Ellipses, *, metric: str = Metric.RMS, curve: str = CurveName.INSCRIBED
+) -> _Ellipses:
     """Transfer the ellipses of a population to the least favourable of its lengths.
 
     `metric`: error of the criterion; RMS^R alone depends on the length; `curve`: ellipses on which the
@@ -410,21 +420,21 @@ def protect_over_lengths(
     """
     if metric != Metric.RMS or curve != CurveName.INSCRIBED or not _shows_lengths(ellipses):
         return ellipses
-    protected = _protect(tabled(ellipses))
+    protected_table = _protect(as_table(ellipses))
     if isinstance(ellipses, EllipseTable):
-        return protected  # type: ignore[return-value]  # of the type that was given
-    return protected.to_dataset(ellipses)
+        return protected_table  # type: ignore[return-value]  # of the type that was given
+    return protected_table.to_dataset(ellipses)
 
 
 def _protect(table: EllipseTable) -> EllipseTable:
-    lengths = np.quantile(table.of_motions["duration"], _PROTECTED)
-    carried = [carry_to_length(table, float(length)) for length in lengths]
+    lengths = np.quantile(table.motion_values["duration"], _LENGTH_QUANTILES)
+    carried_tables = [carry_to_length(table, float(length)) for length in lengths]
     first, second, third = (f"{length:.0f}" for length in lengths)
     words = f"with the strictest limit of records of {first}, {second} and {third} s"
     return replace(
         table,
-        a=_least_favourable(np.stack([table.a for table in carried])),
-        b=_least_favourable(np.stack([table.b for table in carried])),
+        a=_least_favourable(np.stack([table.a for table in carried_tables])),
+        b=_least_favourable(np.stack([table.b for table in carried_tables])),
         cut_records=None,
     ).stating(carried_to=words)
 
@@ -440,10 +450,10 @@ def _least_favourable(values: Array) -> Array:
 def _shows_lengths(ellipses: Ellipses) -> bool:
     """Whether records can be cut, and are enough for their lengths to be those of others."""
     if isinstance(ellipses, EllipseTable):
-        can_be_cut = ellipses.cut_records is not None and "duration" in ellipses.of_motions
+        can_be_cut = ellipses.cut_records is not None and "duration" in ellipses.motion_values
     else:
         can_be_cut = {"a_cut", "duration"} <= set(ellipses.variables) and "alpha" not in ellipses.dims
     if not can_be_cut or Metric.RMS not in names_along(ellipses, "metric"):
         return False
-    table = tabled(ellipses)
+    table = as_table(ellipses)
     return table.n_motions >= _LEAST_MOTIONS and np.unique(table.events).size >= _LEAST_EARTHQUAKES

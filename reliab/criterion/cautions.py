@@ -23,7 +23,7 @@ def cautions_of(
         str(ellipses.attrs.get("caution", "")),
         str(ellipses.attrs.get("copies", "")),
         _too_small(ellipses, confidence),
-        _fitted_curve_caution(grid, method),
+        _curve_fit_caution(grid, method),
         _omission_caution(grid, method),
         _lengths_together(ellipses, grid),
         few_events(grid.fewest_events),
@@ -50,10 +50,10 @@ def _promise_caution(grid: SampleGrid, method: Method, confidence: float, empty:
     if not empty:
         return ""
     motions, events = grid.fewest_motions, grid.fewest_events
-    carried = method.carried_confidence(motions, events)
+    highest = method.achievable_confidence(motions, events)
     return (
         f"Too few motions or earthquakes for {method.name} at {confidence:g}: {motions} motions of "
-        f"{_earthquakes(events)} support {significant(carried)} at most, so that the limits are zero and no "
+        f"{_earthquakes(events)} support {significant(highest)} at most, so that the limits are zero and no "
         f"test is accepted."
     )
 
@@ -69,9 +69,14 @@ def _too_small(ellipses: EllipseTable, confidence: float) -> str:
 
 
 def _lengths_together(ellipses: EllipseTable, grid: SampleGrid) -> str:
-    lengths = ellipses.of_motions.get("duration", np.empty(0))
-    recorded = "carried_to" not in ellipses.attrs and ellipses.attrs.get("window") == "record"
-    if not recorded or grid.metric != Metric.RMS or grid.curve != CurveName.INSCRIBED or lengths.size == 0:
+    lengths = ellipses.motion_values.get("duration", np.empty(0))
+    has_recorded_lengths = "carried_to" not in ellipses.attrs and ellipses.attrs.get("window") == "record"
+    if (
+        not has_recorded_lengths
+        or grid.metric != Metric.RMS
+        or grid.curve != CurveName.INSCRIBED
+        or lengths.size == 0
+    ):
         return ""
     return (
         f"These limits are of records of {lengths.min():.0f} to {lengths.max():.0f} s together, and limits "
@@ -81,7 +86,7 @@ def _lengths_together(ellipses: EllipseTable, grid: SampleGrid) -> str:
     )
 
 
-def _fitted_curve_caution(grid: SampleGrid, method: Method) -> str:
+def _curve_fit_caution(grid: SampleGrid, method: Method) -> str:
     if grid.curve == method.curve:
         return ""
     return (
@@ -144,12 +149,12 @@ def few_events(fewest: int) -> str:
 
 
 def _unknown_event_caution(ellipses: EllipseTable) -> str:
-    own = int((ellipses.at["motion"].astype(np.str_) == ellipses.events.astype(np.str_)).sum())
-    if own < _SHARED_BY:
+    unnamed = int((ellipses.coordinates["motion"].astype(np.str_) == ellipses.events.astype(np.str_)).sum())
+    if unnamed < _SHARED_BY:
         return ""
     return (
-        f"No earthquake is stated for {own} of {ellipses.n_motions} motions: each counts as one of its own, "
-        "which promises too much where some are of one earthquake; state them in a column event."
+        f"No earthquake is stated for {unnamed} of {ellipses.n_motions} motions: each counts as one "
+        "of its own, which promises too much where some are of one earthquake; state them in a column event."
     )
 
 
@@ -159,11 +164,11 @@ def not_lognormal(grid: SampleGrid, method: Method) -> list[str]:
     if not method.assumes_lognormality:
         return []
     objections = [(objection(sample.a, "a"), objection(sample.b, "b")) for sample in cells]
-    rejected = sum(any(pair) for pair in objections)
-    if not rejected:
+    rejections = sum(any(pair) for pair in objections)
+    if not rejections:
         return []
     sentence = (
-        f"a or b is not lognormal over these motions at {rejected} of {len(cells)} structures, so that a "
+        f"a or b is not lognormal over these motions at {rejections} of {len(cells)} structures, so that a "
         "lognormal quantile does not keep the stated confidence there; the methods dirichlet "
         "and order_statistic do not need it."
     )

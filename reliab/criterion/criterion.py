@@ -16,16 +16,16 @@ from reliab.core.plain_values import html_table
 from reliab.core.significant_digits import percent, significant
 from reliab.core.vocabulary import ERROR_NAMES, MILLI, PERCENT, Metric, Side
 from reliab.criterion.laws.law import Law
-from reliab.criterion.methods.method import checked_share
+from reliab.criterion.methods.method import validate_share
 from reliab.criterion.population import Population
 from reliab.criterion.provenance import Provenance
-from reliab.criterion.scope import promised
+from reliab.criterion.scope import promised_confidence
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
-_SHOWN = 20  # structures in a summary
+_SUMMARY_STRUCTURES = 20  # structures in a summary
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,7 +86,7 @@ class Criterion:
         for law in (self.law, self.lead_law):
             if law is not None:
                 law.validity.require_error(self.threshold, self.metric)
-        checked_share(self.confidence, "confidence")
+        validate_share(self.confidence, "confidence")
         Metric.parse(self.metric)
         require_physical("error threshold", self.threshold)
 
@@ -144,11 +144,11 @@ class Criterion:
         """
         offset, milliseconds, f, xi = _broadcast(amplitude, delay, frequency, damping_ratio)
         index = np.empty(offset.shape)
-        for side, chosen in _sides(milliseconds):
-            a, b = self.limits(f[chosen], xi[chosen], side)
+        for side, is_on_side in _sides(milliseconds):
+            a, b = self.limits(f[is_on_side], xi[is_on_side], side)
             with np.errstate(divide="ignore", invalid="ignore"):
-                sums = offset[chosen] ** 2 / a + milliseconds[chosen] ** 2 / b
-            index[chosen] = np.where((a > 0.0) & (b > 0.0), sums, np.inf)
+                sums = offset[is_on_side] ** 2 / a + milliseconds[is_on_side] ** 2 / b
+            index[is_on_side] = np.where((a > 0.0) & (b > 0.0), sums, np.inf)
         return index
 
     def probability(
@@ -184,12 +184,12 @@ class Criterion:
             )
         offset, milliseconds, f, xi = _broadcast(amplitude, delay, frequency, damping_ratio)
         probability = np.empty(offset.shape)
-        for side, chosen in _sides(milliseconds):
+        for side, is_on_side in _sides(milliseconds):
             population = self.population if side == Side.LAG else self.lead_population
             if population is None:
                 raise _no_leads()
-            probability[chosen] = population.probability(
-                1.0 + offset[chosen], milliseconds[chosen] / MILLI, f[chosen], xi[chosen]
+            probability[is_on_side] = population.probability(
+                1.0 + offset[is_on_side], milliseconds[is_on_side] / MILLI, f[is_on_side], xi[is_on_side]
             )
         return probability
 
@@ -205,7 +205,7 @@ class Criterion:
 
         None for a case that lies outside of the population, or a share too small to be kept.
         """
-        return promised(self.confidence, self.provenance.position, self.provenance.promised_from)
+        return promised_confidence(self.confidence, self.provenance.position, self.provenance.promised_from)
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Put the limits into a table, at the structures of the law's table, else at 1 Hz and 2 % damping."""
@@ -219,7 +219,9 @@ class Criterion:
 
     def summary(self) -> str:
         """Say what the criterion promises, and its limits as a table."""
-        table = self.to_dataframe().to_string(index=False, max_rows=_SHOWN, float_format="{:.4g}".format)
+        table = self.to_dataframe().to_string(
+            index=False, max_rows=_SUMMARY_STRUCTURES, float_format="{:.4g}".format
+        )
         return f"{repr(self).strip('<>')}\n{table}"
 
     def __repr__(self) -> str:
@@ -330,7 +332,9 @@ def _broadcast(
 def _sides(milliseconds: Array) -> list[tuple[str, NDArray[np.bool_]]]:
     """Sides of the tests with their delays, those with tests only."""
     lead = milliseconds < 0.0
-    return [(side, chosen) for side, chosen in ((Side.LAG, ~lead), (Side.LEAD, lead)) if chosen.any()]
+    return [
+        (side, is_on_side) for side, is_on_side in ((Side.LAG, ~lead), (Side.LEAD, lead)) if is_on_side.any()
+    ]
 
 
 def _no_leads() -> InputError:
@@ -370,15 +374,15 @@ def draw_region(limits: Mapping[Side, tuple[float, float]], axes: "Axes | None" 
     """
     from matplotlib import pyplot as plt
 
-    shown = plt.subplots()[1] if axes is None else axes
+    plot_axes = plt.subplots()[1] if axes is None else axes
     turn = np.linspace(0.0, np.pi, 181)
     for side, (a, b) in limits.items():
         name, sign = ("late", 1.0) if side is Side.LAG else ("early", -1.0)
         width, height = PERCENT * np.sqrt(a), np.sqrt(b)
-        across, up = width * np.cos(turn), sign * height * np.sin(turn)
-        shown.fill(across, up, alpha=0.2)
-        shown.plot(across, up, label=f"{name}: up to {width:.2f} % or {height:.2f} ms")
-    shown.axhline(0.0, color="0.5", linewidth=0.6)
-    shown.set(xlabel="A − 1 [%]", ylabel="delay d [ms], negative for a lead")
-    shown.legend(frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
-    return shown
+        x_values, y_values = width * np.cos(turn), sign * height * np.sin(turn)
+        plot_axes.fill(x_values, y_values, alpha=0.2)
+        plot_axes.plot(x_values, y_values, label=f"{name}: up to {width:.2f} % or {height:.2f} ms")
+    plot_axes.axhline(0.0, color="0.5", linewidth=0.6)
+    plot_axes.set(xlabel="A − 1 [%]", ylabel="delay d [ms], negative for a lead")
+    plot_axes.legend(frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
+    return plot_axes

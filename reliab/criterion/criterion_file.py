@@ -37,20 +37,20 @@ def to_text(
     return json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
 
 
-def from_text(text: str, where: str = "") -> dict[str, Any]:
+def from_text(text: str, location: str = "") -> dict[str, Any]:
     """Read the parts of a criterion."""
     rule = "This is no criterion that `reliab criterion --out` wrote"
-    content = parse_json(text, rule=rule, remedy=_REMEDY, where=where)
-    _require_schema(content, where)
+    content = parse_json(text, rule=rule, remedy=_REMEDY, where=location)
+    _require_schema(content, location)
     rule = "A criterion must be as `reliab criterion --out` writes it"
-    checked = described(_CriterionFile, content, rule=rule, remedy=_REMEDY, where=where)
-    laws = {name: getattr(checked, name) for name in ("law", "lead_law")}
-    motions = {name: getattr(checked, name) for name in ("population", "lead_population")}
+    file_model = described(_CriterionFile, content, rule=rule, remedy=_REMEDY, where=location)
+    laws = {name: getattr(file_model, name) for name in ("law", "lead_law")}
+    motions = {name: getattr(file_model, name) for name in ("population", "lead_population")}
     return {
-        **{name: getattr(checked, name) for name in PLAIN},
+        **{name: getattr(file_model, name) for name in PLAIN},
         **{name: None if law is None else law_from_dict(law) for name, law in laws.items()},
-        **{name: None if part is None else part.built() for name, part in motions.items()},
-        "provenance": Provenance(**dict(checked.provenance)),
+        **{name: None if part is None else part.build() for name, part in motions.items()},
+        "provenance": Provenance(**dict(file_model.provenance)),
     }
 
 
@@ -65,7 +65,7 @@ class _Motions(_Part):
     log_alpha: list[list[list[float | None]]]
     log_beta: list[list[list[float | None]]]
 
-    def built(self) -> Population:
+    def build(self) -> Population:
         return Population.from_dict(dict(self))
 
 
@@ -101,18 +101,18 @@ class _CriterionFile(_Part):
     provenance: _ProvenanceTable
 
 
-def _require_schema(content: object, where: str) -> None:
+def _require_schema(content: object, location: str) -> None:
     schema = content.get("schema_version") if isinstance(content, dict) else None
     if schema == 1:
         raise InputError(
             "This criterion is of version 1, which has no limits for leads",
             remedy="Derive it again with `reliab criterion --out FILE.json`",
-            where=where,
+            where=location,
         )
     if schema != SCHEMA_VERSION:
         raise InputError(
             f"A criterion must be JSON of schema version {SCHEMA_VERSION}",
             value="no schema_version" if schema is None else f"version {schema}",
             remedy="Use the version of reliab that wrote it, or derive it again",
-            where=where,
+            where=location,
         )

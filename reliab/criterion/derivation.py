@@ -16,12 +16,12 @@ from reliab.criterion.carrying import protect_over_lengths
 from reliab.criterion.cautions import cautions_of, few_leads, not_lognormal
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.ellipse_sample import EllipseSample, position, position_of_name
-from reliab.criterion.ellipse_table import Ellipses, EllipseTable, names_along, tabled, without_copies
+from reliab.criterion.ellipse_table import Ellipses, EllipseTable, as_table, drop_copies, names_along
 from reliab.criterion.laws.law import Law
-from reliab.criterion.laws.registry import FITTED, FittedLaw, known
+from reliab.criterion.laws.registry import FITTED_LAWS, FittedLaw, find_law
 from reliab.criterion.laws.table import Table
-from reliab.criterion.methods.method import Learned, Method, checked_share
-from reliab.criterion.methods.registry import RECOMMENDED, method_of
+from reliab.criterion.methods.method import LearnedLimits, Method, validate_share
+from reliab.criterion.methods.registry import RECOMMENDED_METHOD, method_of
 from reliab.criterion.population import SampleGrid
 from reliab.criterion.provenance import Provenance, kind_of_motions, records_checksum
 from reliab.criterion.scope import population_of, scope_of
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from reliab.criterion.ellipse_reading import EllipseSource
 
 
-def contained_alike(kind: FittedLaw, law: Law, grid: SampleGrid, limits: Array) -> Law:
+def shrink_to_containment(kind: FittedLaw, law: Law, grid: SampleGrid, limits: Array) -> Law:
     """Scale a law so that it contains as many motions as the limits that it was fitted to.
 
     Limits that all motions contain are compared at the depth of the least motion, so that they keep their
@@ -45,11 +45,11 @@ def contained_alike(kind: FittedLaw, law: Law, grid: SampleGrid, limits: Array) 
         )
         for pairs in (limits, np.stack([a, b], axis=-1))
     )
-    excluded = float(np.mean(rooms < 1.0))
+    excluded_share = float(np.mean(rooms < 1.0))
     depth, depth_of_law = (
-        float(np.quantile(values, excluded, method="lower")) for values in (rooms, rooms_of_law)
+        float(np.quantile(values, excluded_share, method="lower")) for values in (rooms, rooms_of_law)
     )
-    factor = depth_of_law if excluded > 0.0 else depth_of_law / depth
+    factor = depth_of_law if excluded_share > 0.0 else depth_of_law / depth
     return kind.fit(grid.frequencies, grid.damping_ratios, factor * a, factor * b)
 
 
@@ -67,7 +67,7 @@ class LearnedSide:
     """One side of the boundaries: its motions, and what a method learned from them."""
 
     grid: SampleGrid
-    learned: Learned
+    learned: LearnedLimits
 
     def law(self, kind: FittedLaw, method: Method, confidence: float, *, joint: bool) -> tuple[Law, int]:
         """Fit a law to the limits; return it with the number of structures at which they are zero."""
@@ -88,7 +88,7 @@ class LearnedSide:
             )
         grid = self.grid.frequencies, self.grid.damping_ratios
         law: Law = kind.fit(*grid, limits[..., 0], limits[..., 1])
-        return (law if kind is Table else contained_alike(kind, law, self.grid, limits)), empty
+        return (law if kind is Table else shrink_to_containment(kind, law, self.grid, limits)), empty
 
 
 MOST_AT_REST = 0.05
@@ -104,9 +104,9 @@ def share_at_rest(errors: Array, threshold: float) -> Array:
     >>> share_at_rest(np.array([[0.15, 0.3], [0.25, np.nan], [0.4, 0.2]]), 0.2).round(2).tolist()
     [0.33, 0.5]
     """
-    known = np.isfinite(errors)
-    kept = (known & (errors <= threshold)).sum(axis=0)
-    return np.asarray(kept / np.maximum(known.sum(axis=0), 1))
+    is_finite = np.isfinite(errors)
+    within_threshold = (is_finite & (errors <= threshold)).sum(axis=0)
+    return np.asarray(within_threshold / np.maximum(is_finite.sum(axis=0), 1))
 
 
 def require_meaning(ellipses: Ellipses, *, threshold: float, metric: str) -> None:
@@ -117,7 +117,7 @@ def require_meaning(ellipses: Ellipses, *, threshold: float, metric: str) -> Non
 
     `ellipses`: ellipses of the structures that are asked for; `threshold`: error [-].
     """
-    table = tabled(ellipses).at_threshold(threshold)
+    table = as_table(ellipses).interpolate_threshold(threshold)
     if table.error_at_rest is None:
         return
     errors = table.error_at_rest[..., position_of_name(table, "metric", metric)]
@@ -125,7 +125,7 @@ def require_meaning(ellipses: Ellipses, *, threshold: float, metric: str) -> Non
     if shares.max() <= MOST_AT_REST:
         return
     row, column = np.unravel_index(int(shares.argmax()), shares.shape)
-    f, xi = float(table.at["f"][row]), float(table.at["xi"][column])
+    f, xi = float(table.coordinates["f"][row]), float(table.coordinates["xi"][column])
     raise InputError(
         "At this threshold even an actuator that does not move would pass",
         value=(
@@ -141,7 +141,7 @@ def require_meaning(ellipses: Ellipses, *, threshold: float, metric: str) -> Non
 def derive_criterion(
     ellipses: "EllipseSource | EllipseTable",
     *,
-    method: Method | str = RECOMMENDED,
+    method: Method | str = RECOMMENDED_METHOD,
     assurance: float | None = None,
     distribution: str | None = None,
     steps: int | None = None,
@@ -189,7 +189,7 @@ def derive_criterion(
     law : type of Law or str, optional
         How the limits depend on the structure, or its name; by default they are kept as a table.
     threshold : float, optional
-        Error on the boundaries [-], as :meth:`EllipseTable.at_threshold` takes it.
+        Error on the boundaries [-], as :meth:`EllipseTable.interpolate_threshold` takes it.
     metric : str, optional
         Which error.
     confidence : float, optional
@@ -230,9 +230,9 @@ def derive_criterion(
     settings = {"assurance": assurance, "distribution": distribution, "steps": steps}
     known_method = method_of(method, **settings) if isinstance(method, str) else method
     derivation = Derivation.from_ellipses(
-        without_copies(_read(ellipses, f, xi, threshold, str(metric))),
+        drop_copies(_read(ellipses, f, xi, threshold, str(metric))),
         method=known_method,
-        law=known(FITTED, law) if isinstance(law, str) else law,
+        law=find_law(FITTED_LAWS, law) if isinstance(law, str) else law,
         frequency=f,
         damping_ratio=xi,
         threshold=threshold,
@@ -252,8 +252,8 @@ def _read(
         return ellipses
     from reliab.criterion.ellipse_reading import read_ellipses
 
-    of_structure = {"f": 1.0 if f is None else f, "xi": 0.02 if xi is None else xi}
-    return tabled(read_ellipses(ellipses, **of_structure, threshold=threshold, metric=metric))
+    structure_place = {"f": 1.0 if f is None else f, "xi": 0.02 if xi is None else xi}
+    return as_table(read_ellipses(ellipses, **structure_place, threshold=threshold, metric=metric))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -284,34 +284,38 @@ class Derivation:
 
         The parameters are those of :func:`derive_criterion`.
         """
-        population = protect_over_lengths(tabled(ellipses), metric=metric, curve=method.curve)
-        whole = population.at_threshold(threshold)
-        chosen = _only(_only(whole, "f", frequency), "xi", damping_ratio)
-        require_meaning(chosen, threshold=threshold, metric=metric)
-        curves = names_along(chosen, "curve")
+        population = protect_over_lengths(as_table(ellipses), metric=metric, curve=method.curve)
+        threshold_ellipses = population.interpolate_threshold(threshold)
+        selected_ellipses = _only(_only(threshold_ellipses, "f", frequency), "xi", damping_ratio)
+        require_meaning(selected_ellipses, threshold=threshold, metric=metric)
+        curves = names_along(selected_ellipses, "curve")
         error = {
             "threshold": threshold,
             "metric": metric,
             "curve": method.curve if method.curve in curves else str(CurveName.ELLIPSE),
         }
         sides = {}
-        for side in names_along(chosen, "side"):
+        for side in names_along(selected_ellipses, "side"):
             try:
-                grid = SampleGrid.from_ellipses(chosen, side=side, **error)  # type: ignore[arg-type]
+                grid = SampleGrid.from_ellipses(selected_ellipses, side=side, **error)  # type: ignore[arg-type]
             except InputError:
                 if side == Side.LAG:
                     raise
                 continue  # too few motions have a boundary on this side; the criterion then says so
-            learned = method.learn(grid, law=law.name, chains=chains, progress=progress)
-            sides[side] = LearnedSide(grid=grid, learned=learned)
+            learned_limits = method.learn(grid, law=law.name, chains=chains, progress=progress)
+            sides[side] = LearnedSide(grid=grid, learned=learned_limits)
         if Side.LAG not in sides:
             raise InputError(
                 "A criterion needs boundaries of lags",
-                value=f"ellipses of {', '.join(names_along(chosen, 'side'))} alone",
+                value=f"ellipses of {', '.join(names_along(selected_ellipses, 'side'))} alone",
                 remedy="Trace the boundaries of both sides",
             )
         return cls(
-            ellipses=chosen, method=method, law=law, lag=sides[Side.LAG], lead=sides.get(str(Side.LEAD))
+            ellipses=selected_ellipses,
+            method=method,
+            law=law,
+            lag=sides[Side.LAG],
+            lead=sides.get(str(Side.LEAD)),
         )
 
     @property
@@ -320,7 +324,7 @@ class Derivation:
         return [side.learned.diagnostics for side in self._sides if side.learned.diagnostics is not None]
 
     @property
-    def learned(self) -> list[Learned]:
+    def learned_limits(self) -> list[LearnedLimits]:
         """What was learned of each side, lags first."""
         return [side.learned for side in self._sides]
 
@@ -341,7 +345,7 @@ class Derivation:
         together; by default as the method defines it. Its warnings hold what a user should
         know of it.
         """
-        checked_share(confidence, "confidence")
+        validate_share(confidence, "confidence")
         joint = self.method.joint_by_default if joint is None else joint
         laws = [side.law(self.law, self.method, confidence, joint=joint) for side in self._sides]
         grid = self.lag.grid
@@ -360,7 +364,7 @@ class Derivation:
 
     def _provenance(self, confidence: float, empty: int, source: str) -> Provenance:
         grid, method = self.lag.grid, self.method
-        carried = method.carried_confidence(grid.fewest_motions, grid.fewest_events)
+        achievable_confidence = method.achievable_confidence(grid.fewest_motions, grid.fewest_events)
         settings = method.settings
         if settings.get("assurance") is not None and not_lognormal(grid, method):
             settings["assurance"] = None
@@ -380,7 +384,7 @@ class Derivation:
             settings={
                 **settings,
                 **self.lag.learned.settings,
-                "carried_confidence": carried,
+                "carried_confidence": achievable_confidence,
                 **({"converged": self.converged} if self.diagnostics else {}),
             },
             warnings=(
@@ -397,13 +401,16 @@ class Derivation:
 
     def warn_unless_converged(self) -> None:
         """Warn by a `ConvergenceWarning` if a posterior cannot be relied on."""
-        for side in self.learned:
+        for side in self.learned_limits:
             side.warn_unless_converged()
 
 
 def _only(ellipses: EllipseTable, name: str, value: float | None) -> EllipseTable:
     """Keep one value of a dimension; all, increasing, for one between them or for none."""
-    held = ellipses.at[name]
-    if value is None or (held.min() < value < held.max() and not np.isclose(held, value, rtol=1e-9).any()):
-        return ellipses.sorted_by(name)
+    stored_values = ellipses.coordinates[name]
+    if value is None or (
+        stored_values.min() < value < stored_values.max()
+        and not np.isclose(stored_values, value, rtol=1e-9).any()
+    ):
+        return ellipses.sort(name)
     return ellipses.take(**{name: [position(ellipses, name, value)]})

@@ -75,7 +75,7 @@ def maximise_likelihood(
     return np.asarray(optimum.x, dtype=np.float64)
 
 
-class OfQuantity(Distribution):
+class QuantityDistribution(Distribution):
     """A family of scipy for the quantity itself."""
 
     family_name: ClassVar[str]  # Name of the family in `scipy.stats`
@@ -103,7 +103,7 @@ class OfQuantity(Distribution):
         return np.asarray(self.family.ppf(probability, *self.parameters))
 
 
-class OfLogarithm(OfQuantity):
+class LogarithmDistribution(QuantityDistribution):
     """A family of scipy for the natural logarithm of the quantity."""
 
     def log_density(self, values: ArrayLike) -> Array:
@@ -121,7 +121,7 @@ class OfLogarithm(OfQuantity):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Lognormal(OfLogarithm):
+class Lognormal(LogarithmDistribution):
     """Normal distribution of the logarithm.
 
     >>> fitted = Lognormal.fit([1.0, 2.0, 4.0])
@@ -149,7 +149,7 @@ class Lognormal(OfLogarithm):
 
 
 @dataclass(frozen=True, kw_only=True)
-class OfShapeAndScale(OfQuantity):
+class ShapeScaleDistribution(QuantityDistribution):
     """A family of scipy that begins at zero."""
 
     shape: float  # Shape [-]
@@ -162,7 +162,7 @@ class OfShapeAndScale(OfQuantity):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Gamma(OfShapeAndScale):
+class Gamma(ShapeScaleDistribution):
     """Gamma distribution of the quantity itself, from zero.
 
     >>> round(float(Gamma(shape=1.0, scale=2.0).quantile(0.5)), 4)  # exponential: 2 ln 2
@@ -183,7 +183,7 @@ _REACH = 1e3
 
 
 @dataclass(frozen=True, kw_only=True)
-class Weibull(OfShapeAndScale):
+class Weibull(ShapeScaleDistribution):
     """Weibull distribution of the quantity itself, from zero.
 
     >>> round(float(Weibull(shape=1.0, scale=2.0).quantile(0.5)), 4)  # exponential: 2 ln 2
@@ -214,7 +214,7 @@ _DEGREES = (1.0, 500.0)  # Cauchy to all but normal
 
 
 @dataclass(frozen=True, kw_only=True)
-class LogStudentT(OfLogarithm):
+class LogStudentT(LogarithmDistribution):
     """Student's t distribution of the logarithm.
 
     >>> fitted = LogStudentT(mu=0.0, sigma=1.0, degrees_of_freedom=3.0)
@@ -233,13 +233,11 @@ class LogStudentT(OfLogarithm):
     def _maximise_likelihood(cls, values: Array) -> Self:
         logarithms = np.log(values)
         mean, spread = logarithms.mean(), logarithms.std()
-        standardised = (logarithms - mean) / spread
+        z = (logarithms - mean) / spread
 
         def log_likelihood(parameters: Array) -> float:
             location, log_scale, log_degrees = parameters
-            return float(
-                scipy.stats.t.logpdf(standardised, np.exp(log_degrees), location, np.exp(log_scale)).sum()
-            )
+            return float(scipy.stats.t.logpdf(z, np.exp(log_degrees), location, np.exp(log_scale)).sum())
 
         location, log_scale, log_degrees = maximise_likelihood(
             log_likelihood, (0.0, 0.0, np.log(10.0)), ((-3.0, 3.0), (-6.0, 2.0), tuple(np.log(_DEGREES)))
@@ -260,7 +258,7 @@ _STEEPEST = 20.0  # beyond, the distribution is a half-normal to within a sample
 
 
 @dataclass(frozen=True, kw_only=True)
-class LogSkewNormal(OfLogarithm):
+class LogSkewNormal(LogarithmDistribution):
     """Skew-normal distribution of the logarithm, density 2/ω φ(z) Φ(αz), z = (ln x − ξ)/ω.
 
     Azzalini, A. (1985). A class of distributions which includes the normal ones. *Scandinavian
@@ -282,14 +280,14 @@ class LogSkewNormal(OfLogarithm):
     def _maximise_likelihood(cls, values: Array) -> Self:
         logarithms = np.log(values)
         mean, spread = logarithms.mean(), logarithms.std()
-        standardised = (logarithms - mean) / spread
+        z = (logarithms - mean) / spread
 
         def log_likelihood(parameters: Array) -> float:
             location, log_scale, shape = parameters
-            return float(scipy.stats.skewnorm.logpdf(standardised, shape, location, np.exp(log_scale)).sum())
+            return float(scipy.stats.skewnorm.logpdf(z, shape, location, np.exp(log_scale)).sum())
 
         # α = 0 is a stationary point of the likelihood, so the search starts on the side of the skewness.
-        lean = 1.0 if scipy.stats.skew(standardised) >= 0.0 else -1.0
+        lean = 1.0 if scipy.stats.skew(z) >= 0.0 else -1.0
         location, log_scale, shape = maximise_likelihood(
             log_likelihood, (-lean, 0.4, 2.0 * lean), ((-4.0, 4.0), (-4.0, 2.0), (-_STEEPEST, _STEEPEST))
         )
@@ -330,11 +328,11 @@ class NormalKernels(Distribution):
         """Value that is not exceeded with the given probability."""
         from scipy.optimize import elementwise
 
-        wanted = np.asarray(probability, dtype=np.float64)
-        low = np.full_like(wanted, (self.means - _OUTERMOST * self.spreads).min())
-        high = np.full_like(wanted, (self.means + _OUTERMOST * self.spreads).max())
+        target = np.asarray(probability, dtype=np.float64)
+        low = np.full_like(target, (self.means - _OUTERMOST * self.spreads).min())
+        high = np.full_like(target, (self.means + _OUTERMOST * self.spreads).max())
         root = elementwise.find_root(
-            lambda x, p: self._cumulative_of_logarithm(x) - p, (low, high), args=(wanted,)
+            lambda x, p: self._cumulative_of_logarithm(x) - p, (low, high), args=(target,)
         )
         return np.asarray(np.exp(root.x))
 
@@ -351,8 +349,8 @@ def log_mixture(
     spreads: Array,
 ) -> Array:
     """Logarithm of a mixture's density of the logarithm, shape of `logarithms`."""
-    by_kernel = scipy.stats.norm.logpdf(logarithms[..., None], means, spreads)
-    return np.asarray(scipy.special.logsumexp(by_kernel, b=weights, axis=-1))
+    kernel_densities = scipy.stats.norm.logpdf(logarithms[..., None], means, spreads)
+    return np.asarray(scipy.special.logsumexp(kernel_densities, b=weights, axis=-1))
 
 
 _NORMAL_QUARTILES = 1.349  # interquartile range of the standard normal distribution
@@ -411,14 +409,16 @@ class LogGaussianMixture(NormalKernels):
         floor = _NARROWEST * logarithms.std()
         weights = np.array([0.5, 0.5])
         means, spreads = np.quantile(logarithms, [0.25, 0.75]), np.full(2, logarithms.std())
-        before = -np.inf
+        last_likelihood = -np.inf
         for _ in range(_ITERATIONS):
             density = log_mixture(logarithms, weights, means, spreads)
-            if density.sum() - before < _TOLERANCE:
+            if density.sum() - last_likelihood < _TOLERANCE:
                 break
-            before = density.sum()
-            by_component = np.log(weights) + scipy.stats.norm.logpdf(logarithms[:, None], means, spreads)
-            share = np.exp(by_component - density[:, None])
+            last_likelihood = density.sum()
+            component_densities = np.log(weights) + scipy.stats.norm.logpdf(
+                logarithms[:, None], means, spreads
+            )
+            share = np.exp(component_densities - density[:, None])
             total = np.maximum(share.sum(axis=0), 1e-12)
             weights, means = total / total.sum(), (share * logarithms[:, None]).sum(axis=0) / total
             variance = (share * (logarithms[:, None] - means) ** 2).sum(axis=0) / total

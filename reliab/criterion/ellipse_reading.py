@@ -18,7 +18,7 @@ from reliab.core.files import LIMITS, decoding, ordinary
 from reliab.core.physical_range import OF_DIMENSIONS, RANGES
 from reliab.core.shipped import or_shipped
 from reliab.core.vocabulary import LABELS, Dimension, Metric
-from reliab.sweep.shares import at_share
+from reliab.sweep.shares import select_share
 
 _OTHER_NAMES = {"record": "motion", "f_hz": "f"}
 _SHARE = str(Dimension.SHARE)
@@ -43,27 +43,27 @@ def read_table(
     table = _name_columns(
         source.astype(str) if isinstance(source, pd.DataFrame) else _cells(Path(source)), path
     )
-    given = pd.DataFrame(
+    columns = pd.DataFrame(
         {"f": frequency, "xi": damping_ratio, "threshold": threshold, "metric": str(metric)},
         index=table.index,
     )
     states_share = _SHARE in table
     table = table.assign(**({} if states_share else {_SHARE: "1"}))
-    table = table.join(given[[name for name in given if name not in table]])
+    table = table.join(columns[[name for name in columns if name not in table]])
     for name in ("a", "b", "f", "xi", _SHARE, "threshold"):
         table[name] = _require_range(table[name], name, path)
-    repeated = table.duplicated(["motion", *_CELL])
-    if repeated.any():
+    is_duplicate = table.duplicated(["motion", *_CELL])
+    if is_duplicate.any():
         raise InputError(
             "A motion occurs twice for one structure and error",
-            value=table["motion"][repeated].iloc[0],
+            value=table["motion"][is_duplicate].iloc[0],
             remedy="Rename one, or add the columns f, xi, alpha, threshold that distinguish them",
-            where=f"{path}, line {_line(repeated)}",
+            where=f"{path}, line {_line(is_duplicate)}",
         )
     cube = _dataset(table)
     if cube.sizes[_SHARE] > 1:
         return cube
-    return at_share(cube) if states_share else cube.isel({_SHARE: 0}, drop=True)
+    return select_share(cube) if states_share else cube.isel({_SHARE: 0}, drop=True)
 
 
 def _cells(path: Path) -> pd.DataFrame:
@@ -208,5 +208,5 @@ def _ellipses_of_dataset(dataset: xr.Dataset, threshold: float, metric: str) -> 
         )
     from reliab.sweep import results_accessor  # noqa: F401 - gives datasets the accessor `reliab`
 
-    traced: xr.Dataset = dataset.reliab.ellipses((threshold,), (Metric.parse(metric),))
-    return traced
+    ellipses: xr.Dataset = dataset.reliab.ellipses((threshold,), (Metric.parse(metric),))
+    return ellipses

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import LABELS, CurveName, Dimension, Side
-from reliab.criterion.ellipse_table import Ellipses, EllipseTable, names_along, tabled
+from reliab.criterion.ellipse_table import Ellipses, EllipseTable, as_table, names_along
 from reliab.criterion.laws.law import LARGEST
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 FEWEST_MOTIONS = 3
 """A spread cannot be learned from fewer."""
 
-_ALIKE = 1e-6  # relative differences below that are rounding, not ground motions
+_ROUNDING = 1e-6  # relative differences below that are rounding, not ground motions
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -59,7 +59,7 @@ class EllipseSample:
                     remedy="Leave the motion out, or trace its boundary again",
                     where=str(self.motions[wrong][0]),
                 )
-            if np.ptp(np.log(values)) < _ALIKE:
+            if np.ptp(np.log(values)) < _ROUNDING:
                 raise InputError(
                     f"The ellipse parameter {name} is the same for all ground motions",
                     value=f"{values.size} times {values[0]:g}",
@@ -109,18 +109,18 @@ def sample_of(
     ratio [-]; `threshold`: error on the boundaries [-]; `curve`: which ellipses: fitted to the boundaries by
     least squares, or inscribed. Returns every motion for which both parameters are positive and finite.
     """
-    table = tabled(ellipses).at_threshold(threshold)
-    of_curve_and_side = places_of_curve(table, curve, side)
-    of_numbers = (("f", frequency), ("xi", damping_ratio), ("threshold", threshold))
-    at: Any = tuple(position(table, name, value) for name, value in of_numbers)
-    at = (..., *at, position_of_name(table, "metric", metric), *of_curve_and_side)
-    a, b = table.a[at], table.b[at]
-    known = is_ellipse(a, b)
+    table = as_table(ellipses).interpolate_threshold(threshold)
+    curve_places = places_of_curve(table, curve, side)
+    numbers = (("f", frequency), ("xi", damping_ratio), ("threshold", threshold))
+    places: Any = tuple(position(table, name, value) for name, value in numbers)
+    places = (..., *places, position_of_name(table, "metric", metric), *curve_places)
+    a, b = table.a[places], table.b[places]
+    has_ellipse = is_ellipse(a, b)
     return EllipseSample(
-        a=a[known].astype(np.float64),
-        b=b[known].astype(np.float64),
-        motions=np.array(table.at["motion"][known].tolist(), dtype=np.str_),
-        events=np.array(table.events[known].tolist(), dtype=np.str_),
+        a=a[has_ellipse].astype(np.float64),
+        b=b[has_ellipse].astype(np.float64),
+        motions=np.array(table.coordinates["motion"][has_ellipse].tolist(), dtype=np.str_),
+        events=np.array(table.events[has_ellipse].tolist(), dtype=np.str_),
         frequency=frequency,
         damping_ratio=damping_ratio,
         threshold=threshold,
@@ -133,15 +133,15 @@ def places_of_curve(table: EllipseTable, curve: str, side: str) -> tuple[int, in
     return position_of_name(table, "curve", curve), position_of_name(table, "side", side)
 
 
-def of_curve(ellipses: "xr.Dataset", curve: str, side: str) -> "xr.Dataset":
+def select_curve(ellipses: "xr.Dataset", curve: str, side: str) -> "xr.Dataset":
     """Take one kind of ellipse and one side of the boundaries from a dataset.
 
     `ellipses`: over motions, structures and errors. Without the dimension `curve` its ellipses are those
     fitted by least squares; without the dimension `side` they are of lags.
     """
-    from reliab.sweep.shares import at_share
+    from reliab.sweep.shares import select_share
 
-    ellipses = at_share(ellipses)
+    ellipses = select_share(ellipses)
     for name, value in ((Dimension.CURVE, curve), (Dimension.SIDE, side)):
         if name in ellipses.dims:
             ellipses = ellipses.isel({name: position_of_name(ellipses, name, value)})
@@ -182,7 +182,7 @@ def is_ellipse(a: Array, b: Array) -> NDArray[np.bool_]:
 
 def position(table: EllipseTable, name: str, value: float) -> int:
     """Find a value along a dimension."""
-    values = table.at[name].astype(np.float64)
+    values = table.coordinates[name].astype(np.float64)
     close = np.flatnonzero(np.isclose(values, value, rtol=1e-9, atol=0.0))
     if close.size == 0:
         raise InputError(

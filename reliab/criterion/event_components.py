@@ -49,19 +49,29 @@ def event_components(values: Array, events: NDArray[np.str_]) -> EventComponents
     squares = SumsOfSquares.from_values(values, events)
     n = values.shape[0]
     if not squares.separate:
-        within = np.asarray(squares.total / (n - 1))
+        within_variance = np.asarray(squares.total / (n - 1))
         return EventComponents(
-            between=np.zeros_like(within), within=within, effective_number=np.full_like(within, n)
+            between=np.zeros_like(within_variance),
+            within=within_variance,
+            effective_number=np.full_like(within_variance, n),
         )
-    within = squares.within / squares.degrees_within
-    between = np.maximum((squares.between / squares.degrees_between - within) / squares.mean_size, 0.0)
-    within = np.where(between > 0.0, within, squares.total / (n - 1))
-    variance_of_mean = between * squares.concentration + within / n
-    varied = variance_of_mean > 0.0  # equal values are worth as many motions as there are
-    effective = np.where(varied, (between + within) / np.where(varied, variance_of_mean, 1.0), float(n))
+    within_variance = squares.within / squares.degrees_within
+    between_variance = np.maximum(
+        (squares.between / squares.degrees_between - within_variance) / squares.mean_size, 0.0
+    )
+    within_variance = np.where(between_variance > 0.0, within_variance, squares.total / (n - 1))
+    variance_of_mean = between_variance * squares.concentration + within_variance / n
+    is_variable = variance_of_mean > 0.0  # equal values are worth as many motions as there are
+    effective = np.where(
+        is_variable,
+        (between_variance + within_variance) / np.where(is_variable, variance_of_mean, 1.0),
+        float(n),
+    )
     effective = np.maximum(effective, _FEWEST_EFFECTIVE)
     return EventComponents(
-        between=np.asarray(between), within=np.asarray(within), effective_number=np.asarray(effective)
+        between=np.asarray(between_variance),
+        within=np.asarray(within_variance),
+        effective_number=np.asarray(effective),
     )
 
 
@@ -84,11 +94,11 @@ class SumsOfSquares:
         deviation = values - values.mean(axis=0)
         sums = np.zeros((k, *values.shape[1:]))
         np.add.at(sums, group, deviation)
-        between = (sums**2 / sizes.reshape(-1, *(1,) * (values.ndim - 1))).sum(axis=0)
+        between_squares = (sums**2 / sizes.reshape(-1, *(1,) * (values.ndim - 1))).sum(axis=0)
         concentration = float((sizes**2).sum()) / n**2
         return cls(
-            between=np.asarray(between),
-            within=np.asarray((deviation**2).sum(axis=0) - between),
+            between=np.asarray(between_squares),
+            within=np.asarray((deviation**2).sum(axis=0) - between_squares),
             degrees_between=k - 1,
             degrees_within=n - k,
             mean_size=n * (1.0 - concentration) / max(k - 1, 1),

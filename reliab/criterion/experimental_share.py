@@ -30,7 +30,7 @@ LEAST_SHARE_OVER_DAMPING: Final = 10.0
 and 1.18 of the carried one at 16 structures, below it between 0.64 and 1.57. What single motions tolerate may
 grow far less than by the law (`datasets/experimental_share`)."""
 
-_WHOLE = 1.0
+_FULL_SHARE = 1.0
 _FREQUENCIES, _DAMPING_RATIOS = (0.5, 3.0), (0.01, 0.10)  # of datasets/experimental_share/growth.csv
 
 
@@ -50,8 +50,8 @@ def whole_is_worst(frequency: float, damping_ratio: float) -> bool:
     (True, False)
     """
     return all(
-        least <= value <= most
-        for value, (least, most) in ((frequency, _FREQUENCIES), (damping_ratio, _DAMPING_RATIOS))
+        lowest <= value <= highest
+        for value, (lowest, highest) in ((frequency, _FREQUENCIES), (damping_ratio, _DAMPING_RATIOS))
     )
 
 
@@ -72,7 +72,7 @@ def growth(experimental_fraction: ArrayLike, damping_ratio: ArrayLike) -> Array:
             "The share of the stiffness in the laboratory must be above 0 and at most 1",
             value=float(share.flat[0]),
         )
-    weak = (share < _WHOLE) & (share < LEAST_SHARE_OVER_DAMPING * xi * (1.0 - 1e-9))
+    weak = (share < _FULL_SHARE) & (share < LEAST_SHARE_OVER_DAMPING * xi * (1.0 - 1e-9))
     if weak.any():
         raise InputError(
             "The share of the stiffness in the laboratory is too small for this law, which needs α of at "
@@ -96,17 +96,17 @@ def carry_to_share(ellipses: "xr.Dataset", experimental_fraction: float) -> "xr.
 
     from reliab.sweep.shares import share_of
 
-    stored = share_of(ellipses)
-    if stored != _WHOLE:
+    stored_share = share_of(ellipses)
+    if stored_share != _FULL_SHARE:
         raise InputError(
             "These ellipses are not of structures with all stiffness in the laboratory",
-            value=f"α = {stored:g}",
+            value=f"α = {stored_share:g}",
             remedy="Give `motions`, whose boundaries are computed for any fraction",
         )
     factor = xr.DataArray(
         growth(experimental_fraction, ellipses["xi"].values), {"xi": ellipses["xi"].values}, "xi"
     )
-    carried = ellipses.assign(
+    carried_ellipses = ellipses.assign(
         {name: (ellipses[name] * factor).transpose(*ellipses[name].dims) for name in ("a", "b")}
     )
     caution = (
@@ -114,9 +114,9 @@ def carry_to_share(ellipses: "xr.Dataset", experimental_fraction: float) -> "xr.
         "(1 + 1/8ξ²)/(1 + α²/8ξ²) of a spring as the specimen; under 20 real motions simulated limits lay "
         "between 0.88 and 1.18 of transferred ones. Give ground motions for boundaries of their own."
     )
-    former = str(ellipses.attrs.get("caution", ""))
-    return carried.assign_attrs(
-        experimental_fraction=experimental_fraction, caution=f"{former} {caution}".strip()
+    previous_caution = str(ellipses.attrs.get("caution", ""))
+    return carried_ellipses.assign_attrs(
+        experimental_fraction=experimental_fraction, caution=f"{previous_caution} {caution}".strip()
     )
 
 
@@ -161,20 +161,20 @@ def compare_shares(
         [criterion for criterion in criteria if (criterion.threshold, criterion.confidence) == promise]
         for promise in promises
     ]
-    compared = [_ratios(group, *structure) for structure in structures for group in groups]
+    comparisons = [_ratios(group, *structure) for structure in structures for group in groups]
     return {
-        "ratios": [asdict(ratio) for ratios in compared for ratio in ratios],
-        "fits": [_fits(ratios) for ratios in compared if ratios],
+        "ratios": [asdict(ratio) for ratios in comparisons for ratio in ratios],
+        "fits": [_fits(ratios) for ratios in comparisons if ratios],
     }
 
 
-def fitted_strength(shares: Array, ratios: Array, reference: float) -> tuple[float, float]:
+def fit_strength(shares: Array, ratios: Array, reference: float) -> tuple[float, float]:
     """Fit the strength of resonance to ratios of limits, by least squares in their logarithms.
 
     `shares`, `ratios`, `reference` [-]; returns strength, deviation [-].
 
     >>> shares = np.array([0.25, 0.5])
-    >>> strength, deviation = fitted_strength(shares, (1 + 300) / (1 + 300 * shares**2), 1.0)
+    >>> strength, deviation = fit_strength(shares, (1 + 300) / (1 + 300 * shares**2), 1.0)
     >>> round(strength), round(deviation, 6)
     (300, 0.0)
     """
@@ -205,12 +205,12 @@ def _ratios(criteria: Sequence[Criterion], f: float, xi: float) -> list[ShareRat
     ratios = []
     for share in sorted(set(limits) - {reference}):
         a, b = (
-            (limit / of if limit > 0.0 and of > 0.0 else None)
-            for limit, of in zip(limits[share], limits[reference], strict=True)
+            (limit / reference_limit if limit > 0.0 and reference_limit > 0.0 else None)
+            for limit, reference_limit in zip(limits[share], limits[reference], strict=True)
         )
         a = None if limits[share][0] >= furthest else a
-        stated = share >= LEAST_SHARE_OVER_DAMPING * xi
-        law = float(growth(share, xi) / growth(reference, xi)) if stated else None
+        is_stated = share >= LEAST_SHARE_OVER_DAMPING * xi
+        law = float(growth(share, xi) / growth(reference, xi)) if is_stated else None
         ratios.append(
             ShareRatio(
                 f=f,
@@ -245,9 +245,11 @@ def _fits(ratios: Sequence[ShareRatio]) -> dict[str, Any]:
     }
     for name in ("a", "b"):
         pairs = [(ratio.alpha, getattr(ratio, f"{name}_ratio")) for ratio in ratios]
-        known = np.array([pair for pair in pairs if pair[1] is not None], dtype=np.float64)
+        known_pairs = np.array([pair for pair in pairs if pair[1] is not None], dtype=np.float64)
         strength, deviation = (
-            fitted_strength(known[:, 0], known[:, 1], first.reference) if len(known) > 1 else (None, None)
+            fit_strength(known_pairs[:, 0], known_pairs[:, 1], first.reference)
+            if len(known_pairs) > 1
+            else (None, None)
         )
         fits |= {f"{name}_strength": strength, f"{name}_largest_deviation": deviation}
     return fits

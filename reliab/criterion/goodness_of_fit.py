@@ -59,7 +59,7 @@ def lognormality(values: ArrayLike) -> LognormalityTest:
     0.001
     """
     logarithms = np.log(values)
-    simulated = (
+    simulated_statistics = (
         float(
             scipy.stats.goodness_of_fit(
                 scipy.stats.norm,
@@ -71,7 +71,7 @@ def lognormality(values: ArrayLike) -> LognormalityTest:
         )
         for name in ("ks", "ad")
     )
-    kolmogorov_smirnov, anderson_darling = simulated
+    kolmogorov_smirnov, anderson_darling = simulated_statistics
     return LognormalityTest(
         kolmogorov_smirnov=kolmogorov_smirnov,
         anderson_darling=anderson_darling,
@@ -99,12 +99,12 @@ def quantile_plot(values: ArrayLike, distribution: Distribution) -> QuantilePlot
     >>> points.observed.tolist(), float(points.expected[1].round(2))
     ([1.0, 2.0, 4.0], 2.01)
     """
-    observed = np.sort(np.asarray(values, dtype=np.float64))
-    rank = np.arange(1, observed.size + 1)
-    low, high = (scipy.stats.beta.ppf(share, rank, observed.size + 1 - rank) for share in (0.025, 0.975))
+    sorted_values = np.sort(np.asarray(values, dtype=np.float64))
+    rank = np.arange(1, sorted_values.size + 1)
+    low, high = (scipy.stats.beta.ppf(share, rank, sorted_values.size + 1 - rank) for share in (0.025, 0.975))
     return QuantilePlot(
-        expected=distribution.quantile((rank - 0.5) / observed.size),
-        observed=observed,
+        expected=distribution.quantile((rank - 0.5) / sorted_values.size),
+        observed=sorted_values,
         low=distribution.quantile(low),
         high=distribution.quantile(high),
     )

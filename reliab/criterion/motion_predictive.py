@@ -44,24 +44,34 @@ def roots_of_increasing(function: Callable[[Array], Array], low: Array, high: Ar
     [2.0, 3.0]
     """
     low, high = _bracket(function, low, high)
-    newest, other, last = low.copy(), high.copy(), high.copy()
-    at_newest, at_other = function(newest), function(other)
-    at_last, share = at_other.copy(), np.full(low.shape, 0.5)
+    newest, opposite, last = low.copy(), high.copy(), high.copy()
+    newest_value, opposite_value = function(newest), function(opposite)
+    last_value, share = opposite_value.copy(), np.full(low.shape, 0.5)
     for _ in range(_MOST_STEPS):
-        tried = newest + share * (other - newest)
-        at_tried = function(tried)
-        same = np.sign(at_tried) == np.sign(at_newest)
-        last, at_last = np.where(same, newest, other), np.where(same, at_newest, at_other)
-        other, at_other = np.where(same, other, newest), np.where(same, at_other, at_newest)
-        newest, at_newest = tried, at_tried
-        best = np.where(np.abs(at_newest) < np.abs(at_other), newest, other)
-        width = np.abs(other - newest)
+        trial = newest + share * (opposite - newest)
+        trial_value = function(trial)
+        has_same_sign = np.sign(trial_value) == np.sign(newest_value)
+        last, last_value = (
+            np.where(has_same_sign, newest, opposite),
+            np.where(has_same_sign, newest_value, opposite_value),
+        )
+        opposite, opposite_value = (
+            np.where(has_same_sign, opposite, newest),
+            np.where(has_same_sign, opposite_value, newest_value),
+        )
+        newest, newest_value = trial, trial_value
+        best = np.where(np.abs(newest_value) < np.abs(opposite_value), newest, opposite)
+        width = np.abs(opposite - newest)
         least = 0.5 * _RESOLUTION * np.abs(best) / np.where(width > 0.0, width, 1.0)
-        found = (width <= _RESOLUTION * np.abs(best)) | (at_newest == 0.0) | (at_other == 0.0)
-        if (found | ~np.isfinite(width)).all():
+        has_converged = (
+            (width <= _RESOLUTION * np.abs(best)) | (newest_value == 0.0) | (opposite_value == 0.0)
+        )
+        if (has_converged | ~np.isfinite(width)).all():
             break
         share = np.clip(
-            _interpolate_root(newest, other, last, at_newest, at_other, at_last), least, 1.0 - least
+            _interpolate_root(newest, opposite, last, newest_value, opposite_value, last_value),
+            least,
+            1.0 - least,
         )
     return np.where(np.isfinite(width), best, np.nan)
 
@@ -70,20 +80,24 @@ def _bracket(function: Callable[[Array], Array], low: Array, high: Array) -> tup
     """Widen intervals, each step twice as far as the one before, until their ends have opposite signs."""
     low, high, reach = low.astype(np.float64), high.astype(np.float64), high - low
     for _ in range(_MOST_STEPS):
-        above, below = function(low) > 0.0, function(high) < 0.0
-        if not (above | below).any():
+        is_above, is_below = function(low) > 0.0, function(high) < 0.0
+        if not (is_above | is_below).any():
             return low, high
-        low, high, reach = np.where(above, low - reach, low), np.where(below, high + reach, high), 2.0 * reach
-    return np.where(above | below, np.nan, low), high
+        low, high, reach = (
+            np.where(is_above, low - reach, low),
+            np.where(is_below, high + reach, high),
+            2.0 * reach,
+        )
+    return np.where(is_above | is_below, np.nan, low), high
 
 
-def _interpolate_root(a: Array, b: Array, c: Array, at_a: Array, at_b: Array, at_c: Array) -> Array:
+def _interpolate_root(a: Array, b: Array, c: Array, value_a: Array, value_b: Array, value_c: Array) -> Array:
     """Share of the way from a to b of the root by inverse quadratic interpolation; a half where unsafe."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        place, height = (a - b) / (c - b), (at_a - at_b) / (at_c - at_b)
+        place, height = (a - b) / (c - b), (value_a - value_b) / (value_c - value_b)
         safe = (1.0 - np.sqrt(1.0 - place) < height) & (height < np.sqrt(place))
-        quadratic = at_a / (at_b - at_a) * at_c / (at_b - at_c)
-        quadratic += (c - a) / (b - a) * at_a / (at_c - at_a) * at_b / (at_c - at_b)
+        quadratic = value_a / (value_b - value_a) * value_c / (value_b - value_c)
+        quadratic += (c - a) / (b - a) * value_a / (value_c - value_a) * value_b / (value_c - value_b)
     return np.where(safe & np.isfinite(quadratic), quadratic, 0.5)
 
 
@@ -106,7 +120,7 @@ class MotionPredictive:
     (array([-1.62]), array([0.53]))
     """
 
-    ordered: Array  # The values in increasing order
+    sorted_values: Array  # The values in increasing order
     location: Array  # location, scale, shape: Skew-normal base
     scale: Array
     shape: Array
@@ -123,7 +137,7 @@ class MotionPredictive:
         """
         location, scale, shape = _skew_normal_of_moments(values)
         return cls(
-            ordered=np.sort(values, axis=0),
+            sorted_values=np.sort(values, axis=0),
             location=location,
             scale=scale,
             shape=shape,
@@ -136,10 +150,10 @@ class MotionPredictive:
 
         Returns probabilities, shape (quantities,).
         """
-        at = np.broadcast_to(np.asarray(x, dtype=np.float64), self.location.shape)
-        base, above = self._base(at)
+        points = np.broadcast_to(np.asarray(x, dtype=np.float64), self.location.shape)
+        base, upper_base = self._base(points)
         weight = self.effective_number / (self.effective_number + self.concentration)
-        return np.asarray(weight * self._empirical(at, base, above) + (1.0 - weight) * base)
+        return np.asarray(weight * self._empirical(points, base, upper_base) + (1.0 - weight) * base)
 
     def quantile(self, probability: float) -> Array:
         """Value that a further motion stays below with the given probability, shape (quantities,).
@@ -148,8 +162,8 @@ class MotionPredictive:
         """
         roots = roots_of_increasing(
             lambda x: self.cumulative(x) - probability,
-            self.ordered[0] - self.scale,
-            self.ordered[-1] + self.scale,
+            self.sorted_values[0] - self.scale,
+            self.sorted_values[-1] + self.scale,
         )
         if not np.isfinite(roots).all():
             raise ArithmeticError(f"No quantile at the probability {probability} of {self}.")
@@ -158,8 +172,8 @@ class MotionPredictive:
     @cached_property
     def _tails(self) -> tuple[Array, Array]:
         """Probability of the base below the smallest and above the greatest value."""
-        below, above = self._base(self.ordered[0])[0], self._base(self.ordered[-1])[1]
-        return np.maximum(below, _EXTREME), np.maximum(above, _EXTREME)
+        lower_tail, upper_tail = self._base(self.sorted_values[0])[0], self._base(self.sorted_values[-1])[1]
+        return np.maximum(lower_tail, _EXTREME), np.maximum(upper_tail, _EXTREME)
 
     def _base(self, x: Array) -> tuple[Array, Array]:
         """Share of the base below x, and above it."""
@@ -172,19 +186,21 @@ class MotionPredictive:
             scipy.special.stdtr(degrees, -student)
         )
 
-    def _empirical(self, x: Array, base: Array, above: Array) -> Array:
+    def _empirical(self, x: Array, base: Array, upper_base: Array) -> Array:
         """Ranks over n + 1, linear between motions and in proportion to the base beyond them."""
-        n = self.ordered.shape[0]
-        below = (self.ordered <= x).sum(axis=0)
-        left, right = (
-            np.take_along_axis(self.ordered, np.clip(rank, 0, n - 1)[None], axis=0)[0]
-            for rank in (below - 1, below)
+        n = self.sorted_values.shape[0]
+        count_below = (self.sorted_values <= x).sum(axis=0)
+        left_value, right = (
+            np.take_along_axis(self.sorted_values, np.clip(rank, 0, n - 1)[None], axis=0)[0]
+            for rank in (count_below - 1, count_below)
         )
-        gap = np.where(right > left, right - left, 1.0)
-        inner = below + np.clip((x - left) / gap, 0.0, 1.0)
-        least, beyond = self._tails
-        lower, upper = np.minimum(base / least, 1.0), n + 1.0 - np.minimum(above / beyond, 1.0)
-        return np.asarray(np.where(below == 0, lower, np.where(below == n, upper, inner)) / (n + 1.0))
+        gap = np.where(right > left_value, right - left_value, 1.0)
+        inner = count_below + np.clip((x - left_value) / gap, 0.0, 1.0)
+        least, upper_tail = self._tails
+        lower, upper = np.minimum(base / least, 1.0), n + 1.0 - np.minimum(upper_base / upper_tail, 1.0)
+        return np.asarray(
+            np.where(count_below == 0, lower, np.where(count_below == n, upper, inner)) / (n + 1.0)
+        )
 
 
 def _normal_score(x: Array, shape: Array) -> Array:
@@ -198,14 +214,14 @@ def _normal_score(x: Array, shape: Array) -> Array:
     low, high = -_TAIL / steepness[0], _TAIL / steepness[1]
     inner = np.clip(x, low, high)
     turn = 2.0 * scipy.special.owens_t(inner, shape)
-    below, above = scipy.special.ndtr(inner) - turn, scipy.special.ndtr(-inner) + turn
+    lower_tail, upper_tail = scipy.special.ndtr(inner) - turn, scipy.special.ndtr(-inner) + turn
     score = np.where(
-        below < above,
-        scipy.special.ndtri(np.minimum(below, 0.5)),
-        -scipy.special.ndtri(np.minimum(above, 0.5)),
+        lower_tail < upper_tail,
+        scipy.special.ndtri(np.minimum(lower_tail, 0.5)),
+        -scipy.special.ndtri(np.minimum(upper_tail, 0.5)),
     )
-    beyond = steepness[0] * np.minimum(x - low, 0.0) + steepness[1] * np.maximum(x - high, 0.0)
-    return np.asarray(score + beyond)
+    excess = steepness[0] * np.minimum(x - low, 0.0) + steepness[1] * np.maximum(x - high, 0.0)
+    return np.asarray(score + excess)
 
 
 def _skew_normal_of_moments(

@@ -19,8 +19,8 @@ from reliab.criterion.ellipse_sample import (
     position_of_name,
     sample_of,
 )
-from reliab.criterion.ellipse_table import Ellipses, tabled
-from reliab.criterion.laws.law import Validity, checked_grid
+from reliab.criterion.ellipse_table import Ellipses, as_table
+from reliab.criterion.laws.law import Validity, validate_grid
 from reliab.criterion.laws.table import tents
 from reliab.criterion.motion_predictive import MotionPredictive
 from reliab.criterion.scaling import scales
@@ -51,11 +51,11 @@ class Population:
 
     def _check_shapes(self) -> None:
         """Refuse what a broken file may hold."""
-        frequencies = checked_grid("natural frequencies", self.frequencies)
-        damping_ratios = checked_grid("damping ratios", self.damping_ratios)
+        frequencies = validate_grid("natural frequencies", self.frequencies)
+        damping_ratios = validate_grid("damping ratios", self.damping_ratios)
         shape = (self.events.size, frequencies.size, damping_ratios.size)
-        alike = self.events.ndim == 1 and self.log_alpha.shape == self.log_beta.shape == shape
-        if not alike or (np.isfinite(self.log_alpha) != np.isfinite(self.log_beta)).any():
+        has_equal_shapes = self.events.ndim == 1 and self.log_alpha.shape == self.log_beta.shape == shape
+        if not has_equal_shapes or (np.isfinite(self.log_alpha) != np.isfinite(self.log_beta)).any():
             raise InputError(
                 "The motions behind a criterion must have a pair of ellipse parameters for each structure",
                 value=f"shapes {self.log_alpha.shape} and {self.log_beta.shape} for {shape}",
@@ -83,12 +83,12 @@ class Population:
 
         `ellipses`: `a` [-] and `b` [ms²] over (motion, f, xi, threshold, metric, curve, side).
         """
-        table = tabled(ellipses).at_threshold(threshold).sorted_by("f", "xi")
-        of_curve_and_side = places_of_curve(table, curve, side)
-        of_metric = position_of_name(table, "metric", metric)
-        at = (..., position(table, "threshold", threshold), of_metric, *of_curve_and_side)
-        a, b = table.a[at], table.b[at]
-        frequencies, damping_ratios = (table.at[name].astype(np.float64) for name in ("f", "xi"))
+        table = as_table(ellipses).interpolate_threshold(threshold).sort("f", "xi")
+        curve_places = places_of_curve(table, curve, side)
+        metric_place = position_of_name(table, "metric", metric)
+        place = (..., position(table, "threshold", threshold), metric_place, *curve_places)
+        a, b = table.a[place], table.b[place]
+        frequencies, damping_ratios = (table.coordinates[name].astype(np.float64) for name in ("f", "xi"))
         scale_a, scale_b = scales(frequencies[:, None], damping_ratios[None, :])
         sound = is_ellipse(a, b)
         return cls(
@@ -128,11 +128,11 @@ class Population:
         capital_a, d, f, xi = (values.ravel() for values in arrays)
         scale_a, scale_b = scales(f, xi)
         u, v = (capital_a - 1.0) ** 2 / scale_a, (MILLI * d) ** 2 / scale_b
-        along_f, along_xi = tents(self.frequencies, f), tents(self.damping_ratios, xi)
+        f_weights, xi_weights = tents(self.frequencies, f), tents(self.damping_ratios, xi)
         perfect = (u == 0.0) & (v == 0.0)
         probability = perfect.astype(np.float64)
         for row, column in np.ndindex(self.frequencies.size, self.damping_ratios.size):
-            weight = along_f[:, row] * along_xi[:, column]
+            weight = f_weights[:, row] * xi_weights[:, column]
             near = (weight > 0.0) & ~perfect
             if near.any():
                 probability[near] += weight[near] * self._node_probability(u[near], v[near], row, column)
@@ -141,11 +141,11 @@ class Population:
     def _node_probability(self, u: Array, v: Array, row: int, column: int) -> Array:
         """Probability of dimensionless squared errors u and v, shape (points,), at one structure."""
         alpha, beta = np.exp(self.log_alpha[:, row, column]), np.exp(self.log_beta[:, row, column])
-        known = np.isfinite(alpha)
+        is_known = np.isfinite(alpha)
         # The test lies on the ray at exp(room/2) times its own distance from the boundary.
-        room = -np.log(u / alpha[known, None] + v / beta[known, None])
-        learned = MotionPredictive.fit(room, self.events[known])
-        return np.asarray(1.0 - learned.cumulative(np.zeros(u.size)))
+        room = -np.log(u / alpha[is_known, None] + v / beta[is_known, None])
+        predictive = MotionPredictive.fit(room, self.events[is_known])
+        return np.asarray(1.0 - predictive.cumulative(np.zeros(u.size)))
 
     def to_dict(self) -> dict[str, Any]:
         """Plain lists for JSON; logarithms with five decimals, NaN as null."""
@@ -176,9 +176,9 @@ class Population:
 
 
 def _plain(values: Array) -> list[Any]:
-    rounded = values.round(_DIGITS).astype(object)
-    rounded[np.isnan(values)] = None
-    return list(rounded.tolist())
+    rounded_values = values.round(_DIGITS).astype(object)
+    rounded_values[np.isnan(values)] = None
+    return list(rounded_values.tolist())
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -199,15 +199,15 @@ class SampleGrid:
         cls, ellipses: Ellipses, *, threshold: float, metric: str, curve: str, side: str
     ) -> Self:
         """Take the ellipses of one error, curve and side, in increasing order of f and ξ."""
-        table = tabled(ellipses)
-        chosen = {"threshold": threshold, "metric": metric, "curve": curve, "side": side}
-        population = Population.from_ellipses(table, **chosen)  # type: ignore[arg-type]
+        table = as_table(ellipses)
+        selection = {"threshold": threshold, "metric": metric, "curve": curve, "side": side}
+        population = Population.from_ellipses(table, **selection)  # type: ignore[arg-type]
         samples = tuple(
-            tuple(sample_of(table, frequency=f, damping_ratio=xi, **chosen) for xi in damping_ratios)  # type: ignore[arg-type]
+            tuple(sample_of(table, frequency=f, damping_ratio=xi, **selection) for xi in damping_ratios)  # type: ignore[arg-type]
             for damping_ratios in [population.damping_ratios.tolist()]
             for f in population.frequencies.tolist()
         )
-        return cls(samples=samples, population=population, n_motions=table.n_motions, **chosen)  # type: ignore[arg-type]
+        return cls(samples=samples, population=population, n_motions=table.n_motions, **selection)  # type: ignore[arg-type]
 
     @property
     def cells(self) -> list[EllipseSample]:

@@ -22,17 +22,17 @@ SCHEMA_VERSION = 2
 _SYNTHETIC = re.compile(r"SYN\d{3,}")  # as `reliab.motions.synthetic` names its earthquakes
 
 
-def installed_versions() -> dict[str, str]:
+def read_versions() -> dict[str, str]:
     """Versions of the packages that computed a criterion; without those that are not installed."""
     return dict(_versions())
 
 
 @cache
 def _versions() -> tuple[tuple[str, str], ...]:
-    installed = [("reliab", __version__), ("numpy", np.__version__), ("scipy", scipy.__version__)]
+    versions = [("reliab", __version__), ("numpy", np.__version__), ("scipy", scipy.__version__)]
     with suppress(PackageNotFoundError):
-        installed.append(("xarray", version("xarray")))
-    return tuple(installed)
+        versions.append(("xarray", version("xarray")))
+    return tuple(versions)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,7 +51,7 @@ class Provenance:
     experimental_fraction: float = 1.0
     # Ellipses behind the limits: "inscribed" in the motions' boundaries, or "ellipse", fitted to them
     curve: str = CurveName.ELLIPSE
-    packages: dict[str, str] = field(default_factory=installed_versions)  # Package versions
+    packages: dict[str, str] = field(default_factory=read_versions)  # Package versions
     settings: dict[str, Any] = field(default_factory=dict)  # Parameters of the method
     warnings: tuple[str, ...] = ()  # Plain sentences for the user
     population: str = ""  # The ground motions for which the criterion speaks, as the end of a sentence
@@ -87,7 +87,7 @@ def records_checksum(ellipses: Ellipses) -> str:
     records.
     """
     if isinstance(ellipses, EllipseTable):
-        checksums, pair = ellipses.of_motions.get("checksum"), (ellipses.a, ellipses.b)
+        checksums, pair = ellipses.motion_values.get("checksum"), (ellipses.a, ellipses.b)
     else:
         checksums = ellipses["checksum"].values if "checksum" in ellipses.coords else None
         pair = (ellipses["a"].values, ellipses["b"].values)

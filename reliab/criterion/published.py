@@ -8,7 +8,7 @@ from reliab.core.vocabulary import CurveName, Metric
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.derivation import room
 from reliab.criterion.ellipse_sample import sample_of
-from reliab.criterion.laws.registry import OF_MANY_MOTIONS, known
+from reliab.criterion.laws.registry import MANY_MOTION_LAWS, find_law
 from reliab.criterion.provenance import Provenance
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def published_criterion(name: str) -> Criterion:
     >>> round(float(criterion.index(1.0039, 0.39e-3, 1.0, 0.02)), 3)
     0.956
     """
-    law = known(OF_MANY_MOTIONS, name)
+    law = find_law(MANY_MOTION_LAWS, name)
     return Criterion(
         law=law,
         threshold=0.05,
@@ -53,7 +53,7 @@ def published_criterion(name: str) -> Criterion:
     )
 
 
-def printed_share(
+def exact_share(
     criterion: Criterion, ellipses: "xr.Dataset", frequency: float, damping_ratio: float
 ) -> dict[str, float]:
     """Count the motions whose own ellipse contains that of a printed law.
@@ -62,8 +62,8 @@ def printed_share(
     `share` of the motions [-], `n_motions`, and the structure, `f` [Hz] and `xi` [-].
     """
     f, xi = (
-        float(values[np.argmin(np.abs(np.log(values / wanted)))])
-        for values, wanted in (
+        float(values[np.argmin(np.abs(np.log(values / target)))])
+        for values, target in (
             (ellipses["f"].values, frequency),
             (ellipses["xi"].values, damping_ratio),
         )

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 Places = NDArray[np.int64]
 
-_OF_STRUCTURES = ("a_first", "b_first", "effective_duration")
+_STRUCTURE_VARIABLES = ("a_first", "b_first", "effective_duration")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -39,26 +39,32 @@ class BoundaryScales:
 
         Between stored errors they are linear in the logarithm of the error.
         """
-        of_side = self.sides.index(side)
+        side_index = self.sides.index(side)
         if angle is None:
-            scale = self.least[..., of_side]
+            scale = self.least[..., side_index]
         else:
-            below, weights = directions_about(angle)
-            near = slice(below - self.first_direction, below - self.first_direction + 2)
-            scale = np.exp(np.log(self.towards[..., of_side, near]) @ weights)
+            lower_index, weights = directions_about(angle)
+            near = slice(lower_index - self.first_direction, lower_index - self.first_direction + 2)
+            scale = np.exp(np.log(self.towards[..., side_index, near]) @ weights)
         logarithms, errors = np.log(scale), np.log(self.thresholds)
-        above = int(np.clip(np.searchsorted(errors, np.log(threshold) - 1e-9), 1, errors.size - 1))
-        share = float(np.clip((np.log(threshold) - errors[above - 1]) / np.diff(errors)[above - 1], 0.0, 1.0))
+        upper_index = int(np.clip(np.searchsorted(errors, np.log(threshold) - 1e-9), 1, errors.size - 1))
+        share = float(
+            np.clip(
+                (np.log(threshold) - errors[upper_index - 1]) / np.diff(errors)[upper_index - 1], 0.0, 1.0
+            )
+        )
         if share in (0.0, 1.0):  # NaN at the other error says nothing of this one
-            return np.asarray(logarithms[..., above - 1 + int(share)])
-        return np.asarray((1.0 - share) * logarithms[..., above - 1] + share * logarithms[..., above])
+            return np.asarray(logarithms[..., upper_index - 1 + int(share)])
+        return np.asarray(
+            (1.0 - share) * logarithms[..., upper_index - 1] + share * logarithms[..., upper_index]
+        )
 
 
 def directions_about(angle: float) -> tuple[int, Array]:
     """Place of the first of the two directions about an angle [rad], and the weights of both."""
     place = np.clip(angle / DIRECTIONS[1], 0.0, DIRECTIONS.size - 1.0)
-    below = min(int(place), DIRECTIONS.size - 2)
-    return below, np.array([1.0 - place + below, place - below])
+    lower_index = min(int(place), DIRECTIONS.size - 2)
+    return lower_index, np.array([1.0 - place + lower_index, place - lower_index])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -77,17 +83,19 @@ class ResponseMeasures:
     @classmethod
     def from_dataset(cls, measures: "xr.Dataset") -> Self:
         """Take the arrays of what `measure_responses` or `compare_boundaries` of `reliab.sweep` returned."""
-        over = ("motion", "f", "xi")
+        dimensions = ("motion", "f", "xi")
         scales_of = None
         if "scale" in measures:
             scales_of = BoundaryScales(
-                least=measures["scale"].transpose(*over, "threshold", "side").values,
-                towards=measures["scale_towards"].transpose(*over, "threshold", "side", "direction").values,
+                least=measures["scale"].transpose(*dimensions, "threshold", "side").values,
+                towards=measures["scale_towards"]
+                .transpose(*dimensions, "threshold", "side", "direction")
+                .values,
                 thresholds=measures["threshold"].values.astype(np.float64),
                 sides=[str(side) for side in measures["side"].values],
             )
         return cls(
-            **{name: measures[name].transpose(*over).values for name in _OF_STRUCTURES},
+            **{name: measures[name].transpose(*dimensions).values for name in _STRUCTURE_VARIABLES},
             motions=measures["motion"].values,
             duration=measures["duration"].values,
             frequencies=measures["f"].values.astype(np.float64),
@@ -96,7 +104,7 @@ class ResponseMeasures:
         )
 
     @classmethod
-    def of_one(cls, response: "FirstOrderEllipse", structure: "Structure", name: str) -> Self:
+    def from_response(cls, response: "FirstOrderEllipse", structure: "Structure", name: str) -> Self:
         """Measures of the response of one structure, shape (1, 1, 1)."""
         return cls(
             a_first=np.full((1, 1, 1), response.amplitude),
@@ -109,7 +117,7 @@ class ResponseMeasures:
         )
 
     @property
-    def compared(self) -> dict[str, Array]:
+    def measure_values(self) -> dict[str, Array]:
         """Quantities by which a response is compared with others, shape (motions, f, ξ) each.
 
         `effective_duration` [s]; `frequency_ratio`, the frequency of the error over that of the structure
@@ -119,22 +127,22 @@ class ResponseMeasures:
         grid = self.frequencies.reshape(-1, 1), self.damping_ratios.reshape(1, -1)
         return {
             "effective_duration": self.effective_duration,
-            **compared_by_ellipse(self.a_first, self.b_first, *grid),
+            **compare_ellipses(self.a_first, self.b_first, *grid),
         }
 
     def take(self, motions: Any) -> Self:  # noqa: ANN401 - whatever takes places of an array
         """Take some of the motions."""
-        names = (*_OF_STRUCTURES, "motions", "duration")
-        compared = self.scales
-        if compared is not None:
-            compared = replace(compared, least=compared.least[motions], towards=compared.towards[motions])
-        return replace(self, **{name: getattr(self, name)[motions] for name in names}, scales=compared)
+        names = (*_STRUCTURE_VARIABLES, "motions", "duration")
+        scales = self.scales
+        if scales is not None:
+            scales = replace(scales, least=scales.least[motions], towards=scales.towards[motions])
+        return replace(self, **{name: getattr(self, name)[motions] for name in names}, scales=scales)
 
-    def at(self, f: Places, xi: Places) -> Self:
+    def select_structures(self, f: Places, xi: Places) -> Self:
         """Take some of the structures, by their places along either axis; without their boundaries."""
         return replace(
             self,
-            **{name: getattr(self, name)[:, *np.ix_(f, xi)] for name in _OF_STRUCTURES},
+            **{name: getattr(self, name)[:, *np.ix_(f, xi)] for name in _STRUCTURE_VARIABLES},
             frequencies=self.frequencies[f],
             damping_ratios=self.damping_ratios[xi],
             scales=None,
@@ -144,7 +152,7 @@ class ResponseMeasures:
         """Places of the structures nearest to others, along either axis."""
         return _nearest(self.frequencies, frequencies), _nearest(self.damping_ratios, damping_ratios)
 
-    def predicted(self, threshold: float, side: str) -> tuple[Array, Array, Array]:
+    def predict_ellipses(self, threshold: float, side: str) -> tuple[Array, Array, Array]:
         """Predicted a [-], b [ms²] and dimensionless size of an error, shape (motions, f, ξ)."""
         unit = scales(self.frequencies.reshape(-1, 1), self.damping_ratios.reshape(1, -1))[1]
         size = threshold * np.sqrt(self.b_first / unit)
@@ -152,13 +160,13 @@ class ResponseMeasures:
         return a, b * ratio_of_delays(size, side) ** 2, size
 
 
-def _nearest(values: Array, asked: Array) -> Places:
+def _nearest(values: Array, targets: Array) -> Places:
     """Places of the nearest values; the larger one of two as near."""
-    distance = np.abs(values[::-1] - np.asarray(asked)[:, np.newaxis])
+    distance = np.abs(values[::-1] - np.asarray(targets)[:, np.newaxis])
     return np.asarray(values.size - 1 - distance.argmin(axis=1))
 
 
-def compared_by_ellipse(a: Array, b: Array, f: Array, xi: Array) -> dict[str, Array]:
+def compare_ellipses(a: Array, b: Array, f: Array, xi: Array) -> dict[str, Array]:
     """Those of the compared quantities that follow from an ellipse per squared error, b in ms²."""
     return {
         "frequency_ratio": MILLI * np.sqrt(a / b) / (2.0 * np.pi * f),

@@ -11,7 +11,7 @@ import numpy as np
 from reliab.core.arrays import Array
 from reliab.core.shipped import shipped
 from reliab.core.significant_digits import share_in_words, significant
-from reliab.criterion.ellipse_table import Ellipses, tabled
+from reliab.criterion.ellipse_table import Ellipses, as_table
 
 _TABLE = "real_suite/earthquakes.csv"
 _NAMES = {
@@ -24,15 +24,17 @@ _NAMES = {
 }
 
 
-def promised(confidence: float, position: str, least: float) -> float | None:
+def promised_confidence(confidence: float, position: str, least: float) -> float | None:
     """Tell which share of a population's ground motions a criterion promises.
 
     `confidence`: share that was asked for [-]; `position`: where the case lies among the population, one of
     :class:`Position`; `least`: share from which one can be kept [-]. Returns the share; None outside of the
     population, and for a share below the least.
 
-    >>> promised(0.95, "inside", 0.8), promised(0.95, "outside", 0.8), promised(0.5, "inside", 0.8)
-    (0.95, None, None)
+    >>> promised_confidence(0.95, "inside", 0.8)
+    0.95
+    >>> promised_confidence(0.95, "outside", 0.8), promised_confidence(0.5, "inside", 0.8)
+    (None, None)
     """
     return None if position == Position.OUTSIDE or confidence < least else confidence
 
@@ -88,26 +90,28 @@ def compare_with_scope(scope: Mapping[str, Sequence[float]], test: Mapping[str, 
     return ScopeComparison(position=worst, sentences=tuple(sentences))
 
 
-def scope_of(ellipses: Ellipses, of_responses: Mapping[str, Array] | None = None) -> dict[str, list[float]]:
+def scope_of(
+    ellipses: Ellipses, response_measures: Mapping[str, Array] | None = None
+) -> dict[str, list[float]]:
     """Least value, 5 % and 95 % quantile and greatest value of what is known of a population's motions.
 
-    `of_responses`: what is known of the responses to them, by its name.
+    `response_measures`: what is known of the responses to them, by its name.
     """
-    table = tabled(ellipses)
+    table = as_table(ellipses)
     ranges: dict[str, list[float]] = {}
     magnitudes = magnitudes_of(table.events.tolist())
     if magnitudes is not None:
         ranges["magnitude"] = range_of(magnitudes)
-    if "duration" in table.of_motions:
-        lengths = table.of_motions["duration"].astype(np.float64)
+    if "duration" in table.motion_values:
+        lengths = table.motion_values["duration"].astype(np.float64)
         ranges["length"] = range_of(lengths)
-        ranges["cycles"] = range_of(np.outer(lengths, table.at["f"]))
-    return {**ranges, **{name: range_of(values) for name, values in (of_responses or {}).items()}}
+        ranges["cycles"] = range_of(np.outer(lengths, table.coordinates["f"]))
+    return {**ranges, **{name: range_of(values) for name, values in (response_measures or {}).items()}}
 
 
 def population_of(ellipses: Ellipses) -> str:
     """Say in one sentence of which ground motions a population consists."""
-    table = tabled(ellipses)
+    table = as_table(ellipses)
     events = np.unique(table.events)
     sentence = f"{table.n_motions} ground motions of {events.size} earthquakes"
     scope = table.attrs.get("scope") or scope_of(table)
@@ -115,11 +119,11 @@ def population_of(ellipses: Ellipses) -> str:
         sentence += f" of magnitude {scope['magnitude'][0]:.1f} to {scope['magnitude'][3]:.1f}"
     if "length" in scope:
         sentence += f", records of {scope['length'][0]:.0f} to {scope['length'][3]:.0f} s"
-    carried = table.attrs.get("carried_to")
-    return f"{sentence}, {carried}" if carried else sentence
+    carried_population = table.attrs.get("carried_to")
+    return f"{sentence}, {carried_population}" if carried_population else sentence
 
 
-def populations_in_words(stated: Iterable[tuple[float | None, str]]) -> list[str]:
+def populations_in_words(shares_with_population: Iterable[tuple[float | None, str]]) -> list[str]:
     r"""Say for which ground motions criteria are valid, given by the share of each [-] and its population.
 
     A share is None where nothing is promised.
@@ -129,14 +133,14 @@ def populations_in_words(stated: Iterable[tuple[float | None, str]]) -> list[str
     At 95 %, valid for ground motions like these: every length.
     """
     shares: dict[str, list[str]] = {}
-    for share, population in stated:
+    for share, population in shares_with_population:
         if population:
             shares.setdefault(population, []).append(share_in_words(share))
     if len(shares) == 1:
         return [f"Valid for ground motions like these: {population}." for population in shares]
     return [
-        f"At {' and '.join(dict.fromkeys(at))}, valid for ground motions like these: {population}."
-        for population, at in shares.items()
+        f"At {' and '.join(dict.fromkeys(share_list))}, valid for ground motions like these: {population}."
+        for population, share_list in shares.items()
     ]
 
 

@@ -22,21 +22,23 @@ if TYPE_CHECKING:
     import h5py
 
 _ELLIPSES, _MEASURES = "real_suite/ellipses.nc", "real_suite/first_order.nc"
-_WHOLE: Final[Mapping[str, slice]] = MappingProxyType({})
+_NO_SELECTION: Final[Mapping[str, slice]] = MappingProxyType({})
 
 
 @cache
-def shipped_ellipses(curve: str, window: str, metric: str) -> EllipseTable:
+def read_shipped_ellipses(curve: str, window: str, metric: str) -> EllipseTable:
     """Ellipses of one kind that ship, of one error over one of the windows."""
     with _open_shipped(_ELLIPSES, "Ellipses") as file:
-        at = {name: _values(file, name) for name in DIMENSIONS}
-        asked = {"window": window, "curve": curve, "metric": metric}
-        place = {name: _values(file, name).tolist().index(label) for name, label in asked.items()}
+        coordinates = {name: _values(file, name) for name in DIMENSIONS}
+        selection = {"window": window, "curve": curve, "metric": metric}
+        place = {name: _values(file, name).tolist().index(label) for name, label in selection.items()}
         part = {name: slice(row, row + 1) for name, row in place.items()}
         return EllipseTable(
             **{name: _numbers(file, name, part)[0] for name in ("a", "b")},
-            at=at | {name: at[name][part[name]] for name in ("curve", "metric")},
-            of_motions={name: _values(file, name) for name in ("event", "duration", "checksum", "outline")},
+            coordinates=coordinates | {name: coordinates[name][part[name]] for name in ("curve", "metric")},
+            motion_values={
+                name: _values(file, name) for name in ("event", "duration", "checksum", "outline")
+            },
             error_at_rest=file[REST][place["window"]][..., part["metric"]],
             cut_records=_cut_records(file) if window == "record" else None,
             attrs={SHARE_ATTRIBUTE: float(file.attrs[SHARE_ATTRIBUTE][0]), "window": window},
@@ -49,7 +51,7 @@ def _cut_records(file: "h5py.File") -> CutRecords:
     return CutRecords(lengths=_values(file, "length").astype(np.float64), ratios=ratios)
 
 
-def shipped_measures(angle: float | None = None) -> ResponseMeasures:
+def read_shipped_measures(angle: float | None = None) -> ResponseMeasures:
     """Measures of the responses to the motions of the ellipses that ship.
 
     `angle` [rad]: the direction in which boundaries will be compared, if in one alone.
@@ -96,21 +98,21 @@ def _open_shipped(name: str, words: str) -> Iterator["h5py.File"]:
         yield file
 
 
-def _numbers(file: "h5py.File", name: str, part: Mapping[str, slice] = _WHOLE) -> NDArray[Any]:
+def _numbers(file: "h5py.File", name: str, part: Mapping[str, slice] = _NO_SELECTION) -> NDArray[Any]:
     """Read numbers that are stored in steps of their logarithm, or a part of them along some dimensions.
 
     Numbers are told by those before them: along neighbours one place is read with all before it.
     """
-    stored = file[name]
-    dimensions = [str(scale[0].name).rpartition("/")[2] for scale in stored.dims]
-    asked = {dimension: part.get(dimension, slice(None)) for dimension in dimensions}
-    neighbours = stored.attrs[NEIGHBOURS].split()
-    read = tuple(slice(each.stop) if name in neighbours else each for name, each in asked.items())
-    numbers = numbers_of(stored[read], stored.attrs, dimensions, last=list(part))
-    unknown = file[stored.attrs[UNKNOWN]]
-    of_all = unknown[tuple(asked.values())[: unknown.ndim]]
-    known = of_all.reshape(of_all.shape + (1,) * (stored.ndim - unknown.ndim)) == 0
-    return np.where(known, numbers, np.float32(np.nan))
+    dataset = file[name]
+    dimensions = [str(scale[0].name).rpartition("/")[2] for scale in dataset.dims]
+    selection = {dimension: part.get(dimension, slice(None)) for dimension in dimensions}
+    neighbours = dataset.attrs[NEIGHBOURS].split()
+    read = tuple(slice(index.stop) if name in neighbours else index for name, index in selection.items())
+    numbers = numbers_of(dataset[read], dataset.attrs, dimensions, last=list(part))
+    unknown = file[dataset.attrs[UNKNOWN]]
+    unknown_values = unknown[tuple(selection.values())[: unknown.ndim]]
+    is_known = unknown_values.reshape(unknown_values.shape + (1,) * (dataset.ndim - unknown.ndim)) == 0
+    return np.where(is_known, numbers, np.float32(np.nan))
 
 
 def _values(file: "h5py.File", name: str) -> NDArray[Any]:

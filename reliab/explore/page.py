@@ -28,7 +28,7 @@ from reliab.criterion.derivation import MOST_AT_REST
 from reliab.criterion.ellipse_sample import is_ellipse
 from reliab.criterion.ellipse_table import REST, names_along
 from reliab.criterion.scope import population_of
-from reliab.sweep.shares import at_share, share_of
+from reliab.sweep.shares import select_share, share_of
 from reliab.version import __version__
 
 _FOLDER: Final = Path(__file__).parent / "web"
@@ -210,7 +210,7 @@ def pack(ellipses: Mapping[str, xr.Dataset]) -> dict[str, Any]:
 
 def _inscribed_ellipses(ellipses: xr.Dataset) -> xr.Dataset:
     """Inscribed ellipses, or least-squares ones where no inscribed ones are stored, in the page's order."""
-    ellipses = at_share(ellipses)
+    ellipses = select_share(ellipses)
     curves = names_along(ellipses, "curve")
     if "curve" in ellipses.dims:
         chosen = CurveName.INSCRIBED if CurveName.INSCRIBED in curves else curves[0]

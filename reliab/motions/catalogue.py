@@ -17,7 +17,7 @@ from reliab.core.encodings import of_cell
 from reliab.core.text_tables import printed_number
 from reliab.motions.faults import Report
 from reliab.motions.motion import Motion
-from reliab.motions.readers.reading import Declared, Reading, complete
+from reliab.motions.readers.reading import Reading, RecordDeclaration, complete
 from reliab.motions.readers.registry import open_records
 from reliab.motions.readers.source import Header, is_file, open_source
 from reliab.motions.units import AccelerationUnit, find_unit
@@ -33,7 +33,7 @@ class RecordFile:
     set_name: str = ""  # Set of the catalogue
     channel: int | None = None  # Which record of a file that holds several, counted from 1
     # Step and units that a catalogue or a caller gives for the record
-    declared: Declared = field(default_factory=Declared)
+    declared: RecordDeclaration = field(default_factory=RecordDeclaration)
 
     def load(self) -> Motion:
         """Read the motion."""
@@ -49,10 +49,10 @@ class RecordFile:
 
     def read(self, report: Report) -> Reading | None:
         """Read the record and report every fault of it."""
-        opened = open_records(self.path, report)
-        if opened is None:
+        source_and_headers = open_records(self.path, report)
+        if source_and_headers is None:
             return None
-        source, headers = opened
+        source, headers = source_and_headers
         header = self._choose(headers, report)
         return None if header is None else complete(source, header, self.declared, report)
 
@@ -83,18 +83,18 @@ CATALOGUE = "catalog.csv"
 COLUMNS = ("motion", "event", "set", "file", "dt_s", "units")
 """Columns that a written catalogue has."""
 
-_REQUIRED = ("motion", "file")
+_REQUIRED_COLUMNS = ("motion", "file")
 
 
-def read_catalogue(path: Path, report: Report, defaults: Declared) -> list[RecordFile]:
+def read_catalogue(path: Path, report: Report, defaults: RecordDeclaration) -> list[RecordFile]:
     """Read a catalogue."""
-    source = open_source(path, report) if report.within(path.parent, path.name) else None
+    source = open_source(path, report) if report.resolve(path.parent, path.name) else None
     if source is None:
         return []
     rows = csv.reader(line.text for line in source.lines())
-    filled = _rows_with_cells(rows, report)
-    columns = [name.strip().lower() for name in next(filled, [])]
-    missing = [name for name in _REQUIRED if name not in columns]
+    filled_rows = _rows_with_cells(rows, report)
+    columns = [name.strip().lower() for name in next(filled_rows, [])]
+    missing = [name for name in _REQUIRED_COLUMNS if name not in columns]
     if missing:
         report.add(
             f"No column {' and '.join(missing)} in the catalogue",
@@ -103,13 +103,13 @@ def read_catalogue(path: Path, report: Report, defaults: Declared) -> list[Recor
         )
         return []
     records: list[RecordFile] = []
-    seen: dict[str, int] = {}
-    for cells in filled:
+    lines_by_name: dict[str, int] = {}
+    for cells in filled_rows:
         line = rows.line_num
         row = dict(zip(columns, (of_cell(cell.strip()) for cell in cells), strict=False))
-        if _has_name(row, seen, line, report):
+        if _has_name(row, lines_by_name, line, report):
             records.extend(_record(path, row, line, defaults, report))
-    if not seen and not report.faults:
+    if not lines_by_name and not report.faults:
         report.add(
             "The catalogue has no rows",
             line=1,
@@ -125,30 +125,30 @@ def _rows_with_cells(rows: Iterator[list[str]], report: Report) -> Iterator[list
         report.add("The catalogue is no comma-separated text", value=error, remedy="Save it as CSV")
 
 
-def _has_name(row: dict[str, str], seen: dict[str, int], line: int, report: Report) -> bool:
-    for column in _REQUIRED:
+def _has_name(row: dict[str, str], lines_by_name: dict[str, int], line: int, report: Report) -> bool:
+    for column in _REQUIRED_COLUMNS:
         if not row.get(column):
             report.add(f"The column {column} is empty", line=line, remedy="Fill it in, or remove the row")
             return False
     name = row["motion"]
-    if name in seen:
+    if name in lines_by_name:
         report.add(
             "Two motions have the same name",
             line=line,
-            value=f"{name}, as in line {seen[name]}",
+            value=f"{name}, as in line {lines_by_name[name]}",
             remedy="Rename one of them",
         )
         return False
-    seen[name] = line
+    lines_by_name[name] = line
     return True
 
 
 def _record(
-    path: Path, row: dict[str, str], line: int, defaults: Declared, report: Report
+    path: Path, row: dict[str, str], line: int, defaults: RecordDeclaration, report: Report
 ) -> Iterator[RecordFile]:
     """Yield the record of a row, unless the row has a fault."""
     faults_before = len(report.faults)
-    file = report.within(path.parent, row["file"].replace("\\", "/"), line=line)
+    file = report.resolve(path.parent, row["file"].replace("\\", "/"), line=line)
     if file is None:
         return
     if not is_file(file):
@@ -157,14 +157,14 @@ def _record(
             line=line,
             remedy="Correct the path, which is relative to the catalogue, or remove the row",
         )
-    declared = Declared(
+    declaration = RecordDeclaration(
         time_step=_one_of(
             _positive(row, "dt_s", line, report), defaults.time_step, "time steps", line, report
         ),
         units=_one_of(_units(row, line, report), defaults.units, "units", line, report),
         header_count=_integer_cell(row, "header_npts", line, report),
         header_time_step=_positive(row, "header_dt_s", line, report),
-        where=f"{path.name}, line {line}",
+        location=f"{path.name}, line {line}",
     )
     channel = _integer_cell(row, "channel", line, report)
     if len(report.faults) == faults_before:
@@ -174,20 +174,20 @@ def _record(
             event=row.get("event", "") or row["motion"],
             set_name=row.get("set", ""),
             channel=channel,
-            declared=declared,
+            declared=declaration,
         )
 
 
-def _one_of(noted: T | None, default: T | None, what: str, line: int, report: Report) -> T | None:
+def _one_of(row_value: T | None, default: T | None, description: str, line: int, report: Report) -> T | None:
     """Return the value from the catalogue or from the caller; the two must not differ."""
-    if noted is not None and default is not None and noted != default:
+    if row_value is not None and default is not None and row_value != default:
         report.add(
-            f"The catalogue states other {what} than you",
+            f"The catalogue states other {description} than you",
             line=line,
-            value=f"{noted} in the catalogue, {default} from you",
+            value=f"{row_value} in the catalogue, {default} from you",
             remedy="Leave yours out, or correct the catalogue",
         )
-    return default if noted is None else noted
+    return default if row_value is None else row_value
 
 
 def _positive(row: dict[str, str], column: str, line: int, report: Report) -> float | None:

@@ -18,13 +18,13 @@ from reliab.motions.faults import Fault, Report
 from reliab.motions.loading import (
     BUILT_IN,
     declare,
+    list_skipped_files,
     load_motions,
     motion_name,
     scan_file,
     scan_folder,
-    skipped_files,
 )
-from reliab.motions.readers.reading import Declared, Reading
+from reliab.motions.readers.reading import Reading, RecordDeclaration
 from reliab.motions.readers.source import is_file, is_folder
 
 _FEWEST_SAMPLES = 100  # samples, below which a record tells nothing of these
@@ -37,7 +37,7 @@ _SHARPNESS = 3.0  # times the sharpness of what surrounds it, from which a sampl
 _RETURN = 0.5  # of its sharpness, by which the samples before and after a spike may differ
 _SURROUNDINGS = 50  # samples before and after
 _LEAST_SPIKE = 0.1  # of the peak
-_HELD = 10  # equal samples in the strong part that are held
+_FEWEST_EQUAL_SAMPLES = 10  # equal samples in the strong part that are held
 _STRONG = (0.05, 0.95)  # of the squared acceleration
 _WINDOW = 100  # samples before and after the peak, by which copies are recognised
 _ROUNDING = 2e-3  # of the peak, by which copies differ where texts round them
@@ -63,13 +63,13 @@ def find_flaws(acceleration: Array, time_step: float) -> Iterator[tuple[str, str
     yield from _find_spikes(acceleration, time_step, peak)
     energy = np.cumsum((acceleration - acceleration.mean()) ** 2)
     strong = np.searchsorted(energy, np.array(_STRONG) * energy[-1])
-    held = [
+    flat_runs = [
         run
         for run in runs
-        if run not in tops and run[1] - run[0] >= _HELD and strong[0] <= run[0] < strong[1]
+        if run not in tops and run[1] - run[0] >= _FEWEST_EQUAL_SAMPLES and strong[0] <= run[0] < strong[1]
     ]
-    if held:
-        start, stop = max(held, key=lambda run: run[1] - run[0])
+    if flat_runs:
+        start, stop = max(flat_runs, key=lambda run: run[1] - run[0])
         value = f"{significant(float(acceleration[start]))} m/s² held from {start * time_step:.2f} s"
         remedy = "Compare it with the original record"
         yield f"{value} for {stop - start} samples: a gap that was filled?", remedy
@@ -105,18 +105,18 @@ def _find_drift(acceleration: Array, time_step: float) -> Iterator[tuple[str, st
 
 def _find_spikes(acceleration: Array, time_step: float, peak: float) -> Iterator[tuple[str, str]]:
     """Find samples that stand alone, far from those before and after, which are much alike."""
-    at_rest = np.pad(acceleration, 1)
-    sharpness = np.abs(acceleration - 0.5 * (at_rest[:-2] + at_rest[2:]))
-    padded = np.pad(sharpness, _SURROUNDINGS + 1)  # a spike makes the samples beside it sharp, too
-    windows = np.lib.stride_tricks.sliding_window_view(padded, _SURROUNDINGS).max(axis=1)
+    padded_acceleration = np.pad(acceleration, 1)
+    sharpness = np.abs(acceleration - 0.5 * (padded_acceleration[:-2] + padded_acceleration[2:]))
+    padded_sharpness = np.pad(sharpness, _SURROUNDINGS + 1)  # a spike makes the samples beside it sharp, too
+    windows = np.lib.stride_tricks.sliding_window_view(padded_sharpness, _SURROUNDINGS).max(axis=1)
     around = np.maximum(windows[: sharpness.size], windows[_SURROUNDINGS + 3 :])
-    returns = np.abs(at_rest[2:] - at_rest[:-2]) < _RETURN * sharpness
+    returns = np.abs(padded_acceleration[2:] - padded_acceleration[:-2]) < _RETURN * sharpness
     spikes = np.flatnonzero(returns & (sharpness > np.maximum(_SHARPNESS * around, _LEAST_SPIKE * peak)))
     if spikes.size:
         sample = int(spikes[np.abs(acceleration[spikes]).argmax()])
-        more = f" and {spikes.size - 1} more" if spikes.size > 1 else ""
+        count_text = f" and {spikes.size - 1} more" if spikes.size > 1 else ""
         height = significant(float(acceleration[sample]))
-        value = f"a single spike of {height} m/s² at {sample * time_step:.2f} s{more}"
+        value = f"a single spike of {height} m/s² at {sample * time_step:.2f} s{count_text}"
         yield value, "Remove it, unless the ground moved like this"
 
 
@@ -136,21 +136,21 @@ class Copies:
         largest = int(np.abs(acceleration).argmax())
         peak = float(acceleration[largest])
         shape = np.pad(acceleration, _WINDOW)[largest : largest + 2 * _WINDOW + 1] / (peak or 1.0)
-        after = float(shape[_WINDOW + 1])
+        next_value = float(shape[_WINDOW + 1])
         records = self._seen.setdefault(round(time_step, 9), [])  # sorted by the sample after the peak
-        first = bisect_left(records, after - _ROUNDING, key=itemgetter(0))
+        first = bisect_left(records, next_value - _ROUNDING, key=itemgetter(0))
         for its_after, original, its_peak, its_shape in records[first:]:
-            if its_after > after + _ROUNDING:
+            if its_after > next_value + _ROUNDING:
                 break
             if np.abs(its_shape - shape).max() <= _ROUNDING:
                 return original, peak / its_peak
-        insort(records, (after, name, peak, shape), key=itemgetter(0))
+        insort(records, (next_value, name, peak, shape), key=itemgetter(0))
         return None
 
 
 _LIKENESS = 50.0
 """Largest factor between a peak and the median of its folder; g is 981 cm/s2, and m/s2 is 100 cm/s2."""
-_SAME = 2e-3  # largest difference between the peaks of equal records whose texts round them
+_PEAK_TOLERANCE = 2e-3  # largest difference between the peaks of equal records whose texts round them
 _FEWEST = 3  # fewest records for which the peaks are compared with their median
 
 
@@ -172,7 +172,7 @@ class _Peak:
     file: str
     value: float
     has_units: bool
-    confirmed: bool
+    is_confirmed: bool
 
 
 def inspect(
@@ -195,7 +195,7 @@ def inspect(
     """
     if path in BUILT_IN:
         return Inspection(records=len(list(load_motions(path))), faults=[])
-    source, declared = Path(path), declare(time_step, units)
+    source, declaration = Path(path), declare(time_step, units)
     if not (is_folder(source) or is_file(source)):
         raise InputError(
             f"{path} not found", remedy="Name a folder of records, a file or the built-in suite synthetic"
@@ -204,29 +204,31 @@ def inspect(
     peaks: list[_Peak] = []
     notes: list[Fault] = []
     copies = Copies()
-    checked = 0
-    for record, report in _records(source, declared, faults):
+    checked_count = 0
+    for record, report in _records(source, declaration, faults):
         if sets is not None and record.set_name not in sets:
             continue
-        checked += 1
+        checked_count += 1
         reading = record.read(report)
         faults.extend(report.faults)
         if reading is not None:
             value = float(np.abs(reading.acceleration).max())
-            confirmed = record.declared.units is not None and declared.units is None
+            is_confirmed = record.declared.units is not None and declaration.units is None
             peaks.append(
-                _Peak(file=report.file, value=value, has_units=reading.units_stated, confirmed=confirmed)
+                _Peak(
+                    file=report.file, value=value, has_units=reading.units_stated, is_confirmed=is_confirmed
+                )
             )
             notes.extend(_notes(record, reading, copies))
-    if not checked and not faults:
+    if not checked_count and not faults:
         faults.append(_no_records(source, sets))
     unlike = list(_unlike_peaks(peaks))
-    mixed = [fault for has_units, fault in unlike if not has_units]
+    unitless_faults = [fault for has_units, fault in unlike if not has_units]
     weak = [fault for has_units, fault in unlike if has_units]
     return Inspection(
-        records=checked,
-        faults=list(dict.fromkeys([*faults, *mixed])),
-        notes=[*skipped_files(source), *weak, *notes],
+        records=checked_count,
+        faults=list(dict.fromkeys([*faults, *unitless_faults])),
+        notes=[*list_skipped_files(source), *weak, *notes],
     )
 
 
@@ -237,13 +239,13 @@ def _notes(record: RecordFile, reading: Reading, copies: Copies) -> Iterator[Fau
     def note(rule: str, value: str, remedy: str) -> Fault:
         return Fault(file=str(record.path), line=None, rule=rule, value=f"{channel}{value}", remedy=remedy)
 
-    for applied in reading.applied:
-        yield note("Applied what the header states", applied, "Check that this is meant")
+    for correction in reading.corrections:
+        yield note("Applied what the header states", correction, "Check that this is meant")
     for value, remedy in find_flaws(reading.acceleration, reading.time_step):
         yield note("Suspicious samples", value, remedy)
     if copy := copies.find(record.name, reading.acceleration, reading.time_step):
         original, factor = copy
-        scale = "" if abs(abs(factor) - 1) < _SAME else f" times {significant(abs(factor))}"
+        scale = "" if abs(abs(factor) - 1) < _PEAK_TOLERANCE else f" times {significant(abs(factor))}"
         reversal = " with its sign reversed" if factor < 0 else ""
         yield note(
             "Duplicate record",
@@ -252,22 +254,24 @@ def _notes(record: RecordFile, reading: Reading, copies: Copies) -> Iterator[Fau
         )
 
 
-def _records(source: Path, declared: Declared, faults: list[Fault]) -> Iterator[tuple[RecordFile, Report]]:
+def _records(
+    source: Path, declaration: RecordDeclaration, faults: list[Fault]
+) -> Iterator[tuple[RecordFile, Report]]:
     """Find the records, each with a new report, and collect the faults of catalogues and headers."""
     catalogue = source / CATALOGUE
     if is_file(catalogue):
         report = Report(file=str(catalogue))
-        records_of_catalogue = read_catalogue(catalogue, report, declared)
+        records_of_catalogue = read_catalogue(catalogue, report, declaration)
         faults.extend(report.faults)
-        scanned: Iterable[tuple[Path, list[RecordFile], Report]] = [
+        scans: Iterable[tuple[Path, list[RecordFile], Report]] = [
             (record.path, [record], Report(file=str(record.path))) for record in records_of_catalogue
         ]
     elif is_folder(source):
-        scanned = scan_folder(source, declared)
+        scans = scan_folder(source, declaration)
     else:
         report = Report(file=str(source))
-        scanned = [(source, scan_file(source, motion_name(Path(source.name)), declared, report), report)]
-    for path, records, report in scanned:
+        scans = [(source, scan_file(source, motion_name(Path(source.name)), declaration, report), report)]
+    for path, records, report in scans:
         if not records:
             faults.extend(report.faults)
         for record in records:
@@ -289,7 +293,7 @@ def _unlike_peaks(peaks: list[_Peak]) -> Iterator[tuple[bool, Fault]]:
         return
     middle = median(peak.value for peak in peaks)
     for peak in peaks:
-        if not peak.confirmed and not middle / _LIKENESS <= peak.value <= middle * _LIKENESS:
+        if not peak.is_confirmed and not middle / _LIKENESS <= peak.value <= middle * _LIKENESS:
             remedy = "confirm a true peak by the column units of a catalogue"
             fault = Fault(
                 file=peak.file,

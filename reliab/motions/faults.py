@@ -22,8 +22,8 @@ class Fault:
 
     def error(self) -> InputError:
         """Return the fault as an error of one sentence for the user."""
-        where = self.file if self.line is None else f"{self.file}, line {self.line}"
-        return InputError(self.rule, value=self.value or None, remedy=self.remedy, where=where)
+        location = self.file if self.line is None else f"{self.file}, line {self.line}"
+        return InputError(self.rule, value=self.value or None, remedy=self.remedy, where=location)
 
 
 def fault_of(error: InputError, name: str) -> Fault:
@@ -54,7 +54,7 @@ class Report:
         """Record a fault of the file."""
         self.faults.append(Fault(file=self.file, line=line, rule=rule, value=str(value), remedy=remedy))
 
-    def within(self, folder: Path, name: str, *, line: int | None = None) -> Path | None:
+    def resolve(self, folder: Path, name: str, *, line: int | None = None) -> Path | None:
         """Return the path of a file that a folder names, or record that it lies elsewhere."""
         try:
             return named_within(folder, name, where=self.file)

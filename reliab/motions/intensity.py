@@ -79,12 +79,12 @@ def arias_times(acceleration: ArrayLike, time_step: float, fractions: Sequence[f
     if not ((shares >= 0) & (shares <= 1)).all():
         raise InputError("Fractions of the Arias intensity must lie in [0, 1]", value=fractions)
     samples = samples / (np.abs(samples).max() or 1.0)
-    reached = np.concatenate([[0.0], np.cumsum(_segment_energies(samples, time_step))])
-    if not reached[-1] > 0:
+    cumulative_energy = np.concatenate([[0.0], np.cumsum(_segment_energies(samples, time_step))])
+    if not cumulative_energy[-1] > 0:
         raise InputError("The record is zero throughout, so that it has no Arias intensity")
-    target = shares * reached[-1]
-    segment = np.clip(np.searchsorted(reached, target, side="left") - 1, 0, samples.size - 2)
-    energy = (target - reached[segment]) / time_step
+    target = shares * cumulative_energy[-1]
+    segment = np.clip(np.searchsorted(cumulative_energy, target, side="left") - 1, 0, samples.size - 2)
+    energy = (target - cumulative_energy[segment]) / time_step
     times: Array = time_step * (segment + _share_of_segment(samples[segment], samples[segment + 1], energy))
     return times
 
@@ -119,12 +119,12 @@ def mean_period(acceleration: ArrayLike, time_step: float) -> float:
     count = max(samples.size, math.ceil(1.0 / (_FREQUENCY_INTERVAL * time_step)))
     frequencies = scipy.fft.rfftfreq(count, time_step)
     low, high = _PERIOD_BAND
-    in_band = (frequencies >= low) & (frequencies <= high)
-    power = np.abs(scipy.fft.rfft(samples / (np.abs(samples).max() or 1.0), count)[in_band]) ** 2
+    is_in_band = (frequencies >= low) & (frequencies <= high)
+    power = np.abs(scipy.fft.rfft(samples / (np.abs(samples).max() or 1.0), count)[is_in_band]) ** 2
     total = float(power.sum())
     if not total > 0:
         raise InputError("The mean period needs a record with content from 0.25 to 20 Hz", value="none")
-    return float((power / frequencies[in_band]).sum() / total)
+    return float((power / frequencies[is_in_band]).sum() / total)
 
 
 def _segment_energies(samples: Array, time_step: float) -> Array:

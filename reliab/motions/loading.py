@@ -21,7 +21,7 @@ from reliab.core.physical_range import require_physical
 from reliab.motions.catalogue import CATALOGUE, RecordFile, read_catalogue
 from reliab.motions.faults import Fault, Report
 from reliab.motions.motion import Motion
-from reliab.motions.readers.reading import Declared
+from reliab.motions.readers.reading import RecordDeclaration
 from reliab.motions.readers.registry import FORMATS, TEXT, UNREAD, claims_to_be_record, detect, open_records
 from reliab.motions.readers.source import HEAD, is_file, is_folder, open_source
 from reliab.motions.suite import MotionEntry, MotionSuite
@@ -42,21 +42,23 @@ _DOCUMENTS = frozenset(
 _NOT_RECORDS = ("readme", "license", "licence", "copying", "changelog")
 
 
-def scan_folder(folder: Path, declared: Declared) -> Iterator[tuple[Path, list[RecordFile], Report]]:
+def scan_folder(
+    folder: Path, declaration: RecordDeclaration
+) -> Iterator[tuple[Path, list[RecordFile], Report]]:
     """Find the records of a folder."""
     paths = [path for path, reason in _survey(folder) if not reason]
     names = _names(paths, folder)
     for path in paths:
         report = Report(file=str(path))
-        inside = report.within(folder, path.relative_to(folder).as_posix())
-        yield path, scan_file(path, names[path], declared, report) if inside else [], report
+        resolved_path = report.resolve(folder, path.relative_to(folder).as_posix())
+        yield path, scan_file(path, names[path], declaration, report) if resolved_path else [], report
 
 
 class UnreadFileWarning(UserWarning):
     """A folder holds files that may be records in a format that is not read."""
 
 
-def skipped_files(source: str | Path) -> list[Fault]:
+def list_skipped_files(source: str | Path) -> list[Fault]:
     """Name the files of a folder without a catalogue that are not read, and why."""
     folder = Path(source)
     if source in BUILT_IN or not is_folder(folder) or is_file(folder / CATALOGUE):
@@ -97,19 +99,19 @@ def _reason_to_skip(path: Path) -> str:
     return "" if form else "an unknown format"
 
 
-def scan_file(path: Path, name: str, declared: Declared, report: Report) -> list[RecordFile]:
+def scan_file(path: Path, name: str, declaration: RecordDeclaration, report: Report) -> list[RecordFile]:
     """Find the motions in one file."""
-    opened = open_records(path, report, whole=False)
-    headers = opened[1] if opened else []
+    source_and_headers = open_records(path, report, whole=False)
+    headers = source_and_headers[1] if source_and_headers else []
     if len(headers) == 1:
-        return [RecordFile(path=path, name=name, event=headers[0].event or name, declared=declared)]
+        return [RecordFile(path=path, name=name, event=headers[0].event or name, declared=declaration)]
     return [
         RecordFile(
             path=path,
             name=f"{name}/{channel}",
             event=header.event or name,
             channel=channel,
-            declared=declared,
+            declared=declaration,
         )
         for channel, header in enumerate(headers, start=1)
     ]
@@ -141,7 +143,7 @@ def motion_name(path: Path) -> str:
 BUILT_IN = ("synthetic",)
 """Names of the suites that come with the package."""
 
-_NAMED = 3  # largest number of files that a warning lists by name
+_MOST_NAMES = 3  # largest number of files that a warning lists by name
 
 HELD_OUT = "held_out"
 """The set of a catalogue that is left out unless the user names it."""
@@ -200,27 +202,27 @@ def find_motions(
     units: str | None = None,
 ) -> tuple[MotionSuite, list[Fault]]:
     """Find motions as :func:`load_motions` does, and the faults of those that cannot be found."""
-    declared = declare(time_step, units)
+    declaration = declare(time_step, units)
     faults: list[Fault] = []
-    suite = MotionSuite(entry for source in sources for entry in _entries(source, declared, faults))
+    suite = MotionSuite(entry for source in sources for entry in _entries(source, declaration, faults))
     if not suite and faults:
         raise faults[0].error()
-    selected = suite.select(sets=sets if sets is not None else set(suite.set_names) - {HELD_OUT})
-    if not selected:
+    selected_suite = suite.select(sets=sets if sets is not None else set(suite.set_names) - {HELD_OUT})
+    if not selected_suite:
         raise InputError(
             f"No motions left: all belong to the set {HELD_OUT}",
             remedy=f"Name the set {HELD_OUT} to use it",
         )
-    return selected, faults
+    return selected_suite, faults
 
 
 def _warn_of_skipped(source: str | Path) -> None:
-    skipped = skipped_files(source)
-    if not skipped:
+    skipped_faults = list_skipped_files(source)
+    if not skipped_faults:
         return
-    names = [f"{Path(note.file).relative_to(source).as_posix()} ({note.value})" for note in skipped]
-    more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
-    text = f"{source}: skipped {', '.join(names[:_NAMED])}{more}; export records as text or CSV"
+    names = [f"{Path(note.file).relative_to(source).as_posix()} ({note.value})" for note in skipped_faults]
+    count_text = f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else ""
+    text = f"{source}: skipped {', '.join(names[:_MOST_NAMES])}{count_text}; export records as text or CSV"
     warnings.warn(text, UnreadFileWarning, stacklevel=3)
 
 
@@ -252,27 +254,27 @@ def read_motion(
     return record.load()
 
 
-def declare(time_step: float | None, units: str | None) -> Declared:
+def declare(time_step: float | None, units: str | None) -> RecordDeclaration:
     """Check the step and the units that a caller gives.
 
     `time_step` [s].
     """
     if time_step is not None:
         require_physical("time step", time_step)
-    return Declared(time_step=time_step, units=None if units is None else parse_unit(units))
+    return RecordDeclaration(time_step=time_step, units=None if units is None else parse_unit(units))
 
 
-def _entries(source: str | Path, declared: Declared, faults: list[Fault]) -> list[MotionEntry]:
+def _entries(source: str | Path, declaration: RecordDeclaration, faults: list[Fault]) -> list[MotionEntry]:
     if source in BUILT_IN:
         from reliab.motions.synthetic.suite import synthetic_suite
 
         return list(synthetic_suite().entries)
     path = Path(source)
     if is_folder(path):
-        return list(_folder_entries(path, declared, faults))
+        return list(_folder_entries(path, declaration, faults))
     if is_file(path):
         report = Report(file=str(path))
-        records = scan_file(path, motion_name(Path(path.name)), declared, report)
+        records = scan_file(path, motion_name(Path(path.name)), declaration, report)
         faults.extend(report.faults)
         return [] if report.faults else list(records)
     raise InputError(
@@ -281,19 +283,19 @@ def _entries(source: str | Path, declared: Declared, faults: list[Fault]) -> lis
     )
 
 
-def _folder_entries(folder: Path, declared: Declared, faults: list[Fault]) -> list[RecordFile]:
+def _folder_entries(folder: Path, declaration: RecordDeclaration, faults: list[Fault]) -> list[RecordFile]:
     catalogue = folder / CATALOGUE
     if is_file(catalogue):
         report = Report(file=str(catalogue))
-        records = read_catalogue(catalogue, report, declared)
+        records = read_catalogue(catalogue, report, declaration)
         faults.extend(report.faults)
         return records
     entries: list[RecordFile] = []
-    before = len(faults)
-    for _, records, report in scan_folder(folder, declared):
+    fault_count = len(faults)
+    for _, records, report in scan_folder(folder, declaration):
         faults.extend(report.faults)
         entries.extend(() if report.faults else records)
-    if not entries and len(faults) == before:
+    if not entries and len(faults) == fault_count:
         raise InputError(
             "No records in this folder",
             remedy=f"Put records or a {CATALOGUE} into it",

@@ -125,22 +125,22 @@ def require_short(samples: int, name: str) -> None:
 
 
 def _check_samples(samples: Array, name: str) -> Array:
-    copied = np.array(samples, dtype=np.float64)
-    if copied.ndim != 1 or copied.size < 2:  # noqa: PLR2004 - two samples make the shortest record
+    samples_copy = np.array(samples, dtype=np.float64)
+    if samples_copy.ndim != 1 or samples_copy.size < 2:  # noqa: PLR2004 - two samples make the shortest record
         raise InputError(
             "A motion must be a one-dimensional array of at least two samples",
-            value=f"shape {copied.shape}",
+            value=f"shape {samples_copy.shape}",
             where=name,
         )
-    if not np.isfinite(copied).all():
-        first = int(np.flatnonzero(~np.isfinite(copied))[0])
+    if not np.isfinite(samples_copy).all():
+        first = int(np.flatnonzero(~np.isfinite(samples_copy))[0])
         raise InputError(
             "Not a finite number",
-            value=f"{copied[first]} at sample {first}",
+            value=f"{samples_copy[first]} at sample {first}",
             remedy="Repair or leave out the record",
             where=name,
         )
-    peak = float(np.abs(copied).max()) / STANDARD_GRAVITY
+    peak = float(np.abs(samples_copy).max()) / STANDARD_GRAVITY
     if peak > PEAK_LIMIT_G:
         raise InputError(
             f"Implausible peak, above {PEAK_LIMIT_G:g} g",
@@ -148,8 +148,8 @@ def _check_samples(samples: Array, name: str) -> Array:
             remedy="Check the units; a motion is in m/s²",
             where=name,
         )
-    copied.flags.writeable = False
-    return copied
+    samples_copy.flags.writeable = False
+    return samples_copy
 
 
 def _check_step(time_step: float, name: str) -> float:
@@ -157,7 +157,7 @@ def _check_step(time_step: float, name: str) -> float:
     return float(time_step)
 
 
-_WHOLE = 1e-9  # a fraction of a step below which a time counts as lying on a sample
+_STEP_TOLERANCE = 1e-9  # a fraction of a step below which a time counts as lying on a sample
 
 
 def resample(motion: Motion, rate_hz: float = 1024.0) -> Motion:
@@ -175,7 +175,7 @@ def resample(motion: Motion, rate_hz: float = 1024.0) -> Motion:
     [0.0, 0.5, 1.0, 0.5, 0.0]
     """
     require_physical("sampling rate", rate_hz)
-    steps = math.floor(motion.duration * rate_hz + _WHOLE)
+    steps = math.floor(motion.duration * rate_hz + _STEP_TOLERANCE)
     if steps < 1:
         raise InputError(
             "At this sampling rate fewer than two samples are left",
@@ -198,7 +198,7 @@ def truncate(motion: Motion, duration: float) -> Motion:
     >>> truncate(record, 1.2).duration
     1.0
     """
-    if not duration * (1 + _WHOLE) >= motion.time_step:
+    if not duration * (1 + _STEP_TOLERANCE) >= motion.time_step:
         raise InputError(
             "The duration is shorter than a time step of the record",
             value=f"{duration} s against a step of {motion.time_step} s",
@@ -206,16 +206,18 @@ def truncate(motion: Motion, duration: float) -> Motion:
         )
     if duration >= motion.duration:
         return motion
-    steps = math.floor(duration / motion.time_step + _WHOLE)
+    steps = math.floor(duration / motion.time_step + _STEP_TOLERANCE)
     return replace(motion, acceleration=motion.acceleration[: steps + 1])
 
 
 _CORNER = 4.0  # Hz, above which filters and time steps of two versions of a record differ
-_OF_SAMPLING = 0.4  # the same as a share of the sampling rate, for long steps
+_SAMPLING_SHARE = 0.4  # the same as a share of the sampling rate, for long steps
 _REACH = 3.0  # s, on either side of the strongest swing
 _POINTS = 151
 _BITS = 256
-_ALIKE = 36  # bits that may differ in a copy; the most alike of 200 unrelated records differ in 46
+_MOST_DIFFERENT_BITS = (
+    36  # bits that may differ in a copy; the most alike of 200 unrelated records differ in 46
+)
 
 
 def outline_of(motion: Motion) -> str:
@@ -231,7 +233,7 @@ def outline_of(motion: Motion) -> str:
     [[True]]
     """
     rate = 1.0 / motion.time_step
-    low_pass = scipy.signal.butter(2, min(_CORNER, _OF_SAMPLING * rate), fs=rate, output="sos")
+    low_pass = scipy.signal.butter(2, min(_CORNER, _SAMPLING_SHARE * rate), fs=rate, output="sos")
     swings = scipy.signal.sosfilt(low_pass, motion.acceleration)
     times = motion.time_step * np.arange(swings.size)
     place = int(np.abs(swings).argmax())
@@ -240,13 +242,13 @@ def outline_of(motion: Motion) -> str:
     return np.packbits(_patterns() @ stretch > 0.0).tobytes().hex()
 
 
-def are_copies(outlines: Iterable[str], others: Iterable[str]) -> NDArray[np.bool_]:
+def are_copies(outlines: Iterable[str], other_outlines: Iterable[str]) -> NDArray[np.bool_]:
     """Whether records are copies of others by their outlines, shape (records, others)."""
     signs, others_signs = (
         np.array([2.0 * np.unpackbits(np.frombuffer(bytes.fromhex(text), np.uint8)) - 1.0 for text in texts])
-        for texts in (outlines, others)
+        for texts in (outlines, other_outlines)
     )
-    return np.asarray(0.5 * (_BITS - signs @ others_signs.T) <= _ALIKE)
+    return np.asarray(0.5 * (_BITS - signs @ others_signs.T) <= _MOST_DIFFERENT_BITS)
 
 
 @cache

@@ -10,7 +10,7 @@ from reliab.core.plain_values import html_table
 from reliab.core.significant_digits import counted
 from reliab.motions.motion import Motion
 
-_SHOWN = 100  # motions in a table
+_MOST_ROWS = 100  # motions in a table
 
 
 class MotionEntry(Protocol):
@@ -58,11 +58,11 @@ class MotionSuite(Sequence[Motion]):
 
     def __init__(self, entries: Iterable[MotionEntry]) -> None:
         self._entries = tuple(entries)
-        repeated = [name for name, count in Counter(self.names).items() if count > 1]
-        if repeated:
+        duplicates = [name for name, count in Counter(self.names).items() if count > 1]
+        if duplicates:
             raise InputError(
                 "Several motions have the same name",
-                value=", ".join(repeated[:3]),
+                value=", ".join(duplicates[:3]),
                 remedy="Load the sources one by one, or name the motions in a catalogue",
             )
 
@@ -127,24 +127,26 @@ class MotionSuite(Sequence[Motion]):
     def _repr_html_(self) -> str:
         """Table for notebooks: motions by earthquake; no record is read."""
         motions: dict[str, list[str]] = {}
-        for entry in self._entries[:_SHOWN]:
+        for entry in self._entries[:_MOST_ROWS]:
             motions.setdefault(entry.event, []).append(entry.name)
         rows = {event: ", ".join(names) for event, names in motions.items()}
-        more = [f"… and {len(self) - _SHOWN} more"] if len(self) > _SHOWN else []
-        return html_table(repr(self).strip("<>"), rows, more)
+        remainder = [f"… and {len(self) - _MOST_ROWS} more"] if len(self) > _MOST_ROWS else []
+        return html_table(repr(self).strip("<>"), rows, remainder)
 
 
-def _require_names(requested: Iterable[str] | None, present: tuple[str, ...], what: str) -> set[str]:
+def _require_names(
+    wanted_names: Iterable[str] | None, present: tuple[str, ...], description: str
+) -> set[str]:
     """Return the names or sets asked for, all of which must be in the suite."""
-    if requested is None:
+    if wanted_names is None:
         return set(present)
-    names = {requested} if isinstance(requested, str) else set(requested)
+    names = {wanted_names} if isinstance(wanted_names, str) else set(wanted_names)
     unknown = sorted(names - set(present))
     if unknown:
         choices = sorted({name for name in present if name})
         close = get_close_matches(unknown[0], choices, n=3, cutoff=0.4) or choices[:5]
         raise InputError(
-            f"No {what} {unknown[0]!r} in the suite",
-            remedy=f"Choose for example {', '.join(close)}" if close else f"The suite has no {what}s",
+            f"No {description} {unknown[0]!r} in the suite",
+            remedy=f"Choose for example {', '.join(close)}" if close else f"The suite has no {description}s",
         )
     return names

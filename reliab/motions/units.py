@@ -18,12 +18,12 @@ class AccelerationUnit(StrEnum):
     TENTH_OF_GRAVITY = "g/10"
 
     @property
-    def in_si(self) -> float:
+    def si_factor(self) -> float:
         """One such unit [m/s²]."""
-        return _IN_SI[self]
+        return _SI_FACTORS[self]
 
 
-_IN_SI = {
+_SI_FACTORS = {
     AccelerationUnit.GRAVITY: STANDARD_GRAVITY,
     AccelerationUnit.CENTIMETRE: 0.01,
     AccelerationUnit.METRE: 1.0,
@@ -31,7 +31,7 @@ _IN_SI = {
     AccelerationUnit.TENTH_OF_GRAVITY: STANDARD_GRAVITY / 10,
 }
 
-_PER_SECOND_SQUARED = ("{}/s2", "{}/s/s", "{}s-2", "{}ps2", "{}_s2")
+_ACCELERATION_SPELLINGS = ("{}/s2", "{}/s/s", "{}s-2", "{}ps2", "{}_s2")
 _SPELLINGS = {
     **dict.fromkeys(("g", "g's", "gs", "gravity"), AccelerationUnit.GRAVITY),
     **dict.fromkeys(("gal", "gals", "gales"), AccelerationUnit.CENTIMETRE),
@@ -43,7 +43,7 @@ _SPELLINGS = {
             ("m", AccelerationUnit.METRE),
             ("mm", AccelerationUnit.MILLIMETRE),
         )
-        for pattern in _PER_SECOND_SQUARED
+        for pattern in _ACCELERATION_SPELLINGS
     },
 }
 
@@ -89,7 +89,7 @@ class ClockUnit:
     size: float  # One such unit [s or Hz]
     is_frequency: bool = False
 
-    def in_seconds(self, value: float) -> float:
+    def convert_to_seconds(self, value: float) -> float:
         """Turn a step or a rate in this unit into a step [s]."""
         return 1.0 / (value * self.size) if self.is_frequency else value * self.size
 

@@ -39,8 +39,8 @@ def write_suite(suite: MotionSuite, folder: str | Path, *, event: str | None = N
             remedy="Name another folder, or empty this one",
         )
     rule = "Cannot write to the folder"
-    with refuse_unwritable(rule, where=target), folder_written_whole(target) as unfinished:
-        _write_all(suite, unfinished, event)
+    with refuse_unwritable(rule, where=target), folder_written_whole(target) as partial_folder:
+        _write_all(suite, partial_folder, event)
     return target / CATALOGUE
 
 
@@ -75,9 +75,9 @@ def _files(suite: MotionSuite) -> Iterator[str]:
     for name, set_name in zip(suite.names, suite.set_names, strict=True):
         stem = _as_file(name) or "motion"
         folder = f"{_as_file(set_name) or 'motions'}/"
-        file, again = f"{folder}{stem}.txt", 2
+        file, number = f"{folder}{stem}.txt", 2
         while file.lower() in file_names:
-            file, again = f"{folder}{stem}_{again}.txt", again + 1
+            file, number = f"{folder}{stem}_{number}.txt", number + 1
         file_names.add(file.lower())
         yield file
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Final
 
-from reliab.criterion.provenance import Provenance, installed_versions
+from reliab.criterion.provenance import Provenance, read_versions
 from reliab.report.document import Source
 
 
@@ -16,7 +16,7 @@ def provenance_of(
     """
     lines = {name: _line(value) for name, value in settings_by_name.items()}
     if criterion is None:
-        return {"packages": _line(installed_versions()), **lines}
+        return {"packages": _line(read_versions()), **lines}
     settings = _line(criterion.settings)
     derived = {
         "source": criterion.source,

@@ -13,16 +13,16 @@ from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import MILLI
 from reliab.rig.learning.circumstances import Circumstances, places_in_day, warmth
-from reliab.rig.learning.learned import Learned, learn
+from reliab.rig.learning.learned import FittedQuantity, learn
 from reliab.rig.rig_table import RigTable
 from reliab.rig.watching import drift_chart
 from reliab.structures.structure import Structure
 
 FEWEST: Final = 3
-MOST: Final = 1000
+MOST_TESTS: Final = 1000
 """Tests from which a rig is learned; of more, the latest."""
 
-MEASURED: Final = ("peak_mm", "velocity_mm_s", "f_eq_hz")
+MEASURED_COVARIATES: Final = ("peak_mm", "velocity_mm_s", "f_eq_hz")
 """What every test has of itself, and a user may name as a covariate of the next one."""
 
 _SMALLEST_REMAINDER = 1e-5
@@ -48,17 +48,17 @@ class Memory:
     table: RigTable
 
     @classmethod
-    def remembered(cls, table: RigTable, frame: str = "") -> "Memory":
+    def from_table(cls, table: RigTable, frame: str = "") -> "Memory":
         """Take the tests of structures of one mass, or those of a frame; at least three."""
-        needed = ("A", "d_ms", "remainder", "rms")
+        required_columns = ("A", "d_ms", "remainder", "rms")
         sound = [
             place
             for place, row in enumerate(table.rows)
-            if row["structure"] == frame and all(row[name] is not None for name in needed)
+            if row["structure"] == frame and all(row[name] is not None for name in required_columns)
         ]
         if len(sound) < FEWEST:
             raise _too_few(table, frame, len(sound))
-        return cls(table=table.only(sound[-MOST:]))
+        return cls(table=table.only(sound[-MOST_TESTS:]))
 
     @cached_property
     def events(self) -> NDArray[np.str_]:
@@ -67,9 +67,9 @@ class Memory:
         return np.array([event or f"test {sha}" for event, sha in names])
 
     @cached_property
-    def ordered(self) -> bool:
+    def is_ordered(self) -> bool:
         """Whether the order of the tests means something: dates are stated, and not all the same."""
-        return self.table.dated and len(set(self.table.moments)) >= _FEWEST_DATES
+        return self.table.has_dates and len(set(self.table.moments)) >= _FEWEST_DATES
 
     @cached_property
     def days(self) -> NDArray[np.str_]:
@@ -92,7 +92,7 @@ class Memory:
         frequencies = self.table.numbers("f")
         if np.isfinite(frequencies).all():
             numbers["log f"] = np.log(frequencies)
-        if self.ordered:
+        if self.is_ordered:
             numbers["warmth"] = warmth(places_in_day(self.days.tolist()))
         specimens = np.array(self.table.texts("specimen"))
         return Circumstances(
@@ -101,9 +101,9 @@ class Memory:
                 "event": self.events,
                 "day": self.days,
                 "specimen": specimens,
-                "changes": self._segments if self.ordered else np.full(len(self.table), ""),
+                "changes": self._segments if self.is_ordered else np.full(len(self.table), ""),
             },
-            place=np.arange(len(self.table), dtype=np.float64) if self.ordered else None,
+            place=np.arange(len(self.table), dtype=np.float64) if self.is_ordered else None,
         )
 
     def circumstances_of(self, coming: NextTest, structure: Structure | None) -> Circumstances:
@@ -116,23 +116,23 @@ class Memory:
             numbers["log f"] = np.array([np.log(structure.frequency)])
         last_day = str(self.days[-1])
         day = coming.date[:_DAY] or last_day
-        if self.ordered:
+        if self.is_ordered:
             earlier = np.array(self.table.moments) < coming.date if coming.date else True
             numbers["warmth"] = warmth(np.array([float(((self.days == day) & earlier).sum())]))
         specimen = coming.specimen or self.table.texts("specimen")[-1]
         place = float(len(self.table))
-        if coming.date and self.ordered:
+        if coming.date and self.is_ordered:
             place = float(np.searchsorted(np.array(self.table.moments), coming.date, side="right")) - 0.5
-        changes = str(self._segments[min(int(place + 0.5), len(self.table)) - 1]) if self.ordered else ""
+        changes = str(self._segments[min(int(place + 0.5), len(self.table)) - 1]) if self.is_ordered else ""
         days = day if coming.date else ""
         groups = {"event": "", "day": days, "specimen": specimen, "changes": changes}
         return Circumstances(
             numbers=numbers,
             groups={kind: np.array([groups[kind]]) for kind in _GROUPS},
-            place=np.array([place]) if self.ordered else None,
+            place=np.array([place]) if self.is_ordered else None,
         )
 
-    def learn(self, values: Array, coming: NextTest) -> Learned:
+    def learn(self, values: Array, coming: NextTest) -> FittedQuantity:
         """Learn a quantity under the circumstances that are known of the next test."""
         return learn(values, self.circumstances(coming), self.events)
 
@@ -165,17 +165,17 @@ class Memory:
     def diverging(self) -> bool:
         """Whether most tests were later than a loop bears: a delay τ takes αAωτ off 2ξ (Horiuchi 1999)."""
         f, xi, alpha = (self.table.numbers(name) for name in ("f", "xi", "alpha"))
-        lost = alpha * self.amplitude * 2.0 * np.pi * f * self.delay / MILLI
-        return bool(np.median(lost - 2.0 * xi) > 0.0)
+        dissipation = alpha * self.amplitude * 2.0 * np.pi * f * self.delay / MILLI
+        return bool(np.median(dissipation - 2.0 * xi) > 0.0)
 
     def log_scale(self, structure: Structure) -> float:
         """Logarithm of the error that this rig's usual test has by the ellipse of a structure."""
-        return float(np.log(self.explained(typical_ellipse(structure))))
+        return float(np.log(self.explain_error(typical_ellipse(structure))))
 
     def log_scales(self, table: RigTable | None = None) -> Array:
         """Return the same for the structure of each test, of this rig or of another table."""
-        every = self.table if table is None else table
-        rows = list(zip(*(every.numbers(name).tolist() for name in ("f", "xi", "alpha")), strict=True))
+        table_rows = self.table if table is None else table
+        rows = list(zip(*(table_rows.numbers(name).tolist() for name in ("f", "xi", "alpha")), strict=True))
         scales = {row: self._log_scale(row) for row in set(rows)}
         return np.array([scales[row] for row in rows])
 
@@ -185,7 +185,7 @@ class Memory:
             Structure(frequency=frequency, damping_ratio=damping, experimental_fraction=share)
         )
 
-    def explained(self, ellipse: tuple[float, float]) -> float:
+    def explain_error(self, ellipse: tuple[float, float]) -> float:
         """Error of this rig's usual test by the parameters of an ellipse, over the squared error."""
         return float(np.sqrt(sum(self.contributions(ellipse).values())))
 
@@ -202,21 +202,23 @@ class Memory:
 def _too_few(table: RigTable, frame: str, count: int) -> InputError:
     """Refuse fewer than three tests of a kind of structure; tests of others are named beside them."""
     kind = f"tests of the frame {frame!r}" if frame else "tests of single-degree-of-freedom structures"
-    others = sorted({repr(row["structure"]) for row in table.rows if row["structure"] not in ("", frame)})
-    beside = f" in addition to those of {', '.join(others)}" if others else ""
+    other_structures = sorted(
+        {repr(row["structure"]) for row in table.rows if row["structure"] not in ("", frame)}
+    )
+    other_text = f" in addition to those of {', '.join(other_structures)}" if other_structures else ""
     remedy = "Add tests with `reliab rig add`"
-    if others and not frame:
+    if other_structures and not frame:
         remedy += (
             ", or predict the next one of the frame with `reliab rig predict RIG --structure FRAME`; "
             "plans are for single-degree-of-freedom structures"
         )
     return InputError(
         f"Too few tests: a prediction needs {FEWEST} with a finite error",
-        value=f"{count} {kind}{beside}",
+        value=f"{count} {kind}{other_text}",
         remedy=remedy,
     )
 
 
 def _transform_covariate(name: str, values: Array) -> Array:
     """Logarithms of what was measured, other covariates as they are."""
-    return np.log(np.maximum(values, 1e-6)) if name in MEASURED else values
+    return np.log(np.maximum(values, 1e-6)) if name in MEASURED_COVARIATES else values

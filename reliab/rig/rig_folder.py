@@ -24,10 +24,10 @@ from reliab.rig.rig_table import (
     STATE,
     RigTable,
     RigTest,
-    cached_rows,
-    cached_text,
-    ordered_table,
+    read_cache,
     row_of,
+    sort_table,
+    write_cache,
 )
 from reliab.rig.watching import drift_chart
 
@@ -50,7 +50,7 @@ class RigFolder:
     path: Path
 
     @classmethod
-    def opened(cls, path: str | Path) -> "RigFolder":
+    def open(cls, path: str | Path) -> "RigFolder":
         """Open a folder that is there."""
         folder = cls(Path(path))
         if not (folder.path / _TESTS).is_dir():
@@ -127,23 +127,23 @@ class RigFolder:
 
         Files that say what they said, with other times, as in a copy of the folder, are no change.
         """
-        rows, faults = self._cached_table(), {}
+        rows, faults = self._read_cache(), {}
         current: dict[str, dict[str, Any]] = {}
         for sha, state in self._file_states().items():
-            former = rows.get(sha, {})
-            if former.get(STATE) == state:
-                current[sha] = former
+            cached_row = rows.get(sha, {})
+            if cached_row.get(STATE) == state:
+                current[sha] = cached_row
                 continue
             try:
                 row = row_of(self.read(sha)["test"], sha)
             except (InputError, KeyError, TypeError) as error:
                 faults[self._test_path(sha).name] = str(error)
                 continue
-            change = {CHANGE: former[CHANGE]} if _says_the_same(former, row) else {}
+            change = {CHANGE: cached_row[CHANGE]} if _says_the_same(cached_row, row) else {}
             current[sha] = {**row, **change, STATE: state}
         if current.keys() == rows.keys() and all(CHANGE in row for row in current.values()):
-            return ordered_table(current.values(), faults)
-        table = _mark_changes(ordered_table(current.values(), faults))
+            return sort_table(current.values(), faults)
+        table = _mark_changes(sort_table(current.values(), faults))
         self._keep(table.rows)
         return table
 
@@ -167,16 +167,16 @@ class RigFolder:
                     states[sha] = f"{status.st_mtime_ns}-{status.st_size}"
         return states
 
-    def _cached_table(self) -> dict[str, dict[str, Any]]:
+    def _read_cache(self) -> dict[str, dict[str, Any]]:
         try:
-            return cached_rows((self.path / _TABLE).read_bytes().decode("utf-8"))
+            return read_cache((self.path / _TABLE).read_bytes().decode("utf-8"))
         except (OSError, ValueError, KeyError, csv.Error):
             return {}
 
     def _keep(self, rows: Sequence[Mapping[str, Any]]) -> None:
         """Write the table; a folder that may only be read is read without one."""
         with contextlib.suppress(OSError), written_whole(self.path / _TABLE) as file:
-            file.write_bytes(cached_text(rows).encode("utf-8", "backslashreplace"))
+            file.write_bytes(write_cache(rows).encode("utf-8", "backslashreplace"))
 
 
 def _mark_changes(table: RigTable) -> RigTable:
@@ -186,6 +186,6 @@ def _mark_changes(table: RigTable) -> RigTable:
     return RigTable(rows=rows, faults=table.faults)
 
 
-def _says_the_same(former: Mapping[str, Any], row: Mapping[str, Any]) -> bool:
+def _says_the_same(cached_row: Mapping[str, Any], row: Mapping[str, Any]) -> bool:
     """Whether a row of the table was made of such a test."""
-    return row == {name: value for name, value in former.items() if name not in (STATE, CHANGE)}
+    return row == {name: value for name, value in cached_row.items() if name not in (STATE, CHANGE)}

@@ -202,7 +202,7 @@ class RigTable:
         return [moment_of(row) for row in self.rows]
 
     @property
-    def dated(self) -> bool:
+    def has_dates(self) -> bool:
         """Whether a date is stated for every test, so that their order means something."""
         return bool(self.rows) and all(row.get("date") for row in self.rows)
 
@@ -215,10 +215,10 @@ class RigTable:
         return _as_csv(self.rows, self.columns)
 
 
-def ordered_table(rows: Iterable[Mapping[str, Any]], faults: Mapping[str, str] | None = None) -> RigTable:
+def sort_table(rows: Iterable[Mapping[str, Any]], faults: Mapping[str, str] | None = None) -> RigTable:
     """Put rows into the order of their dates."""
-    ordered = sorted(rows, key=lambda row: (moment_of(row), str(row["added"]), str(row["name"])))
-    return RigTable(rows=ordered, faults=faults or {})
+    rows_in_order = sorted(rows, key=lambda row: (moment_of(row), str(row["added"]), str(row["name"])))
+    return RigTable(rows=rows_in_order, faults=faults or {})
 
 
 def moment_of(row: Mapping[str, Any]) -> str:
@@ -238,20 +238,20 @@ def row_of(test: Mapping[str, Any], sha256: str) -> dict[str, Any]:
     return row
 
 
-def cached_text(rows: Sequence[Mapping[str, Any]]) -> str:
+def write_cache(rows: Sequence[Mapping[str, Any]]) -> str:
     """Write rows for the next reader."""
-    further = sorted(set().union(*rows) - {*COLUMNS, STATE, CHANGE})
-    names = [STATE, *COLUMNS, *further, CHANGE]
+    extra_columns = sorted(set().union(*rows) - {*COLUMNS, STATE, CHANGE})
+    names = [STATE, *COLUMNS, *extra_columns, CHANGE]
     header = _header_check(names)
-    checked = []
+    rows_to_write = []
     for row in rows:
         cells = [_cell(row.get(name)) for name in names[1:]]
-        checked.append({**row, STATE: f"{row[STATE]}-{_check(cells, header)}"})
-    return _as_csv(checked, names)
+        rows_to_write.append({**row, STATE: f"{row[STATE]}-{_check(cells, header)}"})
+    return _as_csv(rows_to_write, names)
 
 
-def cached_rows(text: str) -> dict[str, dict[str, Any]]:
-    """Read what :func:`cached_text` wrote, by checksum of the test, without rows changed since.
+def read_cache(text: str) -> dict[str, dict[str, Any]]:
+    """Read what :func:`write_cache` wrote, by checksum of the test, without rows changed since.
 
     ValueError, KeyError or csv.Error where the text is damaged.
     """

@@ -30,9 +30,9 @@ from reliab.core.vocabulary import PERCENT
 from reliab.rig.learning.circumstances import places_in_day, warmth
 
 _WIDE: Final = 5.0  # spread of odd tests
-_SUPPOSED: Final = (0.25, 25.0)  # odd tests, of so many, that are supposed before any is seen
+_PRIOR_COUNTS: Final = (0.25, 25.0)  # odd tests, of so many, that are supposed before any is seen
 _FAR: Final = 0.1  # share of the steps that are far larger than supposed
-_MOST: Final = 2.5  # that one test says, lest a single one is taken for a change
+_LARGEST_EVIDENCE: Final = 2.5  # that one test says, lest a single one is taken for a change
 _ROUNDS: Final = 16
 _CAUTIOUS: Final = 8  # first rounds, in which no test is taken for odd, but those far off count less
 _NEAR: Final = 1.5  # spreads, within which a test counts wholly in them
@@ -45,14 +45,14 @@ _LIMIT_OF_DRIFT: Final = 12.0
 _LARGEST_SCORE = 3.0
 _WIDER = 6.0  # tests: limits are wider by this over the number of tests that are known
 _WAITING = 5  # tests until one is learned from, lest a change hides in what it is compared with
-_CONFIRMED = 1.0  # median score of the tests after a change, on its side, that confirms it
+_CONFIRMING_SCORE = 1.0  # median score of the tests after a change, on its side, that confirms it
 _FEWEST = 8  # tests from which the next is predicted
 _SORTED_AT = frozenset(8 * 2**power for power in range(6))  # tests, when odd ones are told apart anew
 _UNKNOWN = 1e8  # variance of a level of which nothing is known, in squared spreads
 _EFFECT = 64.0  # variance of an effect before any test, likewise
 _SMALLEST_SQUARE = 1e-18
-_REMEMBERED = 300  # tests over which the spread, and the share of odd ones, is learned
-_AS_MANY = 150.0  # scores that the normal distribution counts as
+_MEMORY_LENGTH = 300  # tests over which the spread, and the share of odd ones, is learned
+_PRIOR_SCORES = 150.0  # scores that the normal distribution counts as
 _SMOOTH = 0.3  # by which the distribution of the scores is smoothed
 _NORMAL_95 = 1.645
 
@@ -76,7 +76,7 @@ class OddTests:
     @property
     def share(self) -> float:
         """Share of odd tests."""
-        return (self.odd + _SUPPOSED[0]) / (self.tests + _SUPPOSED[1])
+        return (self.odd + _PRIOR_COUNTS[0]) / (self.tests + _PRIOR_COUNTS[1])
 
     def ordinary(self, score: float) -> float:
         """Probability that a test is an ordinary one."""
@@ -85,17 +85,17 @@ class OddTests:
 
     def learn(self, ordinary: float) -> None:
         """Count a test that is ordinary with some probability."""
-        memory = min(1.0, _REMEMBERED / (self.tests + 1.0))
+        memory = min(1.0, _MEMORY_LENGTH / (self.tests + 1.0))
         self.odd = memory * (self.odd + 1.0 - ordinary)
         self.tests = memory * (self.tests + 1.0)
 
     def evidence(self, score: float, step: float) -> float:
         """Logarithm of how much more probable a score is after a step, on its side, than before it."""
         far = 2.0 * odd_density(score) * (score * step > 0.0)
-        after = (1.0 - _FAR) * _normal_density(score - step) + _FAR * far
+        density_after = (1.0 - _FAR) * _normal_density(score - step) + _FAR * far
         odd = self.share * odd_density(score)
-        before = (1.0 - self.share) * _normal_density(score) + odd
-        return min(math.log(((1.0 - self.share) * after + odd) / before), _MOST)
+        density_before = (1.0 - self.share) * _normal_density(score) + odd
+        return min(math.log(((1.0 - self.share) * density_after + odd) / density_before), _LARGEST_EVIDENCE)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -135,31 +135,31 @@ def ordinary_tests(values: Array, rows: Array, unsure: Array) -> OrdinaryTests:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Noticed:
+class DetectedChange:
     """A change of one quantity, by places of tests."""
 
     since: int  # First test of those that it was compared with
     began: int
-    noticed: int
-    confirmed: bool  # By the tests after it, or these are still to come
+    detection_place: int
+    is_confirmed: bool  # By the tests after it, or these are still to come
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Watched:
+class MonitoredQuantity:
     """One quantity, watched."""
 
     scores: Array  # NaN where too few tests are before it
     band: tuple[Array, Array]
-    changes: list[Noticed] = field(default_factory=list)
+    changes: list[DetectedChange] = field(default_factory=list)
 
 
-def watch(values: Array, effects: Array, caution: float = 1.0) -> Watched:
+def watch(values: Array, effects: Array, caution: float = 1.0) -> MonitoredQuantity:
     """Watch one quantity.
 
     `effects`, shape (tests, effects): circumstances on which it may depend; `caution`, factor of the
     limits and of what confirms a change.
     """
-    return _Watch(values, effects, caution).whole()
+    return _Watch(values, effects, caution).finish()
 
 
 class _Watch:
@@ -170,12 +170,12 @@ class _Watch:
         self._rows = np.column_stack([np.ones(values.size), effects])
         self._caution = caution
         unknown = np.full(values.size, np.nan)
-        self._watched = Watched(scores=unknown.copy(), band=(unknown.copy(), unknown.copy()))
+        self._watched = MonitoredQuantity(scores=unknown.copy(), band=(unknown.copy(), unknown.copy()))
         self._prediction, self._sums = _Prediction(self._rows.shape[1]), _Sums(0)
         self._since = self._learned = 0
         self._pending: tuple[int, int, float] | None = None  # Began, noticed, side
 
-    def whole(self) -> Watched:
+    def finish(self) -> MonitoredQuantity:
         """Watch all tests in their order."""
         for place in range(self._values.size):
             self._compare(place)
@@ -183,14 +183,14 @@ class _Watch:
             self._confirm(place)
             if self._pending is None:
                 self._learn(place)
-        self._settle(confirmed=True)
+        self._settle(is_confirmed=True)
         return self._watched
 
     def _compare(self, place: int) -> None:
-        predicted = self._prediction.predict(self._rows[place])
-        if predicted is None:
+        prediction = self._prediction.predict(self._rows[place])
+        if prediction is None:
             return
-        centre, spread, degrees = predicted
+        centre, spread, degrees = prediction
         residual = float(self._values[place] - centre)
         self._watched.scores[place] = self._prediction.score(residual / spread, degrees)
         longer = _NORMAL_95 * (1.0 + (_NORMAL_95**2 + 1.0) / (4.0 * degrees))
@@ -205,13 +205,13 @@ class _Watch:
         if math.isnan(score):
             return
         limit = self._caution * (1.0 + _WIDER / self._prediction.count)
-        passed = self._sums.add(score, place, limit, self._prediction.odd)
-        if passed is None:
+        crossed_sum = self._sums.add(score, place, limit, self._prediction.odd)
+        if crossed_sum is None:
             return
         self._sums = _Sums(place + 1)
-        earliest, side = passed
+        earliest, side = crossed_sum
         if self._pending is None or self._pending[2] != side:
-            self._settle(confirmed=False)
+            self._settle(is_confirmed=False)
             began = _most_likely_begin(self._values, self._since, max(earliest - 1, self._since + 1), place)
             self._pending = (began, place, side)
 
@@ -219,22 +219,24 @@ class _Watch:
         """Decide whether a change is one, from the tests after it."""
         if self._pending is None or place < self._pending[1] + _WAITING:
             return
-        began, noticed, side = self._pending
-        after = side * float(np.median(self._watched.scores[noticed + 1 : place + 1]))
-        confirmed = after > self._caution * _CONFIRMED
-        self._settle(confirmed=confirmed)
-        if confirmed:
+        began, detection_place, side = self._pending
+        score_after = side * float(np.median(self._watched.scores[detection_place + 1 : place + 1]))
+        is_confirmed = score_after > self._caution * _CONFIRMING_SCORE
+        self._settle(is_confirmed=is_confirmed)
+        if is_confirmed:
             self._since = self._learned = began
             self._sums = _Sums(place + 1)
             self._prediction.forget_level()
 
-    def _settle(self, *, confirmed: bool) -> None:
+    def _settle(self, *, is_confirmed: bool) -> None:
         """Note a change that was noticed."""
         if self._pending is None:
             return
-        began, noticed, _ = self._pending
+        began, detection_place, _ = self._pending
         self._watched.changes.append(
-            Noticed(since=self._since, began=began, noticed=noticed, confirmed=confirmed)
+            DetectedChange(
+                since=self._since, began=began, detection_place=detection_place, is_confirmed=is_confirmed
+            )
         )
         self._pending = None
 
@@ -247,11 +249,11 @@ class _Watch:
         self._learned = max(self._learned, place - _WAITING + 1)
 
 
-def _most_likely_begin(values: Array, since: int, earliest: int, noticed: int) -> int:
+def _most_likely_begin(values: Array, since: int, earliest: int, detection_place: int) -> int:
     """First test of a change, so that those from it on stray most from those before."""
-    before = float(np.median(values[since:earliest]))
-    strayed = np.cumsum((values[earliest : noticed + 1] - before)[::-1])[::-1]
-    return earliest + int(np.argmax(strayed**2 / np.arange(strayed.size, 0, -1)))
+    level_before = float(np.median(values[since:earliest]))
+    cumulative_deviation = np.cumsum((values[earliest : detection_place + 1] - level_before)[::-1])[::-1]
+    return earliest + int(np.argmax(cumulative_deviation**2 / np.arange(cumulative_deviation.size, 0, -1)))
 
 
 class _Sums:
@@ -259,24 +261,24 @@ class _Sums:
 
     def __init__(self, place: int) -> None:
         self._step, self._drift = (dict.fromkeys(_SIDES, 0.0) for _ in range(2))
-        self._left_zero = {(side, of): place for side in _SIDES for of in ("step", "drift")}
+        self._left_zero = {(side, kind): place for side in _SIDES for kind in ("step", "drift")}
 
     def add(self, score: float, place: int, wider: float, odd: OddTests) -> tuple[int, float] | None:
         """Add a test; where a change began and its side, None where there is none; `wider`: of the limits."""
-        clipped = min(max(score, -_LARGEST_SCORE), _LARGEST_SCORE)
-        passed = None
+        clipped_score = min(max(score, -_LARGEST_SCORE), _LARGEST_SCORE)
+        crossed_sum = None
         for side in _SIDES:
-            says = {"step": odd.evidence(score, side * _STEP), "drift": side * clipped - _SLACK}
-            for of, sums, limit in (
+            says = {"step": odd.evidence(score, side * _STEP), "drift": side * clipped_score - _SLACK}
+            for kind, sums, limit in (
                 ("step", self._step, _LIMIT_OF_STEP),
                 ("drift", self._drift, _LIMIT_OF_DRIFT),
             ):
                 if sums[side] <= 0.0:
-                    self._left_zero[side, of] = place
-                sums[side] = max(0.0, sums[side] + says[of])
+                    self._left_zero[side, kind] = place
+                sums[side] = max(0.0, sums[side] + says[kind])
                 if sums[side] > wider * limit:
-                    passed = max(passed or (0, side), (self._left_zero[side, of], side))
-        return passed
+                    crossed_sum = max(crossed_sum or (0, side), (self._left_zero[side, kind], side))
+        return crossed_sum
 
 
 class _Prediction:
@@ -308,9 +310,13 @@ class _Prediction:
         factor = (8.0 * degrees + 1.0) / (8.0 * degrees + 3.0)
         normal = math.copysign(factor * math.sqrt(degrees * math.log1p(student**2 / degrees)), student)
         side = -math.copysign(1.0, normal)
-        known, ordinary = (np.array(kept[-_REMEMBERED:]) for kept in (self._scores, self._ordinary))
-        beyond = float(ordinary @ scipy.special.ndtr(side * (normal - known) / _SMOOTH))
-        share = (beyond + _AS_MANY * float(scipy.special.ndtr(side * normal))) / (ordinary.sum() + _AS_MANY)
+        known_scores, ordinary = (
+            np.array(history[-_MEMORY_LENGTH:]) for history in (self._scores, self._ordinary)
+        )
+        tail_weight = float(ordinary @ scipy.special.ndtr(side * (normal - known_scores) / _SMOOTH))
+        share = (tail_weight + _PRIOR_SCORES * float(scipy.special.ndtr(side * normal))) / (
+            ordinary.sum() + _PRIOR_SCORES
+        )
         return side * float(scipy.special.ndtri(max(share, 1e-12)))
 
     def forget_level(self) -> None:
@@ -322,17 +328,17 @@ class _Prediction:
     def sort(self, values: Array, rows: Array) -> None:
         """Learn all tests anew, odd ones told from ordinary ones."""
         unsure = np.diag([_UNKNOWN, *[_EFFECT] * (self._known.size - 1)])
-        found = ordinary_tests(values, rows, unsure)
-        self._known, self._unsure = found.effects, found.unsure
-        ordinary = float(found.ordinary.sum())
+        is_ordinary = ordinary_tests(values, rows, unsure)
+        self._known, self._unsure = is_ordinary.effects, is_ordinary.unsure
+        ordinary = float(is_ordinary.ordinary.sum())
         self._degrees *= ordinary / max(self.odd.tests - self.odd.odd, ordinary)
-        self._squares = self._degrees * found.spread**2
+        self._squares = self._degrees * is_ordinary.spread**2
         self.odd = OddTests(odd=values.size - ordinary, tests=float(values.size))
 
     def learn(self, value: float, row: Array, score: float) -> None:
         """Learn from a test, and from its score where it had one."""
-        gained = self._unsure @ row
-        leverage = float(row @ gained)
+        gain = self._unsure @ row
+        leverage = float(row @ gain)
         residual = value - float(row @ self._known)
         ordinary = 1.0
         if self.count:
@@ -343,12 +349,12 @@ class _Prediction:
                 residual = min(max(residual, -reach), reach)
             # where effects are unsure, a residual says the less of the spread
             says = ordinary * min((1.0 + 1.0 / self.count) / (1.0 + leverage), 1.0)
-            kept = min(1.0, _REMEMBERED / (self._degrees + says))
-            self._squares = kept * (self._squares + ordinary * residual**2 / (1.0 + leverage))
-            self._degrees = kept * (self._degrees + says)
+            forgetting = min(1.0, _MEMORY_LENGTH / (self._degrees + says))
+            self._squares = forgetting * (self._squares + ordinary * residual**2 / (1.0 + leverage))
+            self._degrees = forgetting * (self._degrees + says)
         self.odd.learn(ordinary)
-        self._known += gained * residual / (1.0 + leverage)
-        self._unsure -= np.outer(gained, gained) / (1.0 + leverage)
+        self._known += gain * residual / (1.0 + leverage)
+        self._unsure -= np.outer(gain, gain) / (1.0 + leverage)
         self.count += 1
         if not math.isnan(score) and abs(score) < math.inf:
             self._scores.append(score)
@@ -363,7 +369,7 @@ FALSE_ALARMS: Final = 0.01
 
 _SMALLEST = 1e-5
 _REACH = 3.0  # of the logarithm of peak and frequency about their medians
-_VARIED = 0.1  # of an effect's circumstance, from which it is learned
+_LEAST_SPREAD = 0.1  # of an effect's circumstance, from which it is learned
 _MOST_SPECIMENS = 12
 _DAY = 10  # characters of a date
 
@@ -415,33 +421,33 @@ class DriftChart:
 
 def drift_chart(rows: Sequence[Mapping[str, Any]]) -> DriftChart:
     """Watch the tests of a rig in their order."""
-    effects = known_effects(rows)
+    effects = read_effects(rows)
     values = {
         "gain": np.array([float(row["A"]) for row in rows]),
         "delay": np.array([float(row["d_ms"]) for row in rows]),
         "noise": np.log(np.maximum([float(row["remainder"]) for row in rows], _SMALLEST)),
     }
-    watched = {cause: watch(values[cause], effects, _LIMITS[cause]) for cause in CAUSES}
+    quantities = {cause: watch(values[cause], effects, _LIMITS[cause]) for cause in CAUSES}
     changes = [
         Change(
             cause=cause,
-            noticed=change.noticed,
+            noticed=change.detection_place,
             began=change.began,
-            size=_size(values[cause], change.since, change.began, change.noticed),
-            confirmed=change.confirmed,
+            size=_size(values[cause], change.since, change.began, change.detection_place),
+            confirmed=change.is_confirmed,
         )
         for cause in CAUSES
-        for change in watched[cause].changes
+        for change in quantities[cause].changes
     ]
     return DriftChart(
         values=values,
-        scores={cause: watched[cause].scores for cause in CAUSES},
-        bands={cause: watched[cause].band for cause in CAUSES},
+        scores={cause: quantities[cause].scores for cause in CAUSES},
+        bands={cause: quantities[cause].band for cause in CAUSES},
         changes=tuple(sorted(changes, key=lambda change: (change.noticed, change.began))),
     )
 
 
-def known_effects(rows: Sequence[Mapping[str, Any]]) -> Array:
+def read_effects(rows: Sequence[Mapping[str, Any]]) -> Array:
     """Circumstances of tests that are no change of the rig, shape (tests, effects): each about its median."""
     columns = [
         np.log(np.maximum([float(row["peak_mm"]) for row in rows], _SMALLEST)),
@@ -450,7 +456,7 @@ def known_effects(rows: Sequence[Mapping[str, Any]]) -> Array:
     if rows and all(row.get("date") for row in rows):
         columns.append(warmth(places_in_day(str(row["date"])[:_DAY] for row in rows)))
     about = [np.clip(column - np.median(column), -_REACH, _REACH) for column in columns if column.size]
-    effects = [column for column in about if np.ptp(column) > _VARIED] + _specimen_indicators(rows)
+    effects = [column for column in about if np.ptp(column) > _LEAST_SPREAD] + _specimen_indicators(rows)
     return np.stack(effects, axis=1) if effects else np.zeros((len(rows), 0))
 
 
@@ -461,5 +467,5 @@ def _specimen_indicators(rows: Sequence[Mapping[str, Any]]) -> list[Array]:
     return [np.array([float(name == specimen) for name in names]) for specimen in usual]
 
 
-def _size(values: Array, since: int, began: int, noticed: int) -> float:
-    return float(np.median(values[began : noticed + 1]) - np.median(values[since:began]))
+def _size(values: Array, since: int, began: int, detection_place: int) -> float:
+    return float(np.median(values[began : detection_place + 1]) - np.median(values[since:began]))

@@ -29,9 +29,9 @@ class Deviation:
     peak: Array  # Largest |x_m − x_I| [m], shape (cells,)
     ideal_peak: float  # Largest |x_I| [m]
 
-    def put(self, cells: NDArray[np.intp] | NDArray[np.bool_], solved: "Deviation") -> None:
+    def put(self, cells: NDArray[np.intp] | NDArray[np.bool_], solved_cells: "Deviation") -> None:
         """Fill in the values of some cells, as another engine solved them."""
-        self.mean_square[cells], self.peak[cells] = solved.mean_square, solved.peak
+        self.mean_square[cells], self.peak[cells] = solved_cells.mean_square, solved_cells.peak
 
 
 @compiled
@@ -58,8 +58,8 @@ def end_weight(block: int, blocks: int, end: float) -> float:
 @compiled
 def follow(track: Track, now: float, weight: float) -> Track:
     """Add one deviation, with its weight in the trapezoidal rule, to the statistics."""
-    squares, before, latest, left, peak, right = track
-    left, peak, right = _higher((left, peak, right), (before, latest, now))
+    squares, previous, latest, left, peak, right = track
+    left, peak, right = _higher((left, peak, right), (previous, latest, now))
     return squares + weight * now * now, latest, now, left, peak, right
 
 
@@ -110,7 +110,7 @@ def peak_of_history(history: Array) -> float:
     >>> peak_of_history(np.array([0.0, -0.75, -1.0, -0.75]))
     1.0
     """
-    at = int(np.argmax(np.abs(history)))
-    if at in (0, history.size - 1):
-        return float(abs(history[at]))
-    return refine_peak(history[at - 1], history[at], history[at + 1])
+    peak_index = int(np.argmax(np.abs(history)))
+    if peak_index in (0, history.size - 1):
+        return float(abs(history[peak_index]))
+    return refine_peak(history[peak_index - 1], history[peak_index], history[peak_index + 1])

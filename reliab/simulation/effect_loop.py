@@ -71,24 +71,24 @@ class EffectLoop:
         return Cells(structure=self.structure, gain=gains.ravel(), delay=delays.ravel())
 
     @cached_property
-    def _sampled(self) -> tuple[Array, float]:
+    def _sample_excitation(self) -> tuple[Array, float]:
         """Ground acceleration [m/s²] at steps [s] that suit the structure and fit those of the record."""
         longest = min(LONGEST_STEP, self.phase_step / self.structure.circular_frequency)
         step = self.excitation.time_step
         ratio = step / longest
         step = step / np.ceil(ratio) if ratio > 1.0 else step * np.floor(1.0 / ratio)
-        recorded = np.arange(self.excitation.acceleration.size) * self.excitation.time_step
-        times = np.arange(int(recorded[-1] / step + 1e-9) + 1) * step
-        return np.interp(times, recorded, self.excitation.acceleration), float(step)
+        record_times = np.arange(self.excitation.acceleration.size) * self.excitation.time_step
+        times = np.arange(int(record_times[-1] / step + 1e-9) + 1) * step
+        return np.interp(times, record_times, self.excitation.acceleration), float(step)
 
     @cached_property
     def _window_slice(self) -> slice:
         begin, end = self.excitation.window
-        step = self._sampled[1]
+        step = self._sample_excitation[1]
         return slice(int(np.ceil(begin / step - 1e-9)), int(end / step + 1e-9) + 1)
 
     def _reading(self, test: HybridTest) -> Array:
-        ground, step = self._sampled
+        ground, step = self._sample_excitation
         return run_closed_loop(test, ground, step).measured[self._window_slice]
 
     @cached_property
@@ -113,8 +113,8 @@ class EffectLoop:
         exact = self.exact
 
         def statistics(actuator: Actuator) -> tuple[float, float]:
-            strayed = self._reading(replace(self.test, actuator=actuator)) - exact
-            return float(np.trapezoid(strayed**2) / (strayed.size - 1)), peak_of_history(strayed)
+            difference = self._reading(replace(self.test, actuator=actuator)) - exact
+            return float(np.trapezoid(difference**2) / (difference.size - 1)), peak_of_history(difference)
 
         pairs = zip(cells.gain.tolist(), cells.delay.tolist(), strict=True)
         actuators = [Actuator(gain=gain, delay=delay) for gain, delay in pairs]

@@ -29,7 +29,7 @@ from reliab.simulation.linear_loop import delay_stepper, drive_stepping, pole_re
 from reliab.simulation.linear_loop.blocks import Blocks, cut
 from reliab.simulation.linear_loop.cells import Cells
 from reliab.simulation.linear_loop.dominant_pole import band_edges
-from reliab.simulation.linear_loop.drive_stepping import DrivenRecord, Stepped
+from reliab.simulation.linear_loop.drive_stepping import DrivenRecord, DriveResponse
 from reliab.simulation.linear_loop.pole_plane import Responses, pole_basis
 from reliab.simulation.linear_loop.shared_drives import shared_drives
 from reliab.structures.structure import Structure
@@ -88,9 +88,9 @@ class Loop:
         Returns error for this record with free vibration until rest; infinite where no dominant pole was
         found.
         """
-        neglected, total = cells.reduction
+        neglected_power, total = cells.reduction
         with np.errstate(invalid="ignore"):  # infinite loss in a band without power
-            error = np.sqrt(self._band_power @ neglected / np.maximum(self._band_power @ total, 1e-300))
+            error = np.sqrt(self._band_power @ neglected_power / np.maximum(self._band_power @ total, 1e-300))
         return np.where(np.isnan(error), np.inf, error)
 
     def reducible(self, cells: Cells) -> NDArray[np.bool_]:
@@ -146,28 +146,28 @@ class Loop:
             ideal_peak=self.blocks.ideal_peak,
         )
         for recursion in cells.recursions(self.blocks.step):
-            alone = np.ones(recursion.cells.size, dtype=np.bool_)
+            is_reduced_only = np.ones(recursion.cells.size, dtype=np.bool_)
             if recursion.ahead == 0 and self.driven_record.is_bounded:
                 driven, record = cells.driven(self.blocks.step, recursion), self.driven_record
-                stepped = Stepped.through_window(self.blocks, record, driven)
-                strayed, precise = drive_stepping.deviation(self.blocks, record, driven, stepped)
-                deviation.put(recursion.cells[driven.place], strayed)
-                alone[driven.place] = ~precise
-            if alone.any():
-                coefficients = recursion.coefficients[:, alone]
-                strayed = pole_recursion.deviation(self.blocks, coefficients, ahead=recursion.ahead)
-                deviation.put(recursion.cells[alone], strayed)
+                drive_response = DriveResponse.step_through(self.blocks, record, driven)
+                difference, precise = drive_stepping.deviation(self.blocks, record, driven, drive_response)
+                deviation.put(recursion.cells[driven.place], difference)
+                is_reduced_only[driven.place] = ~precise
+            if is_reduced_only.any():
+                coefficients = recursion.coefficients[:, is_reduced_only]
+                difference = pole_recursion.deviation(self.blocks, coefficients, ahead=recursion.ahead)
+                deviation.put(recursion.cells[is_reduced_only], difference)
         return deviation
 
     def _solve_mixed(self, cells: Cells, reducible: NDArray[np.bool_], rough: NDArray[np.bool_]) -> Deviation:
         """Reduce the loop where that is good enough, and solve the delay equation elsewhere."""
         deviation = self._solve_reduced(cells)
         off_scale = deviation.mean_square > (_OFF_SCALE * deviation.ideal_peak) ** 2
-        again = ~(reducible | (rough & off_scale))
-        for which in (again & ~cells.leads, again & cells.leads):
-            if which.any():
-                exact = self._solve_whole(cells.gain[which], cells.delay[which])
-                deviation.put(which, exact)
+        is_repeated = ~(reducible | (rough & off_scale))
+        for is_selected in (is_repeated & ~cells.leads, is_repeated & cells.leads):
+            if is_selected.any():
+                exact = self._solve_whole(cells.gain[is_selected], cells.delay[is_selected])
+                deviation.put(is_selected, exact)
         return deviation
 
     def _solve_whole(self, gain: Array, delay: Array) -> Deviation:
@@ -178,10 +178,10 @@ class Loop:
 
     def rest_deviation(self) -> Deviation:
         """Deviation of an actuator that does not move: zero displacement against the exact response."""
-        inside = self.blocks.ideal[self.blocks.before :]
+        window_response = self.blocks.ideal[self.blocks.before :]
         end = self.blocks.end
-        squares = inside[:-1] ** 2
-        last = inside[-2] + end * (inside[-1] - inside[-2])
+        squares = window_response[:-1] ** 2
+        last = window_response[-2] + end * (window_response[-1] - window_response[-2])
         total = squares.sum() - 0.5 * squares[0] - 0.5 * squares[-1] + 0.5 * end * (squares[-1] + last**2)
         peak = self.blocks.ideal_peak
         return Deviation(

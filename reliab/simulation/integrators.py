@@ -79,13 +79,13 @@ def _advance_coarse(
     if state[1] < _CALLS:
         motion[2] = early
         state[1] += 1.0
-    held = motion[2]
-    bend = 0.0 if straight > 0.0 else h * held
+    acceleration = motion[2]
+    bend = 0.0 if straight > 0.0 else h * acceleration
     motion[0] += h * (motion[1] + 0.5 * bend)
     motion[1] += bend
     state[0] += 1.0
     if state[0] > calls - 1.5:
-        free = motion[1] + begin * held
+        free = motion[1] + begin * acceleration
         motion[2] = (late - c * free - k * motion[0]) / (1.0 + end * c)
         motion[1] = free + end * motion[2]
         if state[0] > calls - 0.5:

@@ -13,8 +13,8 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validat
 
 from reliab.core.errors import InputError
 from reliab.core.physical_range import Physical
-from reliab.criterion.laws.registry import FITTED, known
-from reliab.criterion.methods.registry import RECOMMENDED, method_of
+from reliab.criterion.laws.registry import FITTED_LAWS, find_law
+from reliab.criterion.methods.registry import RECOMMENDED_METHOD, method_of
 from reliab.tracking.indices.window import Window
 
 _Value = TypeVar("_Value")
@@ -40,7 +40,7 @@ def _method(name: str) -> str:
 
 
 def _law(name: str) -> str:
-    known(FITTED, name)
+    find_law(FITTED_LAWS, name)
     return name
 
 
@@ -100,7 +100,7 @@ class CriterionTable(Table):
     """`[criterion]`: what the criterion promises."""
 
     confidences: Shares = (0.95,)
-    method: Annotated[str, AfterValidator(_method)] = RECOMMENDED
+    method: Annotated[str, AfterValidator(_method)] = RECOMMENDED_METHOD
     joint: bool | None = None
     law: Annotated[str, AfterValidator(_law)] = "table"
 

@@ -31,7 +31,7 @@ from reliab.core.files import (
     written_by_one_process,
     written_whole,
 )
-from reliab.criterion.provenance import installed_versions
+from reliab.criterion.provenance import read_versions
 
 MANIFEST = "manifest.json"
 _CHUNK = 1 << 20
@@ -98,7 +98,7 @@ class RunFolder:
             "inputs": inputs,
             "files": self._digest_files(stage.writes),
             "date": dt.datetime.now(tz=dt.UTC).date().isoformat(),
-            "packages": installed_versions(),
+            "packages": read_versions(),
             "environment": environment(),
         }
         self._write()

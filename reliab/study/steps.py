@@ -16,8 +16,8 @@ from reliab.core.progress import Show
 from reliab.core.vocabulary import ERROR_NAMES, Metric
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.derivation import Derivation
-from reliab.criterion.ellipse_table import without_copies
-from reliab.criterion.laws.registry import FITTED, OF_MANY_MOTIONS, known
+from reliab.criterion.ellipse_table import drop_copies
+from reliab.criterion.laws.registry import FITTED_LAWS, MANY_MOTION_LAWS, find_law
 from reliab.criterion.methods.quantile import Quantile
 from reliab.criterion.methods.registry import method_of
 from reliab.motions.loading import load_motions
@@ -30,9 +30,9 @@ from reliab.sweep.ellipse_dataset import open_ellipses, write_ellipses
 from reliab.sweep.labels import outlines_of
 from reliab.sweep.netcdf import read_netcdf, write_netcdf
 from reliab.sweep.plain import sweep_request
-from reliab.sweep.results import REAL, open_results, stored_results
+from reliab.sweep.results import REAL, find_results, open_results
 from reliab.sweep.run import run_sweep
-from reliab.sweep.shares import at_share
+from reliab.sweep.shares import select_share
 from reliab.tracking.indices.window import Window
 from reliab.validation.cross_validation.counts import CrossValidation
 from reliab.validation.cross_validation.folds import folds_of
@@ -88,7 +88,7 @@ class Material(Records):
         if self._results is None:
             return None
         structures = self._study.structures
-        path = stored_results(Path(self._results), structures.f, structures.xi)
+        path = find_results(Path(self._results), structures.f, structures.xi)
         self._check(path)
         return path
 
@@ -121,7 +121,7 @@ class Material(Records):
     def _select(self, results: xr.Dataset) -> xr.Dataset:
         structures = self._study.structures
         f, xi = list(structures.f), list(structures.xi)
-        share_results = at_share(results, structures.experimental_fraction)
+        share_results = select_share(results, structures.experimental_fraction)
         return share_results.sel(f=f, xi=xi, method="nearest", tolerance=1e-9)
 
     def _check(self, path: Path) -> None:
@@ -218,7 +218,7 @@ def derivation(errors: ErrorsTable, criterion: CriterionTable, show: Show) -> St
     """Derive the study's criteria, one for each error and confidence for which the motions suffice."""
 
     def work(folder: Path) -> None:
-        ellipses = without_copies(open_ellipses(folder / ELLIPSES))
+        ellipses = drop_copies(open_ellipses(folder / ELLIPSES))
         derivations = [
             _derive(ellipses, threshold, metric, criterion, show)
             for metric in errors.metrics
@@ -249,7 +249,7 @@ def _derive(
             derivation = Derivation.from_ellipses(
                 ellipses,
                 method=method_of(table.method),
-                law=known(FITTED, table.law),
+                law=find_law(FITTED_LAWS, table.law),
                 threshold=threshold,
                 metric=metric,
                 progress=progress,
@@ -288,7 +288,7 @@ def judgement(study: CriterionStudy, material: Material, show: Show) -> Stage:
     threshold, metric = study.errors.thresholds[0], study.errors.metrics[0]
 
     def work(folder: Path) -> None:
-        ellipses = without_copies(open_ellipses(folder / ELLIPSES))
+        ellipses = drop_copies(open_ellipses(folder / ELLIPSES))
         refusals: dict[str, str] = {}
         for scheme in study.validation.schemes:
             try:
@@ -325,12 +325,12 @@ def candidates(errors: ErrorsTable, criterion: CriterionTable) -> list[Candidate
         name=label,
         method=method_of(criterion.method),
         joint=criterion.joint,
-        law=known(FITTED, criterion.law),
+        law=find_law(FITTED_LAWS, criterion.law),
     )
     paper = DerivedCandidate(name="quantile", method=Quantile(), joint=False)
     trial_criteria: list[Candidate] = [candidate] if candidate == paper else [candidate, paper]
     if (errors.thresholds[0], errors.metrics[0]) == _PAPER_ERROR:
-        trial_criteria += [PrintedCandidate(name=law.name, law=law) for law in OF_MANY_MOTIONS.values()]
+        trial_criteria += [PrintedCandidate(name=law.name, law=law) for law in MANY_MOTION_LAWS.values()]
     return trial_criteria
 
 

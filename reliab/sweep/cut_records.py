@@ -10,15 +10,15 @@ from reliab.core.untrusted_files import opened_hdf5
 from reliab.motions.intensity import arias_times
 from reliab.motions.motion import Motion
 from reliab.structures.structure import Structure
-from reliab.sweep.labels import with_labels
+from reliab.sweep.labels import label_variables
 from reliab.sweep.shares import share_of
 from reliab.tracking.boundary.finite_errors import CUT_LENGTHS, ratios_of_cut_record
 from reliab.tracking.boundary.first_order import exact_response
 from reliab.tracking.indices.window import Window
 
 _ONSET = 0.01  # share of the Arias intensity that has passed at the onset of shaking
-_SHIPPED = "real_suite/ellipses.nc"
-_OVER = ("motion", "f", "xi", "length")
+_SHIPPED_ELLIPSES = "real_suite/ellipses.nc"
+_CUT_DIMENSIONS = ("motion", "f", "xi", "length")
 _LEAD_IN = 1.0  # s, of a record before its onset
 
 
@@ -43,33 +43,33 @@ def measure_cut_records(
         for xi in damping_ratios
     ]
     ratios = np.array([_motion_ratios(motion, structures) for motion in motions]).reshape(-1, *sizes, 2)
-    return with_labels(
+    return label_variables(
         xr.Dataset(
-            {name: (_OVER, ratios[..., place]) for place, name in enumerate(("a_cut", "b_cut"))},
+            {name: (_CUT_DIMENSIONS, ratios[..., place]) for place, name in enumerate(("a_cut", "b_cut"))},
             coords={"length": list(CUT_LENGTHS)},
         )
     )
 
 
-def with_known_cut_records(ellipses: xr.Dataset) -> xr.Dataset:
+def add_known_cut_records(ellipses: xr.Dataset) -> xr.Dataset:
     """Add the ratios that ship to ellipses of whole records that ship, at the structures of these.
 
     Records are known by their checksums. Other ellipses stay as they are.
     """
-    whole = str(ellipses.attrs.get("window")) == Window().label and share_of(ellipses) == 1.0
-    if not whole or "checksum" not in ellipses.coords:
+    is_full_record = str(ellipses.attrs.get("window")) == Window().label and share_of(ellipses) == 1.0
+    if not is_full_record or "checksum" not in ellipses.coords:
         return ellipses
-    with opened_hdf5(shipped("datasets", _SHIPPED), ships=True) as file:
+    with opened_hdf5(shipped("datasets", _SHIPPED_ELLIPSES), ships=True) as file:
         records, *axes = (file[name][()] for name in ("checksum", "f", "xi"))
         rows = {text.decode(): row for row, text in enumerate(records.tolist())}
         places = [[rows.get(text) for text in ellipses["checksum"].values.tolist()]]
-        for stored, name in zip(axes, ("f", "xi"), strict=True):
-            near = np.isclose(ellipses[name].values[:, None], stored, rtol=1e-9)
+        for axis, name in zip(axes, ("f", "xi"), strict=True):
+            near = np.isclose(ellipses[name].values[:, None], axis, rtol=1e-9)
             places.append([int(row.argmax()) if row.any() else None for row in near])
-        if any(None in along for along in places):
+        if any(None in axis_places for axis_places in places):
             return ellipses
-        ratios = {name: (_OVER, file[name][()][np.ix_(*places)]) for name in ("a_cut", "b_cut")}
-        return with_labels(ellipses.assign(ratios).assign_coords(length=file["length"][()]))
+        ratios = {name: (_CUT_DIMENSIONS, file[name][()][np.ix_(*places)]) for name in ("a_cut", "b_cut")}
+        return label_variables(ellipses.assign(ratios).assign_coords(length=file["length"][()]))
 
 
 def _motion_ratios(motion: Motion, structures: Sequence[Structure]) -> list[np.ndarray]:

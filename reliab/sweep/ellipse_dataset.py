@@ -21,7 +21,7 @@ from reliab.core.vocabulary import (
     NoEllipse,
     Side,
 )
-from reliab.sweep.labels import with_labels
+from reliab.sweep.labels import label_variables
 from reliab.sweep.netcdf import read_netcdf, write_netcdf
 from reliab.tracking.boundary.curves import Curve, Ellipse, InscribedEllipse
 from reliab.tracking.indices.window import Window
@@ -114,7 +114,7 @@ def ellipse_dataset(
         },
         attrs=dict(attributes),
     )
-    return with_labels(dataset)
+    return label_variables(dataset)
 
 
 def share_at_rest(ellipses: xr.Dataset) -> xr.DataArray:
@@ -136,18 +136,18 @@ def share_at_rest(ellipses: xr.Dataset) -> xr.DataArray:
         sizes = [name for name in ("f", "xi", "threshold", "metric") if name in ellipses.dims]
         nothing = np.full([ellipses.sizes[name] for name in sizes], np.nan)
         return xr.DataArray(nothing, dims=sizes, coords={name: ellipses[name] for name in sizes})
-    below = ellipses["error_at_rest"] < ellipses[Dimension.THRESHOLD]
-    return below.mean(Dimension.MOTION)
+    is_below = ellipses["error_at_rest"] < ellipses[Dimension.THRESHOLD]
+    return is_below.mean(Dimension.MOTION)
 
 
 _RULE = "Ellipses in NetCDF are a and b over motion, f, xi, threshold and metric"
 _LENGTH = "length"
 _REMEDY = "Check the path, or write the file with `reliab ellipses --out FILE.nc`"
-_AT_REST = (Dimension.MOTION, Dimension.FREQUENCY, Dimension.DAMPING_RATIO, Dimension.METRIC)
+_ORDER_AT_REST = (Dimension.MOTION, Dimension.FREQUENCY, Dimension.DAMPING_RATIO, Dimension.METRIC)
 _VARIABLES = {  # dimensions beside windows and shares, and kinds of numbers
     **dict.fromkeys(("a", "b", "sse"), (ELLIPSE_DIMENSIONS, "f")),
     **dict.fromkeys(("n", "no_ellipse"), (ELLIPSE_DIMENSIONS, "biuf")),
-    "error_at_rest": (_AT_REST, "f"),
+    "error_at_rest": (_ORDER_AT_REST, "f"),
     **dict.fromkeys(("duration", "dt", "pga"), ((Dimension.MOTION,), "iuf")),
 }
 
@@ -165,14 +165,15 @@ def write_ellipses(ellipses: xr.Dataset, path: str | Path) -> None:
 
 def _chunks(variable: xr.DataArray) -> tuple[int, ...]:
     """Keep what is read together in one chunk: structures, errors and sides of a hundred motions."""
-    most: dict[Hashable, int] = {
+    largest_chunks: dict[Hashable, int] = {
         Dimension.WINDOW: 1,
         Dimension.MOTION: 100,
         Dimension.METRIC: 1,
         Dimension.CURVE: 1,
     }
     return tuple(
-        min(most.get(name, size), size) for name, size in zip(variable.dims, variable.shape, strict=True)
+        min(largest_chunks.get(name, size), size)
+        for name, size in zip(variable.dims, variable.shape, strict=True)
     )
 
 
@@ -201,7 +202,7 @@ def open_ellipses(path: str | Path, *, window: str | None = None) -> xr.Dataset:
     InputError
         If the file is not a file of ellipses, or does not hold the window.
     """
-    return _select_window(_read(path, lambda stored: _up_to(stored, window)), window, path)
+    return _select_window(_read(path, lambda dataset: _up_to(dataset, window)), window, path)
 
 
 def open_windows(path: str | Path) -> dict[str, xr.Dataset]:
@@ -214,40 +215,40 @@ def open_windows(path: str | Path) -> dict[str, xr.Dataset]:
     return {window: _select_window(dataset, window, path) for window in _windows(dataset)}
 
 
-def _up_to(stored: xr.Dataset, window: str | None) -> xr.Dataset:
+def _up_to(dataset: xr.Dataset, window: str | None) -> xr.Dataset:
     """Take the windows of a file up to the one that is asked for; all where it is not among them."""
-    windows = _windows(stored)
+    windows = _windows(dataset)
     label = window or Window().label
-    if Dimension.WINDOW not in stored.dims or label not in windows:
-        return stored
-    return stored.isel({Dimension.WINDOW: slice(windows.index(label) + 1)})
+    if Dimension.WINDOW not in dataset.dims or label not in windows:
+        return dataset
+    return dataset.isel({Dimension.WINDOW: slice(windows.index(label) + 1)})
 
 
 def _read(path: str | Path, select: Callable[[xr.Dataset], xr.Dataset] = xr.Dataset.copy) -> xr.Dataset:
     dataset = read_netcdf(path, _RULE, _REMEDY, select)
-    needed = set(ELLIPSE_DIMENSIONS) - {Dimension.CURVE, Dimension.SIDE}
-    if not needed <= set(dataset.dims) or not {"a", "b"} <= set(dataset):
+    required_dimensions = set(ELLIPSE_DIMENSIONS) - {Dimension.CURVE, Dimension.SIDE}
+    if not required_dimensions <= set(dataset.dims) or not {"a", "b"} <= set(dataset):
         raise InputError(
             _RULE, value=", ".join(map(str, dataset.dims)) or "none", remedy=_REMEDY, where=str(path)
         )
-    sound = with_sides(dataset)
+    sound = add_sides(dataset)
     _check_schema(sound, path)
     return sound
 
 
 def _check_schema(dataset: xr.Dataset, path: str | Path) -> None:
     """Check dimensions, coordinates and attributes once, so that nothing that uses ellipses needs to."""
-    beside = {Dimension.WINDOW, Dimension.SHARE} & set(dataset.dims)
+    extra_dimensions = {Dimension.WINDOW, Dimension.SHARE} & set(dataset.dims)
     faults = [
         f"{name} over {', '.join(map(str, dataset[name].dims))}"
         for name, (dimensions, kinds) in _VARIABLES.items()
         if name in dataset.variables
         and (
-            set(dataset[name].dims) != {*dimensions, *(beside if name in dataset.data_vars else ())}
+            set(dataset[name].dims) != {*dimensions, *(extra_dimensions if name in dataset.data_vars else ())}
             or dataset[name].dtype.kind not in kinds
         )
     ]
-    for name in (*ELLIPSE_DIMENSIONS, *beside):
+    for name in (*ELLIPSE_DIMENSIONS, *extra_dimensions):
         index = dataset.indexes.get(name, pd.Index([]))
         limits = RANGES.get(OF_DIMENSIONS.get(name, ""))
         sound = _are_texts(index) if limits is None else _are_in_range(index, limits)
@@ -277,29 +278,31 @@ def _windows(dataset: xr.Dataset) -> tuple[str, ...]:
     return (str(dataset.attrs.get("window", Window().label)),)
 
 
-def with_sides(dataset: xr.Dataset) -> xr.Dataset:
+def add_sides(dataset: xr.Dataset) -> xr.Dataset:
     """Add the dimensions curve and side to ellipses without them: least squares, and delays."""
     for name, value in ((Dimension.CURVE, CurveName.ELLIPSE), (Dimension.SIDE, Side.LAG)):
         if name not in dataset.dims:
-            within = [str(variable) for variable in dataset if Dimension.THRESHOLD in dataset[variable].dims]
-            wider = dataset[within].expand_dims({str(name): [str(value)]}, axis=-1)
-            dataset = dataset.drop_vars([*within, str(name)], errors="ignore").merge(wider)
-    return with_labels(dataset)
+            threshold_variables = [
+                str(variable) for variable in dataset if Dimension.THRESHOLD in dataset[variable].dims
+            ]
+            wider = dataset[threshold_variables].expand_dims({str(name): [str(value)]}, axis=-1)
+            dataset = dataset.drop_vars([*threshold_variables, str(name)], errors="ignore").merge(wider)
+    return label_variables(dataset)
 
 
 def _select_window(dataset: xr.Dataset, window: str | None, path: str | Path) -> xr.Dataset:
     """Choose one of the windows of a file."""
-    stored = _windows(dataset)
-    label = window or (Window().label if Window().label in stored else stored[0])
-    if label not in stored:
+    windows = _windows(dataset)
+    label = window or (Window().label if Window().label in windows else windows[0])
+    if label not in windows:
         raise InputError(
             "No ellipses for this window",
-            value=f"{label!r}; the file has {', '.join(stored)}",
+            value=f"{label!r}; the file has {', '.join(windows)}",
             remedy="Choose one of these, or trace the boundaries in that window",
             where=str(path),
         )
     if Dimension.WINDOW in dataset.dims:
-        dataset = dataset.isel({Dimension.WINDOW: stored.index(label)}, drop=True)
+        dataset = dataset.isel({Dimension.WINDOW: windows.index(label)}, drop=True)
     if label != Window().label:
         dataset = dataset.drop_dims(_LENGTH, errors="ignore")  # ratios are those of whole records
     return dataset.assign_attrs(window=label)

@@ -20,7 +20,7 @@ from reliab.sweep.cut_records import measure_cut_records
 from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_table, ellipse_dataset
 from reliab.sweep.labels import join_coordinates, motion_coordinates, outlines_of
 from reliab.sweep.request import check_model, excitation_of, loop_of, structures_of
-from reliab.sweep.shares import for_each_share
+from reliab.sweep.shares import concatenate_shares
 from reliab.tracking.boundary.curves import Curve, Ellipse
 from reliab.tracking.boundary.first_order import first_order_ellipse
 from reliab.tracking.boundary.suite_boundary import motion_contours, suite_contours
@@ -77,10 +77,10 @@ class EllipseRequest:
         several shares.
         """
 
-        def of_share(share: float, advance: Progress) -> xr.Dataset:
+        def compute_share(share: float, advance: Progress) -> xr.Dataset:
             return compute(replace(self, experimental_fractions=(share,)), advance)
 
-        return for_each_share(self.experimental_fractions, of_share, progress)
+        return concatenate_shares(self.experimental_fractions, compute_share, progress)
 
 
 def trace_ellipses(
@@ -97,7 +97,9 @@ def trace_ellipses(
     by which a and b change when a record is cut to a length [s]. Of several shares of the stiffness all have
     the dimension `alpha` after `xi`; of one it is the attribute `experimental_fraction`.
     """
-    return request.each_share(lambda of_share, advance: _trace_share(motions, of_share, advance), progress)
+    return request.each_share(
+        lambda share_request, advance: _trace_share(motions, share_request, advance), progress
+    )
 
 
 def _trace_share(motions: Sequence[Motion], request: EllipseRequest, progress: Progress) -> xr.Dataset:
@@ -105,28 +107,32 @@ def _trace_share(motions: Sequence[Motion], request: EllipseRequest, progress: P
     tables, errors_at_rest, headers = [], [], []
     for begin in range(0, len(motions), _MOTIONS_AT_A_TIME):
         batch = [motions[place] for place in range(begin, min(begin + _MOTIONS_AT_A_TIME, len(motions)))]
-        table, at_rest = _tables(batch, request, partial(_advance, progress, begin, len(batch), len(motions)))
+        table, rest_errors = _tables(
+            batch, request, partial(_advance, progress, begin, len(batch), len(motions))
+        )
         tables.append(table)
-        errors_at_rest.append(at_rest)
+        errors_at_rest.append(rest_errors)
         headers.append(motion_coordinates(batch))
-    traced = label_curves(
+    ellipses = label_curves(
         np.concatenate(tables), headers, request, error_at_rest=np.concatenate(errors_at_rest)
     )
-    return _add_cut_records(traced, motions, request)
+    return _add_cut_records(ellipses, motions, request)
 
 
-def _add_cut_records(traced: xr.Dataset, motions: Sequence[Motion], request: EllipseRequest) -> xr.Dataset:
+def _add_cut_records(ellipses: xr.Dataset, motions: Sequence[Motion], request: EllipseRequest) -> xr.Dataset:
     """Add how a and b of whole records change when these are cut; a model's effects are not linear."""
-    traced = traced.assign_coords(outline=outlines_of(motions))
+    ellipses = ellipses.assign_coords(outline=outlines_of(motions))
     if request.window != Window() or request.model is not None:
-        return traced
+        return ellipses
     structures = request.frequencies, request.damping_ratios, request.experimental_fractions[0]
-    return traced.merge(measure_cut_records(motions, *structures))
+    return ellipses.merge(measure_cut_records(motions, *structures))
 
 
-def _advance(progress: Progress, begin: int, batch: int, motions: int, solved: int, structures: int) -> None:
+def _advance(
+    progress: Progress, begin: int, batch: int, motions: int, solved_structures: int, structures: int
+) -> None:
     """Report structures that are solved for a batch of motions, as pieces of all motions and structures."""
-    progress(begin * structures + batch * solved, motions * structures)
+    progress(begin * structures + batch * solved_structures, motions * structures)
 
 
 def _tables(motions: Sequence[Motion], request: EllipseRequest, progress: Progress) -> tuple[Array, Array]:
@@ -137,7 +143,7 @@ def _tables(motions: Sequence[Motion], request: EllipseRequest, progress: Progre
     excitations = [excitation_of(motion, request.window) for motion in motions]
     rows, errors_at_rest = [], []
     structures = request.structures
-    for solved, structure in enumerate(structures, start=1):
+    for solved_structures, structure in enumerate(structures, start=1):
         loops = [loop_of(request.model, excitation, structure, request.engine) for excitation in excitations]
         errors_at_rest.append(
             [
@@ -146,12 +152,12 @@ def _tables(motions: Sequence[Motion], request: EllipseRequest, progress: Progre
             ]
         )
         rows.append([_rows(loops, metric, request) for metric in request.metrics])
-        progress(solved, len(structures))
+        progress(solved_structures, len(structures))
     sizes = len(request.frequencies), len(request.damping_ratios)
     table = np.array(rows, dtype=np.float64)  # over (structure, metric, motion, threshold, side, curve, …)
     table = table.reshape(*sizes, *table.shape[1:]).transpose(3, 0, 1, 4, 2, 6, 5, 7)
-    at_rest = np.array(errors_at_rest, dtype=np.float64).reshape(*sizes, len(motions), -1)
-    return table, np.moveaxis(at_rest, 2, 0)
+    rest_errors = np.array(errors_at_rest, dtype=np.float64).reshape(*sizes, len(motions), -1)
+    return table, np.moveaxis(rest_errors, 2, 0)
 
 
 def _rows(loops: Sequence[Loop | EffectLoop], metric: Metric, request: EllipseRequest) -> Array:
@@ -219,13 +225,15 @@ def predict_ellipses(
     array([4.])
     """
     _check_predictable(request)
-    return request.each_share(lambda of_share, advance: _predict_share(motions, of_share, advance), progress)
+    return request.each_share(
+        lambda share_request, advance: _predict_share(motions, share_request, advance), progress
+    )
 
 
 def _predict_share(motions: Sequence[Motion], request: EllipseRequest, progress: Progress) -> xr.Dataset:
     """Predict the ellipses of structures of one share."""
     tables, headers = [], []
-    for done, motion in enumerate(motions, start=1):
+    for step, motion in enumerate(motions, start=1):
         excitation = excitation_of(motion, request.window)
         fits = [first_order_ellipse(excitation, structure) for structure in request.structures]
         rows = [
@@ -237,9 +245,9 @@ def _predict_share(motions: Sequence[Motion], request: EllipseRequest, progress:
         # To first order a lead causes the same error as a lag, and the boundary itself is an ellipse.
         tables.append(np.tile(table, (len(request.curves), len(request.sides), 1)))
         headers.append(motion_coordinates([motion]))
-        progress(done, len(motions))
-    predicted = label_curves(np.stack(tables), headers, request).assign_attrs(caution=CAUTION)
-    return _add_cut_records(predicted, motions, request)
+        progress(step, len(motions))
+    ellipses = label_curves(np.stack(tables), headers, request).assign_attrs(caution=CAUTION)
+    return _add_cut_records(ellipses, motions, request)
 
 
 def _check_predictable(request: EllipseRequest) -> None:

@@ -117,7 +117,7 @@ def trace_frame_ellipses(
             "window": request.window.label,
             "experimental_fraction": mode.experimental_fraction,
             "frame": frame.name,
-            "error_of": _WORST if frame.several else frame.error_of,
+            "error_of": _WORST if frame.has_several else frame.error_of,
             "erring_actuator": "all alike" if request.actuator is None else request.actuator,
         },
         error_at_rest=np.array(errors_at_rest),
@@ -126,7 +126,7 @@ def trace_frame_ellipses(
 
 def _table(loop: FrameLoop, request: FrameRequest) -> Array:
     """Curves of one motion, shape (threshold, metric, curve, side, columns)."""
-    step = _FEW_AMPLITUDES if request.frame.several else AMPLITUDE_STEP
+    step = _FEW_AMPLITUDES if request.frame.has_several else AMPLITUDE_STEP
     pairs = [(threshold, side) for threshold in request.thresholds for side in request.sides]
     levels, sides = zip(*pairs, strict=True)
     contours = [
@@ -168,13 +168,13 @@ def limits_of_coupling(
 
 
 def _limit_of_coupling(loop: FrameLoop, threshold: float, metric: Metric, side: int) -> float:
-    def beyond(share: float) -> float:
+    def excess(share: float) -> float:
         cells = loop.cells(gain=1.0 + side * share, delay=0.0)
         return min(float(relative_error(loop.deviation(cells), metric)[0]), LARGEST_ERROR) - threshold
 
-    if beyond(LARGEST_COUPLING) < 0.0:
+    if excess(LARGEST_COUPLING) < 0.0:
         return LARGEST_COUPLING
-    return float(scipy.optimize.brentq(beyond, 0.0, LARGEST_COUPLING, rtol=1e-3))
+    return float(scipy.optimize.brentq(excess, 0.0, LARGEST_COUPLING, rtol=1e-3))
 
 
 def errors_of_rig(
@@ -225,12 +225,14 @@ def _simulate_rig(frame: FrameUnderTest, excitation: Excitation) -> tuple[float,
     """RMS^R, MTE^R and A [-], d [ms] of the rig under one motion."""
     loop = FrameLoop(excitation=excitation, partition=frame.partition, output=frame.output)
     test = loop.response(_rig(frame))
-    judged = np.flatnonzero(loop.judged)
+    output_indices = np.flatnonzero(loop.is_output)
     rms, mte = (
-        np.array([response_error(test.response[place], test.ideal[place], metric) for place in judged])
+        np.array(
+            [response_error(test.response[place], test.ideal[place], metric) for place in output_indices]
+        )
         for metric in (Metric.RMS, Metric.MTE)
     )
-    worst = judged[np.argmax(rms)]
+    worst = output_indices[np.argmax(rms)]
     index = frequency_evaluation(test.command[worst], test.measured[worst], test.step)
     return float(rms.max()), float(mte.max()), index.amplitude, MILLI * index.equivalent_delay
 

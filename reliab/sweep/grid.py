@@ -65,13 +65,13 @@ class ExplicitGrid(Grid):
     delay: tuple[float, ...] = tuple(round(1e-4 * k, 4) for k in range(21))
 
     def __post_init__(self) -> None:
-        for what, values, fewest in (
+        for name, values, fewest in (
             ("gains", self.gain, _FEWEST_GAINS),
             ("delays", self.delay, _FEWEST_DELAYS),
         ):
             if len(values) < fewest or np.any(np.diff(values) <= 0.0):
                 raise InputError(
-                    f"An explicit grid needs at least {fewest} {what} that increase",
+                    f"An explicit grid needs at least {fewest} {name} that increase",
                     value=list(values),
                     remedy="Give them from the smallest to the largest",
                 )

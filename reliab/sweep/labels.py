@@ -9,7 +9,7 @@ from reliab.core.vocabulary import LABELS, Dimension
 from reliab.motions.motion import Motion, outline_of
 
 
-def with_labels(dataset: xr.Dataset) -> xr.Dataset:
+def label_variables(dataset: xr.Dataset) -> xr.Dataset:
     """Give every known variable and coordinate its `long_name` and `units`."""
     for name, label in LABELS.items():
         if name in dataset.variables:

@@ -17,49 +17,49 @@ from reliab.core.significant_digits import significant
 from reliab.core.untrusted_files import objects_of, opened_hdf5
 
 
-def packed(
-    dataset: xr.Dataset, names: Sequence[str], *, step: float, along: Sequence[str], unknown: str
+def pack(
+    dataset: xr.Dataset, names: Sequence[str], *, step: float, dimensions: Sequence[str], unknown: str
 ) -> xr.Dataset:
     """Round variables to steps of their logarithm, for a small file that :func:`read_netcdf` reads.
 
-    `names`: the variables, positive; `step`: of the natural logarithm; `along`: dimensions along which
+    `names`: the variables, positive; `step`: of the natural logarithm; `dimensions`: dimensions along which
     neighbours resemble each other; `unknown`: variable of the dataset that is not zero where they have no
     value. Returns the dataset with whole numbers in their place.
     """
-    stored = {
-        name: stepped(dataset[name], step=step, along=along).assign_attrs({UNKNOWN: unknown})
+    packed_variables = {
+        name: quantise(dataset[name], step=step, dimensions=dimensions).assign_attrs({UNKNOWN: unknown})
         for name in names
     }
-    return dataset.assign(stored)
+    return dataset.assign(packed_variables)
 
 
-def stepped(values: xr.DataArray, *, step: float, along: Sequence[str]) -> xr.DataArray:
+def quantise(values: xr.DataArray, *, step: float, dimensions: Sequence[str]) -> xr.DataArray:
     """Round positive numbers to steps of their logarithm, told by differences along dimensions.
 
     The attributes of what is returned say how, in place of those of the numbers with these names.
     """
-    axes = [values.get_axis_num(name) for name in along]
+    axes = [values.get_axis_num(name) for name in dimensions]
     steps = to_steps(values.values.astype(np.float64), step, axes)
-    return values.copy(data=steps).assign_attrs({STEP: step, NEIGHBOURS: " ".join(along)})
+    return values.copy(data=steps).assign_attrs({STEP: step, NEIGHBOURS: " ".join(dimensions)})
 
 
-def numbered(stored: xr.DataArray) -> xr.DataArray:
-    """Read what :func:`stepped` rounded."""
-    names = [str(name) for name in stored.dims]
-    numbers = stored.copy(data=numbers_of(stored.values, stored.attrs, names))
-    numbers.attrs = {name: value for name, value in stored.attrs.items() if name not in {STEP, NEIGHBOURS}}
+def restore_steps(steps: xr.DataArray) -> xr.DataArray:
+    """Read what :func:`quantise` rounded."""
+    names = [str(name) for name in steps.dims]
+    numbers = steps.copy(data=numbers_of(steps.values, steps.attrs, names))
+    numbers.attrs = {name: value for name, value in steps.attrs.items() if name not in {STEP, NEIGHBOURS}}
     return numbers
 
 
-def unpacked(dataset: xr.Dataset) -> xr.Dataset:
-    """Read what :func:`packed` rounded; other variables stay."""
+def unpack(dataset: xr.Dataset) -> xr.Dataset:
+    """Read what :func:`pack` rounded; other variables stay."""
     return dataset.assign(
         {name: _numbers(dataset, str(name)) for name in dataset if UNKNOWN in dataset[name].attrs}
     )
 
 
 def _numbers(dataset: xr.Dataset, name: str) -> xr.DataArray:
-    numbers = numbered(dataset[name])
+    numbers = restore_steps(dataset[name])
     unknown = dataset[numbers.attrs.pop(UNKNOWN)]
     return numbers.where(unknown == 0).transpose(*numbers.dims)
 
@@ -81,11 +81,11 @@ def read_netcdf(
     with decoding(rule, remedy=remedy, where=path):
         LIMITS["dataset"].require_small(ordinary(path))
         with opened_hdf5(path) as file:
-            declared = sum(_size(item) for _, item in objects_of(file))
-            _refuse_empty_promises(declared, Path(path))
-            LIMITS["dataset"].require_few_numbers(declared, path)
+            declared_size = sum(_size(item) for _, item in objects_of(file))
+            _refuse_empty_promises(declared_size, Path(path))
+            LIMITS["dataset"].require_few_numbers(declared_size, path)
         with xr.open_dataset(path, engine="h5netcdf") as file:
-            return unpacked(select(file).load())
+            return unpack(select(file).load())
 
 
 def write_netcdf(
@@ -102,10 +102,10 @@ def write_netcdf(
     `path`: the file, replaced if it is there; `encoding`: how each variable is stored, as of
     `xarray.Dataset.to_netcdf`. Raises OSError if it cannot be written; the file of before stays.
     """
-    stored: dict[Hashable, Mapping[str, object]] = {}
-    stored.update(encoding or {})
+    encodings: dict[Hashable, Mapping[str, object]] = {}
+    encodings.update(encoding or {})
     with written_whole(path) as file:
-        file.write_bytes(dataset.to_netcdf(engine="h5netcdf", encoding=stored))
+        file.write_bytes(dataset.to_netcdf(engine="h5netcdf", encoding=encodings))
 
 
 def _size(item: h5py.HLObject) -> int:
@@ -114,14 +114,14 @@ def _size(item: h5py.HLObject) -> int:
     return int(item.nbytes) if isinstance(item, h5py.Dataset) else 0
 
 
-def _refuse_empty_promises(promised: int, path: Path) -> None:
+def _refuse_empty_promises(promised_size: int, path: Path) -> None:
     """Refuse a file that declares more numbers than it can hold, before they fill the memory."""
     size = path.stat().st_size
-    if promised > _MOST_EXPANSION * size:
+    if promised_size > _MOST_EXPANSION * size:
         raise InputError(
             "A NetCDF file must hold the numbers that it declares, at most "
             f"{_MOST_EXPANSION} bytes in each byte of its own",
-            value=f"{significant(promised)} bytes declared in {size}",
+            value=f"{significant(promised_size)} bytes declared in {size}",
             remedy="Export or download the file again",
             where=str(path),
         )

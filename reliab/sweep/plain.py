@@ -12,7 +12,7 @@ from reliab.simulation.engine import Engine
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.sweep.grid import ExplicitGrid, Grid, ScaledGrid
 from reliab.sweep.request import SweepRequest
-from reliab.sweep.several import Names, Numbers, several
+from reliab.sweep.several import Names, Numbers, as_names
 from reliab.tracking.indices.window import Window
 
 Motions = MotionSuite | Motion | str | Path
@@ -48,8 +48,8 @@ class StatedStructures:
         stiffness [-]; several are put in increasing order; `model`: a hybrid test with effects, or the file
         of one. Raises InputError if a model is stated beside a structure, or has none.
         """
-        frequencies, ratios = (() if values is None else several(values) for values in (f, xi))
-        shares = tuple(sorted(several(alpha)))
+        frequencies, ratios = (() if values is None else as_names(values) for values in (f, xi))
+        shares = tuple(sorted(as_names(alpha)))
         if model is None:
             return cls(
                 frequencies=frequencies or _FREQUENCIES,
@@ -110,17 +110,17 @@ def sweep_request(
         frequencies=tuple(sorted(structures.frequencies)),
         damping_ratios=tuple(sorted(structures.damping_ratios)),
         grid=one_of(grid, _GRIDS if structures.model is None else _GRIDS_OF_DELAYS, "grid"),
-        windows=tuple(Window.parse(text) for text in several(window)),
+        windows=tuple(Window.parse(text) for text in as_names(window)),
         experimental_fractions=structures.experimental_fractions,
         engine=one_of(engine, {choice.value: choice for choice in Engine}, "engine"),
         model=structures.model,
     )
 
 
-def one_of(name: str, choices: dict[str, _Choice], what: str) -> _Choice:
+def one_of(name: str, choices: dict[str, _Choice], description: str) -> _Choice:
     """Return the choice of a name, and refuse any other name."""
     if name not in choices:
-        raise InputError(f"Unknown {what}", value=name, remedy=f"Choose among {', '.join(choices)}")
+        raise InputError(f"Unknown {description}", value=name, remedy=f"Choose among {', '.join(choices)}")
     return choices[name]
 
 

@@ -49,14 +49,14 @@ class SweepRequest:
     model: HybridTest | None = None
 
     def __post_init__(self) -> None:
-        for what, values in (
+        for name, values in (
             ("frequencies", self.frequencies),
             ("damping ratios", self.damping_ratios),
             ("shares of the stiffness", self.experimental_fractions),
         ):
             if not values or np.any(np.diff(values) <= 0.0):
                 raise InputError(
-                    f"A sweep needs {what} that increase", value=list(values), remedy="Give each once, sorted"
+                    f"A sweep needs {name} that increase", value=list(values), remedy="Give each once, sorted"
                 )
         labels = [window.label for window in self.windows]
         if not labels or len(set(labels)) < len(labels):
@@ -95,8 +95,8 @@ class SweepRequest:
     def structure_axes(self) -> dict[Dimension, tuple[float, ...]]:
         """Dimensions of the structures with their values; the share is one where there are several."""
         axes = {Dimension.FREQUENCY: self.frequencies, Dimension.DAMPING_RATIO: self.damping_ratios}
-        several = len(self.experimental_fractions) > 1
-        return axes | ({Dimension.SHARE: self.experimental_fractions} if several else {})
+        has_several = len(self.experimental_fractions) > 1
+        return axes | ({Dimension.SHARE: self.experimental_fractions} if has_several else {})
 
     def describe(self) -> dict[str, object]:
         """Everything that determines the results for a given record, as plain values."""

@@ -54,7 +54,7 @@ def measure_responses(
     )
 
 
-_OVER = ("motion", "f", "xi", "threshold", "side")
+_DIMENSIONS = ("motion", "f", "xi", "threshold", "side")
 
 
 def compare_boundaries(
@@ -79,19 +79,22 @@ def compare_boundaries(
     scales = np.full((*sizes, len(pairs), 1 + DIRECTIONS.size), np.nan)
     places = list(product(range(sizes[1]), range(sizes[2])))
     for count, (row, column) in enumerate(places, start=1):
-        at = {"f": float(results["f"][row]), "xi": float(results["xi"][column])}
-        structure, of_structure = accessor.structure(**at), measures.sel(at)
-        contours = contours_of(accessor.at_structure(**at)["rms"], structure, pairs)
-        for motion, of_motion in enumerate(contours):
-            response = _response(of_structure.isel(motion=motion))
+        structure_place = {"f": float(results["f"][row]), "xi": float(results["xi"][column])}
+        structure, structure_measures = accessor.structure(**structure_place), measures.sel(structure_place)
+        contours = contours_of(accessor.select_structure(**structure_place)["rms"], structure, pairs)
+        for motion, motion_contours in enumerate(contours):
+            response = _response(structure_measures.isel(motion=motion))
             scales[motion, row, column] = [
                 scales_of_contour(contour, *predict_ellipse(response, structure, *pair))
-                for contour, pair in zip(of_motion, pairs, strict=True)
+                for contour, pair in zip(motion_contours, pairs, strict=True)
             ]
         progress(count, len(places))
     scales = scales.reshape(*sizes, len(thresholds), len(accessor.sides), -1)
     return measures.assign(
-        {"scale": (_OVER, scales[..., 0]), "scale_towards": ((*_OVER, "direction"), scales[..., 1:])}
+        {
+            "scale": (_DIMENSIONS, scales[..., 0]),
+            "scale_towards": ((*_DIMENSIONS, "direction"), scales[..., 1:]),
+        }
     ).assign_coords(
         threshold=list(thresholds),
         side=[str(side) for side in accessor.sides],

@@ -21,10 +21,10 @@ from reliab.core.log_quantization import STEP
 from reliab.core.shipped import is_own_data, or_shipped, shipped
 from reliab.core.vocabulary import SHARE_ATTRIBUTE, Dimension, Metric
 from reliab.sweep import results_accessor  # noqa: F401 - gives opened datasets the accessor `reliab`
-from reliab.sweep.netcdf import numbered, read_netcdf, stepped, write_netcdf
+from reliab.sweep.netcdf import quantise, read_netcdf, restore_steps, write_netcdf
 from reliab.sweep.store_layout import (
     MEND,
-    STORED,
+    STORED_RULE,
     ZARR_FORMAT,
     array_of,
     open_group,
@@ -35,7 +35,7 @@ from reliab.sweep.store_layout import (
 REAL: Final = "real_suite"
 """Name of the results and ellipses of 100 real ground motions that ship."""
 
-_OF_SIX, _OF_ALL = f"{REAL}/results_of_six.nc", f"{REAL}/results.nc"
+_SIX_STRUCTURES, _ALL_STRUCTURES = f"{REAL}/results_of_six.nc", f"{REAL}/results.nc"
 _SIX: Final = ((0.5, 1.0, 2.0), (0.02, 0.05))
 
 
@@ -49,25 +49,25 @@ def real_results(f: Sequence[float] | None, xi: Sequence[float] | None) -> Path:
     >>> real_results([1.0, 2.0], [0.05]).name
     'results_of_six.nc'
     """
-    held = all(
+    has_structures = all(
         values is not None and all(np.isclose(nodes, value, rtol=1e-9).any() for value in values)
         for nodes, values in zip(_SIX, (f, xi), strict=True)
     )
-    return shipped("datasets", _OF_SIX if held else _OF_ALL)
+    return shipped("datasets", _SIX_STRUCTURES if has_structures else _ALL_STRUCTURES)
 
 
-def stored_results(path: Path, f: Sequence[float] | None, xi: Sequence[float] | None) -> Path:
+def find_results(path: Path, f: Sequence[float] | None, xi: Sequence[float] | None) -> Path:
     """Take a store of results as it is, or the results of the real motions by their name.
 
     `f`, `xi`: structures that are asked for [Hz, -]; None for all.
     """
-    named = path == Path(REAL) and not is_own_data(path, _DESCRIPTION)
-    return real_results(f, xi) if named else or_shipped(path, "datasets", "results.nc")
+    is_shipped_name = path == Path(REAL) and not is_own_data(path, _DESCRIPTION)
+    return real_results(f, xi) if is_shipped_name else or_shipped(path, "datasets", "results.nc")
 
 
 _DESCRIPTION = "zarr.json"
-_OF_MOTIONS = ("motion", "event", "duration", "dt", "pga", "checksum")
-_COORDINATES = ("f", "xi", "kp", "tau", *_OF_MOTIONS)
+_MOTION_VARIABLES = ("motion", "event", "duration", "dt", "pga", "checksum")
+_COORDINATES = ("f", "xi", "kp", "tau", *_MOTION_VARIABLES)
 _ERROR_AT_REST = "rms_at_rest"
 _ARRAYS = (*_COORDINATES, "rms", "mte", "A", "d", "stable")
 
@@ -95,16 +95,16 @@ def open_results(path: str | Path, *, window: str | None = None) -> xr.Dataset:
     InputError
         If there is no such store or window, or not all motions are done.
     """
-    path = stored_results(Path(path), None, None)
+    path = find_results(Path(path), None, None)
     compact = None if path.is_dir() else open_compact(path)
-    with decoding(STORED, remedy=MEND, where=path):
+    with decoding(STORED_RULE, remedy=MEND, where=path):
         attributes = read_attributes(path) if compact is None else compact.attrs
         first = str(attributes["window"])
-        stored = np.asarray(attributes["windows" if compact is None else "window"])
-        windows = [str(label) for label in np.atleast_1d(stored)]
+        stored_windows = np.asarray(attributes["windows" if compact is None else "window"])
+        windows = [str(label) for label in np.atleast_1d(stored_windows)]
     if windows[:1] != [first]:
         raise InputError(
-            STORED, value=f"windows {', '.join(windows) or 'none'}", remedy=MEND, where=str(path)
+            STORED_RULE, value=f"windows {', '.join(windows) or 'none'}", remedy=MEND, where=str(path)
         )
     window = window or first
     if window not in windows:
@@ -115,7 +115,7 @@ def open_results(path: str | Path, *, window: str | None = None) -> xr.Dataset:
         )
     if compact is not None:
         return compact
-    with decoding(STORED, remedy=MEND, where=path):
+    with decoding(STORED_RULE, remedy=MEND, where=path):
         return _open_stored(path, None if window == first else f"window_{window}")
 
 
@@ -126,7 +126,7 @@ def _check_arrays(folder: Path) -> None:
     """
     for name in _ARRAYS:
         if not (folder / name / "zarr.json").is_file():
-            raise InputError(STORED, value=f"no array {name}", remedy=MEND, where=str(folder))
+            raise InputError(STORED_RULE, value=f"no array {name}", remedy=MEND, where=str(folder))
     group = open_group(folder)
     for description in sorted(folder.glob("*/zarr.json")):
         _ = array_of(group, description.parent.name)
@@ -141,13 +141,13 @@ def _check_dimensions(dataset: xr.Dataset) -> None:
         dims = dataset[name].dims
         if name in actuators:
             sound = dims[-1:] == (name,) and set(dims[:-1]) <= set(structures)
-        elif name in (*structures, *_OF_MOTIONS):
+        elif name in (*structures, *_MOTION_VARIABLES):
             sound = dims == (name if name in structures else Dimension.MOTION,)
         else:
             sound = dims == (Dimension.MOTION, *structures, *(() if name == _ERROR_AT_REST else actuators))
         if not sound:
             raise InputError(
-                STORED, value=f"{name} over {', '.join(map(str, dims)) or 'nothing'}", remedy=MEND
+                STORED_RULE, value=f"{name} over {', '.join(map(str, dims)) or 'nothing'}", remedy=MEND
             )
 
 
@@ -167,7 +167,7 @@ def _check_chunks(folder: Path) -> None:
             missing = sum(key not in present for key in keys)
         if missing:
             value = f"{missing} of {array.nchunks} chunks of {name} missing"
-            raise InputError(STORED, value=value, remedy=MEND, where=str(folder))
+            raise InputError(STORED_RULE, value=value, remedy=MEND, where=str(folder))
 
 
 def _open_stored(path: Path, group: str | None) -> xr.Dataset:
@@ -192,13 +192,13 @@ def _open_stored(path: Path, group: str | None) -> xr.Dataset:
         for name in ("motion", "event", "checksum")
     }
     plain = dataset.drop_vars(["journal", *texts], errors="ignore")
-    opened: xr.Dataset = plain.assign_coords(texts).set_coords(_COORDINATES)
-    for name in opened.coords:
-        variable = opened.variables[name].load()  # small, and used where no error is explained
+    labelled_dataset: xr.Dataset = plain.assign_coords(texts).set_coords(_COORDINATES)
+    for name in labelled_dataset.coords:
+        variable = labelled_dataset.variables[name].load()  # small, and used where no error is explained
         if variable.dtype.kind == "f" and not np.isfinite(variable.values).all():
-            raise InputError(STORED, value=f"{name} that is not finite", remedy=MEND, where=str(path))
+            raise InputError(STORED_RULE, value=f"{name} that is not finite", remedy=MEND, where=str(path))
     # A store lists its arrays in the order of its folder; whatever is derived from it would inherit that.
-    return opened[sorted(map(str, opened.variables))]
+    return labelled_dataset[sorted(map(str, labelled_dataset.variables))]
 
 
 _SMALLEST_ERROR, _LARGEST_ERROR = 1e-5, 1.0
@@ -218,7 +218,7 @@ def write_compact(results: xr.Dataset, path: str | Path, *, step: float = 5e-4) 
     for metric in Metric:
         finite = np.nan_to_num(compact[metric].values, nan=_LARGEST_ERROR, posinf=_LARGEST_ERROR)
         errors = compact[metric].copy(data=np.clip(finite, _SMALLEST_ERROR, _LARGEST_ERROR))
-        compact[metric] = stepped(errors, step=step, along=_NEIGHBOURS)
+        compact[metric] = quantise(errors, step=step, dimensions=_NEIGHBOURS)
     compact.attrs["precision"] = (
         f"errors above {_LARGEST_ERROR:g} are stored as {_LARGEST_ERROR:g} and those below "
         f"{_SMALLEST_ERROR:g} as 0; relative rounding {0.5 * step:g}"
@@ -239,12 +239,12 @@ def open_compact(path: Path) -> xr.Dataset:
     dataset = read_netcdf(path, _READABLE, _CHECK_PATH)
     require_readable(dataset.attrs, path)
     with decoding(_READABLE, remedy=_CHECK_PATH, where=path):
-        of_all = float(dataset.attrs.pop(STEP, 0.0))  # one step of both, in files of earlier versions
+        common_step = float(dataset.attrs.pop(STEP, 0.0))  # one step of both, in files of earlier versions
         for metric in Metric:
-            if of_all:
-                dataset[metric] = _decode_signed(dataset[metric], of_all)
+            if common_step:
+                dataset[metric] = _decode_signed(dataset[metric], common_step)
             elif STEP in dataset[metric].attrs:
-                dataset[metric] = _zero_smallest(numbered(dataset[metric]), dataset[metric].attrs[STEP])
+                dataset[metric] = _zero_smallest(restore_steps(dataset[metric]), dataset[metric].attrs[STEP])
         if Dimension.SHARE not in dataset.dims:
             dataset.attrs[SHARE_ATTRIBUTE] = float(dataset.attrs[SHARE_ATTRIBUTE])
     return dataset
@@ -258,7 +258,7 @@ def _zero_smallest(errors: xr.DataArray, step: float) -> xr.DataArray:
 
 def _decode_signed(steps: xr.DataArray, step: float) -> xr.DataArray:
     """Read errors as version 0.2 wrote them: signed differences along gain and delay."""
-    whole = steps.values.astype(np.int64)
+    integers = steps.values.astype(np.int64)
     for name in (Dimension.GAIN, Dimension.DELAY):
-        whole = np.cumsum(whole, axis=steps.get_axis_num(name))
-    return _zero_smallest(steps.copy(data=np.exp(step * whole).astype(np.float32)), step)
+        integers = np.cumsum(integers, axis=steps.get_axis_num(name))
+    return _zero_smallest(steps.copy(data=np.exp(step * integers).astype(np.float32)), step)

@@ -13,11 +13,11 @@ from reliab.core.files import decoding
 from reliab.core.progress import Progress, silent
 from reliab.core.vocabulary import RESULT_DIMENSIONS, SHARE_ATTRIBUTE, Dimension, Metric, Side
 from reliab.structures.structure import Structure
-from reliab.sweep.cut_records import with_known_cut_records
+from reliab.sweep.cut_records import add_known_cut_records
 from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_table, ellipse_dataset
-from reliab.sweep.labels import with_labels
-from reliab.sweep.shares import at_share, for_each_share, share_of, shares_of
-from reliab.sweep.store_layout import MEND, STORED
+from reliab.sweep.labels import label_variables
+from reliab.sweep.shares import concatenate_shares, select_share, share_of, shares_of
+from reliab.sweep.store_layout import MEND, STORED_RULE
 from reliab.tracking.boundary.contour import REACH, Contour, ErrorSurfaces, furthest_lead, trace_contours
 from reliab.tracking.boundary.curves import Curve
 
@@ -61,9 +61,11 @@ def contours_of(
         return surfaces.error(amplitude, delay, surface[contour])
 
     contours = trace_contours(error, levels, structure, side=sides)
-    inside = np.stack([_ends_inside_grid(errors, structure, *pair) for pair in pairs], axis=-1)
-    within_grid = [contour if ok else None for contour, ok in zip(contours, inside.ravel(), strict=True)]
-    return [within_grid[k : k + len(pairs)] for k in range(0, len(within_grid), len(pairs))]
+    is_inside = np.stack([_ends_inside_grid(errors, structure, *pair) for pair in pairs], axis=-1)
+    contours_on_grid = [
+        contour if ok else None for contour, ok in zip(contours, is_inside.ravel(), strict=True)
+    ]
+    return [contours_on_grid[k : k + len(pairs)] for k in range(0, len(contours_on_grid), len(pairs))]
 
 
 def _ends_inside_grid(
@@ -76,12 +78,12 @@ def _ends_inside_grid(
     offset = np.abs(np.log(gains))
     reach = REACH * structure.damping_ratio * (1 - 1e-9)
     wide = (offset[[0, -1]] >= reach) | (punctual[:, [0, -1]] >= threshold)
-    within = (offset <= reach) & (punctual < threshold)
+    is_within = (offset <= reach) & (punctual < threshold)
     if side is Side.LEAD:
-        followed = -delays[0] >= furthest_lead(structure, gains) * (1 - 1e-9)
-        high = ~within | (values[..., 0] >= threshold) | followed
+        is_at_furthest_lead = -delays[0] >= furthest_lead(structure, gains) * (1 - 1e-9)
+        high = ~is_within | (values[..., 0] >= threshold) | is_at_furthest_lead
     else:
-        high = ~within | (values[..., -1] >= threshold)
+        high = ~is_within | (values[..., -1] >= threshold)
     return np.asarray(wide.all(axis=-1) & high.all(axis=-1))
 
 
@@ -94,11 +96,11 @@ def errors_at_rest(results: xr.Dataset, metrics: Sequence[Metric]) -> Array | No
         return None
     rms = results["rms_at_rest"].transpose("motion", "f", "xi").values.astype(np.float64)
     # Without motion the deviation is the exact response, whose peak normalises MTE^R, so that MTE^R is 1.
-    by_metric = {Metric.RMS: rms, Metric.MTE: np.ones_like(rms)}
-    return np.stack([by_metric[metric] for metric in metrics], axis=-1)
+    errors_of_metric = {Metric.RMS: rms, Metric.MTE: np.ones_like(rms)}
+    return np.stack([errors_of_metric[metric] for metric in metrics], axis=-1)
 
 
-_OF_RECORDS_AND_STRUCTURES = ("motion", "f", "xi", "event", "duration", "dt", "pga", "checksum")
+_KEPT_COORDINATES = ("motion", "f", "xi", "event", "duration", "dt", "pga", "checksum")
 
 
 @xr.register_dataset_accessor("reliab")  # type: ignore[no-untyped-call]
@@ -113,15 +115,15 @@ class ResultsAccessor:
                 value=f"a dataset without {', '.join(absent) or 'rms'}",
                 remedy="Open one with reliab.open_results",
             )
-        self._dataset = at_share(dataset) if len(shares_of(dataset)) == 1 else dataset
+        self._dataset = select_share(dataset) if len(shares_of(dataset)) == 1 else dataset
 
     def structure(self, f: float, xi: float) -> Structure:
         """Structure of the dataset with given natural frequency [Hz] and damping ratio [-]."""
         for name, value in ((Dimension.FREQUENCY, f), (Dimension.DAMPING_RATIO, xi)):
-            stored = self._dataset[name].values
-            if not np.isclose(stored, value, rtol=1e-9).any():
+            values = self._dataset[name].values
+            if not np.isclose(values, value, rtol=1e-9).any():
                 raise InputError(
-                    f"{name} must be among the simulated ones, {', '.join(f'{x:g}' for x in stored)}",
+                    f"{name} must be among the simulated ones, {', '.join(f'{x:g}' for x in values)}",
                     value=value,
                     remedy="Choose one of these, or simulate that one",
                 )
@@ -130,13 +132,13 @@ class ResultsAccessor:
     def grid(self, f: float, xi: float) -> tuple[Array, Array]:
         """Gains k_p [-] and delays τ [s] that were simulated for a structure."""
         self.structure(f, xi)
-        at = {
+        structure_place = {
             Dimension.FREQUENCY: int(np.argmin(np.abs(self._dataset["f"].values - f))),
             Dimension.DAMPING_RATIO: int(np.argmin(np.abs(self._dataset["xi"].values - xi))),
         }
         gains, delays = (
             self._dataset[name].isel(
-                {dim: index for dim, index in at.items() if dim in self._dataset[name].dims}
+                {dim: index for dim, index in structure_place.items() if dim in self._dataset[name].dims}
             )
             for name in (Dimension.GAIN, Dimension.DELAY)
         )
@@ -145,9 +147,9 @@ class ResultsAccessor:
 
     def _sound(self) -> AbstractContextManager[None]:
         """Turn damage found while reading from disk into an error for the user."""
-        return decoding(STORED, remedy=MEND, where=self._dataset.encoding.get("source", ""))
+        return decoding(STORED_RULE, remedy=MEND, where=self._dataset.encoding.get("source", ""))
 
-    def at_structure(self, f: float, xi: float) -> xr.Dataset:
+    def select_structure(self, f: float, xi: float) -> xr.Dataset:
         """Results of one structure, as float64 with one-dimensional `kp` and `tau` coordinates."""
         gains, delays = self.grid(f, xi)
         results = self._dataset.drop_vars([Dimension.GAIN, Dimension.DELAY]).isel(
@@ -159,11 +161,11 @@ class ResultsAccessor:
         with self._sound():
             results = results.load()
         floats = {name: values.astype(np.float64) for name, values in results.items() if name != "stable"}
-        return with_labels(results.assign(floats).assign_coords(kp=gains, tau=delays))
+        return label_variables(results.assign(floats).assign_coords(kp=gains, tau=delays))
 
     def nearest(self, *, f: float, xi: float, gain: float, delay: float) -> xr.Dataset:
         """Results of the cell nearest to a given gain [-] and delay [s], for every motion."""
-        return self.at_structure(f, xi).sel(kp=gain, tau=delay, method="nearest")
+        return self.select_structure(f, xi).sel(kp=gain, tau=delay, method="nearest")
 
     def errors(
         self, *, f: float, xi: float, gain: Array, delay: Array, metric: Metric = Metric.RMS
@@ -172,7 +174,7 @@ class ResultsAccessor:
 
         Returns [-].
         """
-        results = self.at_structure(f, xi)
+        results = self.select_structure(f, xi)
         motions, tests = results.sizes["motion"], np.size(gain)
         errors = surfaces_of(results[metric]).error(
             np.tile(gain, motions), np.tile(delay, motions), np.repeat(np.arange(motions), tests)
@@ -192,7 +194,7 @@ class ResultsAccessor:
         `threshold` [-].
         """
         self._check_sides((side,))
-        results = self.at_structure(f, xi)
+        results = self.select_structure(f, xi)
         contours = contours_of(results[metric], self.structure(f, xi), [(threshold, side)])
         return dict(zip(results["motion"].values.tolist(), (contour[0] for contour in contours), strict=True))
 
@@ -217,10 +219,10 @@ class ResultsAccessor:
         if len(shares := shares_of(self._dataset)) > 1:
 
             def trace_share(share: float, advance: Progress) -> xr.Dataset:
-                of_share = ResultsAccessor(at_share(self._dataset, share))
-                return of_share.ellipses(thresholds, metrics, curves, sides=sides, progress=advance)
+                accessor = ResultsAccessor(select_share(self._dataset, share))
+                return accessor.ellipses(thresholds, metrics, curves, sides=sides, progress=advance)
 
-            return for_each_share(shares, trace_share, progress)
+            return concatenate_shares(shares, trace_share, progress)
         sizes = [self._dataset.sizes[name] for name in ("motion", "f", "xi")]
         table = np.full(
             (*sizes, len(thresholds), len(metrics), len(curves), len(sides), len(COLUMNS)), np.nan
@@ -231,15 +233,15 @@ class ResultsAccessor:
             for j, xi in enumerate(self._dataset["xi"].values.tolist()):
                 structure = self.structure(f, xi)
                 for batch in batches(sizes[0]):
-                    results = ResultsAccessor(self._dataset.isel(motion=batch)).at_structure(f, xi)
+                    results = ResultsAccessor(self._dataset.isel(motion=batch)).select_structure(f, xi)
                     for k, metric in enumerate(metrics):
                         rows = curve_table(contours_of(results[metric], structure, pairs), curves)
-                        by_side = rows.reshape(-1, len(thresholds), len(sides), *rows.shape[2:])
-                        table[batch, i, j, :, k] = by_side.swapaxes(2, 3)
+                        rows_of_side = rows.reshape(-1, len(thresholds), len(sides), *rows.shape[2:])
+                        table[batch, i, j, :, k] = rows_of_side.swapaxes(2, 3)
                 progress(i * sizes[2] + j + 1, total)
-        traced = ellipse_dataset(
+        ellipses = ellipse_dataset(
             table,
-            {name: self._dataset[name] for name in _OF_RECORDS_AND_STRUCTURES},
+            {name: self._dataset[name] for name in _KEPT_COORDINATES},
             thresholds=thresholds,
             metrics=metrics,
             curves=curves,
@@ -249,7 +251,7 @@ class ResultsAccessor:
             },
             error_at_rest=errors_at_rest(self._dataset, metrics),
         )
-        return with_known_cut_records(traced)
+        return add_known_cut_records(ellipses)
 
     @property
     def sides(self) -> tuple[Side, ...]:

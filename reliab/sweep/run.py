@@ -38,7 +38,7 @@ class SweepJob:
     def solve(self, index: int) -> EncodedMotion:
         """Read and simulate one motion, and encode its results."""
         motion = self.motions[index]
-        return EncodedMotion.of_results(index, motion, solve_motion(motion, self.request))
+        return EncodedMotion.from_results(index, motion, solve_motion(motion, self.request))
 
     def solve_several(self, indices: Sequence[int]) -> list[EncodedMotion]:
         """Solve the motions of one task."""
@@ -61,19 +61,19 @@ def run_sweep(
     `scheduler`: address of a dask.distributed scheduler that solves the motions instead.
     """
     path = Path(path)
-    with ResultsStore.opened(path, request, motions.names, motions.events, resume=resume) as store:
+    with ResultsStore.open(path, request, motions.names, motions.events, resume=resume) as store:
         complete = store.complete()
-        missing = [index for index, done in enumerate(complete) if not done]
+        missing = [index for index, is_complete in enumerate(complete) if not is_complete]
         progress(len(complete) - len(missing), len(complete))
         job = SweepJob(motions=motions, request=request)
         with closing(
             _solve_on_cluster(scheduler, job, missing)
             if scheduler
             else _solve_on_threads(workers, job, missing)
-        ) as solved:
-            for finished, motion in enumerate(solved, start=len(complete) - len(missing) + 1):
+        ) as solutions:
+            for finished_count, motion in enumerate(solutions, start=len(complete) - len(missing) + 1):
                 store.enter(motion)
-                progress(finished, len(complete))
+                progress(finished_count, len(complete))
         store.finish()
     return path
 
@@ -86,13 +86,13 @@ def _solve_on_threads(workers: int | None, job: SweepJob, missing: list[int]) ->
     with ThreadPoolExecutor(threads) as pool:
         try:
             while True:
-                further = islice(queue, _TASKS_PER_WORKER * threads - len(waiting))
-                waiting += [pool.submit(job.solve, index) for index in further]
+                next_tasks = islice(queue, _TASKS_PER_WORKER * threads - len(waiting))
+                waiting += [pool.submit(job.solve, index) for index in next_tasks]
                 if not waiting:
                     return
-                done, _ = wait(waiting, return_when=FIRST_COMPLETED)
-                yield from (future.result() for future in waiting if future in done)
-                waiting = [future for future in waiting if future not in done]
+                finished_tasks, _ = wait(waiting, return_when=FIRST_COMPLETED)
+                yield from (future.result() for future in waiting if future in finished_tasks)
+                waiting = [future for future in waiting if future not in finished_tasks]
         finally:
             for future in waiting:
                 future.cancel()

@@ -10,17 +10,17 @@ Names = str | Sequence[str]
 
 
 @overload
-def several(values: Names) -> tuple[str, ...]: ...
+def as_names(values: Names) -> tuple[str, ...]: ...
 @overload
-def several(values: Numbers) -> tuple[float, ...]: ...
+def as_names(values: Numbers) -> tuple[float, ...]: ...
 
 
-def several(values: Any) -> tuple[Any, ...]:
+def as_names(values: Any) -> tuple[Any, ...]:
     """Take one value, or several of them.
 
     `values`: a number or a name, or several; NumPy's arrays as well.
 
-    >>> several(0.05), several([0.05, 0.10]), several("rms")
+    >>> as_names(0.05), as_names([0.05, 0.10]), as_names("rms")
     ((0.05,), (0.05, 0.1), ('rms',))
     """
     if isinstance(values, str):

@@ -1,8 +1,8 @@
 """Shares of the stiffness in the laboratory: an attribute of a dataset, or a dimension of several shares.
 
 A dataset of one share, as every version wrote it, names it in its attribute `experimental_fraction`. One of
-several shares has the dimension `alpha` after `xi`, and no such attribute; `at_share` cuts one share out of
-it, which is then like any dataset of one share.
+several shares has the dimension `alpha` after `xi`, and no such attribute; `select_share` cuts one share out
+of it, which is then like any dataset of one share.
 """
 
 from collections.abc import Callable, Sequence
@@ -13,9 +13,9 @@ import xarray as xr
 from reliab.core.errors import InputError
 from reliab.core.progress import Progress
 from reliab.core.vocabulary import SHARE_ATTRIBUTE, Dimension
-from reliab.sweep.labels import with_labels
+from reliab.sweep.labels import label_variables
 
-_WHOLE = 1.0
+_FULL_SHARE = 1.0
 
 
 def shares_of(dataset: xr.Dataset) -> tuple[float, ...]:
@@ -30,7 +30,7 @@ def shares_of(dataset: xr.Dataset) -> tuple[float, ...]:
     """
     if Dimension.SHARE in dataset.coords:
         return tuple(float(share) for share in np.atleast_1d(dataset[Dimension.SHARE].values))
-    return (float(dataset.attrs.get(SHARE_ATTRIBUTE, _WHOLE)),)
+    return (float(dataset.attrs.get(SHARE_ATTRIBUTE, _FULL_SHARE)),)
 
 
 def share_of(dataset: xr.Dataset) -> float:
@@ -44,12 +44,12 @@ def share_of(dataset: xr.Dataset) -> float:
         raise InputError(
             "This needs a dataset of one share of the stiffness in the laboratory",
             value=f"a dataset of α = {_list_shares(shares)}",
-            remedy="Choose one with reliab.sweep.shares.at_share, or as `alpha` of a command",
+            remedy="Choose one with reliab.sweep.shares.select_share, or as `alpha` of a command",
         )
     return shares[0]
 
 
-def at_share(dataset: xr.Dataset, share: float | None = None) -> xr.Dataset:
+def select_share(dataset: xr.Dataset, share: float | None = None) -> xr.Dataset:
     """Cut one share of the stiffness out of a dataset.
 
     `dataset`: results or ellipses of one share or several.
@@ -58,16 +58,20 @@ def at_share(dataset: xr.Dataset, share: float | None = None) -> xr.Dataset:
     Raises InputError if the dataset is not of that share, or is of several and none is given.
 
     >>> several = xr.Dataset({"a": ("alpha", [4e-4, 1e-4])}, coords={"alpha": [0.5, 1.0]})
-    >>> float(at_share(several, 0.5)["a"]), at_share(several, 0.5).attrs
+    >>> float(select_share(several, 0.5)["a"]), select_share(several, 0.5).attrs
     (0.0004, {'experimental_fraction': 0.5})
     """
     shares = shares_of(dataset)
-    requested = share_of(dataset) if share is None else share
-    near = [place for place, stored in enumerate(shares) if np.isclose(requested, stored, rtol=1e-9)]
+    requested_share = share_of(dataset) if share is None else share
+    near = [
+        place
+        for place, stored_share in enumerate(shares)
+        if np.isclose(requested_share, stored_share, rtol=1e-9)
+    ]
     if not near:
         raise InputError(
             "The dataset has no such share of the stiffness",
-            value=f"α = {requested:g}; it has α = {_list_shares(shares)}",
+            value=f"α = {requested_share:g}; it has α = {_list_shares(shares)}",
             remedy="Choose one of these, or simulate that one",
         )
     if Dimension.SHARE not in dataset.coords:
@@ -77,7 +81,7 @@ def at_share(dataset: xr.Dataset, share: float | None = None) -> xr.Dataset:
     return dataset.drop_vars(Dimension.SHARE).assign_attrs({SHARE_ATTRIBUTE: shares[near[0]]})
 
 
-def for_each_share(
+def concatenate_shares(
     shares: Sequence[float], compute: Callable[[float, Progress], xr.Dataset], progress: Progress
 ) -> xr.Dataset:
     """Compute a dataset of each share and join them along `alpha`.
@@ -89,13 +93,13 @@ def for_each_share(
     datasets = []
     for turn, share in enumerate(shares):
 
-        def advance(done: int, total: int, turn: int = turn) -> None:
-            progress(turn * total + done, len(shares) * total)
+        def advance(step: int, total: int, turn: int = turn) -> None:
+            progress(turn * total + step, len(shares) * total)
 
         datasets.append(compute(share, advance))
     if len(datasets) == 1:
         return datasets[0]
-    joined = xr.concat(
+    dataset = xr.concat(
         datasets,
         xr.DataArray(list(shares), dims=Dimension.SHARE, name=str(Dimension.SHARE)),
         data_vars="all",
@@ -104,11 +108,11 @@ def for_each_share(
         join="exact",
         combine_attrs="override",
     )
-    joined.attrs.pop(SHARE_ATTRIBUTE, None)
+    dataset.attrs.pop(SHARE_ATTRIBUTE, None)
     cautions = dict.fromkeys(dataset.attrs["caution"] for dataset in datasets if "caution" in dataset.attrs)
     if cautions:
-        joined.attrs["caution"] = " ".join(cautions)
-    return with_labels(joined.map(_order_share_dimension, keep_attrs=True))
+        dataset.attrs["caution"] = " ".join(cautions)
+    return label_variables(dataset.map(_order_share_dimension, keep_attrs=True))
 
 
 def _list_shares(shares: Sequence[float]) -> str:

@@ -96,10 +96,12 @@ def _evaluate(pair: QuadraturePair, grid: Grid, structure: Structure) -> tuple[A
     cells, sides = _nodes(grid, structure)
     statistics = evaluate_sums(tracking_sums(pair, cells))
     units = (cells.gain, gains[:, np.newaxis]), (cells.delay, delays)
-    for table, values, (at_nodes, at_grid) in zip((amplitude, equivalent), statistics, units, strict=True):
+    for table, values, (node_unit, grid_unit) in zip((amplitude, equivalent), statistics, units, strict=True):
         for side in sides:
-            table[:, side.columns] = side.over_gain @ (values / at_nodes)[side.cells] @ side.over_delay.T
-        np.multiply(table, at_grid, out=table)
+            table[:, side.columns] = (
+                side.gain_weights @ (values / node_unit)[side.cells] @ side.delay_weights.T
+            )
+        np.multiply(table, grid_unit, out=table)
     return amplitude, equivalent
 
 
@@ -111,8 +113,8 @@ class _Nodes:
     columns: slice  # Delays of the grid that they serve
     # over_gain, over_delay: Weights of the nodes along each axis, shapes (kp, gain nodes) and (tau, delay
     # nodes)
-    over_gain: Array
-    over_delay: Array
+    gain_weights: Array
+    delay_weights: Array
 
 
 @lru_cache(maxsize=256)
@@ -120,23 +122,23 @@ def _nodes(grid: Grid, structure: Structure) -> tuple[TrackedCells, list[_Nodes]
     """Nodes of the lags, including the actuator without delay, and of the leads if the grid has any."""
     gains, delays = grid.gains(structure), grid.delays(structure)
     central = np.abs(np.log(gains)) <= _CENTRAL * structure.damping_ratio
-    at_gains = _evenly(gains[central])
+    gain_nodes = _evenly(gains[central])
     leads = int(np.searchsorted(delays, 0.0))
     late = delays[(delays > 0.0) & (delays < critical_delay(structure))]
     sides = [(slice(leads, None), _evenly(_distinct(late)))]
     if leads:
         sides.append((slice(0, leads), _evenly(_distinct(delays[:leads]))))
-    at_delays = np.concatenate([of_side for _, of_side in sides])
-    gain, delay = np.meshgrid(at_gains, at_delays, indexing="ij")
+    delay_nodes = np.concatenate([side_nodes for _, side_nodes in sides])
+    gain, delay = np.meshgrid(gain_nodes, delay_nodes, indexing="ij")
     places, ends = np.arange(gain.size).reshape(gain.shape), np.cumsum([side.size for _, side in sides])
     nodes = [
         _Nodes(
-            cells=places[:, end - of_side.size : end],
+            cells=places[:, end - side_nodes.size : end],
             columns=columns,
-            over_gain=_polynomial_weights(at_gains, gains),
-            over_delay=_polynomial_weights(of_side, delays[columns]),
+            gain_weights=_polynomial_weights(gain_nodes, gains),
+            delay_weights=_polynomial_weights(side_nodes, delays[columns]),
         )
-        for (columns, of_side), end in zip(sides, ends.tolist(), strict=True)
+        for (columns, side_nodes), end in zip(sides, ends.tolist(), strict=True)
     ]
     return TrackedCells(structure=structure, gain=gain.ravel(), delay=delay.ravel()), nodes
 
@@ -157,6 +159,6 @@ def _polynomial_weights(nodes: Array, values: Array) -> Array:
     """Weights of the polynomial through the nodes, constant beyond them; shape (values, nodes)."""
     powers = np.polynomial.chebyshev.chebvander
     centre, half = 0.5 * (nodes[0] + nodes[-1]), 0.5 * (nodes[-1] - nodes[0]) or 1.0
-    inside = (np.clip(values, nodes[0], nodes[-1]) - centre) / half
-    at_nodes = powers((nodes - centre) / half, nodes.size - 1)
-    return np.asarray(powers(inside, nodes.size - 1) @ np.linalg.inv(at_nodes), dtype=np.float64)
+    scaled_values = (np.clip(values, nodes[0], nodes[-1]) - centre) / half
+    node_powers = powers((nodes - centre) / half, nodes.size - 1)
+    return np.asarray(powers(scaled_values, nodes.size - 1) @ np.linalg.inv(node_powers), dtype=np.float64)

@@ -37,7 +37,7 @@ from reliab.motions.motion import Motion
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.solve import VARIABLES, MotionResults
 from reliab.sweep.store_layout import (
-    COMPLETE,
+    COMPLETE_NOTE,
     JOURNAL,
     RECORD_FIELDS,
     SCHEMA_VERSION,
@@ -45,7 +45,7 @@ from reliab.sweep.store_layout import (
     array_of,
     consolidate,
     create_store,
-    encoded,
+    encode,
     group_names,
     open_group,
     read_attributes,
@@ -68,7 +68,7 @@ class EncodedMotion:
     windows: list[dict[str, bytes]]  # Chunk of each variable, for each window
 
     @classmethod
-    def of_results(cls, index: int, motion: Motion, results: Sequence[MotionResults]) -> "EncodedMotion":
+    def from_results(cls, index: int, motion: Motion, results: Sequence[MotionResults]) -> "EncodedMotion":
         """Encode the results of one motion, one for each window."""
         windows = [{name: getattr(result, name) for name in VARIABLES} for result in results]
         entry = {
@@ -82,14 +82,14 @@ class EncodedMotion:
             index=index,
             name=motion.name,
             entry=json.dumps(entry),
-            windows=[{name: encoded(values) for name, values in variables.items()} for variables in windows],
+            windows=[{name: encode(values) for name, values in variables.items()} for variables in windows],
         )
 
 
 class ResultsStore:
     """A store of results that is held by this process alone, which keeps its journal.
 
-    Use :meth:`opened` to create or resume one.
+    Use :meth:`open` to create or resume one.
     """
 
     def __init__(self, path: Path, request: SweepRequest) -> None:
@@ -101,7 +101,7 @@ class ResultsStore:
 
     @classmethod
     @contextlib.contextmanager
-    def opened(
+    def open(
         cls, path: Path, request: SweepRequest, names: Sequence[str], events: Sequence[str], *, resume: bool
     ) -> Iterator["ResultsStore"]:
         """Create a store, or open an unfinished one, and keep every other process from writing to it."""
@@ -119,7 +119,7 @@ class ResultsStore:
     def _chunk_names(self) -> list[dict[str, ChunkNames]]:
         """Files of each variable, for each window."""
         return [
-            {name: ChunkNames.of_array(Path(group, name), array) for name, array in arrays.items()}
+            {name: ChunkNames.from_array(Path(group, name), array) for name, array in arrays.items()}
             for group, arrays in zip(group_names(self.request), self._arrays, strict=True)
         ]
 
@@ -136,7 +136,7 @@ class ResultsStore:
         with self._safe(f"at {motion.name}"):
             for names, chunks in zip(self._chunk_names, motion.windows, strict=True):
                 for variable, chunk in chunks.items():
-                    write_chunk(self.path, names[variable].of_motion(motion.index), chunk)
+                    write_chunk(self.path, names[variable].path_of_motion(motion.index), chunk)
             self._unwritten[motion.index] = motion.entry
             if time.monotonic() - self._journal_written >= _JOURNAL_EVERY:
                 self._write_journal()
@@ -164,11 +164,11 @@ class ResultsStore:
                 for name, dtype in RECORD_FIELDS.items():
                     kind: Any = np.dtypes.StringDType() if dtype is str else dtype
                     array_of(group, name)[:] = np.array([entry[name] for entry in entries], dtype=kind)
-                group.attrs["status"] = COMPLETE
+                group.attrs["status"] = COMPLETE_NOTE
             consolidate(self.path, group_names(self.request))
 
     @contextlib.contextmanager
-    def _safe(self, where: str) -> Iterator[None]:
+    def _safe(self, location: str) -> Iterator[None]:
         """Turn a failure of the disk into an error that states which results are stored."""
         try:
             yield
@@ -176,7 +176,7 @@ class ResultsStore:
             self.close()
             reason = "the disk is full" if error.errno == errno.ENOSPC else str(error)
             raise IncompleteError(
-                f"Writing {self.path} failed {where}: {reason}. The results of {sum(self.complete())} "
+                f"Writing {self.path} failed {location}: {reason}. The results of {sum(self.complete())} "
                 "motions are safe; make room and run the same command with `resume`."
             ) from error
         except Exception as error:  # of a library that reads edited descriptions of arrays
@@ -254,10 +254,10 @@ def _check_resumable(path: Path, request: SweepRequest, names: Sequence[str], *,
         motions = array_of(group, "motion").shape[0]
         if motions == len(names):
             _check_shapes(group, request, motions)
-            stored = [str(name) for name in np.asarray(array_of(group, "motion")[:])]
+            stored_motions = [str(name) for name in np.asarray(array_of(group, "motion")[:])]
         else:
-            stored = []
-    if stored != list(names):
+            stored_motions = []
+    if stored_motions != list(names):
         raise InputError(
             f"{path} holds {motions} motions, not the {len(names)} that you gave",
             remedy="Give the motions of the first run, or name another store",

@@ -39,15 +39,15 @@ def codecs() -> list[Any]:
     return [BloscCodec(cname=_COMPRESSOR, clevel=_LEVEL), Crc32cCodec()]
 
 
-def encoded(values: NDArray[np.generic]) -> bytes:
+def encode(values: NDArray[np.generic]) -> bytes:
     """Encode the values of a chunk."""
     from numcodecs.blosc import BITSHUFFLE, SHUFFLE, Blosc
     from numcodecs.checksum32 import CRC32C
 
     plain = np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<"))
     shuffle = BITSHUFFLE if plain.itemsize == 1 else SHUFFLE
-    compressed = Blosc(cname=_COMPRESSOR, clevel=_LEVEL, shuffle=shuffle).encode(plain)
-    return bytes(CRC32C(location="end").encode(compressed))
+    content = Blosc(cname=_COMPRESSOR, clevel=_LEVEL, shuffle=shuffle).encode(plain)
+    return bytes(CRC32C(location="end").encode(content))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,26 +58,26 @@ class ChunkNames:
     first: str  # Of the first motion, within that folder
 
     @classmethod
-    def of_array(cls, folder: Path, array: Any) -> "ChunkNames":  # noqa: ANN401
+    def from_array(cls, folder: Path, array: Any) -> "ChunkNames":  # noqa: ANN401
         """Names that an array prescribes; stores of older versions have folders for them."""
         return cls(folder=folder, first=array.metadata.encode_chunk_key((0,) * array.ndim))
 
-    def of_motion(self, index: int) -> Path:
+    def path_of_motion(self, index: int) -> Path:
         """Place of the file of a motion within the store."""
         return self.folder / self.first.replace("0", str(index), 1)
 
 
-def write_chunk(store: Path, within: Path, chunk: bytes) -> None:
+def write_chunk(store: Path, chunk_path: Path, chunk: bytes) -> None:
     """Write a file of a store at once or not at all, without waiting for the disk."""
-    place, unfinished = store / within, unfinished_name(store / "chunk")
+    place, partial_file = store / chunk_path, unfinished_name(store / "chunk")
     try:
-        with unfinished.open("xb") as file:
+        with partial_file.open("xb") as file:
             file.write(chunk)
         if "." not in place.name:
             place.parent.mkdir(parents=True, exist_ok=True)
-        unfinished.replace(place)
+        partial_file.replace(place)
     except BaseException:
-        unfinished.unlink(missing_ok=True)
+        partial_file.unlink(missing_ok=True)
         raise
 
 
@@ -89,7 +89,7 @@ ZARR_FORMAT: Final = 3
 JOURNAL = "journal/entries"
 """Array of the entries that show which motions are done, apart from what users of xarray open."""
 
-UNFINISHED, COMPLETE = "unfinished: motions without results are NaN", "complete"
+UNFINISHED_NOTE, COMPLETE_NOTE = "unfinished: motions without results are NaN", "complete"
 """What the attribute `status` says of the motions."""
 
 RECORD_FIELDS: dict[str, type | str] = {
@@ -100,12 +100,12 @@ RECORD_FIELDS: dict[str, type | str] = {
 }
 """Data stored for each record, with their types."""
 
-STORED = "Stored results must be as `reliab simulate` wrote them, with every checksum right"
+STORED_RULE = "Stored results must be as `reliab simulate` wrote them, with every checksum right"
 MEND = "Repair the store with `reliab simulate --resume`, or simulate again to another store"
 """Rule for stored results, and the remedy where it is broken."""
 
-_ALONG_MOTIONS = ("event", *RECORD_FIELDS)
-_SCALED: Final = {
+_MOTION_VARIABLES = ("event", *RECORD_FIELDS)
+_GRID_SCALES: Final = {
     Dimension.GAIN: "scaled with the damping ratio: one row of gains for each xi",
     Dimension.DELAY: "scaled with xi / (2 pi f): one row of delays for each f and xi",
 }
@@ -139,9 +139,9 @@ def create_store(path: Path, request: SweepRequest, names: Sequence[str], events
 
     if not names:
         raise InputError("No ground motions given", remedy="Name files, folders or a suite")
-    unfinished = path.with_name(path.name + ".unfinished")
-    shutil.rmtree(unfinished, ignore_errors=True)
-    root = zarr.create_group(unfinished, zarr_format=ZARR_FORMAT)
+    partial_store = path.with_name(path.name + ".unfinished")
+    shutil.rmtree(partial_store, ignore_errors=True)
+    root = zarr.create_group(partial_store, zarr_format=ZARR_FORMAT)
     chunk = min(len(names), _MOTIONS_PER_CHUNK)
     for group_name, window in zip(group_names(request), request.windows, strict=True):
         group = root.create_group(group_name) if group_name else root
@@ -154,8 +154,8 @@ def create_store(path: Path, request: SweepRequest, names: Sequence[str], events
             _create_array(group, name, (len(names),), (chunk,), dtype, (Dimension.MOTION,))
     folder, entries = JOURNAL.split("/")
     _create_array(root.create_group(folder), entries, (len(names),), (chunk,), str, (Dimension.MOTION,))
-    consolidate(unfinished, group_names(request))
-    unfinished.rename(path)
+    consolidate(partial_store, group_names(request))
+    partial_store.rename(path)
 
 
 def consolidate(path: Path, groups: Sequence[str]) -> None:
@@ -179,37 +179,38 @@ def _create_variables(group: "zarr.Group", request: SweepRequest, motions: int) 
         array = _create_array(group, name, values.shape, values.shape, "float64", dims)
         array[...] = values
         if len(dims) > 1:
-            array.attrs["comment"] = _SCALED[Dimension(name)]
-    for name, over in _sizes_of_variables(request, motions).items():
-        sizes = tuple(over.values())
-        _create_array(group, name, sizes, (1, *sizes[1:]), _DTYPES[name], tuple(over))
+            array.attrs["comment"] = _GRID_SCALES[Dimension(name)]
+    for name, axis_sizes in _sizes_of_variables(request, motions).items():
+        sizes = tuple(axis_sizes.values())
+        _create_array(group, name, sizes, (1, *sizes[1:]), _DTYPES[name], tuple(axis_sizes))
 
 
 def _sizes_of_variables(request: SweepRequest, motions: int) -> dict[str, dict[str, int]]:
     """Size of every variable over each of its dimensions."""
     coordinates = request.grid.coordinates(request.frequencies, request.damping_ratios)
-    of_structures: dict[str, int] = {
+    structure_sizes: dict[str, int] = {
         Dimension.MOTION: motions,
         **{name: len(values) for name, values in request.structure_axes.items()},
     }
-    of_actuators: dict[str, int] = {
+    actuator_sizes: dict[str, int] = {
         name: coordinates[name][1].shape[-1] for name in (Dimension.GAIN, Dimension.DELAY)
     }
     return {
-        name: of_structures if name == "rms_at_rest" else of_structures | of_actuators for name in VARIABLES
+        name: structure_sizes if name == "rms_at_rest" else structure_sizes | actuator_sizes
+        for name in VARIABLES
     }
 
 
 def shapes(request: SweepRequest, motions: int) -> dict[str, tuple[int, ...]]:
     """Shape of every array of results and records in a store."""
-    of_window: dict[str, tuple[int, ...]] = {
-        **{name: tuple(over.values()) for name, over in _sizes_of_variables(request, motions).items()},
-        **dict.fromkeys((str(Dimension.MOTION), *_ALONG_MOTIONS), (motions,)),
+    window_shapes: dict[str, tuple[int, ...]] = {
+        **{name: tuple(sizes.values()) for name, sizes in _sizes_of_variables(request, motions).items()},
+        **dict.fromkeys((str(Dimension.MOTION), *_MOTION_VARIABLES), (motions,)),
     }
     windows = {
         f"{group}/{name}".lstrip("/"): shape
         for group in group_names(request)
-        for name, shape in of_window.items()
+        for name, shape in window_shapes.items()
     }
     return windows | {JOURNAL: (motions,)}
 
@@ -243,19 +244,19 @@ def _create_array(
 
 def attributes(request: SweepRequest, window: str) -> dict[str, Any]:
     """Attributes of the group of a window: what was asked for, and the versions that answer."""
-    described = request.describe()
-    model = {"model": json.dumps(described["model"])} if "model" in described else {}
-    share = {name: described[name] for name in (SHARE_ATTRIBUTE,) if name in described}
+    description = request.describe()
+    model = {"model": json.dumps(description["model"])} if "model" in description else {}
+    share = {name: description[name] for name in (SHARE_ATTRIBUTE,) if name in description}
     return {
         "schema_version": SCHEMA_VERSION,
-        "status": UNFINISHED,
-        "coordinates": " ".join((Dimension.GAIN, Dimension.DELAY, *_ALONG_MOTIONS)),
+        "status": UNFINISHED_NOTE,
+        "coordinates": " ".join((Dimension.GAIN, Dimension.DELAY, *_MOTION_VARIABLES)),
         "study_hash": request.digest(),
         "window": window,
-        "windows": described["windows"],
-        "grid": described["grid"],
-        "engine": described["engine"],
-        "tolerance": described["tolerance"],
+        "windows": description["windows"],
+        "grid": description["grid"],
+        "engine": description["engine"],
+        "tolerance": description["tolerance"],
         **share,
         **model,
         "versions": json.dumps({name: version(name) for name in _PACKAGES}),

@@ -13,7 +13,7 @@ from reliab.core.errors import InputError
 from reliab.core.vocabulary import CurveName
 from reliab.criterion.distributions import DISTRIBUTIONS, Distribution, Lognormal
 from reliab.criterion.laws.law import Law
-from reliab.criterion.laws.registry import FITTED, OF_MANY_MOTIONS, FittedLaw
+from reliab.criterion.laws.registry import FITTED_LAWS, MANY_MOTION_LAWS, FittedLaw
 from reliab.criterion.methods.method import Scatter
 from reliab.criterion.population import Population
 from reliab.criterion.scaling import scales
@@ -125,7 +125,7 @@ class _Motions:
             return np.asarray(np.log(np.stack(law.limits(*grid), axis=-1)) - self.scale)
         scatter = Scatter.from_logarithms(self.values)
         depth = np.quantile(scatter.worse(self.values), 1.0 - confidence, axis=0)
-        return self._fit_law(law, scatter.at(depth))
+        return self._fit_law(law, scatter.limits_at_depth(depth))
 
     def _fit_law(self, law: FittedLaw, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Fit a law to ln α and ln β of the grid and evaluate it there, shape (F, X, 2)."""
@@ -194,8 +194,8 @@ def compare_laws(
 def _applicable_laws(
     frequencies: NDArray[np.float64], damping_ratios: NDArray[np.float64]
 ) -> dict[str, FittedLaw | Law]:
-    laws: dict[str, FittedLaw | Law] = dict(FITTED)
-    for name, law in OF_MANY_MOTIONS.items():
+    laws: dict[str, FittedLaw | Law] = dict(FITTED_LAWS)
+    for name, law in MANY_MOTION_LAWS.items():
         try:
             law.validity.require(frequencies, damping_ratios)
         except InputError:

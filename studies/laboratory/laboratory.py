@@ -152,7 +152,7 @@ def _check(partition: Partition, rig: Rig, plant: Plant, seed: int | None, emula
     sensors = rig.sensors
     if seed is None and (sensors.displacement_noise > 0.0 or sensors.force_noise > 0.0):
         raise InputError("Sensors with noise need a seed", remedy="Give seed=0 or another number")
-    if emulate and (partition.effects or not plant.differenced.any()):
+    if emulate and (partition.effects or not plant.differentiated.any()):
         raise InputError(
             "Difference blocks are emulated for a servo-hydraulic actuator and a linear specimen with mass",
             value=type(rig.transfer_system).__name__,
@@ -207,9 +207,9 @@ def _plant_step(partition: Partition, plant: Plant, h: float) -> PlantStep:
         displacement_of_command=plant.displacement_of_command,
         force_of_command=plant.force_of_command,
         contains_nonlinear=plant.contains_nonlinear,
-        dynamics=plant.dynamics - np.outer(plant.differenced, plant.velocity),
+        dynamics=plant.dynamics - np.outer(plant.differentiated, plant.velocity),
         command_rate=np.array(plant.command),
-        differenced=np.array(plant.differenced),
+        differenced=np.array(plant.differentiated),
         linear=np.array([specimen.stiffness, specimen.damping, specimen.mass]),
     )
 

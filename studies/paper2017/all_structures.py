@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from reliab.core.vocabulary import MILLI, PERCENT, STANDARD_GRAVITY
-from reliab.criterion.laws.registry import OF_MANY_MOTIONS
+from reliab.criterion.laws.registry import MANY_MOTION_LAWS
 
 from .cases import DELAY_STEPS
 from .printed import (
@@ -102,7 +102,7 @@ def table_5(printed: PrintedTables, records: Records) -> Iterator[Item]:
 
 def table_6(printed: PrintedTables, records: Records) -> Iterator[Item]:
     """Compare A, d, the index of equation (18) and RMS^R of the four cases."""
-    law = OF_MANY_MOTIONS["guo_2017_18"]
+    law = MANY_MOTION_LAWS["guo_2017_18"]
     for case in printed.cases.drop(columns="fulfils_eq18").astype(float).to_dict("records"):
         number = int(case["case"])
         a, b = (float(limit) for limit in law.limits(case["f_hz"], case["xi"]))

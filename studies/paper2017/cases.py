@@ -22,7 +22,7 @@ from reliab_studies.laboratory.integrators import CentralDifference, ChenRicles,
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import MILLI
 from reliab.criterion.criterion import Criterion
-from reliab.criterion.laws.registry import OF_MANY_MOTIONS
+from reliab.criterion.laws.registry import MANY_MOTION_LAWS
 from reliab.motions.motion import Motion, resample, truncate
 from reliab.simulation.hybrid_test.closed_loop import Compensator, run_closed_loop
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
@@ -193,7 +193,7 @@ def case_table(cases: xr.Dataset) -> pd.DataFrame:
     """
     printed = PrintedTables.read().cases.set_index("case").loc[cases["case"].values]
     f, xi, amplitude, delay, rms = (cases[name].values for name in ("f", "xi", "A", "d", "rms"))
-    a, b = OF_MANY_MOTIONS["guo_2017_18"].limits(f, xi)
+    a, b = MANY_MOTION_LAWS["guo_2017_18"].limits(f, xi)
     index = (amplitude - 1.0) ** 2 / a + (MILLI * delay) ** 2 / b
     ideal = cases["ideal"].transpose("case", "time").values
     crest = np.abs(ideal).max(axis=1) / np.sqrt(np.mean(ideal**2, axis=1))

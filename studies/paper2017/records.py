@@ -10,7 +10,7 @@ import xarray as xr
 from reliab.core.arrays import Array
 from reliab.core.vocabulary import CurveName, Metric, Side
 from reliab.criterion.ellipse_sample import EllipseSample, is_ellipse
-from reliab.criterion.laws.registry import OF_MANY_MOTIONS
+from reliab.criterion.laws.registry import MANY_MOTION_LAWS
 from reliab.tracking.boundary.contour import Contour
 from reliab.tracking.boundary.curves import Cosine, Curve, Ellipse, Parabola
 
@@ -137,7 +137,7 @@ def containment(records: Records) -> pd.DataFrame:
         sample = records.sample(f)
         row = {"f": f}
         for name in LAWS:
-            a, b = (float(limit) for limit in OF_MANY_MOTIONS[name].limits(f, TWO_PERCENT))
+            a, b = (float(limit) for limit in MANY_MOTION_LAWS[name].limits(f, TWO_PERCENT))
             row[name] = float(((sample.a >= a) & (sample.b >= b)).mean())
         rows.append(row)
     return pd.DataFrame(rows)

@@ -106,7 +106,7 @@ def benchmark_plants(perturbed: int, seed: int = 0) -> list[BenchmarkPlant]:
         draws = generator.standard_normal(4)
         deviations = draws[:3] * _PLANT_DEVIATIONS
         if ServoHydraulic().leakage + deviations[0] > 0.0:
-            servo = ServoHydraulic().perturbed(deviations)
+            servo = ServoHydraulic().perturb(deviations)
             stiffness = _SPECIMEN_STIFFNESS + float(draws[3]) * _STIFFNESS_DEVIATION
             plants.append(BenchmarkPlant(number=len(plants), servo=servo, stiffness=stiffness))
     return plants

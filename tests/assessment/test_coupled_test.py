@@ -324,7 +324,7 @@ def test_an_offset_that_inclined_actuators_felt_is_known_by_what_their_command_a
     offset = np.array([[0.2 * np.abs(command[0]).max()], [0.0]])
     answer = kinematics @ partition.static_transfer @ np.linalg.solve(kinematics, offset)
     frame = FrameUnderTest(
-        several=True, name="", partition=partition, kinematics=kinematics, channels_at_interface=False
+        has_several=True, name="", partition=partition, kinematics=kinematics, channels_at_interface=False
     )
     for felt in (True, False):
         recording = CoupledRecording(
@@ -347,7 +347,7 @@ def test_actuators_that_move_alike_keep_gains_near_one():
         time_step=STEP,
     )
     frame = FrameUnderTest(
-        several=True,
+        has_several=True,
         name="",
         partition=partition,
         kinematics=actuators.kinematics,

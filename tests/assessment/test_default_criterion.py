@@ -12,7 +12,7 @@ from reliab.assessment.placement import place
 from reliab.core.errors import InputError
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.derivation import derive_criterion
-from reliab.criterion.ellipse_table import EllipseTable, between_tables
+from reliab.criterion.ellipse_table import EllipseTable, interpolate_tables
 from reliab.structures.structure import Structure
 from reliab.sweep.results import open_results, real_results
 
@@ -70,10 +70,12 @@ def test_chart_covers_the_shipped_frequencies():
 
 def test_ellipses_of_a_window_between_two_are_nearer_to_those_of_the_nearer_one():
     below, above = (
-        EllipseTable(a=np.array([1e-4 * size, 0.0]), b=np.array([size, 2.0]), at={}, of_motions={})
+        EllipseTable(
+            a=np.array([1e-4 * size, 0.0]), b=np.array([size, 2.0]), coordinates={}, motion_values={}
+        )
         for size in (1.0, 16.0)
     )
-    found = between_tables(below, above, 0.25)
+    found = interpolate_tables(below, above, 0.25)
     np.testing.assert_allclose(found.a, [2e-4, np.nan])
     np.testing.assert_allclose(found.b, [2.0, np.nan])
 

@@ -188,7 +188,7 @@ def test_floors_and_storeys_of_several_actuators_are_those_of_the_simulation():
         names=names[:2],
         degrees_of_freedom=names,
     )
-    stated = FrameUnderTest(name="three", partition=partition, several=True)
+    stated = FrameUnderTest(name="three", partition=partition, has_several=True)
     recording = CoupledRecording(
         command=outcome.command, measured=outcome.measured, time_step=1.0 / RATE, ground=ground
     )

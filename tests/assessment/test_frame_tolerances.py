@@ -142,7 +142,7 @@ def test_several_actuators_have_the_same_tolerances(case):
     found = assess_frame(
         several,
         FrameUnderTest(
-            several=True,
+            has_several=True,
             name="two",
             partition=partition,
             kinematics=np.eye(1),

@@ -26,7 +26,7 @@ from reliab.core.vocabulary import Side
 from reliab.criterion.carrying import carry_to_length, carry_to_response, protect_over_lengths
 from reliab.criterion.derivation import derive_criterion
 from reliab.criterion.response_measures import ResponseMeasures
-from reliab.criterion.shipped_tables import shipped_ellipses, shipped_measures
+from reliab.criterion.shipped_tables import read_shipped_ellipses, read_shipped_measures
 from reliab.motions.loading import load_motions
 from reliab.motions.motion import Motion
 from reliab.structures.structure import Structure
@@ -43,10 +43,10 @@ STEP = 0.01  # s
 
 def shipped():
     """Inscribed ellipses at the threshold, of the structures."""
-    table = shipped_ellipses("inscribed", "record", "rms")
+    table = read_shipped_ellipses("inscribed", "record", "rms")
     near = {"f": F, "xi": XI, "threshold": (THRESHOLD,)}
     places = {
-        name: [int(np.abs(table.at[name] - value).argmin()) for value in wanted]
+        name: [int(np.abs(table.coordinates[name] - value).argmin()) for value in wanted]
         for name, wanted in near.items()
     }
     return table.take(**places)
@@ -69,8 +69,8 @@ def limits_of_length(without, seconds, side):
 def by_response(ellipses, excitation, f, xi, side):
     """Limits at each confidence (confidence, 2) by the response of a structure, and where that lies."""
     structure = Structure(frequency=f, damping_ratio=xi)
-    own = ResponseMeasures.of_one(first_order_ellipse(excitation, structure), structure, "this motion")
-    carried = carry_to_response(ellipses, shipped_measures(), own)
+    own = ResponseMeasures.from_response(first_order_ellipse(excitation, structure), structure, "this motion")
+    carried = carry_to_response(ellipses, read_shipped_measures(), own)
     criteria = [derive_criterion(carried, threshold=THRESHOLD, confidence=share) for share in CONFIDENCES]
     return np.array([criterion.limits(f, xi, side) for criterion in criteria]), carried.attrs["position"]
 

@@ -24,7 +24,7 @@ from simulated_populations import POPULATIONS, SEED, simulated
 from reliab.criterion.carrying import carry_to_length
 from reliab.criterion.derivation import Derivation
 from reliab.criterion.methods.registry import method_of
-from reliab.criterion.shipped_tables import shipped_ellipses
+from reliab.criterion.shipped_tables import read_shipped_ellipses
 from reliab.motions.intensity import arias_times
 from reliab.motions.loading import load_motions
 from reliab.validation.cross_validation.truth import Cell, Region, SimulatedTruth
@@ -39,12 +39,13 @@ SHORTEST = 10.0  # s, of the population
 @cache
 def limits_of(without, duration):
     """Limits without an earthquake, of all lengths or of one [s], (threshold, confidence, structure, 2)."""
-    table = shipped_ellipses("inscribed", "record", "rms")
+    table = read_shipped_ellipses("inscribed", "record", "rms")
     near = {"f": F, "xi": XI, "threshold": THRESHOLDS}
     places = {
-        name: [int(np.abs(table.at[name] - value).argmin()) for value in of] for name, of in near.items()
+        name: [int(np.abs(table.coordinates[name] - value).argmin()) for value in of]
+        for name, of in near.items()
     }
-    ellipses = table.take(**places, side=table.at["side"] == "lag", motion=table.events != without)
+    ellipses = table.take(**places, side=table.coordinates["side"] == "lag", motion=table.events != without)
     ellipses = ellipses if duration is None else carry_to_length(ellipses, duration)
     found = []
     for threshold in THRESHOLDS:

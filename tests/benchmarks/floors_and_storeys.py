@@ -115,7 +115,7 @@ def judged(kind: str, seed: int, records: list[Path]) -> dict[str, object]:
         degrees_of_freedom=NAMES,
     )
     if several:
-        frame = FrameUnderTest(name=kind, partition=partition, several=True)
+        frame = FrameUnderTest(name=kind, partition=partition, has_several=True)
         recording = CoupledRecording(
             command=outcome.command, measured=read, time_step=1.0 / RATE, ground=ground
         )

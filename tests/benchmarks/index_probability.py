@@ -56,7 +56,7 @@ def judged(motion, seconds, f, xi, rng, *, population, rigs):
         return relative_error(loop.deviation(loop.cells(gain=gain, delay=delay)), Metric.RMS)
 
     by_population = of_length.probability(gain, delay, f, xi)
-    known = ResponseMeasures.of_one(response, structure, "this test").compared
+    known = ResponseMeasures.from_response(response, structure, "this test").measure_values
     test = {"length": length, "cycles": length * f} | {name: value.item() for name, value in known.items()}
     outside = compare_with_scope(of_length.provenance.scope, test).position is Position.OUTSIDE
     unknown = np.full(rigs, np.nan)

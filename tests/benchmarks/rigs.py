@@ -20,7 +20,7 @@ import numpy as np
 import scipy
 from rig_rows import rig_table, rig_test
 
-from reliab.rig.learning.learned import last_ten, left_out_scores, pooled
+from reliab.rig.learning.learned import last_ten, pool, score_left_out_events
 from reliab.rig.memory import Memory, NextTest
 from reliab.rig.prediction import DRAWS, Draws, learn_tests, predict_next
 from reliab.structures.structure import Structure
@@ -81,21 +81,21 @@ def left_out(table, threshold):
 
     Shares of tests within intervals and the like, by quantity; `really_left_out` checks them on a few.
     """
-    memory = Memory.remembered(table)
+    memory = Memory.from_table(table)
     found = {}
     for name, values in quantities(memory).items():
         learned = memory.learn(values, NextTest())
         residuals = learned.left_out.residuals
         limits = (np.log(threshold) - values) / (learned.spread * learned.left_out.spreads) + residuals
         rows = {"inside": np.zeros(values.size), "good": values <= np.log(threshold)}
-        rows |= {"score": learned.left_out_scores, "stated": np.zeros(values.size)}
+        rows |= {"score": learned.score_left_out_events, "stated": np.zeros(values.size)}
         for members, scatter in learned.scatters_without_earthquakes():
             low, high = scatter.quantile(0.05), scatter.quantile(0.95)
             rows["inside"][members] = (residuals[members] >= low) & (residuals[members] <= high)
             if name == "rms":
                 rows["stated"][members] = scatter.cumulative(limits[members])
-        rows["all tests pooled"] = left_out_scores(values, learned.events, pooled, before=False)
-        rows["the last ten"] = left_out_scores(values, learned.events, last_ten, before=True)
+        rows["all tests pooled"] = score_left_out_events(values, learned.events, pool, only_earlier=False)
+        rows["the last ten"] = score_left_out_events(values, learned.events, last_ten, only_earlier=True)
         found[name] = rows
     return found
 
@@ -105,7 +105,7 @@ def left_out_of_known_motion(table):
 
     Tests are drawn as `reliab rig predict --motion` draws them, with the ellipse of the test's own motion.
     """
-    memory = Memory.remembered(table)
+    memory = Memory.from_table(table)
     learned = learn_tests(memory, NextTest(peak=1.0))
     of_a, of_b = table.numbers("own_a"), table.numbers("own_b_ms2")
     centres = {
@@ -119,7 +119,7 @@ def left_out_of_known_motion(table):
         member = memory.events == event
         others = np.flatnonzero(~member)
         for name in ("A", "d_ms"):
-            scores[member] += learned[name].left_out_scores[member]
+            scores[member] += learned[name].score_left_out_events[member]
         for place in np.flatnonzero(member):
             rows = rng.choice(others, size=DRAWS)
             longer = np.sqrt((others.size - 1.0) / rng.chisquare(others.size - 1.0, DRAWS))
@@ -143,7 +143,7 @@ def left_out_of_known_motion(table):
 
 def known_law(kind):
     """Logarithm of the density of each quantity over other rigs of a kind."""
-    rigs = [Memory.remembered(simulated_rig(kind, 1_000_000 + seed)) for seed in range(OTHER_RIGS)]
+    rigs = [Memory.from_table(simulated_rig(kind, 1_000_000 + seed)) for seed in range(OTHER_RIGS)]
     every = [quantities(memory) for memory in rigs]
     return {
         name: scipy.stats.gaussian_kde(np.concatenate([values[name] for values in every])).logpdf
@@ -192,7 +192,7 @@ def main(first=100, rigs=20, checked=0):
             sums["known motion"], inside = left_out_of_known_motion(table)
             held.append(inside.mean())
             if law is not None:
-                values = quantities(Memory.remembered(table))
+                values = quantities(Memory.from_table(table))
                 sums["known law"] = sum(law[name](values[name]) for name in law)
             known = np.isfinite(sums["the last ten"])
             scores.append({name: sums[name][known].mean() for name in sums})

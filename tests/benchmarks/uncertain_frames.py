@@ -149,7 +149,7 @@ def judged(row: str, name: str, seed: int, records: list[Path], rate: float = RA
         outcome.measured.size
     )
     whole = frame.partition
-    tolerances = type(frame.tolerances)(**(stated or {})).of_structure(
+    tolerances = type(frame.tolerances)(**(stated or {})).check_structure(
         whole.degrees_of_freedom, whole.mass, whole.damping, whole.stiffness
     )
     thinned = slice(None, None, round(RATE / rate))

@@ -7,9 +7,9 @@ import xarray as xr
 from reliab.core.log_quantization import from_steps, to_steps
 from reliab.core.shipped import shipped
 from reliab.criterion.ellipse_reading import read_ellipses
-from reliab.criterion.shipped_tables import shipped_ellipses, shipped_measures
+from reliab.criterion.shipped_tables import read_shipped_ellipses, read_shipped_measures
 from reliab.sweep.ellipse_dataset import open_windows
-from reliab.sweep.netcdf import packed, read_netcdf, write_netcdf
+from reliab.sweep.netcdf import pack, read_netcdf, write_netcdf
 
 
 @pytest.mark.parametrize("axes", [[0], [1], [0, 2], [2, 1, 0]])
@@ -28,7 +28,7 @@ def test_a_file_has_its_unknown_numbers_and_its_labels(tmp_path):
             "unknown": (("x", "y"), np.isnan(values).astype(np.int8)),
         }
     )
-    stored = packed(dataset, ("a",), step=0.01, along=("y", "x"), unknown="unknown")
+    stored = pack(dataset, ("a",), step=0.01, dimensions=("y", "x"), unknown="unknown")
     write_netcdf(stored, tmp_path / "packed.nc")
     found = read_netcdf(tmp_path / "packed.nc", "A file", "Make it")
     np.testing.assert_allclose(found["a"], values, rtol=0.00501)
@@ -41,12 +41,12 @@ def test_both_readers_of_what_ships_agree():
     windows = open_windows(path)
     for curve, window, metric in (("inscribed", "record", "rms"), ("ellipse", "20", "mte")):
         labelled = windows[window].sel(curve=[curve], metric=[metric])
-        table = shipped_ellipses(curve, window, metric)
+        table = read_shipped_ellipses(curve, window, metric)
         np.testing.assert_array_equal(table.a, labelled["a"])
         np.testing.assert_array_equal(table.b, labelled["b"])
         np.testing.assert_array_equal(table.error_at_rest, labelled["error_at_rest"])
     labelled = read_netcdf(shipped("datasets", "real_suite/first_order.nc"), "Measures", "")
-    scales = shipped_measures(0.5 * np.pi).scales
+    scales = read_shipped_measures(0.5 * np.pi).scales
     np.testing.assert_array_equal(scales.least, labelled["scale"])
     near = labelled["scale_towards"].sel(direction=[90.0, 112.5])
     np.testing.assert_array_equal(scales.towards, near)

@@ -11,7 +11,7 @@ from reliab.core import shipped
 from reliab.core.errors import InputError
 from reliab.core.shipped import or_shipped
 from reliab.discrepancy.campaign.reading import campaign_folder
-from reliab.sweep.results import open_results, real_results, stored_results
+from reliab.sweep.results import find_results, open_results, real_results
 
 ROOT = Path(__file__).parents[2]
 
@@ -87,7 +87,7 @@ def test_a_folder_without_data_hides_nothing_that_ships(name, tmp_path, monkeypa
     found = {
         "sample_test": lambda: or_shipped(Path("sample_test"), "datasets", "test.csv"),
         "rig_a": lambda: campaign_folder("rig_a"),
-        "real_suite": lambda: stored_results(Path("real_suite"), (1.0,), (0.02,)),
+        "real_suite": lambda: find_results(Path("real_suite"), (1.0,), (0.02,)),
     }[name]
     monkeypatch.chdir(tmp_path)
     before = found()

@@ -9,8 +9,8 @@ from scipy import stats
 
 from reliab.core.vocabulary import CurveName
 from reliab.criterion.cautions import (
+    _curve_fit_caution,
     _extrapolation_caution,
-    _fitted_curve_caution,
     _omission_caution,
     _shortfall,
     not_lognormal,
@@ -54,7 +54,7 @@ def test_motions_without_an_ellipse_are_told_of_unless_they_are_drawn(method):
 @pytest.mark.parametrize("method", [method() for method in METHODS.values()], ids=METHODS)
 def test_curves_that_are_not_those_of_the_method_are_told_of(method):
     for curve in (CurveName.ELLIPSE, CurveName.INSCRIBED):
-        assert (_fitted_curve_caution(grid(curve=curve), method) == "") is (curve == method.curve)
+        assert (_curve_fit_caution(grid(curve=curve), method) == "") is (curve == method.curve)
 
 
 def test_a_plug_in_quantile_falls_short_with_few_motions_and_not_with_very_many():

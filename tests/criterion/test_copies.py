@@ -10,7 +10,7 @@ from reliab.app.api.criteria import derive_criteria
 from reliab.app.api.validation import validate_criteria
 from reliab.criterion.derivation import derive_criterion
 from reliab.criterion.ellipse_reading import read_ellipses
-from reliab.criterion.ellipse_table import tabled, without_copies
+from reliab.criterion.ellipse_table import as_table, drop_copies
 from reliab.motions.intensity import arias_times
 from reliab.motions.loading import load_motions
 
@@ -57,7 +57,7 @@ def test_a_scaled_copy_is_known_by_its_boundary(ellipses):
     rounding = np.random.default_rng(3).normal(1.0, 2e-5, scaled["a"].shape)
     scaled = scaled.assign({name: scaled[name] * rounding for name in ("a", "b")})
     scaled = scaled.assign_coords(checksum=("motion", [f"{place:064}" for place in range(20)]))
-    counted = without_copies(scaled)
+    counted = drop_copies(scaled)
     assert counted["motion"].values.tolist() == scaled["motion"].values[:10].tolist()
     assert "10 of 20 motions are the records of others" in counted.attrs["copies"]
 
@@ -95,7 +95,7 @@ def test_a_copy_is_not_judged_as_a_further_earthquake(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("form", [tabled, lambda given: given], ids=["table", "dataset"])
+@pytest.mark.parametrize("form", [as_table, lambda given: given], ids=["table", "dataset"])
 def test_different_motions_stay(ellipses, form):
     """Motions without an ellipse have nothing in common; in the shipped suite nothing is left out."""
     gaps = ellipses.assign({name: ellipses[name].where(ellipses["event"] > "E3") for name in ("a", "b")})
@@ -106,7 +106,7 @@ def test_different_motions_stay(ellipses, form):
         form(gaps.drop_vars("checksum")),
         form(table),
     ):
-        assert without_copies(given) is given
+        assert drop_copies(given) is given
 
 
 def test_unstated_earthquakes_are_told_of(ellipses):

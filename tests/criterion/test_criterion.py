@@ -20,7 +20,7 @@ from reliab.criterion.methods.dirichlet import Dirichlet
 from reliab.criterion.methods.quantile import Quantile
 from reliab.criterion.motion_predictive import roots_of_increasing
 from reliab.criterion.published import published_criterion
-from reliab.criterion.shipped_tables import shipped_ellipses
+from reliab.criterion.shipped_tables import read_shipped_ellipses
 
 
 @pytest.fixture(scope="module")
@@ -240,24 +240,24 @@ def apart(found, known):
 
 @pytest.mark.parametrize(("error", "largest"), [(0.005, 0.05), (0.04, 0.02)])
 def test_an_error_that_was_not_traced_has_nearly_its_own_ellipses(traced, error, largest):
-    known = traced.at_threshold(error)
-    found = without(traced, error).at_threshold(error)
+    known = traced.interpolate_threshold(error)
+    found = without(traced, error).interpolate_threshold(error)
     assert found.at["threshold"].tolist() == [error]
     assert apart(found, known) < largest
 
 
 def test_a_traced_error_is_taken_as_it_is(traced):
     place = int(np.flatnonzero(traced.at["threshold"] == 0.03)[0])
-    assert np.array_equal(traced.at_threshold(0.03).a, traced.a[:, :, :, [place]], equal_nan=True)
+    assert np.array_equal(traced.interpolate_threshold(0.03).a, traced.a[:, :, :, [place]], equal_nan=True)
 
 
 @pytest.mark.parametrize("error", [0.0, -0.01, np.nan, np.inf, 0.3])
 def test_an_error_beyond_the_traced_ones_is_refused(error):
     with pytest.raises(InputError, match="or trace boundaries"):
-        shipped_ellipses("inscribed", "record", "rms").at_threshold(error)
+        read_shipped_ellipses("inscribed", "record", "rms").interpolate_threshold(error)
 
 
 def test_one_large_error_alone_serves_no_smaller_one(traced):
     only = traced.take(threshold=[int(np.argmax(traced.at["threshold"]))])
     with pytest.raises(InputError, match="Choose among"):
-        only.at_threshold(0.04)
+        only.interpolate_threshold(0.04)

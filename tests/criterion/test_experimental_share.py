@@ -16,7 +16,7 @@ from reliab.simulation.linear_loop.cells import Cells
 from reliab.structures.structure import Structure
 from reliab.sweep.ellipse_table import EllipseRequest, trace_ellipses
 from reliab.sweep.request import excitation_of
-from reliab.sweep.shares import at_share
+from reliab.sweep.shares import select_share
 from reliab.tracking.boundary.first_order import first_order_ellipse
 from reliab.tracking.indices.response_error import relative_error
 
@@ -86,7 +86,8 @@ def table_of(growths, xi=0.02):
 
 def criteria_of(ellipses):
     return [
-        derive_criterion(at_share(ellipses, alpha), method="quantile") for alpha in ellipses["alpha"].values
+        derive_criterion(select_share(ellipses, alpha), method="quantile")
+        for alpha in ellipses["alpha"].values
     ]
 
 

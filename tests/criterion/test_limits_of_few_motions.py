@@ -14,7 +14,7 @@ from reliab.criterion.criterion import Criterion
 from reliab.criterion.derivation import derive_criterion
 from reliab.criterion.distributions import DISTRIBUTIONS
 from reliab.criterion.ellipse_sample import EllipseSample
-from reliab.criterion.laws.registry import FITTED
+from reliab.criterion.laws.registry import FITTED_LAWS
 from reliab.criterion.methods.method import BoundMethod, limits
 from reliab.criterion.methods.registry import METHODS, method_of
 from reliab.criterion.motion_predictive import MotionPredictive
@@ -138,7 +138,7 @@ def test_ties_have_an_empirical_distribution():
     earthquakes=st.integers(1, 8),
     seed=st.integers(0, 2**32 - 1),
     method=st.sampled_from(list(BOUND_METHODS)),
-    law=st.sampled_from(list(FITTED)),
+    law=st.sampled_from(list(FITTED_LAWS)),
     confidence=st.sampled_from(CONFIDENCES),
 )
 def test_a_criterion_of_few_motions_is_finite_and_comes_back_from_its_file_or_is_refused(

@@ -11,10 +11,10 @@ from reliab.core.shipped import shipped
 from reliab.criterion.carrying import carry_to_length, protect_over_lengths
 from reliab.criterion.derivation import derive_criterion
 from reliab.criterion.ellipse_reading import read_ellipses
-from reliab.criterion.ellipse_table import EllipseTable, tabled
+from reliab.criterion.ellipse_table import EllipseTable, as_table
 from reliab.motions.intensity import arias_times
 from reliab.motions.loading import load_motions
-from reliab.sweep.cut_records import with_known_cut_records
+from reliab.sweep.cut_records import add_known_cut_records
 from reliab.sweep.ellipse_dataset import open_ellipses
 from reliab.sweep.results import open_results, real_results
 from reliab.validation.cross_validation.truth import Cell, Region, SimulatedTruth
@@ -49,18 +49,18 @@ def test_other_errors_stay_as_they_are(population):
         np.testing.assert_array_equal(protected[name].sel(metric="mte"), population[name].sel(metric="mte"))
 
 
-@pytest.mark.parametrize(("form", "kind"), [(tabled, EllipseTable), (lambda given: given, xr.Dataset)])
+@pytest.mark.parametrize(("form", "kind"), [(as_table, EllipseTable), (lambda given: given, xr.Dataset)])
 def test_an_actuator_at_rest_is_still_known(population, form, kind):
     """By its errors a threshold without a meaning is refused."""
     protected = protect_over_lengths(form(population))
     assert isinstance(protected, kind)
-    np.testing.assert_array_equal(tabled(protected).error_at_rest, tabled(population).error_at_rest)
+    np.testing.assert_array_equal(as_table(protected).error_at_rest, as_table(population).error_at_rest)
 
 
 def test_an_error_at_rest_is_known_of_whole_records_only(population):
     short = carry_to_length(population, 30.0)
     whole = population["duration"].values <= 30.0
-    np.testing.assert_array_equal(np.isfinite(tabled(short).error_at_rest[:, 0, 0, 0]), whole)
+    np.testing.assert_array_equal(np.isfinite(as_table(short).error_at_rest[:, 0, 0, 0]), whole)
 
 
 def test_motions_of_left_out_earthquakes_keep_the_share_at_every_length(population):
@@ -150,7 +150,7 @@ def test_stored_results_of_records_that_ship_are_protected_as_their_ellipses(pop
     for one, other in zip(by_results.limits(1.0, 0.02), by_ellipses.limits(1.0, 0.02), strict=True):
         assert float(one) == pytest.approx(float(other), rel=0.01)
     unknown = traced.drop_dims("length").assign_coords(checksum=("motion", np.arange(100).astype(str)))
-    assert with_known_cut_records(unknown) is unknown
+    assert add_known_cut_records(unknown) is unknown
 
 
 def test_limits_do_not_grow_with_the_share(population):

@@ -11,7 +11,7 @@ from reliab.core.errors import InputError
 from reliab.criterion.derivation import derive_criterion
 from reliab.criterion.ellipse_reading import read_ellipses
 from reliab.criterion.ellipse_sample import EllipseSample
-from reliab.criterion.laws.law import checked_coefficients, checked_grid
+from reliab.criterion.laws.law import validate_coefficients, validate_grid
 from reliab.criterion.methods.hierarchical.fit import HierarchicalFit, hierarchical_model
 from reliab.criterion.methods.quantile import Quantile
 from reliab.criterion.population import Population
@@ -69,11 +69,11 @@ derived = partial(derive_criterion, method="quantile")
             "b is the same for all ground motions; found 3 times 2",
         ),
         (lambda: derived(ellipses(side=["lead"])), "boundaries of lags; found ellipses of lead alone"),
-        (lambda: checked_coefficients("a", [1.0, np.nan], 2), "coefficients of a must be 2 finite numbers"),
-        (lambda: checked_coefficients("b", [1.0], 2), "coefficients of b must be 2 finite numbers"),
-        (lambda: checked_coefficients("b", [[1.0], [1.0, 2.0]], 2), "in rows of one length"),
-        (lambda: checked_grid("frequencies", [2.0, 1.0]), "frequencies of a law must be positive"),
-        (lambda: checked_grid("frequencies", []), "frequencies of a law must be positive"),
+        (lambda: validate_coefficients("a", [1.0, np.nan], 2), "coefficients of a must be 2 finite numbers"),
+        (lambda: validate_coefficients("b", [1.0], 2), "coefficients of b must be 2 finite numbers"),
+        (lambda: validate_coefficients("b", [[1.0], [1.0, 2.0]], 2), "in rows of one length"),
+        (lambda: validate_grid("frequencies", [2.0, 1.0]), "frequencies of a law must be positive"),
+        (lambda: validate_grid("frequencies", []), "frequencies of a law must be positive"),
         (
             lambda: Quantile(distribution="gumbel of nobody"),
             "Unknown distribution; found gumbel of nobody",

@@ -9,23 +9,23 @@ from reliab.criterion.derivation import derive_criterion
 from reliab.criterion.ellipse_reading import read_ellipses
 from reliab.criterion.response_measures import BoundaryScales, ResponseMeasures
 from reliab.criterion.scope import Position, compare_with_scope, population_of, scope_of
-from reliab.criterion.shipped_tables import shipped_measures
+from reliab.criterion.shipped_tables import read_shipped_measures
 from reliab.sweep.netcdf import read_netcdf
 
 CONFIDENCES = (0.5, 0.8, 0.9, 0.95)
 
 
 def test_shipped_boundaries_lie_at_their_predictions():
-    compared = shipped_measures().scales
+    compared = read_shipped_measures().scales
     logarithms = compared.logarithms(0.05, "lag", None)
     assert logarithms.mean() == pytest.approx(-0.14, abs=0.04)
     assert logarithms.std(axis=0).max() < 0.12  # where ln a scatters by 0.5 to 0.8
 
 
 def test_the_whole_boundary_is_no_further_than_any_direction():
-    least = shipped_measures().scales.logarithms(0.05, "lag", None)
+    least = read_shipped_measures().scales.logarithms(0.05, "lag", None)
     for angle in (0.0, 1.0, 3.1):
-        assert (least <= shipped_measures(angle).scales.logarithms(0.05, "lag", angle) + 0.02).all()
+        assert (least <= read_shipped_measures(angle).scales.logarithms(0.05, "lag", angle) + 0.02).all()
 
 
 def test_errors_between_stored_ones_are_interpolated():
@@ -53,7 +53,7 @@ def test_a_criterion_by_response_keeps_every_share_of_earthquakes_left_out():
         others = events != event
         own = measures.isel(motion=[place])
         carried = carry_to_response(ellipses.isel(motion=others), measures.isel(motion=others), own)
-        predicted, *_ = ResponseMeasures.from_dataset(own).predicted(0.05, "lag")
+        predicted, *_ = ResponseMeasures.from_dataset(own).predict_ellipses(0.05, "lag")
         reach = float(predicted[0, 0, 0] * own["scale"].sel(threshold=0.05, side="lag").item())
         kept[place] = [
             derive_criterion(carried, confidence=share).limits(1.0, 0.05)[0] <= reach for share in CONFIDENCES

@@ -21,7 +21,9 @@ def test_a_stop_is_silent_within_its_clearance_and_grows_with_the_power_beyond(p
     test = HybridTest(specimen=Specimen(stiffness=1000.0), effects=(stops,))
     beyond = np.maximum(np.abs(MOVED) - 0.04, 0.0) / 0.04
     expected = 1000.0 * MOVED + 2000.0 * 0.04 * np.sign(MOVED) * beyond**power
-    np.testing.assert_allclose(load(test, Motion3.through(MOVED, TIME[1])), expected, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(
+        load(test, Motion3.interpolate(MOVED, TIME[1])), expected, rtol=1e-9, atol=1e-9
+    )
     assert (beyond > 0.0).sum() > 100
 
 

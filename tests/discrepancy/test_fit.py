@@ -40,7 +40,9 @@ def campaign():
     for k in range(4):
         waves = [np.sin(2.0 * np.pi * f * time + rng.uniform(0.0, 7.0)) for f in rng.uniform(0.4, 2.0, 6)]
         moved = 0.01 * np.sum(waves, axis=0) * np.sin(np.pi * time / time[-1]) ** 2
-        force = load(HybridTest(specimen=SPECIMEN, effects=(FRICTION,)), Motion3.through(moved, 1.0 / RATE))
+        force = load(
+            HybridTest(specimen=SPECIMEN, effects=(FRICTION,)), Motion3.interpolate(moved, 1.0 / RATE)
+        )
         channels = {
             Channel.COMMAND: moved,
             Channel.MEASURED: moved,

@@ -41,7 +41,9 @@ def problem_with(effect, seed, noise=NOISE):
     tests = []
     for k in range(4):
         command = displacement(rng)
-        force = load(HybridTest(specimen=SPECIMEN, effects=(effect,)), Motion3.through(command, 1.0 / RATE))
+        force = load(
+            HybridTest(specimen=SPECIMEN, effects=(effect,)), Motion3.interpolate(command, 1.0 / RATE)
+        )
         channels = {
             Channel.COMMAND: command,
             Channel.MEASURED: command,

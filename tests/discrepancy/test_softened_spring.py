@@ -21,7 +21,7 @@ GROWING = np.sin(2.0 * np.pi * TIME) * TIME / TIME[-1] * 0.1
 
 def force_of(moved, before=0.0):
     test = HybridTest(specimen=SPRING, effects=RUBBER.effects, moved_before=before)
-    return load(test, Motion3.through(moved, TIME[1]))
+    return load(test, Motion3.interpolate(moved, TIME[1]))
 
 
 def test_at_a_new_largest_displacement_it_is_as_stiff_as_ever():
@@ -41,7 +41,8 @@ def test_it_remembers_the_tests_before_in_the_order_of_the_campaign(tmp_path):
     sizes = iter([1.0, 0.3, 2.0, 0.3])
     campaign = written(tmp_path, f"stiffness_n_per_m = {STIFFNESS}", lambda moved: STIFFNESS * moved)
     moved = tuple(
-        Motion3.through(next(sizes) * test.channels["measured_m"][::8], 8.0 / RATE) for test in campaign.tests
+        Motion3.interpolate(next(sizes) * test.channels["measured_m"][::8], 8.0 / RATE)
+        for test in campaign.tests
     )
     block = SpecimenBlock(campaign, scales_of(campaign, motions_of(campaign)), moved)
     peaks = [np.abs(motion.values[0]).max() for motion in moved]

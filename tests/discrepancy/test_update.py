@@ -38,7 +38,7 @@ def measured(seed, held_out):
     t = np.arange(0.0, 20.0, 1.0 / RATE)
     waves = [np.sin(2 * np.pi * f * t + rng.uniform(0, 7)) for f in rng.uniform(0.4, 2.0, 6)]
     command = 0.01 * np.sum(waves, axis=0) * np.sin(np.pi * t / t[-1]) ** 2
-    piston = drive(TRUTH, Motion3.through(command, 1.0 / RATE))
+    piston = drive(TRUTH, Motion3.interpolate(command, 1.0 / RATE))
     force = load(TRUTH, piston)
     channels = {
         Channel.COMMAND: command,

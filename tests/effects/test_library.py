@@ -19,7 +19,7 @@ from reliab.structures.structure import Structure
 STEP = 1e-3
 TIME = np.arange(0.0, 8.0, STEP)
 X = 0.8 * np.sin(2.0 * np.pi * TIME) * np.sin(np.pi * TIME / 8.0)
-MOTION = Motion3.through(X, STEP)
+MOTION = Motion3.interpolate(X, STEP)
 NAMES = {
     *("command_saturation", "first_order_lag", "second_order_dynamics", "delay_drift", "rate_limit"),
     *("backlash", "stroke_saturation", "sensor_bias", "sensor_drift", "rectified_sensor", "force_bias"),
@@ -177,7 +177,7 @@ def test_hysteresis_follows_the_general_equation(gamma):
 def test_published_hardening_benchmark_is_a_member():
     """The benchmark α 5e4, β 1e3, γ 0.8, δ −1.1, ν 1: ż = αv − β(γ|v|z + δv|z|)."""
     alpha, beta, gamma, delta = 5e4, 1e3, 0.8, -1.1
-    motion = Motion3.through(2e-3 * X, STEP)
+    motion = Motion3.interpolate(2e-3 * X, STEP)
     v = CubicSpline(TIME, 2e-3 * X).derivative()
     time = TIME[:2500]
 
@@ -194,7 +194,7 @@ def test_published_hardening_benchmark_is_a_member():
 
 
 def test_hysteresis_starts_unstressed_where_the_record_starts():
-    moved = Motion3.through(X + 0.3, STEP)
+    moved = Motion3.interpolate(X + 0.3, STEP)
     part = find_effect("hysteresis")(force_n=10.0, displacement_m=0.1)
     model = HybridTest(specimen=Specimen(stiffness=0.0), effects=(part,))
     np.testing.assert_allclose(load(model, moved), load(model, MOTION), atol=1e-9)
@@ -224,7 +224,7 @@ def test_a_push_degrades_with_the_energy_that_it_dissipates(strength_loss, stiff
         stiffness_loss=stiffness_loss,
     )
     model = HybridTest(specimen=Specimen(stiffness=0.0), effects=(part,))
-    z = load(model, Motion3.through(pushed, STEP)) / 10.0
+    z = load(model, Motion3.interpolate(pushed, STEP)) / 10.0
 
     def slopes(_, state):
         rise = (1.0 - (1.0 + strength_loss * state[1]) * state[0] ** 2) / (1.0 + stiffness_loss * state[1])
@@ -288,7 +288,7 @@ def test_saturation_before_and_after_the_dynamics():
     assert before.label() == after.label() == "stroke_saturation"
     assert (before.position, after.position) == ("before the dynamics", "after the dynamics")
     gain = 1.1
-    clipped = Motion3.through(np.clip(X, -0.3 / gain, 0.3 / gain), STEP)
+    clipped = Motion3.interpolate(np.clip(X, -0.3 / gain, 0.3 / gain), STEP)
     alone = drive(HybridTest(actuator=Actuator(gain=gain), effects=(lag,)), clipped).values[0]
     found = drive(HybridTest(actuator=Actuator(gain=gain), effects=(lag, before)), MOTION).values[0]
     np.testing.assert_allclose(found, alone, atol=1e-3)
@@ -327,7 +327,9 @@ def test_stepping_of_a_linear_effect_agrees_with_its_transfer_function(name, val
     assert isinstance(effect, LinearEffect)
     frequency = 20.0
     wave = np.sin(2.0 * np.pi * frequency * TIME)
-    found = drive(HybridTest(actuator=Actuator(), effects=(effect,)), Motion3.through(wave, STEP)).values[0]
+    found = drive(HybridTest(actuator=Actuator(), effects=(effect,)), Motion3.interpolate(wave, STEP)).values[
+        0
+    ]
     steady = TIME > 4.0 - 0.5 * STEP
     basis = np.exp(2j * np.pi * frequency * TIME[steady])
     measured = 2j * np.mean(found[steady] * np.conj(basis))

@@ -14,7 +14,7 @@ STEP = 1e-3
 TIME = np.arange(0.0, 8.0, STEP)
 OMEGA = 2.0 * np.pi * 0.7
 X = 0.05 * np.sin(OMEGA * TIME)
-MOTION = Motion3.through(X, STEP)
+MOTION = Motion3.interpolate(X, STEP)
 NONE = Specimen(stiffness=0.0)
 
 
@@ -37,7 +37,7 @@ def test_held_specimen_relaxes_with_the_sum_of_both_exponentials():
     moved = np.minimum(TIME / STEP, 1.0) * 0.02
     force = force_of(
         "two_viscoelastic_branches",
-        Motion3.through(moved, STEP),
+        Motion3.interpolate(moved, STEP),
         stiffness_n_per_m=100.0,
         time_s=0.2,
         second_stiffness_n_per_m=40.0,
@@ -51,7 +51,7 @@ def test_damage_lowers_the_stiffness_with_the_largest_displacement():
     growing = X * TIME
     largest = np.maximum.accumulate(np.abs(growing))
     force = force_of(
-        "damage", Motion3.through(growing, STEP), lost_n_per_m=0.0, power=2.0, damage_n_per_m2=30.0
+        "damage", Motion3.interpolate(growing, STEP), lost_n_per_m=0.0, power=2.0, damage_n_per_m2=30.0
     )
     np.testing.assert_allclose(force, -30.0 * largest * growing, atol=1e-12)
 

@@ -28,7 +28,7 @@ def adding(files, out, *names):
 
 def held(out):
     """Rows of a rig's tests by name, and the bytes of their records, without what says when."""
-    folder = RigFolder.opened(out / "rig")
+    folder = RigFolder.open(out / "rig")
     table = folder.table()
     assert not table.faults
     rows = {}

@@ -30,7 +30,7 @@ from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.simulation.hybrid_test.model_file import UpdatedModel, write_model
 from reliab.structures.specimen import Specimen
 from reliab.structures.structure import Structure
-from reliab.sweep.ellipse_dataset import with_sides, write_ellipses
+from reliab.sweep.ellipse_dataset import add_sides, write_ellipses
 from reliab.sweep.grid import ScaledGrid
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.run import run_sweep
@@ -189,7 +189,7 @@ def ellipse_dataset() -> xr.Dataset:
     shape = (30, 2, 1, 1, 1, 1)
     a, b = (np.exp(random.normal(mean, 0.4, shape)) for mean in (-8.0, 1.0))
     dims = ("motion", "f", "xi", "threshold", "metric", "curve")
-    return with_sides(
+    return add_sides(
         xr.Dataset(
             {"a": (dims, a), "b": (dims, b)},
             coords={

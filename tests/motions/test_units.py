@@ -83,8 +83,8 @@ def test_anything_else_is_no_unit_of_acceleration(text: str) -> None:
 
 
 def test_one_g_is_981_gal_and_a_metre_is_a_hundred_centimetres() -> None:
-    assert G.in_si / CM.in_si == pytest.approx(980.665, rel=1e-15)
-    assert M.in_si / CM.in_si == pytest.approx(100.0, rel=1e-15)
+    assert G.si_factor / CM.si_factor == pytest.approx(980.665, rel=1e-15)
+    assert M.si_factor / CM.si_factor == pytest.approx(100.0, rel=1e-15)
 
 
 @pytest.mark.parametrize(

@@ -48,7 +48,7 @@ def campaign_with(*effects, lag=0.0):
         t = np.arange(0.0, 20.0, 1.0 / RATE)
         waves = [np.sin(2 * np.pi * f * t + rng.uniform(0, 7)) for f in rng.uniform(0.4, 2.0, 6)]
         moved = 0.01 * np.sum(waves, axis=0) * np.sin(np.pi * t / t[-1]) ** 2
-        force = np.interp(t - lag, t, load(truth, Motion3.through(moved, 1.0 / RATE)))
+        force = np.interp(t - lag, t, load(truth, Motion3.interpolate(moved, 1.0 / RATE)))
         force += 0.3 * rng.standard_normal(t.size)
         measured = moved + 1e-6 * rng.standard_normal(t.size)
         channels = {Channel.COMMAND: moved, Channel.MEASURED: measured, Channel.FORCE: force}

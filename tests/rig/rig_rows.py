@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from reliab.rig.rig_folder import RigFolder
-from reliab.rig.rig_table import RigTable, RigTest, ordered_table
+from reliab.rig.rig_table import RigTable, RigTest, sort_table
 
 RECORD = xr.Dataset({"measured": (("actuator", "time"), np.zeros((1, 4)))})
 
@@ -42,4 +42,4 @@ def rig_table(tests) -> RigTable:
     for test in tests:
         row = test.to_dict()
         flat.append({**row, **row.pop("covariates")})
-    return ordered_table(flat)
+    return sort_table(flat)

@@ -44,17 +44,17 @@ def test_what_the_next_tests_do_not_confirm_is_said_and_changes_nothing():
     values = np.random.default_rng(4).normal(size=80)
     values[50:52] = 6.0
     (change,) = watch(values, np.zeros((80, 0))).changes
-    assert (change.noticed, change.confirmed) == (51, False)
+    assert (change.detection_place, change.is_confirmed) == (51, False)
     values[50:56] = 6.0
     changes = watch(values, np.zeros((80, 0))).changes
-    assert [(change.noticed, change.confirmed) for change in changes[:1]] == [(51, True)]
+    assert [(change.detection_place, change.is_confirmed) for change in changes[:1]] == [(51, True)]
 
 
 def test_another_change_is_noticed_soon_after_one():
     """The spread stays known over a change, so that few tests of the new level suffice."""
     values = np.random.default_rng(10).normal(size=80)
     values[40:52] += 6.0
-    began = [change.began for change in watch(values, np.zeros((80, 0))).changes if change.confirmed]
+    began = [change.began for change in watch(values, np.zeros((80, 0))).changes if change.is_confirmed]
     assert began == [40, 52]
 
 
@@ -128,6 +128,6 @@ def test_a_step_is_noticed_among_odd_tests():
         alarms += len(watch(values, np.zeros((200, 0))).changes)
         values[100:] += 2.0
         changes = watch(values, np.zeros((200, 0))).changes
-        noticed += any(100 <= change.noticed < 105 for change in changes)
+        noticed += any(100 <= change.detection_place < 105 for change in changes)
     assert noticed > 68  # 80 % are noticed; three standard errors of 100 are 12 %
     assert alarms < 0.01 * 100 * 187

@@ -6,7 +6,7 @@ import pytest
 import scipy
 
 from reliab.rig.learning.circumstances import Circumstances
-from reliab.rig.learning.learned import Scatter, last_ten, learn, left_out_scores, pooled
+from reliab.rig.learning.learned import Scatter, last_ten, learn, pool, score_left_out_events
 from reliab.rig.learning.variances import LEVEL
 
 NEXT = Circumstances(groups={"event": np.array([""])})
@@ -117,7 +117,7 @@ def test_residuals_without_an_earthquake_are_those_of_a_rig_that_never_had_it():
 
 
 def scatter_of(residuals):
-    return Scatter.learned(np.asarray(residuals), np.arange(len(residuals)).astype(str))
+    return Scatter.fit(np.asarray(residuals), np.arange(len(residuals)).astype(str))
 
 
 def test_scatter_is_normal_unless_tests_say_otherwise():
@@ -149,12 +149,12 @@ def test_density_of_scatter_is_the_derivative_of_its_probability():
 
 def test_baselines_are_student_distributions_of_what_they_know():
     values = np.arange(20.0)
-    assert pooled(values).scale == pytest.approx(values.std(ddof=1) * np.sqrt(1.05))
+    assert pool(values).scale == pytest.approx(values.std(ddof=1) * np.sqrt(1.05))
     assert (last_ten(values).centre, last_ten(values).degrees) == (14.5, 9.0)
     names = np.arange(20).astype(str)
-    scores = left_out_scores(values, names, last_ten, before=True)
+    scores = score_left_out_events(values, names, last_ten, only_earlier=True)
     assert np.isnan(scores[:3]).all()
-    assert scores[12] == pytest.approx(pooled(values[2:12]).log_density(12.0))
+    assert scores[12] == pytest.approx(pool(values[2:12]).log_density(12.0))
 
 
 def test_the_posterior_of_the_variances_states_its_draws():

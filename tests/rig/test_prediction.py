@@ -114,14 +114,14 @@ def test_fewer_than_three_tests_are_refused(table):
 def test_a_quantity_that_is_always_the_same_is_learned():
     tests = [rig_test(number, d_ms=2.0 + 0.1 * (number % 5)) for number in range(10)]
     prediction = predict_next(rig_table(tests), STRUCTURE, NextTest(), threshold=0.05)
-    assert prediction.converged
+    assert prediction.has_converged
     assert prediction.intervals["remainder"]["median"] == pytest.approx(0.01, rel=1e-6)
 
 
 def test_draws_that_have_not_converged_are_said_to(table, monkeypatch):
     monkeypatch.setattr("reliab.rig.prediction._LARGEST_R_HAT", 0.5)
     prediction = predict_next(table.only(range(4)), STRUCTURE, NextTest(), threshold=0.05)
-    assert not prediction.converged
+    assert not prediction.has_converged
     assert "not to be relied on" in prediction.notes[0]
 
 

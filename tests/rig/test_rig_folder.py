@@ -40,7 +40,7 @@ def writer(folder, first, last):
 
 
 def names(folder):
-    return [row["name"] for row in RigFolder.opened(folder).table().rows]
+    return [row["name"] for row in RigFolder.open(folder).table().rows]
 
 
 def test_tests_are_listed_in_the_order_of_their_dates(tmp_path):
@@ -50,7 +50,7 @@ def test_tests_are_listed_in_the_order_of_their_dates(tmp_path):
 
 def test_the_table_is_made_again_when_it_is_lost_or_damaged(tmp_path):
     keep(tmp_path, rig_test(1, covariates={"current": 0.4}), rig_test(2, note="line\nbreak, =1+1", rms=None))
-    folder = RigFolder.opened(tmp_path)
+    folder = RigFolder.open(tmp_path)
     rows = folder.table().rows
     assert folder.table().rows == rows
     for damage in ("", "sha256,name\nx", "\x00\x01"):
@@ -64,8 +64,8 @@ def test_the_table_is_made_again_when_it_is_lost_or_damaged(tmp_path):
 def test_no_text_of_the_table_is_a_formula(tmp_path):
     texts = {"note": "=1+1", "name": "@x", "covariates": {"=y": 1.0}}
     keep(tmp_path, rig_test(1, **texts), rig_test(2))
-    rows = RigFolder.opened(tmp_path).table().rows
-    assert RigFolder.opened(tmp_path).table().rows == rows
+    rows = RigFolder.open(tmp_path).table().rows
+    assert RigFolder.open(tmp_path).table().rows == rows
     assert rows[0]["note"] == "=1+1"
     with (tmp_path / "table.csv").open(encoding="utf-8") as table:
         cells = [cell for row in csv.reader(table) for cell in row]
@@ -75,7 +75,7 @@ def test_no_text_of_the_table_is_a_formula(tmp_path):
 
 def test_reading_a_copy_of_a_rig_does_not_write(tmp_path):
     keep(tmp_path, rig_test(1, note="a", A=0.99123), rig_test(2, covariates={"current": 0.4}, rms=None))
-    folder, table = RigFolder.opened(tmp_path), tmp_path / "table.csv"
+    folder, table = RigFolder.open(tmp_path), tmp_path / "table.csv"
     rows, written = folder.table().rows, table.read_bytes()
     for file in (tmp_path / "tests").iterdir():
         os.utime(file, (1.0, 1.0))
@@ -89,7 +89,7 @@ def test_reading_a_copy_of_a_rig_does_not_write(tmp_path):
 
 def test_a_row_that_was_changed_by_hand_is_read_from_its_test_again(tmp_path):
     keep(tmp_path, rig_test(1, A=0.99123), rig_test(2, note="a\r\nb"))
-    folder, cache = RigFolder.opened(tmp_path), tmp_path / "table.csv"
+    folder, cache = RigFolder.open(tmp_path), tmp_path / "table.csv"
     rows = folder.table().rows
     sound = cache.read_bytes()
     for damaged in (sound.replace(b"0.99123", b"nan"), sound.replace(b",xi,", b",alpha,"), sound[:-20]):
@@ -106,7 +106,7 @@ def test_many_tests_are_listed_without_reading_them_again(tmp_path, monkeypatch)
     for number in range(1, 1000):
         content["test"] = rig_test(number).to_dict()
         (tmp_path / "tests" / f"{content['test']['sha256']}.json").write_text(json.dumps(content))
-    assert len(RigFolder.opened(tmp_path).table()) == 1000
+    assert len(RigFolder.open(tmp_path).table()) == 1000
     monkeypatch.setattr(RigFolder, "read", None)
     began = time.process_time()
     assert len(list_rig(tmp_path).to_dict()["tests"]) == 1000
@@ -115,7 +115,7 @@ def test_many_tests_are_listed_without_reading_them_again(tmp_path, monkeypatch)
 
 def test_the_table_follows_what_others_add_and_remove(tmp_path):
     keep(tmp_path, rig_test(1), rig_test(2))
-    folder = RigFolder.opened(tmp_path)
+    folder = RigFolder.open(tmp_path)
     assert len(folder.table()) == 2
     keep(tmp_path, rig_test(3))
     folder.remove(rig_test(1).sha256)
@@ -132,7 +132,7 @@ def test_a_damaged_test_is_named_and_costs_no_other(tmp_path):
     content = json.loads(path.read_text())
     for damage in ("{", json.dumps({**content, "test": {**content["test"], "A": "1"}})):
         path.write_text(damage)
-        table = RigFolder.opened(tmp_path).table()
+        table = RigFolder.open(tmp_path).table()
         assert len(table) == 1
         assert set(table.faults) == {path.name}
 
@@ -141,12 +141,12 @@ def test_a_link_in_a_folder_is_refused(tmp_path):
     keep(tmp_path, rig_test(1))
     (tmp_path / "tests" / f"{'0' * 64}.json").symlink_to("/etc/passwd")
     with pytest.raises(InputError, match="must not contain links"):
-        RigFolder.opened(tmp_path).table()
+        RigFolder.open(tmp_path).table()
 
 
 def test_a_test_is_known_by_its_name_or_the_beginning_of_its_checksum(tmp_path):
     keep(tmp_path, rig_test(1), rig_test(2), rig_test(3, name="test_2.csv"))
-    folder = RigFolder.opened(tmp_path)
+    folder = RigFolder.open(tmp_path)
     assert folder.find(rig_test(2).sha256[:8])["name"] == "test_2.csv"
     assert folder.find("test_1.csv")["sha256"] == rig_test(1).sha256
     for name in ("test_2.csv", "nothing", ""):
@@ -157,7 +157,7 @@ def test_a_test_is_known_by_its_name_or_the_beginning_of_its_checksum(tmp_path):
 def test_what_is_no_rig_is_refused(tmp_path):
     for place in (tmp_path, tmp_path / "nowhere"):
         with pytest.raises(InputError, match=r"This folder is no rig|No such folder"):
-            RigFolder.opened(place)
+            RigFolder.open(place)
 
 
 @pytest.mark.parametrize("text", ["yesterday", "2026-13-01", ""])
@@ -172,7 +172,7 @@ def test_two_writers_at_once_lose_no_test(tmp_path, count):
     writers = [writer(tmp_path, 0, count), writer(tmp_path, count // 2, count + count // 2)]
     while any(process.poll() is None for process in writers):
         if (tmp_path / "tests").is_dir():
-            assert not RigFolder.opened(tmp_path).table().faults
+            assert not RigFolder.open(tmp_path).table().faults
         time.sleep(0.05)
     assert [process.wait() for process in writers] == [0, 0]
     assert sorted(names(tmp_path)) == sorted(f"test_{number}.csv" for number in range(count + count // 2))
@@ -192,8 +192,8 @@ def test_a_killed_writer_loses_nothing_and_leaves_nothing_behind(tmp_path):
         keep(folder, rig_test(5000))
         after = set(names(folder))
         assert before | {"test_5000.csv"} <= after
-        assert not RigFolder.opened(folder).table().faults
-        for row in RigFolder.opened(folder).table().rows:
+        assert not RigFolder.open(folder).table().faults
+        for row in RigFolder.open(folder).table().rows:
             assert RigFolder(folder).record_path(row["sha256"]).is_file()
         assert not [*folder.rglob(".unfinished-*")]
 
@@ -206,7 +206,7 @@ def test_a_test_under_the_name_of_another_and_one_of_other_kinds_are_left_out_wi
     content = json.loads(first.read_text())
     content["test"]["A"] = "0.99"
     first.write_text(json.dumps(content))
-    table = RigFolder.opened(tmp_path).table()
+    table = RigFolder.open(tmp_path).table()
     assert [row["name"] for row in table.rows] == ["test_3.csv"]
     assert "checksum is not that of the file's name" in table.faults[second.name]
     assert "'0.99'" in table.faults[first.name]

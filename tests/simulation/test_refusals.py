@@ -34,7 +34,7 @@ MODEL = partial(
     UpdatedModel, name="model", test=HybridTest(structure=Structure(frequency=1.0, damping_ratio=0.05))
 )
 WITHOUT_SPECIMEN = HybridTest(structure=None, specimen=None)
-STILL = Motion3.through(np.zeros(64), STEP)
+STILL = Motion3.interpolate(np.zeros(64), STEP)
 
 LAG = TransferFunction(numerator=(1.0,), denominator=(0.001, 1.0))
 

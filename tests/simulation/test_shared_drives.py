@@ -11,7 +11,7 @@ from reliab.simulation.engine import Engine, Loop
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop import drive_stepping, pole_recursion
 from reliab.simulation.linear_loop.delay_stepper import response
-from reliab.simulation.linear_loop.drive_stepping import DrivenRecord, Stepped
+from reliab.simulation.linear_loop.drive_stepping import DrivenRecord, DriveResponse
 from reliab.simulation.linear_loop.shared_drives import shared_drives
 from reliab.structures.structure import Structure
 from reliab.tracking.indices.response_error import relative_error
@@ -40,7 +40,7 @@ def grid(loop: Loop):
 
 def precise_cells(loop, driven):
     """Tell for which cells single precision is enough."""
-    stepped = Stepped.through_window(loop.blocks, loop.driven_record, driven)
+    stepped = DriveResponse.step_through(loop.blocks, loop.driven_record, driven)
     _, precise = drive_stepping.deviation(loop.blocks, loop.driven_record, driven, stepped)
     return precise
 

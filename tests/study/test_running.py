@@ -12,8 +12,8 @@ import pytest
 
 from reliab.core.errors import InputError
 from reliab.core.files import UNFINISHED
-from reliab.criterion.laws.registry import FITTED
-from reliab.criterion.provenance import installed_versions
+from reliab.criterion.laws.registry import FITTED_LAWS
+from reliab.criterion.provenance import read_versions
 from reliab.report.document import Points, Section
 from reliab.report.prose import plain_text
 from reliab.study import stages
@@ -163,7 +163,7 @@ def test_boundaries_of_records_that_ship_keep_the_ratios_that_came_with_them(
         ratios = np.ones([*(ellipses.sizes[name] for name in structures[:3]), 1])
         return ellipses.assign(a_cut=(structures, ratios), b_cut=(structures, ratios), length=[10.0])
 
-    monkeypatch.setattr("reliab.sweep.results_accessor.with_known_cut_records", known)
+    monkeypatch.setattr("reliab.sweep.results_accessor.add_known_cut_records", known)
     (finished / ELLIPSES).unlink()
     assert "trace" in stages_of(small_study, finished)
     with open_ellipses(finished / ELLIPSES) as ellipses:
@@ -242,7 +242,7 @@ def test_a_stage_that_draws_tells_the_packages_of_those_that_are_done(tmp_path):
             name="draw", inputs={}, writes=(), work=lambda run: told.append(stages.software_provenance(run))
         )
     )
-    assert told == [{"packages": installed_versions()}]
+    assert told == [{"packages": read_versions()}]
 
 
 def test_what_was_begun_by_other_code_is_not_resumed(tmp_path):
@@ -271,7 +271,7 @@ def test_what_was_begun_by_other_code_is_not_resumed(tmp_path):
 def test_a_study_judges_the_law_that_it_reports(small_study):
     fitted = small_study.criterion.model_copy(update={"law": "dimensionless", "method": "dirichlet"})
     own: Any = candidates(small_study.errors, fitted)[0]
-    assert own.law is FITTED["dimensionless"]
+    assert own.law is FITTED_LAWS["dimensionless"]
     assert own.name == "dirichlet, dimensionless"
     sampled = small_study.criterion.model_copy(update={"method": "hierarchical"})
     assert candidates(small_study.errors, sampled)[0].method.name == "hierarchical"  # type: ignore[attr-defined]

@@ -57,7 +57,7 @@ def test_cells_hold_what_the_engine_gives(results, suite):
     rng = np.random.default_rng(1)
     for _ in range(20):
         m, f, xi = int(rng.integers(6)), float(rng.choice([0.5, 1.0])), float(rng.choice([0.02, 0.05]))
-        at = results.reliab.at_structure(f, xi).isel(motion=m)
+        at = results.reliab.select_structure(f, xi).isel(motion=m)
         late = rng.random() < 0.5
         chosen = np.flatnonzero(at["tau"].values > 0.0 if late else at["tau"].values < 0.0)
         i, j = int(rng.integers(at.sizes["kp"])), int(rng.choice(chosen[: chosen.size // 2]))
@@ -69,7 +69,7 @@ def test_cells_hold_what_the_engine_gives(results, suite):
 
 
 def test_index_of_a_cell_is_that_of_its_histories(results, suite):
-    at = results.reliab.at_structure(1.0, 0.05).isel(motion=2)
+    at = results.reliab.select_structure(1.0, 0.05).isel(motion=2)
     structure = results.reliab.structure(1.0, 0.05)
     excitation = Excitation(acceleration=suite[2].acceleration, time_step=suite[2].time_step)
     blocks = cut(excitation, structure, step=1 / 512)
@@ -84,7 +84,7 @@ def test_index_of_a_cell_is_that_of_its_histories(results, suite):
 
 
 def test_index_of_a_lead_is_that_of_its_histories(results, suite):
-    at = results.reliab.at_structure(1.0, 0.05).isel(motion=2)
+    at = results.reliab.select_structure(1.0, 0.05).isel(motion=2)
     structure = results.reliab.structure(1.0, 0.05)
     excitation = Excitation(acceleration=suite[2].acceleration, time_step=suite[2].time_step)
     for i, j in ((9, 4), (14, 12), (18, 20)):
@@ -102,14 +102,14 @@ def test_index_of_a_lead_is_that_of_its_histories(results, suite):
 
 
 def test_stable_is_below_the_critical_delay(results):
-    at = results.reliab.at_structure(0.5, 0.02).isel(motion=0)
+    at = results.reliab.select_structure(0.5, 0.02).isel(motion=0)
     limit = critical_delay(results.reliab.structure(0.5, 0.02), at["kp"].values)
     np.testing.assert_array_equal(at["stable"], at["tau"].values[np.newaxis] < limit[:, np.newaxis])
 
 
 def test_memory_holds_double_precision(results):
     assert results["rms"].dtype == np.float32  # on disk, not yet read
-    assert results.reliab.at_structure(1.0, 0.02)["rms"].dtype == np.float64
+    assert results.reliab.select_structure(1.0, 0.02)["rms"].dtype == np.float64
 
 
 @pytest.mark.slow
@@ -151,7 +151,7 @@ def test_every_stored_window_has_its_own_errors(store, results, suite):
     bounds = Window.parse("arias").bounds(suite[0].acceleration, suite[0].time_step)
     inside = replace(loop, excitation=replace(loop.excitation, window=bounds))
     for dataset, asked in ((results, loop), (arias, inside)):
-        at = dataset.reliab.at_structure(1.0, 0.02).isel(motion=0, kp=10, tau=-12)
+        at = dataset.reliab.select_structure(1.0, 0.02).isel(motion=0, kp=10, tau=-12)
         found = asked.deviation(asked.cells(gain=float(at["kp"]), delay=float(at["tau"])))
         assert float(at["rms"]) == pytest.approx(relative_error(found, Metric.RMS)[0], rel=1e-4)
     with pytest.raises(InputError, match="the store has record, arias"):
@@ -197,7 +197,7 @@ def test_explicit_grid_of_the_paper_resolves_its_own_boundaries(tmp_path, suite)
 
 def test_structure_that_was_not_simulated_is_refused(results):
     with pytest.raises(InputError, match=r"0\.5, 1"):
-        results.reliab.at_structure(0.7, 0.02)
+        results.reliab.select_structure(0.7, 0.02)
 
 
 @pytest.mark.parametrize("what", ["grid", "engine", "window"])

@@ -171,7 +171,7 @@ def test_a_disk_that_is_full_from_the_start_is_named(tmp_path, suite, request_, 
 def test_second_process_is_refused(tmp_path, suite, request_):
     path = tmp_path / "results.zarr"
     with (
-        store.ResultsStore.opened(path, request_, suite.names, suite.events, resume=False),
+        store.ResultsStore.open(path, request_, suite.names, suite.events, resume=False),
         pytest.raises(InputError, match="Only one process"),
     ):
         run_sweep(suite, request_, path, resume=True)

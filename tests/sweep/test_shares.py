@@ -23,7 +23,7 @@ from reliab.sweep.grid import ScaledGrid
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.results import open_results, write_compact
 from reliab.sweep.run import run_sweep
-from reliab.sweep.shares import at_share, shares_of
+from reliab.sweep.shares import select_share, shares_of
 from reliab.tracking.boundary.contour import Contour
 from reliab.tracking.boundary.curves import Cosine, Ellipse, InscribedEllipse
 from reliab.tracking.indices.response_error import relative_error
@@ -60,10 +60,10 @@ def test_the_share_is_a_dimension_after_the_damping_ratio(results):
 def test_each_share_has_the_bits_of_its_own_sweep(tmp_path, two, results, share):
     alone = replace(REQUEST, experimental_fractions=(share,))
     own = open_results(run_sweep(two, alone, tmp_path / "results.zarr"))
-    part = at_share(results, share)
+    part = select_share(results, share)
     assert shares_of(own) == (share,)
     xr.testing.assert_equal(part, own)
-    xr.testing.assert_equal(at_share(results.reliab.ellipses(), share), own.reliab.ellipses())
+    xr.testing.assert_equal(select_share(results.reliab.ellipses(), share), own.reliab.ellipses())
 
 
 def test_a_request_of_one_share_is_known_by_the_digest_that_stores_already_carry():
@@ -75,7 +75,7 @@ def test_a_request_of_one_share_is_known_by_the_digest_that_stores_already_carry
 def test_cells_of_a_share_hold_what_the_delay_equation_gives(results, two):
     motion = two[0]
     excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step)
-    part = at_share(results, 0.25)
+    part = select_share(results, 0.25)
     structure = part.reliab.structure(1.0, 0.05)
     assert structure.experimental_fraction == 0.25
     cells = REQUEST.grid.cells(structure)
@@ -113,7 +113,7 @@ def test_what_is_asked_of_one_share_is_refused_for_several(results):
     with pytest.raises(InputError, match="one share"):
         results.reliab.structure(1.0, 0.02)
     with pytest.raises(InputError, match="has no such share"):
-        at_share(results, 0.5)
+        select_share(results, 0.5)
     chosen = results.sel(alpha=0.25)  # by xarray's own means, which leaves a coordinate
     assert chosen.reliab.structure(1.0, 0.02).experimental_fraction == 0.25
 

@@ -16,7 +16,7 @@ from reliab.sweep import store as stores
 from reliab.sweep.grid import ExplicitGrid
 from reliab.sweep.results import open_results
 from reliab.sweep.run import run_sweep
-from reliab.sweep.store_layout import ChunkNames, codecs, encoded, write_chunk
+from reliab.sweep.store_layout import ChunkNames, codecs, encode, write_chunk
 
 
 @pytest.fixture
@@ -217,7 +217,7 @@ def test_bytes_are_those_of_zarr(tmp_path, dtype, separator):
     )
     array[0] = values
     (first,) = (file for file in (tmp_path / "store" / "values").rglob("*0") if file.is_file())
-    assert first.read_bytes() == encoded(values)
-    within = ChunkNames.of_array(Path("values"), array).of_motion(1)
-    write_chunk(tmp_path / "store", within, encoded(values))
+    assert first.read_bytes() == encode(values)
+    within = ChunkNames.from_array(Path("values"), array).path_of_motion(1)
+    write_chunk(tmp_path / "store", within, encode(values))
     np.testing.assert_array_equal(array[1], values)

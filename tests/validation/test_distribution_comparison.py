@@ -11,7 +11,7 @@ from reliab.criterion.distributions import DISTRIBUTIONS, Lognormal
 from reliab.criterion.laws.dimensionless import Dimensionless
 from reliab.criterion.laws.exponential import Exponential
 from reliab.criterion.laws.power import Power
-from reliab.criterion.laws.registry import FITTED, OF_MANY_MOTIONS
+from reliab.criterion.laws.registry import FITTED_LAWS, MANY_MOTION_LAWS
 from reliab.criterion.laws.table import Table
 from reliab.sweep.ellipse_dataset import open_ellipses
 from reliab.sweep.results import open_results
@@ -72,7 +72,7 @@ def beats(table, others):
 
 
 def compared(real, others):
-    laws = {name: {**FITTED, **OF_MANY_MOTIONS}[name] for name in ("dimensionless", *others)}
+    laws = {name: {**FITTED_LAWS, **MANY_MOTION_LAWS}[name] for name in ("dimensionless", *others)}
     return compare_laws(real, laws=laws)
 
 

@@ -263,7 +263,7 @@ class _Terms:
         )
 
         def judge(channels: Channels, test: Test) -> "FrameAssessment | CoupledAssessment":
-            recording = channels.read_several_actuators(test) if frame.several else channels.read(test)
+            recording = channels.read_several_actuators(test) if frame.has_several else channels.read(test)
             filters = channels.filters(self.filters, recording.stated)
             stated = {**recording.stated, **self.numbers}
             require_sound(stated)

@@ -32,17 +32,17 @@ from reliab.core.vocabulary import CurveName, Metric, Side
 from reliab.criterion.carrying import carry_to_length, carry_to_response, carry_to_suite, protect_over_lengths
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.derivation import Derivation
-from reliab.criterion.ellipse_table import without_copies
+from reliab.criterion.ellipse_table import drop_copies
 from reliab.criterion.experimental_share import compare_shares
-from reliab.criterion.laws.registry import FITTED, OF_MANY_MOTIONS, known
+from reliab.criterion.laws.registry import FITTED_LAWS, MANY_MOTION_LAWS, find_law
 from reliab.criterion.methods.method import Method
-from reliab.criterion.methods.registry import RECOMMENDED, method_of
+from reliab.criterion.methods.registry import RECOMMENDED_METHOD, method_of
 from reliab.criterion.published import published_criterion
 from reliab.motions.loading import load_motions
 from reliab.sweep.netcdf import read_netcdf
 from reliab.sweep.response_measures import measure_responses
-from reliab.sweep.several import Numbers, several
-from reliab.sweep.shares import at_share, share_of, shares_of
+from reliab.sweep.several import Numbers, as_names
+from reliab.sweep.shares import select_share, share_of, shares_of
 from reliab.tracking.indices.window import Window
 
 POPULATION = "real_suite"
@@ -84,7 +84,7 @@ class Case:
         if self.duration is not None:
             return carry_to_length(population, self.duration)
         places = {
-            name: list(several(population[name].values.tolist() if values is None else values))
+            name: list(as_names(population[name].values.tolist() if values is None else values))
             for name, values in (("f", f), ("xi", xi))
         }
         if self.motion is not None:
@@ -222,7 +222,7 @@ class _Question:
     def _is_of_the_population(self) -> bool:
         """Whether the shipped ellipses answer a question that names none."""
         needs_motions = any(self.of_source[name] for name in ("sets", "model", "structure", "actuator"))
-        is_fitted = self.law not in OF_MANY_MOTIONS and not needs_motions
+        is_fitted = self.law not in MANY_MOTION_LAWS and not needs_motions
         return is_fitted or bool(self.case.stated)
 
     def source(self) -> EllipseSource:
@@ -281,7 +281,10 @@ class _Question:
 
     def derived(self) -> _Derived:
         """Derive a criterion for each share of the stiffness, error and confidence."""
-        law, method = known(FITTED, self.law), method_of(self.method or RECOMMENDED, **self.settings)
+        law, method = (
+            find_law(FITTED_LAWS, self.law),
+            method_of(self.method or RECOMMENDED_METHOD, **self.settings),
+        )
         if self.chains is not None and not method.samples_chains:
             raise InputError(
                 "Only the hierarchical methods have chains",
@@ -299,7 +302,7 @@ class _Question:
         for share, error in itertools.product(shares, errors):
             with self.show(f"Learning at {error:g}") as progress:
                 derivation = Derivation.from_ellipses(
-                    at_share(dataset, share),
+                    select_share(dataset, share),
                     method=method,
                     law=law,
                     threshold=error,
@@ -318,7 +321,7 @@ class _Question:
     def _population(self, method: Method) -> xr.Dataset:
         """Ellipses behind the criteria."""
         source = self.source()
-        population = without_copies(with_room(source.dataset(self.show)))
+        population = drop_copies(with_room(source.dataset(self.show)))
         carried = self.case.carried(population, source, *self.structures, self.show)
         protected = protect_over_lengths(carried, metric=self.metric, curve=method.curve)
         return at_structures(protected, *self.structures) if self.law == "table" else protected
@@ -347,7 +350,7 @@ class _Question:
     def answered(self) -> Criteria:
         """Derive criteria, write the file of one, and add what is asked for beside them."""
         f, xi = self.structures
-        criteria, dataset, derivations = self.printed() if self.law in OF_MANY_MOTIONS else self.derived()
+        criteria, dataset, derivations = self.printed() if self.law in MANY_MOTION_LAWS else self.derived()
         derived = Criteria(
             criteria=criteria,
             structures=_structures(f, xi, dataset),
@@ -388,7 +391,7 @@ class _Question:
         suite = load_motions(*paths(source.motions or ()), sets=source.sets)
         window = Window.parse(self.of_source["window"] or "record")
         threshold = (self.errors or [FIVE_PERCENT])[0]
-        if frame.several and self.of_source["actuator"] is None:
+        if frame.has_several and self.of_source["actuator"] is None:
             with self.show("Coupling the actuators") as progress:
                 limits = limits_of_coupling(
                     frame,

@@ -19,7 +19,7 @@ from reliab.core.significant_digits import percent
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.derivation import Derivation
 from reliab.criterion.ellipse_table import EllipseTable
-from reliab.criterion.published import printed_share
+from reliab.criterion.published import exact_share
 from reliab.criterion.scope import population_of
 from reliab.criterion.summary import describe_sample, summarise
 from reliab.sweep.ellipse_dataset import open_ellipses
@@ -114,7 +114,7 @@ def _row(criterion: Criterion, sample: EllipseTable | None, f: float, xi: float)
     summary = summarise(criterion, f, xi)
     if criterion.population is None:
         summary.update(_kept_by(criterion, summary))
-    elif sample is not None and f in sample.at["f"] and xi in sample.at["xi"]:
+    elif sample is not None and f in sample.coordinates["f"] and xi in sample.coordinates["xi"]:
         summary.update(describe_sample(sample, criterion, f, xi))
     return summary
 
@@ -122,7 +122,7 @@ def _row(criterion: Criterion, sample: EllipseTable | None, f: float, xi: float)
 def _kept_by(criterion: Criterion, summary: Mapping[str, Any]) -> dict[str, Any]:
     """Measure on the real motions that ship with the package how many keep a printed law."""
     real = open_ellipses(shipped("datasets", "real_suite/ellipses.nc"), window=criterion.provenance.window)
-    kept = printed_share(criterion, real, summary["f"], summary["xi"])
+    kept = exact_share(criterion, real, summary["f"], summary["xi"])
     sentence = (
         f"Of {kept['n_motions']} real motions, {percent(kept['share'], decimals=0)} have a boundary "
         f"that contains this ellipse at f = {kept['f']:g} Hz and ξ = {kept['xi']:g}, where the paper states "
@@ -261,15 +261,15 @@ def _write_posteriors(folder: Path, derivations: "Sequence[Derivation]") -> list
     from reliab.core.vocabulary import Side
 
     names = []
-    for learned in (part for derivation in derivations for part in derivation.learned):
-        if learned.sampled is None:
+    for learned in (part for derivation in derivations for part in derivation.learned_limits):
+        if learned.posterior_sample is None:
             continue
         side = "" if learned.grid.side == Side.LAG else f"_{learned.grid.side}"
         error = f"{learned.grid.metric}{learned.grid.threshold:g}{side}"
-        for name, drawn in _posterior_figures(learned.sampled).items():
+        for name, drawn in _posterior_figures(learned.posterior_sample).items():
             names.append(_write(folder, f"{name}_{error}.svg", drawn))
         names.append(f"posterior_{error}.nc")
-        learned.sampled.write_netcdf(folder / names[-1])
+        learned.posterior_sample.write_netcdf(folder / names[-1])
     return names
 
 

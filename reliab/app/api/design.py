@@ -17,7 +17,7 @@ from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import Metric
 from reliab.criterion.criterion import Criterion
 from reliab.sweep.results import REAL
-from reliab.sweep.several import several
+from reliab.sweep.several import as_names
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,7 +88,7 @@ def design_test(**asked: Unpack[questions.Design]) -> Design:
                 frequencies,
                 stated.get("xi", 0.02),
                 threshold=stated_threshold(asked["threshold"]),
-                confidences=CONFIDENCES if confidence is None else several(confidence),
+                confidences=CONFIDENCES if confidence is None else as_names(confidence),
                 metric=str(asked["metric"] or Metric.RMS),
                 criterion=read,
                 experimental_fraction=share,

@@ -190,7 +190,7 @@ class FollowedTest:
             apart -= filters["command"].delay if "command" in filters else 0.0
             tolerances = replace(tolerances, filter_delay=float(np.hypot(tolerances.filter_delay, apart)))
         followed = structure if self.frame is None else self.frame.partition
-        if self.frame is not None and self.frame.several:
+        if self.frame is not None and self.frame.has_several:
             return CoupledMonitor(
                 self.frame.partition,
                 step,
@@ -221,10 +221,10 @@ class FollowedTest:
             if rows.force is not None:
                 monitor.feed(command, measured, rows.force[part])
             return
-        if self.frame is not None and self.frame.several:
+        if self.frame is not None and self.frame.has_several:
             order = self.frame.order_of_channels(rows.actuators, "the test")
             command, measured = (
-                self.frame.straightened(np.atleast_2d(rows_of)[order]) for rows_of in (command, measured)
+                self.frame.straighten(np.atleast_2d(rows_of)[order]) for rows_of in (command, measured)
             )
         monitor.feed(command, measured)
 

@@ -94,7 +94,7 @@ def follow_test(
         name=text.name,
         declarations=laboratory.declarations,
         also=() if of_force is None else (Part.FORCE,),
-        has_several=frame is not None and frame.several,
+        has_several=frame is not None and frame.has_several,
     )
     as_assessed = questions.only_those_of(questions.StatedOfTest, {**asked, "force_channel": force_channel})
     watch = FollowedTest(
@@ -165,7 +165,7 @@ def frame_of(structure: str | Path | FrameUnderTest, *, measured: bool = False) 
     `measured`: whether its specimen is learned from its force.
     """
     frame = read_structure(structure) if isinstance(structure, str | Path) else structure
-    if frame.several:
+    if frame.has_several:
         if measured:
             raise unused(
                 "specimen", "together with a `structure` with several actuators, whose specimen is linear"
@@ -186,7 +186,7 @@ def refuse_beside(name: str, asked: questions.Followed, *others: str) -> None:
 def _mode(model: UpdatedModel | None, frame: FrameUnderTest | None) -> Structure | None:
     """Structure whose frequency, damping and share stand for those of a model or a frame."""
     if frame is not None:
-        return frame.partition.lowest_mode if frame.several else governing_mode(frame.partition)
+        return frame.partition.lowest_mode if frame.has_several else governing_mode(frame.partition)
     return None if model is None else model.test.structure
 
 

@@ -137,7 +137,7 @@ def _structure(asked: questions.MonitorInLoop) -> tuple[Partition | HybridTest, 
 
 def _of_frame(frame: FrameUnderTest, where: str) -> tuple[Partition, Array | None]:
     """Return the structure of a frame with a linear specimen."""
-    if frame.several:
+    if frame.has_several:
         if frame.geometry is not None and not frame.channels_at_interface:
             raise InputError(
                 "A monitor in a loop carries actuators to the interface by a matrix",

@@ -15,13 +15,13 @@ from reliab.app.api.sources import EllipseSource, listed, paths
 from reliab.core.errors import InputError
 from reliab.core.progress import Show
 from reliab.core.significant_digits import percent, significant
-from reliab.criterion.ellipse_table import with_threshold, without_copies
+from reliab.criterion.ellipse_table import drop_copies, interpolate_threshold
 from reliab.criterion.scope import Position, compare_with_scope, magnitudes_of, scope_of
 from reliab.motions.loading import load_motions
 from reliab.motions.suite import MotionSuite
-from reliab.sweep.results import REAL, open_results, stored_results
+from reliab.sweep.results import REAL, find_results, open_results
 from reliab.sweep.several import Numbers
-from reliab.sweep.shares import at_share, share_of
+from reliab.sweep.shares import select_share, share_of
 from reliab.tracking.indices.window import Window
 from reliab.validation.cross_validation.folds import (
     Fold,
@@ -56,7 +56,7 @@ def judged_ellipses(source: EllipseSource, show: Show) -> xr.Dataset:
 
     They must be at the structures that are asked for.
     """
-    dataset = at_share(source.dataset(show))
+    dataset = select_share(source.dataset(show))
     for name in ("f", "xi"):
         held = dataset[name].values.tolist()
         for value in listed(getattr(source, name)) or []:
@@ -67,8 +67,8 @@ def judged_ellipses(source: EllipseSource, show: Show) -> xr.Dataset:
                     remedy=f"Choose among {', '.join(f'{stored:g}' for stored in held)}, or give `motions`",
                 )
     for error in listed(source.threshold) or []:
-        dataset = with_threshold(dataset, error)
-    return without_copies(dataset)
+        dataset = interpolate_threshold(dataset, error)
+    return drop_copies(dataset)
 
 
 def true_errors(source: EllipseSource, dataset: xr.Dataset) -> Truth:
@@ -86,8 +86,8 @@ def true_errors(source: EllipseSource, dataset: xr.Dataset) -> Truth:
         return EllipseTruth(dataset)
     window = str(dataset.attrs.get("window", "record"))
     structures = (dataset[name].values.tolist() for name in ("f", "xi"))
-    results = open_results(stored_results(Path(stored), *structures), window=window).sel(motion=names)
-    return StoredTruth(at_share(results, share_of(dataset)))
+    results = open_results(find_results(Path(stored), *structures), window=window).sel(motion=names)
+    return StoredTruth(select_share(results, share_of(dataset)))
 
 
 def _places(names: Sequence[str], suite: MotionSuite) -> list[int]:

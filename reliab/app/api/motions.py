@@ -15,7 +15,7 @@ from reliab.core.vocabulary import STANDARD_GRAVITY
 from reliab.motions.checking import inspect
 from reliab.motions.faults import Fault, fault_of
 from reliab.motions.intensity import measure
-from reliab.motions.loading import find_motions, load_motions, skipped_files
+from reliab.motions.loading import find_motions, list_skipped_files, load_motions
 from reliab.motions.motion import Motion
 from reliab.motions.suite import MotionSuite
 from reliab.motions.synthetic.suite import synthetic_suite
@@ -85,7 +85,7 @@ def list_motions(sources: Files, **read: Unpack[questions.MotionFiles]) -> Motio
             faults.append(fault_of(error, entry.name))
     if not rows:
         raise faults[0].error()
-    skipped = [note for source in named for note in skipped_files(source)]
+    skipped = [note for source in named for note in list_skipped_files(source)]
     return MotionList(rows, tuple(faults), tuple(skipped))
 
 
@@ -180,7 +180,7 @@ def import_motions(
     written = _written(
         suite, write_suite(suite, out, event=event), suite.events if event is None else [event]
     )
-    return replace(written, skipped=tuple(note for source in named for note in skipped_files(source)))
+    return replace(written, skipped=tuple(note for source in named for note in list_skipped_files(source)))
 
 
 @asks(questions.SyntheticSuite)

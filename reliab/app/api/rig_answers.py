@@ -21,7 +21,7 @@ from reliab.core.files import require_ending
 from reliab.core.plain_values import PlainResult
 from reliab.core.vocabulary import Metric
 from reliab.motions.loading import load_motions, read_motion
-from reliab.rig.memory import MEASURED, NextTest
+from reliab.rig.memory import MEASURED_COVARIATES, NextTest
 from reliab.rig.prediction import Prediction, predict_next, predict_under_motion, predict_under_suite
 from reliab.rig.rig_folder import RigFolder
 from reliab.rig.rig_table import RigTable, require_date
@@ -82,11 +82,11 @@ def predict_rig(rig: str | Path, **asked: Unpack[questions.NextTest]) -> RigPred
     InputError
         If there are fewer than three tests, or an argument cannot be used.
     """
-    table, date = RigFolder.opened(rig).table(), asked["date"]
+    table, date = RigFolder.open(rig).table(), asked["date"]
     following = NextTest(
         date=require_date(date) if date else "",
         specimen=asked["specimen"] or "",
-        covariates=stated_covariates(asked["covariate"] or (), MEASURED),
+        covariates=stated_covariates(asked["covariate"] or (), MEASURED_COVARIATES),
     )
     limit = stated_threshold(asked["threshold"])
     predict = _of_structure if asked["structure"] is None else _of_frame
@@ -184,7 +184,7 @@ def document_of_rig(rig: str | Path, **asked: Unpack[questions.RigReport]) -> "D
     """Make the document that :func:`report_rig` sets as a PDF; arguments and errors are the same."""
     from reliab.report.kinds.rig_report import rig_report
 
-    table = RigFolder.opened(rig).table()
+    table = RigFolder.open(rig).table()
     if not table.rows:
         raise InputError("The rig has no tests", remedy="Add some with `reliab rig add`")
     last = table.rows[-1]

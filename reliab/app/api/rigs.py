@@ -69,7 +69,7 @@ def list_rig(rig: str | Path) -> RigList:
     InputError
         If it is no folder of a rig.
     """
-    folder = RigFolder.opened(rig)
+    folder = RigFolder.open(rig)
     return RigList(rig=folder.path, table=folder.table())
 
 
@@ -93,7 +93,7 @@ def show_rig_test(rig: str | Path, test: str) -> dict[str, Any]:
     InputError
         If there is no such test, or several.
     """
-    folder = RigFolder.opened(rig)
+    folder = RigFolder.open(rig)
     sha256 = folder.find(test)["sha256"]
     content = folder.read(sha256)
     return {**content, "record": str(folder.record_path(sha256))}
@@ -119,7 +119,7 @@ def remove_from_rig(rig: str | Path, tests: str | Iterable[str]) -> tuple[str, .
     InputError
         If one of them is no test of the rig; then none is removed.
     """
-    folder = RigFolder.opened(rig)
+    folder = RigFolder.open(rig)
     table = folder.table()
     rows = [folder.find(test, table) for test in ([tests] if isinstance(tests, str) else tests)]
     for row in rows:
@@ -148,7 +148,7 @@ def export_rig(rig: str | Path, out: str | Path) -> int:
         If the file cannot be written.
     """
     require_ending(out, ".csv")
-    table = RigFolder.opened(rig).table()
+    table = RigFolder.open(rig).table()
     with refuse_unwritable("Cannot write the table's file", where=out), written_whole(out) as file:
         file.write_text(table.to_csv(), encoding="utf-8", errors="backslashreplace")
     return len(table)

@@ -22,9 +22,9 @@ from reliab.motions.loading import load_motions
 from reliab.sweep.ellipse_dataset import CURVES, open_ellipses
 from reliab.sweep.ellipse_table import EllipseRequest, predict_ellipses, trace_ellipses
 from reliab.sweep.plain import WHOLLY_EXPERIMENTAL, Motions, StatedStructures, one_of, suite_of
-from reliab.sweep.results import REAL, open_results, stored_results
-from reliab.sweep.several import Names, Numbers, several
-from reliab.sweep.shares import at_share, for_each_share, shares_of
+from reliab.sweep.results import REAL, find_results, open_results
+from reliab.sweep.several import Names, Numbers, as_names
+from reliab.sweep.shares import concatenate_shares, select_share, shares_of
 from reliab.tracking.boundary.curves import Curve
 from reliab.tracking.indices.window import Window
 
@@ -80,9 +80,9 @@ def ellipses(
     True
     """
     metrics = tuple(
-        one_of(name, {str(choice): choice for choice in Metric}, "metric") for name in several(metric)
+        one_of(name, {str(choice): choice for choice in Metric}, "metric") for name in as_names(metric)
     )
-    thresholds = several((0.05,) if asked["threshold"] is None else asked["threshold"])
+    thresholds = as_names((0.05,) if asked["threshold"] is None else asked["threshold"])
     if isinstance(source, str | Path) and _holds_results(Path(source)):
         from reliab.sweep.results import open_results
 
@@ -135,7 +135,7 @@ def paths(files: Files) -> tuple[str | Path, ...]:
 
 def listed(values: Any) -> list[Any] | None:  # noqa: ANN401 - numbers or names
     """List one value or several; None where none is stated."""
-    return None if values is None else list(several(values))
+    return None if values is None else list(as_names(values))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -190,7 +190,7 @@ class EllipseSource:
 
     def _refuse_options_of_motions(self) -> None:
         """Refuse what only ground motions can serve."""
-        sets = None if self.sets is None else f"`sets={' '.join(several(self.sets))}`"
+        sets = None if self.sets is None else f"`sets={' '.join(as_names(self.sets))}`"
         options = (
             (
                 "`model`" if self.model else None,
@@ -219,7 +219,7 @@ class EllipseSource:
 
     @property
     def _thresholds(self) -> tuple[float, ...]:
-        return several(FIVE_PERCENT if self.threshold is None else self.threshold)
+        return as_names(FIVE_PERCENT if self.threshold is None else self.threshold)
 
     def dataset(self, show: Show = quietly) -> xr.Dataset:
         """Trace the ellipses, or look them up."""
@@ -266,7 +266,7 @@ class EllipseSource:
     def _traced_in(self, path: Path, show: Show) -> xr.Dataset:
         """Trace the boundaries in stored results."""
         stored = open_results(
-            stored_results(path, listed(self.f), listed(self.xi)), window=self.window or _RECORD
+            find_results(path, listed(self.f), listed(self.xi)), window=self.window or _RECORD
         )
         with show("Tracing boundaries") as progress:
             traced: xr.Dataset = at_structures(stored, self.f, self.xi).reliab.ellipses(
@@ -303,7 +303,7 @@ def require_thresholds(threshold: Numbers | None) -> None:
 
     `threshold` [-].
     """
-    for error in () if threshold is None else several(threshold):
+    for error in () if threshold is None else as_names(threshold):
         stated_threshold(error)
 
 
@@ -311,7 +311,7 @@ def _require_column(dataset: xr.Dataset, name: str, values: Any, path: Path) -> 
     """Refuse to relabel a table that is of one structure and error."""
     held = dataset[name].values
     numeric = held.dtype.kind == "f"
-    for value in () if values is None else several(values):
+    for value in () if values is None else as_names(values):
         known = np.isclose(held, value, rtol=1e-9).any() if numeric else value in held.tolist()
         if not known and held.size == 1:
             raise InputError(
@@ -332,15 +332,15 @@ def _of_shares(dataset: xr.Dataset, alpha: Numbers | None, path: Path) -> xr.Dat
     """
     if alpha is None:
         return dataset
-    shares = sorted(set(several(alpha)))
-    return for_each_share(shares, lambda share, _: _of_share(dataset, share, path), silent)
+    shares = sorted(set(as_names(alpha)))
+    return concatenate_shares(shares, lambda share, _: _of_share(dataset, share, path), silent)
 
 
 def _of_share(dataset: xr.Dataset, alpha: float, path: Path) -> xr.Dataset:
     """Choose one share, or carry the boundaries of α = 1 to it."""
     shares = shares_of(dataset)
     if _near(alpha, shares):
-        return at_share(dataset, alpha)
+        return select_share(dataset, alpha)
     stated = "alpha" in dataset.coords or SHARE_ATTRIBUTE in dataset.attrs
     if not stated or not _near(_WHOLE, shares):
         raise InputError(
@@ -349,7 +349,7 @@ def _of_share(dataset: xr.Dataset, alpha: float, path: Path) -> xr.Dataset:
             remedy="Leave `alpha` out, or give `motions`, whose boundaries are computed for any fraction",
             where=str(path),
         )
-    return carry_to_share(at_share(dataset, _WHOLE), alpha)
+    return carry_to_share(select_share(dataset, _WHOLE), alpha)
 
 
 def _near(alpha: float, shares: tuple[float, ...]) -> bool:

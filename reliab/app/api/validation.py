@@ -31,8 +31,8 @@ from reliab.core.progress import Show, quietly
 from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import Metric, Side
 from reliab.criterion.laws.law import Law
-from reliab.criterion.laws.registry import FITTED, OF_MANY_MOTIONS, known
-from reliab.criterion.methods.registry import RECOMMENDED, method_of
+from reliab.criterion.laws.registry import FITTED_LAWS, MANY_MOTION_LAWS, find_law
+from reliab.criterion.methods.registry import RECOMMENDED_METHOD, method_of
 from reliab.criterion.scope import population_of
 from reliab.sweep.shares import share_of
 from reliab.validation.cross_validation.counts import RATES, CrossValidation, tabulate
@@ -176,11 +176,11 @@ class _Candidates:
         names = laws or ["table", *(("guo_2017_15", "guo_2017_18") if has_printed else ())]
         candidates: list[Candidate] = []
         for name in names:
-            if name in OF_MANY_MOTIONS:
-                candidates.append(self._printed(name, OF_MANY_MOTIONS[name], asked=bool(laws)))
+            if name in MANY_MOTION_LAWS:
+                candidates.append(self._printed(name, MANY_MOTION_LAWS[name], asked=bool(laws)))
                 continue
-            fitted = known(FITTED, name)
-            for method in methods or [RECOMMENDED]:
+            fitted = find_law(FITTED_LAWS, name)
+            for method in methods or [RECOMMENDED_METHOD]:
                 label = method if name == "table" else f"{method}, {name}"
                 candidates.append(
                     DerivedCandidate(name=label, method=method_of(method), joint=joint, law=fitted)
@@ -242,7 +242,7 @@ def _sentences(
 
 
 def _is_printed(row: Mapping[str, Any]) -> bool:
-    return row["candidate"] in OF_MANY_MOTIONS
+    return row["candidate"] in MANY_MOTION_LAWS
 
 
 def _rows(validation: CrossValidation, over: tuple[str, ...], side: str = "lag") -> list[dict[str, Any]]:
@@ -268,7 +268,7 @@ def _not_carried(validation: CrossValidation) -> list[dict[str, Any]]:
         {"candidate": candidate, "confidence": confidence}
         for candidate in counts["candidate"].values.tolist()
         for confidence in counts["confidence"].values.tolist()
-        if candidate not in OF_MANY_MOTIONS
+        if candidate not in MANY_MOTION_LAWS
         and not int(touched.sel(candidate=candidate, confidence=confidence))
     ]
 

@@ -222,10 +222,10 @@ def _show_laws(error: str, rows: Sequence[Mapping[str, Any]]) -> None:
 def show_choices() -> None:
     """Print what --method, --law and --distribution may be, with what each means."""
     from reliab.criterion.distributions import DISTRIBUTIONS
-    from reliab.criterion.laws.registry import FITTED, OF_MANY_MOTIONS
+    from reliab.criterion.laws.registry import FITTED_LAWS, MANY_MOTION_LAWS
     from reliab.criterion.methods.registry import METHODS
 
-    laws = {**FITTED, **OF_MANY_MOTIONS}
+    laws = {**FITTED_LAWS, **MANY_MOTION_LAWS}
     _show_meanings("--method", {name: _of_method(method) for name, method in METHODS.items()})
     _show_meanings("--law", {name: str(law.equation) for name, law in laws.items()})
     families = {name: (family.__doc__ or "").partition(".")[0] for name, family in DISTRIBUTIONS.items()}

@@ -223,11 +223,11 @@ def sizes_of_structure(frame: "FrameUnderTest") -> dict[str, Size]:
     Where parts of the structure are stated, nothing is assumed of the whole beside them.
     """
     tolerances = frame.tolerances
-    parts = tolerances.of_parts(frame.partition.size)
+    parts = tolerances.part_deviations(frame.partition.size)
     deviations = {
-        "frequency": tolerances.of_frequency,
+        "frequency": tolerances.frequency_deviation,
         "damping_ratio": tolerances.damping_ratio,
-        "experimental_fraction": tolerances.of_specimen_alone,
+        "experimental_fraction": tolerances.specimen_deviation,
     }
     stated = {_OF_PARTS[name.rstrip("_0123456789")] for name in parts}
     return {

@@ -152,8 +152,8 @@ def reference_of_model(perfect: HybridTest, histories: Histories, *, command: Mo
     `command`: motion of the command, where it is known already.
     """
     step, numerical = histories.time_step, perfect.substructure
-    moved = (command or Motion3.through(histories.command, step)).values
-    force = load(perfect, Motion3.through(histories.measured, step))
+    moved = (command or Motion3.interpolate(histories.command, step)).values
+    force = load(perfect, Motion3.interpolate(histories.measured, step))
     demand = -(
         moved[2] + numerical.damping * moved[1] + numerical.stiffness * moved[0] + force / perfect.mass
     )
@@ -181,7 +181,7 @@ def sweep_model(
     `differences` [m]: draws of x_c − x_m at each `every`-th sample; `deviations` of the model's parameters.
     """
     thin = histories.thinned(every)
-    command = Motion3.through(thin.command, thin.time_step)
+    command = Motion3.interpolate(thin.command, thin.time_step)
     generator = np.random.default_rng(seed)
     nominal = _statistics(thin.measured, reference_of_model(model, thin, command=command))
     fine = _statistics(histories.measured, reference_of_model(model, histories))

@@ -212,11 +212,11 @@ class Equation18Corrected(PrintedLaw):
         return 5.6e-5 * growth, 1.15 * growth / f**2
 
 
-PUBLISHED = (Equation11, Equation12, Equation14, Equation15, Equation17, Equation18)
+PUBLISHED_EQUATIONS = (Equation11, Equation12, Equation14, Equation15, Equation17, Equation18)
 """The laws as printed."""
 
-CORRECTED = (Equation15Corrected, Equation17Corrected, Equation18Corrected)
+CORRECTED_EQUATIONS = (Equation15Corrected, Equation17Corrected, Equation18Corrected)
 """The laws as corrected."""
 
-OF_ONE_MOTION = (Equation11, Equation14, Equation17, Equation17Corrected)
+SINGLE_MOTION_EQUATIONS = (Equation11, Equation14, Equation17, Equation17Corrected)
 """Laws of KOBE/NIS000 alone, which promise no confidence."""

@@ -55,15 +55,15 @@ class Validity:
             )
 
 
-def _require(what: str, given: ArrayLike, bounds: tuple[float, float], unit: str) -> None:
-    values = np.atleast_1d(np.asarray(given, dtype=np.float64))
+def _require(name: str, value: ArrayLike, bounds: tuple[float, float], unit: str) -> None:
+    values = np.atleast_1d(np.asarray(value, dtype=np.float64))
     low, high = bounds
-    inside = (values >= low * (1.0 - _ROUNDING)) & (values <= high * (1.0 + _ROUNDING))
-    if not inside.all():
-        where = f"at {low:g}{unit}" if low == high else f"between {low:g} and {high:g}{unit}"
+    is_inside = (values >= low * (1.0 - _ROUNDING)) & (values <= high * (1.0 + _ROUNDING))
+    if not is_inside.all():
+        range_text = f"at {low:g}{unit}" if low == high else f"between {low:g} and {high:g}{unit}"
         raise InputError(
-            f"The law does not hold for this {what}, only {where}",
-            value=f"{values[~inside].flat[0]:g}{unit}",
+            f"The law does not hold for this {name}, only {range_text}",
+            value=f"{values[~is_inside].flat[0]:g}{unit}",
             remedy="Choose another law, or derive a criterion from ellipses of that structure",
         )
 
@@ -74,7 +74,7 @@ LARGEST = 1e30
 _REMEDY = "Derive the criterion again; few motions give limits of zero, never negative ones"
 
 
-def checked_limits(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Array:
+def validate_limits(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Array:
     """Return limits as an array, or say what is wrong with them."""
     limits = _numbers(f"limits {name}", values)
     if limits.shape != shape:
@@ -93,7 +93,7 @@ def checked_limits(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Arra
     return limits
 
 
-def checked_grid(name: str, values: ArrayLike) -> Array:
+def validate_grid(name: str, values: ArrayLike) -> Array:
     """Return the frequencies or damping ratios of a law, or say what is wrong with them."""
     grid = _numbers(name, values)
     increasing = grid.ndim == 1 and grid.size > 0 and bool((np.diff(grid) > 0.0).all())
@@ -106,7 +106,7 @@ def checked_grid(name: str, values: ArrayLike) -> Array:
     return grid
 
 
-def checked_coefficients(name: str, values: ArrayLike, terms: int) -> None:
+def validate_coefficients(name: str, values: ArrayLike, terms: int) -> None:
     """Refuse coefficients that are not finite, or not as many as the law has terms."""
     coefficients = _numbers(f"coefficients of {name}", values)
     if coefficients.shape != (terms,) or not np.isfinite(coefficients).all():
@@ -156,8 +156,8 @@ class Law(ABC):
         )
         a, b = self._limits(f, xi)
         return (
-            checked_limits("a", np.broadcast_to(a, f.shape), f.shape),
-            checked_limits("b", np.broadcast_to(b, f.shape), f.shape),
+            validate_limits("a", np.broadcast_to(a, f.shape), f.shape),
+            validate_limits("b", np.broadcast_to(b, f.shape), f.shape),
         )
 
     @abstractmethod
@@ -177,12 +177,12 @@ class LogLinearLaw(Law):
 
     def __post_init__(self) -> None:
         for name, bounds in (("natural frequencies", self.frequency), ("damping ratios", self.damping_ratio)):
-            checked_grid(name, np.unique(bounds))
+            validate_grid(name, np.unique(bounds))
         terms = self._terms(np.ones(1), np.ones(1))
-        for name, coefficients, of_law in zip(
+        for name, coefficients, law_terms in zip(
             ("a", "b"), (self.coefficients_a, self.coefficients_b), terms, strict=True
         ):
-            checked_coefficients(name, coefficients, of_law.shape[-1])
+            validate_coefficients(name, coefficients, law_terms.shape[-1])
 
     @classmethod
     def fit(cls, frequencies: ArrayLike, damping_ratios: ArrayLike, a: ArrayLike, b: ArrayLike) -> Self:
@@ -197,17 +197,17 @@ class LogLinearLaw(Law):
         )
         f, xi = (grid.ravel() for grid in np.meshgrid(grid_f, grid_xi, indexing="ij"))
         for name, limits in (("a", a), ("b", b)):
-            _require_positive(checked_limits(name, limits, (grid_f.size, grid_xi.size)))
+            _require_positive(validate_limits(name, limits, (grid_f.size, grid_xi.size)))
         coefficients = (
             np.linalg.lstsq(terms, np.log(np.ravel(limits) / reference), rcond=None)[0]
             for terms, limits, reference in zip(
                 cls._terms(f, xi), (a, b), cls._references(f, xi), strict=True
             )
         )
-        of_a, of_b = (tuple(values.tolist()) for values in coefficients)
+        a_coefficients, b_coefficients = (tuple(values.tolist()) for values in coefficients)
         return cls(
-            coefficients_a=of_a,
-            coefficients_b=of_b,
+            coefficients_a=a_coefficients,
+            coefficients_b=b_coefficients,
             frequency=(float(grid_f.min()), float(grid_f.max())),
             damping_ratio=(float(grid_xi.min()), float(grid_xi.max())),
         )

@@ -9,7 +9,7 @@ from reliab.core.errors import InputError
 from reliab.core.registry import Registry
 from reliab.criterion.laws.dimensionless import Dimensionless
 from reliab.criterion.laws.exponential import Exponential
-from reliab.criterion.laws.guo_2017 import CORRECTED, OF_ONE_MOTION, PUBLISHED
+from reliab.criterion.laws.guo_2017 import CORRECTED_EQUATIONS, PUBLISHED_EQUATIONS, SINGLE_MOTION_EQUATIONS
 from reliab.criterion.laws.law import Law, LogLinearLaw
 from reliab.criterion.laws.power import Power
 from reliab.criterion.laws.table import Table
@@ -19,7 +19,7 @@ FittedLaw = type[Table] | type[LogLinearLaw]
 
 LawKind = TypeVar("LawKind")
 
-FITTED: Final[Registry[FittedLaw]] = Registry(
+FITTED_LAWS: Final[Registry[FittedLaw]] = Registry(
     noun="law",
     base=Law,
     group="reliab.laws",
@@ -28,12 +28,16 @@ FITTED: Final[Registry[FittedLaw]] = Registry(
 )
 """Laws that are fitted, by name; other packages register classes derived from `LogLinearLaw`."""
 
-OF_MANY_MOTIONS: Final[dict[str, Law]] = {
-    law.name: law() for law in (*PUBLISHED, *CORRECTED) if law not in OF_ONE_MOTION
+MANY_MOTION_LAWS: Final[dict[str, Law]] = {
+    law.name: law()
+    for law in (*PUBLISHED_EQUATIONS, *CORRECTED_EQUATIONS)
+    if law not in SINGLE_MOTION_EQUATIONS
 }
 """Published and corrected laws that promise a confidence over motions, by name."""
 
-_PRINTED: Final[dict[str, type[Law]]] = {law.name: law for law in (*PUBLISHED, *CORRECTED)}
+_PRINTED_LAWS: Final[dict[str, type[Law]]] = {
+    law.name: law for law in (*PUBLISHED_EQUATIONS, *CORRECTED_EQUATIONS)
+}
 
 
 def law_to_dict(law: Law) -> dict[str, Any]:
@@ -54,13 +58,13 @@ def law_to_dict(law: Law) -> dict[str, Any]:
 def law_from_dict(content: Mapping[str, Any]) -> Law:
     """Make a law from its name and parameters."""
     parameters = {key: _tuples(value) for key, value in content.items() if key != "name"}
-    laws: dict[str, type[Law]] = {**FITTED, **_PRINTED}
-    law = known(laws, content.get("name"))
-    needed = {parameter.name for parameter in fields(cast("Any", law))}
-    if parameters.keys() != needed:
+    laws: dict[str, type[Law]] = {**FITTED_LAWS, **_PRINTED_LAWS}
+    law = find_law(laws, content.get("name"))
+    field_names = {parameter.name for parameter in fields(cast("Any", law))}
+    if parameters.keys() != field_names:
         raise InputError(
-            f"The law {law.name} has the parameters {', '.join(sorted(needed)) or 'none'}",
-            value=", ".join(sorted(parameters.keys() ^ needed)) + " missing or unknown",
+            f"The law {law.name} has the parameters {', '.join(sorted(field_names)) or 'none'}",
+            value=", ".join(sorted(parameters.keys() ^ field_names)) + " missing or unknown",
             remedy="Derive the criterion again",
         )
     return law(**{name: _check_value(law, name, value) for name, value in parameters.items()})
@@ -81,7 +85,7 @@ def _check_value(law: type[Law], name: str, value: object) -> object:
         ) from None
 
 
-def known(laws: Mapping[str, LawKind], name: object) -> LawKind:
+def find_law(laws: Mapping[str, LawKind], name: object) -> LawKind:
     """Take a law by its name, or say which there are."""
     if not isinstance(name, str) or name not in laws:
         raise InputError("Unknown law", value=name, remedy=f"Choose among {', '.join(laws)}")

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from reliab.core.arrays import Array
-from reliab.criterion.laws.law import Law, Limits, Validity, checked_grid, checked_limits
+from reliab.criterion.laws.law import Law, Limits, Validity, validate_grid, validate_limits
 from reliab.criterion.scaling import scales
 
 
@@ -21,8 +21,8 @@ def tents(nodes: Array, x: Array) -> Array:
     """
     if nodes.size == 1:
         return np.ones((*x.shape, 1))
-    grid, at = np.log(nodes), np.clip(np.log(x), np.log(nodes[0]), np.log(nodes[-1]))
-    return np.stack([np.interp(at, grid, unit) for unit in np.eye(nodes.size)], axis=-1)
+    grid, logarithm = np.log(nodes), np.clip(np.log(x), np.log(nodes[0]), np.log(nodes[-1]))
+    return np.stack([np.interp(logarithm, grid, unit) for unit in np.eye(nodes.size)], axis=-1)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,10 +46,10 @@ class Table(Law):
     b: tuple[tuple[float, ...], ...]
 
     def __post_init__(self) -> None:
-        frequencies = checked_grid("natural frequencies", self.frequencies)
-        damping_ratios = checked_grid("damping ratios", self.damping_ratios)
+        frequencies = validate_grid("natural frequencies", self.frequencies)
+        damping_ratios = validate_grid("damping ratios", self.damping_ratios)
         for name, limits in (("a", self.a), ("b", self.b)):
-            checked_limits(name, limits, (frequencies.size, damping_ratios.size))
+            validate_limits(name, limits, (frequencies.size, damping_ratios.size))
 
     @classmethod
     def fit(cls, frequencies: ArrayLike, damping_ratios: ArrayLike, a: ArrayLike, b: ArrayLike) -> Self:
@@ -70,19 +70,19 @@ class Table(Law):
         )
 
     def _limits(self, f: Array, xi: Array) -> Limits:
-        along_f = tents(np.asarray(self.frequencies), f)
-        along_xi = tents(np.asarray(self.damping_ratios), xi)
+        f_weights = tents(np.asarray(self.frequencies), f)
+        xi_weights = tents(np.asarray(self.damping_ratios), xi)
         nodes = scales(np.asarray(self.frequencies)[:, None], np.asarray(self.damping_ratios)[None, :])
         a, b = (
-            scale * _geometric_mean(np.asarray(limits) / at_nodes, along_f, along_xi)
-            for limits, at_nodes, scale in zip((self.a, self.b), nodes, scales(f, xi), strict=True)
+            scale * _geometric_mean(np.asarray(limits) / node_values, f_weights, xi_weights)
+            for limits, node_values, scale in zip((self.a, self.b), nodes, scales(f, xi), strict=True)
         )
         return a, b
 
 
-def _geometric_mean(values: Array, along_f: Array, along_xi: Array) -> Array:
+def _geometric_mean(values: Array, f_weights: Array, xi_weights: Array) -> Array:
     """Weighted geometric mean over the grid; zero where a value that counts is zero."""
-    weights = along_f[..., :, None] * along_xi[..., None, :]
+    weights = f_weights[..., :, None] * xi_weights[..., None, :]
     zero = ((weights > 0.0) & (values == 0.0)).any(axis=(-2, -1))
     logarithms = np.log(np.where(values > 0.0, values, 1.0))
     return np.where(zero, 0.0, np.exp((weights * logarithms).sum(axis=(-2, -1))))

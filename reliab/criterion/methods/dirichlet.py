@@ -37,5 +37,5 @@ class Dirichlet(BoundMethod):
     concentration: float = CONCENTRATION  # Weight of the fitted shape, as a number of motions
 
     def _lower_bound(self, logarithms: Array, events: NDArray[np.str_], confidence: float) -> float:
-        learned = MotionPredictive.fit(logarithms[:, None], events, self.concentration)
-        return float(learned.quantile(1.0 - confidence)[0])
+        predictive = MotionPredictive.fit(logarithms[:, None], events, self.concentration)
+        return float(predictive.quantile(1.0 - confidence)[0])

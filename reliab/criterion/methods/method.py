@@ -18,7 +18,7 @@ from reliab.criterion.population import SampleGrid
 from reliab.sampling.posterior_sample import PosteriorSample
 
 
-class Learned(ABC):
+class LearnedLimits(ABC):
     """What a method has learned from the motions of a grid of structures."""
 
     grid: SampleGrid  # The motions
@@ -31,7 +31,7 @@ class Learned(ABC):
         """
 
     @property
-    def sampled(self) -> PosteriorSample | None:
+    def posterior_sample(self) -> PosteriorSample | None:
         """Draws of a posterior; None for a method that samples none."""
         return None
 
@@ -52,8 +52,8 @@ class Learned(ABC):
 
     def warn_unless_converged(self) -> None:
         """Warn by a `ConvergenceWarning` if a posterior cannot be relied on."""
-        if self.sampled is not None:
-            self.sampled.warn_unless_converged()
+        if self.posterior_sample is not None:
+            self.posterior_sample.warn_unless_converged()
 
 
 class Method(ABC):
@@ -86,7 +86,7 @@ class Method(ABC):
         """Parameters of the method, ready for JSON."""
         return asdict(cast("Any", self))
 
-    def carried_confidence(self, n_motions: int, n_events: int) -> float:
+    def achievable_confidence(self, n_motions: int, n_events: int) -> float:
         """Highest confidence that so many motions can support; beyond it a criterion accepts nothing.
 
         The lowest value under K earthquakes is exceeded with the probability K/(K + 1), whatever the
@@ -98,7 +98,7 @@ class Method(ABC):
         show how earthquakes differ.
 
         >>> from reliab.criterion.methods.dirichlet import Dirichlet
-        >>> [round(Dirichlet().carried_confidence(3 * events, events), 3) for events in (1, 3, 8, 19)]
+        >>> [round(Dirichlet().achievable_confidence(3 * events, events), 3) for events in (1, 3, 8, 19)]
         [0.0, 0.75, 0.951, 0.99]
         """
         del n_motions
@@ -106,7 +106,7 @@ class Method(ABC):
 
     def carries(self, confidence: float, n_motions: int, n_events: int) -> bool:
         """Whether so many motions and earthquakes support a confidence."""
-        return confidence <= self.carried_confidence(n_motions, n_events) * (1.0 + 1e-12)
+        return confidence <= self.achievable_confidence(n_motions, n_events) * (1.0 + 1e-12)
 
     def mean_share(self, confidence: float, n_motions: int) -> float:
         """Share of further motions that really exceed the bound, on average, where it falls short by design.
@@ -119,15 +119,15 @@ class Method(ABC):
     @abstractmethod
     def learn(
         self, grid: SampleGrid, *, law: str, chains: Path | None = None, progress: Progress = silent
-    ) -> Learned:
+    ) -> LearnedLimits:
         """Learn from the motions of a grid of structures."""
 
 
-def checked_share(share: float, what: str) -> float:
+def validate_share(share: float, name: str) -> float:
     """Return a share between 0 and 1 (both excluded), or say what is wrong with it."""
     if not 0.0 < share < 1.0:
         raise InputError(
-            f"The {what} must lie between 0 and 1",
+            f"The {name} must lie between 0 and 1",
             value=share,
             remedy="Give a fraction, 0.95 for 95 %",
         )
@@ -145,7 +145,7 @@ class Scatter:
     >>> scatter = Scatter.from_logarithms(pairs)
     >>> scatter.worse(pairs).round(3).tolist()
     [-1.225, 0.0, 0.0]
-    >>> scatter.at(np.array(-1.0)).round(3).tolist()
+    >>> scatter.limits_at_depth(np.array(-1.0)).round(3).tolist()
     [0.184, 0.367]
     """
 
@@ -166,7 +166,7 @@ class Scatter:
         """Take the smaller of the two standardised logarithms, shape (motions, ...)."""
         return np.asarray(self.standard(logarithms).min(axis=-1))
 
-    def at(self, depth: Array) -> Array:
+    def limits_at_depth(self, depth: Array) -> Array:
         """Carry a depth of both, shape (...), back to ln a and ln b, shape (..., 2)."""
         return np.asarray(self.centre + self.spread * depth[..., None])
 
@@ -180,7 +180,7 @@ class BoundMethod(Method):
         `logarithms`, `events` (motions,).
         Returns logarithm of the bound; minus infinity when the motions are too few for the promise.
         """
-        return self._lower_bound(logarithms, events, checked_share(confidence, "confidence"))
+        return self._lower_bound(logarithms, events, validate_share(confidence, "confidence"))
 
     @abstractmethod
     def _lower_bound(self, logarithms: Array, events: NDArray[np.str_], confidence: float) -> float:
@@ -188,7 +188,7 @@ class BoundMethod(Method):
 
     def learn(
         self, grid: SampleGrid, *, law: str, chains: Path | None = None, progress: Progress = silent
-    ) -> Learned:
+    ) -> LearnedLimits:
         """Take the motions as they are; see :meth:`Method.learn`."""
         del law, progress
         if chains is not None:
@@ -208,11 +208,11 @@ class AssuredBound(BoundMethod):
     assurance: float = 0.95
 
     def __post_init__(self) -> None:
-        checked_share(self.assurance, "assurance")
+        validate_share(self.assurance, "assurance")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _Bounds(Learned):
+class _Bounds(LearnedLimits):
     method: BoundMethod
     grid: SampleGrid
 
@@ -236,7 +236,7 @@ def limits(
     (:class:`~reliab.criterion.methods.method.Scatter`).
 
     Returns `a, b`: the limits [-] and [ms²], finite; zero where the motions are too few for the method's
-    promise (:meth:`Method.carried_confidence`).
+    promise (:meth:`Method.achievable_confidence`).
 
     >>> from reliab.criterion.methods.quantile import Quantile
     >>> logarithms = np.random.default_rng(1).multivariate_normal([0, 0], [[1.0, 0.5], [0.5, 1.0]], 5000)
@@ -252,7 +252,7 @@ def limits(
     0.84
     0.91
     """
-    if not method.carries(checked_share(confidence, "confidence"), sample.n_motions, sample.n_events):
+    if not method.carries(validate_share(confidence, "confidence"), sample.n_motions, sample.n_events):
         return 0.0, 0.0
     logarithms = np.stack([sample.log_a, sample.log_b], axis=-1)
     if not joint:
@@ -260,5 +260,5 @@ def limits(
         return float(np.exp(bounds[0])), float(np.exp(bounds[1]))
     scatter = Scatter.from_logarithms(logarithms)
     depth = method.lower_bound(scatter.worse(logarithms), sample.events, confidence)
-    a, b = np.exp(scatter.at(np.asarray(depth)))
+    a, b = np.exp(scatter.limits_at_depth(np.asarray(depth)))
     return float(a), float(b)

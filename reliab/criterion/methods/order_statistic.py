@@ -41,7 +41,7 @@ class OrderStatistic(AssuredBound):
     )
     distribution_free: ClassVar[bool] = True
 
-    def carried_confidence(self, n_motions: int, n_events: int) -> float:
+    def achievable_confidence(self, n_motions: int, n_events: int) -> float:
         """Share that the smallest of n motions promises with the assurance, (1 − assurance)^(1/n)."""
         del n_events
         return float((1.0 - self.assurance) ** (1.0 / n_motions))
@@ -50,6 +50,6 @@ class OrderStatistic(AssuredBound):
         n = logarithms.size
         worth = float(event_components(logarithms, events).effective_number) / n
         ranks = np.arange(1, n + 1)
-        below = scipy.stats.beta(worth * ranks, worth * (n + 1 - ranks))
-        kept = below.cdf(1.0 - confidence) >= self.assurance
-        return float(np.sort(logarithms)[kept.sum() - 1]) if kept.any() else -np.inf
+        rank_distribution = scipy.stats.beta(worth * ranks, worth * (n + 1 - ranks))
+        is_assured = rank_distribution.cdf(1.0 - confidence) >= self.assurance
+        return float(np.sort(logarithms)[is_assured.sum() - 1]) if is_assured.any() else -np.inf

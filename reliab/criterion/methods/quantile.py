@@ -69,6 +69,6 @@ class Quantile(BoundMethod):
     def _lower_bound(self, logarithms: Array, events: NDArray[np.str_], confidence: float) -> float:
         del events
         centre = logarithms.mean()  # the families scale, and this keeps the exponential in range
-        fitted = DISTRIBUTIONS[self.distribution].fit(np.exp(logarithms - centre))
+        distribution = DISTRIBUTIONS[self.distribution].fit(np.exp(logarithms - centre))
         with np.errstate(divide="ignore"):  # a quantile of zero, below what a number can hold
-            return float(centre + np.log(fitted.quantile(1.0 - confidence)))
+            return float(centre + np.log(distribution.quantile(1.0 - confidence)))

@@ -25,7 +25,7 @@ METHODS: Final[Registry[type[Method]]] = Registry(
 )
 """Every method by its name; other packages register classes derived from `Method`."""
 
-RECOMMENDED: Final = Dirichlet.name
+RECOMMENDED_METHOD: Final = Dirichlet.name
 """The method to rely on, used jointly for a and b: the default everywhere."""
 
 
@@ -36,16 +36,16 @@ def method_of(name: str, **settings: object) -> Method:
     Tolerance(assurance=0.9)
     """
     kind: Any = METHODS.find(name)
-    given = {key: value for key, value in settings.items() if value is not None}
-    for unknown in given.keys() - _parameters(name):
+    explicit_settings = {key: value for key, value in settings.items() if value is not None}
+    for unknown in explicit_settings.keys() - _parameters(name):
         takers = [method for method in METHODS if unknown in _parameters(method)]
         raise InputError(
             f"The method {name} has no {unknown}",
-            value=given[unknown],
+            value=explicit_settings[unknown],
             remedy=f"Leave it out, or choose among {', '.join(takers)}",
         )
-    chosen: Method = kind(**given)
-    return chosen
+    method: Method = kind(**explicit_settings)
+    return method
 
 
 def _parameters(name: str) -> set[str]:

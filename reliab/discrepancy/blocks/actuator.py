@@ -46,10 +46,11 @@ class ActuatorBlock(ObservedBlock):
         self.outside = general_terms(self.block)
         parts = _parts(campaign)
         commands = [
-            Motion3.through(test.channels[Channel.COMMAND], campaign.step, parts=parts) for test in self.tests
+            Motion3.interpolate(test.channels[Channel.COMMAND], campaign.step, parts=parts)
+            for test in self.tests
         ]
         self.command(commands, parts)
-        self.motions = tuple(command.at_each(parts) for command in commands)
+        self.motions = tuple(command.thin(parts) for command in commands)
 
     def command(self, motions: Sequence[Motion3], parts: int) -> None:
         """Compute the motion of the command in every test, at a number of steps for each prediction."""
@@ -62,7 +63,7 @@ class ActuatorBlock(ObservedBlock):
         return self._driven(moved, test)
 
     def _drive(self, model: HybridTest, test: int) -> Motion3:
-        return drive(model, self._commands[test]).at_each(self._parts)
+        return drive(model, self._commands[test]).thin(self._parts)
 
     @cached_property
     def sketch(self) -> ObservedBlock:
@@ -72,7 +73,7 @@ class ActuatorBlock(ObservedBlock):
             return self
         thinned = copy(self)
         thinned.every = factor
-        thinned.command([command.at_each(self._parts * factor) for command in self._commands], 1)
+        thinned.command([command.thin(self._parts * factor) for command in self._commands], 1)
         return thinned
 
     def predict(self, model: HybridTest, test: int) -> Array:
@@ -88,7 +89,7 @@ def _parts(campaign: Campaign) -> int:
     """
     slowest = np.inf
     for test in campaign.tests:
-        command = Motion3.through(test.channels[Channel.COMMAND], campaign.step).values
+        command = Motion3.interpolate(test.channels[Channel.COMMAND], campaign.step).values
         size, curvature = (float(np.std(command[k])) for k in (0, 2))
         slowest = min(slowest, np.sqrt(12.0 * _LARGEST_ERROR * size / max(curvature, 1e-300)))
     needed = min(1.0 / max(slowest, 1e-300), _FINEST_RATE)

@@ -171,7 +171,7 @@ def motion_of_command(test: MeasuredTest, step: float) -> Motion3:
     The spline takes all of it for straight, which makes the smooth rest s = x'' + a_g larger by −h²s''/12.
     The ground is taken for straight here; how much of its curvature is missed is calibrated.
     """
-    motion = Motion3.through(test.channels[Channel.COMMAND], step)
+    motion = Motion3.interpolate(test.channels[Channel.COMMAND], step)
     values = motion.values.copy()
     values[2, 1:-1] += np.diff(values[2] + test.channels[Channel.GROUND], 2) / 12.0
     return Motion3(values=values, step=step)

@@ -166,7 +166,7 @@ class LoopBlock(ObservedBlock):
 
     def _move(self, model: HybridTest, test: int) -> Motion3:
         step = self.every / self.rate / self.parts
-        return run_closed_loop(model, self._grounds[test], step).piston.at_each(self.parts)
+        return run_closed_loop(model, self._grounds[test], step).piston.thin(self.parts)
 
     def _scale(self) -> float:
         """Scale at which the excitation explains most of a test, of springs within the calibration."""

@@ -127,7 +127,7 @@ class SpecimenBlock(ObservedBlock):
             return self
         thinned = copy(self)
         thinned.every = factor
-        thinned.move([motion.at_each(factor) for motion in self.motions])
+        thinned.move([motion.thin(factor) for motion in self.motions])
         return thinned
 
     def predict(self, model: HybridTest, test: int) -> Array:

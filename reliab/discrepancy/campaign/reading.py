@@ -41,7 +41,7 @@ from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.recordings.channels_file import ChannelTables, declared_parts
 from reliab.recordings.reading import Histories, histories_of, read_test
 from reliab.recordings.recording import FEWEST_SAMPLES, LARGEST_READING, Part, StatedChannels
-from reliab.simulation.frames.frame_file import frame_of_tables, with_one_actuator
+from reliab.simulation.frames.frame_file import frame_of_tables, require_one_actuator
 from reliab.simulation.hybrid_test.model import Actuator
 from reliab.structures.partition import Partition
 from reliab.structures.specimen import Specimen
@@ -341,7 +341,9 @@ def _as_partition(table: FrameTables, described: CampaignDescription) -> Partiti
             remedy="Leave [specimen] out",
             where=CAMPAIGN_FILE,
         )
-    partition = with_one_actuator(frame_of_tables(table.model_dump(), CAMPAIGN_FILE), CAMPAIGN_FILE).partition
+    partition = require_one_actuator(
+        frame_of_tables(table.model_dump(), CAMPAIGN_FILE), CAMPAIGN_FILE
+    ).partition
     if partition.effects:
         raise InputError(
             "The nominal specimen of a campaign must be linear; a diagnosis finds its nonlinear effects",

@@ -146,7 +146,7 @@ def smoothed_motion(displacement: Array, step: float, highest: float) -> Motion3
     spectrum, frequency, whole, floor = _spectra(displacement, step, highest)
     share = _share(frequency, whole, floor, highest)
     swing = fft.irfft(share * spectrum, 2 * n - 2)[:n]
-    return Motion3.through(swing + np.linspace(displacement[0], displacement[-1], n), step)
+    return Motion3.interpolate(swing + np.linspace(displacement[0], displacement[-1], n), step)
 
 
 def velocity_spread(displacement: Array, step: float, highest: float) -> float:
@@ -171,7 +171,7 @@ def motions_of(campaign: Campaign) -> tuple[Motion3, ...]:
 
 def _piston_in(test: MeasuredTest, step: float, highest: float) -> Motion3:
     if Channel.COMMAND in test.channels:
-        return Motion3.through(test.channels[Channel.COMMAND], step)
+        return Motion3.interpolate(test.channels[Channel.COMMAND], step)
     return smoothed_motion(test.channels[Channel.MEASURED], step, highest)
 
 

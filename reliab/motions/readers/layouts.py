@@ -42,7 +42,7 @@ _LATITUDE = re.compile(r"^\W*(?:event\s+)?lat(?:\.|itude)\W\s*([\d.+-]+)", re.IG
 _LONGITUDE = re.compile(r"^\W*(?:event\s+)?long?(?:\.|itude)\W\s*([\d.+-]+)", re.IGNORECASE)
 _TITLE = 1  # the second line that is not blank
 _TITLE_DATE = re.compile(r"\b(\d{1,2}/\d{1,2}/(?:\d{4}|\d{2}))\b")
-_SPELLED = re.compile(r"^\s*(\d{4})\s+([A-Z][a-z]{2})[a-z]*\s+(\d{1,2})\s+(\d{1,2}:\d{2}:\d{2})\s+U")
+_SPELLED_DATE = re.compile(r"^\s*(\d{4})\s+([A-Z][a-z]{2})[a-z]*\s+(\d{1,2})\s+(\d{1,2}:\d{2}:\d{2})\s+U")
 _MONTHS = ("Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec")
 _DAY_AND_PLACE = re.compile(r"^\s*(\d{4})\s+(\d{1,2})\s+(\d{1,2})\s+\d{4}\s+([A-Za-z].*?)\s*$")
 _CENTURY_TURNS = 30  # records of 2000 print years with two digits; 1933 is the first record
@@ -79,7 +79,7 @@ def find_titled_event(lines: list[Line]) -> str:
 def find_event_in_words(lines: list[Line]) -> str:
     """Name it by a line such as ``2016 November 13  11:02:56 UT`` or ``1989 10 18 0004 Loma Prieta``."""
     for line in lines:
-        if (match := _SPELLED.match(line.text)) and match[2] in _MONTHS:
+        if (match := _SPELLED_DATE.match(line.text)) and match[2] in _MONTHS:
             return f"{match[1]}-{_MONTHS.index(match[2]) + 1:02}-{int(match[3]):02} {match[4]}"
         if match := _DAY_AND_PLACE.match(line.text):
             return f"{_capitals(match[4])} {match[1]}-{int(match[2]):02}-{int(match[3]):02}"
@@ -144,9 +144,9 @@ def read_volume(source: Source, begin: int, header: Header, report: Report) -> H
     times = [math.nan if time is None else time for time in values[: 2 * _PAIRS : 2]]
     is_paired = len(times) >= _FEWEST_PAIRS and bool((np.diff(times) > 0).all())
     numbers = np.cumsum([len(line) for line in tokens])
-    expected = header.count.value * (2 if is_paired else 1)
-    if numbers.size and numbers[-1] >= 2 * expected:  # velocity and displacement follow
-        header = replace(header, stop=stops[int(np.searchsorted(numbers, expected))])
+    value_count = header.count.value * (2 if is_paired else 1)
+    if numbers.size and numbers[-1] >= 2 * value_count:  # velocity and displacement follow
+        header = replace(header, stop=stops[int(np.searchsorted(numbers, value_count))])
     if not is_paired:
         return header
     return replace(header, columns=2, column=1, time_column=0, has_rows=False)

@@ -13,7 +13,7 @@ from reliab.motions.readers.samples import (
     count_rows,
     line_of_sample,
     parse_samples,
-    separated,
+    separate_numbers,
     split_line,
 )
 from reliab.motions.readers.source import Header, Source, Statement, may_round
@@ -21,14 +21,14 @@ from reliab.motions.units import AccelerationUnit
 
 
 @dataclass(frozen=True, kw_only=True)
-class Declared:
+class RecordDeclaration:
     """Data on a record that a catalogue or a caller gives beside the record's own header."""
 
     time_step: float | None = None  # True step [s], which may correct a rounded one
     units: AccelerationUnit | None = None  # Units of the samples
     header_count: int | None = None  # Number of samples that the header should state
     header_time_step: float | None = None  # Step that the header should state [s]
-    where: str = "the arguments"  # Source of these data, for messages
+    location: str = "the arguments"  # Source of these data, for messages
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,18 +39,20 @@ class Reading:
     time_step: float  # Interval between samples [s]
     event: str  # The earthquake, where the header identifies it
     units_stated: bool = True  # Whether the file itself, or its format, says in which units its samples are
-    applied: tuple[str, ...] = ()  # What the header says of its numbers and was applied, in words
+    corrections: tuple[str, ...] = ()  # What the header says of its numbers and was applied, in words
 
 
 @np.errstate(over="ignore", invalid="ignore")
-def complete(source: Source, header: Header, declared: Declared, report: Report) -> Reading | None:
+def complete(
+    source: Source, header: Header, declaration: RecordDeclaration, report: Report
+) -> Reading | None:
     """Read the samples that a header announces and turn them into acceleration."""
     sound = not report.faults
-    units = _settle_units(header, declared, report, sound=sound)
+    units = _settle_units(header, declaration, report, sound=sound)
     values, header = _read_samples(source, header, report)
     has_times = header.time_column is not None
-    time_step = _settle_time_step(header, declared, report, sound=sound and not has_times)
-    _check_against_catalogue(header, declared, report)
+    time_step = _settle_time_step(header, declaration, report, sound=sound and not has_times)
+    _check_against_catalogue(header, declaration, report)
     if values is not None:
         values = _settle_count(source, header, values, report)
     if values is None or units is None or time_step is None:
@@ -63,7 +65,7 @@ def complete(source: Source, header: Header, declared: Declared, report: Report)
         time_step=time_step,
         event=header.event,
         units_stated=header.units is not None or header.default_units is not None,
-        applied=header.applied,
+        corrections=header.corrections,
     )
 
 
@@ -90,19 +92,19 @@ def _read_samples(source: Source, header: Header, report: Report) -> tuple[Array
 
 
 def _settle_units(
-    header: Header, declared: Declared, report: Report, *, sound: bool
+    header: Header, declaration: RecordDeclaration, report: Report, *, sound: bool
 ) -> AccelerationUnit | None:
     """Find the units; if the header already has a fault, missing units are not reported again."""
-    of_header = header.units
-    if of_header is not None and declared.units not in {None, of_header.value}:
+    header_units = header.units
+    if header_units is not None and declaration.units not in {None, header_units.value}:
         report.add(
             "The header contradicts the stated units",
-            line=of_header.line,
-            value=f"{of_header.value} in the header, {declared.units} in {declared.where}",
+            line=header_units.line,
+            value=f"{header_units.value} in the header, {declaration.units} in {declaration.location}",
             remedy="Correct whichever is wrong",
         )
         return None
-    units = of_header.value if of_header is not None else declared.units or header.default_units
+    units = header_units.value if header_units is not None else declaration.units or header.default_units
     if units is None and sound:
         report.add(
             "No units stated",
@@ -111,52 +113,55 @@ def _settle_units(
     return units
 
 
-def _settle_time_step(header: Header, declared: Declared, report: Report, *, sound: bool) -> float | None:
-    of_header = header.time_step
-    if of_header is None:
-        if declared.time_step is None and sound:
+def _settle_time_step(
+    header: Header, declaration: RecordDeclaration, report: Report, *, sound: bool
+) -> float | None:
+    header_step = header.time_step
+    if header_step is None:
+        if declaration.time_step is None and sound:
             report.add(
                 "No time step stated",
                 remedy="Give `time_step` in seconds, or a column dt_s in a catalogue",
             )
-        return declared.time_step
-    if declared.time_step is None:
-        if not _SHORTEST_STEP * (1 - _EXACT) <= of_header.value <= _LONGEST_STEP * (1 + _EXACT):
+        return declaration.time_step
+    if declaration.time_step is None:
+        if not _SHORTEST_STEP * (1 - _EXACT) <= header_step.value <= _LONGEST_STEP * (1 + _EXACT):
             report.add(
                 f"Implausible time step: those of records are {_SHORTEST_STEP:g} to {_LONGEST_STEP:g} s",
-                line=of_header.line,
-                value=f"{of_header.value:.6g} s",
+                line=header_step.line,
+                value=f"{header_step.value:.6g} s",
                 remedy="Correct the header or state its unit, such as 10 ms, 0.1 kHz or time [ms]; "
                 "if the step is right, confirm it with `time_step` or a column dt_s in a catalogue",
             )
             return None
-        return of_header.value
-    if not may_round(declared.time_step, of_header):
+        return header_step.value
+    if not may_round(declaration.time_step, header_step):
         report.add(
             "The header contradicts the stated time step",
-            line=of_header.line,
-            value=f"{of_header.value:g} s in the header, {declared.time_step:g} s in {declared.where}",
+            line=header_step.line,
+            value=f"{header_step.value:g} s in the header, {declaration.time_step:g} s in "
+            f"{declaration.location}",
             remedy="Correct whichever is wrong",
         )
         return None
-    return declared.time_step
+    return declaration.time_step
 
 
-def _check_against_catalogue(header: Header, declared: Declared, report: Report) -> None:
+def _check_against_catalogue(header: Header, declaration: RecordDeclaration, report: Report) -> None:
     count, step = header.count, header.time_step
-    if count is not None and declared.header_count not in {None, count.value}:
+    if count is not None and declaration.header_count not in {None, count.value}:
         report.add(
             "The header and the catalogue state different numbers of samples",
             line=count.line,
-            value=f"{count.value} in the header, {declared.header_count} in {declared.where}",
+            value=f"{count.value} in the header, {declaration.header_count} in {declaration.location}",
             remedy="Check that the catalogue names the right file",
         )
-    noted = declared.header_time_step
-    if step is not None and noted is not None and not may_round(noted, step):
+    catalogue_step = declaration.header_time_step
+    if step is not None and catalogue_step is not None and not may_round(catalogue_step, step):
         report.add(
             "The header and the catalogue state different time steps",
             line=step.line,
-            value=f"{step.value:g} s in the header, {noted:g} s in {declared.where}",
+            value=f"{step.value:g} s in the header, {catalogue_step:g} s in {declaration.location}",
             remedy="Check that the catalogue names the right file",
         )
 
@@ -203,7 +208,7 @@ def _convert_to_si(
         values = values - values.mean()
     if header.offset:
         values = values - header.offset
-    acceleration = values * (header.scale * units.in_si)
+    acceleration = values * (header.scale * units.si_factor)
     if not acceleration.any():
         report.add(
             "All samples are zero",
@@ -223,8 +228,8 @@ def _convert_to_si(
 
 
 def _check_gaps(source: Source, header: Header, values: Array, report: Report) -> None:
-    unstated = missing_mark(values, any_repeated=True)
-    marks = [*header.missing, *([] if unstated is None else [unstated])]
+    missing_value = missing_mark(values, any_repeated=True)
+    marks = [*header.missing, *([] if missing_value is None else [missing_value])]
     gaps = np.flatnonzero(np.isin(values, marks)) if marks else np.array([])
     if gaps.size:
         report.add(
@@ -246,17 +251,17 @@ _MILLI = 1000  # how much too large times are that are milliseconds
 
 def check_columns(source: Source, header: Header, report: Report) -> bool:
     """Tell whether every line has the columns that the header expects; report the first that has not."""
-    data = separated(source, header)
-    expected = header.columns if header.has_rows else None
-    if expected is None or len(data.split()) == expected * count_rows(data):
+    data = separate_numbers(source, header)
+    column_count = header.columns if header.has_rows else None
+    if column_count is None or len(data.split()) == column_count * count_rows(data):
         return True
     for line in source.lines(header.start, header.stop):
         tokens = split_line(line, header)
-        if tokens and len(tokens) != expected:
+        if tokens and len(tokens) != column_count:
             report.add(
                 "The number of columns changes",
                 line=line.number,
-                value=f"{len(tokens)} instead of {expected}",
+                value=f"{len(tokens)} instead of {column_count}",
                 remedy="Correct the line",
             )
             break
@@ -275,8 +280,8 @@ def split_times(
     if times.size < 2:  # noqa: PLR2004 - a step needs two times
         return samples, header
     if header.time_unit is None and (np.diff(times) == 1).all():
-        applied = (*header.applied, "column of sample numbers left out")
-        return samples, replace(header, time_column=None, applied=applied)
+        corrections = (*header.corrections, "column of sample numbers left out")
+        return samples, replace(header, time_column=None, corrections=corrections)
     place = _rounding(source, header, times.size)
     step = float(f"{(times[-1] - times[0]) / (times.size - 1):.{_DIGITS}g}")
     faulty = _first_unequal(times, step, place)
@@ -290,7 +295,7 @@ def split_times(
         )
         return None, header
     if unit != 1:
-        header = replace(header, applied=(*header.applied, f"times in units of {unit:g} s"))
+        header = replace(header, corrections=(*header.corrections, f"times in units of {unit:g} s"))
     return samples, _set_step(source, header, step * unit, place * unit / (times.size - 1), report)
 
 
@@ -310,7 +315,7 @@ def _first_unequal(times: Array, step: float, place: float) -> int | None:
 
 def _rounding(source: Source, header: Header, count: int) -> float:
     """One unit in the last printed place of the times."""
-    tokens = separated(source, header).decode("latin-1").split()
+    tokens = separate_numbers(source, header).decode("latin-1").split()
     if len(tokens) < count * (header.columns or 1):  # some follow each other without a blank
         lines = source.lines(header.start, header.stop)
         tokens = [token for line in lines for token in split_line(line, header)]
@@ -322,15 +327,15 @@ def _rounding(source: Source, header: Header, count: int) -> float:
 
 def _set_step(source: Source, header: Header, step: float, tolerance: float, report: Report) -> Header:
     line = source.line_number(header.start)
-    of_header = header.time_step
-    if of_header is None:
+    header_step = header.time_step
+    if header_step is None:
         return replace(header, time_step=Statement(value=step, line=line, tolerance=tolerance))
-    if not may_round(step, of_header):
-        milliseconds = may_round(step / _MILLI, of_header)
+    if not may_round(step, header_step):
+        milliseconds = may_round(step / _MILLI, header_step)
         report.add(
             "The header contradicts the column of times",
-            line=of_header.line,
-            value=f"{of_header.value:g} s in the header, {step:g} s between the times",
+            line=header_step.line,
+            value=f"{header_step.value:g} s in the header, {step:g} s between the times",
             remedy="State the unit in the name of the column of times: time [ms]"
             if milliseconds
             else "Correct the header",

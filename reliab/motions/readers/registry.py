@@ -21,7 +21,7 @@ class Format:
     endings: tuple[str, ...]
     recognises: Callable[[Source], bool]  # Tells from the content whether a file is one
     headers: Callable[[Source, Report], list[Header]]  # Reads the headers of all records of a file
-    several: bool = False  # Whether one file may hold several records
+    has_several_records: bool = False  # Whether one file may hold several records
     is_text: bool = True  # Whether its files are texts
 
 
@@ -31,19 +31,19 @@ def _text_format(layout: Layout) -> Format:
         endings=layout.endings,
         recognises=text.recognises if layout is PLAIN else layout.recognises,
         headers=partial(text.headers, layout=layout),
-        several=not layout.holds_one,
+        has_several_records=not layout.holds_one,
     )
 
 
 TEXT = _text_format(PLAIN)
-_SHIPPED = (
+_BUILT_IN = (
     *map(_text_format, LAYOUTS),
     Format(
         name="SAC",
         endings=(".sac",),
         recognises=sac.recognises,
         headers=sac.headers,
-        several=True,
+        has_several_records=True,
         is_text=False,
     ),
     Format(
@@ -51,7 +51,7 @@ _SHIPPED = (
         endings=(".mseed", ".miniseed"),
         recognises=miniseed.recognises,
         headers=miniseed.headers,
-        several=True,
+        has_several_records=True,
         is_text=False,
     ),
     TEXT,
@@ -61,7 +61,7 @@ FORMATS = Registry(
     noun="format of records",
     base=Format,
     group="reliab.record_formats",
-    shipped=_SHIPPED,
+    shipped=_BUILT_IN,
     name_of=lambda form: form.name,
 )
 """Every format by its name; other packages register a `Format`."""
@@ -120,6 +120,6 @@ def open_records(path: Path, report: Report, *, whole: bool = True) -> tuple[Sou
             remedy="Export the record as text" if source.is_text else "Unpack it or export it as text",
         )
         return None
-    if form.several and not whole:
+    if form.has_several_records and not whole:
         return open_records(path, report)
     return source, form.headers(source, report)

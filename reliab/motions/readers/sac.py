@@ -24,7 +24,7 @@ _DELTA, _SCALE, _BEGIN, _ORIGIN = 0, 3, 5, 7  # places of real numbers
 _TIME, _VERSION, _COUNT, _TYPE, _QUANTITY, _EVEN = slice(0, 6), 6, 9, 15, 16, 35  # of whole numbers
 _EVENT, _CHANNEL = slice(8, 24), slice(160, 168)  # of text
 _STATION = (slice(168, 176), slice(0, 8))  # network and station
-_UNDEFINED = -12345
+_UNDEFINED_VALUE = -12345
 _TIME_SERIES = 1  # value of the type
 _ACCELERATION = 8  # value of the quantity
 _QUANTITIES = {6: "displacement", 7: "velocity", 50: "volts"}
@@ -80,7 +80,7 @@ def _objections(reals: Any, integers: Any, channel: str, samples: int) -> Iterat
             value,
             "Export the acceleration; if this is acceleration, set IDEP to IACC",
         )
-    if scale not in {1, _UNDEFINED}:
+    if scale not in {1, _UNDEFINED_VALUE}:
         yield "The SAC scale is not 1", f"{scale:g}", "Multiply the samples by it, and set it to 1"
     if samples < integers[_COUNT]:
         value = f"{samples} of {integers[_COUNT]}"
@@ -100,7 +100,7 @@ def _byte_order(content: bytes) -> str | None:
 def _event(reals: Any, integers: Any, text: str) -> str:  # noqa: ANN401 - arrays of one precision each
     """Name and origin time of the earthquake, or else the station and the begin of its record."""
     year, day, hour, minute, second, millisecond = integers[_TIME].tolist()
-    has_origin = reals[_ORIGIN] != _UNDEFINED
+    has_origin = reals[_ORIGIN] != _UNDEFINED_VALUE
     seconds = second + float(reals[_ORIGIN] if has_origin else reals[_BEGIN])
     try:
         clock = dt.timedelta(
@@ -115,4 +115,4 @@ def _event(reals: Any, integers: Any, text: str) -> str:  # noqa: ANN401 - array
 
 def _label(text: str) -> str:
     label = text.replace("\0", " ").strip()
-    return "" if label == str(_UNDEFINED) else label
+    return "" if label == str(_UNDEFINED_VALUE) else label

@@ -17,7 +17,7 @@ _CLOCK = re.compile(
     r"[0-9]{4}[-/][0-9]{1,2}[-/][0-9]{1,2}[T ]+([0-9]{1,2}):([0-9]{2}):([0-9]{2})((?:\.[0-9]+)?)Z?"
 )
 _NOT_FINITE = re.compile(r"[-+]?(?:nan(?:\(\w*\))?|inf(?:inity)?|1\.#(?:qnan|ind|inf)\w*)", re.IGNORECASE)
-_GLUED = re.compile(r"[-+]?[0-9]*\.[0-9]+(?:[EeDd][-+][0-9]{2}(?=[-+.]|$)|(?=[-+]|$))")
+_GLUED_NUMBER = re.compile(r"[-+]?[0-9]*\.[0-9]+(?:[EeDd][-+][0-9]{2}(?=[-+.]|$)|(?=[-+]|$))")
 
 _MUST_BE_NUMBER = "Not a number"
 _MUST_BE_FINITE = "Not a finite number"
@@ -29,13 +29,13 @@ def parse_samples(source: Source, header: Header, report: Report) -> Array | Non
 
     Returns (n,).
     """
-    values = _parse_plain(separated(source, header))
+    values = _parse_plain(separate_numbers(source, header))
     if values is not None:
         return values
     return _parse_lines(source, header, report)
 
 
-def separated(source: Source, header: Header) -> bytes:
+def separate_numbers(source: Source, header: Header) -> bytes:
     """Return the samples with blanks between numbers, ``E`` before exponents and dates as seconds."""
     data = source.content[header.start : header.stop]
     if b":" in data:
@@ -55,7 +55,9 @@ def clocks_in_seconds(text: str) -> str:
     """
     if ":" not in text:
         return text
-    return _CLOCK.sub(lambda at: f"{3600 * int(at[1]) + 60 * int(at[2]) + int(at[3])}{at[4]}", text)
+    return _CLOCK.sub(
+        lambda match: f"{3600 * int(match[1]) + 60 * int(match[2]) + int(match[3])}{match[4]}", text
+    )
 
 
 def count_rows(data: bytes) -> int:
@@ -121,7 +123,7 @@ def _split_columns(text: str, width: int) -> list[str]:
 
 def _split_glued(token: str) -> list[str]:
     """Split ``-.1E-02-.2E-02``: a sign after no exponent letter starts a number, if each has its point."""
-    parts = _GLUED.findall(token)
+    parts = _GLUED_NUMBER.findall(token)
     return parts if len(parts) > 1 and "".join(parts) == token else [token]
 
 
@@ -133,18 +135,18 @@ def _report_runs(bad: list[_BadToken], report: Report) -> None:
         if following and following.rule == token.rule and following.line <= token.line + 1:
             continue
         first = bad[start]
-        further = f", and so on to line {token.line}" if token.line > first.line else ""
-        shown = first.token if len(first.token) <= 40 else f"{first.token[:40]}…"  # noqa: PLR2004 - fits a line
-        report.add(first.rule, line=first.line, value=f"{shown!r}{further}", remedy=_REMEDY)
+        end_text = f", and so on to line {token.line}" if token.line > first.line else ""
+        token_text = first.token if len(first.token) <= 40 else f"{first.token[:40]}…"  # noqa: PLR2004 - fits a line
+        report.add(first.rule, line=first.line, value=f"{token_text!r}{end_text}", remedy=_REMEDY)
         start = position + 1
 
 
 def line_of_sample(source: Source, header: Header, index: int) -> int | None:
     """Line in which a sample stands, counted from 1."""
-    seen = 0
-    per_sample = header.columns or 1
+    sample_count = 0
+    columns = header.columns or 1
     for line in source.lines(header.start, header.stop):
-        seen += len(split_line(line, header))
-        if seen > index * per_sample:
+        sample_count += len(split_line(line, header))
+        if sample_count > index * columns:
             return line.number
     return None

@@ -53,7 +53,7 @@ class Header:
     missing: tuple[float, ...] = ()  # Numbers that mark a missing sample
     event: str = ""  # The earthquake, where the header identifies it
     channel: str = ""  # The component, as the header calls it
-    applied: tuple[str, ...] = ()  # What the header says of its numbers and is applied, in words
+    corrections: tuple[str, ...] = ()  # What the header says of its numbers and is applied, in words
     values: Array | None = None  # The samples of a binary file, in place of numbers in its text
 
 
@@ -106,9 +106,11 @@ class Source:
         number = self.line_number(start)
         while start < end:
             newline = self.content.find(b"\n", start, end)
-            after = end if newline < 0 else newline + 1
-            yield Line(number=number, start=start, stop=after, text=decode(self.content[start:after]))
-            start, number = after, number + 1
+            next_start = end if newline < 0 else newline + 1
+            yield Line(
+                number=number, start=start, stop=next_start, text=decode(self.content[start:next_start])
+            )
+            start, number = next_start, number + 1
 
     def channels(
         self, announcement: re.Pattern[bytes], end: re.Pattern[bytes]
@@ -119,8 +121,8 @@ class Source:
         """
         begin = 0
         for match in announcement.finditer(self.content):
-            after = end.search(self.content, match.end())
-            stop = after.start() if after else len(self.content)
+            next_end = end.search(self.content, match.end())
+            stop = next_end.start() if next_end else len(self.content)
             yield match, begin, stop
             begin = stop
 
@@ -147,14 +149,19 @@ def decode(raw: bytes) -> str:
 
 
 def open_source(
-    path: Path, report: Report, *, limit: int | None = None, most: int = MOST_BYTES, binary: bool = False
+    path: Path,
+    report: Report,
+    *,
+    limit: int | None = None,
+    byte_limit: int = MOST_BYTES,
+    binary: bool = False,
 ) -> Source | None:
     """Read a file, or report why it cannot be read.
 
-    `most` [bytes]; `binary`: whether it may be other than text.
+    `byte_limit` [bytes]; `binary`: whether it may be other than text.
     Returns the file; None if it is missing, unreadable, too large, empty or other than text.
     """
-    raw = _read(path, report, limit, most)
+    raw = _read(path, report, limit, byte_limit)
     if raw is None:
         return None
     content = as_utf8(raw).rstrip(_END_OF_FILE)
@@ -176,12 +183,12 @@ def open_source(
     return Source(path=path, content=content)
 
 
-def _read(path: Path, report: Report, limit: int | None, most: int) -> bytes | None:
+def _read(path: Path, report: Report, limit: int | None, byte_limit: int) -> bytes | None:
     try:
         with ordinary(path).open("rb") as stream:
-            if limit is None and os.fstat(stream.fileno()).st_size > most:
+            if limit is None and os.fstat(stream.fileno()).st_size > byte_limit:
                 report.add(
-                    f"The file is larger than {most / _MEGABYTE:,.6g} MB",
+                    f"The file is larger than {byte_limit / _MEGABYTE:,.6g} MB",
                     remedy="Keep the strong part of the record, or write its channels to files of their own",
                 )
                 return None

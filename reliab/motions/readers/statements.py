@@ -29,8 +29,8 @@ _VALUE = (
     r"(?P<value>[0-9]{1,3}(?:,[0-9]{3})+(?![0-9,.])|0,[0-9]+(?![0-9.])"
     rf"|(?>{NUMBER})(?!:[0-9])|[^\s,;\])]+)?"
 )
-_BEFORE = rf"(?:[ _]*(?:in\s+)?[\[(]?(?P<before>{CLOCK_UNIT})[\])]?)?"
-_AFTER = rf"\s*[\[(]?(?P<after>{CLOCK_UNIT})?"
+_LEADING_UNIT = rf"(?:[ _]*(?:in\s+)?[\[(]?(?P<before>{CLOCK_UNIT})[\])]?)?"
+_TRAILING_UNIT = rf"\s*[\[(]?(?P<after>{CLOCK_UNIT})?"
 _CLOCK_LABELS = {
     r"(?<![a-z0-9])dt(?![a-z0-9])|delta[ _]?t(?![a-z])|\bt(?:ime)?[ _-]?step"
     r"|\btime[ _](?:interval|increment|spacing)|sampl(?:e|ing)[ _]?(?:interval|period|step|spacing)"
@@ -41,7 +41,10 @@ _CLOCK_LABELS = {
 }
 _CLOCKS = (  # patterns of a step or a rate, and whether a number without unit is a rate
     *(
-        (re.compile(f"(?:{labels}){_CHANNELS}{_BEFORE}{_SIGN}{_VALUE}{_AFTER}", _FLAGS), is_rate)
+        (
+            re.compile(f"(?:{labels}){_CHANNELS}{_LEADING_UNIT}{_SIGN}{_VALUE}{_TRAILING_UNIT}", _FLAGS),
+            is_rate,
+        )
         for labels, is_rate in _CLOCK_LABELS.items()
     ),
     (re.compile(rf"\bat\s+(?P<value>{NUMBER})\s*(?P<after>{CLOCK_UNIT})\.?\s+intervals?", _FLAGS), False),
@@ -65,7 +68,8 @@ _BOTH = (  # count and step in the orders that old records print, made into one
     (re.compile(rf"\bNPTS[\s,]+DT\s*[=:]\s*({NUMBER})[\s,]+({NUMBER})", _FLAGS), r"NPTS= \1, DT= \2"),
 )
 _DURATION = re.compile(
-    rf"(?<!raw )(?:record[ _]?length|duration(?:[ _]?time)?){_BEFORE}{_SIGN}{_VALUE}{_AFTER}", _FLAGS
+    rf"(?<!raw )(?:record[ _]?length|duration(?:[ _]?time)?){_LEADING_UNIT}{_SIGN}{_VALUE}{_TRAILING_UNIT}",
+    _FLAGS,
 )
 
 _UNITS = re.compile(
@@ -76,12 +80,12 @@ _FIRST_WORD = re.compile(r"[^\s.,;:]+(?:\s?/\s?[^\s.,;:]+)*")
 _CODE = re.compile(r"\(\d+\)")  # COSMOS numbers its units
 _ANOTHER_UNIT = re.compile(r"[a-z]\s*/\s*s|count|volt|^[mµ]?v$", _FLAGS)
 _MULTIPLE = re.compile(rf"^\s*{NUMBER}\s*[*x×]?\s*", _FLAGS)
-_SLASHED = r"[cm]?m/s(?:/s|(?:\^|\*\*)?[2²])"
+_SLASHED_UNIT = r"[cm]?m/s(?:/s|(?:\^|\*\*)?[2²])"
 _NAMED_UNITS = (
     re.compile(r"\b(?:acc\w*|a_?g?)\b[^\[(,;]*[\[(]([^\])]+(?:\)\w*)?)[\])]", _FLAGS),
     re.compile(
         rf"(?<![a-z])(?:acc[a-z]*(?:_[a-z])?_(?=g\b)|a(?:cc[a-z]*)?(?:_[a-z])?_(?!g\b))"
-        rf"(g|gal|[cm]?mps2|[cm]?m_s2|{_SLASHED})(?!\w)",
+        rf"(g|gal|[cm]?mps2|[cm]?m_s2|{_SLASHED_UNIT})(?!\w)",
         _FLAGS,
     ),
     re.compile(r"\bacc\w*\s+in\s+(\S+)", _FLAGS),
@@ -100,10 +104,10 @@ _FACTOR = re.compile(
     rf"\s*(?P<unit>\([^)]*\)|[a-z][\w/^*²]*)?\s*(?:/\s*(?P<divisor>{NUMBER}))?",
     _FLAGS,
 )
-_APPLIED = re.compile(r"(?<!be )(?<!not )(?<!yet )\bapplied\b", _FLAGS)
+_APPLIED_WORDS = re.compile(r"(?<!be )(?<!not )(?<!yet )\bapplied\b", _FLAGS)
 _COUNTS = re.compile(r"/\s*(?:counts?|cts?|digits?|lsb|bits?)\b", _FLAGS)
 _OFFSET = re.compile(rf"\boffset\b(?P<column>[^=:\n]*?)\s*[=:]\s*(?P<value>{NUMBER})\b", _FLAGS)
-_REMOVED = re.compile(r"\b(?:removed|subtracted|corrected)\b", _FLAGS)
+_REMOVED_WORDS = re.compile(r"\b(?:removed|subtracted|corrected)\b", _FLAGS)
 _MISSING = re.compile(
     rf"(?:(?:missing|no[ _-]?data|fill)[ _-]*(?:data\s+)?(?P<mark>value|mark|flag)|missing|no[ _-]?data"
     rf"|unspecified)\b.*?(?P<value>{NUMBER})\s*$",
@@ -128,7 +132,7 @@ def readable(lines: list[Line]) -> list[Line]:
     K-NET's CSV prints ``#SamplingFrequency(Hz)`` above ``#100``, and ``#OriginTime,Latitude`` above their
     values, all below a title such as ``#Record``.
     """
-    prepared: list[Line] = []
+    readable_lines: list[Line] = []
     title, labels = "", [""]
     for line in lines:
         if len(line.text) > LONGEST_LINE or _NAMES.match(line.text):
@@ -137,16 +141,16 @@ def readable(lines: list[Line]) -> list[Line]:
         cells = [cell.strip() for cell in text.split(",")]
         if _are_values(cells) and len(cells) == len(labels):
             pairs = zip(labels, cells, strict=True)
-            prepared.extend(
+            readable_lines.extend(
                 replace(line, text=f"{title if label != title else ''} {label}: {value}")
                 for label, value in pairs
             )
             continue
         for pattern, canonical in _BOTH:
             text = pattern.sub(canonical, text)
-        prepared.append(replace(line, text=text))
+        readable_lines.append(replace(line, text=text))
         title, labels = (text if text.isalpha() else title), cells
-    return prepared
+    return readable_lines
 
 
 def _are_values(cells: list[str]) -> bool:
@@ -212,7 +216,7 @@ def durations(lines: list[Line]) -> Iterator[Statement[str]]:
             yield Statement(value=match["value"] or "", line=line.number)
 
 
-def stated_units(lines: list[Line], report: Report) -> Iterator[Statement[AccelerationUnit]]:
+def find_units(lines: list[Line], report: Report) -> Iterator[Statement[AccelerationUnit]]:
     """Read the units of the samples that lines state, and report what is no unit of acceleration."""
     for line in lines:
         name = _unit_name(line.text)
@@ -243,8 +247,8 @@ def _unit_among(text: str) -> str | None:
         words: list[str] = [piece, piece.partition("(")[0], *_FIRST_WORD.findall(piece)[:1]]
         if unit := next((word for word in words if find_unit(word)), None):
             return unit
-    of_time = all(find_clock_unit(piece.strip(" .)]")) for piece in pieces)
-    return None if pieces and of_time else text.partition(",")[0]
+    has_only_times = all(find_clock_unit(piece.strip(" .)]")) for piece in pieces)
+    return None if pieces and has_only_times else text.partition(",")[0]
 
 
 def peak_units(lines: list[Line]) -> Iterator[Statement[AccelerationUnit]]:
@@ -279,7 +283,7 @@ def scales(lines: list[Line], report: Report) -> Iterator[Scale]:
     """Read the factors that lines state, except those that have been applied already."""
     for line in lines:
         match = _FACTOR.search(line.text)
-        if match is None or _APPLIED.search(line.text):
+        if match is None or _APPLIED_WORDS.search(line.text):
             continue
         value, divisor = printed_number(match["value"] or ""), printed_number(match["divisor"] or "1")
         factor = value / divisor if value and divisor else 0.0
@@ -304,13 +308,13 @@ def scales(lines: list[Line], report: Report) -> Iterator[Scale]:
 
 def offsets(lines: list[Line]) -> dict[str, Statement[float]]:
     """Read the numbers that stand for no acceleration, by the columns that lines name, if any."""
-    by_column: dict[str, Statement[float]] = {}
+    statement_of_column: dict[str, Statement[float]] = {}
     for line in lines:
         match = _OFFSET.search(line.text)
         value = printed_number(match["value"]) if match else None
-        if match and value and not _REMOVED.search(line.text):
-            by_column[match["column"].strip()] = Statement(value=value, line=line.number)
-    return by_column
+        if match and value and not _REMOVED_WORDS.search(line.text):
+            statement_of_column[match["column"].strip()] = Statement(value=value, line=line.number)
+    return statement_of_column
 
 
 def missing_marks(lines: list[Line]) -> tuple[float, ...]:
@@ -364,7 +368,7 @@ def state_time_step(text: str, line: int, report: Report, *, unit: ClockUnit) ->
     """Read a time step or a rate in a unit, or report that the text is not one."""
     value = printed_number(text)
     if value is not None and value > 0:
-        step = unit.in_seconds(value)
+        step = unit.convert_to_seconds(value)
         if 0 < step < float("inf"):
             tolerance = 0.0 if unit.is_frequency else last_place(text) * unit.size
             return Statement(value=step, line=line, tolerance=tolerance)

@@ -30,7 +30,7 @@ from reliab.motions.readers.samples import (
     clocks_in_seconds,
     count_rows,
     find_delimiter,
-    separated,
+    separate_numbers,
     split_line,
 )
 from reliab.motions.readers.source import HEAD, Header, Line, Source, Statement, may_round
@@ -89,12 +89,12 @@ def _split(text: str) -> Iterator[list[str]]:
 def _column(cell: str, line: int) -> Column | None:
     unit = _UNIT.search(cell)
     name = _UNIT.sub("", cell).strip()
-    in_brackets = unit[1].strip() if unit else ""
-    if in_brackets == "-":  # nobody says what minus means
+    bracket_text = unit[1].strip() if unit else ""
+    if bracket_text == "-":  # nobody says what minus means
         return None
     for kind, pattern in _KIND_PATTERNS.items():
         if pattern.fullmatch(name):
-            return Column(name=cell, kind=kind, unit=in_brackets.strip("+"), line=line)
+            return Column(name=cell, kind=kind, unit=bracket_text.strip("+"), line=line)
     return None
 
 
@@ -156,7 +156,7 @@ def _follows_count(source: Source, header: Header, count: int) -> bool:
     """Tell whether as many samples as the header states follow one another through lines of several."""
     if header.count is None:
         return False
-    data = separated(source, header)
+    data = separate_numbers(source, header)
     surplus = len(data.split()) - header.count.value
     return 0 <= surplus < count and count_rows(data) != header.count.value
 
@@ -204,7 +204,7 @@ def _components(
         column = columns[place] if columns else None
         offset = offsets[column.name].value if column and column.name in offsets else 0.0
         clock = columns[clocks[-1]].clock if clocks and columns else None
-        applied = [*header.applied, *(f"column {name} left out" for name in unread)]
+        corrections = [*header.corrections, *(f"column {name} left out" for name in unread)]
         yield replace(
             header,
             column=place,
@@ -213,7 +213,7 @@ def _components(
             units=_units(header, column, report) if column else header.units,
             offset=offset,
             channel=column.name if column else f"column {place + 1}",
-            applied=tuple([*applied, f"offset {offset:g} subtracted"] if offset else applied),
+            corrections=tuple([*corrections, f"offset {offset:g} subtracted"] if offset else corrections),
         )
 
 
@@ -241,9 +241,9 @@ _CHANNEL = re.compile(
     r"\b(?:chan(?:nel)?\s*\S*?:|comp(?:onent)?\b[:\s])\s*([^(\n]*?)\s*(?:\bfrom)?\s*(?:\(|$)", re.IGNORECASE
 )
 _DATE = re.compile(r"\d+[/-]\d+[/-]\d+|\d+:\d+")
-_WHOLE = re.compile(r"[0-9]{1,9}\.?")
+_WHOLE_NUMBER = re.compile(r"[0-9]{1,9}\.?")
 _WORD = re.compile(r"[A-Za-z]{3}")
-_ROUNDED = 0.1  # largest relative difference between two statements of which one is rounded
+_ROUNDING_TOLERANCE = 0.1  # largest relative difference between two statements of which one is rounded
 _LONGEST = 1e6  # s, eleven days; no accelerogram is as long
 
 
@@ -272,11 +272,11 @@ def headers(source: Source, report: Report, *, layout: Layout = PLAIN) -> list[H
 def _records(source: Source, layout: Layout) -> Iterator[tuple[int, int, int]]:
     """Where the header of each record begins, and where its samples start and stop [bytes]."""
     if layout.last is not None:
-        begin, whole = 0, len(source.content)
-        within = whole if layout.is_announced else min(HEAD, whole)
-        for match in layout.last.finditer(source.content, 0, within):
+        begin, content_size = 0, len(source.content)
+        head_size = content_size if layout.is_announced else min(HEAD, content_size)
+        for match in layout.last.finditer(source.content, 0, head_size):
             ending = layout.end.search(source.content, match.end()) if layout.end else None
-            stop = ending.start() if ending else whole
+            stop = ending.start() if ending else content_size
             yield begin, min(match.end() + 1, stop), stop
             begin = stop
             if not layout.is_announced:
@@ -348,10 +348,10 @@ def _state(statement_lines: list[Line], lines: list[Line], layout: Layout, repor
     peaks = list(statements.peak_units(lines))
     units = [
         *(peaks if layout.is_announced else ()),
-        *statements.stated_units(statement_lines, report),
+        *statements.find_units(statement_lines, report),
         *(Statement(value=scale.units, line=scale.line) for scale in scales if scale.units),
     ]
-    applied = (
+    corrections = (
         f"scale factor {factor.value:g} of line {factor.line}" if factor and not layout.remove_mean else ""
     )
     header = Header(
@@ -362,17 +362,17 @@ def _state(statement_lines: list[Line], lines: list[Line], layout: Layout, repor
         scale=factor.value if factor else 1.0,
         remove_mean=layout.remove_mean,
         time_unit=statements.time_unit(statement_lines),
-        applied=(applied,) if applied else (),
+        corrections=(corrections,) if corrections else (),
     )
     return _complete_by_duration(header, lines, report) if layout.has_duration else header
 
 
-def _agreeing(claims: list[Statement[T]], what: str, report: Report) -> Statement[T] | None:
+def _agreeing(claims: list[Statement[T]], description: str, report: Report) -> Statement[T] | None:
     """Return the most precise of several statements, and report the one that contradicts the first."""
     for later in claims[1:]:
         if not _agree(*sorted((later, claims[0]), key=_tolerance)):
             report.add(
-                f"Two different {what} in one file",
+                f"Two different {description} in one file",
                 line=later.line,
                 value=f"{later.value} here and {claims[0].value} in line {claims[0].line}",
                 remedy="Correct whichever is wrong",
@@ -387,32 +387,36 @@ def _tolerance(statement: Statement[T]) -> float:
 def _agree(precise: Statement[Any], coarse: Statement[Any]) -> bool:
     if not isinstance(precise.value, float):
         return bool(precise.value == coarse.value)
-    rounded = precise.tolerance < coarse.tolerance and may_round(precise.value, coarse)
-    return math.isclose(precise.value, coarse.value, rel_tol=_ROUNDED if rounded else 1e-9)
+    is_rounded = precise.tolerance < coarse.tolerance and may_round(precise.value, coarse)
+    return math.isclose(precise.value, coarse.value, rel_tol=_ROUNDING_TOLERANCE if is_rounded else 1e-9)
 
 
 def _complete_by_duration(header: Header, lines: list[Line], report: Report) -> Header:
     """Derive the count or the step, whichever is missing, from the duration that a header states."""
-    durations = sorted(statements.durations(lines), key=lambda printed: printed_number(printed.value) is None)
+    durations = sorted(
+        statements.durations(lines), key=lambda first_duration: printed_number(first_duration.value) is None
+    )
     if not durations or (header.count and header.time_step):
         return header
-    printed = durations[0]
-    duration = printed_number(printed.value) or 0.0
+    first_duration = durations[0]
+    duration = printed_number(first_duration.value) or 0.0
     count = round(duration / header.time_step.value) if header.time_step and duration < _LONGEST else 2
     if not 0 < duration < _LONGEST or count < 2:  # noqa: PLR2004 - two samples make a record
         report.add(
             "The header's duration is not a positive number of seconds",
-            line=printed.line,
-            value=printed.value or "nothing",
+            line=first_duration.line,
+            value=first_duration.value or "nothing",
             remedy="Correct the header",
         )
     elif header.time_step:
-        return replace(header, count=Statement(value=count, line=printed.line))
+        return replace(header, count=Statement(value=count, line=first_duration.line))
     elif header.count:
         steps = [duration / header.count.value, duration / (header.count.value - 1)]
         steps.sort(key=lambda step: abs(1 / step - round(1 / step)) * step)  # rates are whole numbers
         tolerance = abs(steps[1] - steps[0])
-        return replace(header, time_step=Statement(value=steps[0], line=printed.line, tolerance=tolerance))
+        return replace(
+            header, time_step=Statement(value=steps[0], line=first_duration.line, tolerance=tolerance)
+        )
     return header
 
 
@@ -434,17 +438,19 @@ def _read_leading_sizes(source: Source, header: Header, report: Report) -> Heade
     if len(lines) < 3:  # noqa: PLR2004 - two lines of sizes and one of samples
         return header
     for last, sizes in ((lines[1], tokens[0] + tokens[1]), (lines[0], tokens[0])):
-        counts = [int(text.rstrip(".")) for text in sizes if _WHOLE.fullmatch(text)]
-        steps = [value for text in sizes if not _WHOLE.fullmatch(text) and (value := printed_number(text))]
+        counts = [int(text.rstrip(".")) for text in sizes if _WHOLE_NUMBER.fullmatch(text)]
+        steps = [
+            value for text in sizes if not _WHOLE_NUMBER.fullmatch(text) and (value := printed_number(text))
+        ]
         is_count = len(counts) == 1 and len(sizes) == 1 + len(steps) <= 2  # noqa: PLR2004 - count and step
         if is_count and counts[0] > 1 and _holds(source, last.stop, header, counts[0]):
             step = [Statement(value=step, line=last.number) for step in steps]
-            known = [header.time_step] if header.time_step else []
+            known_steps = [header.time_step] if header.time_step else []
             return replace(
                 header,
                 start=last.stop,
                 count=Statement(value=counts[0], line=lines[0].number),
-                time_step=_agreeing([*known, *step], "time steps", report),
+                time_step=_agreeing([*known_steps, *step], "time steps", report),
             )
     if (
         len(tokens[0]) == 1
@@ -458,6 +464,6 @@ def _read_leading_sizes(source: Source, header: Header, report: Report) -> Heade
 
 def _holds(source: Source, start: int, header: Header, count: int) -> bool:
     """Tell whether as many numbers follow, or as many lines of them."""
-    data = separated(source, replace(header, start=start))
+    data = separate_numbers(source, replace(header, start=start))
     numbers, rows = len(data.split()), count_rows(data)
     return count in {numbers, rows} or 0 <= numbers - count < numbers / rows

@@ -305,12 +305,12 @@ def slope(nu: float) -> float:
     >>> round(slope(0.0), 4)
     -0.0505
     """
-    below = -expm1(_SLOPE_RATE_BELOW * _SLOPE_LOWEST) / _SLOPE_RATE_BELOW
-    above = -expm1(-_SLOPE_RATE_ABOVE * _SLOPE_HIGHEST) / _SLOPE_RATE_ABOVE
-    area = float(scipy.special.ndtr(nu)) * (below + above)
-    if area < below:
+    lower_part = -expm1(_SLOPE_RATE_BELOW * _SLOPE_LOWEST) / _SLOPE_RATE_BELOW
+    upper_part = -expm1(-_SLOPE_RATE_ABOVE * _SLOPE_HIGHEST) / _SLOPE_RATE_ABOVE
+    area = float(scipy.special.ndtr(nu)) * (lower_part + upper_part)
+    if area < lower_part:
         return log(exp(_SLOPE_RATE_BELOW * _SLOPE_LOWEST) + _SLOPE_RATE_BELOW * area) / _SLOPE_RATE_BELOW
-    remaining = float(scipy.special.ndtr(-nu)) * (below + above)
+    remaining = float(scipy.special.ndtr(-nu)) * (lower_part + upper_part)
     tail = exp(-_SLOPE_RATE_ABOVE * _SLOPE_HIGHEST)
     return -log(tail + _SLOPE_RATE_ABOVE * remaining) / _SLOPE_RATE_ABOVE
 

@@ -85,13 +85,13 @@ def draw_earthquake(stream: RandomStream) -> Earthquake:
     cut = 1.0 - exp(-_MAGNITUDE_RATE * range_)
     magnitude = _SMALLEST_MAGNITUDE - log(1.0 - cut * stream.uniform()) / _MAGNITUDE_RATE
     mechanism = Mechanism.REVERSE if stream.uniform() < _REVERSE_SHARE else Mechanism.STRIKE_SLIP
-    buried = stream.uniform() > _SURFACE_SHARE and mechanism is Mechanism.REVERSE
+    is_buried = stream.uniform() > _SURFACE_SHARE and mechanism is Mechanism.REVERSE
     depth = _SHALLOWEST + (_DEEPEST - _SHALLOWEST) * stream.uniform()
     length = rupture_length(magnitude, mechanism, deviation=float(scipy.special.ndtri(stream.uniform())))
     return Earthquake(
         magnitude=magnitude,
         mechanism=mechanism,
-        depth_to_top=depth if buried else 0.0,
+        depth_to_top=depth if is_buried else 0.0,
         length=length,
         hypocentre=length * stream.uniform(),
     )
@@ -106,8 +106,10 @@ def draw_scenario(earthquake: Earthquake, stream: RandomStream) -> Scenario:
     rule.
     """
     distance = _draw_distance(max(_SHORTEST_DISTANCE, earthquake.depth_to_top), stream)
-    along, across = _draw_site(earthquake.length, sqrt(distance**2 - earthquake.depth_to_top**2), stream)
-    nearest = min(max(along, 0.0), earthquake.length)
+    strike_distance, normal_distance = _draw_site(
+        earthquake.length, sqrt(distance**2 - earthquake.depth_to_top**2), stream
+    )
+    nearest = min(max(strike_distance, 0.0), earthquake.length)
     shortest, longest, _ = VALID_RANGES["directivity_length"]
     return Scenario(
         magnitude=earthquake.magnitude,
@@ -116,7 +118,7 @@ def draw_scenario(earthquake: Earthquake, stream: RandomStream) -> Scenario:
         rupture_distance=distance,
         shear_wave_velocity=_draw_velocity(stream),
         directivity_length=min(max(abs(nearest - earthquake.hypocentre), shortest), longest),
-        directivity_angle=degrees(atan2(across, abs(along - earthquake.hypocentre))),
+        directivity_angle=degrees(atan2(normal_distance, abs(strike_distance - earthquake.hypocentre))),
     )
 
 
@@ -124,8 +126,8 @@ def _draw_distance(shortest: float, stream: RandomStream) -> float:
     nearest, farthest = (
         exp(-((limit / _DISTANCE_SCALE) ** _DISTANCE_SHAPE)) for limit in (shortest, _LONGEST_DISTANCE)
     )
-    beyond = farthest + (nearest - farthest) * stream.uniform()
-    distance = float(_DISTANCE_SCALE * (-log(beyond)) ** (1.0 / _DISTANCE_SHAPE))
+    far_distance = farthest + (nearest - farthest) * stream.uniform()
+    distance = float(_DISTANCE_SCALE * (-log(far_distance)) ** (1.0 / _DISTANCE_SHAPE))
     return min(max(distance, shortest), _LONGEST_DISTANCE)
 
 

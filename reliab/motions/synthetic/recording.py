@@ -100,11 +100,11 @@ def fit_modulation(component: ComponentParameters) -> Modulation:
 
 def _unit_shape(peak_share: float, ratio: float) -> Modulation:
     """Return the function with its peak at time 1 and a given ratio of D0-95 to D0-5."""
-    before = log(peak_share / _ONSET)
-    after = (1.0 - peak_share) / peak_share * log((1.0 - peak_share) / (1.0 - _END))
+    rise_rate = log(peak_share / _ONSET)
+    decay_rate = (1.0 - peak_share) / peak_share * log((1.0 - peak_share) / (1.0 - _END))
 
     def excess(rate: float) -> float:
-        return rate * before + log1p(rate * after) - log(ratio)
+        return rate * rise_rate + log1p(rate * decay_rate) - log(ratio)
 
     rate = (
         _GENTLEST if excess(_GENTLEST) <= 0.0 else scipy.optimize.brentq(excess, 0.0, _GENTLEST, xtol=1e-15)
@@ -178,8 +178,10 @@ def _blocks(frequency: Array, bandwidth: float) -> Iterator[tuple[int, int]]:
 def _oscillate(impulses: Array, angle: float, bandwidth: float) -> Array:
     """Response ω h of an oscillator of ω Δt = angle to impulses, shape (..., n)."""
     decay, turn = exp(-bandwidth * angle), angle * sqrt(1.0 - bandwidth**2)
-    ahead, behind = 2.0 * decay * cos(turn), decay**2
-    response: Array = scipy.signal.lfilter([0.0, angle * decay * sin(turn)], [1.0, -ahead, behind], impulses)
+    weight, last_weight = 2.0 * decay * cos(turn), decay**2
+    response: Array = scipy.signal.lfilter(
+        [0.0, angle * decay * sin(turn)], [1.0, -weight, last_weight], impulses
+    )
     return response
 
 
@@ -214,8 +216,8 @@ def high_pass(acceleration: Array, magnitude: float, time_step: float) -> Array:
     length = scipy.fft.next_fast_len(count, real=True)
     ratio = (scipy.fft.rfftfreq(length, time_step) / corner_frequency(magnitude)) ** (2 * _ORDER)
     spectrum = scipy.fft.rfft(acceleration, length) * np.sqrt(ratio / (1.0 + ratio))
-    filtered: Array = scipy.fft.irfft(spectrum, length)[..., :count]
-    return filtered
+    filtered_motion: Array = scipy.fft.irfft(spectrum, length)[..., :count]
+    return filtered_motion
 
 
 def settle(acceleration: Array) -> Array:
@@ -232,8 +234,8 @@ def settle(acceleration: Array) -> Array:
     residuals = np.sum(acceleration[..., np.newaxis, :] * weights, axis=-1)
     effects = np.sum(weights[:, np.newaxis, :] * line, axis=-1)
     slopes = np.linalg.solve(effects, residuals[..., np.newaxis])[..., 0]
-    settled: Array = acceleration - np.sum(slopes[..., np.newaxis] * line, axis=-2)
-    return settled
+    acceleration_at_rest: Array = acceleration - np.sum(slopes[..., np.newaxis] * line, axis=-2)
+    return acceleration_at_rest
 
 
 def _weights_of_rest(count: int) -> Array:
@@ -314,12 +316,12 @@ def _arias_intensity(motion: Array) -> Array:
     return intensities
 
 
-def turned(motion: Array, angle: float) -> Array:
+def rotate(motion: Array, angle: float) -> Array:
     """Turn two orthogonal components to the axes of an instrument.
 
     `motion` (2, n); `angle` [rad]; returns (2, n).
 
-    >>> turned(np.array([[1.0], [0.0]]), pi / 6).round(3)
+    >>> rotate(np.array([[1.0], [0.0]]), pi / 6).round(3)
     array([[ 0.866],
            [-0.5  ]])
     """

@@ -26,7 +26,7 @@ from reliab.motions.synthetic.dabaghi_der_kiureghian_2018 import (
 )
 from reliab.motions.synthetic.fema_p695_2009 import Earthquake, draw_earthquake, draw_scenario, is_strong
 from reliab.motions.synthetic.random_stream import RandomStream
-from reliab.motions.synthetic.recording import TIME_STEP, simulate_recording, trim_quiet_ends, turned
+from reliab.motions.synthetic.recording import TIME_STEP, rotate, simulate_recording, trim_quiet_ends
 
 _Result = TypeVar("_Result")
 
@@ -76,8 +76,8 @@ class EventErrors:
 
     def _draw_correlated(self, stream: RandomStream) -> Array:
         normals = stream.normals(self._regression.deviations.size)
-        correlated: Array = np.sum(self._regression.factor * normals, axis=1)
-        return correlated
+        errors: Array = np.sum(self._regression.factor * normals, axis=1)
+        return errors
 
 
 # The constant, then the factors of R [km], of the root of s or d [km], and of θ or φ in degrees.
@@ -189,9 +189,9 @@ def _record(
     parameters: RecordingParameters, magnitude: float, noises: tuple[RandomStream, RandomStream], angle: float
 ) -> Array:
     motion = simulate_recording(parameters, magnitude, noises)
-    rounded = np.round(trim_quiet_ends(turned(motion, angle)) / QUANTUM) * QUANTUM
-    rounded.flags.writeable = False
-    return rounded
+    samples = np.round(trim_quiet_ends(rotate(motion, angle)) / QUANTUM) * QUANTUM
+    samples.flags.writeable = False
+    return samples
 
 
 SET_NAME: Final = "synthetic"
@@ -227,7 +227,7 @@ class SyntheticEntry:
 
     def recording(self) -> Recording:
         """Simulate the recording that the motion is a component of, with its scenario and parameters."""
-        return _event(self.seed, self.number).at(self.station)
+        return _event(self.seed, self.number).record(self.station)
 
     def load(self) -> Motion:
         """Simulate the motion."""
@@ -248,7 +248,7 @@ class _RecordingsOfEvent:
         self._simulated: list[Recording] = []
         self._lock = Lock()
 
-    def at(self, station: int) -> Recording:
+    def record(self, station: int) -> Recording:
         with self._lock:
             while len(self._simulated) < station:
                 self._simulated.append(next(self._source))

@@ -21,7 +21,7 @@ from reliab.report.sources import provenance_of
 from reliab.report.style import BLUE, GREY, INK, PALE, VERMILION, letters, panels, styled
 from reliab.rig.prediction import Prediction
 from reliab.rig.rig_table import RigTable
-from reliab.rig.watching import FALSE_ALARMS, DriftChart, drift_chart, known_effects, watch
+from reliab.rig.watching import FALSE_ALARMS, DriftChart, drift_chart, read_effects, watch
 from reliab.structures.structure import Structure
 
 _LAST = 10
@@ -77,7 +77,7 @@ def _verdict(table: RigTable, prediction: Prediction) -> Prose:
         share=percent(share),
         threshold=percent(prediction.threshold),
         probability=probability_text(prediction.probability),
-        doubt="" if prediction.converged else ", which is not to be relied on, as the notes say",
+        doubt="" if prediction.has_converged else ", which is not to be relied on, as the notes say",
     )
 
 
@@ -86,7 +86,7 @@ def _facts(table: RigTable, prediction: Prediction, structure: Structure | None)
     learned = f"{counted(prediction.tests, 'test')} of {counted(prediction.earthquakes, 'earthquake')}"
     facts: dict[str, Prose] = {
         "Tests": f"{len(table)}, from {days[0]} to {days[-1]}",
-        "Learned from": learned + ("" if table.dated else "; dates are not stated for all tests"),
+        "Learned from": learned + ("" if table.has_dates else "; dates are not stated for all tests"),
     }
     if structure is not None:
         facts["Next test"] = prose(
@@ -172,7 +172,7 @@ def next_test_blocks(prediction: Prediction) -> tuple[Block, ...]:
 def diagnostics_blocks(prediction: Prediction) -> tuple[Block, ...]:
     """Tabulate whether a prediction can be relied on."""
     rows = []
-    for name, quantity in prediction.learned.items():
+    for name, quantity in prediction.fits.items():
         baselines = quantity.scores_of_baselines.values()
         scores = [_score(value) for value in (quantity.log_score, *baselines)]
         variances = quantity.variances
@@ -217,7 +217,7 @@ def rig_over_time(
     errors = table.numbers("rms")
     known = np.isfinite(errors)
     logarithms = np.log(np.maximum(np.where(known, errors, np.nanmedian(errors)), 1e-12))
-    of_errors = _band(logarithms, known_effects(table.rows), chart.segments)
+    of_errors = _band(logarithms, read_effects(table.rows), chart.segments)
     drawn: tuple[tuple[str, Array, tuple[Array, Array], str], ...] = (
         ("A", chart.values["gain"], chart.bands["gain"], "$A$ [-]"),
         ("d_ms", chart.values["delay"], chart.bands["delay"], "$d$ [ms]"),

@@ -35,7 +35,7 @@ class Circumstances:
 class Likeness:
     """How alike tests are in each respect: what learned tests span, and how other tests relate to them."""
 
-    learned: Circumstances
+    training: Circumstances
     centres: Mapping[str, tuple[float, float]]  # Centre and spread of each covariate that varies
     respects: tuple[str, ...]
 
@@ -54,36 +54,38 @@ class Likeness:
                 respects.append(kind)
         if learned.place is not None and count > 2 * _LENGTHS[0]:
             respects += [f"time {length:g}" for length in _LENGTHS if count > 2 * length]
-        return cls(learned=learned, centres=centres, respects=tuple(respects))
+        return cls(training=learned, centres=centres, respects=tuple(respects))
 
     def among_learned(self) -> Array:
         """One matrix for each respect, shape (respects, learned, learned)."""
-        return self.between(self.learned)
+        return self.covariances(self.training)
 
-    def between(self, others: Circumstances) -> Array:
+    def covariances(self, targets: Circumstances) -> Array:
         """One matrix for each respect, shape (respects, others, learned)."""
-        matrices = np.zeros((len(self.respects), len(others), len(self.learned)))
+        matrices = np.zeros((len(self.respects), len(targets), len(self.training)))
         for matrix, respect in zip(matrices, self.respects, strict=True):
-            matrix[:] = self._is_shared(respect, others, self.learned)
+            matrix[:] = self._is_shared(respect, targets, self.training)
         return matrices
 
-    def of_each_alone(self, others: Circumstances) -> list[Array]:
+    def prior_variances(self, targets: Circumstances) -> list[Array]:
         """Likeness of each other test to itself, shape (others,) for each respect."""
-        ones = np.ones(len(others))
+        unit_variances = np.ones(len(targets))
         return [
-            1.0 + self._standard(respect, others) ** 2 if respect.startswith("covariate ") else ones
+            1.0 + self._standard(respect, targets) ** 2
+            if respect.startswith("covariate ")
+            else unit_variances
             for respect in self.respects
         ]
 
-    def _is_shared(self, respect: str, others: Circumstances, learned: Circumstances) -> Array:
+    def _is_shared(self, respect: str, targets: Circumstances, training: Circumstances) -> Array:
         kind, _, name = respect.partition(" ")
         if kind == "covariate":
-            here, there = self._standard(respect, others)[:, None], self._standard(respect, learned)
+            here, there = self._standard(respect, targets)[:, None], self._standard(respect, training)
             return np.asarray(here * there + np.exp(-0.5 * (here - there) ** 2))
-        if kind == "time" and others.place is not None and learned.place is not None:
-            return np.asarray(np.exp(-np.abs(others.place[:, None] - learned.place) / float(name)))
-        names = others.groups[kind][:, None]
-        return np.asarray((names == learned.groups[kind]) & (names != NEW), dtype=np.float64)
+        if kind == "time" and targets.place is not None and training.place is not None:
+            return np.asarray(np.exp(-np.abs(targets.place[:, None] - training.place) / float(name)))
+        names = targets.groups[kind][:, None]
+        return np.asarray((names == training.groups[kind]) & (names != NEW), dtype=np.float64)
 
     def _standard(self, respect: str, circumstances: Circumstances) -> Array:
         name = respect.removeprefix("covariate ")

@@ -33,9 +33,9 @@ from reliab.rig.learning.circumstances import Circumstances, Likeness
 from reliab.rig.learning.variances import LEVEL, Variances, covariance, fit_variances, inverse_of
 
 _DEGREES: Final = (2.5, 4.0, 8.0, 1e4)
-_OF_DEGREES: Final = (0.0075, 0.0125, 0.03, 0.95)
+_DEGREES_COEFFICIENTS: Final = (0.0075, 0.0125, 0.03, 0.95)
 _SKEWNESS: Final = tuple(np.exp(0.23 * np.arange(-3, 4)).tolist())
-_OF_SKEWNESS: Final = (0.0014, 0.0034, 0.0052, 0.98, 0.0052, 0.0034, 0.0014)
+_SKEWNESS_COEFFICIENTS: Final = (0.0014, 0.0034, 0.0052, 0.98, 0.0052, 0.0034, 0.0014)
 _LOG_SCALES: Final = np.arange(-1.2, 2.51, 0.05)  # predicted spreads are hardly much too large
 _KNOTS: Final = np.sinh(np.linspace(-10.0, 10.0, 601))
 _NEGLIGIBLE = 1e-7
@@ -52,10 +52,10 @@ class Scatter:
     scale: Array
 
     @classmethod
-    def learned(cls, residuals: Array, events: NDArray[np.str_]) -> "Scatter":
+    def fit(cls, residuals: Array, events: NDArray[np.str_]) -> "Scatter":
         """Learn from residuals of tests whose earthquake was left out."""
-        counted = float(event_components(residuals[:, None], events).effective_number[0])
-        share = (max(counted, _FEWEST_COUNTED) - 1.0) / residuals.size
+        effective_number = float(event_components(residuals[:, None], events).effective_number[0])
+        share = (max(effective_number, _FEWEST_COUNTED) - 1.0) / residuals.size
         grid, table, prior = _grid()
         logarithms = prior + share * (_counts_at_knots(residuals) @ table)
         weights = np.exp(logarithms - logarithms.max())
@@ -73,9 +73,9 @@ class Scatter:
         """Probability that a further residual is at most each of these, shape (residuals,)."""
         side = self.skewness
         z = np.asarray(residuals)[:, None] / self.scale + _means(self.degrees, side)
-        below = scipy.special.stdtr(self.degrees, np.minimum(z, 0.0) * side)
-        above = scipy.special.stdtr(self.degrees, np.maximum(z, 0.0) / side) - 0.5
-        return np.asarray(2.0 / (1.0 + side**2) * (below + side**2 * above) @ self.weights)
+        lower_part = scipy.special.stdtr(self.degrees, np.minimum(z, 0.0) * side)
+        upper_part = scipy.special.stdtr(self.degrees, np.maximum(z, 0.0) / side) - 0.5
+        return np.asarray(2.0 / (1.0 + side**2) * (lower_part + side**2 * upper_part) @ self.weights)
 
     def quantile(self, probability: float) -> float:
         """Residual that a further one stays below with a probability."""
@@ -109,16 +109,18 @@ def _log_densities(residuals: Array, degrees: Array, skewness: Array, scale: Arr
 def _grid() -> tuple[Array, Array, Array]:
     """Degrees, skewness and scale of all distributions, their log densities at the knots, and log prior."""
     places = np.meshgrid(_DEGREES, _SKEWNESS, np.exp(_LOG_SCALES), indexing="ij")
-    prior = np.log(np.multiply.outer(_OF_DEGREES, _OF_SKEWNESS))[:, :, None] + np.zeros(_LOG_SCALES.size)
+    prior = np.log(np.multiply.outer(_DEGREES_COEFFICIENTS, _SKEWNESS_COEFFICIENTS))[:, :, None] + np.zeros(
+        _LOG_SCALES.size
+    )
     grid = np.stack([place.ravel() for place in places])
     return grid, _log_densities(_KNOTS, *grid), prior.ravel()
 
 
 def _counts_at_knots(residuals: Array) -> Array:
     """Weights of the knots that interpolate the sum of a function over residuals, linearly."""
-    within = np.clip(residuals, _KNOTS[0], _KNOTS[-1])
-    right = np.clip(np.searchsorted(_KNOTS, within), 1, _KNOTS.size - 1)
-    share = (within - _KNOTS[right - 1]) / (_KNOTS[right] - _KNOTS[right - 1])
+    clipped_residuals = np.clip(residuals, _KNOTS[0], _KNOTS[-1])
+    right = np.clip(np.searchsorted(_KNOTS, clipped_residuals), 1, _KNOTS.size - 1)
+    share = (clipped_residuals - _KNOTS[right - 1]) / (_KNOTS[right] - _KNOTS[right - 1])
     size = _KNOTS.size
     return np.asarray(np.bincount(right, share, size) + np.bincount(right - 1, 1.0 - share, size))
 
@@ -143,10 +145,10 @@ class StudentPrediction:
         return float(scipy.stats.t.logpdf(value, self.degrees, self.centre, self.scale))
 
 
-def pooled(values: Array) -> StudentPrediction:
+def pool(values: Array) -> StudentPrediction:
     """Predict from all tests, as if they were independent and normal.
 
-    >>> pooled(np.array([1.0, 2.0, 3.0])).centre
+    >>> pool(np.array([1.0, 2.0, 3.0])).centre
     2.0
     """
     spread = max(float(values.std(ddof=1)), 1e-9)
@@ -159,18 +161,20 @@ def pooled(values: Array) -> StudentPrediction:
 
 def last_ten(values: Array) -> StudentPrediction:
     """Predict from the last ten tests."""
-    return pooled(values[-_LAST:])
+    return pool(values[-_LAST:])
 
 
-def left_out_scores(values: Array, events: NDArray[np.str_], baseline: Baseline, *, before: bool) -> Array:
+def score_left_out_events(
+    values: Array, events: NDArray[np.str_], baseline: Baseline, *, only_earlier: bool
+) -> Array:
     """Log scores of a baseline for each test, its earthquake left out.
 
-    `before`: whether only tests before each are known; NaN where there are fewer than three.
+    `only_earlier`: whether only tests before each are known; NaN where there are fewer than three.
     """
     scores = np.full(values.size, np.nan)
     for place, event in enumerate(events):
         usable = events != event
-        if before:
+        if only_earlier:
             usable[place:] = False
         if usable.sum() >= _FEWEST:
             scores[place] = baseline(values[usable]).log_density(values[place])
@@ -187,12 +191,12 @@ class LeftOut:
     """Residuals of tests that are predicted without their earthquake."""
 
     inverse: Array  # Of the covariance of all tests
-    solved: Array  # Times their values
+    inverse_values: Array  # Times their values
     ordinary: Array  # Variance of an ordinary test less that of each, which the odd ones have more of
     events: NDArray[np.str_]
 
     @classmethod
-    def of_tests(
+    def from_tests(
         cls, standard: Array, among: Array, variances: Variances, events: NDArray[np.str_]
     ) -> "LeftOut":
         """Leave out each earthquake at the most probable variances."""
@@ -202,7 +206,7 @@ class LeftOut:
         inverse, _ = inverse_of(matrix)
         return cls(
             inverse=inverse,
-            solved=inverse @ standard,
+            inverse_values=inverse @ standard,
             ordinary=noise * (1.0 - 1.0 / variances.weights),
             events=events,
         )
@@ -210,9 +214,9 @@ class LeftOut:
     @cached_property
     def members(self) -> list[NDArray[np.intp]]:
         """Places of the tests of each earthquake."""
-        _, of_test = np.unique(self.events, return_inverse=True)
-        ordered = np.argsort(of_test, kind="stable")
-        return np.split(ordered, np.flatnonzero(np.diff(of_test[ordered])) + 1)
+        _, event_index = np.unique(self.events, return_inverse=True)
+        order = np.argsort(event_index, kind="stable")
+        return np.split(order, np.flatnonzero(np.diff(event_index[order])) + 1)
 
     @property
     def residuals(self) -> Array:
@@ -226,12 +230,12 @@ class LeftOut:
 
     def residuals_without(self, absent: NDArray[np.intp]) -> Array:
         """Return the same residuals if an earthquake had never been; zeros for its own tests."""
-        taken = self.inverse[:, absent] @ np.linalg.inv(self.inverse[np.ix_(absent, absent)])
-        return self._leave_out(absent, taken)[0]
+        projection = self.inverse[:, absent] @ np.linalg.inv(self.inverse[np.ix_(absent, absent)])
+        return self._leave_out(absent, projection)[0]
 
     @cached_property
     def _complete_prediction(self) -> tuple[Array, Array]:
-        return self._leave_out(np.empty(0, dtype=np.intp), np.empty((self.solved.size, 0)))
+        return self._leave_out(np.empty(0, dtype=np.intp), np.empty((self.inverse_values.size, 0)))
 
     @cached_property
     def _events_by_size(self) -> list[NDArray[np.intp]]:
@@ -242,23 +246,23 @@ class LeftOut:
             for size in np.unique(sizes)
         ]
 
-    def _leave_out(self, absent: NDArray[np.intp], taken: Array) -> tuple[Array, Array]:
+    def _leave_out(self, absent: NDArray[np.intp], projection: Array) -> tuple[Array, Array]:
         """Residuals over their spreads, and these, where what absent tests teach is taken away."""
-        residuals, squares = np.zeros_like(self.solved), np.ones_like(self.solved)
-        solved = self.solved - taken @ self.solved[absent]
-        for every in self._events_by_size:
-            places = every[~np.isin(every[:, 0], absent)]
+        residuals, squares = np.zeros_like(self.inverse_values), np.ones_like(self.inverse_values)
+        reduced_values = self.inverse_values - projection @ self.inverse_values[absent]
+        for same_size_events in self._events_by_size:
+            places = same_size_events[~np.isin(same_size_events[:, 0], absent)]
             block = self.inverse[places[:, :, None], places[:, None, :]]
-            across = self.inverse[:, absent][places]
-            conditional = np.linalg.inv(block - taken[places] @ across.swapaxes(1, 2))
-            residuals[places] = np.einsum("eij,ej->ei", conditional, solved[places])
+            cross_inverse = self.inverse[:, absent][places]
+            conditional = np.linalg.inv(block - projection[places] @ cross_inverse.swapaxes(1, 2))
+            residuals[places] = np.einsum("eij,ej->ei", conditional, reduced_values[places])
             squares[places] = np.einsum("eii->ei", conditional) + self.ordinary[places]
         spreads = np.sqrt(np.maximum(squares, _SMALLEST))
         return residuals / spreads, spreads
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Learned:
+class FittedQuantity:
     """What the tests teach of one quantity."""
 
     values: Array  # Of the tests
@@ -269,65 +273,68 @@ class Learned:
     variances: Variances
     left_out: LeftOut  # Each test, of standardised values, predicted without its earthquake
 
-    def predict(self, others: Circumstances) -> tuple[Array, Array]:
+    def predict(self, targets: Circumstances) -> tuple[Array, Array]:
         """Mean and standard deviation of tests under earthquakes not seen, shape (others,) each.
 
         The spread is that of an ordinary test; :attr:`scatter` says how far a test may stray.
         """
         standard = (self.values - self.centre) / self.spread
-        between, alone = self.likeness.between(others), self.likeness.of_each_alone(others)
+        covariances, prior_variances = (
+            self.likeness.covariances(targets),
+            self.likeness.prior_variances(targets),
+        )
         among = self.likeness.among_learned()
         noise = np.exp(2.0 * self.variances.mode[-1])
-        mean, variance = self._conditional_moments(self.variances.mode, standard, among, between)
+        mean, variance = self._conditional_moments(self.variances.mode, standard, among, covariances)
         rows = np.linspace(0, len(self.variances.draws) - 1, _DRAWS_USED).astype(int)
         means = [
-            self._conditional_moments(theta, standard, among, between)[0]
+            self._conditional_moments(theta, standard, among, covariances)[0]
             for theta in self.variances.draws[rows]
         ]
         prior = sum(
             (
-                np.exp(2.0 * log_spread) * alike
-                for alike, log_spread in zip(alone, self.variances.mode, strict=False)
+                np.exp(2.0 * log_spread) * likeness
+                for likeness, log_spread in zip(prior_variances, self.variances.mode, strict=False)
             ),
-            np.full(len(others), LEVEL + noise),
+            np.full(len(targets), LEVEL + noise),
         )
         deviation = np.sqrt(np.maximum(prior - variance + np.var(means, axis=0), _SMALLEST))
         return self.centre + self.spread * mean, self.spread * deviation
 
     def _conditional_moments(
-        self, theta: Array, standard: Array, among: Array, between: Array
+        self, theta: Array, standard: Array, among: Array, likeness_to_targets: Array
     ) -> tuple[Array, Array]:
         """Mean of other tests, and the variance that the learned ones take off, at given variances."""
         size = standard.size
         matrix = covariance(among, theta)
         matrix[np.diag_indices(size)] += np.exp(2.0 * theta[-1]) / self.variances.weights
         factor = scipy.linalg.cho_factor(matrix, lower=True, check_finite=False)
-        across = covariance(between, theta)
-        solved = scipy.linalg.cho_solve(factor, across.T, check_finite=False)
-        return solved.T @ standard, np.einsum("ij,ji->i", across, solved)
+        cross_covariance = covariance(likeness_to_targets, theta)
+        weights = scipy.linalg.cho_solve(factor, cross_covariance.T, check_finite=False)
+        return weights.T @ standard, np.einsum("ij,ji->i", cross_covariance, weights)
 
     @cached_property
     def scatter(self) -> Scatter:
         """Distribution of the standardised residual of a further test, wider where few tests are known."""
-        return Scatter.learned(self.left_out.residuals, self.events)
+        return Scatter.fit(self.left_out.residuals, self.events)
 
-    def quantiles(self, others: Circumstances, probabilities: tuple[float, ...]) -> Array:
+    def quantiles(self, targets: Circumstances, probabilities: tuple[float, ...]) -> Array:
         """Quantiles of tests, shape (probabilities, others)."""
-        mean, deviation = self.predict(others)
+        mean, deviation = self.predict(targets)
         return np.stack([mean + deviation * self.scatter.quantile(share) for share in probabilities])
 
-    def cumulative(self, others: Circumstances, value: float) -> Array:
+    def cumulative(self, targets: Circumstances, value: float) -> Array:
         """Probability that the quantity is at most a value, shape (others,)."""
-        mean, deviation = self.predict(others)
+        mean, deviation = self.predict(targets)
         return self.scatter.cumulative((value - mean) / deviation)
 
     @cached_property
     def log_score(self) -> float:
         """Mean log score of tests whose earthquake is left out."""
-        return float(self.left_out_scores.mean())
+        return float(self.score_left_out_events.mean())
 
     @cached_property
-    def left_out_scores(self) -> Array:
+    def score_left_out_events(self) -> Array:
         """Log score of each test when its earthquake is left out."""
         scores = np.empty_like(self.values)
         for members, scatter in self.scatters_without_earthquakes():
@@ -337,22 +344,22 @@ class Learned:
     def scatters_without_earthquakes(self) -> Iterator[tuple[NDArray[np.intp], Scatter]]:
         """Places of the tests of each earthquake, and how tests scatter by what all others teach."""
         for members in self.left_out.members:
-            others = np.delete(np.arange(self.values.size), members)
-            residuals = self.left_out.residuals_without(members)[others]
-            yield members, Scatter.learned(residuals, self.events[others])
+            other_indices = np.delete(np.arange(self.values.size), members)
+            residuals = self.left_out.residuals_without(members)[other_indices]
+            yield members, Scatter.fit(residuals, self.events[other_indices])
 
     @cached_property
     def scores_of_baselines(self) -> dict[str, float | None]:
         """Mean log score of each baseline on the same tests."""
-        everything = left_out_scores(self.values, self.events, pooled, before=False)
-        latest = left_out_scores(self.values, self.events, last_ten, before=True)
+        everything = score_left_out_events(self.values, self.events, pool, only_earlier=False)
+        latest = score_left_out_events(self.values, self.events, last_ten, only_earlier=True)
         return {
             "all tests pooled": _mean_of_known(everything),
             "the last ten": _mean_of_known(latest),
         }
 
 
-def learn(values: Array, circumstances: Circumstances, events: NDArray[np.str_]) -> Learned:
+def learn(values: Array, circumstances: Circumstances, events: NDArray[np.str_]) -> FittedQuantity:
     """Learn one quantity.
 
     `values`, shape (tests,), at least three; `events`, the earthquake of each, a name of its own where it is
@@ -367,14 +374,14 @@ def learn(values: Array, circumstances: Circumstances, events: NDArray[np.str_])
     among = likeness.among_learned()
     standard = (values - centre) / spread
     variances = fit_variances(standard, among, likeness.respects)
-    return Learned(
+    return FittedQuantity(
         values=values,
         events=events,
         centre=centre,
         spread=spread,
         likeness=likeness,
         variances=variances,
-        left_out=LeftOut.of_tests(standard, among, variances, events),
+        left_out=LeftOut.from_tests(standard, among, variances, events),
     )
 
 

@@ -26,7 +26,7 @@ _FEWEST_FOR_ODD = 10  # tests; of fewer nobody can tell which are the odd ones
 _BATCHES, _FEWEST_DRAWS, _MOST_DRAWS = 4, 40, 128
 _WORK = 1e9  # draws in a batch times the cube of the tests
 _POPULATIONS = 3
-_AS_MANY = 3.0  # draws for each effect, that the covariance of before counts as
+_PRIOR_DRAWS = 3.0  # draws for each effect, that the covariance of before counts as
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -95,26 +95,30 @@ class _Problem:
     def loss(self, theta: Array) -> float:
         """Negative logarithm of the posterior density, up to a constant."""
         # LAPACK itself, which for some dozens of tests takes half the time of what is wrapped around it
-        factor, failed = scipy.linalg.lapack.dpotrf(self._covariance(theta).T, overwrite_a=True)
-        if failed:
+        factor, lapack_status = scipy.linalg.lapack.dpotrf(self._covariance(theta).T, overwrite_a=True)
+        if lapack_status:
             raise np.linalg.LinAlgError("The covariance of the tests is not positive definite.")
-        whitened, _ = scipy.linalg.lapack.dtrtrs(factor, self.values, trans=1)
+        whitened_values, _ = scipy.linalg.lapack.dtrtrs(factor, self.values, trans=1)
         standard = (theta - self.priors[:, 0]) / self.priors[:, 1]
-        return float(0.5 * whitened @ whitened + np.log(np.diag(factor)).sum() + 0.5 * standard @ standard)
+        return float(
+            0.5 * whitened_values @ whitened_values
+            + np.log(np.diag(factor)).sum()
+            + 0.5 * standard @ standard
+        )
 
     def loss_with_gradient(self, theta: Array) -> tuple[float, Array]:
         """Return the same with its gradient."""
         inverse, logarithm = inverse_of(self._covariance(theta))
-        solved = inverse @ self.values
+        weighted_values = inverse @ self.values
         standard = (theta - self.priors[:, 0]) / self.priors[:, 1]
-        loss = 0.5 * self.values @ solved + 0.5 * logarithm + 0.5 * standard @ standard
-        inner = inverse - np.outer(solved, solved)
-        of_effects = [
+        loss = 0.5 * self.values @ weighted_values + 0.5 * logarithm + 0.5 * standard @ standard
+        inner = inverse - np.outer(weighted_values, weighted_values)
+        effect_gradients = [
             np.exp(2.0 * log_spread) * np.vdot(inner, matrix)
             for matrix, log_spread in zip(self.likeness, theta, strict=False)
         ]
-        of_noise = np.exp(2.0 * theta[-1]) * (np.diag(inner) / self.weights).sum()
-        return float(loss), np.array([*of_effects, of_noise]) + standard / self.priors[:, 1]
+        noise_gradient = np.exp(2.0 * theta[-1]) * (np.diag(inner) / self.weights).sum()
+        return float(loss), np.array([*effect_gradients, noise_gradient]) + standard / self.priors[:, 1]
 
     def mode(self, start: Array) -> Array:
         """Most probable ln σ."""
@@ -132,9 +136,9 @@ class _Problem:
     def robust_weights(self, theta: Array) -> Array:
         """Weights of the tests by what each is when it is left out, in spreads of an ordinary test."""
         inverse, _ = inverse_of(self._covariance(theta))
-        own = np.diag(inverse)
-        variances = 1.0 / own + np.exp(2.0 * theta[-1]) * (1.0 - 1.0 / self.weights)
-        squares = (inverse @ self.values / own) ** 2 / variances
+        leverage = np.diag(inverse)
+        variances = 1.0 / leverage + np.exp(2.0 * theta[-1]) * (1.0 - 1.0 / self.weights)
+        squares = (inverse @ self.values / leverage) ** 2 / variances
         return np.asarray(np.clip((_DEGREES + 1.0) / (_DEGREES + squares), 0.02, 1.0))
 
 
@@ -148,17 +152,17 @@ def inverse_of(matrix: Array) -> tuple[Array, float]:
 
 def _importance_draws(problem: _Problem, mode: Array, rng: np.random.Generator) -> tuple[Array, float, float]:
     """Draws of the posterior, their R-hat over batches, and how many independent ones they are worth."""
-    per_batch = int(np.clip(_WORK / problem.values.size**3, _FEWEST_DRAWS, _MOST_DRAWS))
+    batch_size = int(np.clip(_WORK / problem.values.size**3, _FEWEST_DRAWS, _MOST_DRAWS))
     centre, factor = mode, _spread_about(problem, mode)
     for _ in range(_POPULATIONS):
-        drawn, weights = _weighted_draws(problem, centre, factor, _BATCHES * per_batch, rng)
-        centre, factor = _moments(drawn, weights, factor)
+        draws_of_round, weights = _weighted_draws(problem, centre, factor, _BATCHES * batch_size, rng)
+        centre, factor = _moments(draws_of_round, weights, factor)
     batches = weights.reshape(_BATCHES, -1)
-    means = np.einsum("bi,bip->bp", batches, drawn.reshape(_BATCHES, per_batch, mode.size))
+    means = np.einsum("bi,bip->bp", batches, draws_of_round.reshape(_BATCHES, batch_size, mode.size))
     means /= batches.sum(axis=1)[:, None]
-    draws = drawn[rng.choice(weights.size, size=weights.size, p=weights)]
-    within = draws.var(axis=0) + 1e-12
-    r_hat = float(np.sqrt(1.0 + means.var(axis=0, ddof=1) / within).max())
+    draws = draws_of_round[rng.choice(weights.size, size=weights.size, p=weights)]
+    draw_variance = draws.var(axis=0) + 1e-12
+    r_hat = float(np.sqrt(1.0 + means.var(axis=0, ddof=1) / draw_variance).max())
     return draws, r_hat, float(1.0 / (weights**2).sum())
 
 
@@ -168,20 +172,20 @@ def _weighted_draws(
     """Draws of Student's t distribution, and what each counts in the posterior, with a sum of 1."""
     normal = rng.standard_normal((count, centre.size))
     normal *= np.sqrt(_DEGREES / rng.chisquare(_DEGREES, (count, 1)))
-    drawn = np.clip(centre + normal @ factor.T, -12.0, 6.0)
+    draws = np.clip(centre + normal @ factor.T, -12.0, 6.0)
     density = -0.5 * (_DEGREES + centre.size) * np.log1p((normal**2).sum(axis=1) / _DEGREES)
-    logarithms = np.array([-problem.loss(theta) for theta in drawn]) - density
+    logarithms = np.array([-problem.loss(theta) for theta in draws]) - density
     weights = np.exp(logarithms - logarithms.max())
     weights = np.minimum(weights, weights.mean() * np.sqrt(count))  # truncated, Ionides 2008
-    return drawn, weights / weights.sum()
+    return draws, weights / weights.sum()
 
 
-def _moments(drawn: Array, weights: Array, factor: Array) -> tuple[Array, Array]:
+def _moments(draws: Array, weights: Array, factor: Array) -> tuple[Array, Array]:
     """Mean and factor of the covariance of weighted draws, the nearer to that of before the fewer count."""
-    centre = weights @ drawn
-    spread = drawn - centre
-    counted = 1.0 / float((weights**2).sum())
-    share = counted / (counted + _AS_MANY * drawn.shape[1])
+    centre = weights @ draws
+    spread = draws - centre
+    effective_number = 1.0 / float((weights**2).sum())
+    share = effective_number / (effective_number + _PRIOR_DRAWS * draws.shape[1])
     matrix = share * (weights[:, None] * spread).T @ spread + (1.0 - share) * factor @ factor.T
     return centre, np.linalg.cholesky(matrix)
 
@@ -193,7 +197,9 @@ def _spread_about(problem: _Problem, mode: Array) -> Array:
     curvature = np.empty((size, size))
     for index in range(size):
         shift = step * np.eye(size)[index]
-        ahead, behind = (problem.loss_with_gradient(mode + sign * shift)[1] for sign in (1.0, -1.0))
-        curvature[index] = (ahead - behind) / (2.0 * step)
+        ahead, backward_gradient = (
+            problem.loss_with_gradient(mode + sign * shift)[1] for sign in (1.0, -1.0)
+        )
+        curvature[index] = (ahead - backward_gradient) / (2.0 * step)
     eigenvalues, axes = np.linalg.eigh(0.5 * (curvature + curvature.T))
     return np.asarray(axes / np.sqrt(np.maximum(eigenvalues, 0.5)))

@@ -84,14 +84,14 @@ class ExactLoop:
         error = error_of(actuators, partition, s)
         loop = np.eye(partition.degrees) + self._receptance @ partition.impedance(s) @ error
         command = np.linalg.solve(loop, self._interface[..., np.newaxis])
-        sent, measured, strayed = (
+        sent, measured_displacement, difference = (
             self._line.response(np.asarray(spectra[..., 0].T, dtype=np.complex128))
             for spectra in (command, command + error @ command, self._strays @ error @ command)
         )
         return RigResponse(
             command=sent,
-            measured=measured,
-            response=measured if self.output is None else self.ideal + strayed,
+            measured=measured_displacement,
+            response=measured_displacement if self.output is None else self.ideal + difference,
             ideal=self.ideal,
             step=self._line.step,
         )
@@ -102,7 +102,7 @@ class ExactLoop:
         return self._line.response(self._exact.T)
 
     @cached_property
-    def judged(self) -> NDArray[np.bool_]:
+    def is_output(self) -> NDArray[np.bool_]:
         """Which responses are judged, shape (q,): those that strain the specimen under this motion."""
         if len(self._peaks) == 1:
             return np.ones(1, dtype=bool)
@@ -115,7 +115,7 @@ class ExactLoop:
 
     @cached_property
     def _line(self) -> TransformLine:
-        return TransformLine.for_excitation(self.excitation, self.longest_step, self.lead)
+        return TransformLine.from_excitation(self.excitation, self.longest_step, self.lead)
 
     @cached_property
     def _system_transfer(self) -> tuple[Spectrum, Spectrum]:
@@ -154,23 +154,23 @@ class ExactLoop:
         loop = self._receptance @ self.partition.impedance(self._line.s) @ self.erring
         strays = self._strays @ self.erring
         adjoint = np.broadcast_to(np.eye(size, dtype=complex), loop.shape)
-        strayed, coefficients = [], [np.ones(len(loop), dtype=complex)]
+        differences, coefficients = [], [np.ones(len(loop), dtype=complex)]
         for power in range(size):
-            strayed.append((strays @ (adjoint @ exact))[..., 0].T)
+            differences.append((strays @ (adjoint @ exact))[..., 0].T)
             product = loop @ adjoint
             coefficients.append(np.trace(product, axis1=1, axis2=2) / (power + 1))
             adjoint = coefficients[-1][:, np.newaxis, np.newaxis] * np.eye(size) - product
-        return np.array(strayed), np.array(coefficients)
+        return np.array(differences), np.array(coefficients)
 
     def _sizes(self, error: Spectrum) -> tuple[float, float]:
         """Largest mean square and peak of the stray, of several responses over those of the exact one."""
         spectra, denominator = _deviation_spectra(error, *self._series)
         if _winds(denominator):
             return np.inf, np.inf
-        strayed = self._line.response(spectra)[self.judged]
-        peaks = self._peaks[self.judged] if len(self._peaks) > 1 else np.ones(1)
-        squares = np.trapezoid(strayed**2, dx=self._line.step, axis=1) / self.excitation.window_duration
-        largest = np.array([peak_of_history(row) for row in strayed])
+        differences = self._line.response(spectra)[self.is_output]
+        peaks = self._peaks[self.is_output] if len(self._peaks) > 1 else np.ones(1)
+        squares = np.trapezoid(differences**2, dx=self._line.step, axis=1) / self.excitation.window_duration
+        largest = np.array([peak_of_history(row) for row in differences])
         return float((squares / peaks**2).max()), float((largest / peaks).max())
 
     def _as_deviation(self, sizes: Array) -> Deviation:
@@ -181,7 +181,7 @@ class ExactLoop:
 def error_of(actuators: TransferSystem | ActuatorMatrix, partition: Partition, s: Spectrum) -> Spectrum:
     """E: measured over commanded displacement of the interface, less one, at s [rad/s], shape (n, p, p)."""
     if isinstance(actuators, ActuatorMatrix):
-        return np.asarray(actuators.at_interface(s) - np.eye(partition.degrees))
+        return np.asarray(actuators.interface_transfer(s) - np.eye(partition.degrees))
     return np.asarray(actuators.transfer(s, partition.specimen) - 1.0)[:, np.newaxis, np.newaxis]
 
 
@@ -198,12 +198,12 @@ def stable_with(partition: Partition, actuators: TransferSystem | ActuatorMatrix
     >>> [stable_with(partition, gain_and_delay(delay=delay)) for delay in (0.0146, 0.0147)]
     [True, False]
     """
-    whole = partition.nonsingular_form
-    s = (2j * np.pi * _frequencies(whole)).astype(np.complex128)
-    receptance = whole.interface.T @ _displacement_transfer(whole, s)[1]
-    loop = np.eye(whole.degrees) + receptance @ whole.impedance(s) @ error_of(actuators, whole, s)
-    turned = np.unwrap(np.angle(np.linalg.det(loop)))
-    return bool(abs(turned[-1] - turned[0]) < np.pi)
+    regular = partition.nonsingular_form
+    s = (2j * np.pi * _frequencies(regular)).astype(np.complex128)
+    receptance = regular.interface.T @ _displacement_transfer(regular, s)[1]
+    loop = np.eye(regular.degrees) + receptance @ regular.impedance(s) @ error_of(actuators, regular, s)
+    phase = np.unwrap(np.angle(np.linalg.det(loop)))
+    return bool(abs(phase[-1] - phase[0]) < np.pi)
 
 
 def _frequencies(partition: Partition) -> Array:
@@ -216,13 +216,13 @@ def _frequencies(partition: Partition) -> Array:
     return np.unique(np.concatenate([span, near[near > 0.0].ravel()]))
 
 
-def _displacement_transfer(whole: Partition, s: Spectrum) -> tuple[Spectrum, Spectrum]:
+def _displacement_transfer(regular: Partition, s: Spectrum) -> tuple[Spectrum, Spectrum]:
     """Displacements per −a_g [s²] and per interface force [m/N], shapes (n, size) and (n, size, p)."""
-    at = s[:, np.newaxis, np.newaxis]
-    dynamic = at**2 * whole.mass + at * whole.damping + whole.stiffness
-    loads = np.column_stack([whole.mass @ whole.influence, whole.interface]).astype(complex)
-    moved = np.linalg.solve(dynamic, loads)
-    return np.asarray(moved[..., 0]), np.asarray(moved[..., 1:])
+    s_matrix = s[:, np.newaxis, np.newaxis]
+    dynamic = s_matrix**2 * regular.mass + s_matrix * regular.damping + regular.stiffness
+    loads = np.column_stack([regular.mass @ regular.influence, regular.interface]).astype(complex)
+    displacement = np.linalg.solve(dynamic, loads)
+    return np.asarray(displacement[..., 0]), np.asarray(displacement[..., 1:])
 
 
 @compiled
@@ -230,10 +230,10 @@ def _winds(denominator: Spectrum) -> bool:
     """Whether a function on the upper half of the line winds round zero."""
     crossings = 1 if denominator[0].real < 0.0 else 0
     for k in range(1, denominator.size):
-        before, now = denominator[k - 1], denominator[k]
-        if (before.imag < 0.0) != (now.imag < 0.0):
-            share = before.imag / (before.imag - now.imag)
-            if before.real + share * (now.real - before.real) < 0.0:
+        previous, now = denominator[k - 1], denominator[k]
+        if (previous.imag < 0.0) != (now.imag < 0.0):
+            share = previous.imag / (previous.imag - now.imag)
+            if previous.real + share * (now.real - previous.real) < 0.0:
                 crossings += 2 if now.imag < 0.0 else -2
     return crossings != 0
 
@@ -244,7 +244,7 @@ def _deviation_spectra(
 ) -> tuple[Spectrum, Spectrum]:
     """Spectra of the stray, shape (q, frequencies), and the denominator, shape (frequencies,)."""
     powers, count, outputs = series.shape[0], error.size, series.shape[1]
-    strayed = np.empty((outputs, count), dtype=np.complex128)
+    difference_spectra = np.empty((outputs, count), dtype=np.complex128)
     denominators = np.empty(count, dtype=np.complex128)
     for k in range(count):
         denominator = coefficients[powers, k]
@@ -256,8 +256,8 @@ def _deviation_spectra(
             value = series[powers - 1, i, k]
             for power in range(powers - 2, -1, -1):
                 value = value * error[k] + series[power, i, k]
-            strayed[i, k] = value * factor
-    return strayed, denominators
+            difference_spectra[i, k] = value * factor
+    return difference_spectra, denominators
 
 
 def ideal_response(partition: Partition, ground: Array, time_step: float) -> Array:
@@ -276,5 +276,5 @@ def ideal_response(partition: Partition, ground: Array, time_step: float) -> Arr
     load = np.concatenate([np.zeros(size), -inverse @ partition.mass @ partition.influence])
     transition, early, late = exact_step(dynamics, load[:, np.newaxis], time_step)
     ground = np.ascontiguousarray(ground, dtype=np.float64)
-    moved = follow_load(transition, early[:, 0].copy(), late[:, 0].copy(), ground, size)
-    return np.asarray(gamma.T @ moved)
+    displacement = follow_load(transition, early[:, 0].copy(), late[:, 0].copy(), ground, size)
+    return np.asarray(gamma.T @ displacement)

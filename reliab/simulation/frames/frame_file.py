@@ -101,7 +101,7 @@ from reliab.core.arrays import Array
 from reliab.core.described_files import described, read_toml
 from reliab.core.errors import InputError
 from reliab.simulation.frames.frame_tables import FrameDescription
-from reliab.simulation.frames.matrix_files import with_matrices
+from reliab.simulation.frames.matrix_files import read_matrices
 from reliab.simulation.frames.planar_geometry import PlanarGeometry
 from reliab.simulation.frames.tolerances_table import TolerancesTable
 from reliab.simulation.frames.transfer_table import rig_of_table
@@ -129,7 +129,7 @@ class FrameUnderTest:
     # The rig, a matrix of several actuators; None where the file describes none
     transfer_system: TransferSystem | ActuatorMatrix | None = None
     tolerances: TolerancesTable = EXACT  # How exactly the structure is known
-    several: bool = False  # Whether it is described as driven by several actuators
+    has_several: bool = False  # Whether it is described as driven by several actuators
     # T, displacements of the actuators per interface displacement, shape (p, p); the identity by default
     kinematics: Array = None  # type: ignore[assignment]
     channels_at_interface: bool = True  # Whether a test's channels are interface displacements
@@ -146,7 +146,7 @@ class FrameUnderTest:
             return np.eye(self.partition.degrees)
         return np.asarray(np.linalg.inv(self.kinematics), dtype=np.float64)
 
-    def order_of_channels(self, numbers: tuple[str, ...], where: str) -> list[int]:
+    def order_of_channels(self, numbers: tuple[str, ...], location: str) -> list[int]:
         """Places of the channels of a test in the order of the interface, by their numbers or its names."""
         names = self.partition.names
         if len(numbers) != len(names):
@@ -154,13 +154,13 @@ class FrameUnderTest:
                 "Each actuator needs a command and a measured displacement",
                 value=f"those of {', '.join(number or '1' for number in numbers)} for {len(names)} actuators",
                 remedy="Name the columns command_1, measured_1, command_2, …",
-                where=where,
+                where=location,
             )
         if self.channels_at_interface and set(numbers) == set(names):
             return [numbers.index(name) for name in names]
         return list(range(len(names)))
 
-    def straightened(self, channels: Array) -> Array:
+    def straighten(self, channels: Array) -> Array:
         """Displacements that T would have given for what channels show, shape (p, n)."""
         if self.geometry is None or self.channels_at_interface:
             return channels
@@ -175,28 +175,28 @@ def read_structure(path: str | Path) -> FrameUnderTest:
 
 def read_frame(path: str | Path) -> FrameUnderTest:
     """Read a tested frame with one actuator from its TOML file."""
-    return with_one_actuator(read_structure(path), str(path))
+    return require_one_actuator(read_structure(path), str(path))
 
 
-def with_one_actuator(frame: FrameUnderTest, where: str) -> FrameUnderTest:
-    """Refuse a frame with several actuators; `where` names its file."""
-    if frame.several:
+def require_one_actuator(frame: FrameUnderTest, location: str) -> FrameUnderTest:
+    """Refuse a frame with several actuators; `location` names its file."""
+    if frame.has_several:
         raise InputError(
             "The specimen of this frame must be driven at one degree of freedom",
             value=", ".join(frame.partition.names),
             remedy="Describe one driven degree of freedom",
-            where=where,
+            where=location,
         )
     return frame
 
 
-def frame_of_tables(content: dict[str, Any], where: str) -> FrameUnderTest:
+def frame_of_tables(content: dict[str, Any], location: str) -> FrameUnderTest:
     """Build a tested frame from the tables of a file, with one actuator or several."""
-    folder = Path(where).parent
-    with _finite_products(where):
+    folder = Path(location).parent
+    with _finite_products(location):
         description = described(
             FrameDescription,
-            with_matrices(content, folder),
+            read_matrices(content, folder),
             rule="A frame must be described by known keys with allowed values",
             remedy=REMEDY,
         )
@@ -204,8 +204,8 @@ def frame_of_tables(content: dict[str, Any], where: str) -> FrameUnderTest:
 
 
 @contextmanager
-def _finite_products(where: str) -> Iterator[None]:
-    """Refuse what overflows while a description is turned into matrices; `where` names the file."""
+def _finite_products(location: str) -> Iterator[None]:
+    """Refuse what overflows while a description is turned into matrices; `location` names the file."""
     try:
         with np.errstate(over="raise", invalid="raise", divide="raise"):
             yield
@@ -214,39 +214,42 @@ def _finite_products(where: str) -> Iterator[None]:
             "Mass, damping and stiffness of a frame must be finite numbers",
             value="a product of values of the description is too large",
             remedy="Check the units: kg, m, N and s",
-            where=where,
+            where=location,
         ) from None
     except InputError as error:
-        raise InputError(error.rule, value=error.value, remedy=error.remedy, where=where) from None
+        raise InputError(error.rule, value=error.value, remedy=error.remedy, where=location) from None
 
 
 def _build(description: FrameDescription, folder: Path) -> FrameUnderTest:
-    partition, several = _partition(description), description.of_several
-    of = description.error
-    if several and of.of != "interface":
+    partition, has_several = _partition(description), description.has_several_actuators
+    error_table = description.error
+    if has_several and error_table.of != "interface":
         raise InputError(
             "Only errors of the measured interface displacements can be computed from a test",
-            value=of.of,
+            value=error_table.of,
             remedy="Leave [error] out",
         )
-    matrix, geometry, at_interface = np.eye(partition.degrees), None, True
+    matrix, geometry, is_interface = np.eye(partition.degrees), None, True
     if description.kinematics is not None:
-        matrix, geometry = description.kinematics.described
-        at_interface = description.kinematics.channels == "interface"
+        matrix, geometry = description.kinematics.describe
+        is_interface = description.kinematics.channels == "interface"
     kinematics, table = _kinematics(matrix, partition.degrees), description.transfer_system
-    words = {"interface": "the measured interface displacement", "drift": f"the drift between {of.between}"}
+    words = {
+        "interface": "the measured interface displacement",
+        "drift": f"the drift between {error_table.between}",
+    }
     return FrameUnderTest(
         name=description.name,
         partition=partition,
-        output=None if several else of.output(partition.frame),
-        error_of=words.get(of.of, f"degree of freedom {of.of}"),
-        transfer_system=rig_of_table(table, kinematics if several else None, folder),
-        tolerances=description.tolerances.of_structure(
+        output=None if has_several else error_table.output(partition.frame),
+        error_of=words.get(error_table.of, f"degree of freedom {error_table.of}"),
+        transfer_system=rig_of_table(table, kinematics if has_several else None, folder),
+        tolerances=description.tolerances.check_structure(
             partition.degrees_of_freedom, partition.mass, partition.damping, partition.stiffness
         ),
-        several=several,
+        has_several=has_several,
         kinematics=kinematics,
-        channels_at_interface=at_interface,
+        channels_at_interface=is_interface,
         geometry=geometry,
     )
 
@@ -272,8 +275,8 @@ def _partition(description: FrameDescription) -> Partition:
     damping = description.damping.matrix(mass, stiffness)
     if not specimen.part_of_structure:
         mass, damping, stiffness = (
-            whole + interface @ added @ interface.T
-            for whole, added in ((mass, m), (damping, c), (stiffness, k))
+            total + interface @ specimen_part @ interface.T
+            for total, specimen_part in ((mass, m), (damping, c), (stiffness, k))
         )
     return Partition(
         mass=mass,

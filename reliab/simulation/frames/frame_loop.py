@@ -87,8 +87,8 @@ class FrameLoop:
                 value=", ".join(effect.name for effect in self.partition.effects),
                 remedy="Run the digital laboratory for a nonlinear one",
             )
-        allowed = {Engine.AUTOMATIC, Engine.SPECTRAL} | ({Engine.POLE} if self._one else set())
-        if self.engine not in allowed:
+        engines = {Engine.AUTOMATIC, Engine.SPECTRAL} | ({Engine.POLE} if self._has_one_actuator else set())
+        if self.engine not in engines:
             raise InputError(
                 "A frame is solved by the engines automatic, spectral or, with one actuator, pole",
                 value=self.engine,
@@ -99,7 +99,7 @@ class FrameLoop:
             )
 
     @property
-    def _one(self) -> bool:
+    def _has_one_actuator(self) -> bool:
         return self.partition.degrees == 1
 
     @property
@@ -134,8 +134,8 @@ class FrameLoop:
         fastest = 2.0 * np.pi * float(self.partition.natural_frequencies[-1])
         slowest_phase = _PHASE_STEP / self.structure.circular_frequency
         longest = min(_LONGEST_STEP, slowest_phase, max(_SHORTEST_STEP, _FASTEST_PHASE_STEP / fastest))
-        recorded = self.excitation.time_step
-        return recorded / int(np.ceil(recorded / longest - 1e-9)) if self._one else longest
+        record_step = self.excitation.time_step
+        return record_step / int(np.ceil(record_step / longest - 1e-9)) if self._has_one_actuator else longest
 
     @cached_property
     def exact(self) -> ExactLoop:
@@ -150,7 +150,7 @@ class FrameLoop:
         )
 
     @cached_property
-    def reduced(self) -> ReducedLoop:
+    def reduced_loop(self) -> ReducedLoop:
         """Engine "pole", for one actuator."""
         return ReducedLoop(
             excitation=self.excitation,
@@ -165,17 +165,19 @@ class FrameLoop:
         Returns mean square and peak of each cell. Beyond every threshold (infinite) where the test is
         unstable and its poles could not be followed.
         """
-        if self.engine is Engine.SPECTRAL or not self._one:
+        if self.engine is Engine.SPECTRAL or not self._has_one_actuator:
             return self.exact.deviation(cells.gain, cells.delay)
-        poles = self.reduced.poles(cells.gain, cells.delay)
-        deviation = self.reduced.deviation(poles)
+        poles = self.reduced_loop.poles(cells.gain, cells.delay)
+        deviation = self.reduced_loop.deviation(poles)
         if self.engine is Engine.POLE:
             return deviation
-        again = self.reduced.error(poles, cells.gain, cells.delay) > REDUCTION_TOLERANCE
-        if again.any():
-            again &= self.reduced.stable(cells.gain, cells.delay)
-        if again.any():
-            deviation.put(again, self.exact.deviation(cells.gain[again], cells.delay[again]))
+        is_repeated = self.reduced_loop.error(poles, cells.gain, cells.delay) > REDUCTION_TOLERANCE
+        if is_repeated.any():
+            is_repeated &= self.reduced_loop.stable(cells.gain, cells.delay)
+        if is_repeated.any():
+            deviation.put(
+                is_repeated, self.exact.deviation(cells.gain[is_repeated], cells.delay[is_repeated])
+            )
         return deviation
 
     def rest_deviation(self) -> Deviation:
@@ -186,9 +188,9 @@ class FrameLoop:
         return self.exact.rest_deviation()
 
     @property
-    def judged(self) -> NDArray[np.bool_]:
+    def is_output(self) -> NDArray[np.bool_]:
         """Which responses are judged, shape (p,), or (1,) of an output."""
-        return self.exact.judged
+        return self.exact.is_output
 
     def response(self, actuators: TransferSystem | ActuatorMatrix) -> RigResponse:
         """Histories of the test with actuators that are known over frequency, at fine steps."""

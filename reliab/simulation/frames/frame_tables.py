@@ -27,8 +27,8 @@ from reliab.structures.frame import (
 from reliab.structures.planar_frame import PlanarFrame, shear_frame
 from reliab.structures.specimen import drift_interface, floor_interface
 
-_OF_ONE = {"stiffness_n_per_m", "damping_n_s_per_m", "damping_ratio", "mass_kg", "effects", "below"}
-_OF_SEVERAL = {"names", "stiffness_matrix_n_per_m", "damping_matrix_n_s_per_m", "mass_matrix_kg"}
+_SINGLE_KEYS = {"stiffness_n_per_m", "damping_n_s_per_m", "damping_ratio", "mass_kg", "effects", "below"}
+_COUPLED_KEYS = {"names", "stiffness_matrix_n_per_m", "damping_matrix_n_s_per_m", "mass_matrix_kg"}
 
 
 class EffectTable(BaseModel):
@@ -111,11 +111,11 @@ class SpecimenTable(DescribedTable):
             sum(place is not None for place in places) == 1,
             "give degree_of_freedom or direction; of several degrees_of_freedom or directions",
         )
-        foreign = sorted((_OF_ONE if self.several else _OF_SEVERAL) & self.model_fields_set)
-        number = "several driven degrees" if self.several else "one driven degree"
+        foreign = sorted((_SINGLE_KEYS if self.has_several else _COUPLED_KEYS) & self.model_fields_set)
+        number = "several driven degrees" if self.has_several else "one driven degree"
         require(not foreign, f"a specimen of {number} of freedom takes no {', '.join(foreign)}")
         require(
-            not self.several or self.stiffness_matrix_n_per_m is not None,
+            not self.has_several or self.stiffness_matrix_n_per_m is not None,
             "several driven degrees of freedom need stiffness_matrix_n_per_m",
         )
         require(self.below is None or self.degree_of_freedom is not None, "below needs degree_of_freedom")
@@ -126,7 +126,7 @@ class SpecimenTable(DescribedTable):
         return self
 
     @property
-    def several(self) -> bool:
+    def has_several(self) -> bool:
         """Whether it is described by matrices of its driven degrees of freedom."""
         return self.degrees_of_freedom is not None or self.directions is not None
 
@@ -146,7 +146,7 @@ class SpecimenTable(DescribedTable):
 
     def matrices(self, degrees: int) -> tuple[Array, Array, Array]:
         """K_e, C_e and M_e of the driven degrees of freedom."""
-        if self.several:
+        if self.has_several:
             return self._condense(degrees)
         damping = self.damping_n_s_per_m or 0.0
         if self.damping_ratio is not None:
@@ -157,9 +157,9 @@ class SpecimenTable(DescribedTable):
     def _condense(self, degrees: int) -> tuple[Array, Array, Array]:
         """Matrices without inner degrees of freedom."""
         stiffness = matrix_of_rows(self.stiffness_matrix_n_per_m)
-        others = self.damping_matrix_n_s_per_m, self.mass_matrix_kg
+        other_matrices = self.damping_matrix_n_s_per_m, self.mass_matrix_kg
         damping, mass = (
-            np.zeros_like(stiffness) if rows is None else matrix_of_rows(rows) for rows in others
+            np.zeros_like(stiffness) if rows is None else matrix_of_rows(rows) for rows in other_matrices
         )
         for name, matrix in (("stiffness", stiffness), ("damping", damping), ("mass", mass)):
             if matrix.shape != (len(stiffness), len(stiffness)) or len(stiffness) < degrees:
@@ -228,7 +228,7 @@ class KinematicsTable(DescribedTable):
         return self
 
     @property
-    def described(self) -> tuple[Array, PlanarGeometry | None]:
+    def describe(self) -> tuple[Array, PlanarGeometry | None]:
         """T, and the geometry of which it is the linear part."""
         if self.geometry is None:
             return matrix_of_rows(self.matrix), None
@@ -356,9 +356,9 @@ class DampingTable(DescribedTable):
             return rayleigh_damping(mass, stiffness, self.rayleigh_ratios, self.rayleigh_frequencies_hz)
         ratios = self.ratio if self.ratio is not None else self.ratios or ()
         bare = massless(mass)
-        massed, shapes = ~bare, static_shapes(stiffness, bare)
+        has_mass, shapes = ~bare, static_shapes(stiffness, bare)
         damping = np.zeros_like(mass)
-        damping[np.ix_(massed, massed)] = modal_damping(
+        damping[np.ix_(has_mass, has_mass)] = modal_damping(
             shapes.T @ mass @ shapes, shapes.T @ stiffness @ shapes, ratios
         )
         return damping
@@ -408,6 +408,6 @@ class FrameDescription(DescribedTable):
     )
 
     @property
-    def of_several(self) -> bool:
+    def has_several_actuators(self) -> bool:
         """Whether the specimen is described as driven by several actuators."""
-        return self.specimen.several or self.kinematics is not None
+        return self.specimen.has_several or self.kinematics is not None

@@ -20,11 +20,11 @@ def place_of_governing_mode(
     """
     frame = partition.nonsingular_form.frame
     shapes = frame.modes.shapes
-    seen = partition.nonsingular_form.interface.T if output is None else output[np.newaxis]
-    moved = np.abs(seen @ shapes).max(axis=0) * np.abs(shapes.T @ frame.mass @ frame.influence)
+    output_rows = partition.nonsingular_form.interface.T if output is None else output[np.newaxis]
+    participation = np.abs(output_rows @ shapes).max(axis=0) * np.abs(shapes.T @ frame.mass @ frame.influence)
     # The response of a mode to a given ground acceleration goes with 1/ω², its sensitivity with α/ξ.
     lightly = np.abs(_shares(partition, erring)) / np.maximum(frame.damping_ratios, _LEAST_RATIO)
-    return int(np.argmax(lightly * moved / frame.modes.circular_frequency**2))
+    return int(np.argmax(lightly * participation / frame.modes.circular_frequency**2))
 
 
 def governing_mode(
@@ -62,7 +62,7 @@ def _shares(partition: Partition, erring: Array | None) -> Spectrum:
     """Force by which errors of the actuators move each mode, over that of its spring [-], shape (modes,)."""
     if erring is None:
         return partition.impedance_shares
-    frequency, _, moved = partition.modes
+    frequency, _, interface_shapes = partition.modes
     omega = 2.0 * np.pi * frequency
     forces = partition.impedance((1j * omega).astype(np.complex128)) @ erring
-    return np.asarray(np.einsum("pi,ipq,qi->i", moved, forces, moved) / omega**2)
+    return np.asarray(np.einsum("pi,ipq,qi->i", interface_shapes, forces, interface_shapes) / omega**2)

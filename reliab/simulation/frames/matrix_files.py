@@ -26,7 +26,7 @@ _MATRICES: Final = frozenset(
 _REMEDY: Final = "Write rows of numbers, separated by commas or spaces"
 
 
-def with_matrices(content: dict[str, Any], folder: Path) -> dict[str, Any]:
+def read_matrices(content: dict[str, Any], folder: Path) -> dict[str, Any]:
     """Put the rows of a file in the place of its name, wherever a matrix is described."""
     return {key: _read(key, value, folder) for key, value in content.items()}
 
@@ -35,7 +35,7 @@ def _read(key: str, value: Any, folder: Path) -> Any:  # noqa: ANN401 - TOML hol
     if isinstance(value, dict):
         if key == "kinematics" and isinstance(value.get("matrix"), str):
             value = {**value, "matrix": _rows(value["matrix"], folder)}
-        return with_matrices(value, folder)
+        return read_matrices(value, folder)
     if key in _MATRICES and isinstance(value, str):
         return _rows(value, folder)
     return value

@@ -19,7 +19,7 @@ from reliab.core.errors import InputError
 from reliab.core.significant_digits import significant
 
 _STEPS = 50
-_CONVERGED = 1e-12
+_CONVERGENCE_TOLERANCE = 1e-12
 _TURN = np.array([[0.0, -1.0], [1.0, 0.0]])
 MOTIONS = ("x", "y", "rotation")
 """What an interface displacement may be: of the node along x or y [m], or a turn from x to y [rad]."""
@@ -44,8 +44,8 @@ class PlanarGeometry:
     lengths: Array | None = None  # L_i between the pins at rest [m], shape (actuators,); long by default
 
     def __post_init__(self) -> None:
-        number, known = len(self.motions), set(MOTIONS)
-        if not known.issuperset(self.motions) or len(set(self.motions)) != number:
+        number, allowed_motions = len(self.motions), set(MOTIONS)
+        if not allowed_motions.issuperset(self.motions) or len(set(self.motions)) != number:
             raise InputError(
                 "The motions of a body in a plane are x, y and rotation, each once", value=list(self.motions)
             )
@@ -70,11 +70,11 @@ class PlanarGeometry:
     @property
     def matrix(self) -> Array:
         """Extensions per unit of each small motion, shape (actuators, motions)."""
-        return np.asarray(self._moved(np.zeros((len(self.motions), 1)))[1][0])
+        return np.asarray(self._extend(np.zeros((len(self.motions), 1)))[1][0])
 
     def extensions(self, displacements: Array) -> Array:
         """Extensions of the actuators [m] at interface displacements [m, rad], shape (p, n) both."""
-        return self._moved(displacements)[0]
+        return self._extend(displacements)[0]
 
     def displacements(self, extensions: Array) -> Array:
         """Interface displacements [m, rad] at extensions of the actuators [m], shape (p, n) both.
@@ -82,13 +82,15 @@ class PlanarGeometry:
         Raises InputError where no motion of the body near its rest gives them.
         """
         with suppress(np.linalg.LinAlgError), np.errstate(all="ignore"):
-            found: Array = np.asarray(np.linalg.solve(self.matrix, extensions), dtype=np.float64)
+            estimate: Array = np.asarray(np.linalg.solve(self.matrix, extensions), dtype=np.float64)
             for _ in range(_STEPS):
-                at, slopes = self._moved(found)
-                step = np.linalg.solve(slopes, (extensions - at).T[..., np.newaxis])[..., 0].T
-                found = found + step
-                if np.abs(step).max() <= _CONVERGED * max(np.abs(found).max(), 1.0):
-                    return found
+                extensions_at_estimate, slopes = self._extend(estimate)
+                step = np.linalg.solve(slopes, (extensions - extensions_at_estimate).T[..., np.newaxis])[
+                    ..., 0
+                ].T
+                estimate = estimate + step
+                if np.abs(step).max() <= _CONVERGENCE_TOLERANCE * max(np.abs(estimate).max(), 1.0):
+                    return estimate
         raise InputError(
             "Extensions of the actuators must be possible with their geometry",
             value=f"up to {significant(float(np.abs(extensions).max()))} m",
@@ -99,21 +101,27 @@ class PlanarGeometry:
         """Extensions that the same motions would take if they were small [m], shape (p, n)."""
         return np.asarray(self.matrix @ self.displacements(extensions))
 
-    def _moved(self, displacements: Array) -> tuple[Array, Array]:
+    def _extend(self, displacements: Array) -> tuple[Array, Array]:
         """Extensions, shape (p, n), and their slopes over the motions, shape (n, p, p)."""
-        of = dict(zip(self.motions, displacements, strict=True))
+        displacement_of_motion = dict(zip(self.motions, displacements, strict=True))
         still = np.zeros(displacements.shape[1])
-        angle = of.get("rotation", still)[:, np.newaxis, np.newaxis]
-        across = self.pins @ _TURN.T
-        turned = np.cos(angle) * self.pins + np.sin(angle) * across  # (n, p, 2)
-        shift = np.stack([of.get("x", still), of.get("y", still)], axis=1)[:, np.newaxis]
-        w = shift + turned - self.pins
+        angle = displacement_of_motion.get("rotation", still)[:, np.newaxis, np.newaxis]
+        normal_pins = self.pins @ _TURN.T
+        pin_positions = np.cos(angle) * self.pins + np.sin(angle) * normal_pins  # (n, p, 2)
+        shift = np.stack(
+            [displacement_of_motion.get("x", still), displacement_of_motion.get("y", still)], axis=1
+        )[:, np.newaxis]
+        w = shift + pin_positions - self.pins
         shortness = 1.0 / np.asarray(self.lengths)[:, np.newaxis]
         axis = self.directions + shortness * w
         ratio = np.linalg.norm(axis, axis=2, keepdims=True)
-        along = (self.directions * w).sum(axis=2, keepdims=True)
-        extended = (2.0 * along + shortness * (w**2).sum(axis=2, keepdims=True)) / (ratio + 1.0)
+        longitudinal = (self.directions * w).sum(axis=2, keepdims=True)
+        extension = (2.0 * longitudinal + shortness * (w**2).sum(axis=2, keepdims=True)) / (ratio + 1.0)
         unit = axis / ratio
-        rates = {"x": unit[..., 0], "y": unit[..., 1], "rotation": (unit * (turned @ _TURN.T)).sum(axis=2)}
+        rates = {
+            "x": unit[..., 0],
+            "y": unit[..., 1],
+            "rotation": (unit * (pin_positions @ _TURN.T)).sum(axis=2),
+        }
         slopes = np.stack([rates[motion] for motion in self.motions], axis=2)
-        return np.ascontiguousarray(extended[..., 0].T), slopes
+        return np.ascontiguousarray(extension[..., 0].T), slopes

@@ -34,7 +34,7 @@ from reliab.structures.partition import Partition
 
 _PARTS = 4  # in which the actuator's error is approached
 _NEWTON_STEPS = 30
-_CONVERGED = 1e-12
+_CONVERGENCE_TOLERANCE = 1e-12
 _CIRCLE = 8  # points around s = 0 from which value and slope there are taken
 _UNKNOWN_POLES = np.errstate(over="ignore", invalid="ignore", divide="ignore")
 """A pole that is not found runs away, and is NaN in what is computed from it."""
@@ -61,11 +61,11 @@ class PoleLoop:
     @_UNKNOWN_POLES
     def transfer(self, s: Spectrum) -> Spectrum:
         """Reduced transfer function from −a_g [s²] at s [rad/s], shape (frequencies, cells)."""
-        at = np.asarray(s)[:, np.newaxis]
+        s_column = np.asarray(s)[:, np.newaxis]
         lag, ahead = np.maximum(self.remainder_time, 0.0), np.maximum(-self.remainder_time, 0.0)
-        total = self.remainder * np.exp(at * ahead) / (1.0 + at * lag)
+        total = self.remainder * np.exp(s_column * ahead) / (1.0 + s_column * lag)
         for pole, residue in zip(self.poles, self.residues, strict=True):
-            total = total + residue / (at - pole) + residue.conj() / (at - pole.conj())
+            total = total + residue / (s_column - pole) + residue.conj() / (s_column - pole.conj())
         return np.asarray(total)
 
 
@@ -87,7 +87,7 @@ def pole_loop(partition: Partition, gain: Array, delay: Array, output: Array | N
 
 def _follow_pole(partition: Partition, pole: complex, gain: Array, delay: Array) -> Spectrum:
     """Pole that grows out of one of the structure's, shape (cells,)."""
-    start, others, residue, other_residues = _receptance(partition, pole)
+    start, other_poles, residue, other_residues = _receptance(partition, pole)
     k, c, m = partition.specimen.stiffness, partition.specimen.damping, partition.specimen.mass
     s = np.full(gain.size, start, dtype=np.complex128)
     step = s
@@ -97,7 +97,7 @@ def _follow_pole(partition: Partition, pole: complex, gain: Array, delay: Array)
             sigma = gain * np.exp(-s * delay)
             error = share * (sigma - 1.0)
             impedance, impedance_slope = k + s * (c + s * m), c + 2.0 * s * m
-            distance = s[:, np.newaxis] - others
+            distance = s[:, np.newaxis] - other_poles
             sum_over_others = (other_residues / distance).sum(axis=1)
             slope_over_others = -(other_residues / distance**2).sum(axis=1)
             smooth = residue + (s - start) * sum_over_others  # (s − λ)·g
@@ -108,10 +108,10 @@ def _follow_pole(partition: Partition, pole: complex, gain: Array, delay: Array)
             slope = 1.0 + smooth_slope * force + smooth * force_slope
             step = value / slope
             s = s - step
-            if np.all(np.abs(step) <= _CONVERGED * np.abs(s)):
+            if np.all(np.abs(step) <= _CONVERGENCE_TOLERANCE * np.abs(s)):
                 break
-    settled = (np.abs(step) <= 1e-8 * np.abs(s)) & (s.imag > 0.0)
-    return np.asarray(np.where(settled, s, np.nan))
+    has_converged = (np.abs(step) <= 1e-8 * np.abs(s)) & (s.imag > 0.0)
+    return np.asarray(np.where(has_converged, s, np.nan))
 
 
 def _receptance(partition: Partition, pole: complex) -> tuple[complex, Spectrum, complex, Spectrum]:
@@ -122,12 +122,12 @@ def _receptance(partition: Partition, pole: complex) -> tuple[complex, Spectrum,
     driven = np.concatenate([np.zeros(n), np.linalg.solve(partition.frame.mass, partition.direction)])
     residues = (partition.direction @ right[:n]) * np.linalg.solve(right, driven.astype(complex))
     place = int(np.argmin(np.abs(eigenvalues - pole)))
-    others = np.arange(2 * n) != place
+    other_indices = np.arange(2 * n) != place
     return (
         complex(eigenvalues[place]),
-        eigenvalues[others],
+        eigenvalues[other_indices],
         complex(residues[place]),
-        residues[others],
+        residues[other_indices],
     )
 
 
@@ -142,15 +142,19 @@ def _residues(
     sigma = gain * np.exp(-s * delay)
     force = partition.impedance(s)[..., 0, 0] * (sigma - 1.0)
     force_slope = (c + 2.0 * s * m) * (sigma - 1.0) - (k + s * (c + s * m)) * delay * sigma
-    at = s[..., np.newaxis, np.newaxis]
-    along = np.outer(gamma, gamma)
-    matrix = frame.dynamic_stiffness(s) + force[..., np.newaxis, np.newaxis] * along
-    slope = 2.0 * at * frame.mass + frame.damping + force_slope[..., np.newaxis, np.newaxis] * along
+    s_matrix = s[..., np.newaxis, np.newaxis]
+    interface_product = np.outer(gamma, gamma)
+    matrix = frame.dynamic_stiffness(s) + force[..., np.newaxis, np.newaxis] * interface_product
+    slope = (
+        2.0 * s_matrix * frame.mass
+        + frame.damping
+        + force_slope[..., np.newaxis, np.newaxis] * interface_product
+    )
     shapes = np.linalg.svd(matrix)[2][..., -1, :].conj()
     scale = np.einsum("...i,...ij,...j->...", shapes, slope, shapes)
     response = (shapes @ load) / scale
-    seen = sigma * (shapes @ gamma) if output is None else shapes @ output
-    return np.asarray(np.where(np.isnan(poles), np.nan, response * seen))
+    output_shapes = sigma * (shapes @ gamma) if output is None else shapes @ output
+    return np.asarray(np.where(np.isnan(poles), np.nan, response * output_shapes))
 
 
 def _remaining_gain(
@@ -160,8 +164,10 @@ def _remaining_gain(
     radius = 0.5 * float(np.abs(partition.frame.poles).min())
     s = radius * np.exp(2j * np.pi * (np.arange(_CIRCLE) + 0.5) / _CIRCLE)
     exact = transfer(partition, gain, delay, s, output)
-    at = s[:, np.newaxis, np.newaxis]
-    remainder = exact - (residues / (at - poles) + residues.conj() / (at - poles.conj())).sum(axis=1)
+    s_matrix = s[:, np.newaxis, np.newaxis]
+    remainder = exact - (residues / (s_matrix - poles) + residues.conj() / (s_matrix - poles.conj())).sum(
+        axis=1
+    )
     value = remainder.mean(axis=0).real
     slope = (remainder / s[:, np.newaxis]).mean(axis=0).real
     time = np.nan_to_num(-slope / value, nan=0.0, posinf=0.0, neginf=0.0)
@@ -182,15 +188,21 @@ def transfer(
     """
     frame, gamma = partition.frame, partition.direction
     loads = np.column_stack([frame.mass @ frame.influence, gamma]).astype(complex)
-    solved = np.linalg.solve(frame.dynamic_stiffness(s), loads[np.newaxis])
-    to_command, receptance = (solved[..., 0] @ gamma)[:, np.newaxis], (solved[..., 1] @ gamma)[:, np.newaxis]
+    responses = np.linalg.solve(frame.dynamic_stiffness(s), loads[np.newaxis])
+    command_transfer, receptance = (
+        (responses[..., 0] @ gamma)[:, np.newaxis],
+        (responses[..., 1] @ gamma)[:, np.newaxis],
+    )
     sigma = gain * np.exp(-np.asarray(s)[:, np.newaxis] * delay)
     force = partition.impedance(s)[..., 0] * (sigma - 1.0)
-    command = to_command / (1.0 + force * receptance)
+    command = command_transfer / (1.0 + force * receptance)
     if output is None:
         return np.asarray(sigma * command)
-    ideal, pushed = (solved[..., 0] @ output)[:, np.newaxis], (solved[..., 1] @ output)[:, np.newaxis]
-    return np.asarray(ideal - pushed * force * command)
+    ideal, force_transfer = (
+        (responses[..., 0] @ output)[:, np.newaxis],
+        (responses[..., 1] @ output)[:, np.newaxis],
+    )
+    return np.asarray(ideal - force_transfer * force * command)
 
 
 LANES = 64
@@ -210,15 +222,15 @@ def recursion(loop: PoleLoop, step: float) -> Array:
     early, late, decay = ramp_weights(loop.poles, step)
     r, back = loop.residues, loop.residues * decay.conj()
     jump = 2.0 * (back * late).real
-    squared = np.abs(decay) ** 2
+    decay_squared = np.abs(decay) ** 2
     pairs = np.stack(
         [
             2.0 * decay.real,
-            -squared,
+            -decay_squared,
             -2.0 * (r * late).real,
             jump - 2.0 * (r * early).real,
             2.0 * (back * early).real,
-            jump / squared,
+            jump / decay_squared,
             np.zeros_like(jump),
         ],
         axis=1,
@@ -273,21 +285,21 @@ def _track_lanes(  # noqa: C901 - one compiled loop
         for j in range(LANES):
             y[p, j] = k[p, 5, j] * ground[0]
     for i in range(last + 1):
-        now, after = ground[i], ground[min(i + 1, last)]
-        before = ground[i - 1] if i > 0 else 0.0
+        now, next_load = ground[i], ground[min(i + 1, last)]
+        previous_load = ground[i - 1] if i > 0 else 0.0
         earlier = ground[i - 2] if i > 1 else 0.0
         for j in range(LANES):
             remainder[j] = k[pairs, 0, j] * remainder[j] + k[pairs, 2, j] * now
-            remainder[j] += k[pairs, 3, j] * before + k[pairs, 6, j] * after
+            remainder[j] += k[pairs, 3, j] * previous_load + k[pairs, 6, j] * next_load
             total[j] = remainder[j]
         if i > 0:
             for p in range(pairs):
                 for j in range(LANES):
-                    moved = k[p, 0, j] * x[p, j] + k[p, 1, j] * y[p, j]
-                    moved += k[p, 2, j] * now + k[p, 3, j] * before + k[p, 4, j] * earlier
+                    displacement = k[p, 0, j] * x[p, j] + k[p, 1, j] * y[p, j]
+                    displacement += k[p, 2, j] * now + k[p, 3, j] * previous_load + k[p, 4, j] * earlier
                     y[p, j] = x[p, j]
-                    x[p, j] = moved
-                    total[j] += moved
+                    x[p, j] = displacement
+                    total[j] += displacement
         if i >= first:
             weight = 0.5 if i in (first, last) else 1.0
             exact = ideal[i]
@@ -298,7 +310,7 @@ def _track_lanes(  # noqa: C901 - one compiled loop
     return t
 
 
-_COMPARED = 61
+_COMPARISON_POINTS = 61
 _HIGHEST = 100.0  # Hz, above which the content of records is neglected
 _NO_DEVIATION = 1e-9
 
@@ -318,12 +330,12 @@ class ReducedLoop:
 
     def deviation(self, poles: PoleLoop) -> Deviation:
         """Deviation of the output; infinite where the test is unstable and poles could not be followed."""
-        ground, first = self._sampled
+        ground, first = self._sample_excitation
         cells = poles.remainder.size
         with np.errstate(all="ignore"):  # a violently unstable cell may overflow, or its poles be unknown
             coefficients = recursion(poles, self.step)
-            filled = np.pad(coefficients, ((0, 0), (0, 0), (0, -cells % LANES)), mode="edge")
-            tracks = track(ground, self._ideal, first, np.ascontiguousarray(filled))[:, :cells]
+            lanes = np.pad(coefficients, ((0, 0), (0, 0), (0, -cells % LANES)), mode="edge")
+            tracks = track(ground, self._ideal, first, np.ascontiguousarray(lanes))[:, :cells]
             deviation = summary(tracks, float(ground.size - 1 - first), peak_of_history(self._ideal[first:]))
         return replace(
             deviation,
@@ -334,7 +346,7 @@ class ReducedLoop:
     def stable(self, gain: Array, delay: Array) -> NDArray[np.bool_]:
         """Whether each delay is below the critical delay, as every lead is."""
         gains, places = np.unique(gain, return_inverse=True)
-        limits = np.array([stability_limit(self.partition, one).delay for one in gains.tolist()])
+        limits = np.array([stability_limit(self.partition, gain).delay for gain in gains.tolist()])
         return np.asarray(delay < limits[places])
 
     def error(self, poles: PoleLoop, gain: Array, delay: Array) -> Array:
@@ -342,33 +354,33 @@ class ReducedLoop:
         s = (2j * np.pi * self._frequencies).astype(np.complex128)
         exact = transfer(self.partition, gain, delay, s, self.output)
         ideal = transfer(self.partition, np.ones(1), np.zeros(1), s, self.output)
-        neglected = np.abs(exact - poles.transfer(s)) ** 2
-        neglected = np.where(np.isfinite(neglected), neglected, np.inf)
+        neglected_power = np.abs(exact - poles.transfer(s)) ** 2
+        neglected_power = np.where(np.isfinite(neglected_power), neglected_power, np.inf)
         total = np.maximum(np.abs(exact - ideal), _NO_DEVIATION * np.abs(ideal)) ** 2
         with np.errstate(invalid="ignore"):
-            error = np.sqrt(self._band_power @ neglected / np.maximum(self._band_power @ total, 1e-300))
+            error = np.sqrt(self._band_power @ neglected_power / np.maximum(self._band_power @ total, 1e-300))
         return np.where(np.isnan(error), np.inf, error)
 
     @cached_property
-    def _sampled(self) -> tuple[Array, int]:
+    def _sample_excitation(self) -> tuple[Array, int]:
         """Ground acceleration at the steps up to the end of the window, and the step at which it begins."""
         begin, end = self.excitation.window
         times = self.step * np.arange(round(end / self.step) + 1)
-        recorded = self.excitation.time_step * np.arange(self.excitation.acceleration.size)
-        return np.interp(times, recorded, self.excitation.acceleration), round(begin / self.step)
+        record_times = self.excitation.time_step * np.arange(self.excitation.acceleration.size)
+        return np.interp(times, record_times, self.excitation.acceleration), round(begin / self.step)
 
     @cached_property
     def _ideal(self) -> Array:
         """Exact response of the output [m] at the steps."""
-        floors = reference_response(self.partition.frame, self._sampled[0], self.step)
-        seen = self.partition.direction if self.output is None else self.output
-        return np.ascontiguousarray(seen @ floors)
+        floors = reference_response(self.partition.frame, self._sample_excitation[0], self.step)
+        output_row = self.partition.direction if self.output is None else self.output
+        return np.ascontiguousarray(output_row @ floors)
 
     @cached_property
     def _frequencies(self) -> Array:
         """Frequencies [Hz] at which the reduction is compared with the exact loop, shape (bands,)."""
         modes = self.partition.frame.modes.frequency
-        return np.geomspace(0.1 * modes[0], max(_HIGHEST, 4.0 * modes[0]), _COMPARED)
+        return np.geomspace(0.1 * modes[0], max(_HIGHEST, 4.0 * modes[0]), _COMPARISON_POINTS)
 
     @cached_property
     def _band_power(self) -> Array:

@@ -44,15 +44,17 @@ class EntriesTable(DescribedTable):
     )
 
     @property
-    def of_parts(self) -> dict[str, float]:
+    def part_deviations(self) -> dict[str, float]:
         """Deviations of all together and of each by itself, by name; places are numbers."""
         places = [(int(row) - 1, int(column) - 1) for row, column in self.places]
-        alike = math.sqrt(self.correlation) if len(places) > 1 else 0.0
-        alone = self.deviation * math.sqrt(1.0 - alike**2)
-        parts = {name_of_entries(self.matrix, [place]): alone for place in places}
-        return parts | ({name_of_entries(self.matrix, places): self.deviation * alike} if alike else {})
+        common_share = math.sqrt(self.correlation) if len(places) > 1 else 0.0
+        own_deviation = self.deviation * math.sqrt(1.0 - common_share**2)
+        parts = {name_of_entries(self.matrix, [place]): own_deviation for place in places}
+        return parts | (
+            {name_of_entries(self.matrix, places): self.deviation * common_share} if common_share else {}
+        )
 
-    def of_structure(self, names: tuple[str, ...], matrix: Array) -> Self:
+    def check_structure(self, names: tuple[str, ...], matrix: Array) -> Self:
         """Return the table with numbers for names; the entries must be those of a structure."""
         numbers = []
         for place in self.places:
@@ -62,20 +64,20 @@ class EntriesTable(DescribedTable):
         return self.model_copy(update={"places": tuple(numbers)})
 
     def _require_structure(self, matrix: Array, row: int, column: int) -> None:
-        where = f"row {row + 1}, column {column + 1} of the {self.matrix} matrix"
+        location = f"row {row + 1}, column {column + 1} of the {self.matrix} matrix"
         if matrix[row, column] == 0.0:
             raise InputError(
                 "The tolerance of an entry is relative to it",
-                value=f"zero in {where}",
+                value=f"zero in {location}",
                 remedy="State an entry that is not zero, or a storey or mode",
             )
         for far in (-_FAR * self.deviation, _FAR * self.deviation):
-            changed = np.array(matrix)
-            changed[row, column] = changed[column, row] = (1.0 + far) * matrix[row, column]
-            if np.linalg.eigvalsh(changed)[0] < least_of(matrix):
+            changed_matrix = np.array(matrix)
+            changed_matrix[row, column] = changed_matrix[column, row] = (1.0 + far) * matrix[row, column]
+            if np.linalg.eigvalsh(changed_matrix)[0] < least_of(matrix):
                 raise InputError(
                     "The standard deviation of an entry is too large",
-                    value=f"{self.deviation:g} for {where}",
+                    value=f"{self.deviation:g} for {location}",
                     remedy="State a smaller deviation, or those of storeys or modes",
                 )
 
@@ -155,53 +157,55 @@ class TolerancesTable(DescribedTable):
             sum(ways) <= 1 and not (self.mode_damping_ratios and (self.storey_dampings or self.entries)),
             "give one of damping, damping_ratio and mode_damping_ratios",
         )
-        of_storeys = (self.floor_masses, self.storey_stiffnesses, self.storey_dampings)
+        storey_tables = (self.floor_masses, self.storey_stiffnesses, self.storey_dampings)
         require(
-            not self.storey_correlation or any(isinstance(values, float) for values in of_storeys),
+            not self.storey_correlation or any(isinstance(values, float) for values in storey_tables),
             "storey_correlation needs floors or storeys whose deviation is one number",
         )
         return self
 
     @property
-    def of_frequency(self) -> float:
+    def frequency_deviation(self) -> float:
         """Relative standard deviation of the natural frequencies, ω² = k/m [-]."""
         return 0.5 * math.hypot(self.mass, self.stiffness) if self.frequency is None else self.frequency
 
     @property
-    def of_specimen_alone(self) -> float:
+    def specimen_deviation(self) -> float:
         """That of the specimen where the structure stays as it is [-]."""
         return 0.0 if self.specimen_changes_structure else self.specimen_stiffness
 
-    def of_structure(self, names: tuple[str, ...], mass: Array, damping: Array, stiffness: Array) -> Self:
+    def check_structure(self, names: tuple[str, ...], mass: Array, damping: Array, stiffness: Array) -> Self:
         """Return the table with numbers for the names of degrees of freedom."""
         matrices = {"mass": mass, "damping": damping, "stiffness": stiffness}
-        entries = (table.of_structure(names, matrices[table.matrix]) for table in self.entries)
+        entries = (table.check_structure(names, matrices[table.matrix]) for table in self.entries)
         return self.model_copy(update={"entries": tuple(entries)})
 
-    def of_parts(self, size: int) -> dict[str, float]:
+    def part_deviations(self, size: int) -> dict[str, float]:
         """Relative standard deviations of parts of a structure of so many degrees of freedom, by name."""
-        alike = math.sqrt(self.storey_correlation)
-        of_specimen = self.specimen_stiffness if self.specimen_changes_structure else 0.0
+        common_share = math.sqrt(self.storey_correlation)
+        specimen_deviation = self.specimen_stiffness if self.specimen_changes_structure else 0.0
         deviations = {
             "damping": self.damping or 0.0,
-            "specimen_stiffness": of_specimen,
-            **_numbered_deviations("floor_mass", self.floor_masses, alike, size),
-            **_numbered_deviations("storey_stiffness", self.storey_stiffnesses, alike, size),
-            **_numbered_deviations("storey_damping", self.storey_dampings, alike, size),
-            **_numbered_deviations("mode_frequency", self.mode_frequencies, 0.0, size),
-            **_numbered_deviations("mode_damping_ratio", self.mode_damping_ratios, 0.0, size),
+            "specimen_stiffness": specimen_deviation,
+            **_number_deviations("floor_mass", self.floor_masses, common_share, size),
+            **_number_deviations("storey_stiffness", self.storey_stiffnesses, common_share, size),
+            **_number_deviations("storey_damping", self.storey_dampings, common_share, size),
+            **_number_deviations("mode_frequency", self.mode_frequencies, 0.0, size),
+            **_number_deviations("mode_damping_ratio", self.mode_damping_ratios, 0.0, size),
         }
         for table in self.entries:
-            for name, deviation in table.of_parts.items():
+            for name, deviation in table.part_deviations.items():
                 deviations[name] = math.hypot(deviations.get(name, 0.0), deviation)
         return {name: deviation for name, deviation in deviations.items() if deviation}
 
 
-def _numbered_deviations(name: str, values: Deviations, alike: float, size: int) -> dict[str, float]:
+def _number_deviations(name: str, values: Deviations, common_share: float, size: int) -> dict[str, float]:
     """Deviations of all alike, without a number, and of floors, storeys or modes by theirs."""
     if isinstance(values, float):
-        by_itself = values * math.sqrt(1.0 - alike**2)
-        return {name: alike * values} | {f"{name}_{place + 1}": by_itself for place in range(size)}
+        own_deviations = values * math.sqrt(1.0 - common_share**2)
+        return {name: common_share * values} | {
+            f"{name}_{place + 1}": own_deviations for place in range(size)
+        }
     if len(values) not in (0, size):
         raise InputError(
             f"Tolerances of parts are one number, or one for each of {size} floors, storeys or modes",

@@ -90,10 +90,10 @@ def read_matlab(path: str | Path, variable: str | None = None, delay: float = 0.
 
     `delay` [s].
     """
-    held = _variables(path, variable)
+    variables = _variables(path, variable)
     try:
         with np.errstate(over="raise", invalid="raise", divide="raise"):
-            return _build(_MatlabVariables(held, str(path)), delay)
+            return _build(_MatlabVariables(variables, str(path)), delay)
     except (FloatingPointError, OverflowError, np.linalg.LinAlgError) as error:
         raise InputError(
             "The numbers of this transfer system are too large",
@@ -103,35 +103,37 @@ def read_matlab(path: str | Path, variable: str | None = None, delay: float = 0.
         ) from None
 
 
-def _build(held: "_MatlabVariables", delay: float) -> TransferFunction:
+def _build(variables: "_MatlabVariables", delay: float) -> TransferFunction:
     for numerator, denominator in _FORMS:
-        if held.has(numerator, denominator):
+        if variables.has(numerator, denominator):
             return TransferFunction(
-                numerator=coefficients_of(held.vector(numerator)),
-                denominator=coefficients_of(held.vector(denominator)),
+                numerator=coefficients_of(variables.vector(numerator)),
+                denominator=coefficients_of(variables.vector(denominator)),
                 delay=delay,
             )
-    if held.has("z", "p", "k"):
-        zeros, poles = held.vector("z", real=False), held.vector("p", real=False)
-        return TransferFunction.from_poles(zeros, poles, float(held.matrix("k", 1, 1)[0, 0]), delay=delay)
-    if held.has("A", "B", "C", "D"):
-        order = math.isqrt(held.vector("A").size)
+    if variables.has("z", "p", "k"):
+        zeros, poles = variables.vector("z", real=False), variables.vector("p", real=False)
+        return TransferFunction.from_poles(
+            zeros, poles, float(variables.matrix("k", 1, 1)[0, 0]), delay=delay
+        )
+    if variables.has("A", "B", "C", "D"):
+        order = math.isqrt(variables.vector("A").size)
         sizes = {"A": (order, order), "B": (order, 1), "C": (1, order), "D": (1, 1)}
-        matrices = [held.matrix(name, *size) for name, size in sizes.items()]
+        matrices = [variables.matrix(name, *size) for name, size in sizes.items()]
         return transfer_function_of(scipy.signal.StateSpace(*matrices), delay)
     raise InputError(
         "A MATLAB file must hold num and den, or z, p and k, or A, B, C and D",
-        value=", ".join(held.names) or "none of them",
+        value=", ".join(variables.names) or "none of them",
         remedy="Objects of toolboxes cannot be read: save [num, den] = tfdata(model, 'v') instead",
-        where=held.where,
+        where=variables.where,
     )
 
 
 class _MatlabVariables:
     """Variables of a MATLAB file, each checked when it is taken: numbers of the size that the form needs."""
 
-    def __init__(self, variables: Mapping[str, Any], where: str) -> None:
-        self._variables, self.where = variables, where
+    def __init__(self, variables: Mapping[str, Any], location: str) -> None:
+        self._variables, self.where = variables, location
 
     @property
     def names(self) -> list[str]:
@@ -159,9 +161,9 @@ class _MatlabVariables:
             raise self._refuse(name, f"a matrix of {size}", f"{values.size} numbers")
         return values.reshape(rows, columns)
 
-    def _refuse(self, name: str, needed: str, value: str) -> InputError:
+    def _refuse(self, name: str, requirement: str, value: str) -> InputError:
         return InputError(
-            f"The variable {name} of a transfer system must be {needed}",
+            f"The variable {name} of a transfer system must be {requirement}",
             value=value,
             remedy="Save the model of one actuator again",
             where=self.where,
@@ -272,9 +274,9 @@ class TransferTable(DescribedTable):
             "give numerator and denominator, or poles_per_s, file, servo_hydraulic, matrix, or gain and "
             "delay_ms",
         )
-        by_poles = self.poles_per_s is not None
-        require(self.gain is None or by_poles or count == 0, "gain needs poles_per_s or delay_ms")
-        require(not self.zeros_per_s or by_poles, "zeros_per_s needs poles_per_s")
+        has_poles = self.poles_per_s is not None
+        require(self.gain is None or has_poles or count == 0, "gain needs poles_per_s or delay_ms")
+        require(not self.zeros_per_s or has_poles, "zeros_per_s needs poles_per_s")
         require(self.variable is None or self.file is not None, "variable needs file")
         require(not self.delay_ms or self.servo_hydraulic is None, "servo_hydraulic takes no delay_ms")
         require(
@@ -325,8 +327,8 @@ def rig_of_table(
         return table.system(folder)
     matrix = np.eye(1) if kinematics is None else kinematics
     if table.matrix is None:
-        alike, size = _entry(table, folder), len(matrix)
-        rows = tuple(tuple(alike if i == j else None for j in range(size)) for i in range(size))
+        actuator, size = _entry(table, folder), len(matrix)
+        rows = tuple(tuple(actuator if i == j else None for j in range(size)) for i in range(size))
     else:
         rows = tuple(tuple(_entry(entry, folder) for entry in row) for row in table.matrix)
     return ActuatorMatrix(kinematics=matrix, transfer=rows)

@@ -46,7 +46,7 @@ class Compensator(ABC):
         """Return what the kernel reads, for a step [s]."""
 
 
-BEYOND_ALL = 1e100
+DIVERGENCE_LIMIT = 1e100
 """Command [m] beyond which a loop counts as diverged."""
 
 
@@ -78,19 +78,19 @@ def march(  # noqa: C901, PLR0912, PLR0915 - one compiled loop; what it calls co
     command, sent = np.zeros((3, n)), np.zeros((3, n))
     piston, force = np.zeros((3, n)), np.zeros(n)
     # Rows of the states: socket, delays, elements, forces, readings.
-    at_delays = socket.addresses.size
-    at_elements = at_delays + delays.addresses.size
-    at_forces = at_elements + elements.addresses.size
-    at_readings = at_forces + forces.addresses.size
-    at_end = at_readings + readings.addresses.size
-    states = np.zeros((at_end + 1, width))
+    delay_offset = socket.addresses.size
+    element_offset = delay_offset + delays.addresses.size
+    force_offset = element_offset + elements.addresses.size
+    reading_offset = force_offset + forces.addresses.size
+    state_size = reading_offset + readings.addresses.size
+    states = np.zeros((state_size + 1, width))
     saved_states = np.zeros_like(states)
     motion, scratch = np.zeros(3), np.zeros(width)
     # After a step or more the command at its end has not reached the piston: no correction is needed.
-    final = delay >= h and at_elements == 0
+    final = delay >= h and element_offset == 0
     for i in range(n):
         if not final:
-            for row in range(at_end):
+            for row in range(state_size):
                 for column in range(width):
                     saved_states[row, column] = states[row, column]
         measured_force = 2.0 * force[i - 1] - force[i - 2] if i > 1 else force[0]
@@ -114,31 +114,33 @@ def march(  # noqa: C901, PLR0912, PLR0915 - one compiled loop; what it calls co
                 sent[0, i], sent[1, i], sent[2, i] = motion[0], motion[1] * h, motion[2] * h * h
                 break
             if correction > 0:
-                for row in range(at_end):
+                for row in range(state_size):
                     for column in range(width):
                         states[row, column] = saved_states[row, column]
             last_measured = piston[0, i - 1] if i > 0 else 0.0
             call_all(socket.addresses, socket.coefficients, states, 0, motion, last_measured, h)
             sent[0, i], sent[1, i], sent[2, i] = motion[0], motion[1] * h, motion[2] * h * h
             time = i * h
-            tau = delay + call_all(delays.addresses, delays.coefficients, states, at_delays, motion, time, h)
+            tau = delay + call_all(
+                delays.addresses, delays.coefficients, states, delay_offset, motion, time, h
+            )
             read_delayed(sent, i - max(tau, 0.0) / h, max(i - 1, 0), motion)
             motion[0] *= gain
             motion[1] *= gain / h
             motion[2] *= gain / (h * h)
-            call_all(elements.addresses, elements.coefficients, states, at_elements, motion, time, h)
+            call_all(elements.addresses, elements.coefficients, states, element_offset, motion, time, h)
             piston[0, i], piston[1, i], piston[2, i] = motion[0], motion[1], motion[2]
             acting = linear[0] * motion[0] + linear[1] * motion[1] + linear[2] * motion[2]
-            acting += call_all(forces.addresses, forces.coefficients, states, at_forces, motion, time, h)
+            acting += call_all(forces.addresses, forces.coefficients, states, force_offset, motion, time, h)
             acting += call_all(
-                readings.addresses, readings.coefficients, states, at_readings, motion, time, h
+                readings.addresses, readings.coefficients, states, reading_offset, motion, time, h
             )
-            settled = correction > 0 and tau >= h
+            has_settled = correction > 0 and tau >= h
             measured_force = acting
-            if settled or i == 0:
+            if has_settled or i == 0:
                 break
         force[i] = measured_force
-        if not abs(command[0, i]) < BEYOND_ALL:
+        if not abs(command[0, i]) < DIVERGENCE_LIMIT:
             command[:, i:] = np.nan
             piston[:, i:] = np.nan
             force[i:] = np.nan
@@ -177,17 +179,17 @@ def run_closed_loop(
     >>> round(float(np.abs(histories.measured[-400:]).max() * test.specimen.stiffness), 2)  # nearly 1/(2ξ)
     9.98
     """
-    applied = ground
+    ground_input = ground
     for effect in test.acting(Role.RECORD):
         if isinstance(effect, RecordEffect):
-            applied = effect.applied(applied, step)
+            ground_input = effect.applied(ground_input, step)
     for effect in test.acting(Role.INTEGRATION):
         if isinstance(effect, IntegrationError) and integrator is None:
-            return _run_coarsely(test, effect, applied, step, step / parts, compensator)
+            return _run_coarsely(test, effect, ground_input, step, step / parts, compensator)
     if parts > 1:
         fine = np.arange((ground.size - 1) * parts + 1) / parts
-        applied = np.interp(fine, np.arange(ground.size), applied)
-    histories = _run(test, applied, step / parts, integrator or ExactIntegrator(), compensator)
+        ground_input = np.interp(fine, np.arange(ground.size), ground_input)
+    histories = _run(test, ground_input, step / parts, integrator or ExactIntegrator(), compensator)
     return histories if parts == 1 else _decimate(test, histories, parts)
 
 
@@ -226,20 +228,22 @@ def _resample(
             force=broken[0],
         )
     rows = np.vstack([histories.command.values, histories.piston.values, histories.force])
-    moved = np.ascontiguousarray(scipy.interpolate.make_interp_spline(instants, rows, axis=-1)(samples))
-    piston = Motion3(values=moved[3:6], step=step)
+    resampled_rows = np.ascontiguousarray(
+        scipy.interpolate.make_interp_spline(instants, rows, axis=-1)(samples)
+    )
+    piston = Motion3(values=resampled_rows[3:6], step=step)
     return Histories(
-        command=Motion3(values=moved[:3], step=step),
+        command=Motion3(values=resampled_rows[:3], step=step),
         piston=piston,
         measured=read_displacement(test, piston),
-        force=moved[6],
+        force=resampled_rows[6],
     )
 
 
 def _decimate(test: HybridTest, histories: Histories, parts: int) -> Histories:
-    piston = histories.piston.at_each(parts)
+    piston = histories.piston.thin(parts)
     return Histories(
-        command=histories.command.at_each(parts),
+        command=histories.command.thin(parts),
         piston=piston,
         measured=read_displacement(test, piston),
         force=np.ascontiguousarray(histories.force[::parts]),
@@ -268,11 +272,11 @@ def _run(
         plan(test.acting(Role.FORCE_READING), setting),
         STATES if compensator is None else max(STATES, compensator.kernel.states),
     )
-    moved = Motion3(values=piston, step=h)
+    piston_motion = Motion3(values=piston, step=h)
     return Histories(
         command=Motion3(values=command, step=h),
-        piston=moved,
-        measured=read_displacement(test, moved),
+        piston=piston_motion,
+        measured=read_displacement(test, piston_motion),
         force=force,
     )
 

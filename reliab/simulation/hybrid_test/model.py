@@ -50,8 +50,8 @@ class HybridTest:
             w0, alpha = self.structure.circular_frequency, self.structure.experimental_fraction
             object.__setattr__(self, "specimen", Specimen(stiffness=alpha * w0**2 * self.mass))
         order = {name: place for place, name in enumerate(library())}
-        ranked = sorted(self.effects, key=lambda effect: order.get(effect.name, len(order)))
-        object.__setattr__(self, "effects", tuple(ranked))
+        effects_in_order = sorted(self.effects, key=lambda effect: order.get(effect.name, len(order)))
+        object.__setattr__(self, "effects", tuple(effects_in_order))
 
     def adding(self, *effects: Effect) -> Self:
         """Return the same test with more effects."""

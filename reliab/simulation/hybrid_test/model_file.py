@@ -59,17 +59,17 @@ def write_model(path: Path | str, model: UpdatedModel) -> None:
 def read_model(path: Path | str) -> UpdatedModel:
     """Read an updated model."""
     path = Path(path)
-    described = _describe(path)
+    description = _describe(path)
     test = HybridTest(
-        structure=described.structure.built() if described.structure else None,
-        mass=described.structure.mass_kg if described.structure else 1.0,
-        actuator=Actuator(gain=described.actuator.gain, delay=described.actuator.delay_s),
-        specimen=described.specimen.built() if described.specimen else None,
+        structure=description.structure.build() if description.structure else None,
+        mass=description.structure.mass_kg if description.structure else 1.0,
+        actuator=Actuator(gain=description.actuator.gain, delay=description.actuator.delay_s),
+        specimen=description.specimen.build() if description.specimen else None,
         effects=tuple(
-            _effect(entry, f"{path.name}, effect {k}") for k, entry in enumerate(described.effects, 1)
+            _effect(entry, f"{path.name}, effect {k}") for k, entry in enumerate(description.effects, 1)
         ),
     )
-    return UpdatedModel(name=described.name, test=test, deviations=_deviations(described))
+    return UpdatedModel(name=description.name, test=test, deviations=_deviations(description))
 
 
 class _Table(BaseModel):
@@ -82,7 +82,7 @@ class _Structure(_Table):
     mass_kg: Annotated[float, Physical("mass")] = 1.0
     experimental_fraction: Annotated[float, Physical("share of the stiffness in the laboratory")] = 1.0
 
-    def built(self) -> Structure:
+    def build(self) -> Structure:
         return Structure(
             frequency=self.frequency_hz,
             damping_ratio=self.damping_ratio,
@@ -103,7 +103,7 @@ class _Specimen(_Table):
     damping_n_s_per_m: Annotated[float, Physical("damping coefficient", zero=True, signed=True)] = 0.0
     mass_kg: Annotated[float, Physical("mass", zero=True)] = 0.0
 
-    def built(self) -> Specimen:
+    def build(self) -> Specimen:
         return Specimen(stiffness=self.stiffness_n_per_m, damping=self.damping_n_s_per_m, mass=self.mass_kg)
 
 
@@ -134,7 +134,7 @@ def _describe(path: Path) -> _ModelFile:
     return described(_ModelFile, content, rule=rule, remedy=remedy, where=path.name)
 
 
-def _effect(entry: _Effect, where: str) -> Effect:
+def _effect(entry: _Effect, location: str) -> Effect:
     kind: type[Effect] = find_effect(entry.name)
     parameters, values = {parameter.name: parameter for parameter in kind.parameters}, entry.parameters
     if set(parameters) != set(values):
@@ -142,28 +142,28 @@ def _effect(entry: _Effect, where: str) -> Effect:
             f"The parameters of {entry.name} are {', '.join(parameters)}",
             value=", ".join(values) or "none",
             remedy="Give each of them once",
-            where=where,
+            where=location,
         )
     for name, value in values.items():
-        _check_units(parameters[name], value, where)
+        _check_units(parameters[name], value, location)
     return kind(**{name: value.value for name, value in values.items()})
 
 
-def _check_units(parameter: Parameter, value: _Value, where: str) -> None:
+def _check_units(parameter: Parameter, value: _Value, location: str) -> None:
     if value.units not in (None, parameter.units):
         raise InputError(
             f"The unit of {parameter.name} is {parameter.units}",
             value=repr(value.units),
             remedy=f"Convert the value and its sd to {parameter.units}",
-            where=where,
+            where=location,
         )
 
 
-def _deviations(described: _ModelFile) -> dict[str, float]:
-    deviations = {"gain": described.actuator.gain_sd, "delay_s": described.actuator.delay_s_sd}
-    if described.specimen is not None:
-        deviations["stiffness_n_per_m"] = described.specimen.stiffness_n_per_m_sd
-    for effect in described.effects:
+def _deviations(description: _ModelFile) -> dict[str, float]:
+    deviations = {"gain": description.actuator.gain_sd, "delay_s": description.actuator.delay_s_sd}
+    if description.specimen is not None:
+        deviations["stiffness_n_per_m"] = description.specimen.stiffness_n_per_m_sd
+    for effect in description.effects:
         deviations.update({f"{effect.name}.{name}": value.sd for name, value in effect.parameters.items()})
     return {name: value for name, value in deviations.items() if value is not None}
 

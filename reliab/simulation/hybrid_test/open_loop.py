@@ -29,12 +29,12 @@ class Plan(NamedTuple):
 @lru_cache(maxsize=512)
 def plan(effects: tuple[Effect, ...], setting: Setting) -> Plan:
     """Prepare effects for a compiled loop, once for all the tests that they act in."""
-    stepped = [_require_kernel(effect) for effect in effects]
-    rows = [effect.coefficients(setting) for effect in stepped]
+    stepped_effects = [_require_kernel(effect) for effect in effects]
+    rows = [effect.coefficients(setting) for effect in stepped_effects]
     table = np.zeros((len(rows), max((row.size for row in rows), default=1)))
     for place, row in enumerate(rows):
         table[place, : row.size] = row
-    return Plan(np.array([effect.kernel.address for effect in stepped], dtype=np.int64), table)
+    return Plan(np.array([effect.kernel.address for effect in stepped_effects], dtype=np.int64), table)
 
 
 def _require_kernel(effect: Effect) -> SteppedEffect:
@@ -78,9 +78,9 @@ def call_all(
     step: float,
 ) -> float:
     """Call kernels one after the other, their states in rows from `first`, and add up what they return."""
-    added = 0.0
+    total = 0.0
     for k in range(addresses.size):
-        added += call_kernel(
+        total += call_kernel(
             addresses[k],
             pointer_to(motion, 0),
             time,
@@ -88,7 +88,7 @@ def call_all(
             pointer_to(coefficients, k * coefficients.shape[1]),
             pointer_to(states, (first + k) * states.shape[1]),
         )
-    return added
+    return total
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,7 +99,7 @@ class Motion3:
     step: float  # Step [s]
 
     @classmethod
-    def through(cls, displacement: Array, step: float, *, parts: int = 1) -> "Motion3":
+    def interpolate(cls, displacement: Array, step: float, *, parts: int = 1) -> "Motion3":
         """Motion along the cubic spline through sampled displacements.
 
         `displacement` [m]; `step` [s].
@@ -111,13 +111,13 @@ class Motion3:
         return cls(values=path.read(times, (0, 1, 2)), step=step / parts)
 
     @cached_property
-    def per_step(self) -> Array:
+    def differences(self) -> Array:
         """Displacement and its derivatives by the number of steps [m], shape (3, n)."""
         return np.ascontiguousarray(self.values * np.array([[1.0], [self.step], [self.step**2]]))
 
-    def at_each(self, every: int) -> "Motion3":
-        """Return the motion at each `every`-th instant."""
-        return Motion3(values=np.ascontiguousarray(self.values[:, ::every]), step=every * self.step)
+    def thin(self, thinning: int) -> "Motion3":
+        """Return the motion at each `thinning`-th instant."""
+        return Motion3(values=np.ascontiguousarray(self.values[:, ::thinning]), step=thinning * self.step)
 
 
 def drive(test: HybridTest, command: Motion3) -> Motion3:
@@ -125,7 +125,7 @@ def drive(test: HybridTest, command: Motion3) -> Motion3:
 
     >>> from reliab.simulation.hybrid_test.model import Actuator
     >>> time = np.arange(0.0, 2.0, 0.001)
-    >>> command = Motion3.through(np.sin(time) ** 2, 0.001)
+    >>> command = Motion3.interpolate(np.sin(time) ** 2, 0.001)
     >>> late = drive(HybridTest(actuator=Actuator(delay=0.25)), command)
     >>> round(float(np.abs(late.values[0, 250:] - command.values[0, :-250]).max()), 9)
     0.0
@@ -133,7 +133,7 @@ def drive(test: HybridTest, command: Motion3) -> Motion3:
     h = command.step
     setting = test.setting(h)
     values = _drive(
-        command.per_step,
+        command.differences,
         h,
         test.actuator.gain,
         test.actuator.delay,

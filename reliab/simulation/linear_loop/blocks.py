@@ -25,7 +25,7 @@ from reliab.core.compiled import compiled
 from reliab.simulation.excitation import Excitation
 from reliab.structures.structure import Structure
 
-_AT_SAMPLE = 1e-9  # of the record's step; a time closer than this to a sample counts as that sample's
+_SAMPLE_TOLERANCE = 1e-9  # of the record's step; a time closer than this to a sample counts as that sample's
 _NEAR_PEAK = 0.97  # a block that ends this high may hold the peak of the exact response
 _PARTS = 16  # into which such a block is divided
 
@@ -48,7 +48,7 @@ def _next(weights: Weights, x: float, y: float, a: float, b: float) -> tuple[flo
 
 
 @compiled
-def at_samples(record: Array, weights: Weights) -> Array:
+def sample_record(record: Array, weights: Weights) -> Array:
     """Exact z at the samples of a record, real and imaginary part, from rest; shape (samples, 2)."""
     z, x, y = np.zeros((record.size, 2)), 0.0, 0.0
     for i in range(record.size - 1):
@@ -63,20 +63,27 @@ def _place_of(time: float, h: float, samples: int) -> tuple[int, float]:
     if time <= 0.0:
         return -1, 0.0
     i = min(int(time * (1.0 / h) + 1e-9), samples - 2)
-    into = time - i * h
-    return i, 0.0 if into < _AT_SAMPLE * h else into
+    elapsed = time - i * h
+    return i, 0.0 if elapsed < _SAMPLE_TOLERANCE * h else elapsed
 
 
 @compiled
-def _way(into: float, h: float, pole: complex) -> Way:
+def _way(elapsed: float, h: float, pole: complex) -> Way:
     """Way of the mode from a sample to a time after it [s]."""
-    if into == 0.0:
+    if elapsed == 0.0:
         return 1.0, 0.0, 0.0, 0.0, 0.0, 0.0
     inverse = 1.0 / pole
-    grown = np.exp(pole * into)
-    held = (grown - 1.0) * inverse
-    ramp = (held - into) * inverse
-    return grown.real, grown.imag, held.real, held.imag, ramp.real * (1.0 / h), ramp.imag * (1.0 / h)
+    growth = np.exp(pole * elapsed)
+    constant_part = (growth - 1.0) * inverse
+    ramp = (constant_part - elapsed) * inverse
+    return (
+        growth.real,
+        growth.imag,
+        constant_part.real,
+        constant_part.imag,
+        ramp.real * (1.0 / h),
+        ramp.imag * (1.0 / h),
+    )
 
 
 @compiled
@@ -96,17 +103,17 @@ def _cut_record(
     lines: tuple[Array, Array, Array],
 ) -> None:
     """Lines and exact response of one record, into arrays; the mode advances from sample to sample."""
-    own, (early, late, decay) = weights
+    sample_weights, (early, late, decay) = weights
     (place, ways), (left, right, ideal) = edges, lines
     scale = 1.0 / (early.real * late.imag - early.imag * late.real)
     height = -1.0 / pole.imag  # x_I = −2Re(z/(p − p̄))
-    x, y, at = 0.0, 0.0, 0
+    x, y, position = 0.0, 0.0, 0
     p, q = 0.0, 0.0
     for k in range(ideal.size):
         i = place[k]
-        while at < i:
-            x, y = _next(own, x, y, record[at], record[at + 1])
-            at += 1
+        while position < i:
+            x, y = _next(sample_weights, x, y, record[position], record[position + 1])
+            position += 1
         r, s = 0.0, 0.0
         if i >= 0:
             way = (ways[k, 0], ways[k, 1], ways[k, 2], ways[k, 3], ways[k, 4], ways[k, 5])
@@ -136,29 +143,34 @@ def cut_records(
     modes).
     """
     (records, h), (starts, steps, counts) = record, spacings
-    number, total, most = records.shape[0], 0, 0
+    number, total, longest = records.shape[0], 0, 0
     for count in counts:
-        total, most = total + count, max(most, count)
+        total, longest = total + count, max(longest, count)
     left, right = np.empty((number, total)), np.empty((number, total))
     ideal = np.empty((number, total + poles.size))
-    place, ways = np.empty(most + 1, dtype=np.int64), np.empty((most + 1, 6))
-    at = 0
+    place, ways = np.empty(longest + 1, dtype=np.int64), np.empty((longest + 1, 6))
+    position = 0
     for n in range(poles.size):
-        own, longer = weights[0][n], weights[1][n]
-        both = (own[0], own[1], own[2]), (longer[0], longer[1], longer[2])
-        blocks, edges = slice(at, at + counts[n]), slice(at + n, at + n + counts[n] + 1)
-        at_sample = between = _way(0.0, h, poles[n])
-        known = 0.0
+        sample_weights, longer = weights[0][n], weights[1][n]
+        both = (sample_weights[0], sample_weights[1], sample_weights[2]), (longer[0], longer[1], longer[2])
+        blocks, edges = (
+            slice(position, position + counts[n]),
+            slice(position + n, position + n + counts[n] + 1),
+        )
+        sample_way = offset_way = _way(0.0, h, poles[n])
+        last_start = 0.0
         for k in range(counts[n] + 1):
-            place[k], into = _place_of(starts[n] + steps[n] * k, h, records.shape[1])
-            if into > 0.0 and abs(into - known) > _AT_SAMPLE * h:  # edges often lie alike between samples
-                known, between = into, _way(into, h, poles[n])
-            way = between if into > 0.0 else at_sample
+            place[k], elapsed = _place_of(starts[n] + steps[n] * k, h, records.shape[1])
+            if (
+                elapsed > 0.0 and abs(elapsed - last_start) > _SAMPLE_TOLERANCE * h
+            ):  # edges often lie alike between samples
+                last_start, offset_way = elapsed, _way(elapsed, h, poles[n])
+            way = offset_way if elapsed > 0.0 else sample_way
             ways[k, 0], ways[k, 1], ways[k, 2], ways[k, 3], ways[k, 4], ways[k, 5] = way
         for m in range(number):
             lines = left[m, blocks], right[m, blocks], ideal[m, edges]
             _cut_record(records[m], poles[n], both, (place, ways), lines)
-        at += counts[n]
+        position += counts[n]
     return left, right, ideal
 
 
@@ -176,7 +188,7 @@ def peak_of_mode(
     `step` [s]; `ideal` [m]; `window` [s].
     """
     a, h = record
-    samples = at_samples(a[0], weights)
+    samples = sample_record(a[0], weights)
     high = 0.0
     for edge in ideal:
         high = max(high, abs(edge))
@@ -185,9 +197,9 @@ def peak_of_mode(
         if max(abs(ideal[k]), abs(ideal[k + 1])) >= _NEAR_PEAK * high:
             for place in range(_PARTS + 1):
                 time = min(window[0] + step * (k + place / _PARTS), window[1])
-                i, into = _place_of(time, h, a.shape[1])
+                i, elapsed = _place_of(time, h, a.shape[1])
                 if i >= 0:
-                    way = _way(into, h, pole)
+                    way = _way(elapsed, h, pole)
                     _, y = _interpolate_ground(way, samples[i, 0], samples[i, 1], a[0, i], a[0, i + 1])
                     largest = max(largest, abs(y))
     return largest / pole.imag
@@ -227,7 +239,7 @@ class Blocks:
         """Largest number of blocks that an actuator can look ahead: those in a quarter of the period."""
         return int(np.ceil(0.5 * np.pi / (abs(self.pole) * self.step))) + 1
 
-    def prolonged(self, count: int) -> tuple[Array, Array]:
+    def extend_lines(self, count: int) -> tuple[Array, Array]:
         """Ground acceleration at the ends of the blocks and of further ones after the window.
 
         Returns left, right [m/s²].
@@ -254,8 +266,8 @@ class Blocks:
         ground = self.excitation
         record = read_only(ground.acceleration[np.newaxis]), ground.time_step
         weights = mode_weights(self.pole, ground.time_step)
-        inside = self.ideal[self.before :]
-        return peak_of_mode(record, self.pole, weights, inside, ground.window, self.step)
+        window_response = self.ideal[self.before :]
+        return peak_of_mode(record, self.pole, weights, window_response, ground.window, self.step)
 
 
 def ramp_weights(
@@ -263,9 +275,9 @@ def ramp_weights(
 ) -> tuple[NDArray[_Number], NDArray[_Number], NDArray[_Number]]:
     """Weights F₀, F₁ and decay e^(pH) of the mode z' = pz + a over a block in which a is linear."""
     phase = pole * step
-    whole = np.expm1(phase) / pole
-    late = (whole - step) / phase
-    return whole - late, late, np.exp(phase)
+    constant_part = np.expm1(phase) / pole
+    late = (constant_part - step) / phase
+    return constant_part - late, late, np.exp(phase)
 
 
 def block_length(structure: Structure) -> float:
@@ -320,14 +332,14 @@ def spacing(excitation: Excitation, step: float) -> Spacing:
     """Lay blocks of a length [s], or of half the window where that is shorter, so that one starts with it."""
     begin, end = excitation.window
     step = min(step, 0.5 * (end - begin))
-    inside = int(np.ceil((end - begin) / step - 1e-9))
-    before = int(np.ceil(begin / step - 1e-9))
+    window_blocks = int(np.ceil((end - begin) / step - 1e-9))
+    lead_blocks = int(np.ceil(begin / step - 1e-9))
     return Spacing(
         step=step,
-        first=begin - step * before,
-        blocks=before + inside,
-        before=before,
-        end=(end - begin) / step - (inside - 1),
+        first=begin - step * lead_blocks,
+        blocks=lead_blocks + window_blocks,
+        before=lead_blocks,
+        end=(end - begin) / step - (window_blocks - 1),
     )
 
 

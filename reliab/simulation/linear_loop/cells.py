@@ -69,7 +69,7 @@ class Cells:
         return np.asarray(self.delay < 0.0)
 
     @cached_property
-    def reduced(self) -> list[tuple[NDArray[np.intp], ModalLoop | LeadingLoop]]:
+    def reduced_loops(self) -> list[tuple[NDArray[np.intp], ModalLoop | LeadingLoop]]:
         """Cells and the loop of each, reduced to its dominant pole pair: late ones, then early ones."""
         late, early = np.flatnonzero(~self.leads), np.flatnonzero(self.leads)
         parts: list[tuple[NDArray[np.intp], ModalLoop | LeadingLoop]] = []
@@ -81,7 +81,7 @@ class Cells:
 
     def expansions(self, step: float) -> list[Expansion]:
         """Deviations expanded in the structure's basis of poles, for blocks of a given length [s]."""
-        return expansions(pole_basis(self.structure), self.reduced, step)
+        return expansions(pole_basis(self.structure), self.reduced_loops, step)
 
     def recursions(self, step: float) -> list[Recursion]:
         """Recursions of all cells for blocks of a given length [s]."""
@@ -106,7 +106,9 @@ class Cells:
         return driven_cells(drives, self._own_recursions[0].coefficients)
 
     def _recursions(self, step: float) -> list[Recursion]:
-        return [recursion for place, loop in self.reduced for recursion in recursions(loop, step, place)]
+        return [
+            recursion for place, loop in self.reduced_loops for recursion in recursions(loop, step, place)
+        ]
 
     @cached_property
     def tolerance(self) -> Array:
@@ -117,18 +119,20 @@ class Cells:
     @cached_property
     def reducible_anyway(self) -> NDArray[np.bool_]:
         """Whether the reduction is accurate enough in every band, and so under any record, shape (cells,)."""
-        neglected, total = self.reduction
-        return np.asarray((neglected <= self.tolerance**2 * total).all(axis=0))
+        neglected_power, total = self.reduction
+        return np.asarray((neglected_power <= self.tolerance**2 * total).all(axis=0))
 
     @cached_property
     def reduction(self) -> tuple[Array, Array]:
         """Squared error of the reduction and squared deviation, by frequency band, shape (bands, cells)."""
         parts = [
             reduction_loss(self.structure, self.gain[place], self.delay[place], loop)
-            for place, loop in self.reduced
+            for place, loop in self.reduced_loops
         ]
         if len(parts) == 1:
             return parts[0]
-        order = np.argsort(np.concatenate([place for place, _ in self.reduced]))
-        neglected, total = (np.concatenate(columns, axis=1)[:, order] for columns in zip(*parts, strict=True))
-        return neglected, total
+        order = np.argsort(np.concatenate([place for place, _ in self.reduced_loops]))
+        neglected_power, total = (
+            np.concatenate(columns, axis=1)[:, order] for columns in zip(*parts, strict=True)
+        )
+        return neglected_power, total

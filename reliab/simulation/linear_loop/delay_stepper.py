@@ -23,7 +23,7 @@ LANES = 48
 """Cells that advance side by side; their state fits the first-level cache."""
 
 _COEFFICIENTS = 25
-_PARTED = 1e-5  # of ω₀, least distance of the oscillator's poles
+_LEAST_POLE_DISTANCE = 1e-5  # of ω₀, least distance of the oscillator's poles
 _GAUSS_NODES, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 
@@ -67,7 +67,11 @@ def coefficients(structure: Structure, gain: Array, delay: Array, step: float) -
     coupling = alpha * gain * w0**2
     # Both poles p and q, conjugate or real; equal ones are parted by little.
     discriminant = (1.0 - alpha) * w0**2 + coupling - (xi * w0) ** 2
-    discriminant = np.where(np.abs(discriminant) < (_PARTED * w0) ** 2, (_PARTED * w0) ** 2, discriminant)
+    discriminant = np.where(
+        np.abs(discriminant) < (_LEAST_POLE_DISTANCE * w0) ** 2,
+        (_LEAST_POLE_DISTANCE * w0) ** 2,
+        discriminant,
+    )
     poles = -xi * w0 + np.multiply.outer([1.0, -1.0], np.sqrt(-discriminant + 0j))
     early, late, decay = ramp_weights(poles, step)
     fraction = np.floor(delay / step) + 1.0 - delay / step
@@ -75,8 +79,8 @@ def coefficients(structure: Structure, gain: Array, delay: Array, step: float) -
 
     # z = v − qx and y = v − px carry the state: x = (z − y)/(p − q), v = (pz − qy)/(p − q).
     def state(effect: Spectrum) -> Array:
-        moved = np.stack([effect[0] - effect[1], poles[0] * effect[0] - poles[1] * effect[1]])
-        return np.asarray((moved / (poles[0] - poles[1])).real)
+        modal_state = np.stack([effect[0] - effect[1], poles[0] * effect[0] - poles[1] * effect[1]])
+        return np.asarray((modal_state / (poles[0] - poles[1])).real)
 
     value, rate, end_value, end_rate = (coupling * state(effect) for effect in _cubic_effects(poles, step))
     right_side = np.stack(
@@ -93,9 +97,9 @@ def coefficients(structure: Structure, gain: Array, delay: Array, step: float) -
     )
     # The remainder at the end holds the new state, in a delay shorter than the block twice.
     fresh = np.where(delay < step, 1.0, 0.0)
-    by_place = end_value * (1.0 - fresh * place[2]) - end_rate * fresh * pace[2]
-    by_pace = -end_value * fresh * place[3] + end_rate * (1.0 - fresh * pace[3])
-    (xx, vx), (xv, vv) = by_place, by_pace
+    displacement_part = end_value * (1.0 - fresh * place[2]) - end_rate * fresh * pace[2]
+    velocity_part = -end_value * fresh * place[3] + end_rate * (1.0 - fresh * pace[3])
+    (xx, vx), (xv, vv) = displacement_part, velocity_part
     determinant = (1.0 - xx) * (1.0 - vv) - xv * vx
     new_place = ((1.0 - vv) * right_side[:, 0] + xv * right_side[:, 1]) / determinant
     new_pace = (vx * right_side[:, 0] + (1.0 - xx) * right_side[:, 1]) / determinant
@@ -118,7 +122,7 @@ def _track_lanes(
     t[LATEST] = np.nan
     # The delayed state at the end of a block lies between two stored ones or, for a delay shorter
     # than a block, between the last stored one and the new one.
-    stored, fresh = (1.0, 0.0) if delay > 0 else (0.0, 1.0)
+    stored_share, fresh = (1.0, 0.0) if delay > 0 else (0.0, 1.0)
     for i in range(left.size):
         old, new, put = (i - delay) % depth, (i + 1 - delay) % depth, (i + 1) % depth
         last = i + 1 == left.size
@@ -126,7 +130,7 @@ def _track_lanes(
         if i + 1 == before:
             weight = 0.5
         for j in range(LANES):
-            end_x, end_v = stored * xs[new, j], stored * vs[new, j]
+            end_x, end_v = stored_share * xs[new, j], stored_share * vs[new, j]
             place = c[16, j] * xs[old, j] + c[17, j] * vs[old, j] + c[18, j] * end_x + c[19, j] * end_v
             pace = c[20, j] * xs[old, j] + c[21, j] * vs[old, j] + c[22, j] * end_x + c[23, j] * end_v
             x = c[0, j] * state[0, j] + c[1, j] * state[1, j] + c[2, j] * state[2, j] + c[3, j] * state[3, j]
@@ -160,11 +164,13 @@ def deviation(blocks: Blocks, structure: Structure, gain: Array, delay: Array) -
     cells = coefficients(structure, gain, delay, blocks.step)
     reach = np.floor(delay / blocks.step).astype(np.int64)
     for span in np.unique(reach):
-        alike = np.flatnonzero(reach == span)
-        for first in range(0, alike.size, LANES):
-            lanes = alike[first : first + LANES]
-            filled = np.append(lanes, np.repeat(lanes[-1], LANES - lanes.size))
-            tracks[:, lanes] = _run(blocks, cells[:, filled], int(span), np.empty((2, 0)))[:, : lanes.size]
+        equal_delays = np.flatnonzero(reach == span)
+        for first in range(0, equal_delays.size, LANES):
+            lanes = equal_delays[first : first + LANES]
+            lane_indices = np.append(lanes, np.repeat(lanes[-1], LANES - lanes.size))
+            tracks[:, lanes] = _run(blocks, cells[:, lane_indices], int(span), np.empty((2, 0)))[
+                :, : lanes.size
+            ]
     return summary(tracks, blocks.intervals, blocks.ideal_peak)
 
 

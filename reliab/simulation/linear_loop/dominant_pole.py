@@ -38,12 +38,12 @@ from reliab.core.arrays import Array, Spectrum
 from reliab.structures.structure import Structure
 
 _NEWTON_STEPS = 60
-_CONVERGED = 1e-14
+_CONVERGENCE_TOLERANCE = 1e-14
 _MOMENTS = 4
 _SHORT = 0.02  # ω₀τ below which the shape of the rest is that of a vanishing delay
 _NO_DEVIATION = 1e-9  # of the response; below it an actuator counts as perfect
 # Reduced and exact loop are compared at these multiples of the natural frequency.
-_COMPARED = np.geomspace(0.1, 40.0, 61)
+_COMPARISON_FREQUENCIES = np.geomspace(0.1, 40.0, 61)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,19 +85,19 @@ def dominant_pole(structure: Structure, gain: Array, delay: Array) -> Spectrum:
     """
     w0, xi = structure.circular_frequency, structure.damping_ratio
     alpha = structure.experimental_fraction
-    coupled = alpha * gain * w0**2
-    stiffness = (1.0 - alpha) * w0**2 + coupled
-    pole = -xi * w0 + 0.5 * coupled * delay + 1j * np.sqrt(stiffness)
+    loop_gain = alpha * gain * w0**2
+    stiffness = (1.0 - alpha) * w0**2 + loop_gain
+    pole = -xi * w0 + 0.5 * loop_gain * delay + 1j * np.sqrt(stiffness)
     for _ in range(_NEWTON_STEPS):
-        delayed = coupled * np.exp(-pole * delay)
-        value = pole**2 + 2.0 * xi * w0 * pole + (1.0 - alpha) * w0**2 + delayed
-        slope = 2.0 * pole + 2.0 * xi * w0 - delay * delayed
+        delayed_gain = loop_gain * np.exp(-pole * delay)
+        value = pole**2 + 2.0 * xi * w0 * pole + (1.0 - alpha) * w0**2 + delayed_gain
+        slope = 2.0 * pole + 2.0 * xi * w0 - delay * delayed_gain
         step = value / slope
         pole = pole - step
-        if np.all(np.abs(step) <= _CONVERGED * np.abs(pole)):
+        if np.all(np.abs(step) <= _CONVERGENCE_TOLERANCE * np.abs(pole)):
             return pole
-    settled = np.abs(step) <= 1e-9 * np.abs(pole)
-    return np.where(settled & (pole.imag > 0.0), pole, np.nan)
+    has_converged = np.abs(step) <= 1e-9 * np.abs(pole)
+    return np.where(has_converged & (pole.imag > 0.0), pole, np.nan)
 
 
 def pole_or_own(structure: Structure, gain: Array, delay: Array) -> tuple[Spectrum, NDArray[np.bool_]]:
@@ -107,23 +107,25 @@ def pole_or_own(structure: Structure, gain: Array, delay: Array) -> tuple[Spectr
     return np.where(oscillates, pole, structure.pole), oscillates
 
 
-def modal_loop(structure: Structure, gain: Array, delay: Array, *, measured: bool = True) -> ModalLoop:
+def modal_loop(
+    structure: Structure, gain: Array, delay: Array, *, has_measured_output: bool = True
+) -> ModalLoop:
     """Split the loop from −a_g to a displacement into its dominant pair and a rest."""
     w0, xi = structure.circular_frequency, structure.damping_ratio
     alpha = structure.experimental_fraction
-    coupled = alpha * gain * w0**2
+    loop_gain = alpha * gain * w0**2
     pole, oscillates = pole_or_own(structure, gain, delay)
-    slope = 2.0 * pole + 2.0 * xi * w0 - delay * coupled * np.exp(-pole * delay)
-    output, late = (gain, delay) if measured else (np.ones_like(gain), np.zeros_like(delay))
+    slope = 2.0 * pole + 2.0 * xi * w0 - delay * loop_gain * np.exp(-pole * delay)
+    output, late = (gain, delay) if has_measured_output else (np.ones_like(gain), np.zeros_like(delay))
     residue = np.where(oscillates, output * np.exp(-pole * late) / slope, 0.0)
     series_without_pair = _series(structure, gain, delay, output, late)
     for power in range(_MOMENTS):
         series_without_pair[power] += 2.0 * (residue / pole ** (power + 1)).real
     short = w0 * delay < _SHORT
     fast_poles, fast_residues = _fast_pair(
-        series_without_pair, delay, short if measured else np.zeros_like(short)
+        series_without_pair, delay, short if has_measured_output else np.zeros_like(short)
     )
-    if not measured:
+    if not has_measured_output:
         fast_residues = np.where(short, 0.0, fast_residues)  # of the order of τ⁴
     return ModalLoop(pole=pole, residue=residue, fast_poles=fast_poles, fast_residues=fast_residues)
 
@@ -161,8 +163,8 @@ def _fast_pair(series: Array, delay: Array, short: NDArray[np.bool_]) -> tuple[S
         residues = (c[0] + (c[1] + m1 * c[0]) * poles) / (m1 + 2.0 * m2 * poles)
     sound = (delay > 0.0) & (m2 > 0.0) & (m1 > 0.0) & (np.abs(root) > 0.0)
     fallback = np.array([[-1.0 + 1.0j], [-1.0 - 1.0j]])
-    scaled = np.where(sound, poles, fallback).astype(np.complex128) / tau
-    return scaled, np.where(sound, residues * tau, 0.0).astype(np.complex128)
+    scaled_poles = np.where(sound, poles, fallback).astype(np.complex128) / tau
+    return scaled_poles, np.where(sound, residues * tau, 0.0).astype(np.complex128)
 
 
 def transfer(structure: Structure, gain: Array, delay: Array, s: Spectrum) -> Spectrum:
@@ -180,13 +182,13 @@ def transfer_of_shift(structure: Structure, gain: Array, shift: Spectrum, s: Spe
 
 def comparison_frequencies(structure: Structure) -> Spectrum:
     """Frequencies s = iω [rad/s] at which the reduction is compared with the exact loop, shape (bands, 1)."""
-    return (2j * np.pi * structure.frequency * _COMPARED[:, np.newaxis]).astype(np.complex128)
+    return (2j * np.pi * structure.frequency * _COMPARISON_FREQUENCIES[:, np.newaxis]).astype(np.complex128)
 
 
 def band_edges(structure: Structure) -> Array:
     """Edges [Hz] of the bands in which the reduction is compared with the exact loop."""
-    half = np.sqrt(_COMPARED[1] / _COMPARED[0])
-    return structure.frequency * np.append(_COMPARED / half, _COMPARED[-1] * half)
+    half = np.sqrt(_COMPARISON_FREQUENCIES[1] / _COMPARISON_FREQUENCIES[0])
+    return structure.frequency * np.append(_COMPARISON_FREQUENCIES / half, _COMPARISON_FREQUENCIES[-1] * half)
 
 
 def reduction_loss(structure: Structure, gain: Array, delay: Array, loop: ReducedLoop) -> tuple[Array, Array]:
@@ -199,9 +201,9 @@ def reduction_loss(structure: Structure, gain: Array, delay: Array, loop: Reduce
     s = comparison_frequencies(structure)
     exact = transfer(structure, gain, delay, s)
     ideal = transfer(structure, np.ones(1), np.zeros(1), s)
-    neglected = np.abs(exact - loop.transfer(s)) ** 2
+    neglected_power = np.abs(exact - loop.transfer(s)) ** 2
     total = np.maximum(np.abs(exact - ideal), _NO_DEVIATION * np.abs(ideal)) ** 2
-    return np.where(np.isfinite(neglected), neglected, np.inf), total
+    return np.where(np.isfinite(neglected_power), neglected_power, np.inf), total
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -234,10 +236,10 @@ class LeadingLoop:
 def leading_loop(structure: Structure, gain: Array, lead: Array) -> LeadingLoop:
     """Split the loop of a leading actuator into its dominant pair and a feed-through."""
     w0, xi, alpha = structure.circular_frequency, structure.damping_ratio, structure.experimental_fraction
-    coupled = alpha * gain * w0**2
+    loop_gain = alpha * gain * w0**2
     pole, oscillates = pole_or_own(structure, gain, -lead)
-    slope = 2.0 * pole + 2.0 * xi * w0 + lead * coupled * np.exp(pole * lead)
+    slope = 2.0 * pole + 2.0 * xi * w0 + lead * loop_gain * np.exp(pole * lead)
     residue = np.where(oscillates, gain / slope, 0.0)
-    static = gain / ((1.0 - alpha) * w0**2 + coupled)
+    static = gain / ((1.0 - alpha) * w0**2 + loop_gain)
     feedthrough = static + 2.0 * (residue / pole).real
     return LeadingLoop(pole=pole, residue=residue, feedthrough=feedthrough, lead=lead)

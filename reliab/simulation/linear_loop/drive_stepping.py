@@ -106,12 +106,12 @@ def _track_lanes(  # noqa: PLR0915 - one compiled loop
     last = np.zeros(LANES, dtype=np.float32)
     blocks, i, passes = drives.shape[1], 0, 0
     while i < blocks:
-        at: Single = np.float32(i)
+        position: Single = np.float32(i)
         if i == before:
             for j in range(LANES):
                 y = s[0, j] + s[1, j]
                 squares[j], squares_of_pass[j] = 0.0, np.float32(0.5) * y * y
-                s[2, j], s[3, j], s[4, j], s[5, j] = abs(y), at, s[0, j], s[1, j]
+                s[2, j], s[3, j], s[4, j], s[5, j] = abs(y), position, s[0, j], s[1, j]
         if i + _PASS <= (before if i < before else blocks - 2):
             w0, w1, w2, w3 = (
                 _row(drives, i),
@@ -128,9 +128,9 @@ def _track_lanes(  # noqa: PLR0915 - one compiled loop
             for j in range(LANES):
                 b, g, h, m, n = k[0, j], k[1, j], k[2, j], k[3, j], k[4, j]
                 u = (k[5, j], k[6, j], k[7, j], k[8, j], k[9, j], k[10, j])
-                before_pass, d = s[0, j], s[1, j]
-                y = before_pass + d
-                d0 = _increment(before_pass, d, b, g, u, w0)
+                previous_pass, d = s[0, j], s[1, j]
+                y = previous_pass + d
+                d0 = _increment(previous_pass, d, b, g, u, w0)
                 y0 = y + d0
                 d1 = _increment(y, d0, b, g, u, w1)
                 y1 = y0 + d1
@@ -149,8 +149,10 @@ def _track_lanes(  # noqa: PLR0915 - one compiled loop
                 s[0, j], s[1, j] = y6, d7
                 high = _larger(_highest(y0, y1, y2, y3), _highest(y4, y5, y6, y7))
                 squares_of_pass[j] += _square(y0, y1, y2, y3) + _square(y4, y5, y6, y7)
-                noted = (s[2, j], s[3, j], s[4, j], s[5, j])
-                s[2, j], s[3, j], s[4, j], s[5, j] = _note_peak(noted, (high, at, before_pass, d), unity)
+                start_state = (s[2, j], s[3, j], s[4, j], s[5, j])
+                s[2, j], s[3, j], s[4, j], s[5, j] = _note_peak(
+                    start_state, (high, position, previous_pass, d), unity
+                )
             i, passes = i + _PASS, passes + 1
         else:
             ends = i + 1 == blocks
@@ -160,15 +162,15 @@ def _track_lanes(  # noqa: PLR0915 - one compiled loop
             w0 = _row(drives, i)
             for j in range(LANES):
                 u = (k[5, j], k[6, j], k[7, j], k[8, j], k[9, j], k[10, j])
-                before_pass, d = s[0, j], s[1, j]
-                y = before_pass + d
-                d0 = _increment(before_pass, d, k[0, j], k[1, j], u, w0)
+                previous_pass, d = s[0, j], s[1, j]
+                y = previous_pass + d
+                d0 = _increment(previous_pass, d, k[0, j], k[1, j], u, w0)
                 now = y + fraction * d0
                 s[0, j], s[1, j], last[j] = y, d0, abs(now)
                 squares_of_pass[j] += weight * now * now
-                noted = (s[2, j], s[3, j], s[4, j], s[5, j])
+                start_state = (s[2, j], s[3, j], s[4, j], s[5, j])
                 s[2, j], s[3, j], s[4, j], s[5, j] = _note_peak(
-                    noted, (inner * abs(now), at, before_pass, d), unity
+                    start_state, (inner * abs(now), position, previous_pass, d), unity
                 )
             i += 1
         if passes == _PARTS or i >= blocks:
@@ -180,16 +182,16 @@ def _track_lanes(  # noqa: PLR0915 - one compiled loop
 
 
 @compiled
-def _peak(drives: NDArray[np.float32], at: int, y_before: float, d: float, cell: Array) -> float:
+def _peak(drives: NDArray[np.float32], position: int, y_before: float, d: float, cell: Array) -> float:
     """Largest modulus of the deviation of one cell, between blocks too.
 
-    The peak is in the pass that begins with block `at` in the state y₋, d.
+    The peak is in the pass that begins with block `position` in the state y₋, d.
     """
-    steps = min(_PASS + 1, drives.shape[1] - at)
+    steps = min(_PASS + 1, drives.shape[1] - position)
     now = left = middle = right = y_before + d
     rises, follows = False, False
     for n in range(steps):
-        u = _row(drives, at + n)
+        u = _row(drives, position + n)
         drive = (cell[5] * u[0] + cell[6] * u[1]) + (cell[7] * u[2] + cell[8] * u[3])
         d = cell[1] * d - cell[0] * y_before + (drive + (cell[9] * u[4] + cell[10] * u[5]))
         y_before, now = now, now + d
@@ -249,8 +251,8 @@ def driven_cells(drives: SharedDrives, coefficients: Array) -> DrivenCells:
         gain[:] = -c2 - beta + remainder
         remainder += -c2 - beta - gain
     single = np.concatenate([beta[np.newaxis], gains, (weights / size).astype(np.float32)])
-    filled = fill_lanes(single, LANES)
-    return DrivenCells(place=place, coefficients=filled, size=size, growth=0.5 * np.log(-c2))
+    lane_cells = fill_lanes(single, LANES)
+    return DrivenCells(place=place, coefficients=lane_cells, size=size, growth=0.5 * np.log(-c2))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -264,7 +266,7 @@ class DrivenRecord:
     @classmethod
     def from_blocks(cls, blocks: Blocks, drives: SharedDrives) -> "DrivenRecord":
         """Drives under the record of some blocks."""
-        single, scale = in_units(drives.histories(blocks))
+        single, scale = normalise(drives.histories(blocks))
         return cls(drives=single, scale=scale)
 
     @property
@@ -274,14 +276,14 @@ class DrivenRecord:
 
 
 @compiled
-def in_units(histories: Array) -> tuple[NDArray[np.float32], float]:
+def normalise(histories: Array) -> tuple[NDArray[np.float32], float]:
     """Drives in single precision in units of the largest, and that unit; infinite where one is not finite."""
-    scale, spoiled = 0.0, 0.0
+    scale, worst = 0.0, 0.0
     for drive in histories.flat:
         scale = max(scale, abs(drive))
-        spoiled += drive - drive
+        worst += drive - drive
     scale = scale if scale > 0.0 else 1.0
-    scale = scale if spoiled == 0.0 else np.inf
+    scale = scale if worst == 0.0 else np.inf
     single = np.empty(histories.shape, dtype=np.float32)
     for i in range(histories.shape[0]):
         for j in range(histories.shape[1]):
@@ -290,14 +292,14 @@ def in_units(histories: Array) -> tuple[NDArray[np.float32], float]:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Stepped:
+class DriveResponse:
     """What `track` finds of all driven cells, filled up to whole lanes."""
 
     squares: Array  # squares, peaks: As `track` returns them
     peaks: Array
 
     @classmethod
-    def through_window(cls, blocks: Blocks, record: DrivenRecord, cells: DrivenCells) -> "Stepped":
+    def step_through(cls, blocks: Blocks, record: DrivenRecord, cells: DrivenCells) -> "DriveResponse":
         """Step the cells through the window."""
         window = blocks.before, blocks.end
         squares, peaks = track(record.drives, *window, cells.coefficients, np.float32(1.0))
@@ -305,7 +307,7 @@ class Stepped:
 
 
 def deviation(
-    blocks: Blocks, record: DrivenRecord, cells: DrivenCells, stepped: Stepped
+    blocks: Blocks, record: DrivenRecord, cells: DrivenCells, drive_response: DriveResponse
 ) -> tuple[Deviation, NDArray[np.bool_]]:
     """Deviation of the measured displacement from the exact response, for many cells.
 
@@ -313,8 +315,8 @@ def deviation(
     beyond it, nor for a deviation that stays below its drive, as under a record of high frequencies only.
     """
     number, unit = cells.size.size, record.scale * cells.size
-    peak = stepped.peaks[:number]
-    mean_square = unit**2 * stepped.squares[:number] / blocks.intervals
-    strayed = Deviation(mean_square=mean_square, peak=unit * peak, ideal_peak=blocks.ideal_peak)
+    peak = drive_response.peaks[:number]
+    mean_square = unit**2 * drive_response.squares[:number] / blocks.intervals
+    difference = Deviation(mean_square=mean_square, peak=unit * peak, ideal_peak=blocks.ideal_peak)
     calm = cells.growth * record.drives.shape[1] <= _LARGEST_GROWTH
-    return strayed, calm & ((peak == 0.0) | (peak >= 1.0))
+    return difference, calm & ((peak == 0.0) | (peak >= 1.0))

@@ -19,7 +19,7 @@ from reliab.simulation.linear_loop.dominant_pole import (
     dominant_pole,
     modal_loop,
 )
-from reliab.simulation.linear_loop.pole_recursion import FROM_BLOCK, leading_recursion, pair_recursion
+from reliab.simulation.linear_loop.pole_recursion import BLOCK_COLUMNS, leading_recursion, pair_recursion
 from reliab.structures.structure import Structure
 
 FARTHEST, _REGION = 0.5, 0.4
@@ -67,9 +67,9 @@ class PoleBasis:
         pole = np.where(near, pole, self.poles[0])
         coefficients = np.empty((self.poles.size, pole.size), dtype=np.complex128)
         gamma = np.ones_like(pole)
-        for k, of_basis in enumerate(self.poles):
-            coefficients[k] = 2.0 * of_basis.real * gamma / (pole + of_basis.conjugate())
-            gamma = gamma * (pole - of_basis) / (pole + of_basis.conjugate())
+        for k, basis_pole in enumerate(self.poles):
+            coefficients[k] = 2.0 * basis_pole.real * gamma / (pole + basis_pole.conjugate())
+            gamma = gamma * (pole - basis_pole) / (pole + basis_pole.conjugate())
         return coefficients, np.where(near, np.abs(gamma), np.inf)
 
     def fast_coefficients(self, loop: ModalLoop) -> tuple[Array, Array]:
@@ -78,15 +78,15 @@ class PoleBasis:
         Returns `left_out`: largest modulus, over the frequencies, of what the expansion leaves out of the
         transfer function from −a_g [s²], shape (cells,).
         """
-        at = comparison_frequencies(self.structure)
-        exact, of_basis = loop.fast_transfer(at), self.fast.fast_transfer(at)
+        frequencies = comparison_frequencies(self.structure)
+        exact, basis_transfer = loop.fast_transfer(frequencies), self.fast.fast_transfer(frequencies)
         coefficients = self._fast_inverse @ _parts(exact)
-        return coefficients, np.abs(of_basis @ coefficients - exact).max(axis=0)
+        return coefficients, np.abs(basis_transfer @ coefficients - exact).max(axis=0)
 
     @cached_property
     def _fast_inverse(self) -> Array:
-        of_basis = _parts(self.fast.fast_transfer(comparison_frequencies(self.structure)))
-        return np.asarray(scipy.linalg.pinv(of_basis, rtol=1e-12), dtype=np.float64)
+        basis_parts = _parts(self.fast.fast_transfer(comparison_frequencies(self.structure)))
+        return np.asarray(scipy.linalg.pinv(basis_parts, rtol=1e-12), dtype=np.float64)
 
 
 @lru_cache(maxsize=256)
@@ -96,15 +96,15 @@ def pole_basis(structure: Structure) -> PoleBasis:
     Returns poles that leave out less than 2e-5 of the deviation of any actuator with an error of up to about
     20 % RMS^R, but no more than twenty.
     """
-    undisturbed = structure.pole
+    natural_pole = structure.pole
     scale = structure.damping_ratio / structure.circular_frequency
     gains = np.exp(structure.damping_ratio * _REGION_GAIN * np.linspace(-1.0, 1.0, 23))
     delays = scale * np.linspace(-_REGION_LEAD, _REGION_LAG, 42)
     gain, delay = (values.ravel() for values in np.meshgrid(gains, delays))
     poles = dominant_pole(structure, gain, delay)
-    near = poles[distance(poles, undisturbed) <= _REGION]
-    expansion = [undisturbed]
-    left_out = (near - undisturbed) / (near + undisturbed.conjugate())
+    near = poles[distance(poles, natural_pole) <= _REGION]
+    expansion = [natural_pole]
+    left_out = (near - natural_pole) / (near + natural_pole.conjugate())
     size = np.maximum(np.abs(left_out), _SMALLEST_DEVIATION)
     while len(expansion) < _MOST_POLES and np.any(np.abs(left_out) > _LEFT_OUT * size):
         worst = complex(near[np.argmax(np.abs(left_out) / size)])
@@ -115,10 +115,10 @@ def pole_basis(structure: Structure) -> PoleBasis:
     return PoleBasis(structure=structure, poles=np.array(expansion), fast=fast)
 
 
-def distance(pole: Spectrum, from_pole: complex) -> Array:
+def distance(pole: Spectrum, reference: complex) -> Array:
     """Distance |p − p₀|/|p + p̄₀| of poles [-], shape (cells,); infinite right of the imaginary axis."""
     with np.errstate(divide="ignore", invalid="ignore"):  # no pole where Newton's iteration did not converge
-        ratio = np.abs(pole - from_pole) / np.abs(pole + from_pole.conjugate())
+        ratio = np.abs(pole - reference) / np.abs(pole + reference.conjugate())
         return np.where(pole.real < 0.0, ratio, np.inf)
 
 
@@ -167,19 +167,19 @@ class Responses:
 
     def _late(self, stepping: "_Stepping") -> Iterator[Array]:
         """Functions of late actuators inside the window, by pieces: all φ_k and the fast pairs."""
-        blocks, before = self.blocks, self.blocks.before
-        if before == 0:
+        blocks, lead_blocks = self.blocks, self.blocks.before
+        if lead_blocks == 0:
             yield np.zeros((1, 2 * self.basis.poles.size + self.basis.fast.pole.size))
         for begin in range(0, blocks.left.size, _PIECE):
             lines = blocks.left[begin : begin + _PIECE], blocks.right[begin : begin + _PIECE]
             functions = np.concatenate([stepping.modal(*lines), stepping.pairs(*lines)], axis=1)
-            yield functions[max(0, before - 1 - begin) :]
+            yield functions[max(0, lead_blocks - 1 - begin) :]
 
     def _early(self, stepping: "_Stepping", ahead: int) -> Iterator[Array]:
         """Functions of early actuators inside the window: φ₀, later φ_k, ψ, and the lines of the record."""
-        left, right = self.blocks.prolonged(ahead)
+        left, right = self.blocks.extend_lines(ahead)
         count = self.basis.poles.size
-        carried = np.exp(self.basis.poles[0] * ahead * self.blocks.step)
+        initial_decay = np.exp(self.basis.poles[0] * ahead * self.blocks.step)
         earlier = np.zeros((ahead, 2))
         for begin in range(0, left.size, _PIECE):
             lines = left[begin : begin + _PIECE], right[begin : begin + _PIECE]
@@ -188,8 +188,8 @@ class Responses:
             both = np.concatenate([earlier, later])
             first, earlier = both[: later.shape[0]], both[later.shape[0] :]
             modal[:, ::count] = first
-            added_real = later[:, 0] - carried.real * first[:, 0] + carried.imag * first[:, 1]
-            added_imag = later[:, 1] - carried.imag * first[:, 0] - carried.real * first[:, 1]
+            added_real = later[:, 0] - initial_decay.real * first[:, 0] + initial_decay.imag * first[:, 1]
+            added_imag = later[:, 1] - initial_decay.imag * first[:, 0] - initial_decay.real * first[:, 1]
             functions = np.column_stack([modal, added_real, added_imag, *lines])
             yield functions[max(0, self.blocks.before + ahead - 1 - begin) :]
 
@@ -200,15 +200,17 @@ class _Stepping:
     def __init__(self, basis: PoleBasis, step: float) -> None:
         self._basis, self._step = basis, step
         count = basis.poles.size
-        filled = -(-count // _LANES) * _LANES
+        lane_count = -(-count // _LANES) * _LANES
         early, late, decay = ramp_weights(basis.poles, step)
-        self._weights = np.zeros((6, filled))
+        self._weights = np.zeros((6, lane_count))
         self._weights[:, :count] = [
             component for weight in (decay, early, late) for component in (weight.real, weight.imag)
         ]
-        self._state = np.zeros((3, filled))
-        self._mixture = np.zeros((2 * filled, 2 * count))
-        self._mixture[:count], self._mixture[filled : filled + count] = np.split(basis.orthogonal.T, 2)
+        self._state = np.zeros((3, lane_count))
+        self._mixture = np.zeros((2 * lane_count, 2 * count))
+        self._mixture[:count], self._mixture[lane_count : lane_count + count] = np.split(
+            basis.orthogonal.T, 2
+        )
         self._pair_weights = pair_recursion(basis.fast.fast_poles, basis.fast.fast_residues, step)
         self._pair_state = np.zeros((4, self._pair_weights.shape[1]))
 
@@ -243,9 +245,9 @@ def _integrate_products(pieces: Iterator[Array], end: float) -> Array:
             first, rows, total = piece[0], piece[:0], np.zeros((piece.shape[1], piece.shape[1]))
         total += piece.T @ piece
         rows = np.concatenate([rows[-2:], piece[-2:]])
-    before, last = rows[-2:]
-    ending = (1.0 - end) * before + end * last
-    for weight, row in ((-0.5, first), (0.5 * end - 0.5, before), (-1.0, last), (0.5 * end, ending)):
+    previous, last = rows[-2:]
+    ending = (1.0 - end) * previous + end * last
+    for weight, row in ((-0.5, first), (0.5 * end - 0.5, previous), (-1.0, last), (0.5 * end, ending)):
         total += weight * np.outer(row, row)
     return total
 
@@ -256,9 +258,9 @@ def _step_poles(left: Array, right: Array, weights: Array, state: Array, respons
 
     The state is the real and the imaginary part of each response, and the sum of its squares.
     """
-    filled = state.shape[1]
+    lane_count = state.shape[1]
     c, s = np.empty((6, _LANES)), np.empty((3, _LANES))
-    for first in range(0, filled, _LANES):
+    for first in range(0, lane_count, _LANES):
         copy_rows(weights[:, first:], c)
         copy_rows(state[:, first:], s)
         for i in range(left.size):
@@ -269,7 +271,7 @@ def _step_poles(left: Array, right: Array, weights: Array, state: Array, respons
                 s[0, j], s[1, j] = real, imag
                 s[2, j] += real * real + imag * imag
             for j in range(_LANES):
-                responses[i, first + j], responses[i, filled + first + j] = s[0, j], s[1, j]
+                responses[i, first + j], responses[i, lane_count + first + j] = s[0, j], s[1, j]
         copy_rows(s, state[:, first : first + _LANES])
 
 
@@ -281,12 +283,12 @@ def _step_pairs(left: Array, right: Array, weights: Array, state: Array, displac
     """
     for j in range(weights.shape[1]):
         c1, c2, b0, b1, d0, d1 = weights[:, j]
-        before, now, a0, a1 = state[:, j]
+        previous, now, a0, a1 = state[:, j]
         for i in range(left.size):
-            new = c1 * now + c2 * before + b0 * left[i] + b1 * right[i] + d0 * a0 + d1 * a1
-            before, now, a0, a1 = now, new, left[i], right[i]
+            new = c1 * now + c2 * previous + b0 * left[i] + b1 * right[i] + d0 * a0 + d1 * a1
+            previous, now, a0, a1 = now, new, left[i], right[i]
             displacements[i, j] = new
-        state[0, j], state[1, j], state[2, j], state[3, j] = before, now, a0, a1
+        state[0, j], state[1, j], state[2, j], state[3, j] = previous, now, a0, a1
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -310,13 +312,13 @@ def expansions(
     `step` [s].
     Returns one for each number of blocks that cells look ahead; cells that cannot be expanded are in none.
     """
-    expanded = []
+    results = []
     for cells, loop in parts:
         if isinstance(loop, ModalLoop):
-            expanded.append(_late(basis, cells, loop))
+            results.append(_late(basis, cells, loop))
         else:
-            expanded += _early(basis, cells, loop, step)
-    return [expansion for expansion in expanded if expansion.cells.size]
+            results += _early(basis, cells, loop, step)
+    return [expansion for expansion in results if expansion.cells.size]
 
 
 def _late(basis: PoleBasis, cells: NDArray[np.intp], loop: ModalLoop) -> Expansion:
@@ -326,10 +328,10 @@ def _late(basis: PoleBasis, cells: NDArray[np.intp], loop: ModalLoop) -> Expansi
     amplitudes[0] -= 1.0 / (2j * basis.structure.pole.imag)
     weights = np.concatenate([-2.0 * amplitudes.real, 2.0 * amplitudes.imag, fast]).T
     usable = np.isfinite(left_out)
-    neglected = 2.0 * np.abs(loop.residue * shares) * np.where(usable, left_out, 0.0)
-    neglected = np.concatenate([neglected, fast_left_out[np.newaxis]])
+    neglected_part = 2.0 * np.abs(loop.residue * shares) * np.where(usable, left_out, 0.0)
+    neglected_part = np.concatenate([neglected_part, fast_left_out[np.newaxis]])
     return Expansion(
-        cells=cells[usable], ahead=0, weights=weights[usable].copy(), left_out=neglected.T[usable]
+        cells=cells[usable], ahead=0, weights=weights[usable].copy(), left_out=neglected_part.T[usable]
     )
 
 
@@ -337,29 +339,32 @@ def _early(basis: PoleBasis, cells: NDArray[np.intp], loop: LeadingLoop, step: f
     shares, left_out = basis.coefficients(loop.pole)
     ahead, recursion = leading_recursion(loop, step)
     back = ahead * step - loop.lead
-    carried = loop.residue * np.exp(-loop.pole * back)
-    amplitudes = carried * shares
-    passed = amplitudes[:1].copy()
+    decayed_residue = loop.residue * np.exp(-loop.pole * back)
+    amplitudes = decayed_residue * shares
+    partial_amplitudes = amplitudes[:1].copy()
     amplitudes[0] *= np.exp(basis.structure.pole * ahead * step)
     amplitudes[0] -= 1.0 / (2j * basis.structure.pole.imag)
     weights = np.concatenate(
         [
             -2.0 * amplitudes.real,
             2.0 * amplitudes.imag,
-            -2.0 * passed.real,
-            2.0 * passed.imag,
-            recursion[FROM_BLOCK],
+            -2.0 * partial_amplitudes.real,
+            2.0 * partial_amplitudes.imag,
+            recursion[BLOCK_COLUMNS],
         ]
     ).T
     usable = np.isfinite(left_out)
-    neglected = 2.0 * np.abs(carried * shares) * np.where(usable, left_out, 0.0)
-    neglected = np.concatenate([neglected, np.zeros((1, cells.size))]).T
+    neglected_part = 2.0 * np.abs(decayed_residue * shares) * np.where(usable, left_out, 0.0)
+    neglected_part = np.concatenate([neglected_part, np.zeros((1, cells.size))]).T
     groups = []
     for count in np.unique(ahead[usable]):
-        alike = (ahead == count) & usable
+        has_count = (ahead == count) & usable
         groups.append(
             Expansion(
-                cells=cells[alike], ahead=int(count), weights=weights[alike].copy(), left_out=neglected[alike]
+                cells=cells[has_count],
+                ahead=int(count),
+                weights=weights[has_count].copy(),
+                left_out=neglected_part[has_count],
             )
         )
     return groups
@@ -380,9 +385,9 @@ def mean_squares(
     """
     mean_square, precise_cells = np.zeros(motion.size), np.zeros(motion.size, dtype=np.bool_)
     for expansion in expansions:
-        under = motion[expansion.cells]
-        motions = np.unique(under)
-        place = np.searchsorted(motions, under)
+        motion_of_cells = motion[expansion.cells]
+        motions = np.unique(motion_of_cells)
+        place = np.searchsorted(motions, motion_of_cells)
         sums = [responses[k].sums(expansion.ahead) for k in motions]
         products, energy = (np.stack(arrays) for arrays in zip(*sums, strict=True))
         squares = _quadratic_forms(expansion.weights, products, place)
@@ -394,14 +399,14 @@ def mean_squares(
 
 
 @compiled
-def _quadratic_forms(weights: Array, products: Array, which: NDArray[np.int64]) -> Array:
+def _quadratic_forms(weights: Array, products: Array, motion_of_cells: NDArray[np.int64]) -> Array:
     """Form wᵀGw with one of several symmetric G for each row w of the weights; never below zero."""
-    forms = np.empty(which.size)
+    forms = np.empty(motion_of_cells.size)
     count = weights.shape[1]
-    for row in range(which.size):
+    for row in range(motion_of_cells.size):
         w, total = weights[row], 0.0
         for k in range(count):
-            g, product = products[which[row], k], 0.0
+            g, product = products[motion_of_cells[row], k], 0.0
             for m in range(count):
                 product += g[m] * w[m]
             total += w[k] * product

@@ -31,7 +31,7 @@ from reliab.simulation.linear_loop.dominant_pole import LeadingLoop, ModalLoop
 
 _Real = TypeVar("_Real", np.float32, np.float64)
 
-FROM_BLOCK = slice(8, 10)
+BLOCK_COLUMNS = slice(8, 10)
 """Coefficients with which the record at both ends of a block enters beside the dominant pair."""
 
 
@@ -64,9 +64,9 @@ def recursions(loop: ModalLoop | LeadingLoop, step: float, cells: NDArray[np.int
         return [Recursion(cells=cells, ahead=0, coefficients=recursion(loop, step))]
     ahead, coefficients = leading_recursion(loop, step)
     return [
-        Recursion(cells=cells[alike], ahead=int(count), coefficients=coefficients[:, alike])
+        Recursion(cells=cells[equal_steps], ahead=int(count), coefficients=coefficients[:, equal_steps])
         for count in np.unique(ahead)
-        for alike in (np.flatnonzero(ahead == count),)
+        for equal_steps in (np.flatnonzero(ahead == count),)
     ]
 
 
@@ -78,16 +78,18 @@ def leading_recursion(loop: LeadingLoop, step: float) -> tuple[NDArray[np.int64]
     pole, residue = loop.pole, loop.residue
     ahead = np.ceil(loop.lead / step).astype(np.int64)
     back = ahead * step - loop.lead
-    carried = residue * np.exp(-pole * back)
-    slow = pair_recursion(np.stack([pole, pole.conj()]), np.stack([carried, carried.conj()]), step)
+    decayed_residue = residue * np.exp(-pole * back)
+    slow = pair_recursion(
+        np.stack([pole, pole.conj()]), np.stack([decayed_residue, decayed_residue.conj()]), step
+    )
     # ∫₀^θ e^(−p(θ−u))a(u) du of the record's straight line, from its right end backwards
-    whole = -np.expm1(-pole * back) / pole
-    falling = (back - whole) / (pole * step)
+    constant_part = -np.expm1(-pole * back) / pole
+    falling = (back - constant_part) / (pole * step)
     share = back / step
     left = 2.0 * (residue * falling).real - loop.feedthrough * share
-    right = 2.0 * (residue * (whole - falling)).real - loop.feedthrough * (1.0 - share)
-    none = np.zeros_like(left)
-    return ahead, np.concatenate([slow, np.stack([none, none, left, right, none, none])])
+    right = 2.0 * (residue * (constant_part - falling)).real - loop.feedthrough * (1.0 - share)
+    zeros = np.zeros_like(left)
+    return ahead, np.concatenate([slow, np.stack([zeros, zeros, left, right, zeros, zeros])])
 
 
 def recursion(loop: ModalLoop, step: float) -> Array:
@@ -109,15 +111,15 @@ def pair_recursion(poles: Spectrum, residues: Spectrum, step: float) -> Array:
     `poles`, `residues`, `step` [s].
     """
     early, late, decay = ramp_weights(poles, step)
-    ahead, behind = residues, residues * decay[::-1]
+    ahead, late_residues = residues, residues * decay[::-1]
     return np.stack(
         [
             decay.sum(axis=0).real,
             -decay.prod(axis=0).real,
             -(ahead * early).sum(axis=0).real,
             -(ahead * late).sum(axis=0).real,
-            (behind * early).sum(axis=0).real,
-            (behind * late).sum(axis=0).real,
+            (late_residues * early).sum(axis=0).real,
+            (late_residues * late).sum(axis=0).real,
         ]
     )
 
@@ -185,9 +187,9 @@ def _track_lanes(
             a2, a3 = (left[i - 1], right[i - 1]) if i > 0 else (0.0, 0.0)
             for j in range(LANES):
                 track = (t[0, j], t[1, j], t[2, j], t[3, j], t[4, j], t[5, j])
-                strayed = x[0, j] + x[2, j] - ideal[i]
+                difference = x[0, j] + x[2, j] - ideal[i]
                 if i == before:
-                    track = follow(track, strayed, 0.5)
+                    track = follow(track, difference, 0.5)
                 slow = (
                     k[0, j] * x[0, j]
                     + k[1, j] * x[1, j]
@@ -207,7 +209,7 @@ def _track_lanes(
                 x[0, j], x[1, j], x[2, j], x[3, j] = slow, x[0, j], fast, x[2, j]
                 now = slow + fast - ideal[i + 1]
                 if i >= before:
-                    track = follow(track, strayed + end * (now - strayed) if last else now, weight)
+                    track = follow(track, difference + end * (now - difference) if last else now, weight)
                 t[0, j], t[1, j], t[2, j], t[3, j], t[4, j], t[5, j] = track
             i += 1
     return t
@@ -227,9 +229,9 @@ def _track(left: Array, right: Array, ideal: Array, before: int, end: float, coe
 def deviation(blocks: Blocks, coefficients: Array, *, ahead: int = 0) -> Deviation:
     """Deviation of the measured displacement from the exact response, for many cells."""
     cells = coefficients.shape[1]
-    filled = fill_lanes(coefficients, LANES)
+    lane_coefficients = fill_lanes(coefficients, LANES)
     left, right, ideal = blocks.left, blocks.right, blocks.ideal
     if ahead:
-        (left, right), ideal = blocks.prolonged(ahead), np.concatenate([np.zeros(ahead), ideal])
-    tracks = _track(left, right, ideal, blocks.before + ahead, blocks.end, filled)
+        (left, right), ideal = blocks.extend_lines(ahead), np.concatenate([np.zeros(ahead), ideal])
+    tracks = _track(left, right, ideal, blocks.before + ahead, blocks.end, lane_coefficients)
     return summary(tracks[:, :cells], blocks.intervals, blocks.ideal_peak)

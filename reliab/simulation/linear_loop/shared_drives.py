@@ -56,8 +56,8 @@ class SharedDrives:
         """Weights of the shared drives in those of late actuators."""
         targets = _parts(_drives(coefficients, self.exact, self.back) / self.rows)
         weights, residual = _fit(self.orthonormal, targets)
-        undisturbed = _exact_drive(self.exact, self.back) / self.rows
-        nothing = _NO_DRIVE * _sizes(_parts(undisturbed))
+        exact_weights = _exact_drive(self.exact, self.back) / self.rows
+        nothing = _NO_DRIVE * _sizes(_parts(exact_weights))
         weights[:, np.all(_sizes(targets) <= nothing, axis=0)] = 0.0
         return weights, np.all(_sizes(residual) <= LEFT_OUT * _sizes(targets) + nothing, axis=0)
 
@@ -73,21 +73,23 @@ def shared_drives(structure: Structure, step: float) -> SharedDrives:
     `step` [s].
     """
     turn = structure.circular_frequency * step
-    below = np.geomspace(1e-3 * turn, turn, _FREQUENCIES, endpoint=False)
-    back = np.exp(-1j * np.append(below, np.geomspace(turn, np.pi, _FREQUENCIES)))[:, np.newaxis]
+    low_frequencies = np.geomspace(1e-3 * turn, turn, _FREQUENCIES, endpoint=False)
+    back = np.exp(-1j * np.append(low_frequencies, np.geomspace(turn, np.pi, _FREQUENCIES)))[:, np.newaxis]
     exact = recursion(modal_loop(structure, np.ones(1), np.zeros(1)), step)[:6]
     candidates = _candidates(structure, step)
     targets = _drives(candidates, exact, back)
     sizes = _sizes(_parts(targets))
     rows = np.sqrt(np.mean((sizes / sizes.max(axis=0)) ** 2, axis=1, keepdims=True))
-    scaled = _parts(targets / rows)
-    _, _, order = scipy.linalg.qr(scaled / np.linalg.norm(scaled, axis=0), mode="economic", pivoting=True)
-    selected = order[:DRIVES]
-    orthonormal, triangle = np.linalg.qr(scaled[:, selected])
+    scaled_parts = _parts(targets / rows)
+    _, _, order = scipy.linalg.qr(
+        scaled_parts / np.linalg.norm(scaled_parts, axis=0), mode="economic", pivoting=True
+    )
+    drive_rows = order[:DRIVES]
+    orthonormal, triangle = np.linalg.qr(scaled_parts[:, drive_rows])
     return SharedDrives(
         back=back,
         exact=exact,
-        taps=_taps(candidates[:, selected]) @ np.linalg.inv(triangle),
+        taps=_taps(candidates[:, drive_rows]) @ np.linalg.inv(triangle),
         orthonormal=orthonormal.copy(),
         rows=rows,
     )
@@ -98,8 +100,8 @@ def _candidates(structure: Structure, step: float) -> Array:
     gains = np.exp(_REACH_GAIN * structure.damping_ratio * np.linspace(-1.0, 1.0, _GAINS))
     delays = _LONGEST_DELAY * step * np.linspace(0.0, 1.0, _DELAYS)
     gain, delay = (values.ravel() for values in np.meshgrid(gains, delays))
-    moved = (gain != 1.0) | (delay > 0.0)
-    loop = modal_loop(structure, gain[moved], delay[moved])
+    is_perturbed = (gain != 1.0) | (delay > 0.0)
+    loop = modal_loop(structure, gain[is_perturbed], delay[is_perturbed])
     return recursion(loop, step)[:, loop.residue != 0.0]
 
 
@@ -156,16 +158,16 @@ def _taps(sources: Array) -> Array:
     Returns the weights of a₀, then of a₁, in this block and the four before, and of the exact response at the
     end of this block and at the two edges before, shape (13, cells).
     """
-    own = np.stack([np.ones_like(sources[0]), -sources[0], -sources[1]])
+    own_drives = np.stack([np.ones_like(sources[0]), -sources[0], -sources[1]])
     taps = np.zeros((2 * _LAGS + 3, sources.shape[1]))
     for end in (0, 1):
         lags = taps[end * _LAGS :]
         for dominant, late, fast in zip(sources[2 + end : 6 : 2], (0, 1), sources[8 + end :: 2], strict=True):
             lags[late] += dominant
-            for later, weight in enumerate(own):
+            for later, weight in enumerate(own_drives):
                 lags[late + later] += weight * fast
                 lags[late + later + 1] += sources[6] * weight * fast
-    taps[2 * _LAGS :] = -own
+    taps[2 * _LAGS :] = -own_drives
     return taps
 
 

@@ -36,7 +36,7 @@ def respond(
     `transfer_function` [rad/s]; `longest`, `lead` [s].
     Returns `response`: response at equal steps from the begin to the end of the window, both included.
     """
-    line = TransformLine.for_excitation(excitation, longest, lead)
+    line = TransformLine.from_excitation(excitation, longest, lead)
     return line.response(transfer_function(line.s)), line.step
 
 
@@ -51,7 +51,7 @@ class TransformLine:
     step: float
 
     @classmethod
-    def for_excitation(cls, excitation: Excitation, longest: float, lead: float) -> Self:
+    def from_excitation(cls, excitation: Excitation, longest: float, lead: float) -> Self:
         """Transform a record for steps and leads up to the longest [s]."""
         begin, end = excitation.window
         steps = int(np.ceil((end - begin) / longest - 1e-9))
@@ -66,8 +66,8 @@ class TransformLine:
 
     def response(self, transfer: Spectrum) -> Array:
         """Response at equal steps of the window to transfer functions at s, shape (…, frequencies)."""
-        decayed = scipy.fft.irfft(self.spectrum * transfer, self.points)[..., : self.steps + 1]
-        return np.asarray(decayed * self._growth, dtype=np.float64)
+        damped_response = scipy.fft.irfft(self.spectrum * transfer, self.points)[..., : self.steps + 1]
+        return np.asarray(damped_response * self._growth, dtype=np.float64)
 
     @cached_property
     def _growth(self) -> Array:
@@ -80,8 +80,8 @@ def _record_transform(excitation: Excitation, s: Spectrum) -> Spectrum:
     """Laplace transform of the piecewise-linear record at equally spaced s."""
     a, h = excitation.acceleration, excitation.time_step
     spacing = (s[1] - s[0]).imag
-    decayed = a * np.exp(-s[0].real * h * np.arange(a.size))
-    samples = scipy.signal.czt(decayed, m=s.size, w=np.exp(-1j * spacing * h))
+    damped_record = a * np.exp(-s[0].real * h * np.arange(a.size))
+    samples = scipy.signal.czt(damped_record, m=s.size, w=np.exp(-1j * spacing * h))
     fall = (1.0 - np.exp(-s * h)) / (s**2 * h)
     hat = fall * np.expm1(s * h)
     # The record starts with a jump: only the right half of the first hat is there.
@@ -123,7 +123,7 @@ def deviation(
     `longest` [s].
     """
     refuse_long_leads(structure, gain, delay)
-    line = TransformLine.for_excitation(excitation, longest, max(0.0, -float(delay.min(initial=0.0))))
+    line = TransformLine.from_excitation(excitation, longest, max(0.0, -float(delay.min(initial=0.0))))
     ideal = line.response(transfer(structure, np.ones(()), np.zeros(()), line.s))
     unstable = np.flatnonzero(delay >= critical_delay(structure, gain))
     if unstable.size:
@@ -133,7 +133,7 @@ def deviation(
         shift = np.exp(-line.s * one_delay)  # the same for all gains, and dearer than all the rest
         for cell in np.flatnonzero(delay == one_delay):
             loop = transfer_of_shift(structure, np.asarray(gain[cell]), shift, line.s)
-            strayed = line.response(loop) - ideal
-            mean_square[cell] = np.trapezoid(strayed**2, dx=line.step) / excitation.window_duration
-            peak[cell] = peak_of_history(strayed)
+            difference = line.response(loop) - ideal
+            mean_square[cell] = np.trapezoid(difference**2, dx=line.step) / excitation.window_duration
+            peak[cell] = peak_of_history(difference)
     return Deviation(mean_square=mean_square, peak=peak, ideal_peak=peak_of_history(ideal))

@@ -54,7 +54,7 @@ class QuadraturePair:
 
     # straight, turned: The record and the record with every frequency turned by a quarter of a cycle
     straight: Excitation
-    turned: Excitation
+    quadrature: Excitation
 
     @classmethod
     def from_excitation(cls, excitation: Excitation) -> "QuadraturePair":
@@ -63,13 +63,15 @@ class QuadraturePair:
         silence = np.zeros_like(record)
         length = scipy.fft.next_fast_len(3 * record.size, real=True)
         late = np.concatenate([silence, record])
-        turned = scipy.fft.irfft(-1j * scipy.fft.rfft(late, length), length)[: late.size]
+        quadrature_record = scipy.fft.irfft(-1j * scipy.fft.rfft(late, length), length)[: late.size]
         shift = record.size * excitation.time_step
         begin, end = excitation.window
         later = (begin + shift, end + shift)
         return cls(
             straight=Excitation(acceleration=late, time_step=excitation.time_step, window=later),
-            turned=Excitation(acceleration=turned, time_step=excitation.time_step, window=later),
+            quadrature=Excitation(
+                acceleration=quadrature_record, time_step=excitation.time_step, window=later
+            ),
         )
 
 
@@ -94,9 +96,11 @@ class TrackedCells:
         pairs: list[tuple[Recursion, _Lanes]] = []
         if late.size:
             cells = self.structure, self.gain[late], self.delay[late]
-            (measured,) = recursions(modal_loop(*cells), self.step, late)
-            command = recursion(modal_loop(*cells, measured=False), self.step)
-            pairs.append((measured, _fill_coefficient_lanes(command, measured.coefficients)))
+            (measured_recursion,) = recursions(modal_loop(*cells), self.step, late)
+            command = recursion(modal_loop(*cells, has_measured_output=False), self.step)
+            pairs.append(
+                (measured_recursion, _fill_coefficient_lanes(command, measured_recursion.coefficients))
+            )
         if early.size:
             loop = leading_loop(self.structure, self.gain[early], -self.delay[early])
             _, command = leading_recursion(loop.command(self.gain[early]), self.step)
@@ -109,11 +113,11 @@ class TrackedCells:
         return pairs
 
 
-def _fill_coefficient_lanes(command: Array, measured: Array) -> _Lanes:
+def _fill_coefficient_lanes(command: Array, measured_coefficients: Array) -> _Lanes:
     """Coefficients of both in sets of lanes, the last filled up."""
-    both = fill_lanes(command, LANES), fill_lanes(measured, LANES)
+    both = fill_lanes(command, LANES), fill_lanes(measured_coefficients, LANES)
     sets = range(0, both[0].shape[1], LANES)
-    return [(both[0][:, at : at + LANES].copy(), both[1][:, at : at + LANES].copy()) for at in sets]
+    return [(both[0][:, lane : lane + LANES].copy(), both[1][:, lane : lane + LANES].copy()) for lane in sets]
 
 
 def tracking_sums(pair: QuadraturePair, cells: TrackedCells) -> TrackingSums:
@@ -121,19 +125,19 @@ def tracking_sums(pair: QuadraturePair, cells: TrackedCells) -> TrackingSums:
     structure, step = cells.structure, cells.step
     memory = _MEMORY / (structure.damping_ratio * structure.circular_frequency)
     begin = pair.straight.window[0] - memory - step
-    records = [record.since(begin) for record in (pair.straight, pair.turned)]
+    records = [record.since(begin) for record in (pair.straight, pair.quadrature)]
     straight, aside = cut_together(records, structure, step=step)
     first = max(0, straight.before - int(memory / step))
     sine = np.sin(np.pi * np.arange(straight.left.size - straight.before) / straight.intervals)
     taper = np.square(np.square(sine))
-    before = straight.before - first
+    lead_blocks = straight.before - first
     ends = _ends(straight, first), _ends(aside, first)
     sums = np.empty((_SUMS, cells.gain.size))
-    for measured, lanes_of in cells.recursions:
-        lines = straight.prolonged(measured.ahead)
-        ahead = np.stack([line[first + measured.ahead :] for line in lines])
-        parts = [_accumulate(*ends, ahead, taper, before, *lanes) for lanes in lanes_of]
-        sums[:, measured.cells] = np.concatenate(parts, axis=1)[:, : measured.cells.size]
+    for measured_recursion, lanes_of in cells.recursions:
+        lines = straight.extend_lines(measured_recursion.ahead)
+        ahead = np.stack([line[first + measured_recursion.ahead :] for line in lines])
+        parts = [_accumulate(*ends, ahead, taper, lead_blocks, *lanes) for lanes in lanes_of]
+        sums[:, measured_recursion.cells] = np.concatenate(parts, axis=1)[:, : measured_recursion.cells.size]
     # Samples one and two steps apart show sin ωH and sin 2ωH; 8 sin ωH − sin 2ωH = 6ωH + O((ωH)⁵).
     frequency = (8.0 * sums[3] - sums[4]) / sums[2] / (12.0 * np.pi * step)
     cross = np.empty(sums.shape[1], dtype=np.complex128)
@@ -162,7 +166,13 @@ def _step(
 
 @compiled
 def _accumulate(
-    straight: Array, aside: Array, ahead: Array, taper: Array, before: int, command: Array, measured: Array
+    straight: Array,
+    aside: Array,
+    ahead: Array,
+    taper: Array,
+    before: int,
+    command: Array,
+    measured_coefficients: Array,
 ) -> Array:
     """Step command, its quadrature and measured displacement of a set of lanes; shape (5, lanes).
 
@@ -170,7 +180,7 @@ def _accumulate(
     """
     c, m = np.empty((12, LANES)), np.empty((12, LANES))
     copy_rows(command, c)
-    copy_rows(measured, m)
+    copy_rows(measured_coefficients, m)
     x, q, o = np.zeros((4, LANES)), np.zeros((4, LANES)), np.zeros((4, LANES))
     past, sums = np.zeros((4, LANES)), np.zeros((_SUMS, LANES))
     for i in range(1, before + taper.size - 1):
@@ -191,9 +201,9 @@ def _accumulate(
             n = (m[6, j], m[7, j], m[8, j], m[9, j], m[10, j], m[11, j])
             slow, fast = _step((o[0, j], o[1, j]), (o[2, j], o[3, j]), k, n, b)
             o[0, j], o[1, j], o[2, j], o[3, j] = slow, o[0, j], fast, o[2, j]
-            reached = slow + fast
-            sums[0, j] += weight * reached * place
-            sums[1, j] -= weight * reached * aslant
+            output = slow + fast
+            sums[0, j] += weight * output * place
+            sums[1, j] -= weight * output * aslant
             sums[2, j] += 0.5 * weight * (place * place + aslant * aslant)
             sums[3, j] += 0.5 * weight * (aslant * past[0, j] - place * past[1, j])
             sums[4, j] += 0.5 * weight * (aslant * past[2, j] - place * past[3, j])

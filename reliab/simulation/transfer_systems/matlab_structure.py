@@ -15,7 +15,7 @@ _HEADER = 128  # bytes, whose last four hold the version and the order of bytes
 _CHUNK = 1 << 16
 _DEEPEST = 64
 _SHORT = 4  # bytes
-_MATRIX, _COMPRESSED = 14, 15
+_MATRIX, _COMPRESSED_TYPE = 14, 15
 _NUMBERS: Final = frozenset({1, 2, 3, 4, 5, 6, 7, 9, 12, 13, 16, 17, 18})
 _CELL, _STRUCTURE, _OBJECT, _CHARACTERS, _SPARSE, _FUNCTION, _OPAQUE = 1, 2, 3, 4, 5, 16, 17
 _NUMERIC: Final = range(6, 16)
@@ -32,9 +32,9 @@ def require_sound_structure(path: Path) -> None:
         if len(header) < _HEADER or 0 in header[:4] or header[124 + (header[126:127] == b"I")] != 1:
             return
         _follow(file, size, _order(header[126:128]))
-    if within := subsystem_of(path):
-        inner = _order(within[2:4])
-        _follow(io.BytesIO(within), len(within), inner, begin=8)
+    if subsystem := subsystem_of(path):
+        inner = _order(subsystem[2:4])
+        _follow(io.BytesIO(subsystem), len(subsystem), inner, begin=8)
 
 
 def subsystem_of(path: Path) -> bytes:
@@ -48,7 +48,7 @@ def subsystem_of(path: Path) -> bytes:
             return b""
         file.seek(place)
         kind, length = _Elements(_Plain(file, size), order).full_tag()
-        if kind == _COMPRESSED:
+        if kind == _COMPRESSED_TYPE:
             return _Elements(_CompressedStream(file, length), order).bytes_of_matrix()
         file.seek(place)
         return _Elements(_Plain(file, size), order).bytes_of_matrix()
@@ -64,7 +64,7 @@ def _follow(file: BinaryIO, size: int, order: Literal["little", "big"], *, begin
         file.seek(begin)
         plain = _Elements(_Plain(file, size), order)
         kind, length = plain.full_tag()
-        if kind == _COMPRESSED:
+        if kind == _COMPRESSED_TYPE:
             _Elements(_CompressedStream(file, length), order).matrix()
         elif kind == _MATRIX:
             file.seek(begin)
@@ -119,12 +119,12 @@ class _CompressedStream:
         self._ready = self._ready[count:]
 
     def _piece(self) -> bytes:
-        packed = self._unpacking.unconsumed_tail
-        if not packed:
-            packed = self._file.read(min(_CHUNK, self._left))
-            self._left -= len(packed)
-        piece = self._unpacking.decompress(packed, _CHUNK)
-        if not piece and not packed:
+        compressed = self._unpacking.unconsumed_tail
+        if not compressed:
+            compressed = self._file.read(min(_CHUNK, self._left))
+            self._left -= len(compressed)
+        piece = self._unpacking.decompress(compressed, _CHUNK)
+        if not piece and not compressed:
             raise ValueError("the file ends within a variable")
         return piece
 
@@ -152,16 +152,16 @@ class _Elements:
         return first, length, -(-length // 8) * 8
 
     def _numbers(self) -> None:
-        kind, _, filled = self._tag()
+        kind, _, padded_length = self._tag()
         if kind not in _NUMBERS:
             raise ValueError(f"numbers of the unknown kind {kind}")
-        self._source.skip(filled)
+        self._source.skip(padded_length)
 
-    def _content(self, most: int) -> bytes:
-        kind, length, filled = self._tag()
-        if kind not in _NUMBERS or length > most:
+    def _content(self, longest: int) -> bytes:
+        kind, length, padded_length = self._tag()
+        if kind not in _NUMBERS or length > longest:
             raise ValueError("a name or size that is none")
-        return self._source.take(filled)[:length]
+        return self._source.take(padded_length)[:length]
 
     def matrix(self, depth: int = 0) -> None:
         """Follow a variable, or one within another."""
@@ -171,8 +171,8 @@ class _Elements:
         if length == 0:
             return
         flags = self._number(self._source.take(16)[8:12])
-        held = flags & 0xFF
-        if held == _OPAQUE:
+        array_class = flags & 0xFF
+        if array_class == _OPAQUE:
             for _ in range(3):
                 self._content(_CHUNK)
             self.matrix(depth + 1)
@@ -180,30 +180,30 @@ class _Elements:
         sizes = self._content(4 * 32)
         count = math.prod(self._number(sizes[k : k + 4]) for k in range(0, len(sizes), 4))
         self._content(_CHUNK)
-        self._values(held, count, 2 if flags & _COMPLEX else 1, depth)
+        self._values(array_class, count, 2 if flags & _COMPLEX else 1, depth)
 
     def bytes_of_matrix(self) -> bytes:
         """Numbers of a matrix of single bytes, which a file keeps its objects in."""
         kind, _ = self.full_tag()
-        held = self._number(self._source.take(16)[8:12]) & 0xFF
-        if kind != _MATRIX or held != _BYTES:
+        array_class = self._number(self._source.take(16)[8:12]) & 0xFF
+        if kind != _MATRIX or array_class != _BYTES:
             raise ValueError("objects without bytes")
         self._content(4 * 32)
         self._content(_CHUNK)
         return self._content(_MOST_OBJECTS)
 
-    def _values(self, held: int, count: int, parts: int, depth: int) -> None:
-        if held == _OBJECT:
+    def _values(self, array_class: int, count: int, parts: int, depth: int) -> None:
+        if array_class == _OBJECT:
             self._content(_CHUNK)
-        if held in {_STRUCTURE, _OBJECT}:
+        if array_class in {_STRUCTURE, _OBJECT}:
             width = self._number(self._content(4))
             count *= len(self._content(_CHUNK * _CHUNK)) // max(width, 1)
-        if held in {_CELL, _STRUCTURE, _OBJECT, _FUNCTION}:
+        if array_class in {_CELL, _STRUCTURE, _OBJECT, _FUNCTION}:
             for _ in range(count):
                 self.matrix(depth + 1)
-        elif held in _NUMERIC or held in {_CHARACTERS, _SPARSE}:
-            of_kind = {_CHARACTERS: 1, _SPARSE: 2 + parts}
-            for _ in range(of_kind.get(held, parts)):
+        elif array_class in _NUMERIC or array_class in {_CHARACTERS, _SPARSE}:
+            parts_of_class = {_CHARACTERS: 1, _SPARSE: 2 + parts}
+            for _ in range(parts_of_class.get(array_class, parts)):
                 self._numbers()
         else:
-            raise ValueError(f"a variable of the unknown class {held}")
+            raise ValueError(f"a variable of the unknown class {array_class}")

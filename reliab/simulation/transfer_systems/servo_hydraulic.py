@@ -41,10 +41,10 @@ class ServoHydraulic(TransferSystem):
             *("input_gain", "valve_gain", "piston_coupling"),
             *("leakage", "valve_damping", "valve_stiffness"),
         ):
-            called = f"{name.replace('_', ' ')} of a servo-hydraulic actuator"
-            require_physical("number", getattr(self, name), called=called)
+            label = f"{name.replace('_', ' ')} of a servo-hydraulic actuator"
+            require_physical("number", getattr(self, name), called=label)
 
-    def perturbed(self, deviations: Array) -> Self:
+    def perturb(self, deviations: Array) -> Self:
         """Return the actuator with leakage, valve damping and stiffness off by deviations [SI], (3,)."""
         leakage, damping, stiffness = map(float, deviations)
         return replace(
@@ -77,7 +77,7 @@ class ServoHydraulic(TransferSystem):
             velocity=rows[4],
             force=rows[2],
             contains_nonlinear=True,
-            differenced=-self.piston_coupling * rows[2],
+            differentiated=-self.piston_coupling * rows[2],
         )
 
     def _massless_plant(self, specimen: Specimen) -> Plant:
@@ -107,7 +107,7 @@ class ServoHydraulic(TransferSystem):
             displacement=rows[2],
             velocity=dynamics[2],
             force=k * rows[2],
-            differenced=np.zeros(3),
+            differentiated=np.zeros(3),
         )
 
     def transfer(self, s: Spectrum, specimen: Specimen) -> Spectrum:

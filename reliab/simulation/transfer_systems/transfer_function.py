@@ -37,7 +37,7 @@ class Plant:
     delay: float = 0.0  # Delay [s] of the command before it arrives
     # Part of A that acts through the velocity row, A = A₀ + differenced ⊗ velocity; an emulation of a block
     # diagram may take that velocity by differences. Shape (states,)
-    differenced: Array
+    differentiated: Array
 
 
 class TransferSystem(ABC):
@@ -53,7 +53,7 @@ class TransferSystem(ABC):
 
 
 _AXIS_TOLERANCE = 1e-9  # real part over modulus of a pole that lies on the imaginary axis
-_SAME = 1e-6  # relative distance of poles that are one pole repeated
+_REPEATED_TOLERANCE = 1e-6  # relative distance of poles that are one pole repeated
 _MOST_SPREAD = 1e100  # of coefficients; a system of twenty poles at 10⁵ 1/s has as much
 
 
@@ -104,9 +104,9 @@ class TransferFunction(TransferSystem):
                 value=f"a pole at {poles[right][0]:.6g} 1/s",
                 remedy="Close the actuator's own displacement loop before it is identified",
             )
-        on_axis = poles[np.abs(poles.real) <= _SAME * scale]
-        for place, pole in enumerate(on_axis):
-            if (np.abs(on_axis[place + 1 :] - pole) <= _SAME * np.abs(poles).max()).any():
+        axis_poles = poles[np.abs(poles.real) <= _REPEATED_TOLERANCE * scale]
+        for place, pole in enumerate(axis_poles):
+            if (np.abs(axis_poles[place + 1 :] - pole) <= _REPEATED_TOLERANCE * np.abs(poles).max()).any():
                 raise InputError(
                     "A transfer system must not have repeated poles on the imaginary axis",
                     value=f"{pole:.6g} 1/s twice",
@@ -152,11 +152,12 @@ class TransferFunction(TransferSystem):
     def plant(self, specimen: Specimen) -> Plant:
         """State-space model of the rational part, in a time that suits its poles."""
         relative = len(self.denominator) - len(self.numerator)
-        needed = 2 if specimen.mass > 0.0 else (1 if specimen.damping else 0)
-        if relative < needed:
+        excess_poles = 2 if specimen.mass > 0.0 else (1 if specimen.damping else 0)
+        if relative < excess_poles:
             raise InputError(
-                f"Before a specimen with {'mass' if needed > 1 else 'damping'} a transfer system needs "
-                f"at least {needed} more poles than zeros, since a sampled command jumps and a piston cannot",
+                f"Before a specimen with {'mass' if excess_poles > 1 else 'damping'} a transfer system needs "
+                f"at least {excess_poles} more poles than zeros, since a sampled command jumps and a piston "
+                "cannot",
                 value=f"{relative} more",
                 remedy="Add the pole of the servo-valve, at some 100 Hz",
             )
@@ -164,7 +165,7 @@ class TransferFunction(TransferSystem):
         order = a.shape[0]
         rows = [c, c @ a, c @ a @ a]
         linear = (specimen.stiffness, specimen.damping, specimen.mass)
-        of_command = (d, float(c @ b), float(c @ a @ b))
+        command_feedthrough = (d, float(c @ b), float(c @ a @ b))
         return Plant(
             dynamics=a,
             command=b,
@@ -173,9 +174,9 @@ class TransferFunction(TransferSystem):
             velocity=rows[1],
             force=sum((k * row for k, row in zip(linear, rows, strict=True)), np.zeros(order)),
             displacement_of_command=d,
-            force_of_command=sum(k * direct for k, direct in zip(linear, of_command, strict=True)),
+            force_of_command=sum(k * direct for k, direct in zip(linear, command_feedthrough, strict=True)),
             delay=self.delay,
-            differenced=np.zeros(order),
+            differentiated=np.zeros(order),
         )
 
     def _state_space(self) -> tuple[Array, Array, Array, float]:
@@ -204,7 +205,7 @@ def coefficients_of(values: Sequence[float] | Array) -> tuple[float, ...]:
 
 
 _WORST_CONDITION = 1e10  # of the kinematics, after rows and columns are scaled
-_ANY = Specimen(stiffness=1.0)  # transfer functions do not depend on it
+_PLACEHOLDER_SPECIMEN = Specimen(stiffness=1.0)  # transfer functions do not depend on it
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -216,7 +217,7 @@ class ActuatorMatrix:
     >>> lag, none = TransferFunction(numerator=(1.0,), denominator=(0.01, 1.0)), None
     >>> coupled = TransferFunction(numerator=(0.1,), denominator=(0.01, 1.0))
     >>> actuators = ActuatorMatrix(kinematics=np.eye(2), transfer=((lag, none), (coupled, lag)))
-    >>> abs(actuators.at_interface(np.array([0j]))[0]).round(2)
+    >>> abs(actuators.interface_transfer(np.array([0j]))[0]).round(2)
     array([[1. , 0. ],
            [0.1, 1. ]])
     """
@@ -237,18 +238,19 @@ class ActuatorMatrix:
                 remedy="Give 0 where actuators are not coupled",
             )
 
-    def at_actuators(self, s: Spectrum) -> Spectrum:
+    def actuator_transfer(self, s: Spectrum) -> Spectrum:
         """H at s [rad/s], shape (…, p, p)."""
         s = np.asarray(s, dtype=np.complex128)
         zero = np.zeros_like(s)
         rows = [
-            [zero if entry is None else entry.transfer(s, _ANY) for entry in row] for row in self.transfer
+            [zero if entry is None else entry.transfer(s, _PLACEHOLDER_SPECIMEN) for entry in row]
+            for row in self.transfer
         ]
         return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
 
-    def at_interface(self, s: Spectrum) -> Spectrum:
+    def interface_transfer(self, s: Spectrum) -> Spectrum:
         """Measured over commanded displacement of the interface, T⁻¹HT, at s [rad/s], shape (…, p, p)."""
-        return np.asarray(np.linalg.solve(self.kinematics, self.at_actuators(s) @ self.kinematics))
+        return np.asarray(np.linalg.solve(self.kinematics, self.actuator_transfer(s) @ self.kinematics))
 
 
 def invertible(kinematics: Array) -> Array:
@@ -270,12 +272,12 @@ def invertible(kinematics: Array) -> Array:
             remedy="Leave out the degrees of freedom that are free, and condense them",
         )
     largest = np.abs(matrix).max(axis=0)
-    scaled = matrix / np.where(largest > 0.0, largest, 1.0)
-    if not np.linalg.cond(scaled) < _WORST_CONDITION:
+    scaled_matrix = matrix / np.where(largest > 0.0, largest, 1.0)
+    if not np.linalg.cond(scaled_matrix) < _WORST_CONDITION:
         raise InputError(
             "The kinematics must not be singular: the actuators must be able to move every degree of "
             "freedom by itself",
-            value=f"rank {np.linalg.matrix_rank(scaled)} of {matrix.shape[0]}",
+            value=f"rank {np.linalg.matrix_rank(scaled_matrix)} of {matrix.shape[0]}",
             remedy="Check the lever arms; one row holds the displacement of one actuator",
         )
     return matrix

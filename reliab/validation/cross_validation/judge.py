@@ -27,7 +27,7 @@ from reliab.core.errors import InputError
 from reliab.core.progress import Progress, silent
 from reliab.core.vocabulary import Side
 from reliab.criterion.derivation import Derivation, require_meaning
-from reliab.criterion.ellipse_table import names_along, without_copies
+from reliab.criterion.ellipse_table import drop_copies, names_along
 from reliab.criterion.laws.law import Law
 from reliab.criterion.laws.registry import FittedLaw
 from reliab.criterion.laws.table import Table
@@ -95,7 +95,7 @@ class DerivedCandidate(Candidate):
     ) -> Mapping[float, Limits]:
         """Derive the criterion of all structures at each confidence that the motions carry."""
         derivation = Derivation.from_ellipses(
-            without_copies(ellipses), method=self.method, law=self.law, threshold=threshold, metric=metric
+            drop_copies(ellipses), method=self.method, law=self.law, threshold=threshold, metric=metric
         )
         limits: dict[float, Limits] = {}
         refusals: list[InputError] = []

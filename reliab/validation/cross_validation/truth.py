@@ -19,7 +19,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from reliab.core.vocabulary import MILLI, CurveName, Metric, Side
-from reliab.criterion.ellipse_sample import is_ellipse, of_curve
+from reliab.criterion.ellipse_sample import is_ellipse, select_curve
 from reliab.criterion.ellipse_table import names_along
 from reliab.motions.motion import Motion
 from reliab.simulation.engine import Loop
@@ -47,7 +47,7 @@ class Cell:
         Returns `a, b`: parameters [-] and [ms²] of the ellipses of least squares, shape (motions,); NaN where
         there is none.
         """
-        side_ellipses = of_curve(ellipses, CurveName.ELLIPSE, side)
+        side_ellipses = select_curve(ellipses, CurveName.ELLIPSE, side)
         cell_ellipses = side_ellipses.sel(
             f=self.frequency, xi=self.damping_ratio, threshold=self.threshold, metric=self.metric
         )
@@ -206,5 +206,5 @@ class EllipseTruth(Truth):
 
 
 def _surfaces(results: xr.Dataset, f: float, xi: float, metric: str) -> ErrorSurfaces:
-    errors = results.reliab.at_structure(f, xi)[metric].transpose("motion", "kp", "tau")
+    errors = results.reliab.select_structure(f, xi)[metric].transpose("motion", "kp", "tau")
     return ErrorSurfaces(errors["kp"].values, errors["tau"].values, errors.values)

@@ -15,7 +15,7 @@ from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import MILLI, Metric, Side
 from reliab.criterion.criterion import Criterion
-from reliab.criterion.laws.registry import OF_MANY_MOTIONS
+from reliab.criterion.laws.registry import MANY_MOTION_LAWS
 from reliab.criterion.published import published_criterion
 from reliab.simulation.engine import Loop
 from reliab.simulation.excitation import Excitation
@@ -88,7 +88,7 @@ class ByIndices:
         """Take the printed laws where they hold, and the shipped criterion for tests of this length."""
         criteria = {}
         for name in _PRINTED:
-            law = OF_MANY_MOTIONS[name]
+            law = MANY_MOTION_LAWS[name]
             try:
                 law.validity.require_error(question.threshold, question.metric)
                 law.validity.require(structure.frequency, structure.damping_ratio)

@@ -13,7 +13,7 @@ from reliab.app.cli.criterion import criterion
 from reliab.core.errors import InputError
 from reliab.core.shipped import shipped
 from reliab.criterion.distributions import DISTRIBUTIONS
-from reliab.criterion.laws.registry import FITTED, OF_MANY_MOTIONS
+from reliab.criterion.laws.registry import FITTED_LAWS, MANY_MOTION_LAWS
 from reliab.criterion.methods.registry import METHODS
 from reliab.criterion.scaling import scales
 from reliab.motions.loading import load_motions
@@ -281,7 +281,7 @@ def test_a_model_goes_to_the_simulation(sources, monkeypatch):
 
 def test_a_list_names_every_method_law_and_distribution_and_takes_no_other_option():
     shown = CliRunner().invoke(app, ["--list"]).stdout
-    for name in (*METHODS, *FITTED, *OF_MANY_MOTIONS, *DISTRIBUTIONS):
+    for name in (*METHODS, *FITTED_LAWS, *MANY_MOTION_LAWS, *DISTRIBUTIONS):
         assert f"  {name}: " in shown
     assert "guo_2017_18: (A − 1)²/(0.021ξ)" in shown
     assert answer("--list", "--f", 1) == "refused"

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from reliab.core.errors import InputError
-from reliab.criterion.laws.law import checked_grid
-from reliab.criterion.laws.registry import FITTED, law_from_dict, law_to_dict
+from reliab.criterion.laws.law import validate_grid
+from reliab.criterion.laws.registry import FITTED_LAWS, law_from_dict, law_to_dict
 from reliab.criterion.laws.table import Table
 from reliab.criterion.scaling import scales
 
 F = np.array([0.25, 0.5, 1.0, 2.0])
 XI = np.array([0.02, 0.05, 0.1])
-EVERY = pytest.mark.parametrize("law", FITTED.values(), ids=FITTED)
+EVERY = pytest.mark.parametrize("law", FITTED_LAWS.values(), ids=FITTED_LAWS)
 
 SHAPES = {
     "table": lambda f, xi: (0.2 * xi**2 * f**0.3, 3.0 * (xi / f) ** 2),
@@ -87,7 +87,7 @@ def test_a_table_keeps_a_limit_of_zero():
 
 
 @pytest.mark.parametrize(
-    "law", [law for law in FITTED.values() if law is not Table], ids=lambda law: law.name
+    "law", [law for law in FITTED_LAWS.values() if law is not Table], ids=lambda law: law.name
 )
 @pytest.mark.parametrize("place", [0, 1])
 def test_a_law_with_logarithms_refuses_a_limit_of_zero(law, place):
@@ -104,9 +104,9 @@ def test_a_law_with_logarithms_refuses_a_limit_of_zero(law, place):
 )
 def test_other_grids_are_refused(wrong):
     with pytest.raises(InputError, match=r"positive, finite, at most 1e\+30, and increasing"):
-        checked_grid("frequencies", wrong)
+        validate_grid("frequencies", wrong)
 
 
 @pytest.mark.parametrize("grid", [[0.25], [0.25, 0.5, 2.0]])
 def test_a_grid_is_kept(grid):
-    assert checked_grid("frequencies", grid).tolist() == grid
+    assert validate_grid("frequencies", grid).tolist() == grid

@@ -7,7 +7,7 @@ import pytest
 from reliab.core.errors import InputError
 from reliab.core.shipped import shipped
 from reliab.criterion.laws import guo_2017
-from reliab.criterion.laws.registry import OF_MANY_MOTIONS
+from reliab.criterion.laws.registry import MANY_MOTION_LAWS
 
 
 @pytest.fixture(scope="module")
@@ -94,7 +94,9 @@ def test_the_corrected_equation_18_joins_the_other_two():
         np.testing.assert_allclose(np.ravel(joined.limits(f, 0.04)), 4.0 * np.ravel(over_f.limits(f, 0.02)))
 
 
-@pytest.mark.parametrize("equation", [each() for each in (*guo_2017.PUBLISHED, *guo_2017.CORRECTED)])
+@pytest.mark.parametrize(
+    "equation", [each() for each in (*guo_2017.PUBLISHED_EQUATIONS, *guo_2017.CORRECTED_EQUATIONS)]
+)
 def test_use_outside_of_the_validity_is_refused(equation):
     valid = equation.validity
     for f in (valid.frequency[0] / 2.0, valid.frequency[1] * 2.0):
@@ -110,4 +112,4 @@ def test_use_outside_of_the_validity_is_refused(equation):
 
 
 def test_laws_of_one_motion_promise_no_confidence():
-    assert not {"guo_2017_11", "guo_2017_14", "guo_2017_17"} & set(OF_MANY_MOTIONS)
+    assert not {"guo_2017_11", "guo_2017_14", "guo_2017_17"} & set(MANY_MOTION_LAWS)

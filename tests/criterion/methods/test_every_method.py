@@ -110,7 +110,7 @@ def exceedance(shape, earthquakes, motions, confidence, suites):
     scatter = Scatter.from_logarithms(logarithms)
     events = np.repeat(np.arange(earthquakes), motions).astype(np.str_)
     learned = MotionPredictive.fit(scatter.worse(logarithms), events)
-    limits = scatter.at(learned.quantile(1.0 - confidence))
+    limits = scatter.limits_at_depth(learned.quantile(1.0 - confidence))
     kept = np.mean([(further >= limit).all(axis=1).mean() for limit in limits])
     return (1.0 - kept) / (1.0 - confidence)
 
@@ -127,19 +127,21 @@ def test_what_the_earthquakes_carry_by_themselves_holds_to_a_fifth(earthquakes):
 @pytest.mark.parametrize("earthquakes", [4, 6, 10, 19])
 def test_where_the_fitted_shape_carries_it_is_within_a_factor(earthquakes, motions, shape):
     """Beyond it the ratio grows without bound; that is where limits become zero."""
-    carried = Dirichlet().carried_confidence(earthquakes * motions, earthquakes)
+    carried = Dirichlet().achievable_confidence(earthquakes * motions, earthquakes)
     assert exceedance(shape, earthquakes, motions, carried, suites=400) < 2.6
     by_themselves = exceedance(shape, earthquakes, motions, earthquakes / (earthquakes + 1.0), suites=400)
     assert by_themselves < (1.3 if motions > 1 else 1.6)
 
 
 def test_few_earthquakes_carry_little_and_one_nothing():
-    carried = [Dirichlet().carried_confidence(5 * count, count) for count in (1, 2, 3, 8, 19, 50)]
+    carried = [Dirichlet().achievable_confidence(5 * count, count) for count in (1, 2, 3, 8, 19, 50)]
     assert carried[0] == 0.0
     assert np.all(np.diff(carried) > 0.0)
     assert carried[3] > 0.95 > carried[2]
     # 59 motions are the fewest for 95 % with an assurance of 95 % (Wilks 1941).
-    assert OrderStatistic().carried_confidence(58, 58) < 0.95 < OrderStatistic().carried_confidence(59, 59)
+    assert (
+        OrderStatistic().achievable_confidence(58, 58) < 0.95 < OrderStatistic().achievable_confidence(59, 59)
+    )
 
 
 def test_the_plug_in_quantile_states_what_it_keeps():

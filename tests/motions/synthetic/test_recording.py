@@ -30,10 +30,10 @@ from reliab.motions.synthetic.recording import (
     high_pass,
     padding,
     pulse_acceleration,
+    rotate,
     settle,
     simulate_recording,
     trim_quiet_ends,
-    turned,
 )
 from reliab.motions.synthetic.suite import QUANTUM, EventErrors, Recording, simulate_event
 
@@ -120,14 +120,14 @@ def test_median_peak_agrees_with_the_nga_west2_models(
     for number in range(60):
         parameters = _parameters(number, _scenario(magnitude, distance))
         noises = RandomStream(8, number), RandomStream(9, number)
-        motion = turned(simulate_recording(parameters, magnitude, noises), number)
+        motion = rotate(simulate_recording(parameters, magnitude, noises), number)
         peaks.extend(np.abs(motion).max(axis=1) / STANDARD_GRAVITY)
     assert np.median(peaks) == pytest.approx(expected, rel=0.3)
 
 
 def test_turning_by_a_right_angle_swaps_the_components() -> None:
     motion = np.random.default_rng(1).standard_normal((2, 5))
-    assert turned(motion, np.pi / 2.0) == pytest.approx(np.stack([motion[1], -motion[0]]))
+    assert rotate(motion, np.pi / 2.0) == pytest.approx(np.stack([motion[1], -motion[0]]))
 
 
 def test_trimming_takes_the_quiet_time_only() -> None:

@@ -197,7 +197,9 @@ def test_whatever_the_actuator_the_error_is_a_number_or_beyond_every_threshold(s
         engine=Engine.POLE,
     )
     cells = loop.cells(gain=gain, delay=delay)
-    neglected = loop.reduced.error(loop.reduced.poles(cells.gain, cells.delay), cells.gain, cells.delay)
+    neglected = loop.reduced_loop.error(
+        loop.reduced_loop.poles(cells.gain, cells.delay), cells.gain, cells.delay
+    )
     for error in (loop.deviation(cells).mean_square, loop.deviation(cells).peak, neglected):
         assert not np.isnan(error).any()
 

@@ -122,31 +122,33 @@ def test_a_table_that_is_missing_is_named():
 
 
 def test_one_number_stands_for_each_storey_by_itself():
-    assert TolerancesTable(storey_stiffnesses=0.05).of_parts(2) == {
+    assert TolerancesTable(storey_stiffnesses=0.05).part_deviations(2) == {
         "storey_stiffness_1": 0.05,
         "storey_stiffness_2": 0.05,
     }
 
 
 def test_a_correlation_divides_a_deviation_between_all_and_each():
-    parts = TolerancesTable(floor_masses=0.06, storey_correlation=0.25).of_parts(3)
+    parts = TolerancesTable(floor_masses=0.06, storey_correlation=0.25).part_deviations(3)
     assert parts["floor_mass"] == pytest.approx(0.03)
     assert np.hypot(parts["floor_mass"], parts["floor_mass_2"]) == pytest.approx(0.06)
-    assert TolerancesTable(floor_masses=0.06, storey_correlation=1.0).of_parts(3) == {"floor_mass": 0.06}
+    assert TolerancesTable(floor_masses=0.06, storey_correlation=1.0).part_deviations(3) == {
+        "floor_mass": 0.06
+    }
 
 
 def test_a_specimen_that_changes_the_structure_is_a_part_of_it():
     beside = TolerancesTable(specimen_stiffness=0.04)
     within = TolerancesTable(specimen_stiffness=0.04, specimen_changes_structure=True)
-    assert (beside.of_specimen_alone, beside.of_parts(2)) == (0.04, {})
-    assert (within.of_specimen_alone, within.of_parts(2)) == (0.0, {"specimen_stiffness": 0.04})
+    assert (beside.specimen_deviation, beside.part_deviations(2)) == (0.04, {})
+    assert (within.specimen_deviation, within.part_deviations(2)) == (0.0, {"specimen_stiffness": 0.04})
 
 
 def test_numbers_for_each_are_as_many_as_there_are_modes():
     table = TolerancesTable(mode_frequencies=(0.01, 0.02))
-    assert table.of_parts(2) == {"mode_frequency_1": 0.01, "mode_frequency_2": 0.02}
+    assert table.part_deviations(2) == {"mode_frequency_1": 0.01, "mode_frequency_2": 0.02}
     with pytest.raises(InputError, match="2 of mode frequency"):
-        table.of_parts(3)
+        table.part_deviations(3)
 
 
 @pytest.mark.parametrize(

@@ -95,9 +95,9 @@ def test_a_file_describes_pins_and_directions():
     np.testing.assert_allclose(frame.kinematics, [[1.0, 2.0], [1.0, -2.0]])
     moved = np.array([[0.1], [0.3]])
     extended = frame.geometry.extensions(moved)
-    np.testing.assert_allclose(frame.to_interface @ frame.straightened(extended), moved)
+    np.testing.assert_allclose(frame.to_interface @ frame.straighten(extended), moved)
     at_interface = frame_of(geometry=described, channels="interface")
-    assert at_interface.straightened(extended) is extended
+    assert at_interface.straighten(extended) is extended
 
 
 @pytest.mark.parametrize(

@@ -120,12 +120,12 @@ def test_a_delay_of_just_a_step_is_the_limit_of_shorter_ones():
 @pytest.mark.parametrize("parts", [1, 4])
 def test_a_motion_through_samples_of_a_cubic_is_that_cubic(parts):
     time = 0.01 * np.arange(30)
-    motion = Motion3.through(2.0 * time**3 - time, 0.01, parts=parts)
+    motion = Motion3.interpolate(2.0 * time**3 - time, 0.01, parts=parts)
     fine = 0.01 / parts * np.arange(29 * parts + 1)
     assert motion.step == pytest.approx(0.01 / parts)
     expected = np.stack([2.0 * fine**3 - fine, 6.0 * fine**2 - 1.0, 12.0 * fine])
     np.testing.assert_allclose(motion.values, expected, atol=1e-9)
-    coarse = motion.at_each(parts)
+    coarse = motion.thin(parts)
     assert coarse.step == pytest.approx(0.01)
     np.testing.assert_allclose(coarse.values[0], 2.0 * time**3 - time, atol=1e-12)
 

@@ -28,6 +28,6 @@ def test_matrices_of_a_step_do_what_the_classical_runge_kutta_method_does(step):
 
 def test_each_deviation_reaches_its_own_constant_of_the_actuator():
     nominal = ServoHydraulic(leakage=3.0, valve_damping=400.0, valve_stiffness=9e4)
-    found = nominal.perturbed(np.array([0.5, -30.0, 2e3]))
+    found = nominal.perturb(np.array([0.5, -30.0, 2e3]))
     assert (found.leakage, found.valve_damping, found.valve_stiffness) == (3.5, 370.0, 9.2e4)
     assert (found.input_gain, found.valve_gain) == (nominal.input_gain, nominal.valve_gain)

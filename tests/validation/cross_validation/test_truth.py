@@ -7,7 +7,7 @@ from reliab.app.api.simulation import simulate
 from reliab.app.api.sources import ellipses as api_ellipses
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import Side
-from reliab.criterion.laws.registry import OF_MANY_MOTIONS
+from reliab.criterion.laws.registry import MANY_MOTION_LAWS
 from reliab.criterion.laws.table import Table
 from reliab.motions.synthetic.suite import synthetic_suite
 from reliab.simulation.excitation import Excitation
@@ -188,7 +188,7 @@ def test_a_threshold_that_an_actuator_at_rest_keeps_is_refused(motions, both_sid
 def test_a_law_of_the_paper_counts_leads_as_lags_and_other_laws_say_nothing_of_them():
     silent, printed = (
         PrintedCandidate(name="law", law=law).learn(None, 0.05, "rms", [0.95])[0.95].regions(CELL)
-        for law in (Table.fit([1.0], [0.02], [[1e-4]], [[1.0]]), OF_MANY_MOTIONS["guo_2017_18"])
+        for law in (Table.fit([1.0], [0.02], [[1e-4]], [[1.0]]), MANY_MOTION_LAWS["guo_2017_18"])
     )
     assert [region.side for region in silent] == [Side.LAG]
     assert [region.side for region in printed] == [Side.LAG, Side.LEAD]

@@ -33,7 +33,7 @@ from reliab.criterion.methods.hierarchical.strata import (
     weights_of_motion,
     weights_of_motion_mean,
 )
-from reliab.criterion.methods.method import Learned, Scatter, checked_share
+from reliab.criterion.methods.method import LearnedLimits, Scatter, validate_share
 from reliab.criterion.population import Population, SampleGrid
 from reliab.criterion.scaling import scales
 from reliab.sampling.ensembles import Ensembles, draw, width_of
@@ -71,8 +71,8 @@ class FurtherMotions:
             weights = 0.5 * lengths
             degrees = np.exp(theta[:, -1])[:, None]
             stretch = degrees / scipy.special.chdtri(degrees, 0.5 + 0.5 * places)
-            of_mean = np.einsum("k,wkc->wc", weights_of_motion_mean(model.grid), effects)
-            covariance = covariance + ((stretch[..., None] - 1.0) * of_mean[:, None])[:, None, None]
+            mean_effects = np.einsum("k,wkc->wc", weights_of_motion_mean(model.grid), effects)
+            covariance = covariance + ((stretch[..., None] - 1.0) * mean_effects[:, None])[:, None, None]
         return cls(mean=mean, covariance=covariance, weights=weights)
 
     def depth(self, share: float, scatter: Scatter, *, joint: bool) -> Array:
@@ -86,9 +86,9 @@ class FurtherMotions:
         if joint:
             depth = _depth(share, self.weights, mean, spread, correlation)
             return np.stack([depth, depth], axis=-1)
-        alone = (slice(0, 1), slice(1, 2))
+        sides = (slice(0, 1), slice(1, 2))
         return np.stack(
-            [_depth(share, self.weights, mean[..., k], spread[..., k], correlation) for k in alone], axis=-1
+            [_depth(share, self.weights, mean[..., k], spread[..., k], correlation) for k in sides], axis=-1
         )
 
 
@@ -108,11 +108,11 @@ def _depth(
 
     def excess(depth: Array, cell: Array) -> Array:
         these = cell.astype(np.int64)
-        above = np.moveaxis((means[these] - depth[:, None, None]) / spreads[these], -1, 0)
+        standard_excess = np.moveaxis((means[these] - depth[:, None, None]) / spreads[these], -1, 0)
         shares = (
-            scipy.special.ndtr(above[0])
+            scipy.special.ndtr(standard_excess[0])
             if variables == 1
-            else both_below(above[0], above[1], correlations[these])
+            else both_below(standard_excess[0], standard_excess[1], correlations[these])
         )
         return np.asarray(shares @ weights - share)
 
@@ -147,7 +147,7 @@ def both_below(first: ArrayLike, second: ArrayLike, correlation: ArrayLike) -> A
 _ROUNDS = 2
 
 
-def filled(model: Hierarchical, lacking: Array, events: NDArray[np.str_]) -> Hierarchical:
+def impute_missing(model: Hierarchical, lacking: Array, events: NDArray[np.str_]) -> Hierarchical:
     """Add motions that lack some structures to a model of motions that have all.
 
     What is missing is drawn once, given what the motion has at its other structures, at the mode of the
@@ -157,36 +157,36 @@ def filled(model: Hierarchical, lacking: Array, events: NDArray[np.str_]) -> Hie
     """
     if not len(lacking):
         return model
-    completed = model
+    model_with_values = model
     for _ in range(_ROUNDS):
-        theta = Laplace.about_mode(completed).mode[None]
-        law = np.einsum("tq,fxt->fxq", completed.coefficients(theta)[0], completed.terms)
-        covariance = _covariance(completed.grid, completed.covariances(theta)[0])
+        theta = Laplace.about_mode(model_with_values).mode[None]
+        law = np.einsum("tq,fxt->fxq", model_with_values.coefficients(theta)[0], model_with_values.terms)
+        covariance = _covariance(model_with_values.grid, model_with_values.covariances(theta)[0])
         rng = np.random.default_rng(2017)  # the same draws in every round
-        drawn = np.stack([_draw_missing(motion, law, covariance, rng) for motion in lacking])
-        completed = replace(
+        imputed_motions = np.stack([_draw_missing(motion, law, covariance, rng) for motion in lacking])
+        model_with_values = replace(
             model,
-            values=np.concatenate([model.values, drawn]),
+            values=np.concatenate([model.values, imputed_motions]),
             events=np.concatenate([model.events, events]),
         )
-    return completed
+    return model_with_values
 
 
 def _covariance(grid: Grid, covariances: Array) -> Array:
     """Covariance of all values of one motion, shape (F·X·2, F·X·2), from those of the effects."""
-    along_f, along_xi = grid.shape
-    everywhere, same = np.ones((along_f, along_f)), np.eye(along_f)
-    level, slope = np.ones((along_xi, along_xi)), np.outer(grid.eta, grid.eta)
-    over_structures = {
+    f_count, xi_count = grid.shape
+    everywhere, identity = np.ones((f_count, f_count)), np.eye(f_count)
+    level, slope = np.ones((xi_count, xi_count)), np.outer(grid.eta, grid.eta)
+    structure_factors = {
         EVENT: np.kron(everywhere, level),
         MOTION: np.kron(everywhere, level),
         MOTION_SLOPE: np.kron(everywhere, slope),
-        FREQUENCY: np.kron(same, level),
-        FREQUENCY_SLOPE: np.kron(same, slope),
-        REMAINDER: np.eye(along_f * along_xi),
+        FREQUENCY: np.kron(identity, level),
+        FREQUENCY_SLOPE: np.kron(identity, slope),
+        REMAINDER: np.eye(f_count * xi_count),
     }
     pairs = [np.array([[aa, ab], [ab, bb]]) for aa, bb, ab in covariances]
-    parts = (np.kron(over_structures[name], pair) for name, pair in zip(grid.effects, pairs, strict=True))
+    parts = (np.kron(structure_factors[name], pair) for name, pair in zip(grid.effects, pairs, strict=True))
     return np.asarray(sum(parts))
 
 
@@ -226,16 +226,16 @@ def posterior_limits(
     Returns (F, X, 2).
     """
     rng = np.random.default_rng(seed)
-    drawn = model.draw_motions(posterior.spread_out(_DRAWS_OF_LIMITS), np.arange(_MOTIONS), rng)
-    motions = drawn.reshape(-1, *drawn.shape[2:])
+    motion_draws = model.draw_motions(posterior.spread_out(_DRAWS_OF_LIMITS), np.arange(_MOTIONS), rng)
+    motions = motion_draws.reshape(-1, *motion_draws.shape[2:])
     scatter = Scatter.from_logarithms(motions)
 
     if assurance is None:
         standing = scatter.worse(motions)[..., None] if joint else scatter.standard(motions)
         depth = np.quantile(standing, 1.0 - confidence, axis=0)
     else:
-        every = FurtherMotions.from_draws(model, posterior.spread_out(_POPULATIONS))
-        depth = np.quantile(every.depth(confidence, scatter, joint=joint), 1.0 - assurance, axis=0)
+        populations = FurtherMotions.from_draws(model, posterior.spread_out(_POPULATIONS))
+        depth = np.quantile(populations.depth(confidence, scatter, joint=joint), 1.0 - assurance, axis=0)
     logarithms = scatter.centre + scatter.spread * depth
     scale = scales(model.frequencies[:, None], model.damping_ratios[None, :])
     return np.asarray(np.stack(scale, axis=-1) * np.exp(logarithms))
@@ -248,7 +248,7 @@ _LONGEST = 4  # times as many steps where these were too few
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class HierarchicalFit(Learned):
+class HierarchicalFit(LearnedLimits):
     """A posterior of the hierarchical model, and what it was fitted to."""
 
     grid: SampleGrid  # The motions
@@ -262,13 +262,13 @@ class HierarchicalFit(Learned):
         return posterior_limits(
             self.posterior,
             self.model,
-            checked_share(confidence, "confidence"),
+            validate_share(confidence, "confidence"),
             joint=joint,
             assurance=self.assurance,
         )
 
     @property
-    def sampled(self) -> PosteriorSample:
+    def posterior_sample(self) -> PosteriorSample:
         """Draws of the posterior."""
         return self.posterior
 
@@ -300,7 +300,7 @@ class HierarchicalFit(Learned):
         """Law inside, and whether the posterior can be relied on."""
         diagnostics = self.posterior.diagnostics
         return {
-            "curved": self.model.curved,
+            "curved": self.model.has_curvature,
             "converged": self.posterior.converged,
             "largest_r_hat": _finite_or_none(diagnostics.r_hat.max()),
             "least_effective_size": _finite_or_none(
@@ -320,15 +320,15 @@ class HierarchicalFit(Learned):
     @property
     def _imputation_note(self) -> str:
         values = _values(self.grid.population)
-        known = np.asarray(np.isfinite(values).all(axis=-1)).reshape(len(values), -1)
-        lacking, left_out = int((~known).any(axis=1).sum()), len(known) - len(self.model.values)
+        is_known = np.asarray(np.isfinite(values).all(axis=-1)).reshape(len(values), -1)
+        lacking, left_out = int((~is_known).any(axis=1).sum()), len(is_known) - len(self.model.values)
         if not lacking:
             return ""
-        alone = f"; {left_out} with none at all were left out" if left_out else ""
+        dropped_text = f"; {left_out} with none at all were left out" if left_out else ""
         return (
-            f"{lacking} of {len(known)} motions have no ellipse at some structure, "
-            f"{percent((~known).mean(), decimals=1)} of "
-            f"all values; these were drawn from the model given the motion's other structures{alone}."
+            f"{lacking} of {len(is_known)} motions have no ellipse at some structure, "
+            f"{percent((~is_known).mean(), decimals=1)} of "
+            f"all values; these were drawn from the model given the motion's other structures{dropped_text}."
         )
 
 
@@ -338,13 +338,13 @@ def fit_hierarchical(
     method: str,
     assurance: float | None = None,
     steps: int | None = None,
-    curved: bool = True,
+    has_curvature: bool = True,
     robust: bool = False,
     chains: Path | None = None,
     progress: Progress = silent,
 ) -> HierarchicalFit:
     """Sample the posterior of the hierarchical model of ellipses."""
-    model = hierarchical_model(grid.population, curved=curved, robust=robust)
+    model = hierarchical_model(grid.population, has_curvature=has_curvature, robust=robust)
     length = steps or _steps_for(model)
     ensembles = Ensembles(steps=length, thin=_THIN, longest=0 if steps else _LONGEST * length)
     side = "" if grid.side == Side.LAG else f"_{grid.side}"
@@ -358,11 +358,13 @@ def fit_hierarchical(
     return HierarchicalFit(grid=grid, method=method, assurance=assurance, model=model, posterior=posterior)
 
 
-def hierarchical_model(population: Population, *, curved: bool = True, robust: bool = False) -> Hierarchical:
+def hierarchical_model(
+    population: Population, *, has_curvature: bool = True, robust: bool = False
+) -> Hierarchical:
     """Make the hierarchical model of motions."""
     values = _values(population)
-    known = np.isfinite(values)
-    complete = known.all(axis=(1, 2, 3))
+    is_known = np.isfinite(values)
+    complete = is_known.all(axis=(1, 2, 3))
     if complete.sum() < FEWEST_MOTIONS:
         raise InputError(
             f"Too few motions with an ellipse at every structure: this method needs {FEWEST_MOTIONS}",
@@ -374,11 +376,11 @@ def hierarchical_model(population: Population, *, curved: bool = True, robust: b
         events=population.events[complete],
         frequencies=population.frequencies,
         damping_ratios=population.damping_ratios,
-        curved=curved,
+        has_curvature=has_curvature,
         robust=robust,
     )
-    partial = ~complete & known.any(axis=(1, 2, 3))
-    return filled(model, values[partial], population.events[partial])
+    partial = ~complete & is_known.any(axis=(1, 2, 3))
+    return impute_missing(model, values[partial], population.events[partial])
 
 
 def _values(population: Population) -> Array:

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, ClassVar, Final
 
 from reliab.core.errors import InputError
 from reliab.core.progress import Progress, silent
-from reliab.criterion.methods.method import Method, checked_share
+from reliab.criterion.methods.method import Method, validate_share
 from reliab.criterion.population import SampleGrid
 
 if TYPE_CHECKING:
     from reliab.criterion.methods.hierarchical.fit import HierarchicalFit
 
-_CURVED: Final = {"table": True, "dimensionless": True, "power": False}
+_HAS_CURVATURE: Final = {"table": True, "dimensionless": True, "power": False}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,7 +44,7 @@ class HierarchicalMethod(Method):
 
     def __post_init__(self) -> None:
         if self.assurance is not None:
-            checked_share(self.assurance, "assurance")
+            validate_share(self.assurance, "assurance")
 
     @property
     def settings(self) -> dict[str, object]:
@@ -57,18 +57,18 @@ class HierarchicalMethod(Method):
         """Sample the posterior; see :meth:`Method.learn`."""
         from reliab.criterion.methods.hierarchical.fit import fit_hierarchical
 
-        if law not in _CURVED:
+        if law not in _HAS_CURVATURE:
             raise InputError(
                 "The hierarchical methods do not take this law",
                 value=law,
-                remedy=f"Choose among {', '.join(_CURVED)}",
+                remedy=f"Choose among {', '.join(_HAS_CURVATURE)}",
             )
         return fit_hierarchical(
             grid,
             method=self.name,
             assurance=self.assurance,
             steps=self.steps,
-            curved=_CURVED[law],
+            has_curvature=_HAS_CURVATURE[law],
             robust=self.robust,
             chains=chains,
             progress=progress,

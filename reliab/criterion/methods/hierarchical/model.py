@@ -32,7 +32,7 @@ from reliab.sampling.model import Model, Parameter
 
 @compiled
 def log_distances(
-    strayed: Array,
+    residuals: Array,
     effects: Array,
     groups: NDArray[np.int64],
     degrees: Array,
@@ -44,11 +44,13 @@ def log_distances(
         share = 1.0 / degrees[vector]
         for motion in range(groups.size):
             event = groups[motion]
-            first, second = strayed[vector, motion, 0], strayed[vector, motion, 1]
+            first, second = residuals[vector, motion, 0], residuals[vector, motion, 1]
             for node in range(nodes):
-                along = first - effects[vector, event, node, 0]
-                across = second - effects[vector, event, node, 1]
-                sums[vector, event, node] += np.log(1.0 + share * (along * along + across * across))
+                first_residual = first - effects[vector, event, node, 0]
+                second_residual = second - effects[vector, event, node, 1]
+                sums[vector, event, node] += np.log(
+                    1.0 + share * (first_residual * first_residual + second_residual * second_residual)
+                )
     return sums
 
 
@@ -66,24 +68,24 @@ class MotionMeans:
     def normal(
         self,
         centre: Array,
-        between: Array,
-        within: Array,
+        between_covariance: Array,
+        within_covariance: Array,
     ) -> Array:
         """Log-likelihood with normal event and motion effects.
 
-        `centre` (vectors, 2); `between`, `within` (vectors, 3); returns (vectors,).
+        `centre` (vectors, 2); `between_covariance`, `within_covariance` (vectors, 3); returns (vectors,).
         """
         sizes, event_means, scatter = self._event_statistics
-        below = normal_log_density(within, scatter, float(self.groups.size - sizes.size))
-        of_mean = between[:, None, :] + within[:, None, :] / sizes[:, None]
-        strayed = squares_of(event_means - centre[:, None, :])
-        return np.asarray(below + normal_log_density(of_mean, strayed, 1.0).sum(axis=1))
+        within_density = normal_log_density(within_covariance, scatter, float(self.groups.size - sizes.size))
+        mean_covariance = between_covariance[:, None, :] + within_covariance[:, None, :] / sizes[:, None]
+        mean_squares = squares_of(event_means - centre[:, None, :])
+        return np.asarray(within_density + normal_log_density(mean_covariance, mean_squares, 1.0).sum(axis=1))
 
     def robust(
         self,
         centre: Array,
-        between: Array,
-        within: Array,
+        between_covariance: Array,
+        within_covariance: Array,
         degrees: Array,
     ) -> Array:
         """Log-likelihood with normal event effects and bivariate Student-t motions about them.
@@ -94,19 +96,21 @@ class MotionMeans:
         `degrees` (vectors,); returns (vectors,).
         """
         # In coordinates in which the scale is the identity, distances are Euclidean.
-        whitening = _inverse_of_triangle(_cholesky(_matrix(within)))
-        strayed = np.einsum("wij,wmj->wmi", whitening, self.means - centre[:, None, :])
-        prior = whitening @ _matrix(between) @ whitening.swapaxes(-1, -2)
-        mode, precision = self._conditional(strayed, _inverse(prior), degrees)
+        whitening = _inverse_of_triangle(_cholesky(_matrix(within_covariance)))
+        whitened_residuals = np.einsum("wij,wmj->wmi", whitening, self.means - centre[:, None, :])
+        prior = whitening @ _matrix(between_covariance) @ whitening.swapaxes(-1, -2)
+        mode, precision = self._conditional(whitened_residuals, _inverse(prior), degrees)
         directions = _inverse_of_triangle(_cholesky(precision)).swapaxes(-1, -2)
         nodes, weights = _nodes()
         effects = mode[:, :, None, :] + nodes @ directions.swapaxes(-1, -2)
         log_weights = weights + 0.5 * (nodes**2).sum(axis=1)
-        integrand = self._integrand(strayed, effects, prior, degrees) + log_weights
+        integrand = self._integrand(whitened_residuals, effects, prior, degrees) + log_weights
         peak = integrand.max(axis=2)
         area = np.log(np.exp(integrand - peak[..., None]).sum(axis=2))
-        of_events = (peak + area - 0.5 * np.log(_determinant(precision))).sum(axis=1)
-        return np.asarray(of_events - 0.5 * self.groups.size * np.log(_determinant(_matrix(within))))
+        event_densities = (peak + area - 0.5 * np.log(_determinant(precision))).sum(axis=1)
+        return np.asarray(
+            event_densities - 0.5 * self.groups.size * np.log(_determinant(_matrix(within_covariance)))
+        )
 
     @cached_property
     def _event_statistics(self) -> tuple[NDArray[np.int64], Array, Array]:
@@ -121,26 +125,26 @@ class MotionMeans:
         starts = np.flatnonzero(np.diff(self.groups[order], prepend=-1))
         return np.asarray(np.add.reduceat(values[..., order, :], starts, axis=-2))
 
-    def _conditional(self, strayed: Array, prior: Array, degrees: Array) -> tuple[Array, Array]:
+    def _conditional(self, residuals: Array, prior: Array, degrees: Array) -> tuple[Array, Array]:
         """Mode (vectors, events, 2) of the event effects and precision (vectors, events, 2, 2) about it."""
-        weight = np.ones((*strayed.shape[:2], 1))
+        weight = np.ones((*residuals.shape[:2], 1))
         for _ in range(_ROUNDS):
             precision = prior[:, None] + self._event_sums(weight)[..., None] * np.eye(2)
-            pull = self._event_sums(weight * strayed)
+            pull = self._event_sums(weight * residuals)
             mode = (_inverse(precision) @ pull[..., None])[..., 0]
-            distance_squared = ((strayed - mode[:, self.groups]) ** 2).sum(axis=2, keepdims=True)
+            distance_squared = ((residuals - mode[:, self.groups]) ** 2).sum(axis=2, keepdims=True)
             weight = (degrees[:, None, None] + 2.0) / (degrees[:, None, None] + distance_squared)
         return np.asarray(mode), np.asarray(precision, dtype=np.float64)
 
     def _integrand(
         self,
-        strayed: Array,
+        residuals: Array,
         effects: Array,
         prior: Array,
         degrees: Array,
     ) -> Array:
         """Log-density of effects and motions in whitened coordinates, shape (vectors, events, nodes)."""
-        motions = log_distances(strayed, effects, self.groups, degrees)
+        motions = log_distances(residuals, effects, self.groups, degrees)
         factor = _inverse_of_triangle(_cholesky(prior))
         standard = effects @ factor.swapaxes(-1, -2)[:, None]
         events = -0.5 * (standard**2).sum(axis=-1) + np.log(_determinant(factor))[:, None, None]
@@ -169,18 +173,18 @@ def _inverse(matrix: Array) -> Array:
 def _cholesky(matrix: Array) -> Array:
     """Lower factors; NaN where there is none."""
     first = np.sqrt(matrix[..., 0, 0])
-    mixed = matrix[..., 1, 0] / first
-    return _triangle(first, mixed, np.sqrt(matrix[..., 1, 1] - mixed**2))
+    off_diagonal = matrix[..., 1, 0] / first
+    return _triangle(first, off_diagonal, np.sqrt(matrix[..., 1, 1] - off_diagonal**2))
 
 
 def _inverse_of_triangle(factor: Array) -> Array:
     """Inverse of lower triangular matrices."""
-    first, mixed, second = factor[..., 0, 0], factor[..., 1, 0], factor[..., 1, 1]
-    return _triangle(1.0 / first, -mixed / (first * second), 1.0 / second)
+    first, off_diagonal, second = factor[..., 0, 0], factor[..., 1, 0], factor[..., 1, 1]
+    return _triangle(1.0 / first, -off_diagonal / (first * second), 1.0 / second)
 
 
-def _triangle(first: Array, mixed: Array, second: Array) -> Array:
-    rows = [np.stack([first, np.zeros_like(first)], axis=-1), np.stack([mixed, second], axis=-1)]
+def _triangle(first: Array, off_diagonal: Array, second: Array) -> Array:
+    rows = [np.stack([first, np.zeros_like(first)], axis=-1), np.stack([off_diagonal, second], axis=-1)]
     return np.stack(rows, axis=-2)
 
 
@@ -229,7 +233,7 @@ class Hierarchical(Model):
     events: NDArray[np.str_]  # Earthquake of each motion, shape (motions,)
     frequencies: Array  # frequencies, damping_ratios: The grid [Hz, -], shape (F,) and (X,)
     damping_ratios: Array
-    curved: bool = False  # Whether the law has squares and products of its terms
+    has_curvature: bool = False  # Whether the law has squares and products of its terms
     robust: bool = False  # Whether motions are Student-t
 
     def __post_init__(self) -> None:
@@ -281,7 +285,7 @@ class Hierarchical(Model):
         phi, eta = np.meshgrid(np.log(self.frequencies), np.log(self.damping_ratios / 0.05), indexing="ij")
         fits = {"constant": True, "ln f": phi.shape[0] > 1, "ln ξ": phi.shape[1] > 1}
         terms = {"constant": np.ones_like(phi), "ln f": phi, "ln ξ": eta}
-        if self.curved:
+        if self.has_curvature:
             terms.update({"ln² f": phi**2, "ln f ln ξ": phi * eta, "ln² ξ": eta**2})
             fits.update(
                 {
@@ -319,27 +323,29 @@ class Hierarchical(Model):
         """Likelihood of all strata; event and motion effects are integrated out."""
         coefficients, covariances = self.coefficients(theta), self.covariances(theta)
         centre = np.einsum("wtq,t->wq", coefficients, self.terms.mean(axis=(0, 1)))
-        within = np.einsum("k,wkc->wc", self._weights_of_mean, covariances)
-        below = self._strata.log_likelihood(coefficients, covariances)
+        mean_covariance = np.einsum("k,wkc->wc", self._weights_of_mean, covariances)
+        strata_density = self._strata.log_likelihood(coefficients, covariances)
         if self.robust:
-            return below + self._means.robust(centre, covariances[:, 0], within, np.exp(theta[:, -1]))
-        return below + self._means.normal(centre, covariances[:, 0], within)
+            return strata_density + self._means.robust(
+                centre, covariances[:, 0], mean_covariance, np.exp(theta[:, -1])
+            )
+        return strata_density + self._means.normal(centre, covariances[:, 0], mean_covariance)
 
     def simulate(self, theta: Array, rng: np.random.Generator) -> Self:
         """Draw as many motions of as many earthquakes at the same structures."""
         groups = np.unique(self.events, return_inverse=True)[1]
-        drawn = self.draw_motions(theta[None, :], groups, rng)[0]
-        return replace(self, values=drawn)
+        motions = self.draw_motions(theta[None, :], groups, rng)[0]
+        return replace(self, values=motions)
 
     def draw_motions(self, theta: Array, groups: NDArray[np.int64], rng: np.random.Generator) -> Array:
         """Draw motions of further earthquakes.
 
         `theta` (vectors, parameters); `groups` (motions,); returns (vectors, motions, F, X, 2).
         """
-        along_f, along_xi = self.grid.shape
+        f_count, xi_count = self.grid.shape
         eta = self.grid.eta[:, None]
-        every = factor_of(self.covariances(theta))
-        factors = {name: every[:, k] for k, name in enumerate(self.grid.effects)}
+        covariance_factors = factor_of(self.covariances(theta))
+        factors = {name: covariance_factors[:, k] for k, name in enumerate(self.grid.effects)}
 
         def effect(name: str, *shape: int) -> Array:
             if name not in factors:
@@ -351,11 +357,11 @@ class Hierarchical(Model):
         about = (
             effect(MOTION, count, 1, 1)
             + effect(MOTION_SLOPE, count, 1, 1) * eta
-            + effect(FREQUENCY, count, along_f, 1)
-            + effect(FREQUENCY_SLOPE, count, along_f, 1) * eta
-            + effect(REMAINDER, count, along_f, along_xi)
+            + effect(FREQUENCY, count, f_count, 1)
+            + effect(FREQUENCY_SLOPE, count, f_count, 1) * eta
+            + effect(REMAINDER, count, f_count, xi_count)
         )
-        about = about * np.ones((along_f, along_xi, 1))
+        about = about * np.ones((f_count, xi_count, 1))
         if self.robust:
             degrees = np.exp(theta[:, -1])[:, None]
             longer = np.sqrt(degrees / rng.chisquare(degrees, (len(theta), count)))

@@ -51,8 +51,8 @@ def normal_log_density(covariance: Array, squares: Array, count: float | Array) 
 
 def distance(covariance: Array, squares: Array, determinant: Array) -> Array:
     """Trace of covariance⁻¹ squares, shape (...)."""
-    crossed = covariance[..., 1] * squares[..., 0] + covariance[..., 0] * squares[..., 1]
-    return np.asarray((crossed - 2.0 * covariance[..., 2] * squares[..., 2]) / determinant)
+    cross_terms = covariance[..., 1] * squares[..., 0] + covariance[..., 0] * squares[..., 1]
+    return np.asarray((cross_terms - 2.0 * covariance[..., 2] * squares[..., 2]) / determinant)
 
 
 def squares_of(pairs: Array) -> Array:
@@ -64,9 +64,9 @@ def squares_of(pairs: Array) -> Array:
 def factor_of(covariance: Array) -> Array:
     """Lower Cholesky factors, last axis 3 to (2, 2)."""
     first = np.sqrt(covariance[..., 0])
-    mixed = covariance[..., 2] / first
-    second = np.sqrt(np.maximum(covariance[..., 1] - mixed**2, 0.0))
-    rows = [np.stack([first, np.zeros_like(first)], axis=-1), np.stack([mixed, second], axis=-1)]
+    off_diagonal = covariance[..., 2] / first
+    second = np.sqrt(np.maximum(covariance[..., 1] - off_diagonal**2, 0.0))
+    rows = [np.stack([first, np.zeros_like(first)], axis=-1), np.stack([off_diagonal, second], axis=-1)]
     return np.stack(rows, axis=-2)
 
 
@@ -103,23 +103,23 @@ class Grid:
     @property
     def bases(self) -> tuple[Array, Array]:
         """Orthonormal contrasts in columns along f and ξ: mean first, along ξ then slope, then the rest."""
-        along_f, along_xi = self.shape
-        of_f = np.linalg.qr(np.column_stack([np.ones(along_f), np.eye(along_f)]))[0]
-        linear = [np.ones(along_xi), self.eta] if along_xi > 1 else [np.ones(along_xi)]
-        return of_f, np.linalg.qr(np.column_stack([*linear, np.eye(along_xi)]))[0]
+        f_count, xi_count = self.shape
+        f_basis = np.linalg.qr(np.column_stack([np.ones(f_count), np.eye(f_count)]))[0]
+        linear = [np.ones(xi_count), self.eta] if xi_count > 1 else [np.ones(xi_count)]
+        return f_basis, np.linalg.qr(np.column_stack([*linear, np.eye(xi_count)]))[0]
 
     @property
     def effects(self) -> tuple[str, ...]:
         """Effects that the grid can separate, that of the event first."""
-        along_f, along_xi = self.shape
-        wide, damped, curved = along_f > 1, along_xi > 1, along_xi > 2  # noqa: PLR2004 - a slope takes two
+        f_count, xi_count = self.shape
+        wide, has_damping, has_curvature = f_count > 1, xi_count > 1, xi_count > 2  # noqa: PLR2004 - a slope takes two
         possible = (
             (EVENT, True),
             (MOTION, True),
-            (MOTION_SLOPE, damped),
+            (MOTION_SLOPE, has_damping),
             (FREQUENCY, wide),
-            (FREQUENCY_SLOPE, wide and damped),
-            (REMAINDER, curved),
+            (FREQUENCY_SLOPE, wide and has_damping),
+            (REMAINDER, has_curvature),
         )
         return tuple(name for name, present in possible if present)
 
@@ -152,9 +152,11 @@ def divide(grid: Grid, values: Array, terms: Array) -> Strata:
 
     `values` (motions, F, X, 2); `terms` (F, X, terms).
     """
-    of_f, of_xi = grid.bases
-    y = np.einsum("mfxq,fi,xj->mijq", values, of_f, of_xi)
-    t = np.broadcast_to(np.einsum("fxk,fi,xj->ijk", terms, of_f, of_xi), (*y.shape[:3], terms.shape[-1]))
+    f_basis, xi_basis = grid.bases
+    y = np.einsum("mfxq,fi,xj->mijq", values, f_basis, xi_basis)
+    t = np.broadcast_to(
+        np.einsum("fxk,fi,xj->ijk", terms, f_basis, xi_basis), (*y.shape[:3], terms.shape[-1])
+    )
     both = np.concatenate([t, y], axis=-1)
     damping = float((grid.eta**2).sum())
     first, slope, bends = slice(0, 1), slice(1, 2), slice(2, None)
@@ -169,7 +171,9 @@ def divide(grid: Grid, values: Array, terms: Array) -> Strata:
         (contrasts, slope, {FREQUENCY_SLOPE: damping, REMAINDER: 1.0}),
         (slice(None), bends, {REMAINDER: 1.0}),
     )
-    pairs_of_strata = [(both[:, of_f, of_xi].reshape(-1, both.shape[-1]), w) for of_f, of_xi, w in places]
+    pairs_of_strata = [
+        (both[:, f_basis, xi_basis].reshape(-1, both.shape[-1]), w) for f_basis, xi_basis, w in places
+    ]
     present = [(pairs, weights) for pairs, weights in pairs_of_strata if pairs.size]
     return Strata(
         weights=np.array([_weights(grid, stratum) for _, stratum in present]).reshape(-1, len(grid.effects)),
@@ -183,8 +187,8 @@ def weights_of_motion_mean(grid: Grid) -> Array:
 
     Returns (effects,).
     """
-    along_f, along_xi = grid.shape
-    return _weights(grid, {MOTION: 1.0, FREQUENCY: 1.0 / along_f, REMAINDER: 1.0 / (along_f * along_xi)})
+    f_count, xi_count = grid.shape
+    return _weights(grid, {MOTION: 1.0, FREQUENCY: 1.0 / f_count, REMAINDER: 1.0 / (f_count * xi_count)})
 
 
 def weights_of_motion(grid: Grid) -> Array:
@@ -202,5 +206,5 @@ def weights_of_motion(grid: Grid) -> Array:
     )
 
 
-def _weights(grid: Grid, given: dict[str, float]) -> Array:
-    return np.array([given.get(effect, 0.0) for effect in grid.effects])
+def _weights(grid: Grid, weight_of_stratum: dict[str, float]) -> Array:
+    return np.array([weight_of_stratum.get(effect, 0.0) for effect in grid.effects])

@@ -110,9 +110,9 @@ def test_chains_in_a_file_serve_a_further_confidence_and_one_file_serves_all_err
 @pytest.mark.slow
 def test_the_law_inside_is_the_one_that_is_asked_for(ellipses, fit):
     assert fit.criterion(0.95).law.name == "power"
-    assert not fit.lag.learned.model.curved
+    assert not fit.lag.learned.model.has_curvature
     quick = HierarchicalNormal(steps=20)
-    assert derivation(ellipses, quick, law=Dimensionless).lag.learned.model.curved
+    assert derivation(ellipses, quick, law=Dimensionless).lag.learned.model.has_curvature
     with pytest.raises(InputError, match="law inside"):
         derivation(ellipses, quick, law=Exponential)
 
