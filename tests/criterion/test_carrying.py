@@ -183,8 +183,8 @@ def test_a_length_must_be_positive(duration):
 @pytest.mark.parametrize(
     ("change", "named"),
     [
-        ({"a_first": 0.1, "b_first": 0.1}, "error for an amplitude error"),
-        ({"a_first": 4.0}, "frequency of the error"),
+        ({"a_first": 0.1, "b_first": 0.1}, "error that an amplitude error"),
+        ({"a_first": 4.0}, "error's frequency"),
     ],
 )
 def test_a_response_unlike_those_of_the_population_is_outside(change, named):

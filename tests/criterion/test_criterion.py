@@ -228,12 +228,16 @@ def traced():
 
 
 def without(table, error):
-    return table.take(threshold=~np.isclose(table.at["threshold"], error))
+    return table.take(threshold=~np.isclose(table.coordinates["threshold"], error))
 
 
 def apart(found, known):
     """Largest relative difference of the semi-axes of inscribed ellipses."""
-    of_lag = (..., list(known.at["curve"]).index("inscribed"), list(known.at["side"]).index("lag"))
+    of_lag = (
+        ...,
+        list(known.coordinates["curve"]).index("inscribed"),
+        list(known.coordinates["side"]).index("lag"),
+    )
     pairs = (found.a, known.a), (found.b, known.b)
     return max(np.nanmax(np.abs(np.sqrt(one[of_lag] / other[of_lag]) - 1.0)) for one, other in pairs)
 
@@ -242,12 +246,12 @@ def apart(found, known):
 def test_an_error_that_was_not_traced_has_nearly_its_own_ellipses(traced, error, largest):
     known = traced.interpolate_threshold(error)
     found = without(traced, error).interpolate_threshold(error)
-    assert found.at["threshold"].tolist() == [error]
+    assert found.coordinates["threshold"].tolist() == [error]
     assert apart(found, known) < largest
 
 
 def test_a_traced_error_is_taken_as_it_is(traced):
-    place = int(np.flatnonzero(traced.at["threshold"] == 0.03)[0])
+    place = int(np.flatnonzero(traced.coordinates["threshold"] == 0.03)[0])
     assert np.array_equal(traced.interpolate_threshold(0.03).a, traced.a[:, :, :, [place]], equal_nan=True)
 
 
@@ -258,6 +262,6 @@ def test_an_error_beyond_the_traced_ones_is_refused(error):
 
 
 def test_one_large_error_alone_serves_no_smaller_one(traced):
-    only = traced.take(threshold=[int(np.argmax(traced.at["threshold"]))])
+    only = traced.take(threshold=[int(np.argmax(traced.coordinates["threshold"]))])
     with pytest.raises(InputError, match="Choose among"):
         only.interpolate_threshold(0.04)

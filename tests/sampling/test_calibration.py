@@ -30,7 +30,7 @@ def hierarchical(**options):
 MODELS = {
     "normal_values": (NormalValues(values=np.zeros(12)), 200),
     "hierarchical": (hierarchical(), 1000),
-    "hierarchical_curved": (hierarchical(curved=True), 1000),
+    "hierarchical_curved": (hierarchical(has_curvature=True), 1000),
     "hierarchical_robust": (hierarchical(robust=True), 1000),
 }
 

@@ -83,6 +83,6 @@ def test_suites_are_compared_with_the_first(rates, set_without_warnings):
     )
     stated = "".join(map(str, document.verdict))
     assert "2.00 to 2.00 times the delay" in stated
-    assert "95.0 % of the motions of “real” contain it" in stated
+    assert "95 % of the motions of “real” contain it" in stated
     assert document.tone == "plain"
     set_without_warnings(document)

@@ -53,8 +53,8 @@ def test_gains_stray_as_exact_steps_have_it(actuator):
     )
     run = coupled_response(partition, wrong, fine, STEP / 10.0)
     strayed, peaks = run.measured - run.reference, np.abs(run.reference).max(axis=1)
-    rms = (np.sqrt(np.mean(strayed**2, axis=1)) / peaks)[loop.judged].max()
-    peak = (np.abs(strayed).max(axis=1) / peaks)[loop.judged].max()
+    rms = (np.sqrt(np.mean(strayed**2, axis=1)) / peaks)[loop.is_output].max()
+    peak = (np.abs(strayed).max(axis=1) / peaks)[loop.is_output].max()
     np.testing.assert_allclose(
         errors(loop.deviation(loop.cells(gain=1.03, delay=0.0)))[:, 0], [rms, peak], rtol=2e-3
     )
@@ -69,7 +69,7 @@ def test_a_delay_of_one_actuator_strays_as_exact_steps_of_a_rational_one_have_it
     wrong = ActuatorMatrix(kinematics=actuators.kinematics, transfer=((gain_and_delay(), None), (None, late)))
     run = coupled_response(partition, wrong, fine, STEP / 10.0)
     strayed, peaks = run.measured - run.reference, np.abs(run.reference).max(axis=1)
-    rms = (np.sqrt(np.mean(strayed**2, axis=1)) / peaks)[loop.judged].max()
+    rms = (np.sqrt(np.mean(strayed**2, axis=1)) / peaks)[loop.is_output].max()
     rms_of_delay = errors(loop.deviation(loop.cells(gain=1.0, delay=delay)))[0, 0]
     assert rms_of_delay == pytest.approx(rms, rel=2e-3)
 
@@ -115,7 +115,7 @@ def test_a_displacement_that_hardly_moves_is_not_judged():
         specimen_stiffness=40.0 * np.eye(2),
         influence=[1.0, 1e-4],
     )
-    assert loop_of(partition, np.eye(2)).judged.tolist() == [True, False]
+    assert loop_of(partition, np.eye(2)).is_output.tolist() == [True, False]
 
 
 def test_gains_must_be_positive():

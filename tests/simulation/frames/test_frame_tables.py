@@ -173,17 +173,17 @@ def entries(correlation, *places, deviation=0.04):
 
 
 def test_entries_are_named_by_row_and_column_and_share_what_is_correlated():
-    assert entries(0.0, ("2", "1")).of_parts(2) == {"stiffness_entry_2_1": 0.04}
-    parts = entries(0.25, ("1", "1"), ("1", "2")).of_parts(2)
+    assert entries(0.0, ("2", "1")).part_deviations(2) == {"stiffness_entry_2_1": 0.04}
+    parts = entries(0.25, ("1", "1"), ("1", "2")).part_deviations(2)
     assert parts["stiffness_entry_1_1_1_2"] == pytest.approx(0.02)
     assert np.hypot(0.02, parts["stiffness_entry_1_2"]) == pytest.approx(0.04)
-    assert entries(1.0, ("1", "1"), ("1", "2")).of_parts(2) == {"stiffness_entry_1_1_1_2": 0.04}
+    assert entries(1.0, ("1", "1"), ("1", "2")).part_deviations(2) == {"stiffness_entry_1_1_1_2": 0.04}
 
 
 def test_entries_are_found_by_the_names_of_degrees_of_freedom():
     stiffness = np.array([[3.0, -1.0], [-1.0, 1.0]])
-    table = entries(0.0, ("roof", "x")).of_structure(("x", "roof"), np.eye(2), np.eye(2), stiffness)
-    assert table.of_parts(2) == {"stiffness_entry_2_1": 0.04}
+    table = entries(0.0, ("roof", "x")).check_structure(("x", "roof"), np.eye(2), np.eye(2), stiffness)
+    assert table.part_deviations(2) == {"stiffness_entry_2_1": 0.04}
 
 
 @pytest.mark.parametrize(
@@ -197,4 +197,4 @@ def test_entries_are_found_by_the_names_of_degrees_of_freedom():
 def test_entries_are_those_of_a_structure(stiffness, places, deviation, message):
     table = entries(0.0, places, deviation=deviation)
     with pytest.raises(InputError, match=message):
-        table.of_structure(("x", "roof"), np.eye(2), np.eye(2), np.array(stiffness))
+        table.check_structure(("x", "roof"), np.eye(2), np.eye(2), np.array(stiffness))

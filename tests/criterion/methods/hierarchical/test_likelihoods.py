@@ -53,7 +53,7 @@ def dense_log_density(model, theta):
 @pytest.mark.parametrize("shape", [(3, 4), (1, 1), (2, 1), (1, 3), (3, 2)])
 @pytest.mark.parametrize("curved", [False, True])
 def test_strata_give_the_likelihood_of_the_dense_normal_distribution(shape, curved):
-    model = model_on(*shape, curved=curved)
+    model = model_on(*shape, has_curvature=curved)
     theta = 0.7 * model.draw_prior(4, np.random.default_rng(1))
     dense = np.array([dense_log_density(model, each) for each in theta])
     difference = model.log_likelihood(theta) - dense
@@ -109,7 +109,7 @@ def test_an_outlying_motion_costs_the_robust_model_less():
 
 
 def vars_of(model):
-    names = ("values", "events", "frequencies", "damping_ratios", "curved", "robust")
+    names = ("values", "events", "frequencies", "damping_ratios", "has_curvature", "robust")
     return {name: getattr(model, name) for name in names}
 
 
