@@ -12,6 +12,7 @@ from reliab.discrepancy.campaign.campaign import Channel, MeasuredTest
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.result.gap import Gap
+from reliab.discrepancy.spectra.segment import energy_of
 from reliab.effects.effect import Effect
 from reliab.signals.noise import converter_step, near_mains
 
@@ -21,50 +22,56 @@ _SHORTEST_REST = 0.25  # s
 _FEWEST_SAMPLES = 64
 _LINE = 0.1  # of a sine's frequency to either side
 _NEARLY_ALL = 0.9  # of the power
-_FEWEST_CROSSINGS, _ORDERED = 8, 0.9  # of zero, and the rank correlation of their distances with time
+_FEWEST_CROSSINGS, _RANK_ORDER = 8, 0.9  # of zero, and the rank correlation of their distances with time
 _CLEAR = 0.2  # standard deviations from zero that noise does not cross
 _NOTHING = 1e-300  # energy of a channel that does not move
 _WHITE = 1.25  # ratio of the power in both halves of a band of white noise
 
 
-def residuals(proof: Problem, fitted: Fit, *, without: Sequence[type[Effect]] = ()) -> dict[int, Array]:
+def residuals(
+    proof: Problem, fitted_model: Fit, *, neutral_offsets: Sequence[type[Effect]] = ()
+) -> dict[int, Array]:
     """Measured minus predicted channel on held-out tests."""
-    return proof.residuals(fitted.space, fitted.space.neutralised(fitted.coordinates, without))
+    return proof.residuals(
+        fitted_model.space, fitted_model.space.neutralise(fitted_model.coordinates, neutral_offsets)
+    )
 
 
-def held_out_nrmse(proof: Problem, residual: dict[int, Array]) -> float:
+def compute_nrmse(proof: Problem, residual: dict[int, Array]) -> float:
     """RMS of residuals over RMS of the signal, over all held-out stretches."""
-    missed, signal_energy = _energies(proof, residual), _energies(proof, _measured(proof))
-    return float(np.sqrt(sum(missed.values()) / max(sum(signal_energy.values()), _NOTHING)))
+    residual_energies, signal_energy = _energies(proof, residual), _energies(proof, _measurements(proof))
+    return float(np.sqrt(sum(residual_energies.values()) / max(sum(signal_energy.values()), _NOTHING)))
 
 
 def errors_by_test(proof: Problem, residual: dict[int, Array]) -> dict[str, float]:
     """RMS of residuals over RMS of the signal in each held-out test, by file."""
-    missed, whole = _energies(proof, residual), _energies(proof, _measured(proof))
+    residual_energies, signal_energies = _energies(proof, residual), _energies(proof, _measurements(proof))
     return {
-        proof.block.tests[test].file: float(np.sqrt(energy / max(whole[test], _NOTHING)))
-        for test, energy in missed.items()
+        proof.block.tests[test].file: float(np.sqrt(energy / max(signal_energies[test], _NOTHING)))
+        for test, energy in residual_energies.items()
     }
 
 
-def _measured(proof: Problem) -> dict[int, Array]:
+def _measurements(proof: Problem) -> dict[int, Array]:
     """Measured channel of every held-out test."""
     return {segment.test: proof.block.measured(segment.test) for segment in proof.segments}
 
 
 def _energies(proof: Problem, values: dict[int, Array]) -> dict[int, float]:
-    """Energy of values over the held-out stretches of each test."""
+    """Energy of values over the held-out stretches of each test, within the band of a narrow block only."""
     energies: dict[int, float] = {}
     for segment in proof.segments:
         part = values[segment.test][segment.begin : segment.end]
-        energies[segment.test] = energies.get(segment.test, 0.0) + float((part**2).sum())
+        narrow = proof.block.is_narrow
+        energy = energy_of(segment.spectrum(values[segment.test])) if narrow else float((part**2).sum())
+        energies[segment.test] = energies.get(segment.test, 0.0) + energy
     return energies
 
 
 def gap(
     proof: Problem,
-    before: dict[int, Array],
-    after: dict[int, Array],
+    residuals_before: dict[int, Array],
+    residuals_after: dict[int, Array],
     noise_like: frozenset[int] = frozenset(),
 ) -> Gap:
     """Compare residuals before and after with the part of the recordings that is not repeatable.
@@ -72,7 +79,7 @@ def gap(
     `noise_like` holds the tests in which what the model leaves is spread as noise is.
     """
     block = proof.block
-    signals = _energies(proof, _measured(proof))
+    signals = _energies(proof, _measurements(proof))
     tests = tuple(signals)
     noise_floors = floors(
         block.tests, tests, block.channel, block.inputs, rate=block.rate, highest=block.highest_signal
@@ -82,11 +89,11 @@ def gap(
     return Gap(
         held_out=tuple(block.tests[test].file for test in tests),
         channel=str(block.channel),
-        before=held_out_nrmse(proof, before),
-        after=held_out_nrmse(proof, after),
+        before=compute_nrmse(proof, residuals_before),
+        after=compute_nrmse(proof, residuals_after),
         floors={str(source): float(np.sqrt(square / unit)) for source, square in noise_floors.items()},
-        tests_before=errors_by_test(proof, before),
-        tests_after=errors_by_test(proof, after),
+        tests_before=errors_by_test(proof, residuals_before),
+        tests_after=errors_by_test(proof, residuals_after),
         sizes={
             block.tests[test].file: float(np.sqrt(max(signals[test], _NOTHING) / samples[test] / unit))
             for test in tests
@@ -108,17 +115,17 @@ def kind_of_motion(driven: Array, rate: float) -> str:
     >>> [kind_of_motion(np.sin(w * time), 200.0) for w in (5.0, 0.5 * time)]
     ['sine', 'sweep']
     """
-    centred = signal.detrend(driven, type="constant")
-    frequency, power = signal.periodogram(centred, fs=rate, window="hann")
+    centred_values = signal.detrend(driven, type="constant")
+    frequency, power = signal.periodogram(centred_values, fs=rate, window="hann")
     main = float(frequency[np.argmax(power)])
     near = np.abs(frequency - main) <= max(_LINE * main, 3.0 * float(frequency[1]))
     if power[near].sum() > _NEARLY_ALL * power.sum():
         return "sine"
-    clear = np.flatnonzero(np.abs(centred) > _CLEAR * centred.std())
-    crossings = clear[1:][np.diff(np.signbit(centred[clear]))]
+    clear = np.flatnonzero(np.abs(centred_values) > _CLEAR * centred_values.std())
+    crossings = clear[1:][np.diff(np.signbit(centred_values[clear]))]
     if crossings.size >= _FEWEST_CROSSINGS:
         order = stats.spearmanr(np.arange(crossings.size - 1), np.diff(crossings)).statistic
-        if abs(float(order)) > _ORDERED:
+        if abs(float(order)) > _RANK_ORDER:
             return "sweep"
     return "irregular motion"
 
@@ -147,16 +154,16 @@ def floors(
     """
     proof = [tests[k] for k in held_out]
     ways = {
-        Source.REPEATED_TESTS: _of_repeats(tests, channel, inputs),
-        Source.REPEATED_CYCLES: _of_cycles(proof, channel, inputs),
-        Source.BAND_ABOVE: _of_band(proof, channel, rate, highest),
-        Source.AT_REST: _of_rest(proof, channel, inputs, rate),
+        Source.REPEATED_TESTS: _repeat_variances(tests, channel, inputs),
+        Source.REPEATED_CYCLES: _cycle_variances(proof, channel, inputs),
+        Source.BAND_ABOVE: _band_variances(proof, channel, rate, highest),
+        Source.AT_REST: _rest_variances(proof, channel, inputs, rate),
     }
-    found = {source: [value for value in values if value > 0.0] for source, values in ways.items()}
-    return {source: float(np.mean(values)) for source, values in found.items() if values}
+    values_by_source = {source: [value for value in values if value > 0.0] for source, values in ways.items()}
+    return {source: float(np.mean(values)) for source, values in values_by_source.items() if values}
 
 
-def _of_repeats(
+def _repeat_variances(
     tests: Sequence[MeasuredTest], channel: Channel, inputs: Sequence[Channel]
 ) -> Iterator[float]:
     for first, second in combinations(tests, 2):
@@ -170,7 +177,9 @@ def _close(first: Array, second: Array) -> bool:
     return bool(np.std(first - second) < _SAME_INPUT * max(float(np.std(first)), 1e-300))
 
 
-def _of_cycles(tests: Sequence[MeasuredTest], channel: Channel, inputs: Sequence[Channel]) -> Iterator[float]:
+def _cycle_variances(
+    tests: Sequence[MeasuredTest], channel: Channel, inputs: Sequence[Channel]
+) -> Iterator[float]:
     for test in tests:
         driven = test.channels[inputs[-1]]
         lag = _period(driven)
@@ -184,35 +193,37 @@ def _of_cycles(tests: Sequence[MeasuredTest], channel: Channel, inputs: Sequence
 
 def _period(values: Array) -> int | None:
     """Return after how many samples a channel repeats itself best, None if it never swings."""
-    centred = values - values.mean()
-    size = fft.next_fast_len(2 * centred.size, real=True)
-    power = np.abs(fft.rfft(centred, size)) ** 2
-    correlation = fft.irfft(power, size)[: centred.size // 3]
+    centred_values = values - values.mean()
+    size = fft.next_fast_len(2 * centred_values.size, real=True)
+    power = np.abs(fft.rfft(centred_values, size)) ** 2
+    correlation = fft.irfft(power, size)[: centred_values.size // 3]
     negative = np.flatnonzero(correlation < 0.0)
     if not negative.size:
         return None
-    weighted = correlation[negative[0] :] / (centred.size - np.arange(negative[0], correlation.size))
+    weighted = correlation[negative[0] :] / (centred_values.size - np.arange(negative[0], correlation.size))
     return int(negative[0] + np.argmax(weighted))
 
 
-def _of_band(tests: Sequence[MeasuredTest], channel: Channel, rate: float, highest: float) -> Iterator[float]:
+def _band_variances(
+    tests: Sequence[MeasuredTest], channel: Channel, rate: float, highest: float
+) -> Iterator[float]:
     """Level of the band above the motion where it is white, so that it holds below as well, with pickup."""
     for test in tests:
         values = signal.detrend(test.channels[channel])
         frequency, power = signal.periodogram(values, fs=rate, window="hann")
-        above = (frequency > highest) & (frequency < 0.49 * rate)
+        is_above = (frequency > highest) & (frequency < 0.49 * rate)
         mains = near_mains(frequency, 0.5 * rate)
-        level = power[above & ~mains]
+        level = power[is_above & ~mains]
         if level.size < 2 * _FEWEST_SAMPLES:
             continue
         low, high = (float(np.mean(half)) for half in np.array_split(level, 2))
         if max(low, high) < _WHITE * min(low, high):
             white = float(np.mean(level))
-            pickup = float(np.maximum(power[above & mains] - white, 0.0).sum() * frequency[1])
+            pickup = float(np.maximum(power[is_above & mains] - white, 0.0).sum() * frequency[1])
             yield white * 0.5 * rate + pickup
 
 
-def _of_rest(
+def _rest_variances(
     tests: Sequence[MeasuredTest], channel: Channel, inputs: Sequence[Channel], rate: float
 ) -> Iterator[float]:
     """Variance of the channel while nothing drives it, at the begin and at the end of a test.
@@ -225,7 +236,7 @@ def _of_rest(
         conversion = converter_step(test.channels[channel]) ** 2 / 12.0
         reach = _MOTION_AT_REST * np.ptp(driven, axis=1, keepdims=True)
         for order in (slice(None), slice(None, None, -1)):
-            moved = (np.abs(driven[:, order] - driven[:, order][:, :1]) > reach).any(axis=0)
-            length = int(np.argmax(moved)) if moved.any() else moved.size
+            is_moving = (np.abs(driven[:, order] - driven[:, order][:, :1]) > reach).any(axis=0)
+            length = int(np.argmax(is_moving)) if is_moving.any() else is_moving.size
             if length >= shortest:
                 yield max(float(np.var(signal.detrend(test.channels[channel][order][:length]))), conversion)

@@ -90,7 +90,7 @@ def error_on(found: BlockDiagnosis, campaign: Campaign) -> float:
     if isinstance(found.block, ActuatorBlock):
         block = ActuatorBlock(campaign, found.block.scales)
     else:
-        block = SpecimenBlock(campaign, found.block.scales, motions_of(campaign), smoothed=True)
+        block = SpecimenBlock(campaign, found.block.scales, motions_of(campaign), is_smoothed=True)
     whole = Stretch(test=last, begin=0, end=campaign.tests[last].size)
     (segment, *rest) = cut_segments((whole,) * 3, campaign.rate, lambda _: found.block.highest)
     del rest

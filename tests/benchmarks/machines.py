@@ -31,9 +31,9 @@ from reliab.core.arrays import Array  # noqa: E402
 from reliab.discrepancy.campaign.reading import read_campaign  # noqa: E402
 from reliab.discrepancy.diagnose import diagnose  # noqa: E402
 from reliab.discrepancy.fitting.fit import fit  # noqa: E402
-from reliab.discrepancy.fitting.screening import screened  # noqa: E402
+from reliab.discrepancy.fitting.screening import screen_effects  # noqa: E402
 from reliab.discrepancy.fitting.space import ModelSpace  # noqa: E402
-from reliab.discrepancy.proof import held_out_nrmse, residuals  # noqa: E402
+from reliab.discrepancy.proof import compute_nrmse, residuals  # noqa: E402
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis  # noqa: E402
 from reliab.discrepancy.result.diagnosis import Diagnosis  # noqa: E402
 
@@ -152,18 +152,18 @@ def errors_of_pairs(found: BlockDiagnosis) -> dict[str, float]:
     problem = found.problem
     null = found.calibrated
     singles = {}
-    for one in screened(problem, null, found.block.candidates, null):
+    for one in screen_effects(problem, null, found.block.candidates, null):
         if one.start.size:
             space = ModelSpace(found.block, (one.kind,))
             singles[one.kind] = fit(problem, space, [one.start, *one.others], null.noise)
     errors = {}
     for kind, single in singles.items():
-        errors[str(kind.name)] = held_out_nrmse(found.proof, residuals(found.proof, single))
-        for one in screened(problem, single, found.block.candidates, null):
+        errors[str(kind.name)] = compute_nrmse(found.proof, residuals(found.proof, single))
+        for one in screen_effects(problem, single, found.block.candidates, null):
             if one.start.size and one.kind not in single.space.effects:
                 space = ModelSpace(found.block, (kind, one.kind))
                 pair = fit(problem, space, [one.start, *one.others], single.noise)
-                error = held_out_nrmse(found.proof, residuals(found.proof, pair))
+                error = compute_nrmse(found.proof, residuals(found.proof, pair))
                 key = " + ".join(sorted((str(kind.name), str(one.kind.name))))
                 errors[key] = min(error, errors.get(key, np.inf))
     return errors

@@ -9,8 +9,8 @@ from reliab.core.vocabulary import Block
 from reliab.discrepancy.fitting.error_search import ErrorSearch
 from reliab.discrepancy.fitting.search import Search
 from reliab.discrepancy.naming import choice
-from reliab.discrepancy.naming.choice import best_rival, choose, probability, remarks_on, sustained
-from reliab.discrepancy.result.block_diagnosis import Ranked
+from reliab.discrepancy.naming.choice import best_rival, choose, find_sustained, probability, remarks_on
+from reliab.discrepancy.result.block_diagnosis import RankedModel
 from reliab.effects.general.general_terms import general_terms
 from reliab.effects.registry import find_effect
 
@@ -22,7 +22,7 @@ TERM = general_terms(Block.SPECIMEN)[0]
 def row(*effects, share=0.0, left_out=0.2, held_out=0.2):
     space = SimpleNamespace(effects=effects, names=tuple(sorted(str(effect.name) for effect in effects)))
     fit = SimpleNamespace(space=space, coordinates=np.zeros(1), noise=None)
-    return Ranked(fit=fit, probability=share, left_out=left_out, held_out=held_out)
+    return RankedModel(fit=fit, probability=share, left_out=left_out, held_out=held_out)
 
 
 NONE = row(share=0.0, left_out=1.0, held_out=1.0)
@@ -35,7 +35,7 @@ class Known(ErrorSearch):
         self.rows = {frozenset(one.fit.space.effects): one for one in rows}
         self.problem = SimpleNamespace(block=SimpleNamespace(linear=()))
 
-    def without(self, fitted, kind):
+    def remove_effect(self, fitted, kind):
         return self.rows[frozenset(fitted.space.effects) - {kind}].fit
 
     def energy(self, fitted, _noise):
@@ -68,7 +68,7 @@ def test_rival_takes_the_place_only_if_it_explains_half_of_the_fitted_tests(left
         row(POWER, share=0.1, left_out=left_out, held_out=0.2),
         NONE,
     )
-    assert sustained(rows) is rows[believed]
+    assert find_sustained(rows) is rows[believed]
 
 
 @pytest.mark.parametrize(("without", "named"), [(0.2002, set()), (0.25, {HYSTERESIS})])
@@ -126,7 +126,7 @@ def test_fitted_tests_decide_where_held_out_ones_could_not_show_an_effect(
 ):
     with_it, without = row(CUBIC, left_out=0.1, held_out=1.0), row(left_out=0.2, held_out=1.0)
     monkeypatch.setattr(choice, "residuals", lambda _, fit: {0: change * (fit is without.fit)})
-    monkeypatch.setattr(choice, "held_out_nrmse", lambda _, values: values[0])
+    monkeypatch.setattr(choice, "compute_nrmse", lambda _, values: values[0])
     proof = SimpleNamespace(rows=rows)
     judged = search((with_it, without))
     assert choice._is_silent(judged, with_it, without, proof) is silent  # noqa: SLF001

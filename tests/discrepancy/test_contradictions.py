@@ -9,7 +9,7 @@ from hypothesis import given, settings, strategies as st
 from reliab.core.errors import InputError
 from reliab.discrepancy.campaign import reading
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
-from reliab.discrepancy.campaign.contradictions import _crossed, require_consistent
+from reliab.discrepancy.campaign.contradictions import _cross_spectrum, require_consistent
 from reliab.discrepancy.campaign.reading import read_campaign, read_channels
 from reliab.discrepancy.diagnose import diagnose
 from reliab.recordings.recording import StatedChannels
@@ -235,7 +235,7 @@ def test_whether_two_channels_move_together_depends_on_no_unit():
     band = np.arange(400) // 40
     for size, alike in ((0.2, True), (4.0, False)):
         for unit in (1e-6, 1.0, 1e6):
-            found = _crossed(first, unit * (first + size * noise), band)
+            found = _cross_spectrum(first, unit * (first + size * noise), band)
             assert (found is not None) is alike
             if found is not None:
                 assert np.linalg.norm(found) == pytest.approx(1.0)

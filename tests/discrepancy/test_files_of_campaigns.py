@@ -11,7 +11,7 @@ from nptdms import ChannelObject, TdmsWriter
 from scipy.io import netcdf_file, savemat
 
 from reliab.core.shipped import shipped
-from reliab.discrepancy.campaign.campaign import Channel, MeasuredTest, held_out_in_words
+from reliab.discrepancy.campaign.campaign import Channel, MeasuredTest, describe_held_out
 from reliab.discrepancy.campaign.reading import read_campaign
 
 RIG = shipped("datasets", "campaigns") / "rig_a"
@@ -89,4 +89,4 @@ def test_third_of_the_only_test_that_moves_no_further_than_the_others_is_held_ou
     assert (proof.begin, proof.end) == (begin, begin + 300)
     assert sum(stretch.end - stretch.begin for stretch in campaign.training) == 600
     assert campaign.held_out == f"{part} third of a.csv"
-    assert held_out_in_words([test, test], ["b.csv", "c.csv"]) == "b.csv, c.csv"
+    assert describe_held_out([test, test], ["b.csv", "c.csv"]) == "b.csv, c.csv"

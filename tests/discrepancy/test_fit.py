@@ -11,8 +11,8 @@ from reliab.discrepancy.blocks.actuator import ActuatorBlock
 from reliab.discrepancy.blocks.loop import LoopBlock
 from reliab.discrepancy.blocks.specimen import SpecimenBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
-from reliab.discrepancy.fitting.fit import fit, jacobian, refined, reweighted, sharpened
-from reliab.discrepancy.fitting.left_out import left_out
+from reliab.discrepancy.fitting.fit import fit, jacobian, refine_fit, reweight_fit, sharpen_fit
+from reliab.discrepancy.fitting.left_out import leave_out
 from reliab.discrepancy.fitting.problem import Problem, relative_powers
 from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.spectra.segment import cut_segments
@@ -97,7 +97,7 @@ SLACK = find_effect("gap")(gap_m=0.001)
 @pytest.mark.parametrize("smoothed", [False, True])
 def test_remembered_spectra_are_those_of_the_predicted_force(campaign, effects, smoothed):
     motions = motions_of(campaign)
-    block = SpecimenBlock(campaign, scales_of(campaign, motions), motions, smoothed=smoothed)
+    block = SpecimenBlock(campaign, scales_of(campaign, motions), motions, is_smoothed=smoothed)
     segments = cut_segments(campaign.training[:2], RATE, lambda _: 40.0)
     for factor in (1.0, 1.7):  # the second time from what is remembered
         stiffer = replace(SPECIMEN, stiffness=factor * SPECIMEN.stiffness, mass=0.3)
@@ -113,7 +113,7 @@ def test_a_mean_over_velocities_is_that_of_the_whole_load(campaign):
     test = replace(campaign.tests[0], channels={**campaign.tests[0].channels, Channel.MEASURED: reading})
     noisy = replace(campaign, tests=(test, *campaign.tests[1:]))
     motions = motions_of(noisy)
-    block = SpecimenBlock(noisy, scales_of(noisy, motions), motions, smoothed=True)
+    block = SpecimenBlock(noisy, scales_of(noisy, motions), motions, is_smoothed=True)
     spread = velocity_spread(reading, 1.0 / RATE, block.highest_signal)
     reach = np.array([[0.0], [np.sqrt(3.0) * spread], [0.0]])
     model = HybridTest(specimen=SPECIMEN, effects=(ORIFICE, FRICTION, SLACK))
@@ -157,17 +157,17 @@ def test_noise_of_whitened_residuals_is_that_of_the_model_left(problem, fitted):
 
 def test_another_noise_needs_no_simulation(problem, fitted):
     with patch.object(SpecimenBlock, "spectra", side_effect=AssertionError):
-        other = reweighted(problem, fitted)
-    simulated = problem.whitened(fitted.space, fitted.coordinates, other.noise)
+        other = reweight_fit(problem, fitted)
+    simulated = problem.whiten(fitted.space, fitted.coordinates, other.noise)
     np.testing.assert_allclose(other.residual, simulated, rtol=1e-9, atol=1e-9)
     fresh = jacobian(problem, fitted.space, fitted.coordinates, other.noise)
     assert np.abs(other.jacobian - fresh).max() < 0.05 * np.abs(fresh).max()
 
 
 def exact_jacobian(problem, space, coordinates, noise, step=1e-3):
-    centre = problem.whitened(space, coordinates, noise)
+    centre = problem.whiten(space, coordinates, noise)
     moved = coordinates + step * np.eye(space.size)
-    return np.stack([(problem.whitened(space, one, noise) - centre) / step for one in moved], axis=1)
+    return np.stack([(problem.whiten(space, one, noise) - centre) / step for one in moved], axis=1)
 
 
 def test_derivatives_of_the_sketch_are_those_of_the_model(problem, fitted):
@@ -176,7 +176,7 @@ def test_derivatives_of_the_sketch_are_those_of_the_model(problem, fitted):
     exact = exact_jacobian(problem, fitted.space, fitted.coordinates, fitted.noise)
     size = np.linalg.norm(exact, axis=0)
     assert (np.linalg.norm(sketched - exact, axis=0) < 0.15 * size).all()
-    np.testing.assert_allclose(sharpened(problem, fitted).jacobian, exact, atol=1e-6 * size.max())
+    np.testing.assert_allclose(sharpen_fit(problem, fitted).jacobian, exact, atol=1e-6 * size.max())
 
 
 def test_sketch_of_a_late_actuator_has_its_derivatives(campaign):
@@ -190,9 +190,9 @@ def test_sketch_of_a_late_actuator_has_its_derivatives(campaign):
 
 
 def test_a_fit_that_has_settled_simulates_no_more_than_it_must(problem, fitted):
-    settled = refined(problem, fitted)
+    settled = refine_fit(problem, fitted)
     with patch.object(SpecimenBlock, "spectra", autospec=True, side_effect=SpecimenBlock.spectra) as simulate:
-        refined(problem, settled)
+        refine_fit(problem, settled)
     assert simulate.call_count <= 2 + settled.space.size
 
 
@@ -213,14 +213,14 @@ def test_coordinates_at_their_bounds_are_the_parameters_bounds(problem):
         assert found == pytest.approx(expected)
     inside = 0.3 * np.clip(upper, None, 2.0) + 0.7 * np.clip(lower, -2.0, None)
     assert space.coordinates(space.values(inside)) == pytest.approx(inside)
-    assert space.on_bounds(inside) == ()
-    keys = space.on_bounds(upper)
+    assert space.find_bounds(inside) == ()
+    keys = space.find_bounds(upper)
     assert len(set(keys)) == space.size
-    assert space.on_bounds(upper - 5e-5) == keys
-    assert space.on_bounds(upper - 2e-4) == space.on_bounds(lower + 2e-4) == ()
+    assert space.find_bounds(upper - 5e-5) == keys
+    assert space.find_bounds(upper - 2e-4) == space.find_bounds(lower + 2e-4) == ()
     physical = [p.signed and abs(p.lower) < 1e-9 for p in space.parameters]
     low = tuple(key for key, limit in zip(keys, physical, strict=True) if not limit)
-    assert space.on_bounds(lower + 5e-5) == low
+    assert space.find_bounds(lower + 5e-5) == low
 
 
 def test_standard_deviations_are_those_of_draws_and_of_the_model_error(problem):
@@ -241,7 +241,7 @@ def test_tests_are_left_out_one_at_a_time_and_pieces_of_a_single_one(problem, te
     few = replace(problem, segments=tuple(s for s in problem.segments if s.test in tests))
     space = ModelSpace(problem.block, ())
     start = fit(few, space, [np.zeros(space.size)], NoiseModel.white(RATE, NOISE**2))
-    errors = left_out(few, start)
+    errors = leave_out(few, start)
     assert errors.energies.size == (len(tests) if len(tests) > 1 else len(few.segments))
     whole = sum(np.sum(few.measured(s.test)[s.begin : s.end] ** 2) for s in few.segments)
     assert errors.signals.sum() == pytest.approx(whole, rel=0.02)

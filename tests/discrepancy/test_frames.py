@@ -5,9 +5,8 @@ import numpy as np
 import pytest
 
 from reliab.core.errors import InputError
-from reliab.discrepancy.adding.adding import updated_model
-from reliab.discrepancy.blocks.balance import motion_of_command
-from reliab.discrepancy.blocks.frame_balance import InnerMotion
+from reliab.discrepancy.adding.adding import update_model
+from reliab.discrepancy.blocks.balance import InnerMotion, motion_of_command
 from reliab.discrepancy.campaign.campaign import Channel
 from reliab.discrepancy.campaign.reading import read_campaign
 from reliab.discrepancy.diagnose import diagnose
@@ -45,7 +44,7 @@ def test_a_frame_is_read_with_its_interface_and_specimen(small_campaign):
 
 def test_the_model_of_a_frame_says_that_it_holds_no_frame(small_campaign, tmp_path):
     nothing_seen = Diagnosis(campaign=described(small_campaign, FRAME), blocks=())
-    write_model(tmp_path / "model.toml", updated_model(nothing_seen))
+    write_model(tmp_path / "model.toml", update_model(nothing_seen))
     model = read_model(tmp_path / "model.toml")
     assert model.test.structure is None
     assert model.test.specimen.stiffness == 1e5

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from reliab.discrepancy.diagnose import _power_of, informed_up_to
+from reliab.discrepancy.diagnose import _power_of, highest_informed_frequency
 from reliab.discrepancy.spectra.segment import Segment
 
 RATE, SIZE, HIGHEST = 256.0, 16384, 45.0
@@ -33,27 +33,27 @@ def problem_of(measured, left):
 def test_it_ends_where_half_of_a_falling_spectrum_is_left(crossing):
     measured = of_power((1.0 + FREQUENCY) ** -4.0)
     left = of_power(np.full(FREQUENCY.size, 0.5 * (1.0 + crossing) ** -4.0))
-    assert informed_up_to(problem_of(measured, left), FITTED) == pytest.approx(crossing, abs=0.3)
+    assert highest_informed_frequency(problem_of(measured, left), FITTED) == pytest.approx(crossing, abs=0.3)
 
 
 def test_frequencies_below_the_strongest_motion_do_not_end_it():
     measured = of_power(np.exp(-((FREQUENCY - 8.0) ** 2)) + 1e-6)
     left = of_power(np.full(FREQUENCY.size, 1e-7))
     left_below = left + of_power(np.where(FREQUENCY < 4.0, 1e-3, 0.0))
-    assert informed_up_to(problem_of(measured, left_below), FITTED) == HIGHEST
+    assert highest_informed_frequency(problem_of(measured, left_below), FITTED) == HIGHEST
 
 
 def test_it_ends_where_a_line_that_is_left_first_counts():
     """Half a hertz below the line, at the first frequency of a grid of 0.1 Hz."""
     measured = of_power((1.0 + FREQUENCY) ** -2.0)
     line = np.sin(2.0 * np.pi * 20.0 * np.arange(SIZE) / RATE)
-    end = informed_up_to(problem_of(measured, line), FITTED)
+    end = highest_informed_frequency(problem_of(measured, line), FITTED)
     assert 19.5 <= end < 19.6
 
 
 def test_a_model_that_explains_nothing_ends_it_at_the_strongest_motion():
     measured = of_power(np.exp(-((FREQUENCY - 8.0) ** 2)) + 1e-6)
-    assert informed_up_to(problem_of(measured, measured), FITTED) == pytest.approx(8.0, abs=0.5)
+    assert highest_informed_frequency(problem_of(measured, measured), FITTED) == pytest.approx(8.0, abs=0.5)
 
 
 def test_power_is_the_mean_within_half_a_hertz_without_zero_frequency():

@@ -31,15 +31,15 @@ def errors(energies, *, foretold=None, units=None):
 
 def test_an_error_is_at_most_itself_and_its_multiple():
     error = errors([1.0, 3.0])
-    assert error.at_most(1.0, error)
-    assert not error.at_most(1.0 - 1e-12, error)
-    assert errors([2.0, 6.0]).at_most(2.0, error)
-    assert not errors([2.0, 6.1]).at_most(2.0, error)
+    assert error.is_at_most(1.0, error)
+    assert not error.is_at_most(1.0 - 1e-12, error)
+    assert errors([2.0, 6.0]).is_at_most(2.0, error)
+    assert not errors([2.0, 6.1]).is_at_most(2.0, error)
 
 
 def test_only_tests_that_the_others_foretell_are_compared():
-    assert errors([1.0, 99.0], foretold=[True, False]).at_most(1.0, errors([1.0, 1.0]))
-    assert not errors([99.0, 1.0], foretold=[True, False]).at_most(1.0, errors([1.0, 99.0]))
+    assert errors([1.0, 99.0], foretold=[True, False]).is_at_most(1.0, errors([1.0, 1.0]))
+    assert not errors([99.0, 1.0], foretold=[True, False]).is_at_most(1.0, errors([1.0, 99.0]))
 
 
 def test_tests_count_alike_whatever_their_amplitude():
@@ -54,7 +54,9 @@ class Judged(Search):
         self.rejected, self.fitted, self.left = {}, {}, left_out
         for effects, energy in energies.items():
             names = [str(effect.name) for effect in effects]
-            space = SimpleNamespace(effects=effects, names=names, block=None, energy=energy)
+            space = SimpleNamespace(
+                effects=effects, names=names, key=frozenset(names), block=None, energy=energy
+            )
             self.fitted[frozenset(names)] = SimpleNamespace(
                 space=space,
                 residual=np.array([np.sqrt(energy)]),
@@ -64,7 +66,7 @@ class Judged(Search):
             )
         self.null = self.fitted[frozenset()]
         self.problem = SimpleNamespace(
-            whitened=lambda space, *_: np.array([np.sqrt(space.energy)]),
+            whiten=lambda space, *_: np.array([np.sqrt(space.energy)]),
             block=SimpleNamespace(twins={}),
         )
 
@@ -79,7 +81,7 @@ class Judged(Search):
         return self.fitted[frozenset(str(effect.name) for effect in effects)]
 
     def supports(self, *effects):
-        return self.supported(self.with_effects(*effects))
+        return self.is_supported(self.with_effects(*effects))
 
     def matters(self, larger, smaller):
         return self._matters(self.with_effects(*larger), self.with_effects(*smaller))
@@ -146,11 +148,11 @@ class Searched(Judged, Search):
 
     promising = ()
 
-    def screened(self, *_):
+    def screen(self, *_):
         return list(self.promising)
 
     def reaches(self, candidate, first):
-        return self._within_reach(candidate, first)
+        return self._is_near(candidate, first)
 
     def refined_from(self, *rough):
         return self._worth_refining(rough, self.null)
@@ -171,7 +173,7 @@ def test_only_models_within_seven_nats_of_the_best_are_settled():
     training = {(): 100.0, (CUBIC,): 60.0, (VISCOUS,): 73.0, (CUBIC, VISCOUS): 80.0}
     models = Searched(training, {})
     asked = []
-    models.supported = lambda candidate: asked.append(candidate.space.effects) or True
+    models.is_supported = lambda candidate: asked.append(candidate.space.effects) or True
     models.settle()
     assert sorted(map(str, asked)) == sorted(map(str, [(CUBIC,), (VISCOUS,)]))
 
@@ -179,7 +181,7 @@ def test_only_models_within_seven_nats_of_the_best_are_settled():
 def test_a_model_that_is_not_supported_makes_room_for_those_behind_it():
     training = {(): 100.0, (CUBIC,): 20.0, (VISCOUS,): 60.0}
     models = Searched(training, {})
-    models.supported = lambda candidate: candidate.space.effects != (CUBIC,)
+    models.is_supported = lambda candidate: candidate.space.effects != (CUBIC,)
     models.settle()
     assert models.best.space.effects == (VISCOUS,)
 
@@ -229,7 +231,7 @@ def test_effects_of_several_parameters_are_fitted_from_all_starts_where_parts_ju
 def test_an_effect_that_is_not_needed_is_removed_but_never_the_last_one(second, left):
     """The second effect brings the energy from 100 to 99 or to 20; the first one matters to no one."""
     models = Extended({(): 100.0, (CUBIC,): 100.0, (VISCOUS,): 100.0, (CUBIC, VISCOUS): second}, {})
-    models.without = lambda best, kind: models.with_effects(
+    models.remove_effect = lambda best, kind: models.with_effects(
         *(other for other in best.space.effects if other is not kind)
     )
     models.with_effects(CUBIC).log_evidence += 0.1
@@ -259,9 +261,9 @@ def test_a_search_begins_anew_where_a_model_expects_an_error_of_the_converter(en
     """At an energy of 99 instead of 100 the effect does not pay for itself: the best model is without it."""
     models = Searched({(): 100.0, (CUBIC,): energy}, {})
     other = object()
-    models.problem.corrected = lambda _space, _coordinates: other if converts else models.problem
-    models.on = lambda problem: ("on", problem)
-    assert models.again() == (("on", other) if anew else models)
+    models.problem.correct_conversion = lambda _space, _coordinates: other if converts else models.problem
+    models.move_to = lambda problem: ("on", problem)
+    assert models.rerun_converted() == (("on", other) if anew else models)
 
 
 def test_a_plain_calibration_weighs_every_frequency_alike():
@@ -319,11 +321,11 @@ def test_a_damper_and_an_offset_of_the_clocks_that_cancel_each_other_must_matter
 
     search = SimpleNamespace(
         problem=SimpleNamespace(block=SimpleNamespace(twins={ClockOffset: (VISCOUS,)})),
-        without=lambda larger, kind: model(k for k in larger.space.effects if k is not kind),
+        remove_effect=lambda larger, kind: model(k for k in larger.space.effects if k is not kind),
         _matters=matters,
     )
     candidate = model((CUBIC, *effects))
-    assert Search._shifts_what_matters(search, candidate) is stands  # noqa: SLF001 - what is tested
+    assert Search._clocks_matter(search, candidate) is stands  # noqa: SLF001 - what is tested
     assert all(smaller == (CUBIC,) for _, smaller in compared)
     assert len(compared) == (len(effects) == 2)
 
@@ -352,7 +354,7 @@ def test_noise_judges_only_where_a_few_effects_can_leave_it(monkeypatch, left, r
         problem=SimpleNamespace(block=SimpleNamespace(outside=())),
         null=None,
         candidates=(),
-        screened=lambda *_: [SimpleNamespace(start=np.zeros(1))],
+        screen=lambda *_: [SimpleNamespace(start=np.zeros(1))],
         _rough=lambda *_: [SimpleNamespace(log_likelihood=0.0)],
     )
     assert search.Search.reaches_noise(begun) is reaches

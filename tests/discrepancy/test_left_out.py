@@ -6,7 +6,7 @@ import pytest
 from reliab.discrepancy.blocks.actuator import ActuatorBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.fitting.problem import Problem
-from reliab.discrepancy.fitting.screening import screened
+from reliab.discrepancy.fitting.screening import screen_effects
 from reliab.discrepancy.fitting.search import Search
 from reliab.discrepancy.spectra.segment import cut_segments
 from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
@@ -35,7 +35,7 @@ def models():
         segments=cut_segments(campaign.training, RATE, block.highest_of, block.sketch.every),
     )
     search = Search(problem)
-    search.extend(search.null, screened(problem, search.null, block.candidates, search.null)[:2])
+    search.extend(search.null, screen_effects(problem, search.null, block.candidates, search.null)[:2])
     return search
 
 
@@ -44,5 +44,5 @@ def test_a_limit_that_one_test_alone_reaches_is_not_judged_without_that_test(mod
     error = models.error(limited)
     assert error.foretold.tolist() == [True, True, True, False]
     assert error.relative[3] > 100.0 * error.relative[:3].max()
-    assert error.at_most(1.02, models.error(models.null))
+    assert error.is_at_most(1.02, models.error(models.null))
     assert models.error(models.null).foretold.all()

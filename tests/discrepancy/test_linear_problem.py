@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from scipy import optimize, stats
 
-from reliab.discrepancy.fitting.fit import Fit, bounded_step, fit, improved, jacobian, refined
-from reliab.discrepancy.fitting.left_out import LeftOut, _determined, refitted
+from reliab.discrepancy.fitting.fit import Fit, fit, improve_fit, jacobian, refine_fit, solve_bounded_step
+from reliab.discrepancy.fitting.left_out import LeftOut, _is_determined, refit
 from reliab.discrepancy.fitting.problem import Problem, observations, real_parts, relative_powers
-from reliab.discrepancy.fitting.screening import screened
+from reliab.discrepancy.fitting.screening import screen_effects
 from reliab.discrepancy.spectra.segment import Segment
 from reliab.signals.noise import NoiseModel
 
@@ -32,7 +32,7 @@ class Linear:
     def sketch(self):
         return self
 
-    def whitened(self, _space, coordinates, _noise):
+    def whiten(self, _space, coordinates, _noise):
         self.simulated += 1
         return TARGET - MATRIX @ coordinates
 
@@ -55,10 +55,10 @@ def test_noise_and_model_are_fitted_in_turn_until_half_a_nat(evidence, rounds):
     states = [SimpleNamespace(log_evidence=value) for value in evidence]
     following = dict(zip(map(id, states), states[1:], strict=False))
     with (
-        patch("reliab.discrepancy.fitting.fit.reweighted", lambda _problem, fitted: fitted),
-        patch("reliab.discrepancy.fitting.fit.improved", lambda _problem, fitted: following[id(fitted)]),
+        patch("reliab.discrepancy.fitting.fit.reweight_fit", lambda _problem, fitted: fitted),
+        patch("reliab.discrepancy.fitting.fit.improve_fit", lambda _problem, fitted: following[id(fitted)]),
     ):
-        assert refined(None, states[0]) is states[rounds]
+        assert refine_fit(None, states[0]) is states[rounds]
 
 
 def test_a_linear_model_is_fitted_by_ridge_regression_and_in_few_steps():
@@ -84,7 +84,7 @@ def test_the_best_of_several_starts_is_kept_by_likelihood_and_prior():
     """Two optima, of which one fits a little better and the other is far more probable beforehand."""
 
     class TwoOptima(Linear):
-        def whitened(self, _space, coordinates, _noise):
+        def whiten(self, _space, coordinates, _noise):
             x = coordinates[0]
             return np.array([10.0 * min(abs(x - 5.0), abs(x - 0.5) + 0.02)])
 
@@ -115,9 +115,9 @@ def test_derivatives_step_away_from_the_upper_bound():
     steps = []
 
     class Watched(Linear):
-        def whitened(self, space, coordinates, noise):
+        def whiten(self, space, coordinates, noise):
             steps.append(coordinates)
-            return super().whitened(space, coordinates, noise)
+            return super().whiten(space, coordinates, noise)
 
     at = np.array([0.5, 0.4995, -0.5, 0.498])
     assert jacobian(Watched(), space_of(0.5), at, NOISE) == pytest.approx(-MATRIX, abs=1e-8)
@@ -131,10 +131,10 @@ def test_a_bounded_step_minimises_the_damped_quadratic_model(damping):
     slope = np.array([4.0, -9.0, 2.0, 1.0])
     damped = curvature + damping * np.diag(np.diag(curvature))
     far, near = np.full(SIZE, 99.0), np.array([1e-3, 2e-2, 9.0, 1e-3])
-    assert bounded_step(curvature, slope, -far, far, damping) == pytest.approx(
+    assert solve_bounded_step(curvature, slope, -far, far, damping) == pytest.approx(
         -np.linalg.solve(damped, slope)
     )
-    found = bounded_step(curvature, slope, -near, near, damping)
+    found = solve_bounded_step(curvature, slope, -near, near, damping)
     expected = optimize.minimize(
         lambda x: slope @ x + 0.5 * x @ damped @ x,
         np.zeros(SIZE),
@@ -150,7 +150,7 @@ def test_a_coordinate_that_cannot_move_stays_while_the_others_step():
     """Bounds that meet, as of a coordinate that lies on the only value it may have."""
     curvature, slope = np.diag([2.0, 5.0]), np.array([-4.0, -10.0])
     least, most = np.array([-9.0, 0.0]), np.array([9.0, 0.0])
-    assert bounded_step(curvature, slope, least, most, 0.0) == pytest.approx([2.0, 0.0], abs=1e-9)
+    assert solve_bounded_step(curvature, slope, least, most, 0.0) == pytest.approx([2.0, 0.0], abs=1e-9)
 
 
 def at(coordinates):
@@ -167,10 +167,10 @@ def at(coordinates):
 def test_a_fit_improves_from_anywhere_and_not_beyond_its_steps():
     start = at(np.full(SIZE, 30.0))
     best = np.linalg.lstsq(*stacked(), rcond=None)[0]
-    assert improved(Linear(), start).coordinates == pytest.approx(best, abs=0.05)
-    assert improved(Linear(), start, 0).coordinates == pytest.approx(start.coordinates)
+    assert improve_fit(Linear(), start).coordinates == pytest.approx(best, abs=0.05)
+    assert improve_fit(Linear(), start, 0).coordinates == pytest.approx(start.coordinates)
     problem = Linear()
-    improved(problem, at(best))
+    improve_fit(problem, at(best))
     assert problem.simulated == 0  # a step from there promises nothing
 
 
@@ -182,7 +182,7 @@ def test_without_some_rows_a_linear_model_is_the_ridge_regression_of_the_others(
     free = [k for k in range(SIZE) if k not in fixed]
     expected = np.zeros(SIZE)
     expected[free] = np.linalg.lstsq(rows[kept][:, free], target[kept], rcond=None)[0]
-    assert refitted(at(np.array([0.3, -0.7, 0.1, 1.0])), excluded, fixed) == pytest.approx(expected, abs=1e-8)
+    assert refit(at(np.array([0.3, -0.7, 0.1, 1.0])), excluded, fixed) == pytest.approx(expected, abs=1e-8)
 
 
 @pytest.mark.parametrize("reach", [0.4, 0.8])
@@ -192,7 +192,7 @@ def test_without_some_rows_a_fit_stays_within_its_bounds(reach):
     kept = np.concatenate([~excluded, np.ones(SIZE, dtype=bool)])
     expected = optimize.lsq_linear(rows[kept], target[kept], bounds=(-reach, reach)).x
     fitted = replace(at(np.array([0.3, -0.35, 0.1, 0.2])), space=space_of(reach))
-    assert refitted(fitted, excluded, ()) == pytest.approx(expected, abs=1e-6)
+    assert refit(fitted, excluded, ()) == pytest.approx(expected, abs=1e-6)
     assert (np.isclose(np.abs(expected), reach)).any()
 
 
@@ -203,8 +203,8 @@ def test_an_effect_is_determined_where_its_data_say_more_than_its_prior(size, de
     rows[0, 1], rows[1, 3] = size, 9.0
     fitted = replace(at(np.zeros(SIZE)), jacobian=rows)
     fitted.space.effects = (slice(1, 2), slice(3, 4))
-    assert _determined(fitted, np.ones(2, dtype=bool)) is determined
-    assert not _determined(fitted, np.array([True, False]))
+    assert _is_determined(fitted, np.ones(2, dtype=bool)) is determined
+    assert not _is_determined(fitted, np.array([True, False]))
 
 
 def errors_of(energies, foretold=(True, True, True)):
@@ -222,11 +222,11 @@ def test_errors_on_left_out_tests_are_relative_to_what_counts_as_one():
     assert error.energy == pytest.approx(2.25)
     assert error.nrmse == pytest.approx(0.3)
     rival = errors_of([2.0, 4.0, 1.0])
-    assert error.at_most(1.023, rival)
-    assert not error.at_most(1.022, rival)
+    assert error.is_at_most(1.023, rival)
+    assert not error.is_at_most(1.022, rival)
     partly = errors_of([1.0, 3.0, 5.0], foretold=(True, True, False))
-    assert partly.at_most(0.626, rival)
-    assert not partly.at_most(0.624, rival)
+    assert partly.is_at_most(0.626, rival)
+    assert not partly.is_at_most(0.624, rival)
 
 
 RATE = 64.0
@@ -294,7 +294,7 @@ def test_tests_count_alike_but_for_weak_ones():
 
 def test_tempering_leaves_so_many_observations_in_each_test():
     problem = problem_of()
-    tempered = problem.tempered({0: 24.0, 1: 1e9})
+    tempered = problem.temper({0: 24.0, 1: 1e9})
     rows = 2 * problem.segments[0].bins - 1
     assert problem.rows == 3 * rows
     assert tempered.tempering == pytest.approx((24.0 / (2 * rows), 24.0 / (2 * rows), 1.0))
@@ -309,7 +309,7 @@ def test_the_normalisation_is_that_of_whittles_likelihood():
     density = [segment.density(noise) for segment in problem.segments]
     volumes = [0.5 * np.log(d[0]) + np.log(d[1:]).sum() for d in density]
     assert problem.log_volume(noise) == pytest.approx(-sum(volumes))
-    tempered = problem.tempered({0: 24.0, 1: 12.0})
+    tempered = problem.temper({0: 24.0, 1: 12.0})
     assert tempered.log_volume(noise) == pytest.approx(-np.dot(tempered.tempering, volumes))
     assert problem.densities(noise) == pytest.approx(np.concatenate([[*d, *d[1:]] for d in density]))
     twice = NoiseModel(rate=RATE, weights=4.0 * noise.weights)
@@ -317,7 +317,7 @@ def test_the_normalisation_is_that_of_whittles_likelihood():
 
 
 def test_noise_where_errors_judge_is_their_mean_square_relative_to_the_channel():
-    problem = problem_of().tempered({0: 24.0, 1: 12.0})
+    problem = problem_of().temper({0: 24.0, 1: 12.0})
     unit = NoiseModel.white(RATE, 1.0)
     residual = np.random.default_rng(4).standard_normal(problem.rows)
     share = np.array(problem.tempering)[problem.owners]
@@ -363,19 +363,19 @@ def promised(parent, change, monkeypatch, *, flat):
     kind = Kind(parameters=(SimpleNamespace(signed=True),))
 
     class Problem(Linear):
-        def whitened(self, space, coordinates, noise):
+        def whiten(self, space, coordinates, noise):
             if coordinates.size == SIZE:
-                return super().whitened(space, coordinates, noise)
-            return super().whitened(space, coordinates[:SIZE], noise) - coordinates[SIZE] * change
+                return super().whiten(space, coordinates, noise)
+            return super().whiten(space, coordinates[:SIZE], noise) - coordinates[SIZE] * change
 
     problem = Problem()
     problem.flat = flat  # type: ignore[attr-defined]
     stretched = SimpleNamespace(
         starts=lambda _space, x: iter([np.append(x, 1.0), np.append(x, 0.5)]),
-        scaled=lambda start, _kind, factor: np.append(start[:SIZE], factor * start[SIZE]),
+        scale_size=lambda start, _kind, factor: np.append(start[:SIZE], factor * start[SIZE]),
     )
     monkeypatch.setattr("reliab.discrepancy.fitting.screening.ModelSpace", lambda *_: stretched)
-    (promise,) = screened(problem, parent, [kind], null=None)
+    (promise,) = screen_effects(problem, parent, [kind], null=None)
     return promise
 
 
@@ -383,7 +383,7 @@ def test_a_step_that_gains_what_it_promised_needs_no_new_derivatives():
     """From near the optimum one step reaches it, and the derivatives of a linear model have not changed."""
     best = np.linalg.lstsq(*stacked(), rcond=None)[0]
     problem, near = Linear(), at(best + 0.05 * np.eye(SIZE)[0])
-    found = improved(problem, near)
+    found = improve_fit(problem, near)
     assert found.coordinates == pytest.approx(best, abs=2e-4)
     assert problem.simulated == 1
 
@@ -394,7 +394,7 @@ def test_noise_beside_a_converter_is_what_its_steps_do_not_explain():
     step, noise = 0.01, 0.005
     signal = np.sin(np.linspace(0.0, 60.0, 60_000))
     measured = step * np.round((signal + noise * rng.standard_normal(signal.size)) / step)
-    block = SimpleNamespace(measured=lambda _test: measured, at_rate=lambda predicted, _test: predicted)
+    block = SimpleNamespace(measured=lambda _test: measured, interpolate=lambda predicted, _test: predicted)
     problem = Problem(block=block, segments=(SimpleNamespace(test=0),))
     with (
         patch.object(Problem, "predictions", return_value={0: signal}),
@@ -402,7 +402,7 @@ def test_noise_beside_a_converter_is_what_its_steps_do_not_explain():
             "reliab.discrepancy.fitting.problem.expect_rounding_error", return_value=0.0 * signal
         ) as expected,
     ):
-        problem.corrected(space_of(), np.zeros(SIZE))
+        problem.correct_conversion(space_of(), np.zeros(SIZE))
     _, found_step, spread, level = expected.call_args.args
     assert found_step == pytest.approx(step)
     assert spread == pytest.approx(noise, rel=0.008)
@@ -423,7 +423,7 @@ def test_starts_are_compared_by_likelihood_and_half_the_square_of_the_coordinate
     """The far optimum is likelier by 4.7 and less probable beforehand by 3²/2."""
 
     class TwoValleys(Linear):
-        def whitened(self, _space, coordinates, _noise):
+        def whiten(self, _space, coordinates, _noise):
             x = coordinates[0]
             far = x > 1.5
             return np.array([1e3 * (x - (3.0 if far else 0.0)), 0.0 if far else np.sqrt(2.0 * 4.7)])

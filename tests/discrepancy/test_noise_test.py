@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from reliab.discrepancy.fitting.noise_test import structured_share
+from reliab.discrepancy.fitting.noise_test import share_structured
 from reliab.discrepancy.fitting.problem import real_parts
 from reliab.discrepancy.spectra.segment import Segment
 from reliab.signals.noise import Periodogram, fit_noise
@@ -23,7 +23,7 @@ def share_of(values, highest=45.0):
     noise = fit_noise([Periodogram(frequency=frequency, power=power) for power in powers], RATE)
     rows = [real_parts(s.spectrum(v), s.density(noise)) for s, v in zip(segments, values, strict=True)]
     problem = SimpleNamespace(segments=segments, block=SimpleNamespace(rate=RATE))
-    return structured_share(problem, SimpleNamespace(residual=np.concatenate(rows)))
+    return share_structured(problem, SimpleNamespace(residual=np.concatenate(rows)))
 
 
 def noises(memory):

@@ -8,7 +8,7 @@ from scipy import fft
 
 from reliab.discrepancy.blocks.loop import LoopBlock
 from reliab.discrepancy.campaign.reading import read_campaign
-from reliab.discrepancy.diagnose import begun, diagnose
+from reliab.discrepancy.diagnose import begin_search, diagnose
 from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
 
 RATE = 610.0
@@ -106,7 +106,7 @@ def test_a_frequency_beyond_what_is_calibrated_leaves_noise_with_a_stiffness_of_
     measured = replace(measured, structure=replace(measured.structure, frequency=stated))
     motions = motions_of(measured)
     block = LoopBlock(measured, scales_of(measured, motions), motions)
-    null = begun(block, measured).null
+    null = begin_search(block, measured).null
     values = dict(
         zip([p.name for p in null.space.parameters], null.space.values(null.coordinates), strict=True)
     )

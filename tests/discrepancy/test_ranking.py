@@ -8,7 +8,12 @@ import pytest
 from reliab.discrepancy.fitting.left_out import LeftOut
 from reliab.discrepancy.fitting.prior import cost
 from reliab.discrepancy.fitting.space import MODEL_ERROR
-from reliab.discrepancy.naming.choice import _believed, _shares_of_parts, _shares_of_scores, _with_clocks
+from reliab.discrepancy.naming.choice import (
+    _clock_models,
+    _shares_of_parts,
+    _shares_of_scores,
+    _split_by_certainty,
+)
 from reliab.discrepancy.terms.clock_offset import ClockOffset
 from reliab.effects.registry import find_effect
 
@@ -93,7 +98,7 @@ def test_a_model_is_as_credible_as_with_an_offset_of_the_clocks_that_is_not_name
         problem=SimpleNamespace(block=SimpleNamespace(twins={})),
         score=lambda fit: fit.score,
     )
-    shares = _shares_of_scores(search, [alone, other, *_with_clocks(search)])
+    shares = _shares_of_scores(search, [alone, other, *_clock_models(search)])
     assert shares[0] == pytest.approx(expected, abs=1e-6)
     assert shares[0] + shares[2] == pytest.approx(1.0, abs=1e-6)
 
@@ -110,7 +115,7 @@ def test_an_offset_of_the_clocks_beside_rejected_effects_takes_no_part():
         problem=SimpleNamespace(block=SimpleNamespace(twins={})),
         score=lambda fit: fit.score,
     )
-    assert _with_clocks(search) == []
+    assert _clock_models(search) == []
 
 
 def test_an_offset_of_the_clocks_costs_nothing_beside_an_effect():
@@ -126,7 +131,7 @@ def ranked_as(probability, *effects):
 @pytest.mark.parametrize(("alone", "doubted"), [(0.6, False), (0.4, True)])
 def test_an_offset_of_the_clocks_is_doubtful_where_it_is_more_probable_than_none(alone, doubted):
     ranked = [ranked_as(1.0 - alone, AFTER, ClockOffset), ranked_as(alone, AFTER), ranked_as(0.0)]
-    best, sure, doubtful = _believed(None, ranked, ranked[0])
+    best, sure, doubtful = _split_by_certainty(None, ranked, ranked[0])
     assert sure == {AFTER}
     assert doubtful == ({ClockOffset} if doubted else set())
     assert set(best.fit.space.effects) == sure | doubtful

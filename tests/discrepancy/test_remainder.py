@@ -23,7 +23,7 @@ def problem(block, error):
         block=SimpleNamespace(block=block, channel=Channel.FORCE, rate=100.0),
         segments=[SimpleNamespace(test=0, spectrum=lambda values: values)],
         measured=lambda _test: signal,
-        whitened=lambda *_: error * np.sqrt(2.0) * signal,
+        whiten=lambda *_: error * np.sqrt(2.0) * signal,
     )
 
 
@@ -58,7 +58,7 @@ def test_named_leaves_a_fifth_of_the_worst_kind_of_test_at_most(monkeypatch, err
     )
     judged = problem(Block.NUMERICAL, 0.0), MODEL
     for remaining in (None, ()):
-        found = unexplained.unexplained(judged, MODEL, (), gap, remaining, is_named=True, tried="")
+        found = unexplained.find_unexplained(judged, MODEL, (), gap, remaining, is_named=True, comparison="")
         assert (found is None) is enough
         assert (gap.worst_unexplained_share <= unexplained.LARGEST_REMAINDER) is enough
 

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from reliab.discrepancy.adding.adding import _sampled
+from reliab.discrepancy.adding.adding import _apply_posterior
 from reliab.discrepancy.blocks.calibration import structure_damping
 from reliab.discrepancy.naming.naming import or_stated_damping
 from reliab.discrepancy.result.diagnosis import Diagnosis
@@ -17,7 +17,7 @@ from reliab.discrepancy.result.missing_effect import (
     Rival,
     calibration,
     remark,
-    widened,
+    widen_estimates,
 )
 from reliab.discrepancy.terms.stated_damping import StatedDamping
 from reliab.effects.registry import find_effect
@@ -50,7 +50,7 @@ def missing(probability=0.9, rivals=(), value=5.0):
     return MissingEffect(
         effect=FRICTION,
         probability=probability,
-        estimates=(Estimate(name="force_n", value=value, sd=1.0, units="N"),),
+        estimates=(Estimate(name="force_n", meaning="friction force", value=value, sd=1.0, units="N"),),
         rivals=rivals,
         error_with=0.1,
         error_without=0.2,
@@ -105,7 +105,7 @@ def test_a_diagnosis_is_a_table_of_verdict_effects_and_gap():
     )  # fmt: skip
     text = Diagnosis._repr_html_(found)
     for words in (
-        "effects found", missing().name, "probability 0.9; force_n 5 ± 1 N", "Look.",
+        "effects found", "coulomb friction", "probability 0.9; friction force 5.0 N (3.4 to 6.6)", "Look.",
         "error on held-out tests, force_n", "0.31 before, 0.12 after",
     ):  # fmt: skip
         assert words in text
@@ -115,9 +115,9 @@ def test_a_parameter_strays_as_far_as_the_models_that_hold_it_differ():
     def stated(value, sd):
         return (Estimate(name="force_n", value=value, sd=sd, units="N"),)
 
-    (alone,) = widened(stated(5.0, 0.3), [(0.9, stated(5.0, 0.3))])
+    (alone,) = widen_estimates(stated(5.0, 0.3), [(0.9, stated(5.0, 0.3))])
     assert (alone.sd, alone.between) == (pytest.approx(0.3), 0.0)
-    (wide,) = widened(stated(5.0, 0.3), [(0.4, stated(5.0, 0.3)), (0.2, stated(7.0, 0.6))])
+    (wide,) = widen_estimates(stated(5.0, 0.3), [(0.4, stated(5.0, 0.3)), (0.2, stated(7.0, 0.6))])
     square = (0.4 * 0.3**2 + 0.2 * (2.0**2 + 0.6**2)) / 0.6
     assert wide.value == 5.0
     assert wide.sd == pytest.approx(np.sqrt(square))
@@ -147,7 +147,7 @@ def test_a_damping_that_is_not_the_stated_one_is_calibrated_with_what_is_known_o
     )  # fmt: skip
     covariance = np.array([[1.0, -0.02], [-0.02, 0.0004 + 1e-4]])
     fitted = SimpleNamespace(space=space, coordinates=np.array([-1.0, -0.3]), covariance=covariance)
-    (told,) = calibration(fitted, restated=True)
+    (told,) = calibration(fitted, is_restated=True)
     assert (told.name, told.value) == ("structure_damping", pytest.approx(0.84))
     assert told.sd == pytest.approx(0.005, rel=1e-3)
     assert calibration(fitted)[0].value == pytest.approx(0.99)
@@ -158,7 +158,7 @@ def test_special_form_is_stated_as_the_simple_effect_with_its_parameters():
     values = [Estimate(name=p.name, value=1.0, sd=0.1, units=p.units) for p in special.parameters]
     effect = replace(missing(), effect=special, estimates=tuple(values), on_bounds=("slip", "gamma"))
     simple = find_effect("hysteresis")
-    found = effect.named_as(simple)
+    found = effect.report_as(simple)
     assert found.name == "hysteresis"
     assert found.to_dict()["member_of"] == "degrading_hysteresis"
     assert [item.name for item in found.estimates] == [p.name for p in simple.parameters]
@@ -169,7 +169,7 @@ def test_what_is_sampled_from_one_model_is_widened_by_how_far_models_differ():
     posterior = sampled(sd=0.6, interval=(4.0, 6.0))
     effect = missing(value=5.0)
     apart = replace(effect, estimates=(replace(effect.estimates[0], between=0.8),))
-    found = _sampled(Block(effects=(apart,), doubtful=(), converged=None), posterior)
+    found = _apply_posterior(Block(effects=(apart,), doubtful=(), converged=None), posterior)
     (estimate,) = found.effects[0].estimates
     reach = np.hypot(1.0, 1.645 * 0.8)
     assert estimate.sd == pytest.approx(1.0)
@@ -187,17 +187,17 @@ def test_an_effect_names_its_likeliest_rival_where_it_has_one(rivals):
 def test_a_sampled_parameter_keeps_its_value_within_its_interval(value, interval):
     posterior = sampled(sd=0.7, interval=(4.0, 7.0))
     block = Block(effects=(missing(value=value),), doubtful=(missing(0.3, value=value),), converged=None)
-    found = _sampled(block, posterior)
+    found = _apply_posterior(block, posterior)
     assert found.converged is True
     for effect in (*found.effects, *found.doubtful):
         (estimate,) = effect.estimates
         assert (estimate.value, estimate.sd, estimate.interval) == (value, 0.7, interval)
-    assert _sampled(block, None) is block
+    assert _apply_posterior(block, None) is block
 
 
 def test_a_posterior_that_has_not_converged_still_gives_its_intervals():
     block = Block(effects=(missing(value=5.0),), doubtful=(), converged=None)
-    found = _sampled(block, sampled(sd=0.7, interval=(4.0, 7.0), converged=False))
+    found = _apply_posterior(block, sampled(sd=0.7, interval=(4.0, 7.0), converged=False))
     assert found.converged is False
     assert found.effects[0].estimates[0].interval == (4.0, 7.0)
 

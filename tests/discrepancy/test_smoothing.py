@@ -7,7 +7,7 @@ from scipy import signal
 from reliab.discrepancy.spectra.smoothing import (
     _spectra,
     reliable_frequency,
-    smoothed_motion,
+    smooth_motion,
     velocity_spread,
 )
 
@@ -28,7 +28,7 @@ def reading(colour):
 @pytest.mark.parametrize(("colour", "most"), [(0.0, 0.035), (0.95, 0.11)])
 def test_velocity_is_not_made_of_noise_and_its_spread_is_known(colour, most):
     displacement, velocity = reading(colour)
-    left = smoothed_motion(displacement, 1.0 / RATE, 45.0).values[1] - velocity
+    left = smooth_motion(displacement, 1.0 / RATE, 45.0).values[1] - velocity
     assert left.std() < most * velocity.std()
     assert velocity_spread(displacement, 1.0 / RATE, 45.0) == pytest.approx(left.std(), rel=0.25)
 
@@ -37,7 +37,7 @@ def test_steps_of_a_converter_are_not_taken_for_fast_motion():
     envelope = np.sin(np.pi * TIME / TIME[-1]) ** 2
     slow = envelope * (np.sin(2.0 * np.pi * 0.33 * TIME) + 0.3 * np.sin(2.0 * np.pi * 0.61 * TIME + 1.0))
     step = 0.35 * slow.std()
-    found = smoothed_motion(step * np.round(slow / step), 1.0 / RATE, 45.0).values
+    found = smooth_motion(step * np.round(slow / step), 1.0 / RATE, 45.0).values
     acceleration = np.gradient(np.gradient(slow, 1.0 / RATE), 1.0 / RATE)
     assert found[2].std() < 1.5 * acceleration.std()
 
@@ -65,7 +65,7 @@ def test_smoothing_leaves_forces_unattenuated():
     time = np.arange(int(40 * RATE)) / RATE
     truth = signal.lfilter(*signal.butter(2, [0.3, 2.0], "bandpass", fs=RATE), random.normal(size=time.size))
     noise = 0.05 * truth.std() * random.normal(size=time.size)
-    found = smoothed_motion(truth + noise, 1.0 / RATE, 45.0).values[0]
+    found = smooth_motion(truth + noise, 1.0 / RATE, 45.0).values[0]
     slope = (found @ truth) / (found @ found)
     assert slope == pytest.approx(1.0, abs=2e-3)
     inner = slice(1024, -1024)

@@ -72,13 +72,13 @@ def test_a_signed_parameter_that_is_scaled_stays_within_nine_tenths_of_its_bound
     place = space.places(signed).start
     begin = np.zeros(space.size)
     begin[place] = 0.25 * space.bounds[1][place]
-    scaled = space.scaled(begin, signed, factor)
+    scaled = space.scale_size(begin, signed, factor)
     lower, upper = 0.9 * space.bounds[0][place], 0.9 * space.bounds[1][place]
     expected = {0.5: 0.5 * begin[place], -1.0: -begin[place], 1e9: upper, -1e9: lower}[factor]
     assert lower < 0.0 < upper
     assert scaled[place] == pytest.approx(expected)
     assert np.array_equal(np.delete(scaled, place), np.delete(begin, place))
-    assert space.scaled(begin, unsigned, factor) is begin
+    assert space.scale_size(begin, unsigned, factor) is begin
 
 
 def _exactly_fitted(block, name, value):

@@ -9,13 +9,13 @@ from reliab.discrepancy.spectra import smoothing
 from reliab.discrepancy.spectra.segment import (
     Segment,
     _value_and_slope,
-    answered,
     cut_segments,
     energy_of,
-    settled,
+    skip_end,
+    skip_transient,
 )
 from reliab.discrepancy.spectra.smoothing import (
-    _averaged,
+    _average,
     _share,
     _spectra,
     harmonics_up_to,
@@ -94,7 +94,7 @@ def test_a_sine_has_harmonics_up_to_the_eleventh(second, expected):
 def test_power_is_averaged_over_a_band_that_widens_and_ends_at_the_border():
     frequency = 0.05 * np.arange(1001)
     power = np.random.default_rng(2).exponential(size=1001)
-    found = _averaged(frequency, power, 30.0)
+    found = _average(frequency, power, 30.0)
     for place in (0, 1, 40, 590, 600, 601, 640, 999, 1000):
         reach = max(int((0.2 + 0.1 * frequency[place]) / 0.05 + 1e-9), 3)
         inside = np.abs(np.arange(1001) - place) <= reach
@@ -132,7 +132,7 @@ def test_a_record_begins_in_motion_from_a_tenth_of_the_usual_velocity(first, beg
     velocity = np.sqrt(2.0) * np.sin(2.0 * np.pi * np.arange(2000) / 100.0)
     usual = np.sqrt(np.mean(velocity**2))
     velocity[:5] = first * usual
-    begin = settled([Stretch(test=0, begin=0, end=2000)], [motion(velocity)])[0].begin
+    begin = skip_transient([Stretch(test=0, begin=0, end=2000)], [motion(velocity)])[0].begin
     # the third reversal comes after 1.5 swings, where the motion has left the tenth again
     assert begin == (152 if begins_late else 0)
 
@@ -140,10 +140,10 @@ def test_a_record_begins_in_motion_from_a_tenth_of_the_usual_velocity(first, beg
 def test_an_end_is_left_out_up_to_a_fifth():
     still = motion(np.ones(1000))
     for seconds, end in ((0.5, 950), (1.99, 801), (2.5, 800)):
-        assert answered([Stretch(test=0, begin=5, end=1000)], [still], seconds)[0].end == end
+        assert skip_end([Stretch(test=0, begin=5, end=1000)], [still], seconds)[0].end == end
     at = Stretch(test=0, begin=950, end=1000)
-    assert answered([at], [still], 0.5) == (at,)
-    assert answered([Stretch(test=0, begin=949, end=1000)], [still], 0.5)[0].end == 950
+    assert skip_end([at], [still], 0.5) == (at,)
+    assert skip_end([Stretch(test=0, begin=949, end=1000)], [still], 0.5)[0].end == 950
 
 
 def test_a_displacement_is_continued_as_an_odd_function():

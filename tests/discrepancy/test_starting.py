@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from reliab.discrepancy.campaign.campaign import Stretch
-from reliab.discrepancy.spectra.segment import answered, settled
+from reliab.discrepancy.spectra.segment import skip_end, skip_transient
 from reliab.simulation.hybrid_test.open_loop import Motion3
 
 STEP = 0.005
@@ -13,7 +13,7 @@ TIME = np.arange(0.0, 20.0, STEP)
 
 def begin_of(displacement):
     whole = Stretch(test=0, begin=0, end=TIME.size)
-    return settled([whole], [Motion3.interpolate(displacement, STEP)])[0].begin * STEP
+    return skip_transient([whole], [Motion3.interpolate(displacement, STEP)])[0].begin * STEP
 
 
 def test_a_record_that_starts_at_rest_counts_whole():
@@ -31,16 +31,16 @@ def test_a_slow_start_takes_at_most_a_fifth():
 
 def test_a_stretch_within_a_record_keeps_its_begin():
     inner = Stretch(test=0, begin=700, end=TIME.size)
-    assert settled([inner], [Motion3.interpolate(np.sin(TIME), STEP)]) == (inner,)
+    assert skip_transient([inner], [Motion3.interpolate(np.sin(TIME), STEP)]) == (inner,)
 
 
 def test_a_free_vibration_that_started_before_is_waited_for():
     whole = Stretch(test=0, begin=0, end=TIME.size)
     moving = [Motion3.interpolate(np.cos(2.0 * np.pi * TIME + 1.0), STEP)]
-    assert settled([whole], moving, 3.0)[0].begin * STEP == pytest.approx(3.0, abs=STEP)
-    assert settled([whole], moving, 60.0)[0].begin * STEP == pytest.approx(4.0, abs=STEP)  # a fifth
+    assert skip_transient([whole], moving, 3.0)[0].begin * STEP == pytest.approx(3.0, abs=STEP)
+    assert skip_transient([whole], moving, 60.0)[0].begin * STEP == pytest.approx(4.0, abs=STEP)  # a fifth
     resting = [Motion3.interpolate(np.sin(2.0 * np.pi * TIME) * np.sin(np.pi * TIME / 20.0) ** 2, STEP)]
-    assert settled([whole], resting, 3.0)[0].begin == 0
+    assert skip_transient([whole], resting, 3.0)[0].begin == 0
 
 
 @pytest.mark.parametrize(
@@ -50,7 +50,7 @@ def test_the_end_that_nothing_answers_is_left_out(unanswered, end):
     motions = [Motion3.interpolate(np.sin(TIME), STEP)]
     whole, inner = Stretch(test=0, begin=0, end=TIME.size), Stretch(test=0, begin=100, end=400)
     late = Stretch(test=0, begin=TIME.size - 2, end=TIME.size)
-    shortened, kept, last = answered([whole, inner, late], motions, unanswered)
+    shortened, kept, last = skip_end([whole, inner, late], motions, unanswered)
     assert shortened.begin == 0
     assert shortened.end * STEP == pytest.approx(end, abs=STEP)
     assert kept == inner

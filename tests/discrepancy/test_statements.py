@@ -119,7 +119,7 @@ def test_a_gap_is_wholly_closed_only_at_the_noise(block):
     said = _closed(SimpleNamespace(gap=block.gap, blocks=[block], effects=()))
     assert block.gap.conclusion in said
     wholly = "100.0 % of the gap closed" in said or "at the level of the noise" in said
-    assert not wholly or block.gap.at_noise_before or block.gap.remainder is Remainder.AT_NOISE
+    assert not wholly or block.gap.is_noise_before or block.gap.remainder is Remainder.AT_NOISE
     if block.gap.remainder is Remainder.NOT_KNOWN:
         assert "of the error is noise" in plain_text(_floor(block))
 
@@ -269,12 +269,15 @@ def structure_of(frequency, mass, *, alike):
 
 
 def test_best_linear_model_is_stated_with_its_values_and_what_it_leaves():
-    values = (("stiffness", 1.25, "-"), ("damping_n_s_per_m", 40.0, "N·s/m"), ("mass_kg", 0.5, "kg"))
-    linear = tuple(Estimate(name=name, value=value, sd=0.1, units=units) for name, value, units in values)
+    values = (("stiffness over its nominal value", 1.25, "-"), ("moving mass", 0.5, "kg"))
+    linear = tuple(
+        Estimate(name="", meaning=meaning, value=value, sd=0.1, units=units)
+        for meaning, value, units in values
+    )
     block = SimpleNamespace(linear=linear, gap=SimpleNamespace(linear=0.427))
     assert linear_statement("specimen", block) == (
-        "The best linear model of the specimen (stiffness 1.25 times the stated one, damping 40 N·s/m, mass "
-        "0.5 kg) leaves 42.7 % of the signal on held-out tests."
+        "The best linear model of the specimen leaves 42.7 % of the signal on held-out tests: stiffness over "
+        "its nominal value 1.25 (1.09 to 1.41), moving mass 0.50 kg (0.34 to 0.66)."
     )
 
 
@@ -293,17 +296,17 @@ def test_nothing_is_doubted_that_is_as_stated_or_clear_by_itself():
 
 
 @pytest.mark.parametrize(
-    ("sd", "signed", "words"),
+    ("sd", "signed", "size"),
     [
-        (580_611.0, False, ("not determined", "")),
-        (580_611.0, True, ("8933 N/m", "580611")),
-        (40.0, False, ("8933 N/m", "40")),
+        (580_611.0, False, "not determined"),
+        (580_611.0, True, "9 kN/m (−946 to 964)"),
+        (40.0, False, "8933 N/m (8867 to 8999)"),
     ],
 )
-def test_a_parameter_that_may_be_anything_is_not_shown_as_a_number(sd, signed, words):
+def test_a_parameter_that_may_be_anything_is_not_shown_as_a_number(sd, signed, size):
     estimate = Estimate(name="stiffness_n_per_m", value=8933.0, sd=sd, units="N/m", signed=signed)
-    assert estimate.words == words
-    assert estimate.to_dict()["determined"] is (words[1] != "")
+    assert estimate.size == size
+    assert estimate.to_dict()["determined"] is (size != "not determined")
 
 
 @pytest.mark.parametrize("stretches", [1, 2, 3])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from reliab.core.vocabulary import Block
-from reliab.discrepancy.adding.adding import updated_model
+from reliab.discrepancy.adding.adding import update_model
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.campaign.reading import read_campaign
 from reliab.discrepancy.diagnose import diagnose
@@ -59,7 +59,7 @@ def updated():
         rate=RATE,
         tests=tuple(measured(seed, seed == 3) for seed in range(4)),
     )
-    return updated_model(diagnose(campaign))
+    return update_model(diagnose(campaign))
 
 
 @pytest.mark.slow
@@ -112,9 +112,9 @@ def test_a_structure_that_was_stated_wrongly_is_corrected(sample_campaigns):
     truth = read_campaign(sample_campaigns / "rig_c")
     stated = replace(truth.structure, frequency=1.02 * truth.structure.frequency)
     diagnosis = diagnose(replace(truth, structure=stated))
-    corrected = updated_model(diagnosis).test.structure
+    corrected = update_model(diagnosis).test.structure
     assert corrected.frequency == pytest.approx(truth.structure.frequency, rel=0.004)
     # f enters the damping coefficient too: a ratio within its tolerance is left as it was stated
     assert corrected.damping_ratio == pytest.approx(truth.structure.damping_ratio, rel=0.06)
     assert any("natural frequency" in remark for remark in diagnosis.remarks)
-    assert updated_model(diagnose(truth)).test.structure == truth.structure
+    assert update_model(diagnose(truth)).test.structure == truth.structure

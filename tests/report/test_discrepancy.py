@@ -122,7 +122,7 @@ def test_a_terminal_shows_the_findings_without_figures(damped):
     (effect,) = found.effects
     for said in (
         "Where the model fails",
-        f"viscous damping {effect.probability:.3f} damping_n_s_per_m",
+        f"viscous damping {effect.probability:.3f} damping coefficient",
         "An expression for it is 3 x³; with it 1.20 % of the signal remain",
         "The proof on held-out tests",
         "viscous damping yes",
@@ -148,10 +148,14 @@ def test_posterior_with_an_offset_of_the_clocks_is_drawn(monkeypatch):
     names = ("clock_offset.lag_s", "cubic_stiffness.cubic_n_per_m3")
     for converged in (True, False):
         posterior = SimpleNamespace(
-            names=names, units=("s", "N/m³"), draws=np.zeros((5, 2)), converged=converged
+            names=names,
+            meanings=("lag", "cubic stiffness"),
+            units=("s", "N/m³"),
+            draws=np.zeros((5, 2)),
+            converged=converged,
         )
         posterior_figure(late, "specimen", posterior)
-    assert drawn == [(["lag_s [s]", "cubic_n_per_m3 [N/m³]"], (5, 2))]
+    assert drawn == [(["lag [s]", "cubic stiffness [N/m³]"], (5, 2))]
 
 
 def test_errors_stand_by_test_and_with_and_without_each_effect(damped):
@@ -209,6 +213,6 @@ def test_a_model_that_explains_the_tests_has_a_residual_like_noise(damped):
 def test_what_was_calibrated_stands_with_what_is_missing(damped):
     section = missing_effects_section(damped, {})
     calibrated = section.blocks[-1].frame
-    found = [(e.name, e.value) for block in damped.blocks for e in block.calibration]
+    found = [(e.meaning, e.size) for block in damped.blocks for e in block.calibration]
     assert found
     assert list(zip(calibrated["parameter"], calibrated["value"], strict=True)) == found

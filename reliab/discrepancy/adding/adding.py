@@ -13,7 +13,7 @@ from reliab.discrepancy.adding.criterion_shift import criterion_shift, shaking_o
 from reliab.discrepancy.adding.posterior import Posterior, sample_posterior
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
 from reliab.discrepancy.result.diagnosis import Diagnosis
-from reliab.discrepancy.result.missing_effect import MissingEffect, estimates
+from reliab.discrepancy.result.missing_effect import NORMAL_REACH_90, MissingEffect, estimates
 from reliab.effects.effect import Effect
 from reliab.effects.excitation_scale import ExcitationScale
 from reliab.effects.general.general_term import is_general
@@ -21,8 +21,7 @@ from reliab.effects.registry import library
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.model_file import MODEL_FILE, UpdatedModel, write_model
 
-_REACH = 1.645  # standard deviations to either end of a central 90 % interval
-_WITHOUT_FRAME = (
+_FRAME_NOTE = (
     "This file holds the actuator, the specimen and the effects; the frame of these tests is described in"
     " their campaign.toml, and no closed loop can be computed without it."
 )
@@ -77,19 +76,21 @@ def add(diagnosis: Diagnosis, *, out: Path | None = None, progress: Progress = s
         with one_thread():
             posteriors[name] = sample_posterior(block.problem, block.best)
         progress(count, len(acting))
-    blocks = tuple(_sampled(block, posteriors.get(str(block.block.block))) for block in diagnosis.blocks)
-    sampled = replace(diagnosis, blocks=blocks)
-    model = updated_model(sampled)
+    blocks = tuple(
+        _apply_posterior(block, posteriors.get(str(block.block.block))) for block in diagnosis.blocks
+    )
+    sampled_diagnosis = replace(diagnosis, blocks=blocks)
+    model = update_model(sampled_diagnosis)
     if out is not None:
         write_model(out / MODEL_FILE, model)
     return Addition(
-        diagnosis=replace(sampled, criterion_shift=_shift(diagnosis, model)),
+        diagnosis=replace(sampled_diagnosis, criterion_shift=_shift(diagnosis, model)),
         posteriors=posteriors,
         model=model,
     )
 
 
-def _sampled(block: BlockDiagnosis, posterior: Posterior | None) -> BlockDiagnosis:
+def _apply_posterior(block: BlockDiagnosis, posterior: Posterior | None) -> BlockDiagnosis:
     """Use standard deviations and intervals of a posterior; values stay the most probable ones."""
     if posterior is None:
         return block
@@ -97,20 +98,20 @@ def _sampled(block: BlockDiagnosis, posterior: Posterior | None) -> BlockDiagnos
         block,
         converged=posterior.converged,
         inseparable=posterior.inseparable([str(m.effect.name) for m in (*block.effects, *block.doubtful)]),
-        effects=tuple(_with_spread(effect, posterior) for effect in block.effects),
-        doubtful=tuple(_with_spread(effect, posterior) for effect in block.doubtful),
+        effects=tuple(_apply_intervals(effect, posterior) for effect in block.effects),
+        doubtful=tuple(_apply_intervals(effect, posterior) for effect in block.doubtful),
     )
 
 
-def _with_spread(effect: MissingEffect, posterior: Posterior) -> MissingEffect:
+def _apply_intervals(effect: MissingEffect, posterior: Posterior) -> MissingEffect:
     """Take spreads from a posterior of one model, and how far models differ from the diagnosis."""
     parameters = posterior.parameters_of(str(effect.effect.name))
     estimates = []
     for estimate in effect.estimates:
         low, high = parameters[estimate.name]["interval_90"]
-        value, between = estimate.value, _REACH * estimate.between
-        low = value - math.hypot(value - min(low, value), between)
-        high = value + math.hypot(max(high, value) - value, between)
+        value, spread_between = estimate.value, NORMAL_REACH_90 * estimate.between
+        low = value - math.hypot(value - min(low, value), spread_between)
+        high = value + math.hypot(max(high, value) - value, spread_between)
         sd = math.hypot(parameters[estimate.name]["sd"], estimate.between)
         interval = (low if estimate.signed else max(low, 0.0), high)
         estimates.append(replace(estimate, sd=sd, interval=interval))
@@ -126,7 +127,7 @@ def _shift(diagnosis: Diagnosis, model: UpdatedModel) -> dict[str, float] | None
         return None
 
 
-def updated_model(diagnosis: Diagnosis) -> UpdatedModel:
+def update_model(diagnosis: Diagnosis) -> UpdatedModel:
     """Put together the model that a diagnosis arrives at.
 
     Calibrated values and effects are those of the best model of the block that saw them. Effects of the
@@ -136,29 +137,29 @@ def updated_model(diagnosis: Diagnosis) -> UpdatedModel:
     """
     test = diagnosis.campaign.nominal
     deviations: dict[str, float] = {}
-    for diagnosed in diagnosis.blocks:
-        test = _joined(test, diagnosed)
-        deviations.update(_deviations(diagnosed))
+    for block_result in diagnosis.blocks:
+        test = _join_block(test, block_result)
+        deviations.update(_deviations(block_result))
     limits = diagnosis.remarks
     if diagnosis.campaign.partition is not None:
-        limits = (*limits, _WITHOUT_FRAME)
+        limits = (*limits, _FRAME_NOTE)
     return UpdatedModel(name=diagnosis.campaign.name, test=test, deviations=deviations, limits=limits)
 
 
-def _joined(test: HybridTest, diagnosed: BlockDiagnosis) -> HybridTest:
+def _join_block(test: HybridTest, block_result: BlockDiagnosis) -> HybridTest:
     """Take over from a block what it calibrated and what it names."""
-    names = {calibration.parameter.name for calibration in diagnosed.block.calibrations}
-    model = diagnosed.best.space.model(diagnosed.best.coordinates)
-    added = _added(diagnosed)
-    test = test.adding(*(effect for effect in model.effects if type(effect) in added))
+    names = {calibration.parameter.name for calibration in block_result.block.calibrations}
+    model = block_result.best.space.model(block_result.best.coordinates)
+    new_effects = _effects_to_add(block_result)
+    test = test.adding(*(effect for effect in model.effects if type(effect) in new_effects))
     if "gain" in names or "delay_s" in names:
         test = replace(test, actuator=model.actuator)
     if any(name.startswith("stiffness") for name in names):
         test = replace(test, specimen=model.specimen)
-    misstated = {item.name: item.value for item in diagnosed.misstated}
-    for calibration in diagnosed.block.calibrations:
-        if calibration.parameter.name in misstated:
-            test = calibration.apply(test, misstated[calibration.parameter.name])
+    corrections = {item.name: item.value for item in block_result.misstated}
+    for calibration in block_result.block.calibrations:
+        if calibration.parameter.name in corrections:
+            test = calibration.apply(test, corrections[calibration.parameter.name])
     if "damping" in names:
         test = replace(test, structure=model.structure)
     if "excitation_scale" in names:
@@ -166,28 +167,34 @@ def _joined(test: HybridTest, diagnosed: BlockDiagnosis) -> HybridTest:
     return test
 
 
-def _added(diagnosed: BlockDiagnosis) -> set[type[Effect]]:
+def _effects_to_add(block_result: BlockDiagnosis) -> set[type[Effect]]:
     """Effects that go into the model: named ones, doubtful ones, and what refines or explains beside them."""
-    effects = {missing.effect for missing in (*diagnosed.effects, *diagnosed.doubtful)}
-    beside = {kind for kind in diagnosed.best.space.effects if is_general(kind)} | set(diagnosed.refining)
-    return (effects & set(library().values())) | beside
+    effects = {missing.effect for missing in (*block_result.effects, *block_result.doubtful)}
+    refinements = {kind for kind in block_result.best.space.effects if is_general(kind)} | set(
+        block_result.refining
+    )
+    return (effects & set(library().values())) | refinements
 
 
-def _deviations(diagnosed: BlockDiagnosis) -> dict[str, float]:
+def _deviations(block_result: BlockDiagnosis) -> dict[str, float]:
     """Return standard deviations in SI units of what a block calibrated and named."""
-    fitted = diagnosed.best
-    spread = fitted.space.standard_deviations(fitted.coordinates, fitted.covariance).tolist()
-    calibrated = {
+    fitted_model = block_result.best
+    spread = fitted_model.space.standard_deviations(
+        fitted_model.coordinates, fitted_model.covariance
+    ).tolist()
+    calibrated_model = {
         calibration.key: calibration.unit * sd
-        for calibration, sd in zip(diagnosed.block.calibrations, spread, strict=False)
+        for calibration, sd in zip(block_result.block.calibrations, spread, strict=False)
         if calibration.key
     }
     refining = {
-        f"{kind.name}.{item.name}": item.sd for kind in _added(diagnosed) for item in estimates(kind, fitted)
+        f"{kind.name}.{item.name}": item.sd
+        for kind in _effects_to_add(block_result)
+        for item in estimates(kind, fitted_model)
     }
     effects = {
         f"{missing.effect.name}.{item.name}": item.sd
-        for missing in (*diagnosed.effects, *diagnosed.doubtful)
+        for missing in (*block_result.effects, *block_result.doubtful)
         for item in missing.estimates
     }
-    return {**calibrated, **refining, **effects}
+    return {**calibrated_model, **refining, **effects}

@@ -92,18 +92,20 @@ def shaking_of(campaign: Campaign) -> tuple[Excitation, ...]:
     suite, each scaled to the largest displacement of the tests.
     """
     if Channel.GROUND in campaign.channels:
-        recorded = [test.channels[Channel.GROUND] for test in campaign.tests[:_MOST_MOTIONS]]
+        records = [test.channels[Channel.GROUND] for test in campaign.tests[:_MOST_MOTIONS]]
         return tuple(
             Excitation(acceleration=acceleration, time_step=campaign.step)
-            for acceleration in recorded
+            for acceleration in records
             if np.ptp(acceleration)
         )
     channel = Channel.COMMAND if Channel.COMMAND in campaign.channels else Channel.MEASURED
     peak = max(float(np.ptp(test.channels[channel])) / 2.0 for test in campaign.tests)
     suite = load_motions("synthetic")
-    scaled = []
+    scaled_motions = []
     for record in (suite[_SYNTHETIC_STRIDE * k] for k in range(_MOST_MOTIONS)):
         answer = run_closed_loop(campaign.nominal, record.acceleration, record.time_step).measured
         factor = peak / np.abs(answer).max()
-        scaled.append(Excitation(acceleration=factor * record.acceleration, time_step=record.time_step))
-    return tuple(scaled)
+        scaled_motions.append(
+            Excitation(acceleration=factor * record.acceleration, time_step=record.time_step)
+        )
+    return tuple(scaled_motions)

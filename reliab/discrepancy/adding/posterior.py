@@ -31,11 +31,11 @@ SMALLEST_AGREEMENT = 0.7
 """Share of simulated draws that importance weights leave in effect, from which the surface is trusted."""
 
 _SEED = 2017
-_CHECKED = 48  # draws at which the surface is compared with simulations
+_CHECKS = 48  # draws at which the surface is compared with simulations
 _DRAWS = 4000
 _INTERVAL = (0.05, 0.95)
 _BADLY_KNOWN = 0.2  # relative spread of a parameter
-_TOGETHER = 0.3  # spread of a product or ratio over that of its parts, below which it alone is known
+_JOINT_SPREAD = 0.3  # spread of a product or ratio over that of its parts, below which it alone is known
 _POPULATION, _POPULATIONS = 300, 8  # draws that are simulated at once, and how often at most
 _GUIDING = 40.0  # effective number of draws around which the next ones are drawn
 _LEAST_VARIANCE = 1e-3  # of a standard coordinate
@@ -49,10 +49,10 @@ _ENOUGH_OF_SURFACE = 2000.0  # the same where draws cost nothing
 Density = Callable[[Array], Array]
 
 
-def simulated(problem: Problem, fitted: Fit, points: Iterable[Array]) -> Array:
+def simulate_residuals(problem: Problem, fitted_model: Fit, points: Iterable[Array]) -> Array:
     """Whitened residuals of a model at given coordinates."""
     with ThreadPoolExecutor(_WORKERS) as pool:
-        rows = pool.map(lambda point: problem.whitened(fitted.space, point, fitted.noise), points)
+        rows = pool.map(lambda point: problem.whiten(fitted_model.space, point, fitted_model.noise), points)
         return np.stack(list(rows))
 
 
@@ -66,17 +66,20 @@ class LikelihoodSurface:
     coefficients: Array  # The whitened residual over the monomials, shape (features, rows)
 
     @classmethod
-    def around(cls, problem: Problem, fitted: Fit) -> "LikelihoodSurface":
+    def around(cls, problem: Problem, fitted_model: Fit) -> "LikelihoodSurface":
         """Simulate around a fitted model and fit the polynomial."""
-        variances, directions = np.linalg.eigh(fitted.covariance)
+        variances, directions = np.linalg.eigh(fitted_model.covariance)
         axes = directions * np.sqrt(variances)
-        points = np.clip(fitted.coordinates + _design(fitted.space.size) @ axes.T, *fitted.space.bounds)
-        standard = np.linalg.solve(axes, (points - fitted.coordinates).T).T
+        points = np.clip(
+            fitted_model.coordinates + _design(fitted_model.space.size) @ axes.T, *fitted_model.space.bounds
+        )
+        standard = np.linalg.solve(axes, (points - fitted_model.coordinates).T).T
         return cls(
-            centre=fitted.coordinates,
+            centre=fitted_model.coordinates,
             axes=axes,
-            bounds=fitted.space.bounds,
-            coefficients=np.linalg.pinv(_features(standard)) @ simulated(problem, fitted, points),
+            bounds=fitted_model.space.bounds,
+            coefficients=np.linalg.pinv(_features(standard))
+            @ simulate_residuals(problem, fitted_model, points),
         )
 
     @cached_property
@@ -91,24 +94,26 @@ class LikelihoodSurface:
         """Logarithm of the posterior density by the polynomial, shape (points,)."""
         features = _features(standard)
         squares = np.einsum("ki,ki->k", features @ self._gram, features)
-        return self._within(standard, lambda coordinates, inside: _posterior(squares[inside], coordinates))
+        return self._restrict_to_bounds(
+            standard, lambda coordinates, is_inside: _posterior(squares[is_inside], coordinates)
+        )
 
-    def simulated_density(self, problem: Problem, fitted: Fit, standard: Array) -> Array:
+    def simulate_density(self, problem: Problem, fitted_model: Fit, standard: Array) -> Array:
         """Return the same by simulations."""
 
-        def density(coordinates: Array, _inside: Array) -> Array:
-            residuals = simulated(problem, fitted, coordinates)
+        def density(coordinates: Array, _is_inside: Array) -> Array:
+            residuals = simulate_residuals(problem, fitted_model, coordinates)
             return _posterior((residuals**2).sum(axis=1), coordinates)
 
-        return self._within(standard, density)
+        return self._restrict_to_bounds(standard, density)
 
-    def _within(self, standard: Array, density: Callable[[Array, Array], Array]) -> Array:
+    def _restrict_to_bounds(self, standard: Array, density: Callable[[Array, Array], Array]) -> Array:
         """Logarithm of a density that vanishes beyond the bounds."""
         coordinates = self.coordinates(standard)
-        inside = (coordinates == np.clip(coordinates, *self.bounds)).all(axis=1)
+        is_inside = (coordinates == np.clip(coordinates, *self.bounds)).all(axis=1)
         logs = np.full(len(standard), -np.inf)
-        if inside.any():
-            logs[inside] = density(coordinates[inside], inside)
+        if is_inside.any():
+            logs[is_inside] = density(coordinates[is_inside], is_inside)
         return logs
 
 
@@ -136,6 +141,7 @@ class Posterior:
 
     names: tuple[str, ...]  # names, units: Parameters, those of effects as "effect.parameter"
     units: tuple[str, ...]
+    meanings: tuple[str, ...]  # Parameters in words
     draws: Array  # Values in SI units, shape (draws, parameters)
     effective: float  # Number of independent draws that say as much as the weighted ones
     agreement: float  # Share of simulated draws that their importance weights leave in effect [-]
@@ -164,18 +170,14 @@ class Posterior:
     @property
     def statement(self) -> str:
         """One sentence on convergence."""
-        drawn = f"{self.effective:.0f} {'simulated ' if self.simulated else ''}draws in effect"
+        count = f"{self.effective:.0f} {'simulated ' if self.simulated else ''}draws in effect"
         if not self.converged:
             return (
-                f"Not converged: {drawn}, {ENOUGH:.0f} are needed. "
+                f"The parameters' distributions have not converged: {count}, {ENOUGH:.0f} are needed. "
                 "The tests hardly tell some parameters apart: measure cycles of other amplitudes and speeds."
             )
-        if self.simulated:
-            return f"Converged: {drawn}."
-        return (
-            f"Converged: {drawn}; simulations at {_CHECKED} draws confirm the surface from which they were "
-            f"drawn to {percent(self.agreement, decimals=0)}."
-        )
+        check = "" if self.simulated else f", of which {_CHECKS} were checked by simulation"
+        return f"The parameters' distributions have converged: {count}{check}."
 
     def parameters_of(self, effect: str) -> dict[str, dict[str, Any]]:
         """Return means, standard deviations, 90 % intervals and units of an effect's parameters by name."""
@@ -205,39 +207,40 @@ class Posterior:
                 if not (pair > 0.0).all():
                     continue
                 logs = np.log(pair)
-                along = float(np.corrcoef(logs.T)[0, 1])
-                sign, word = (-1.0, "ratio") if along > 0.0 else (1.0, "product")
-                combined = logs[:, 0] + sign * logs[:, 1]
+                correlation = float(np.corrcoef(logs.T)[0, 1])
+                sign, word = (-1.0, "ratio") if correlation > 0.0 else (1.0, "product")
+                combination = logs[:, 0] + sign * logs[:, 1]
                 least = logs.std(axis=0).min()
-                if least > _BADLY_KNOWN and combined.std() < _TOGETHER * least:
-                    names = [self.names[k].removeprefix(f"{effect}.") for k in (first, second)]
+                if least > _BADLY_KNOWN and combination.std() < _JOINT_SPREAD * least:
+                    names = [self.meanings[k] for k in (first, second)]
                     sentences.append(
                         f"The tests do not tell {' and '.join(names)} of {effect.replace('_', ' ')} "
-                        f"apart: their {word} is {significant(float(np.exp(combined.mean())))} ± "
-                        f"{percent(float(combined.std()), 2)}."
+                        f"apart: their {word} is {significant(float(np.exp(combination.mean())))} ± "
+                        f"{percent(float(combination.std()), 2)}."
                     )
         return tuple(sentences)
 
 
-def sample_posterior(problem: Problem, fitted: Fit) -> Posterior:
+def sample_posterior(problem: Problem, fitted_model: Fit) -> Posterior:
     """Sample the posterior distribution of a fitted model.
 
     Calibrations and offsets are sampled along with the effects; the noise is as fitted.
     """
-    surface = LikelihoodSurface.around(problem, fitted)
-    size, space = fitted.space.size, fitted.space
-    drawn, effective = draws_by_importance(surface.log_density, size, _DRAWS, _ENOUGH_OF_SURFACE)
-    agreement = 0.0 if effective < ENOUGH else agreement_of(problem, fitted, surface, drawn[:_CHECKED])
+    surface = LikelihoodSurface.around(problem, fitted_model)
+    size, space = fitted_model.space.size, fitted_model.space
+    draws, effective = draws_by_importance(surface.log_density, size, _DRAWS, _ENOUGH_OF_SURFACE)
+    agreement = 0.0 if effective < ENOUGH else agreement_of(problem, fitted_model, surface, draws[:_CHECKS])
     if agreement < SMALLEST_AGREEMENT:
-        drawn, effective = draws_by_importance(
-            lambda standard: surface.simulated_density(problem.sketch, fitted, standard), size
+        draws, effective = draws_by_importance(
+            lambda standard: surface.simulate_density(problem.sketch, fitted_model, standard), size
         )
-    exact = np.stack([space.values(point) for point in np.clip(surface.coordinates(drawn), *surface.bounds)])
-    strayed = np.random.default_rng(_SEED).standard_normal(exact.shape)  # the error of the model
+    exact = np.stack([space.values(point) for point in np.clip(surface.coordinates(draws), *surface.bounds)])
+    model_noise = np.random.default_rng(_SEED).standard_normal(exact.shape)  # the error of the model
     return Posterior(
         names=space.keys,
         units=tuple(parameter.units for parameter in space.parameters),
-        draws=exact + space.model_errors(exact) * strayed,
+        meanings=tuple(parameter.meaning for parameter in space.parameters),
+        draws=exact + space.model_errors(exact) * model_noise,
         effective=effective,
         agreement=agreement,
         simulated=agreement < SMALLEST_AGREEMENT,
@@ -260,13 +263,13 @@ def draws_by_importance(
         shape = _WIDER**2 * covariance + _LEAST_VARIANCE * np.eye(size)
         mixture.append(stats.multivariate_t(loc=mean, shape=shape, df=_FREEDOM, seed=rng))
         fresh = np.asarray(mixture[-1].rvs(population)).reshape(population, size)
-        of_fresh = density(fresh)
-        possible = np.isfinite(of_fresh)
+        fresh_logs = density(fresh)
+        possible = np.isfinite(fresh_logs)
         points = np.concatenate([points, fresh[possible]])
-        logs = np.concatenate([logs, of_fresh[possible]])
+        logs = np.concatenate([logs, fresh_logs[possible]])
         if len(points) <= size:
             break
-        ratios = logs - np.logaddexp.reduce([each.logpdf(points) for each in mixture])
+        ratios = logs - np.logaddexp.reduce([component.logpdf(points) for component in mixture])
         weights = _weights(ratios)
         if _effective(weights) >= enough:
             break
@@ -290,7 +293,7 @@ def _effective(weights: Array) -> float:
     return float(weights.sum() ** 2 / (weights**2).sum())
 
 
-def agreement_of(problem: Problem, fitted: Fit, surface: LikelihoodSurface, drawn: Array) -> float:
+def agreement_of(problem: Problem, fitted_model: Fit, surface: LikelihoodSurface, draws: Array) -> float:
     """Effective share of draws of a surface under importance weights from it to simulations."""
-    ratios = surface.simulated_density(problem, fitted, drawn) - surface.log_density(drawn)
-    return _effective(_weights(ratios)) / len(drawn)
+    ratios = surface.simulate_density(problem, fitted_model, draws) - surface.log_density(draws)
+    return _effective(_weights(ratios)) / len(draws)

@@ -11,7 +11,7 @@ from reliab.core.vocabulary import Block
 from reliab.discrepancy.blocks.calibration import delay, gain
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
-from reliab.discrepancy.terms.clock_offset import LeadingReading, with_clock
+from reliab.discrepancy.terms.clock_offset import LeadingReading, record_by_clock
 from reliab.effects.effect import Role, Scales
 from reliab.effects.general.general_terms import general_terms
 from reliab.effects.registry import library
@@ -19,7 +19,7 @@ from reliab.effects.sensor_bias import SensorBias
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.open_loop import Motion3, drive, read_displacement
 
-_ON_THE_WAY = (Role.DELAY, Role.PISTON)
+_DRIVE_ROLES = (Role.DELAY, Role.PISTON)
 _SKETCHED_RATE = 500.0  # Hz
 _FINEST_RATE = 2000.0  # Hz
 _LARGEST_ERROR = 2e-5  # of an input that is taken as linear within a step, RMS over that of the input
@@ -31,15 +31,12 @@ class ActuatorBlock(ObservedBlock):
     block = Block.ACTUATOR
     channel = Channel.MEASURED
     inputs = (Channel.COMMAND,)
+    offsets = (SensorBias,)
 
     def __init__(self, campaign: Campaign, scales: Scales) -> None:
-        self.tests = campaign.tests
-        self.rate = campaign.rate
-        self.scales = scales
-        self.nominal = campaign.nominal
+        super().__init__(campaign, scales)
         self.calibrations = (gain(self.nominal), delay(self.nominal))
-        self.offsets = (SensorBias,)
-        roles = (*_ON_THE_WAY, Role.DISPLACEMENT_READING)
+        roles = (*_DRIVE_ROLES, Role.DISPLACEMENT_READING)
         effects = library().values()
         effects_here = (e for e in effects if e.role in roles and e is not SensorBias and e.refines is None)
         self.candidates = (*effects_here, LeadingReading)
@@ -59,8 +56,8 @@ class ActuatorBlock(ObservedBlock):
 
     def piston(self, model: HybridTest, test: int) -> Motion3:
         """Motion of the piston in a test."""
-        moved = HybridTest(actuator=model.actuator, effects=model.acting(*_ON_THE_WAY))
-        return self._driven(moved, test)
+        drive_model = HybridTest(actuator=model.actuator, effects=model.acting(*_DRIVE_ROLES))
+        return self._driven(drive_model, test)
 
     def _drive(self, model: HybridTest, test: int) -> Motion3:
         return drive(model, self._commands[test]).thin(self._parts)
@@ -71,15 +68,15 @@ class ActuatorBlock(ObservedBlock):
         factor = self.thinning(_SKETCHED_RATE)
         if factor * self._parts == 1:
             return self
-        thinned = copy(self)
-        thinned.every = factor
-        thinned.command([command.thin(self._parts * factor) for command in self._commands], 1)
-        return thinned
+        thinned_block = copy(self)
+        thinned_block.every = factor
+        thinned_block.command([command.thin(self._parts * factor) for command in self._commands], 1)
+        return thinned_block
 
     def predict(self, model: HybridTest, test: int) -> Array:
         """Displacement that the sensor reads [m], shape (n,)."""
         piston = self.piston(model, test)
-        return with_clock(model, read_displacement(model, piston), piston.step)
+        return record_by_clock(model, read_displacement(model, piston), piston.step)
 
 
 def _parts(campaign: Campaign) -> int:
@@ -92,5 +89,5 @@ def _parts(campaign: Campaign) -> int:
         command = Motion3.interpolate(test.channels[Channel.COMMAND], campaign.step).values
         size, curvature = (float(np.std(command[k])) for k in (0, 2))
         slowest = min(slowest, np.sqrt(12.0 * _LARGEST_ERROR * size / max(curvature, 1e-300)))
-    needed = min(1.0 / max(slowest, 1e-300), _FINEST_RATE)
-    return max(1, int(np.ceil(needed / campaign.rate - 0.05)))
+    rate = min(1.0 / max(slowest, 1e-300), _FINEST_RATE)
+    return max(1, int(np.ceil(rate / campaign.rate - 0.05)))

@@ -10,17 +10,31 @@ demands of a record are answered after its end, which is left out. Natural frequ
 are calibrated, because an operator may state them wrongly; a wrong value would otherwise look like an error
 of the integration, and so would an offset of the recorded force that the controller did not feel, or a force
 that was recorded by another clock.
+
+The numerical substructure may be a frame. With coordinates x = γq₁/γᵀγ + Nq₂, in which q₁ = γᵀx is the
+command and the columns of N are orthogonal to γ, its equations are, M, C, K and the load ℓ = Mι written in
+these coordinates ::
+
+    M₂₂q₂'' + C₂₂q₂' + K₂₂q₂ = −ℓ₂a_g − M₂₁q₁'' − C₂₁q₁' − K₂₁q₁
+    f = −ℓ₁a_g − (M₁₁q₁'' + C₁₁q₁' + K₁₁q₁) − (M₁₂q₂'' + C₁₂q₂' + K₁₂q₂)
+
+The inner motion q₂ is that of the frame with its interface held, which is stable, and is stepped exactly for
+loads that are straight between samples.
 """
 
 from copy import copy
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
+from scipy.linalg import null_space
 
 from reliab.core.arrays import Array, Spectrum
+from reliab.core.compiled import compiled
+from reliab.core.errors import InputError
 from reliab.core.vocabulary import Block
 from reliab.discrepancy.blocks.calibration import (
     Calibration,
@@ -29,22 +43,33 @@ from reliab.discrepancy.blocks.calibration import (
     structure_frequency,
     structure_mass,
 )
-from reliab.discrepancy.blocks.observed import ObservedBlock
+from reliab.discrepancy.blocks.observed import SuperposedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
-from reliab.discrepancy.terms.clock_offset import ClockOffset, LateGround, with_clock
+from reliab.discrepancy.terms.clock_offset import ClockOffset, LateGround, read_late
 from reliab.effects.effect import Parameter, RecordEffect, Role, Scales
 from reliab.effects.force_bias import ForceBias
 from reliab.effects.integration_error import IntegrationError
 from reliab.effects.registry import library
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.open_loop import Motion3
+from reliab.structures.frame import exact_step
+from reliab.structures.partition import Partition
 
 _RETURN = 1.0  # s, within which a record is closed to a period
 _STEPS_TO_ANSWER = 2.0  # of an integration, after which the command shows what was demanded
-_PER_SECOND_DIFFERENCE = 1.0 / 12.0  # of the second derivative of a cubic spline, to first order
+_CUBIC_SPLINE_ERROR = 1.0 / 12.0  # of its second derivative, over the second difference, to first order
+_DISPLACEMENT, _VELOCITY, _ACCELERATION, _ONE = range(4)
 
 
-class BalanceBlock(ObservedBlock):
+class BalanceTerm(NamedTuple):
+    """A part of the force, up to a factor, or of what a coarse integration demanded."""
+
+    source: int | tuple[RecordEffect, ...]  # Row of the command's motion, one, or what acts on the ground
+    coarse: IntegrationError | None = None  # Integration whose answer it is, below half of its rate
+    step: float = 0.0  # Step of an integration [s], of which only what lies above half of its rate is taken
+
+
+class NumericalBlock(SuperposedBlock[BalanceTerm]):
     """(ground acceleration, command) → force."""
 
     block = Block.NUMERICAL
@@ -52,10 +77,28 @@ class BalanceBlock(ObservedBlock):
     inputs = (Channel.GROUND, Channel.COMMAND)
 
     def __init__(self, campaign: Campaign, scales: Scales) -> None:
-        self.tests = campaign.tests
-        self.rate = campaign.rate
-        self.scales = scales
-        self.nominal = campaign.nominal
+        super().__init__(campaign, scales)
+        self.motions = tuple(motion_of_command(test, campaign.step) for test in campaign.tests)
+        self.forget_terms()
+
+    def history(self, source: int | tuple[RecordEffect, ...], test: int) -> Array:
+        """Row of the command's motion, or the ground acceleration after what acts on it, shape (n,)."""
+        if isinstance(source, int):
+            motion = self.motions[test].values
+            return np.ones(motion.shape[1]) if source == _ONE else np.asarray(motion[source])
+        if not source:
+            return self.tests[test].channels[Channel.GROUND]
+        *earlier, last = source
+        if isinstance(last, LateGround):
+            return read_late(self._path(BalanceTerm(tuple(earlier)), test), -last.ground_lag_s * self.rate)
+        return last.applied(self.history(tuple(earlier), test), 1.0 / self.rate)
+
+
+class BalanceBlock(NumericalBlock):
+    """The force of a structure of one degree of freedom."""
+
+    def __init__(self, campaign: Campaign, scales: Scales) -> None:
+        super().__init__(campaign, scales)
         self.calibrations = (
             curvature_between_samples(),
             structure_frequency(),
@@ -63,41 +106,41 @@ class BalanceBlock(ObservedBlock):
             structure_mass(),
             force_not_fed_back(),
         )
-        self.offsets = ()
-        roles = (Role.RECORD, Role.INTEGRATION)
-        effects = (effect for effect in library().values() if effect.role in roles)
+        effects = (effect for effect in library().values() if effect.role in (Role.RECORD, Role.INTEGRATION))
         self.candidates = (*effects, ClockOffset, LateGround)
-        self.outside = ()
-        nominal = self.nominal
-        self._circular_frequency = nominal.structure.circular_frequency if nominal.structure else 0.0
-        self._spring = nominal.specimen.stiffness / nominal.mass if nominal.specimen else 0.0
-        self.motions = tuple(motion_of_command(test, campaign.step) for test in campaign.tests)
-        self._informed = self.highest_signal
-        self._command = lru_cache(maxsize=len(self.tests))(self._read_command)
-        self._ground = lru_cache(maxsize=2 * len(self.tests))(self._read_ground)
+        structure, specimen = self.nominal.structure, self.nominal.specimen
+        self._circular_frequency = structure.circular_frequency if structure else 0.0
+        self._spring = specimen.stiffness / self.nominal.mass if specimen else 0.0
+        self._highest_judged = self.highest_signal
+        self._transform = lru_cache(maxsize=5 * len(self.tests))(self._transform_closed)
 
     @property
     def highest(self) -> float:
         """Highest frequency at which models are judged [Hz]."""
-        return self._informed
+        return self._highest_judged
 
     @property
-    def unanswered(self) -> float:
+    def is_narrow(self) -> bool:
+        """Whether the command explains the force up to some frequency only."""
+        return self._highest_judged < self.highest_signal
+
+    @property
+    def answer_time(self) -> float:
         """Time at the end of a record [s] whose demands the command answers after it."""
         step = next(p for p in IntegrationError.parameters if p.name == "step_s")
         return _STEPS_TO_ANSWER * step.upper
 
-    def judged_up_to(self, frequency: float) -> "BalanceBlock":
+    def limit_band(self, frequency: float) -> "BalanceBlock":
         """Return the same block judged up to a frequency [Hz] only."""
         narrow = copy(self)
-        narrow._informed = min(frequency, self.highest_signal)  # noqa: SLF001 - the same class
+        narrow._highest_judged = min(frequency, self.highest_signal)  # noqa: SLF001 - the same class
         return narrow
 
-    def with_ground_in_time(self) -> "BalanceBlock":
+    def fix_ground_clock(self) -> "BalanceBlock":
         """Return the same block whose ground acceleration is taken to be recorded in time."""
-        in_time = copy(self)
-        in_time.candidates = tuple(effect for effect in self.candidates if effect is not LateGround)
-        return in_time
+        punctual_block = copy(self)
+        punctual_block.candidates = tuple(effect for effect in self.candidates if effect is not LateGround)
+        return punctual_block
 
     def read_late(self, lag: float) -> "BalanceBlock":
         """Return the same block with a force that was recorded so much later than it acted.
@@ -108,61 +151,166 @@ class BalanceBlock(ObservedBlock):
         late.nominal = self.nominal.adding(ClockOffset(lag_s=lag))
         return late
 
-    def predict(self, model: HybridTest, test: int) -> Array:
-        """Force that balances ground motion and command [N], shape (n,)."""
-        records = tuple(effect for effect in model.acting(Role.RECORD) if isinstance(effect, RecordEffect))
-        ground = self._ground(records, test)
-        displacement, velocity, acceleration = self.motions[test].values
-        structure = model.substructure
-        returned = ground.values + structure.damping * velocity + structure.stiffness * displacement
-        for effect in model.acting(Role.INTEGRATION):
-            if isinstance(effect, IntegrationError):
-                lead = structure.damping * effect.velocity_lead
-                returned = returned + lead * acceleration
-                moved = self._command(test)
-                likely = -ground.spectrum - (structure.stiffness + self._spring) * moved[0].spectrum
-                likely -= structure.damping * moved[1].spectrum + lead * moved[2].spectrum
-                acceleration = self._demanded(effect, moved[2], likely)
-        offset = sum(effect.bias_n for effect in model.effects if isinstance(effect, ForceBias))
-        force = np.asarray(offset - model.mass * (returned + acceleration))
-        return with_clock(model, force, 1.0 / self.rate)
+    def terms(self, model: HybridTest, test: int) -> list[tuple[float, BalanceTerm]]:
+        """Parts of the force that balances ground motion and command [N], each with its factor."""
+        del test
+        mass, structure, ground = model.mass, model.substructure, _record_effects(model)
+        damping, stiffness = mass * structure.damping, mass * structure.stiffness
+        terms = [
+            (_offset(model), BalanceTerm(_ONE)),
+            (-mass, BalanceTerm(ground)),
+            (-damping, BalanceTerm(_VELOCITY)),
+            (-stiffness, BalanceTerm(_DISPLACEMENT)),
+        ]
+        effects = (effect for effect in model.effects if isinstance(effect, IntegrationError))
+        coarse = next(effects, None)
+        if coarse is None:
+            return [*terms, (-mass, BalanceTerm(_ACCELERATION))]
+        lead, step = damping * coarse.velocity_lead, coarse.step_s
+        return [
+            *terms,
+            (-lead, BalanceTerm(_ACCELERATION)),
+            (-mass, BalanceTerm(_ACCELERATION, coarse=coarse)),
+            # Above half of the controller's rate the demand is that of the nominal specimen.
+            (mass, BalanceTerm(ground, step=step)),
+            (stiffness + mass * self._spring, BalanceTerm(_DISPLACEMENT, step=step)),
+            (damping, BalanceTerm(_VELOCITY, step=step)),
+            (lead, BalanceTerm(_ACCELERATION, step=step)),
+        ]
 
-    def _demanded(self, effect: IntegrationError, moved: "ClosedSignal", likely: Spectrum) -> Array:
-        """Acceleration that the controller demanded, `likely` where its own instants are too far apart."""
-        frequency = fft.rfftfreq(moved.length, 1.0 / self.rate)
-        resolved = frequency < 0.5 / effect.step_s
-        likely[resolved] = moved.spectrum[resolved] / effect.transfer(
-            frequency[resolved], self._circular_frequency
-        )
-        return np.asarray(fft.irfft(likely, moved.length)[: moved.values.size])
+    def signal(self, term: BalanceTerm, test: int) -> Array:
+        """Compute a part of the force in a test, shape (n,)."""
+        history = self.history(term.source, test)
+        if not (term.coarse or term.step):
+            return history
+        spectrum, length = self._transform(term.source, test), _period_length(history, self.rate)
+        frequency = fft.rfftfreq(length, 1.0 / self.rate)
+        share = np.zeros(frequency.size, dtype=np.complex128)
+        if term.coarse:
+            is_resolved = frequency < 0.5 / term.coarse.step_s
+            share[is_resolved] = 1.0 / term.coarse.transfer(frequency[is_resolved], self._circular_frequency)
+        else:
+            share[frequency >= 0.5 / term.step] = 1.0
+        return np.asarray(fft.irfft(share * spectrum, length)[: history.size])
 
-    def _read_ground(self, records: tuple[RecordEffect, ...], test: int) -> "ClosedSignal":
-        ground = self.tests[test].channels[Channel.GROUND]
-        for effect in records:
-            ground = effect.applied(ground, 1.0 / self.rate)
-        return ClosedSignal(ground, self.rate)
-
-    def _read_command(self, test: int) -> tuple["ClosedSignal", ...]:
-        return tuple(ClosedSignal(values, self.rate) for values in self.motions[test].values)
+    def _transform_closed(self, source: int | tuple[RecordEffect, ...], test: int) -> Spectrum:
+        """Fourier transform of a history that returns to its begin on a straight line."""
+        history = self.history(source, test)
+        length = _period_length(history, self.rate)
+        way = np.linspace(history[-1], history[0], length - history.size + 1)[1:]
+        return np.asarray(fft.rfft(np.concatenate([history, way])), dtype=np.complex128)
 
 
-class ClosedSignal:
-    """A signal, and its spectrum when it has returned to its begin on a straight line.
+def _period_length(history: Array, rate: float) -> int:
+    return int(fft.next_fast_len(history.size + int(_RETURN * rate), real=True))
 
-    The spectrum is linear in the signal, and is computed when it is first asked for.
 
-    `rate` [Hz].
+def _record_effects(model: HybridTest) -> tuple[RecordEffect, ...]:
+    return tuple(effect for effect in model.effects if isinstance(effect, RecordEffect))
+
+
+def _offset(model: HybridTest) -> float:
+    """Offset of the recorded force in a model [N]."""
+    return sum(effect.bias_n for effect in model.effects if isinstance(effect, ForceBias))
+
+
+class FrameBalanceBlock(NumericalBlock):
+    """The force of a frame.
+
+    Effects on the record are searched for here; errors of the integration of a frame are not.
     """
 
-    def __init__(self, values: Array, rate: float) -> None:
-        self.values = values
-        self.length = fft.next_fast_len(values.size + int(_RETURN * rate), real=True)
+    def __init__(self, campaign: Campaign, scales: Scales) -> None:
+        super().__init__(campaign, scales)
+        if campaign.partition is None:
+            raise InputError("The balance of a frame needs a frame", remedy="Add a [structure.frame] table")
+        self.calibrations = (curvature_between_samples(), force_not_fed_back())
+        records = (effect for effect in library().values() if effect.role is Role.RECORD)
+        self.candidates = (*records, LateGround)
+        self._inner = InnerMotion(campaign.partition, campaign.step)
 
-    @cached_property
-    def spectrum(self) -> Spectrum:
-        """Discrete Fourier transform of `length` values, shape (length // 2 + 1,)."""
-        way = np.linspace(self.values[-1], self.values[0], self.length - self.values.size + 1)[1:]
-        return np.asarray(fft.rfft(np.concatenate([self.values, way])), dtype=np.complex128)
+    def terms(self, model: HybridTest, test: int) -> list[tuple[float, BalanceTerm]]:
+        """Force that balances the command, that of the ground motion, and the offset of the load cell [N]."""
+        del test
+        ground = BalanceTerm(_record_effects(model))
+        return [(_offset(model), BalanceTerm(_ONE)), (1.0, BalanceTerm(_DISPLACEMENT)), (1.0, ground)]
+
+    def signal(self, term: BalanceTerm, test: int) -> Array:
+        """Compute the force that balances the command or the ground motion [N], shape (n,)."""
+        motion = self.motions[test].values
+        if term.source == _ONE:
+            return self.history(_ONE, test)
+        if term.source == _DISPLACEMENT:
+            return self._inner.force(np.zeros(motion.shape[1]), motion)
+        return self._inner.force(self.history(term.source, test), np.zeros_like(motion))
+
+
+class InnerMotion:
+    """Force at the interface of a numerical substructure whose interface moves as commanded.
+
+    `step` [s].
+    """
+
+    def __init__(self, partition: Partition, step: float) -> None:
+        gamma = partition.direction
+        basis = np.column_stack([gamma / (gamma @ gamma), null_space(gamma[np.newaxis])])
+        mass, damping, stiffness = (
+            basis.T @ matrix @ basis
+            for matrix in (
+                partition.numerical_mass,
+                partition.numerical_damping,
+                partition.numerical_stiffness,
+            )
+        )
+        load = basis.T @ partition.frame.mass @ partition.frame.influence
+        inner = gamma.size - 1
+        # Rows are equations, columns the inputs a_g, q₁'', q₁', q₁.
+        driven = -np.column_stack([load, mass[:, 0], damping[:, 0], stiffness[:, 0]])
+        input_matrix = np.linalg.solve(mass[1:, 1:], driven[1:])
+        dynamics = np.zeros((2 * inner, 2 * inner))
+        dynamics[:inner, inner:] = np.eye(inner)
+        dynamics[inner:] = -np.linalg.solve(mass[1:, 1:], np.hstack([stiffness[1:, 1:], damping[1:, 1:]]))
+        loads = np.vstack([np.zeros((inner, 4)), input_matrix])
+        self._steps = exact_step(dynamics, loads, step)
+        coupling = mass[0, 1:]
+        self._of_state = -(coupling @ dynamics[inner:] + np.concatenate([stiffness[0, 1:], damping[0, 1:]]))
+        self._of_inputs = driven[0] - coupling @ input_matrix
+
+    def force(self, ground: Array, motion: Array) -> Array:
+        """Force that balances a ground acceleration and a motion of the command, from rest.
+
+        `ground` [m/s²]; `motion` [m]; returns [N].
+        """
+        inputs = np.ascontiguousarray(np.stack([ground, motion[2], motion[1], motion[0]], axis=1))
+        transition, early, late = (np.ascontiguousarray(matrix) for matrix in self._steps)
+        return _balance(transition, early, late, self._of_state, self._of_inputs, inputs)
+
+
+@compiled
+def _balance(
+    transition: Array, early: Array, late: Array, state_row: Array, input_row: Array, inputs: Array
+) -> Array:
+    """Step the inner motion and add up the force at every sample, shape (n,)."""
+    states, count = early.shape
+    z, z_next = np.zeros(states), np.zeros(states)
+    force = np.zeros(inputs.shape[0])
+    for k in range(inputs.shape[0]):
+        if k > 0:
+            for i in range(states):
+                total = 0.0
+                for j in range(states):
+                    total += transition[i, j] * z[j]
+                for j in range(count):
+                    total += early[i, j] * inputs[k - 1, j] + late[i, j] * inputs[k, j]
+                z_next[i] = total
+            z[:] = z_next
+        total = 0.0
+        for j in range(states):
+            total += state_row[j] * z[j]
+        for j in range(count):
+            total += input_row[j] * inputs[k, j]
+        force[k] = total
+    return force
 
 
 def motion_of_command(test: MeasuredTest, step: float) -> Motion3:
@@ -173,7 +321,7 @@ def motion_of_command(test: MeasuredTest, step: float) -> Motion3:
     """
     motion = Motion3.interpolate(test.channels[Channel.COMMAND], step)
     values = motion.values.copy()
-    values[2, 1:-1] += np.diff(values[2] + test.channels[Channel.GROUND], 2) / 12.0
+    values[2, 1:-1] += np.diff(values[2] + test.channels[Channel.GROUND], 2) * _CUBIC_SPLINE_ERROR
     return Motion3(values=values, step=step)
 
 
@@ -208,10 +356,11 @@ class CurvedGround(RecordEffect):
     def applied(self, acceleration: NDArray[np.float64], step: float) -> NDArray[np.float64]:
         """Ground acceleration [m/s²] that makes up for what the spline takes for straight."""
         del step
-        changed = acceleration.copy()
-        share = _PER_SECOND_DIFFERENCE * self.curvature_between_samples
-        changed[1:-1] -= share * np.diff(acceleration, 2)
-        return changed
+        corrected_ground = acceleration.copy()
+        corrected_ground[1:-1] -= (
+            _CUBIC_SPLINE_ERROR * self.curvature_between_samples * np.diff(acceleration, 2)
+        )
+        return corrected_ground
 
 
 def curvature_between_samples() -> Calibration:

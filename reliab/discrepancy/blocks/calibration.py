@@ -33,22 +33,22 @@ def stiffness_of(model: HybridTest) -> float:
     return 0.0 if model.specimen is None else model.specimen.stiffness
 
 
-def _with_stiffness(model: HybridTest, stiffness: float) -> HybridTest:
+def _set_stiffness(model: HybridTest, stiffness: float) -> HybridTest:
     if model.specimen is None:
         return model
     return replace(model, specimen=replace(model.specimen, stiffness=max(stiffness, 0.0)))
 
 
-def _with_structure(model: HybridTest, *, frequency: float = 1.0, damping: float = 1.0) -> HybridTest:
+def _scale_structure(model: HybridTest, *, frequency: float = 1.0, damping: float = 1.0) -> HybridTest:
     structure = model.structure
     if structure is None:
         return model
-    changed = replace(
+    scaled_structure = replace(
         structure,
         frequency=frequency * structure.frequency,
         damping_ratio=damping * structure.damping_ratio,
     )
-    return replace(model, structure=changed)
+    return replace(model, structure=scaled_structure)
 
 
 def gain(nominal: HybridTest, spread: float = 0.05) -> Calibration:
@@ -64,11 +64,12 @@ def gain(nominal: HybridTest, spread: float = 0.05) -> Calibration:
 
 def delay(nominal: HybridTest, spread: float = 0.005) -> Calibration:
     """Delay of the actuator [s]."""
-    believed = nominal.actuator.delay
+    nominal_delay = nominal.actuator.delay
     return Calibration(
         parameter=Parameter(
             name="delay_s", units="s", meaning="delay of the actuator", signed=True,
-            neutral=believed, typical=spread, lower=-1e-9, upper=believed + 0.2, starts=(believed,),
+            neutral=nominal_delay, typical=spread, lower=-1e-9, upper=nominal_delay + 0.2,
+            starts=(nominal_delay,),
         ),
         apply=lambda model, value: replace(
             model, actuator=replace(model.actuator, delay=max(value, 0.0))
@@ -82,7 +83,7 @@ def stiffness(nominal: HybridTest, spread: float = 0.05, reach: float = 0.1) -> 
     unit = stiffness_of(nominal)
     return Calibration(
         parameter=_factor("stiffness", "stiffness", spread, 1.0 - reach, 1.0 + reach),
-        apply=lambda model, value: _with_stiffness(model, value * unit),
+        apply=lambda model, value: _set_stiffness(model, value * unit),
         key="stiffness_n_per_m",
         unit=unit,
     )
@@ -90,27 +91,28 @@ def stiffness(nominal: HybridTest, spread: float = 0.05, reach: float = 0.1) -> 
 
 def open_stiffness(nominal: HybridTest) -> Calibration:
     """Stiffness of the specimen, in units of its nominal value, which may be wrong by any factor."""
-    within = stiffness(nominal)
+    bounded_calibration = stiffness(nominal)
     parameter = Parameter(
-        name="stiffness", units="-", meaning=within.parameter.meaning,
+        name="stiffness", units="-", meaning=bounded_calibration.parameter.meaning,
         typical=1.0, spread=1.5, lower=1e-4, upper=1e4, starts=(1.0,),
     )  # fmt: skip
-    return replace(within, parameter=parameter)
+    return replace(bounded_calibration, parameter=parameter)
 
 
 def free_stiffness(nominal: HybridTest, scales: Scales) -> Calibration:
     """Stiffness of a specimen, whatever is stated of it: over the stated one, else in N/m."""
-    stated = stiffness_of(nominal)
-    unit, size = stated or 1.0, scales.force / scales.displacement
+    nominal_stiffness = stiffness_of(nominal)
+    is_stated = nominal_stiffness > 0.0
+    unit, size = nominal_stiffness or 1.0, scales.force / scales.displacement
     parameter = Parameter(
-        name="stiffness" if stated else "stiffness_n_per_m", units="-" if stated else "N/m",
-        meaning="stiffness over its nominal value" if stated else "stiffness of the specimen", signed=True,
+        name="stiffness" if is_stated else "stiffness_n_per_m", units="-" if is_stated else "N/m",
+        meaning="stiffness over its nominal value" if is_stated else "stiffness of the specimen", signed=True,
         typical=size / unit, lower=0.0, upper=20.0 * size / unit, starts=(0.5 * size / unit,),
     )  # fmt: skip
     return replace(
         stiffness(nominal),
         parameter=parameter,
-        apply=lambda model, value: _with_stiffness(model, value * unit),
+        apply=lambda model, value: _set_stiffness(model, value * unit),
         unit=unit,
     )
 
@@ -127,7 +129,7 @@ def damping(nominal: HybridTest) -> Calibration:
             name="damping", units="-", meaning="exponent of damping over frequency", signed=True,
             neutral=0.5, typical=0.29, lower=-1e-9, upper=1.0, starts=(0.5,),
         ),
-        apply=lambda model, value: _with_structure(
+        apply=lambda model, value: _scale_structure(
             model, damping=(stiffness_of(model) / unit) ** (0.5 * value)
         ),
     )  # fmt: skip
@@ -137,7 +139,7 @@ def structure_frequency() -> Calibration:
     """Natural frequency of the controller's structure over its nominal value, which may be wrong."""
     return Calibration(
         parameter=_factor("structure_frequency", "natural frequency", 0.01, 0.9, 1.1),
-        apply=lambda model, value: _with_structure(model, frequency=value),
+        apply=lambda model, value: _scale_structure(model, frequency=value),
     )
 
 
@@ -145,7 +147,7 @@ def structure_damping(spread: float = 0.1, reach: float = 0.5) -> Calibration:
     """Damping ratio of the controller's structure over its nominal value."""
     return Calibration(
         parameter=_factor("structure_damping", "damping ratio", spread, 1.0 - reach, 1.0 + reach),
-        apply=lambda model, value: _with_structure(model, damping=value),
+        apply=lambda model, value: _scale_structure(model, damping=value),
     )
 
 
@@ -180,7 +182,7 @@ def lag_of_force() -> Calibration:
     )
 
 
-def scale_of_excitation(expected: float, spread: float = 0.5) -> Calibration:
+def scale_of_excitation(expected_scale: float, spread: float = 0.5) -> Calibration:
     """Scale of the ground motion over what a linear model expects of it, where no rig states it.
 
     With a nonlinear specimen it may differ from that by any factor: its bounds are wider than any data need.
@@ -190,7 +192,7 @@ def scale_of_excitation(expected: float, spread: float = 0.5) -> Calibration:
             name="excitation_scale", units="-", meaning="ground acceleration over its expected value",
             typical=1.0, spread=spread, lower=1e-3, upper=1e3, starts=(1.0,),
         ),
-        apply=lambda model, value: model.adding(ExcitationScale(scale=value * expected)),
+        apply=lambda model, value: model.adding(ExcitationScale(scale=value * expected_scale)),
         key="excitation_scale.scale",
-        unit=expected,
+        unit=expected_scale,
     )  # fmt: skip

@@ -12,7 +12,6 @@ from scipy import signal
 from reliab.core.arrays import Array
 from reliab.core.vocabulary import Block
 from reliab.discrepancy.blocks.calibration import (
-    Calibration,
     damping,
     delay,
     gain,
@@ -23,7 +22,7 @@ from reliab.discrepancy.blocks.calibration import (
 )
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
-from reliab.discrepancy.terms.stated_damping import StatedDamping, with_damping
+from reliab.discrepancy.terms.stated_damping import StatedDamping, apply_damping
 from reliab.effects.added_mass import AddedMass
 from reliab.effects.effect import Effect, Role, Scales
 from reliab.effects.excitation_scale import ExcitationScale
@@ -41,12 +40,12 @@ _FEWEST_STEPS = 60.0  # of the integration in a natural period; what they miss i
 _ROUNDING = 0.05
 _SPRINGS = 9
 _DIED_AWAY = 100.0  # ratio of a free vibration's amplitudes
-_SKETCHED = 0.25  # of the rate of integration, for derivatives
+_SKETCH_SHARE = 0.25  # of the rate of integration, for derivatives
 _FEWEST_SKETCHED = 30.0  # of their steps in a natural period
 _LOOSE = 0.2  # spread of a gain that no channel shows by itself
 _DAMPING = 0.01  # spread of 2ξω₀m with a frequency and a mass as they are stated
 _MOST_OF_DAMPING = 0.03  # a larger deviation is an effect: with it an added mass could not be told
-_OF_THE_RIG = (Role.DELAY, Role.PISTON, Role.INTEGRATION)
+_RIG_ROLES = (Role.DELAY, Role.PISTON, Role.INTEGRATION)
 
 
 class LoopBlock(ObservedBlock):
@@ -60,6 +59,7 @@ class LoopBlock(ObservedBlock):
     block = Block.NUMERICAL
     channel = Channel.MEASURED
     inputs = (Channel.GROUND,)
+    offsets = (SensorBias,)
     twins = MappingProxyType(
         {
             AddedMass: (StatedDamping, ViscousDamping),
@@ -69,47 +69,35 @@ class LoopBlock(ObservedBlock):
     )
 
     def __init__(self, campaign: Campaign, scales: Scales, motions: tuple[Motion3, ...]) -> None:
-        self.tests = campaign.tests
-        self.rate = campaign.rate
-        self.scales = scales
-        self.nominal = campaign.nominal
+        super().__init__(campaign, scales)
         self.motions = motions
+        self.open_stiffness = open_stiffness(self.nominal)
         self._rig = rig = campaign.actuator is not None
-        self.offsets = (SensorBias,)
         effects = library().values()
-        calibrated = (ForceBias, SensorBias, ExcitationScale)
+        calibrated_effects = (ForceBias, SensorBias, ExcitationScale)
         possible = (
             effect
             for effect in effects
-            if effect not in calibrated and effect.refines is None and (rig or effect.role not in _OF_THE_RIG)
+            if effect not in calibrated_effects
+            and effect.refines is None
+            and (rig or effect.role not in _RIG_ROLES)
         )
         self.candidates = (*possible, *((StatedDamping,) if rig and self._damping > 0.0 else ()))
-        acting = (*_OF_THE_RIG, Role.FORCE) if rig else (Role.FORCE,)
+        acting = (*_RIG_ROLES, Role.FORCE) if rig else (Role.FORCE,)
         terms = (*general_terms(Block.ACTUATOR), *general_terms(Block.SPECIMEN))
         self.outside = tuple(term for term in terms if term.role in acting)
         natural = 0.0 if campaign.structure is None else campaign.structure.frequency
         self.integrate_at(max(_COARSEST_RATE, _FEWEST_STEPS * natural))
-        self.calibrations: tuple[Calibration, ...]
         if rig:
-            of_structure = structure_damping(_DAMPING, _MOST_OF_DAMPING)
             self.calibrations = (
-                gain(self.nominal, _LOOSE), delay(self.nominal), stiffness(self.nominal), of_structure
-            )  # fmt: skip
+                gain(self.nominal, _LOOSE),
+                delay(self.nominal),
+                stiffness(self.nominal),
+                structure_damping(_DAMPING, _MOST_OF_DAMPING),
+            )
         else:
             scale = scale_of_excitation(self._scale())
             self.calibrations = (stiffness(self.nominal), damping(self.nominal), scale)
-
-    def with_open_stiffness(self) -> "LoopBlock":
-        """Return the same block, whose stiffness may be any multiple of the stated one."""
-        opened = copy(self)
-        opened.__dict__.pop("sketch", None)
-        bounded, free = stiffness(self.nominal).parameter.name, open_stiffness(self.nominal)
-        opened.calibrations = tuple(
-            free if calibration.parameter.name == bounded else calibration
-            for calibration in self.calibrations
-        )
-        opened.integrate_at(self._wanted)
-        return opened
 
     def integrate_at(self, rate: float) -> None:
         """Integrate at a rate near a wanted one [Hz]."""
@@ -117,7 +105,7 @@ class LoopBlock(ObservedBlock):
         self.every = max(1, int(self.rate // rate))
         self.parts = max(1, math.ceil(rate / self.rate - _ROUNDING))
         self._grounds = [
-            _resampled(test.channels[Channel.GROUND], self.parts, self.every) for test in self.tests
+            _resample(test.channels[Channel.GROUND], self.parts, self.every) for test in self.tests
         ]
         self._moved = lru_cache(maxsize=2 * len(self.tests))(self._move)
 
@@ -132,10 +120,10 @@ class LoopBlock(ObservedBlock):
     @cached_property
     def sketch(self) -> ObservedBlock:
         """The same, integrated at a longer step."""
-        thinned = copy(self)
+        thinned_block = copy(self)
         natural = 0.0 if self.nominal.structure is None else self.nominal.structure.frequency
-        thinned.integrate_at(max(_SKETCHED * self._wanted, _FEWEST_SKETCHED * natural))
-        return thinned
+        thinned_block.integrate_at(max(_SKETCH_SHARE * self._wanted, _FEWEST_SKETCHED * natural))
+        return thinned_block
 
     @property
     def removable(self) -> dict[type[Effect], float]:
@@ -159,10 +147,10 @@ class LoopBlock(ObservedBlock):
 
     def predict(self, model: HybridTest, test: int) -> Array:
         """Displacement that the sensor reads [m], shape (⌈n / every⌉,)."""
-        model = with_damping(model)
+        model = apply_damping(model)
         readings = model.acting(Role.DISPLACEMENT_READING)
-        others = tuple(effect for effect in model.effects if effect not in readings)
-        return read_displacement(model, self._moved(replace(model, effects=others), test))
+        other_effects = tuple(effect for effect in model.effects if effect not in readings)
+        return read_displacement(model, self._moved(replace(model, effects=other_effects), test))
 
     def _move(self, model: HybridTest, test: int) -> Motion3:
         step = self.every / self.rate / self.parts
@@ -171,26 +159,26 @@ class LoopBlock(ObservedBlock):
     def _scale(self) -> float:
         """Scale at which the excitation explains most of a test, of springs within the calibration."""
         test = next(k for k, candidate in enumerate(self.tests) if not candidate.held_out)
-        measured = signal.detrend(self.measured(test)[:: self.every], type="constant")
+        reading = signal.detrend(self.measured(test)[:: self.every], type="constant")
         share, scale = 0.0, 1.0
         spring = stiffness(self.nominal)
         for factor in np.linspace(spring.parameter.lower, spring.parameter.upper, _SPRINGS):
-            moved = signal.detrend(self.predict(spring.apply(self.nominal, factor), test), type="constant")
-            energy, along = float(moved @ moved), float(moved @ measured)
-            if along**2 > share * energy:
-                share, scale = along**2 / energy, along / energy
+            response = signal.detrend(self.predict(spring.apply(self.nominal, factor), test), type="constant")
+            energy, projection = float(response @ response), float(response @ reading)
+            if projection**2 > share * energy:
+                share, scale = projection**2 / energy, projection / energy
         return scale
 
 
-def _resampled(ground: Array, parts: int, every: int) -> Array:
-    """Ground motion at `parts` times the rate, or each `every`-th sample; what was recorded is band-limited.
+def _resample(ground: Array, parts: int, thinning: int) -> Array:
+    """Ground motion at `parts` times the rate, or each `thinning`-th sample, band-limited.
 
     The last sample is the last one that was recorded.
     """
     if parts > 1:
         fine: Array = signal.resample_poly(ground, parts, 1, padtype="line")
         return fine[: (ground.size - 1) * parts + 1]
-    if every == 1:
+    if thinning == 1:
         return ground
-    weights = signal.firwin(16 * every + 1, 0.8 / every)
-    return np.asarray(signal.oaconvolve(ground, weights, mode="same")[::every])
+    weights = signal.firwin(16 * thinning + 1, 0.8 / thinning)
+    return np.asarray(signal.oaconvolve(ground, weights, mode="same")[::thinning])

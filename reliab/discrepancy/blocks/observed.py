@@ -1,9 +1,11 @@
 """An observed block: it predicts its channel from its input, for any model."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
+from copy import copy
+from functools import lru_cache
 from types import MappingProxyType
-from typing import ClassVar
+from typing import ClassVar, Generic, Self, TypeVar
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -11,14 +13,19 @@ from scipy.interpolate import CubicSpline
 from reliab.core.arrays import Array, Spectrum
 from reliab.core.vocabulary import Block
 from reliab.discrepancy.blocks.calibration import Calibration
-from reliab.discrepancy.campaign.campaign import Channel, MeasuredTest
+from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.spectra.segment import Segment
 from reliab.discrepancy.spectra.smoothing import highest_frequency
+from reliab.discrepancy.terms.clock_offset import lag_of, path_through, read_late, record_late
 from reliab.effects.added_mass import AddedMass
 from reliab.effects.effect import Effect, Scales
 from reliab.effects.viscous_damping import ViscousDamping
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.open_loop import Motion3
+
+Term = TypeVar("Term", bound=Hashable)
+
+_CACHED_SIGNALS, _CACHED_PATHS, _CACHED_SPECTRA = 12, 4, 40  # terms that are remembered for each test
 
 
 class ObservedBlock(ABC):
@@ -34,16 +41,31 @@ class ObservedBlock(ABC):
     scales: Scales  # Typical sizes of motion and force
     nominal: HybridTest  # The model before calibration
     calibrations: tuple[Calibration, ...]  # What is fitted in every model
+    open_stiffness: Calibration | None = None  # Stiffness of any value, where a stated one is calibrated
     # Offsets of the sensor that are fitted in every model so that they hide nothing
-    offsets: tuple[type[Effect], ...]
+    offsets: tuple[type[Effect], ...] = ()
     candidates: tuple[type[Effect], ...]  # Effects that may be missing in this block
-    outside: tuple[type[Effect], ...]  # Terms outside the library that are tried where something is left
+    outside: tuple[type[Effect], ...] = ()  # Terms outside the library that are tried where something is left
     # Effects that the block may be unable to tell from one: they are fitted in its place, and data decide
     twins: ClassVar[Mapping[type[Effect], tuple[type[Effect], ...]]] = MappingProxyType({})
     # Effects that make the best linear model of the block, with its calibrations
     linear: ClassVar[tuple[type[Effect], ...]] = ()
     # Motion of the piston in every test as far as it is known without a model, to locate the remaining error
     motions: tuple[Motion3, ...]
+
+    def __init__(self, campaign: Campaign, scales: Scales) -> None:
+        self.tests = campaign.tests
+        self.rate = campaign.rate
+        self.scales = scales
+        self.nominal = campaign.nominal
+
+    def release_stiffness(self) -> Self:
+        """Return the same block, whose stiffness may have any value; itself where none is calibrated."""
+        if self.open_stiffness is None:
+            return self
+        open_block, free = copy(self), self.open_stiffness
+        open_block.calibrations = tuple(free if item.key == free.key else item for item in self.calibrations)
+        return open_block
 
     @property
     def highest_signal(self) -> float:
@@ -54,6 +76,11 @@ class ObservedBlock(ABC):
     def highest(self) -> float:
         """Highest frequency at which models are judged [Hz]."""
         return self.highest_signal
+
+    @property
+    def is_narrow(self) -> bool:
+        """Whether the channel says nothing of models above the frequencies at which they are judged."""
+        return False
 
     def highest_of(self, test: int) -> float:
         """Return the highest frequency at which models are judged in a test [Hz]."""
@@ -66,7 +93,7 @@ class ObservedBlock(ABC):
         return 0.0
 
     @property
-    def unanswered(self) -> float:
+    def answer_time(self) -> float:
         """Time at the end of a record [s] of which the output shows in the input only after it."""
         return 0.0
 
@@ -99,17 +126,65 @@ class ObservedBlock(ABC):
 
     def spectra(self, model: HybridTest, segments: Sequence[Segment]) -> list[Spectrum]:
         """Spectrum of the predicted channel in each segment, shape (bins,) each."""
-        predicted = {test: self.predict(model, test) for test in {segment.test for segment in segments}}
-        return [segment.coarse_spectrum(predicted[segment.test], self.every) for segment in segments]
+        predictions = {test: self.predict(model, test) for test in {segment.test for segment in segments}}
+        return [segment.coarse_spectrum(predictions[segment.test], self.every) for segment in segments]
 
     def measured(self, test: int) -> Array:
         """Return the channel as measured in a test, shape (n,)."""
         return self.tests[test].channels[self.channel]
 
-    def at_rate(self, values: Array, test: int) -> Array:
+    def interpolate(self, values: Array, test: int) -> Array:
         """Return predictions at all samples of a test, shape (n,)."""
         size = self.tests[test].size
         if self.every == 1:
             return values
         spline = CubicSpline(self.every * np.arange(values.size), values)
         return np.asarray(spline(np.arange(size)))
+
+
+class SuperposedBlock(ObservedBlock, Generic[Term]):
+    """A block whose channel is a sum of terms, each of which is computed and transformed once."""
+
+    def forget_terms(self) -> None:
+        """Compute every term anew from here on."""
+        count = len(self.tests)
+        self._signal = lru_cache(maxsize=_CACHED_SIGNALS * count)(self.signal)
+        self._path = lru_cache(maxsize=_CACHED_PATHS * count)(self._path_of_term)
+        self._spectra = lru_cache(maxsize=_CACHED_SPECTRA * count)(self._spectra_of_term)
+
+    @abstractmethod
+    def terms(self, model: HybridTest, test: int) -> Sequence[tuple[float, Term]]:
+        """Terms that add up to the channel of a model in a test, each with its factor."""
+
+    @abstractmethod
+    def signal(self, term: Term, test: int) -> Array:
+        """Compute one term in a test, shape (⌈n / every⌉,)."""
+
+    def predict(self, model: HybridTest, test: int) -> Array:
+        """Sum of the terms, as it is recorded, shape (⌈n / every⌉,)."""
+        values = np.zeros(self.motions[test].values.shape[1])
+        for factor, term in self.terms(model, test):
+            values += factor * self._signal(term, test)
+        return record_late(values, lag_of(model), self.motions[test].step)
+
+    def spectra(self, model: HybridTest, segments: Sequence[Segment]) -> list[Spectrum]:
+        """Spectrum of the channel in each segment, from terms whose spectra are remembered."""
+        lag, spectra = lag_of(model), [np.zeros(segment.bins, dtype=np.complex128) for segment in segments]
+        for test in dict.fromkeys(segment.test for segment in segments):
+            places = [place for place, segment in enumerate(segments) if segment.test == test]
+            test_segments = tuple(segments[place] for place in places)
+            for factor, term in self.terms(model, test):
+                for place, spectrum in zip(places, self._spectra(term, lag, test_segments), strict=True):
+                    spectra[place] += factor * spectrum
+        return spectra
+
+    def _spectra_of_term(self, term: Term, lag: float, segments: tuple[Segment, ...]) -> tuple[Spectrum, ...]:
+        """Spectrum of one term in each of some segments of one test, recorded by a clock that lags [s]."""
+        test = segments[0].test
+        steps = lag / self.motions[test].step
+        values = read_late(self._path(term, test), steps) if steps else self._signal(term, test)
+        return tuple(segment.coarse_spectrum(values, self.every) for segment in segments)
+
+    def _path_of_term(self, term: Term, test: int) -> Array:
+        """Coefficients of the path through one term in a test."""
+        return path_through(self._signal(term, test))

@@ -15,7 +15,7 @@ from reliab.structures.partition import Partition
 from reliab.structures.specimen import Specimen
 from reliab.structures.structure import Structure
 
-_FURTHER = 1.02  # of the displacement before
+_CLEAR_GROWTH = 1.02  # of the displacement before
 
 
 class Channel(StrEnum):
@@ -60,12 +60,12 @@ class MeasuredTest:
     def reaches_furthest_at_end(self) -> bool:
         """Whether the displacement is clearly larger in the last third than before, as in growing cycles."""
         channels = (self.channels.get(channel) for channel in (Channel.COMMAND, Channel.MEASURED))
-        moved = next((values for values in channels if values is not None), np.zeros(self.size))
-        reach, end = np.abs(moved - np.median(moved)), 2 * self.size // 3
-        return bool(reach[end:].max(initial=0.0) > _FURTHER * reach[:end].max(initial=0.0))
+        displacement = next((values for values in channels if values is not None), np.zeros(self.size))
+        reach, end = np.abs(displacement - np.median(displacement)), 2 * self.size // 3
+        return bool(reach[end:].max(initial=0.0) > _CLEAR_GROWTH * reach[:end].max(initial=0.0))
 
 
-def held_out_in_words(tests: Sequence[MeasuredTest], files: Iterable[str]) -> str:
+def describe_held_out(tests: Sequence[MeasuredTest], files: Iterable[str]) -> str:
     """Name files that are held out of a campaign's tests, or the part of its only test."""
     if len(tests) > 1:
         return ", ".join(files)
@@ -171,7 +171,7 @@ class Campaign:
     @property
     def held_out(self) -> str:
         """What is held out, in words."""
-        return held_out_in_words(self.tests, [test.file for test in self.tests if test.held_out])
+        return describe_held_out(self.tests, [test.file for test in self.tests if test.held_out])
 
     @property
     def _thirds(self) -> tuple[Stretch, ...]:

@@ -36,10 +36,12 @@ _BINS_IN_BAND = (
 )
 _COHERENT = 0.8
 _NOISY = 0.001  # of the command's RMS
-_FOLLOWED = 0.3  # mean coherence of the upper half of the spectrum; that of noise is one over the stretches
+_MOTION_COHERENCE = (
+    0.3  # mean coherence of the upper half of the spectrum; that of noise is one over the stretches
+)
 _LONGEST_STRETCH, _FEWEST_STRETCHES = 512, 8  # samples of a spectrum, and how many are averaged
-_AT_REST = 0.1  # of the largest displacement
-_SHARED, _ALIKE = 0.3, 0.8  # of two tests' cross-spectra: how much they overlap, and agree where they do
+_REST_SHARE = 0.1  # of the largest displacement
+_SHARED, _AGREEMENT = 0.3, 0.8  # of two tests' cross-spectra: how much they overlap, and agree where they do
 _STEEPEST = 2.0  # power of the frequency with which a rig answers
 _LARGEST_CHANGE = np.log(
     30.0
@@ -56,57 +58,57 @@ def require_consistent(campaign: Campaign) -> tuple[str, ...]:
 def _faults_of(test: MeasuredTest, campaign: Campaign) -> Iterator[str]:
     """Examine one test by itself."""
     yield from (f"{test.file}: {note}" for note in test.notes)
-    command, measured, force, ground = (
+    command, reading, force, ground = (
         test.channels.get(channel)
         for channel in (Channel.COMMAND, Channel.MEASURED, Channel.FORCE, Channel.GROUND)
     )
     specimen = campaign.nominal.specimen
     stiffness = None if specimen is None else specimen.stiffness
-    moved = measured if command is None else command
-    if moved is None or not np.ptp(moved) > 0.0:
+    displacement = reading if command is None else command
+    if displacement is None or not np.ptp(displacement) > 0.0:
         return
-    if campaign.structure is not None and ground is not None and _is_still(ground, moved):
+    if campaign.structure is not None and ground is not None and _is_still(ground, displacement):
         raise InputError(
             "The recorded ground acceleration must change during a test that starts at rest",
             value=f"{significant(ground[0] + 0.0)} throughout",
             remedy="Record it, or leave its column out of every test: the other channels are then diagnosed",
             where=test.file,
         )
-    if measured is None:
+    if reading is None:
         return
     try:
         if command is not None:
             recording = Recording(
-                command=command, measured=measured, time_step=campaign.step, name=test.file, force=force
+                command=command, measured=reading, time_step=campaign.step, name=test.file, force=force
             )
-            expected = replace(recording, command=campaign.nominal.actuator.gain * command)
-            require_plausible(expected, stiffness=stiffness, fitted=True)
+            expected_recording = replace(recording, command=campaign.nominal.actuator.gain * command)
+            require_plausible(expected_recording, stiffness=stiffness, fitted=True)
             yield from (f"{test.file}: {fault.finding}" for fault in plain_faults(recording))
             yield from (f"{test.file}: {doubt}" for doubt in doubts_of_force(recording))
-            yield from (f"{test.file}: {sentence}" for sentence in _noise_of_command(command, measured))
+            yield from (f"{test.file}: {sentence}" for sentence in _noise_of_command(command, reading))
             if campaign.structure is not None and force is not None:
                 shaken = replace(recording, ground=ground)
                 doubts = doubts_of_ground(shaken, campaign.structure, campaign.mass)
                 yield from (f"{test.file}: {doubt}" for doubt in doubts)
         elif force is not None:
             require_restoring_force(
-                measured, force, campaign.step, stiffness=stiffness, fitted=True, where=test.file
+                reading, force, campaign.step, stiffness=stiffness, fitted=True, where=test.file
             )
-            yield from (f"{test.file}: {doubt}" for doubt in doubts_of_sign(measured, force, campaign.step))
+            yield from (f"{test.file}: {doubt}" for doubt in doubts_of_sign(reading, force, campaign.step))
     except InputError as error:
         raise InputError(error.rule, value=error.value, remedy=_REMEDY, where=test.file) from None
 
 
-def _noise_of_command(command: Array, measured: Array) -> Iterator[str]:
+def _noise_of_command(command: Array, reading: Array) -> Iterator[str]:
     """Say that a command holds noise, which a diagnosis takes for motion.
 
     What the rig follows at the highest frequencies is motion, as of a random command.
     """
     share = np.sqrt(white_noise_share(command))
     length = min(_LONGEST_STRETCH, command.size // _FEWEST_STRETCHES)
-    frequency, coherence = signal.coherence(command, measured, nperseg=length)
-    followed = float(coherence[frequency > 0.5 * frequency[-1]].mean()) > _FOLLOWED
-    if share > _NOISY and not followed:
+    frequency, coherence = signal.coherence(command, reading, nperseg=length)
+    is_followed = float(coherence[frequency > 0.5 * frequency[-1]].mean()) > _MOTION_COHERENCE
+    if share > _NOISY and not is_followed:
         yield (
             f"The recorded command holds noise of {percent(share, decimals=2)} of its RMS. A command is "
             "taken as exact: a lag of the actuator, an added mass or an error of the integration may be this "
@@ -114,13 +116,15 @@ def _noise_of_command(command: Array, measured: Array) -> Iterator[str]:
         )
 
 
-def _is_still(ground: Array, moved: Array) -> bool:
+def _is_still(ground: Array, displacement: Array) -> bool:
     """Whether the ground rests although a structure moves that was not pulled from its rest at the begin."""
-    return not np.ptp(ground) > 0.0 and abs(float(moved[0])) < _AT_REST * float(np.abs(moved).max())
+    return not np.ptp(ground) > 0.0 and abs(float(displacement[0])) < _REST_SHARE * float(
+        np.abs(displacement).max()
+    )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _Moved:
+class _TestSpectra:
     """One test: sizes and frequencies of its channels, and their cross-spectra in bands."""
 
     file: str  # Name of its file
@@ -132,11 +136,17 @@ class _Moved:
     crossed: Mapping[Pair, Spectrum | None]
 
     @classmethod
-    def from_test(cls, test: MeasuredTest, channels: list[Channel], rate: float, width: float) -> "_Moved":
+    def from_test(
+        cls, test: MeasuredTest, channels: list[Channel], rate: float, width: float
+    ) -> "_TestSpectra":
         """Transform the channels of a test, all of which move, into bands of a width [Hz]."""
-        centred = {channel: test.channels[channel] - test.channels[channel].mean() for channel in channels}
-        scales = {channel: float(np.abs(values).max()) for channel, values in centred.items()}
-        spectra = {channel: np.fft.rfft(centred[channel] / scales[channel])[1:] for channel in channels}
+        centred_channels = {
+            channel: test.channels[channel] - test.channels[channel].mean() for channel in channels
+        }
+        scales = {channel: float(np.abs(values).max()) for channel, values in centred_channels.items()}
+        spectra = {
+            channel: np.fft.rfft(centred_channels[channel] / scales[channel])[1:] for channel in channels
+        }
         frequency = np.arange(1, test.size // 2 + 1) * rate / test.size
         band = (frequency / width).astype(np.intp)
         powers = {channel: np.abs(spectrum) ** 2 for channel, spectrum in spectra.items()}
@@ -144,17 +154,19 @@ class _Moved:
             file=test.file,
             size={c: float(np.log(scales[c]) + 0.5 * np.log(powers[c].sum())) for c in channels},
             frequency={c: float(np.log((frequency * powers[c]).sum() / powers[c].sum())) for c in channels},
-            crossed={(a, b): _crossed(spectra[a], spectra[b], band) for a, b in combinations(channels, 2)},
+            crossed={
+                (a, b): _cross_spectrum(spectra[a], spectra[b], band) for a, b in combinations(channels, 2)
+            },
         )
 
 
-def _crossed(first: Spectrum, second: Spectrum, band: NDArray[np.intp]) -> Spectrum | None:
+def _cross_spectrum(first: Spectrum, second: Spectrum, band: NDArray[np.intp]) -> Spectrum | None:
     product = first.conj() * second
-    summed = np.bincount(band, product.real) + 1j * np.bincount(band, product.imag)
+    band_products = np.bincount(band, product.real) + 1j * np.bincount(band, product.imag)
     powers = [np.bincount(band, np.abs(spectrum) ** 2) for spectrum in (first, second)]
-    if np.abs(summed).sum() < _COHERENT * np.sqrt(powers[0] * powers[1]).sum():
+    if np.abs(band_products).sum() < _COHERENT * np.sqrt(powers[0] * powers[1]).sum():
         return None
-    return np.asarray(summed / np.linalg.norm(summed))
+    return np.asarray(band_products / np.linalg.norm(band_products))
 
 
 def _require_agreement(campaign: Campaign) -> None:
@@ -162,63 +174,74 @@ def _require_agreement(campaign: Campaign) -> None:
     channels = sorted(campaign.channels)
     width = _BINS_IN_BAND * campaign.rate / min(test.size for test in campaign.tests)
     tests = [
-        _Moved.from_test(test, channels, campaign.rate, width)
+        _TestSpectra.from_test(test, channels, campaign.rate, width)
         for test in campaign.tests
         if all(np.ptp(test.channels[channel]) > 0.0 for channel in channels)
     ]
     pairs = list(combinations(channels, 2))
-    for rule, agrees, found, remedy in (
-        ("The tests of a campaign must have the same signs", _same_sign, _reversed, _REMEDY),
-        ("The tests of a campaign must have the same units", _same_unit, _scaled, _REMEDY_OF_SIZE),
+    for rule, agrees, describe, remedy in (
+        ("The tests of a campaign must have the same signs", _same_sign, _describe_sign, _REMEDY),
+        ("The tests of a campaign must have the same units", _same_unit, _describe_unit, _REMEDY_OF_SIZE),
     ):
         votes = [
             (test, pair, [agrees(test, rival, pair) for rival in tests if rival is not test])
             for test in tests
             for pair in pairs
         ]
-        against = [(test, pair) for test, pair, vote in votes if vote.count(False) > vote.count(True)]
-        if against:
-            files = [test.file for test, _ in against]
+        conflicts = [(test, pair) for test, pair, vote in votes if vote.count(False) > vote.count(True)]
+        if conflicts:
+            files = [test.file for test, _ in conflicts]
             first = max(tests, key=lambda test: files.count(test.file))
-            blamed = [pair for test, pair in against if test is first]
-            channel = max(channels, key=lambda name: sum(name in pair for pair in blamed))
-            others = [test for test in tests if test is not first]
+            blamed_pairs = [pair for test, pair in conflicts if test is first]
+            channel = max(channels, key=lambda name: sum(name in pair for pair in blamed_pairs))
+            other_tests = [test for test in tests if test is not first]
             raise InputError(
-                rule, value=found(first, others, channel, blamed), remedy=remedy, where=first.file
+                rule,
+                value=describe(first, other_tests, channel, blamed_pairs),
+                remedy=remedy,
+                where=first.file,
             )
 
 
-def _same_sign(test: _Moved, rival: _Moved, pair: Pair) -> bool | None:
+def _same_sign(test: _TestSpectra, rival: _TestSpectra, pair: Pair) -> bool | None:
     """Whether two channels move alike in two tests; None where these share too few frequencies to tell."""
     mine, theirs = test.crossed[pair], rival.crossed[pair]
     if mine is None or theirs is None:
         return None
     bands = min(mine.size, theirs.size)
     products = mine[:bands].conj() * theirs[:bands]
-    shared, alike = float(np.abs(products).sum()), float(products.real.sum())
-    return alike > 0.0 if shared > _SHARED and abs(alike) > _ALIKE * shared else None
+    shared, agreement = float(np.abs(products).sum()), float(products.real.sum())
+    return agreement > 0.0 if shared > _SHARED and abs(agreement) > _AGREEMENT * shared else None
 
 
-def _same_unit(test: _Moved, rival: _Moved, pair: Pair) -> bool:
+def _same_unit(test: _TestSpectra, rival: _TestSpectra, pair: Pair) -> bool:
     """Whether the gain changes by no more than amplitude, frequency and setting of a rig can explain."""
-    given, answered = (test.size[channel] - rival.size[channel] for channel in pair)
+    input_change, response_change = (test.size[channel] - rival.size[channel] for channel in pair)
     reach = _STEEPEST * abs(test.frequency[pair[0]] - rival.frequency[pair[0]])
-    return bool(abs(answered - given) < _LARGEST_CHANGE + reach)
+    return bool(abs(response_change - input_change) < _LARGEST_CHANGE + reach)
 
 
-def _reversed(_test: _Moved, others: list[_Moved], channel: Channel, pairs: list[Pair]) -> str:
-    beside = ", ".join(sorted({name for pair in pairs if channel in pair for name in pair} - {channel}))
-    against = f"against {others[0].file}" if len(others) == 1 else "against most other tests"
-    return f"{channel} reversed {against}, relative to {beside}"
+def _describe_sign(
+    _test: _TestSpectra, other_tests: list[_TestSpectra], channel: Channel, pairs: list[Pair]
+) -> str:
+    reference_channels = ", ".join(
+        sorted({name for pair in pairs if channel in pair for name in pair} - {channel})
+    )
+    opposition = f"against {other_tests[0].file}" if len(other_tests) == 1 else "against most other tests"
+    return f"{channel} reversed {opposition}, relative to {reference_channels}"
 
 
-def _scaled(test: _Moved, others: list[_Moved], channel: Channel, pairs: list[Pair]) -> str:
-    beside = [next(name for name in pair if name is not channel) for pair in pairs if channel in pair]
+def _describe_unit(
+    test: _TestSpectra, other_tests: list[_TestSpectra], channel: Channel, pairs: list[Pair]
+) -> str:
+    reference_channels = [
+        next(name for name in pair if name is not channel) for pair in pairs if channel in pair
+    ]
     gains = [
         test.size[channel] - rival.size[channel] - test.size[name] + rival.size[name]
-        for name in beside
-        for rival in others
+        for name in reference_channels
+        for rival in other_tests
     ]
-    against = f"in {others[0].file}" if len(others) == 1 else "in the other tests"
+    comparison = f"in {other_tests[0].file}" if len(other_tests) == 1 else "in the other tests"
     gain = significant(np.exp(np.median(gains)))
-    return f"{channel} {gain} times what it is {against}, relative to {', '.join(beside)}"
+    return f"{channel} {gain} times what it is {comparison}, relative to {', '.join(reference_channels)}"

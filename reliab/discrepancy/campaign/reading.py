@@ -62,14 +62,14 @@ tests a diagnosis then takes about 4 GB and two hours."""
 
 
 def read_channels(
-    path: Path, rate: float, said: StatedChannels, test: str = ""
+    path: Path, rate: float, channel_statements: StatedChannels, test: str = ""
 ) -> tuple[dict[Channel, NDArray[np.float64]], tuple[str, ...]]:
     """Read the channels of one test, in SI units, and what was assumed.
 
     `rate` [Hz]; `test` names one of several in the file.
     """
-    histories = histories_of(read_test(path, test or None), said, needed_parts=())
-    where = histories.columns.location
+    histories = histories_of(read_test(path, test or None), channel_statements, needed_parts=())
+    source_place = histories.columns.location
     channels = {_CHANNELS[key]: values for key, values in histories.values.items() if key in _CHANNELS}
     _require_units(histories)
     if not channels:
@@ -77,16 +77,16 @@ def read_channels(
             "A test of a campaign must hold channels of one actuator",
             value=", ".join(histories.channels),
             remedy="Name its columns under [channels] in campaign.toml",
-            where=where,
+            where=source_place,
         )
     for channel, values in channels.items():
-        _require_numbers(values, channel, where)
+        _require_numbers(values, channel, source_place)
     if abs(histories.time_step * rate - 1.0) > _RATE_TOLERANCE:
         raise InputError(
             "The times must agree with rate_hz of campaign.toml",
             value=f"{1.0 / histories.time_step:.6g} Hz against {rate:g} Hz",
             remedy="Correct rate_hz, or state the unit of the times",
-            where=where,
+            where=source_place,
         )
     return channels, histories.notes
 
@@ -102,13 +102,13 @@ def _require_units(histories: Histories) -> None:
             )
 
 
-def _require_numbers(values: NDArray[np.float64], channel: Channel, where: str) -> None:
+def _require_numbers(values: NDArray[np.float64], channel: Channel, place: str) -> None:
     if values.size < FEWEST_SAMPLES:
         raise InputError(
             f"A test must have at least {FEWEST_SAMPLES} samples",
             value=values.size,
             remedy="Leave it out, or record longer",
-            where=where,
+            where=place,
         )
     wrong = np.flatnonzero(~(np.abs(values) < LARGEST_READING))
     if wrong.size:
@@ -116,7 +116,7 @@ def _require_numbers(values: NDArray[np.float64], channel: Channel, where: str) 
             f"Every value must be a finite number below {LARGEST_READING:g}",
             value=f"{values[wrong[0]]:g} in {channel}, sample {wrong[0] + 1}",
             remedy="Repair the recording",
-            where=where,
+            where=place,
         )
 
 
@@ -127,9 +127,9 @@ def campaign_folder(folder: Path | str) -> Path:
     ('campaigns', 'rig_a')
     """
     folder = Path(folder)
-    of_that_name = shipped("datasets", "campaigns") / folder
+    shipped_folder = shipped("datasets", "campaigns") / folder
     is_name = len(folder.parts) == 1 and not is_own_data(folder, CAMPAIGN_FILE)
-    return of_that_name if is_name and (of_that_name / CAMPAIGN_FILE).is_file() else folder
+    return shipped_folder if is_name and (shipped_folder / CAMPAIGN_FILE).is_file() else folder
 
 
 class _Table(BaseModel):
@@ -257,20 +257,20 @@ def read_campaign(folder: Path | str) -> Campaign:
         what to do.
     """
     folder = campaign_folder(folder)
-    described = _described(named_within(folder, CAMPAIGN_FILE, where=str(folder)))
-    _check_files(folder, described.tests)
-    held_out = _held_out(described.tests)
-    rate = described.sampling.rate_hz
-    said = StatedChannels(declarations=declared_parts(described.channels), rate_hz=rate)
+    description = _read_description(named_within(folder, CAMPAIGN_FILE, where=str(folder)))
+    _check_files(folder, description.tests)
+    held_out = _flag_held_out(description.tests)
+    rate = description.sampling.rate_hz
+    channel_statements = StatedChannels(declarations=declared_parts(description.channels), rate_hz=rate)
     tests, samples = [], 0
-    for test, out in zip(described.tests, held_out, strict=True):
-        channels, notes = read_channels(folder / test.file, rate, said, test.test)
+    for test, out in zip(description.tests, held_out, strict=True):
+        channels, notes = read_channels(folder / test.file, rate, channel_statements, test.test)
         tests.append(
             MeasuredTest(file=test.name, motion=test.motion, held_out=out, channels=channels, notes=notes)
         )
         samples += tests[-1].size
-        _require_few_samples(samples, len(tests), len(described.tests))
-    return _campaign(described, tuple(tests), folder)
+        _require_few_samples(samples, len(tests), len(description.tests))
+    return _campaign(description, tuple(tests), folder)
 
 
 def _require_few_samples(samples: int, read: int, tests: int) -> None:
@@ -299,7 +299,7 @@ def _check_files(folder: Path, tests: list[TestTable]) -> None:
             )
 
 
-def _held_out(tests: list[TestTable]) -> list[bool]:
+def _flag_held_out(tests: list[TestTable]) -> list[bool]:
     """Which tests are held out: those marked, else the last; of a single test only its end is held out."""
     marked = [test.held_out for test in tests]
     if len(tests) == 1:
@@ -307,11 +307,11 @@ def _held_out(tests: list[TestTable]) -> list[bool]:
     return marked if any(marked) else [*marked[:-1], True]
 
 
-def _campaign(described: CampaignDescription, tests: tuple[MeasuredTest, ...], folder: Path) -> Campaign:
-    structure, actuator, specimen = described.structure, described.actuator, described.specimen
+def _campaign(description: CampaignDescription, tests: tuple[MeasuredTest, ...], folder: Path) -> Campaign:
+    structure, actuator, specimen = description.structure, description.actuator, description.specimen
     one_mode = structure if isinstance(structure, StructureTable) else None
     return Campaign(
-        name=described.name or folder.name,
+        name=description.name or folder.name,
         structure=None
         if one_mode is None
         else Structure(
@@ -326,15 +326,15 @@ def _campaign(described: CampaignDescription, tests: tuple[MeasuredTest, ...], f
         else Specimen(
             stiffness=specimen.stiffness_n_per_m, damping=specimen.damping_n_s_per_m, mass=specimen.mass_kg
         ),
-        rate=described.sampling.rate_hz,
+        rate=description.sampling.rate_hz,
         tests=tests,
-        partition=_as_partition(structure, described) if isinstance(structure, FrameTables) else None,
+        partition=_as_partition(structure, description) if isinstance(structure, FrameTables) else None,
     )
 
 
-def _as_partition(table: FrameTables, described: CampaignDescription) -> Partition:
+def _as_partition(table: FrameTables, description: CampaignDescription) -> Partition:
     """Build the frame with its specimen, and refuse entries that are repeated or have no meaning."""
-    if described.specimen is not None:
+    if description.specimen is not None:
         raise InputError(
             "The specimen of a frame must be described in [structure.specimen]",
             value="a further table [specimen]",
@@ -354,7 +354,7 @@ def _as_partition(table: FrameTables, described: CampaignDescription) -> Partiti
     return partition
 
 
-def _described(path: Path) -> CampaignDescription:
+def _read_description(path: Path) -> CampaignDescription:
     rule, remedy = (
         f"A campaign must be a folder with a readable {CAMPAIGN_FILE}",
         "Correct the file, or name another folder",
@@ -363,10 +363,10 @@ def _described(path: Path) -> CampaignDescription:
     try:
         return CampaignDescription.model_validate(parse_toml(text, rule=rule, remedy=remedy, where=str(path)))
     except ValidationError as error:
-        raise _explained(error, text, path) from error
+        raise _explain(error, text, path) from error
 
 
-def _explained(error: ValidationError, text: str, path: Path) -> InputError:
+def _explain(error: ValidationError, text: str, path: Path) -> InputError:
     """Say what is wrong, with the line of the first fault."""
     first = error.errors()[0]
     line = _line_of(text, keys_of(first["loc"]))

@@ -12,7 +12,7 @@ from reliab.effects.rate_limit import RateLimit
 from reliab.effects.stroke_saturation import StrokeSaturation
 
 _LEAST_LAG = 0.05  # samples, of clocks that differ; simulations of one model differ by a hundredth
-_ROUNDED = 0.6  # of a step; rounding moves a reading by half of it, and the fitted effect follows that
+_ROUNDING = 0.6  # of a step; rounding moves a reading by half of it, and the fitted effect follows that
 _TAKEN_OVER = 0.5  # of the calibrated delay, from which a lag says most of it
 _RESTING = (Backlash, StrokeSaturation)
 LIMITS = (StrokeSaturation, RateLimit)
@@ -21,32 +21,39 @@ LIMITS = (StrokeSaturation, RateLimit)
 _DELAY = "delay_s"
 
 
-def acts(fitted: Fit, effect: type[Effect], deviations: float) -> bool:
+def acts(fitted_model: Fit, effect: type[Effect], deviations: float) -> bool:
     """Whether an effect is so many standard deviations from none, where its parameters can say so."""
     if not all(parameter.signed for parameter in effect.parameters):
         return True
-    place = fitted.space.places(effect)
+    place = fitted_model.space.places(effect)
     if effect is ClockOffset:
-        lag = fitted.space.values(fitted.coordinates)[place]
-        return bool((np.abs(lag) * fitted.space.block.rate > _LEAST_LAG).all())
-    none = fitted.coordinates.copy()
-    none[place] = 0.0
-    distance = np.abs(fitted.space.values(fitted.coordinates) - fitted.space.values(none))[place]
-    spread = fitted.space.standard_deviations(fitted.coordinates, fitted.covariance)[place]
+        lag = fitted_model.space.values(fitted_model.coordinates)[place]
+        return bool((np.abs(lag) * fitted_model.space.block.rate > _LEAST_LAG).all())
+    neutral = fitted_model.coordinates.copy()
+    neutral[place] = 0.0
+    distance = np.abs(
+        fitted_model.space.values(fitted_model.coordinates) - fitted_model.space.values(neutral)
+    )[place]
+    spread = fitted_model.space.standard_deviations(fitted_model.coordinates, fitted_model.covariance)[place]
     return bool((distance > deviations * spread).any())
 
 
-def exceeds_rounding(problem: Problem, fitted: Fit, effect: type[Effect]) -> bool:
+def exceeds_rounding(problem: Problem, fitted_model: Fit, effect: type[Effect]) -> bool:
     """Whether an effect that holds the reading still moves it by more than a converter's rounding does.
 
     A converter, too, holds the reading of a motion still where that turns.
     """
     if not issubclass(effect, _RESTING) or not any(problem.steps.values()):
         return True
-    space = ModelSpace(fitted.space.block, tuple(e for e in fitted.space.effects if e is not effect))
-    free = problem.predictions(space, space.inherited(fitted.space, fitted.coordinates))
-    held = problem.predictions(fitted.space, fitted.coordinates)
-    return any(np.abs(held[test] - free[test]).max() > _ROUNDED * problem.steps[test] for test in held)
+    space = ModelSpace(
+        fitted_model.space.block, tuple(e for e in fitted_model.space.effects if e is not effect)
+    )
+    free = problem.predictions(space, space.inherit(fitted_model.space, fitted_model.coordinates))
+    held_prediction = problem.predictions(fitted_model.space, fitted_model.coordinates)
+    return any(
+        np.abs(held_prediction[test] - free[test]).max() > _ROUNDING * problem.steps[test]
+        for test in held_prediction
+    )
 
 
 def takes_over_delay(candidate: Fit, smaller: Fit) -> bool:
@@ -54,12 +61,12 @@ def takes_over_delay(candidate: Fit, smaller: Fit) -> bool:
 
     It then stands in the place of a calibration, and is no further effect beside the others.
     """
-    added = set(candidate.space.effects) - set(smaller.space.effects)
-    if len(added) != 1 or not issubclass(next(iter(added)), LinearEffect):
+    added_effects = set(candidate.space.effects) - set(smaller.space.effects)
+    if len(added_effects) != 1 or not issubclass(next(iter(added_effects)), LinearEffect):
         return False
     names = [item.parameter.name for item in candidate.space.block.calibrations]
     if _DELAY not in names:
         return False
     place = names.index(_DELAY)
-    delay, former = (fit.space.values(fit.coordinates)[place] for fit in (candidate, smaller))
-    return bool(delay < _TAKEN_OVER * former)
+    delay, former_delay = (fit.space.values(fit.coordinates)[place] for fit in (candidate, smaller))
+    return bool(delay < _TAKEN_OVER * former_delay)

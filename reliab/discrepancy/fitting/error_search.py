@@ -14,7 +14,7 @@ from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.left_out import LeftOut
 from reliab.discrepancy.fitting.prior import cost_beside_error
 from reliab.discrepancy.fitting.problem import Problem, observations
-from reliab.discrepancy.fitting.screening import Screened
+from reliab.discrepancy.fitting.screening import Promise
 from reliab.discrepancy.fitting.search import Search
 from reliab.discrepancy.terms.clock_offset import ClockOffset
 from reliab.effects.effect import Effect
@@ -24,8 +24,8 @@ WORTH = 0.1
 
 _DEEPEST = 3  # effects beside the linear ones
 _BEAM = 2
-_TRIED, _TRIED_OUTSIDE = 8, 5
-_PRUNED = 2  # models from which effects are taken off
+_TRIES, _GENERAL_TRIES = 8, 5
+_PRUNINGS = 2  # models from which effects are taken off
 _NO_WORSE = 0.02  # growth of the error on left-out parts by an effect that is taken off
 _TRIFLE = 0.02  # of the error's energy in the fitted tests
 _SIMPLE = 2  # parameters; effects of more have several optima where no model is exact
@@ -35,7 +35,7 @@ class ErrorSearch(Search):
     """Fit models of a block with ever more effects, and list them by their error on left-out parts."""
 
     def __init__(self, problem: Problem) -> None:
-        super().__init__(problem.tempered(observations(problem)))
+        super().__init__(problem.temper(observations(problem)))
         self.keep(self.linear)
 
     @property
@@ -57,7 +57,7 @@ class ErrorSearch(Search):
         shares = zip(self.problem.tempering, self.problem.segments, strict=True)
         return sum(share * (2 * segment.bins - 1) for share, segment in shares)
 
-    def _starts(self, promise: Screened) -> list[Array]:
+    def _starts(self, promise: Promise) -> list[Array]:
         """Coordinates from which to fit a further effect: all of one that may have several optima."""
         starts = [promise.start]
         if len(promise.kind.parameters) > _SIMPLE:
@@ -73,28 +73,26 @@ class ErrorSearch(Search):
         del rough, parent
         return -np.inf
 
-    _least_promise = 0.0
-
-    def whole(self, begin: Fit | None = None) -> Fit:
+    def run(self, begin: Fit | None = None) -> Fit:
         """Add effects of the library, then special forms, then terms outside it; then take effects off."""
         beam = [begin or self.linear]
         for _ in range(_DEEPEST):
-            children = self._children(beam, self.candidates, _TRIED)
+            children = self._children(beam, self.candidates, _TRIES)
             if not children or not self._worth(children[0], beam[0]):
                 break
             beam = children[:_BEAM]
         for model in self._first(_BEAM):
             for kind in model.space.effects:
                 self.refine_in(model, kind)
-        self._children(self._first(1), self.problem.block.outside, _TRIED_OUTSIDE)
-        for model in self._first(_PRUNED):
+        self._children(self._first(1), self.problem.block.outside, _GENERAL_TRIES)
+        for model in self._first(_PRUNINGS):
             self._prune(model)
         return self.best
 
-    def _children(self, parents: Sequence[Fit], kinds: Sequence[type[Effect]], tried: int) -> list[Fit]:
+    def _children(self, parents: Sequence[Fit], kinds: Sequence[type[Effect]], trials: int) -> list[Fit]:
         """Models with one more effect, those of the smallest error first."""
         children = [
-            child for parent in parents for child in self.extend(parent, self.screened(parent, kinds)[:tried])
+            child for parent in parents for child in self.extend(parent, self.screen(parent, kinds)[:trials])
         ]
         return sorted(children, key=self._error)
 
@@ -111,7 +109,7 @@ class ErrorSearch(Search):
     def _prune(self, model: Fit) -> None:
         """Take off effects as long as left-out parts are predicted hardly worse."""
         while model.space.effects:
-            smaller = min((self.without(model, kind) for kind in model.space.effects), key=self._error)
+            smaller = min((self.remove_effect(model, kind) for kind in model.space.effects), key=self._error)
             if self._error(smaller) > (1.0 + _NO_WORSE) * self._error(model):
                 return
             model = smaller

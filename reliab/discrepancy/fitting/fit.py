@@ -15,12 +15,12 @@ from reliab.signals.noise import NoiseModel
 
 _STEP = 1e-3  # of a prior's standard deviation, for derivatives
 _NEGLIGIBLE = 0.02  # nats
-_ON = 1e-6  # from a bound, in standard deviations of the prior
+_BOUND_MARGIN = 1e-6  # from a bound, in standard deviations of the prior
 _SMALL = 1.0  # nats
 _FIRST_DAMPING, _MOST_DAMPING = 1e-3, 1e6
 _MOST_STEPS = 12
 _MOST_ROUNDS = 10
-_SETTLED = 0.5  # nats
+_CONVERGENCE = 0.5  # nats
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -38,7 +38,9 @@ class Fit:
     def free(self) -> NDArray[np.bool_]:
         """Whether a coordinate lies within its bounds and not on one, shape (size,)."""
         lower, upper = self.space.bounds
-        return np.asarray((self.coordinates > lower + _ON) & (self.coordinates < upper - _ON))
+        return np.asarray(
+            (self.coordinates > lower + _BOUND_MARGIN) & (self.coordinates < upper - _BOUND_MARGIN)
+        )
 
     @cached_property
     def precision(self) -> Array:
@@ -73,35 +75,35 @@ def fit(problem: Problem, space: ModelSpace, starts: Sequence[Array], noise: Noi
     )
 
 
-def refined(problem: Problem, fitted: Fit) -> Fit:
+def refine_fit(problem: Problem, fitted_model: Fit) -> Fit:
     """Fit noise and model in turn, until the evidence settles."""
     for _ in range(_MOST_ROUNDS):
-        again = improved(problem, reweighted(problem, fitted))
-        settled = abs(again.log_evidence - fitted.log_evidence) < _SETTLED
-        fitted = again
-        if settled:
+        next_fit = improve_fit(problem, reweight_fit(problem, fitted_model))
+        is_settled = abs(next_fit.log_evidence - fitted_model.log_evidence) < _CONVERGENCE
+        fitted_model = next_fit
+        if is_settled:
             break
-    return fitted
+    return fitted_model
 
 
-def as_judged_by_noise(problem: Problem, fitted: Fit) -> tuple[Problem, Fit]:
+def as_judged_by_noise(problem: Problem, fitted_model: Fit) -> tuple[Problem, Fit]:
     """Return the problem and the model as noise judges them, where they were judged in the channel's unit."""
     if not problem.flat:
-        return problem, fitted
+        return problem, fitted_model
     plain = replace(problem, tempering=(), powers=())
-    noise = plain.noise_of(fitted.space, fitted.coordinates)
-    residual = plain.whitened(fitted.space, fitted.coordinates, noise)
-    return plain, replace(fitted, noise=noise, residual=residual)
+    noise = plain.noise_of(fitted_model.space, fitted_model.coordinates)
+    residual = plain.whiten(fitted_model.space, fitted_model.coordinates, noise)
+    return plain, replace(fitted_model, noise=noise, residual=residual)
 
 
-def reweighted(problem: Problem, fitted: Fit) -> Fit:
+def reweight_fit(problem: Problem, fitted_model: Fit) -> Fit:
     """Return the same model judged by the noise that it leaves, without simulating it again."""
-    noise = problem.noise_left(fitted.residual, fitted.noise)
-    factors = problem.reweighting(fitted.noise, noise)
+    noise = problem.noise_left(fitted_model.residual, fitted_model.noise)
+    factors = problem.reweighting(fitted_model.noise, noise)
     return replace(
-        fitted,
-        residual=factors * fitted.residual,
-        jacobian=factors[:, np.newaxis] * fitted.jacobian,
+        fitted_model,
+        residual=factors * fitted_model.residual,
+        jacobian=factors[:, np.newaxis] * fitted_model.jacobian,
         noise=noise,
         log_volume=problem.log_volume(noise),
     )
@@ -109,8 +111,8 @@ def reweighted(problem: Problem, fitted: Fit) -> Fit:
 
 def _fit_from(problem: Problem, space: ModelSpace, start: Array, noise: NoiseModel) -> Fit:
     x = np.clip(start, *space.bounds)
-    residual = problem.whitened(space, x, noise)
-    return improved(
+    residual = problem.whiten(space, x, noise)
+    return improve_fit(
         problem,
         Fit(
             space=space,
@@ -123,52 +125,58 @@ def _fit_from(problem: Problem, space: ModelSpace, start: Array, noise: NoiseMod
     )
 
 
-def improved(problem: Problem, fitted: Fit, steps: int = _MOST_STEPS, *, differentiated: bool = True) -> Fit:
+def improve_fit(
+    problem: Problem, fitted_model: Fit, steps: int = _MOST_STEPS, *, differentiate_last: bool = True
+) -> Fit:
     """Improve a fit by Levenberg–Marquardt with bounds and the prior, until a step promises less than 0.02.
 
     It ends, too, after a small step that reached what the quadratic model promised: derivatives have not
     changed, and the next step would be smaller still. Unless it is to be differentiated, derivatives after
     the last step are those before it.
     """
-    space, noise = fitted.space, fitted.noise
+    space, noise = fitted_model.space, fitted_model.noise
     lower, upper = space.bounds
-    x, residual, derivatives = fitted.coordinates, fitted.residual, fitted.jacobian
+    x, residual, derivatives = fitted_model.coordinates, fitted_model.residual, fitted_model.jacobian
     value = _objective(residual, x)
     damping = _FIRST_DAMPING
     for number in range(steps):
         curvature = derivatives.T @ derivatives + np.eye(x.size)
         slope = derivatives.T @ residual + x
-        accepted = foreseen = False
+        is_accepted = foreseen = False
         while damping < _MOST_DAMPING:
-            step = bounded_step(curvature, slope, lower - x, upper - x, damping)
-            moved = np.clip(x + step, lower, upper)
+            step = solve_bounded_step(curvature, slope, lower - x, upper - x, damping)
+            moved_coordinates = np.clip(x + step, lower, upper)
             promise = -slope @ step - 0.5 * step @ curvature @ step
             if promise < _NEGLIGIBLE:
                 break
-            residual_after = problem.whitened(space, moved, noise)
-            gained = value - _objective(residual_after, moved)
-            if gained > 0.0:
-                x, residual, accepted = moved, residual_after, True
-                foreseen = bool(promise < _SMALL and abs(gained - promise) < _NEGLIGIBLE)
-                value -= gained
+            residual_after = problem.whiten(space, moved_coordinates, noise)
+            decrease = value - _objective(residual_after, moved_coordinates)
+            if decrease > 0.0:
+                x, residual, is_accepted = moved_coordinates, residual_after, True
+                foreseen = bool(promise < _SMALL and abs(decrease - promise) < _NEGLIGIBLE)
+                value -= decrease
                 damping = max(0.1 * damping, 1e-7)
                 break
             damping *= 8.0
-        if not accepted or foreseen or (number + 1 == steps and not differentiated):
+        if not is_accepted or foreseen or (number + 1 == steps and not differentiate_last):
             break
         derivatives = jacobian(problem, space, x, noise, residual)
-    return replace(fitted, coordinates=x, residual=residual, jacobian=derivatives)
+    return replace(fitted_model, coordinates=x, residual=residual, jacobian=derivatives)
 
 
-def bounded_step(curvature: Array, slope: Array, least: Array, most: Array, damping: float) -> Array:
+def solve_bounded_step(
+    curvature: Array, slope: Array, least: Array, upper_limit: Array, damping: float
+) -> Array:
     """Damped Newton step: the minimum of the quadratic model within the bounds."""
-    damped = curvature + damping * np.diag(np.diag(curvature))
-    step: Array = np.asarray(-np.linalg.solve(damped, slope), dtype=np.float64)
-    if ((step >= least) & (step <= most)).all():
+    damped_curvature = curvature + damping * np.diag(np.diag(curvature))
+    step: Array = np.asarray(-np.linalg.solve(damped_curvature, slope), dtype=np.float64)
+    if ((step >= least) & (step <= upper_limit)).all():
         return step
-    root = np.linalg.cholesky(damped)
-    most = np.maximum(most, least + 1e-12)
-    solution = optimize.lsq_linear(root.T, -np.linalg.solve(root, slope), bounds=(least, most), method="bvls")
+    root = np.linalg.cholesky(damped_curvature)
+    upper_limit = np.maximum(upper_limit, least + 1e-12)
+    solution = optimize.lsq_linear(
+        root.T, -np.linalg.solve(root, slope), bounds=(least, upper_limit), method="bvls"
+    )
     return np.asarray(solution.x)
 
 
@@ -176,10 +184,12 @@ def _objective(residual: Array, coordinates: Array) -> float:
     return 0.5 * float(residual @ residual + coordinates @ coordinates)
 
 
-def sharpened(problem: Problem, fitted: Fit) -> Fit:
+def sharpen_fit(problem: Problem, fitted_model: Fit) -> Fit:
     """Return a fitted model with derivatives of full predictions, for its standard deviations."""
-    exact = _differentiated(problem, fitted.space, fitted.coordinates, fitted.noise, fitted.residual)
-    return replace(fitted, jacobian=exact)
+    exact = _differentiate(
+        problem, fitted_model.space, fitted_model.coordinates, fitted_model.noise, fitted_model.residual
+    )
+    return replace(fitted_model, jacobian=exact)
 
 
 def jacobian(
@@ -190,19 +200,19 @@ def jacobian(
     `residual`: the one there, shape (rows,), where it was computed.
     """
     centre = residual if problem.sketch is problem else None
-    return _differentiated(problem.sketch, space, coordinates, noise, centre)
+    return _differentiate(problem.sketch, space, coordinates, noise, centre)
 
 
-def _differentiated(
+def _differentiate(
     problem: Problem, space: ModelSpace, coordinates: Array, noise: NoiseModel, centre: Array | None
 ) -> Array:
     _, upper = space.bounds
     if centre is None:
-        centre = problem.whitened(space, coordinates, noise)
+        centre = problem.whiten(space, coordinates, noise)
     columns = np.empty((centre.size, space.size))
     for place in range(space.size):
         step = _STEP if coordinates[place] + _STEP < upper[place] else -_STEP
-        moved = coordinates.copy()
-        moved[place] += step
-        columns[:, place] = (problem.whitened(space, moved, noise) - centre) / step
+        moved_coordinates = coordinates.copy()
+        moved_coordinates[place] += step
+        columns[:, place] = (problem.whiten(space, moved_coordinates, noise) - centre) / step
     return columns

@@ -14,13 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.core.arrays import Array
-from reliab.discrepancy.fitting.fit import Fit, bounded_step, improved
+from reliab.discrepancy.fitting.fit import Fit, improve_fit, solve_bounded_step
 from reliab.discrepancy.fitting.problem import Problem, relative_powers
 from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.spectra.segment import Segment, energy_of
 
 _RAN_AWAY = 1e300
-_AS_BEFORE = 0.5  # of a parameter's prior variance: data and prior say as much of it
+_PRIOR_SHARE = 0.5  # of a parameter's prior variance: data and prior say as much of it
 _STEPS = 2  # of a refit without one test, from the fit to all of them
 
 
@@ -50,35 +50,35 @@ class LeftOut:
         parts = self.foretold if self.foretold.any() else np.ones_like(self.foretold)
         return float(np.sqrt(self.energies[parts].sum() / max(self.signals[parts].sum(), 1e-300)))
 
-    def at_most(self, multiple: float, rival: "LeftOut") -> bool:
+    def is_at_most(self, multiple: float, rival: "LeftOut") -> bool:
         """Whether the error is at most a multiple of another model's, in tests that the others foretell."""
         foretold = self.foretold
         return float(self.relative[foretold].sum()) <= multiple * float(rival.relative[foretold].sum())
 
 
-def left_out(problem: Problem, fitted: Fit, fixed: tuple[int, ...] = ()) -> LeftOut:
+def leave_out(problem: Problem, fitted_model: Fit, fixed: tuple[int, ...] = ()) -> LeftOut:
     """Leave out each test in turn, refit the model to the others and predict it."""
     energies, foretold = [], []
     for members in _parts(problem):
-        excluded = np.isin(problem.owners, members)
+        excluded_rows = np.isin(problem.owners, members)
         if problem.flat and not fixed:
-            tried = [_refitted_in_full(problem, fitted, excluded, members)]
+            refits = [_refit_fully(problem, fitted_model, excluded_rows, members)]
         else:
-            tried = [refitted(fitted, excluded, fixed)]
+            refits = [refit(fitted_model, excluded_rows, fixed)]
         if fixed:  # far from the fit one step may be worse than none
-            stayed = fitted.coordinates.copy()
-            stayed[list(fixed)] = 0.0
-            tried.append(stayed)
+            fixed_coordinates = fitted_model.coordinates.copy()
+            fixed_coordinates[list(fixed)] = 0.0
+            refits.append(fixed_coordinates)
         segments = [problem.segments[k] for k in members]
-        energies.append(min(_missed(problem, fitted.space, x, segments) for x in tried))
-        foretold.append(problem.flat or _determined(fitted, ~excluded))
+        energies.append(min(_residual_energy(problem, fitted_model.space, x, segments) for x in refits))
+        foretold.append(problem.flat or _is_determined(fitted_model, ~excluded_rows))
     return _errors(problem, energies, foretold)
 
 
 def errors_of_parts(problem: Problem, residual: dict[int, Array]) -> LeftOut:
     """Errors of residuals on tests that took no part in a fit, or on the parts of a single one."""
-    missed = [energy_of(segment.spectrum(residual[segment.test])) for segment in problem.segments]
-    energies = [sum(missed[k] for k in members) for members in _parts(problem)]
+    segment_energies = [energy_of(segment.spectrum(residual[segment.test])) for segment in problem.segments]
+    energies = [sum(segment_energies[k] for k in members) for members in _parts(problem)]
     return _errors(problem, energies, [True] * len(energies))
 
 
@@ -102,53 +102,59 @@ def _errors(problem: Problem, energies: Sequence[float], foretold: Sequence[bool
     )
 
 
-def _determined(fitted: Fit, fitted_rows: NDArray[np.bool_]) -> bool:
+def _is_determined(fitted_model: Fit, fitted_rows: NDArray[np.bool_]) -> bool:
     """Whether some rows say more of every parameter of the effects than its prior.
 
     A limit that a single test reaches follows from that test alone: without it nothing but the prior is left
     to predict it.
     """
-    derivatives = fitted.jacobian[fitted_rows]
-    variances = np.diag(np.linalg.inv(derivatives.T @ derivatives + np.eye(fitted.space.size)))
-    places = [fitted.space.places(effect) for effect in fitted.space.effects]
-    return all(float(variances[place].max()) < _AS_BEFORE for place in places)
+    derivatives = fitted_model.jacobian[fitted_rows]
+    variances = np.diag(np.linalg.inv(derivatives.T @ derivatives + np.eye(fitted_model.space.size)))
+    places = [fitted_model.space.places(effect) for effect in fitted_model.space.effects]
+    return all(float(variances[place].max()) < _PRIOR_SHARE for place in places)
 
 
-def _missed(problem: Problem, space: ModelSpace, coordinates: Array, segments: Sequence[Segment]) -> float:
+def _residual_energy(
+    problem: Problem, space: ModelSpace, coordinates: Array, segments: Sequence[Segment]
+) -> float:
     """Energy that a model misses of segments of one test; a simulation that runs away misses very much."""
-    predicted = problem.block.spectra(space.model(coordinates), segments)
-    missed = (
+    predictions = problem.block.spectra(space.model(coordinates), segments)
+    errors = (
         s.spectrum(problem.measured(s.test)) - spectrum
-        for s, spectrum in zip(segments, predicted, strict=True)
+        for s, spectrum in zip(segments, predictions, strict=True)
     )
-    energy = sum(map(energy_of, missed))
+    energy = sum(map(energy_of, errors))
     return energy if np.isfinite(energy) else _RAN_AWAY
 
 
-def _refitted_in_full(
-    problem: Problem, fitted: Fit, excluded: NDArray[np.bool_], members: Sequence[int]
+def _refit_fully(
+    problem: Problem, fitted_model: Fit, excluded_rows: NDArray[np.bool_], members: Sequence[int]
 ) -> Array:
     """Coordinates fitted without some segments, in a few steps, shape (size,)."""
     fitted_segments = [k for k in range(len(problem.segments)) if k not in members]
-    without_test = replace(
+    reduced_problem = replace(
         problem,
         segments=tuple(problem.segments[k] for k in fitted_segments),
         tempering=tuple(problem.tempering[k] for k in fitted_segments),
         powers=tuple(problem.powers[k] for k in fitted_segments),
     )
-    start = replace(fitted, residual=fitted.residual[~excluded], jacobian=fitted.jacobian[~excluded])
-    return improved(without_test, start, _STEPS, differentiated=False).coordinates
+    start = replace(
+        fitted_model,
+        residual=fitted_model.residual[~excluded_rows],
+        jacobian=fitted_model.jacobian[~excluded_rows],
+    )
+    return improve_fit(reduced_problem, start, _STEPS, differentiate_last=False).coordinates
 
 
-def refitted(fitted: Fit, excluded: NDArray[np.bool_], fixed: tuple[int, ...]) -> Array:
+def refit(fitted_model: Fit, excluded_rows: NDArray[np.bool_], fixed: tuple[int, ...]) -> Array:
     """Coordinates fitted to the rows that are not left out, from the fit to all rows, shape (size,)."""
-    x = fitted.coordinates
-    derivatives, residual = fitted.jacobian[~excluded], fitted.residual[~excluded]
-    lower, upper = fitted.space.bounds
-    least, most = lower - x, upper - x
+    x = fitted_model.coordinates
+    derivatives, residual = fitted_model.jacobian[~excluded_rows], fitted_model.residual[~excluded_rows]
+    lower, upper = fitted_model.space.bounds
+    least, upper_limit = lower - x, upper - x
     for place in fixed:
-        least[place] = most[place] = -x[place]
+        least[place] = upper_limit[place] = -x[place]
     curvature = derivatives.T @ derivatives + np.eye(x.size)
     slope = derivatives.T @ residual + x
-    step = bounded_step(curvature, slope, least, np.maximum(most, least + 1e-12), 0.0)
+    step = solve_bounded_step(curvature, slope, least, np.maximum(upper_limit, least + 1e-12), 0.0)
     return np.asarray(np.clip(x + step, lower, upper))

@@ -13,7 +13,7 @@ import numpy as np
 from reliab.core.arrays import Array, Spectrum
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
-from reliab.discrepancy.spectra.segment import by_segment
+from reliab.discrepancy.spectra.segment import split_by_segment
 from reliab.signals.noise import near_mains
 
 LARGEST_STRUCTURED_SHARE = 0.02
@@ -25,55 +25,56 @@ _DOMINANT = 0.05
 _STEPS = 1.0  # of a converter: within this RMS what is left is its own error, which is structured, too
 
 _BANDS = (1, 4, 16, 64, 256, 1024)  # bins that are transformed together
-_ABOVE = 7.0  # times the mean energy; noise has a thousandth of its energy above
+_EXCESS = 7.0  # times the mean energy; noise has a thousandth of its energy above
 
 
-def structured_share(problem: Problem, fitted: Fit) -> float:
+def share_structured(problem: Problem, fitted_model: Fit) -> float:
     """Share of a residual's energy that is more concentrated than noise would be."""
-    spectra = list(_spectra(problem, fitted.residual).values())
+    spectra = list(_spectra(problem, fitted_model.residual).values())
     return max(_share(spectra, size) for size in _BANDS)
 
 
-def is_model_error(problem: Problem, fitted: Fit) -> bool:
+def is_model_error(problem: Problem, fitted_model: Fit) -> bool:
     """Whether a model's residual is an error of the model rather than noise."""
-    return structured_share(problem, fitted) > _DOMINANT and not _within_steps(problem, fitted)
+    return share_structured(problem, fitted_model) > _DOMINANT and not _is_within_steps(problem, fitted_model)
 
 
-def is_noise(problem: Problem, fitted: Fit) -> bool:
+def is_noise(problem: Problem, fitted_model: Fit) -> bool:
     """Whether a model's residual is compatible with noise, or with the error of a converter."""
-    return is_spread(problem, fitted) or _within_steps(problem, fitted)
+    return is_spread(problem, fitted_model) or _is_within_steps(problem, fitted_model)
 
 
-def is_spread(problem: Problem, fitted: Fit) -> bool:
+def is_spread(problem: Problem, fitted_model: Fit) -> bool:
     """Whether a model's residual is spread over time and frequency as noise is."""
-    return structured_share(problem, fitted) <= LARGEST_STRUCTURED_SHARE
+    return share_structured(problem, fitted_model) <= LARGEST_STRUCTURED_SHARE
 
 
-def noise_like_tests(problem: Problem, fitted: Fit) -> frozenset[int]:
+def noise_like_tests(problem: Problem, fitted_model: Fit) -> frozenset[int]:
     """Find the tests in each of which what a model leaves, whitened by its noise, is spread as noise is.
 
     Or it stays within a step of the converter, whose own error follows the motion.
     """
-    residual = problem.whitened(fitted.space, fitted.coordinates, fitted.noise)
+    residual = problem.whiten(fitted_model.space, fitted_model.coordinates, fitted_model.noise)
     spectra = _spectra(problem, residual)
-    stepped = _tests_within_steps(problem, fitted)
+    quantised_tests = _tests_within_steps(problem, fitted_model)
     return frozenset(
         test
-        for test, of_test in spectra.items()
-        if test in stepped or max(_share([of_test], size) for size in _BANDS) <= LARGEST_STRUCTURED_SHARE
+        for test, test_spectra in spectra.items()
+        if test in quantised_tests
+        or max(_share([test_spectra], size) for size in _BANDS) <= LARGEST_STRUCTURED_SHARE
     )
 
 
-def _within_steps(problem: Problem, fitted: Fit) -> bool:
+def _is_within_steps(problem: Problem, fitted_model: Fit) -> bool:
     """Whether what a model leaves stays within a step of the converter in every test."""
-    return len(_tests_within_steps(problem, fitted)) == len(problem.steps)
+    return len(_tests_within_steps(problem, fitted_model)) == len(problem.steps)
 
 
-def _tests_within_steps(problem: Problem, fitted: Fit) -> frozenset[int]:
+def _tests_within_steps(problem: Problem, fitted_model: Fit) -> frozenset[int]:
     """Find the tests in which what a model leaves stays within a step of the converter."""
     if not any(step > 0.0 for step in problem.steps.values()):
         return frozenset()
-    residual = problem.residuals(fitted.space, fitted.coordinates)
+    residual = problem.residuals(fitted_model.space, fitted_model.coordinates)
     return frozenset(
         test for test, values in residual.items() if float(np.std(values)) < _STEPS * problem.steps[test]
     )
@@ -82,7 +83,7 @@ def _tests_within_steps(problem: Problem, fitted: Fit) -> frozenset[int]:
 def _spectra(problem: Problem, residual: Array) -> dict[int, list[Spectrum]]:
     """Whitened complex spectra of the segments of each test, without zero frequency and pickup."""
     spectra: dict[int, list[Spectrum]] = {}
-    for segment, rows in by_segment(problem.segments, residual):
+    for segment, rows in split_by_segment(problem.segments, residual):
         spectrum = (rows[1 : segment.bins] + 1j * rows[segment.bins :]) / np.sqrt(2.0)
         clean = ~near_mains(segment.frequency[1:], 0.5 * problem.block.rate)
         spectra.setdefault(segment.test, []).append(np.asarray(spectrum[clean], dtype=np.complex128))
@@ -90,13 +91,13 @@ def _spectra(problem: Problem, residual: Array) -> dict[int, list[Spectrum]]:
 
 
 def _share(spectra: list[list[Spectrum]], size: int) -> float:
-    whole = concentrated = 0.0
-    for of_test in spectra:
-        power = np.concatenate([np.zeros(0), *(_cells(spectrum, size) for spectrum in of_test)])
+    total_energy = concentrated_energy = 0.0
+    for spectra_of_test in spectra:
+        power = np.concatenate([np.zeros(0), *(_cells(spectrum, size) for spectrum in spectra_of_test)])
         if power.size:
-            whole += float(power.sum())
-            concentrated += float(np.maximum(power - _ABOVE * power.mean(), 0.0).sum())
-    return concentrated / whole if whole > 0.0 else 0.0
+            total_energy += float(power.sum())
+            concentrated_energy += float(np.maximum(power - _EXCESS * power.mean(), 0.0).sum())
+    return concentrated_energy / total_energy if total_energy > 0.0 else 0.0
 
 
 def _cells(spectrum: Spectrum, size: int) -> Array:

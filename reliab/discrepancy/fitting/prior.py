@@ -9,16 +9,16 @@ from reliab.effects.general.general_term import is_general
 COST = 4.0
 """Logarithm of the prior odds against one more effect."""
 
-OUTSIDE_COST = 7.0
+GENERAL_COST = 7.0
 """The same for an effect outside the library."""
 
 
-_BESIDE_ERROR, _OUTSIDE_BESIDE_ERROR = 1.0, 4.0
+_COST_BESIDE_ERROR, _GENERAL_COST_BESIDE_ERROR = 1.0, 4.0
 
 
 def cost_beside_error(kinds: Iterable[type[Effect]]) -> float:
     """Return the same where the best model leaves an error, whose further parts are no rarity."""
-    return sum(_OUTSIDE_BESIDE_ERROR if is_general(kind) else _BESIDE_ERROR for kind in set(kinds))
+    return sum(_GENERAL_COST_BESIDE_ERROR if is_general(kind) else _COST_BESIDE_ERROR for kind in set(kinds))
 
 
 def cost(kinds: Iterable[type[Effect]]) -> float:
@@ -28,4 +28,4 @@ def cost(kinds: Iterable[type[Effect]]) -> float:
     """
     effects = set(kinds)
     dear = effects - {ClockOffset} or effects
-    return sum(OUTSIDE_COST if is_general(kind) else COST * (1 + bool(kind.refines)) for kind in dear)
+    return sum(GENERAL_COST if is_general(kind) else COST * (1 + bool(kind.refines)) for kind in dear)

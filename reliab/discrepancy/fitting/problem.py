@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 from reliab.core.arrays import Array
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.discrepancy.spectra.segment import Segment, by_segment
+from reliab.discrepancy.spectra.segment import Segment, split_by_segment
 from reliab.signals.noise import NoiseModel, Periodogram, converter_step, expect_rounding_error, fit_noise
 
 _LEAST_OF_CONVERSION = 0.2  # of the mean square of a converter's error
 _LEAST_POWER = 0.05  # of the strongest test's
-_UNBOUNDED = 1e6  # a whitened residual that stands for a simulation that ran away
+_RUNAWAY = 1e6  # a whitened residual that stands for a simulation that ran away
 MOST_OF_A_TEST = 24.0
 """Largest number of observations in one test: later swings repeat the earlier ones."""
 
@@ -53,14 +53,14 @@ class Problem:
         squares = [self.steps[test] ** 2 for test in self.conversion]
         return _LEAST_OF_CONVERSION * float(np.mean(squares)) / 12.0 if squares else 0.0
 
-    def corrected(self, space: ModelSpace, coordinates: Array) -> "Problem":
+    def correct_conversion(self, space: ModelSpace, coordinates: Array) -> "Problem":
         """Return the problem without the converter's error that a model expects, where it has steps."""
         if not any(self.steps.values()):
             return self
         conversion = {}
-        for test, predicted in self.predictions(space, coordinates).items():
+        for test, prediction in self.predictions(space, coordinates).items():
             values, step = self.block.measured(test), self.steps[test]
-            signal = self.block.at_rate(predicted, test)
+            signal = self.block.interpolate(prediction, test)
             if step > 0.0:
                 spread = np.sqrt(max(float(np.mean((values - signal) ** 2)) - step**2 / 12.0, 0.0))
                 error = expect_rounding_error(signal, step, spread, float(values[0]))
@@ -73,7 +73,7 @@ class Problem:
         """Whether the error is judged in the channel's own unit instead of by the noise."""
         return bool(self.tempering)
 
-    def tempered(self, observations: Mapping[int, float]) -> "Problem":
+    def temper(self, observations: Mapping[int, float]) -> "Problem":
         """Return the problem judged in the channel's own unit, with so many observations in each test."""
         rows: dict[int, int] = {}
         for segment in self.segments:
@@ -109,22 +109,22 @@ class Problem:
         model = space.model(coordinates)
         return {test: self.block.predict(model, test) for test in {s.test for s in self.segments}}
 
-    def whitened(self, space: ModelSpace, coordinates: Array, noise: NoiseModel) -> Array:
+    def whiten(self, space: ModelSpace, coordinates: Array, noise: NoiseModel) -> Array:
         """Residuals of unit variance if the model is right, shape (rows,)."""
-        predicted = self.block.spectra(space.model(coordinates), self.segments)
+        predictions = self.block.spectra(space.model(coordinates), self.segments)
         parts = [
-            real_parts(measured - spectrum, self._density(place, noise))
-            for place, (measured, spectrum) in enumerate(zip(self._spectra, predicted, strict=True))
+            real_parts(spectrum_read - spectrum, self._density(place, noise))
+            for place, (spectrum_read, spectrum) in enumerate(zip(self._spectra, predictions, strict=True))
         ]
         rows = np.concatenate(parts)
-        return rows if np.isfinite(rows).all() else np.full(rows.size, _UNBOUNDED)
+        return rows if np.isfinite(rows).all() else np.full(rows.size, _RUNAWAY)
 
     def residuals(self, space: ModelSpace, coordinates: Array) -> dict[int, Array]:
         """Measured minus predicted channel by test."""
-        predicted = self.predictions(space, coordinates)
+        predictions = self.predictions(space, coordinates)
         return {
-            test: self.block.measured(test) - self.block.at_rate(values, test)
-            for test, values in predicted.items()
+            test: self.block.measured(test) - self.block.interpolate(values, test)
+            for test, values in predictions.items()
         }
 
     def loudness(self, noise: NoiseModel) -> float:
@@ -138,7 +138,7 @@ class Problem:
     def noise_of(self, space: ModelSpace, coordinates: Array) -> NoiseModel:
         """Fit the noise to what a model leaves."""
         unit = NoiseModel.white(self.block.rate, 1.0)
-        return self.noise_left(self.whitened(space, coordinates, unit), unit)
+        return self.noise_left(self.whiten(space, coordinates, unit), unit)
 
     def noise_left(self, rows: Array, noise: NoiseModel) -> NoiseModel:
         """Fit the noise to residuals that are whitened by another one, shape (rows,)."""
@@ -148,9 +148,11 @@ class Problem:
             level = float(share @ (powers / np.array(self.powers)[self.owners]) / share.sum())
             return NoiseModel.white(self.block.rate, max(level, self.least_noise, 1e-300))
         periodograms = []
-        for (segment, power), beyond in zip(by_segment(self.segments, powers), self._beyond, strict=True):
+        for (segment, power), high_band in zip(
+            split_by_segment(self.segments, powers), self._high_band, strict=True
+        ):
             mean = 0.5 * (power[1 : segment.bins] + power[segment.bins :])
-            periodograms += [Periodogram(frequency=segment.frequency[1:], power=mean), beyond]
+            periodograms += [Periodogram(frequency=segment.frequency[1:], power=mean), high_band]
         return fit_noise(periodograms, self.block.rate, least=self.least_noise)
 
     def _density(self, place: int, noise: NoiseModel) -> Array:
@@ -168,15 +170,19 @@ class Problem:
         return np.asarray(np.sqrt(self.densities(old) / self.densities(new)))
 
     @cached_property
-    def _beyond(self) -> list[Periodogram]:
+    def _high_band(self) -> list[Periodogram]:
         """Power of the measured channel at frequencies too high for any signal."""
-        beyond = []
+        high_periodograms = []
         limit = self.block.highest_signal
         for segment in self.segments:
-            whole = segment.periodogram(self.measured(segment.test))
-            above = whole.frequency > limit
-            beyond.append(Periodogram(frequency=whole.frequency[above], power=whole.power[above]))
-        return beyond
+            full_periodogram = segment.periodogram(self.measured(segment.test))
+            is_high = full_periodogram.frequency > limit
+            high_periodograms.append(
+                Periodogram(
+                    frequency=full_periodogram.frequency[is_high], power=full_periodogram.power[is_high]
+                )
+            )
+        return high_periodograms
 
     def log_volume(self, noise: NoiseModel) -> float:
         """Logarithm of the normalisation of the likelihood, up to a constant."""

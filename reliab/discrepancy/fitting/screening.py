@@ -11,7 +11,7 @@ from reliab.core.vocabulary import Block
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.discrepancy.spectra.segment import by_segment
+from reliab.discrepancy.spectra.segment import split_by_segment
 from reliab.effects.effect import Effect, Role
 from reliab.effects.general.periodic import Disturbance, disturbance
 from reliab.signals.noise import near_mains
@@ -23,7 +23,7 @@ _NEAR_ZERO = 2  # frequencies of a segment above zero that cannot be told from a
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Screened:
+class Promise:
     """How much an effect promises to explain beside a fitted model."""
 
     kind: type[Effect]  # The effect
@@ -32,67 +32,70 @@ class Screened:
     others: tuple[Array, ...] = ()  # Coordinates that promised less
 
 
-def screened(problem: Problem, parent: Fit, kinds: Sequence[type[Effect]], null: Fit) -> list[Screened]:
+def screen_effects(problem: Problem, parent: Fit, kinds: Sequence[type[Effect]], null: Fit) -> list[Promise]:
     """Rank effects by what they promise to explain beside a model."""
     fresh = [kind for kind in kinds if kind not in parent.space.effects]
     basis = np.linalg.qr(parent.jacobian[:, parent.free])[0]
-    sketched = problem.sketch.whitened(parent.space, parent.coordinates, parent.noise)
+    sketch_residual = problem.sketch.whiten(parent.space, parent.coordinates, parent.noise)
     with ThreadPoolExecutor(_WORKERS) as pool:
-        promises = pool.map(lambda kind: _screened(problem, parent, sketched, basis, kind, null), fresh)
-        ranked = sorted(promises, key=lambda candidate: -candidate.gain)
+        promises = pool.map(
+            lambda kind: _screen_effect(problem, parent, sketch_residual, basis, kind, null), fresh
+        )
+        ranked_models = sorted(promises, key=lambda candidate: -candidate.gain)
     if not problem.flat:
-        return ranked
-    whole = 0.5 * float(parent.residual @ parent.residual)
+        return ranked_models
+    total_energy = 0.5 * float(parent.residual @ parent.residual)
     return [
-        replace(candidate, gain=-whole * np.log1p(-min(candidate.gain / whole, 0.99))) for candidate in ranked
+        replace(candidate, gain=-total_energy * np.log1p(-min(candidate.gain / total_energy, 0.99)))
+        for candidate in ranked_models
     ]
 
 
-def _screened(
-    problem: Problem, parent: Fit, sketched: Array, basis: Array, kind: type[Effect], null: Fit
-) -> Screened:
+def _screen_effect(
+    problem: Problem, parent: Fit, sketch_residual: Array, basis: Array, kind: type[Effect], null: Fit
+) -> Promise:
     space = ModelSpace(parent.space.block, (*parent.space.effects, kind))
-    best = Screened(kind=kind, gain=0.0, start=np.zeros(0))
+    best = Promise(kind=kind, gain=0.0, start=np.zeros(0))
     for begin in space.starts(parent.space, parent.coordinates):
         start = begin
-        change = problem.sketch.whitened(space, start, parent.noise) - sketched
+        change = problem.sketch.whiten(space, start, parent.noise) - sketch_residual
         change -= basis @ (basis.T @ change)
         size = float(change @ change)
-        along = -float(parent.residual @ change)
-        if size <= 0.0 or (along < 0.0 and not kind.parameters[0].signed):
+        projection = -float(parent.residual @ change)
+        if size <= 0.0 or (projection < 0.0 and not kind.parameters[0].signed):
             continue
-        gain = 0.5 * along**2 / size
-        start = space.scaled(start, kind, along / size)
+        gain = 0.5 * projection**2 / size
+        start = space.scale_size(start, kind, projection / size)
         if gain > best.gain or best.start.size == 0:
-            best = Screened(kind=kind, gain=gain, start=start, others=(*best.others, start))
+            best = Promise(kind=kind, gain=gain, start=start, others=(*best.others, start))
         else:
             best = replace(best, others=(*best.others, start))
-    return _uncalibrated(problem, parent, sketched, space, best) if parent is null else best
+    return _screen_uncalibrated(problem, parent, sketch_residual, space, best) if parent is null else best
 
 
-def _uncalibrated(
-    problem: Problem, parent: Fit, sketched: Array, space: ModelSpace, best: Screened
-) -> Screened:
+def _screen_uncalibrated(
+    problem: Problem, parent: Fit, sketch_residual: Array, space: ModelSpace, best: Promise
+) -> Promise:
     """Start from the nominal rig where that promises more.
 
     A calibration that has made up for an actuator at its limits has moved the model away from them.
     """
     for start in space.starts(parent.space, np.zeros(parent.space.size)):
-        residual = problem.sketch.whitened(space, start, parent.noise)
-        gain = 0.5 * float(sketched @ sketched - residual @ residual)
+        residual = problem.sketch.whiten(space, start, parent.noise)
+        gain = 0.5 * float(sketch_residual @ sketch_residual - residual @ residual)
         if gain > best.gain:
             best = replace(best, gain=gain, start=start)
     return best
 
 
-def line_terms(problem: Problem, fitted: Fit) -> tuple[type[Disturbance], ...]:
+def line_terms(problem: Problem, fitted_model: Fit) -> tuple[type[Disturbance], ...]:
     """Make a term of the strongest line in a model's residual, if one stands out and is not mains pickup."""
     longest = max(problem.segments, key=lambda segment: segment.end - segment.begin)
     frequency = longest.frequency
     if frequency.size <= _NEAR_ZERO + 1:
         return ()
     powers = []
-    for segment, rows in by_segment(problem.segments, fitted.residual):
+    for segment, rows in split_by_segment(problem.segments, fitted_model.residual):
         real, imaginary = rows[1 : segment.bins], rows[segment.bins :]
         power = np.concatenate([rows[:1] ** 2, 0.5 * (real**2 + imaginary**2)])
         powers.append(np.interp(frequency, segment.frequency, power))

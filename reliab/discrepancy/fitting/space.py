@@ -19,7 +19,7 @@ simulators of the same equations differ by some parts in ten thousand, from how 
 samples. In quadrature to the signal that is as many radians of its phase, which bounds a ratio of times.
 """
 
-_AT_BOUND = 1e-4  # standard deviations of the prior
+_BOUND_DISTANCE = 1e-4  # standard deviations of the prior
 _SLOW = 1e-3  # rad/s, at which the phase of a transfer function is a delay
 
 
@@ -37,15 +37,20 @@ class ModelSpace:
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
         """Parameters in the order of the coordinates."""
-        fitted = [calibration.parameter for calibration in self.block.calibrations]
+        parameters = [calibration.parameter for calibration in self.block.calibrations]
         for effect in (*self.block.offsets, *self.effects):
-            fitted.extend(effect.parameters)
-        return tuple(fitted)
+            parameters.extend(effect.parameters)
+        return tuple(parameters)
 
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the effects, sorted."""
         return tuple(sorted(str(effect.name) for effect in self.effects))
+
+    @property
+    def key(self) -> frozenset[str]:
+        """Names of the effects, by which fitted models are kept."""
+        return frozenset(self.names)
 
     @property
     def size(self) -> int:
@@ -62,19 +67,22 @@ class ModelSpace:
         """Bounds of the coordinates, each of shape (size,)."""
         mean, spread = self._prior
         pairs = np.array([parameter.coordinate_bounds for parameter in self.parameters]).reshape(-1, 2)
-        for effect, most in self.block.removable.items():
+        for effect, present in self.block.removable.items():
             if effect in self.effects:
                 place = self.places(effect).start
-                least = self.parameters[place].coordinate(-most, self.block.scales)
+                least = self.parameters[place].coordinate(-present, self.block.scales)
                 pairs[place, 0] = max(pairs[place, 0], least)
         return (pairs[:, 0] - mean) / spread, (pairs[:, 1] - mean) / spread
 
     def values(self, coordinates: Array) -> Array:
         """SI values of the parameters, shape (size,)."""
         mean, spread = self._prior
-        scaled = mean + spread * coordinates
+        scaled_coordinates = mean + spread * coordinates
         return np.array(
-            [p.value(c, self.block.scales) for p, c in zip(self.parameters, scaled.tolist(), strict=True)]
+            [
+                p.value(c, self.block.scales)
+                for p, c in zip(self.parameters, scaled_coordinates.tolist(), strict=True)
+            ]
         )
 
     def standard_deviations(self, coordinates: Array, covariance: Array) -> Array:
@@ -88,8 +96,11 @@ class ModelSpace:
     def covariance_of_values(self, coordinates: Array, covariance: Array) -> Array:
         """Propagate a covariance to that of the SI values, to first order, shape (size, size)."""
         mean, spread = self._prior
-        scaled = (mean + spread * coordinates).tolist()
-        rates = [p.derivative(c, self.block.scales) for p, c in zip(self.parameters, scaled, strict=True)]
+        scaled_coordinates = (mean + spread * coordinates).tolist()
+        rates = [
+            p.derivative(c, self.block.scales)
+            for p, c in zip(self.parameters, scaled_coordinates, strict=True)
+        ]
         slopes = np.array(rates) * spread
         return np.asarray(slopes[:, np.newaxis] * covariance * slopes)
 
@@ -100,18 +111,18 @@ class ModelSpace:
         radians at the end of the longest test.
         """
         scales = self.block.scales
-        in_phase = scales.displacement / (scales.velocity * scales.duration)
-        ratios = [(p.neutral, in_phase) if p.precise else (0.0, 0.0) for p in self.parameters]
-        without, least = np.array(ratios).reshape(-1, 2).T
-        return np.asarray(MODEL_ERROR * np.hypot(values - without, least))
+        phase_error = scales.displacement / (scales.velocity * scales.duration)
+        ratios = [(p.neutral, phase_error) if p.precise else (0.0, 0.0) for p in self.parameters]
+        neutral, least = np.array(ratios).reshape(-1, 2).T
+        return np.asarray(MODEL_ERROR * np.hypot(values - neutral, least))
 
     def coordinates(self, values: Array) -> Array:
         """Coordinates of SI values, shape (size,)."""
         mean, spread = self._prior
-        scaled = [
+        scaled_coordinates = [
             p.coordinate(v, self.block.scales) for p, v in zip(self.parameters, values.tolist(), strict=True)
         ]
-        return np.asarray((np.array(scaled) - mean) / spread)
+        return np.asarray((np.array(scaled_coordinates) - mean) / spread)
 
     def model(self, coordinates: Array) -> HybridTest:
         """Return the model at given coordinates."""
@@ -130,18 +141,20 @@ class ModelSpace:
     def starts(self, base: "ModelSpace", coordinates: Array) -> Iterator[Array]:
         """Coordinates from which to fit, given those of a smaller model; added effects at their starts."""
         values = dict(zip(base.keys, coordinates.tolist(), strict=True))
-        added = [effect for effect in self.effects if effect not in base.effects]
-        tries = max((len(effect.parameters[0].starts) for effect in added), default=1)
+        added_effects = [effect for effect in self.effects if effect not in base.effects]
+        tries = max((len(effect.parameters[0].starts) for effect in added_effects), default=1)
         lower, upper = self.bounds
         for k in range(tries):
             fresh = self._start(k)
-            filled = np.array([values.get(key, fresh[place]) for place, key in enumerate(self.keys)])
-            yield np.clip(self._as_late(filled, added), lower + 1e-9, upper - 1e-9)
+            coordinates_filled = np.array(
+                [values.get(key, fresh[place]) for place, key in enumerate(self.keys)]
+            )
+            yield np.clip(self._as_late(coordinates_filled, added_effects), lower + 1e-9, upper - 1e-9)
 
-    def _as_late(self, coordinates: Array, added: Sequence[type[Effect]]) -> Array:
+    def _as_late(self, coordinates: Array, added_effects: Sequence[type[Effect]]) -> Array:
         """Subtract the delay of added linear dynamics from the actuator's, which stays positive."""
         place = self.keys.index("delay_s") if "delay_s" in self.keys else None
-        linear = [effect for effect in added if issubclass(effect, LinearEffect)]
+        linear = [effect for effect in added_effects if issubclass(effect, LinearEffect)]
         if place is None or not linear:
             return coordinates
         values = self.values(coordinates)
@@ -151,22 +164,24 @@ class ModelSpace:
         values[place] = max(values[place], 0.0)
         return self.coordinates(values)
 
-    def scaled(self, coordinates: Array, kind: type[Effect], factor: float) -> Array:
+    def scale_size(self, coordinates: Array, kind: type[Effect], factor: float) -> Array:
         """Coordinates in which an effect's first parameter, if it is signed, is multiplied by a factor."""
         if not kind.parameters[0].signed:
             return coordinates
         place = self.keys.index(f"{kind.name}.{kind.parameters[0].name}")
         lower, upper = self.bounds
-        moved = coordinates.copy()
-        moved[place] = np.clip(factor * coordinates[place], 0.9 * lower[place], 0.9 * upper[place])
-        return moved
+        moved_coordinates = coordinates.copy()
+        moved_coordinates[place] = np.clip(
+            factor * coordinates[place], 0.9 * lower[place], 0.9 * upper[place]
+        )
+        return moved_coordinates
 
-    def inherited(self, source: "ModelSpace", coordinates: Array) -> Array:
+    def inherit(self, source: "ModelSpace", coordinates: Array) -> Array:
         """Coordinates of a larger model without what this one does not have."""
         values = dict(zip(source.keys, coordinates.tolist(), strict=True))
         return np.array([values[key] for key in self.keys])
 
-    def in_place_of(
+    def replace_effect(
         self, base: "ModelSpace", coordinates: Array, kind: type[Effect], special: type[Effect]
     ) -> list[Array]:
         """Coordinates in which a special form stands in an effect's place, from those with the effect.
@@ -175,15 +190,17 @@ class ModelSpace:
         member's first parameter, its size.
         """
         values = dict(zip(base.keys, base.values(coordinates).tolist(), strict=True))
-        inherited = {
+        inherited_values = {
             key.replace(f"{kind.name}.", f"{special.name}.", 1): value for key, value in values.items()
         }
-        bases = [inherited]
+        bases = [inherited_values]
         if special.members:
             size = f"{special.name}.{special.parameters[0].name}"
-            shape = [key for key in inherited if key.startswith(f"{special.name}.") and key != size]
-            others = {key: value for key, value in inherited.items() if key not in shape}
-            bases += [others] * max(len(parameter.starts) for parameter in further_parameters(special, kind))
+            shape = [key for key in inherited_values if key.startswith(f"{special.name}.") and key != size]
+            other_values = {key: value for key, value in inherited_values.items() if key not in shape}
+            bases += [other_values] * max(
+                len(parameter.starts) for parameter in further_parameters(special, kind)
+            )
         lower, upper = self.bounds
         starts = []
         for k, base_values in enumerate(bases):
@@ -192,22 +209,24 @@ class ModelSpace:
             starts.append(np.clip(start, lower + 1e-9, upper - 1e-9))
         return starts
 
-    def on_bounds(self, coordinates: Array) -> tuple[str, ...]:
+    def find_bounds(self, coordinates: Array) -> tuple[str, ...]:
         """Names of the parameters of effects that lie on a bound which is no physical limit."""
         lower, upper = self.bounds
         names = []
         for place, (key, parameter) in enumerate(zip(self.keys, self.parameters, strict=True)):
             physical = parameter.signed and parameter.lower <= 0.0 <= parameter.lower + 1e-6
-            low = coordinates[place] <= lower[place] + _AT_BOUND and not physical
-            if low or coordinates[place] >= upper[place] - _AT_BOUND:
+            low = coordinates[place] <= lower[place] + _BOUND_DISTANCE and not physical
+            if low or coordinates[place] >= upper[place] - _BOUND_DISTANCE:
                 names.append(key)
         return tuple(names)
 
-    def neutralised(self, coordinates: Array, offsets: Sequence[type[Effect]]) -> Array:
+    def neutralise(self, coordinates: Array, offsets: Sequence[type[Effect]]) -> Array:
         """Coordinates with the parameters of some offsets at zero."""
         names = {f"{offset.name}.{parameter.name}" for offset in offsets for parameter in offset.parameters}
-        changed = [0.0 if key in names else c for key, c in zip(self.keys, coordinates.tolist(), strict=True)]
-        return np.array(changed)
+        changed_values = [
+            0.0 if key in names else c for key, c in zip(self.keys, coordinates.tolist(), strict=True)
+        ]
+        return np.array(changed_values)
 
     def places(self, effect: type[Effect]) -> slice:
         """Places of an effect's parameters among the coordinates."""

@@ -29,7 +29,7 @@ LEAST_PROBABILITY = 1e-16
 _MIDDLE = (0.1, 0.9)  # quantiles of the power between which a finding lies in time and frequency
 _BEGIN = 0.05  # quantile of its power in displacement and velocity at which it begins
 _INDEPENDENT = 1e-6  # of the largest column: what is left of one that others span
-_REST = "frequency_band"  # kind of the finding of what no family explains
+_REMAINDER_KIND = "frequency_band"  # kind of the finding of what no family explains
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -104,43 +104,45 @@ _FAMILIES = (
 )
 
 
-def locate(problem: Problem, calibrated: Fit, noise: NoiseModel) -> tuple[Finding, ...]:
+def locate(problem: Problem, calibrated_model: Fit, noise: NoiseModel) -> tuple[Finding, ...]:
     """Find the motion quantities with which the residual of the calibrated model is correlated.
 
     Their shares add up to one with that of the rest, which comes last where it is no noise.
     """
-    residual = problem.whitened(calibrated.space, calibrated.coordinates, noise)
+    residual = problem.whiten(calibrated_model.space, calibrated_model.coordinates, noise)
     excess = max(float(residual @ residual) - residual.size, 1e-300)
-    basis, remainder = np.linalg.qr(calibrated.jacobian)[0], residual
+    basis, remainder = np.linalg.qr(calibrated_model.jacobian)[0], residual
     families = {family: _columns(problem, noise, family) for family in _FAMILIES}
-    found: list[tuple[Array, str, str, float, float]] = []
+    parts: list[tuple[Array, str, str, float, float]] = []
     while families:
-        explained = {family: _explained(remainder, basis, columns) for family, columns in families.items()}
-        family = max(explained, key=lambda one: float(np.sum(explained[one][0] ** 2)))
-        rows, axes = explained[family]
+        projections = {family: _project(remainder, basis, columns) for family, columns in families.items()}
+        family = max(projections, key=lambda family: float(np.sum(projections[family][0] ** 2)))
+        rows, axes = projections[family]
         energy = float(rows @ rows)
         p_value = min(1.0, len(_FAMILIES) * float(stats.chi2.sf(energy, axes.shape[1])))
         if p_value >= _SIGNIFICANT or energy < _LEAST_SHARE * excess:
             break
-        found.append((rows, family.kind, family.sentence, energy / excess, p_value))
+        parts.append((rows, family.kind, family.sentence, energy / excess, p_value))
         basis, remainder = np.concatenate([basis, axes], axis=1), remainder - rows
         del families[family]
-    rest = float(remainder @ remainder)
-    p_value = float(stats.chi2.sf(rest, remainder.size))
-    if rest - remainder.size > _LEAST_SHARE * excess and p_value < _SIGNIFICANT:
-        found.append((remainder, _REST, "no quantity of the motion explains the rest", 1.0, p_value))
-    whole = 0.0
+    rest_energy = float(remainder @ remainder)
+    p_value = float(stats.chi2.sf(rest_energy, remainder.size))
+    if rest_energy - remainder.size > _LEAST_SHARE * excess and p_value < _SIGNIFICANT:
+        parts.append(
+            (remainder, _REMAINDER_KIND, "no quantity of the motion explains the rest", 1.0, p_value)
+        )
+    share_sum = 0.0
     findings = []
-    for rows, kind, sentence, most, p in found:
-        share = min(most, 1.0 - whole)
-        whole += share
+    for rows, kind, sentence, upper_share, p in parts:
+        share = min(upper_share, 1.0 - share_sum)
+        share_sum += share
         if share < _LEAST_SHARE:
             break
         findings.append(_finding(problem, noise, rows, kind, sentence, share, max(p, LEAST_PROBABILITY)))
     return tuple(findings)
 
 
-def _explained(residual: Array, basis: Array, columns: Array) -> tuple[Array, Array]:
+def _project(residual: Array, basis: Array, columns: Array) -> tuple[Array, Array]:
     """Project a residual on columns without what a basis spans; the orthonormal axes of these, too."""
     free = columns - basis @ (basis.T @ columns)
     axes, sizes, _ = np.linalg.svd(free, full_matrices=False)
@@ -157,15 +159,15 @@ def _finding(
     test = problem.segments[int(np.argmax(power))].test
     segments = [(place, s) for place, s in enumerate(problem.segments) if s.test == test]
     frequency = np.concatenate([np.concatenate([s.frequency, s.frequency[1:]]) for _, s in segments])
-    inside = np.isin(owners, [place for place, _ in segments])
-    low, high = _quantiles(frequency, rows[inside] ** 2, _MIDDLE)
+    is_in_test = np.isin(owners, [place for place, _ in segments])
+    low, high = _quantiles(frequency, rows[is_in_test] ** 2, _MIDDLE)
     high = max(high, float(segments[0][1].frequency[1]))
     samples = np.concatenate([np.arange(s.begin, s.end) for _, s in segments])
     values = np.concatenate([s.history(rows[owners == place], noise) for place, s in segments])
     first, last = _quantiles(samples / block.rate, values**2, _MIDDLE)
     motion = block.motions[test].values[:, samples]
     size, speed = (_quantiles(np.abs(motion[k] - motion[k].mean()), values**2, (_BEGIN,))[0] for k in (0, 1))
-    where = (
+    place = (
         f"most in {block.tests[test].file} from {significant(first)} to {significant(last)} s, at "
         f"{significant(low, 2)} to {significant(high, 2)} Hz, from {significant(MILLI * size, 2)} mm and "
         f"{significant(MILLI * speed, 2)} mm/s on"
@@ -175,7 +177,7 @@ def _finding(
         channel=str(block.channel),
         test=block.tests[test].file,
         kind=kind,
-        detail=f"In {block.channel} of the {block.block} {sentence}: {where}.",
+        detail=f"In {block.channel} of the {block.block} {sentence}: {place}.",
         share_of_residual=share,
         p_value=p_value,
         band_hz=(low, high),
@@ -188,8 +190,8 @@ def _finding(
 def _quantiles(values: Array, weights: Array, shares: tuple[float, ...]) -> list[float]:
     """Quantiles of values by their weights."""
     order = np.argsort(values)
-    summed = np.cumsum(weights[order])
-    places = np.searchsorted(summed, np.array(shares) * summed[-1])
+    cumulative = np.cumsum(weights[order])
+    places = np.searchsorted(cumulative, np.array(shares) * cumulative[-1])
     return [float(value) for value in values[order][np.minimum(places, values.size - 1)]]
 
 
@@ -198,7 +200,7 @@ def _columns(problem: Problem, noise: NoiseModel, family: _Family) -> Array:
     block = problem.block
     columns: dict[int, tuple[Array, ...]] = {}
     for test in {segment.test for segment in problem.segments}:
-        columns[test] = family.columns(*_scaled(block.motions[test], block.scales.duration, problem))
+        columns[test] = family.columns(*_scale_motion(block.motions[test], block.scales.duration, problem))
     parts = [
         np.stack(
             [
@@ -212,7 +214,7 @@ def _columns(problem: Problem, noise: NoiseModel, family: _Family) -> Array:
     return np.concatenate(parts)
 
 
-def _scaled(motion: Motion3, duration: float, problem: Problem) -> tuple[Array, Array, Array, Array]:
+def _scale_motion(motion: Motion3, duration: float, problem: Problem) -> tuple[Array, Array, Array, Array]:
     """Time, displacement, velocity and acceleration over their scales."""
     scales = problem.block.scales
     time: Array = np.arange(motion.values.shape[1], dtype=np.float64) * (motion.step / duration)

@@ -14,8 +14,8 @@ from reliab.discrepancy.fitting.prior import cost_beside_error
 from reliab.discrepancy.fitting.problem import Problem, observations
 from reliab.discrepancy.fitting.search import Search
 from reliab.discrepancy.fitting.space import MODEL_ERROR
-from reliab.discrepancy.proof import held_out_nrmse, residuals
-from reliab.discrepancy.result.block_diagnosis import Ranked
+from reliab.discrepancy.proof import compute_nrmse, residuals
+from reliab.discrepancy.result.block_diagnosis import RankedModel
 from reliab.discrepancy.terms.clock_offset import ClockOffset
 from reliab.discrepancy.terms.stated_damping import StatedDamping
 from reliab.effects.effect import Effect
@@ -37,28 +37,28 @@ _STANDARD_ERRORS = 2.0  # within which held-out tests do not tell models apart
 _MORE_THAN_LEFT = 2.0  # energy without an effect over that with it, from which it explains more than is left
 
 
-def ranking(search: Search, proof: Problem) -> tuple[Ranked, ...]:
+def ranking(search: Search, proof: Problem) -> tuple[RankedModel, ...]:
     """All fitted models with their probabilities and errors, the most probable first."""
-    models = [*search.fitted.values(), *_with_clocks(search)]
-    missed = [residuals(proof, model) for model in models]
+    models = [*search.fitted.values(), *_clock_models(search)]
+    residuals_by_model = [residuals(proof, model) for model in models]
     if isinstance(search, ErrorSearch):
-        held_out = [errors_of_parts(proof, of_model) for of_model in missed]
+        held_out = [errors_of_parts(proof, model_residuals) for model_residuals in residuals_by_model]
         shares = _shares_of_parts(search, models, held_out, sum(observations(proof).values()))
     else:
         shares = _shares_of_scores(search, models)
     rows = [
-        Ranked(
+        RankedModel(
             fit=model,
             probability=share,
             left_out=search.error(model).nrmse,
-            held_out=held_out_nrmse(proof, residual),
+            held_out=compute_nrmse(proof, residual),
         )
-        for model, share, residual in zip(models, shares.tolist(), missed, strict=True)
+        for model, share, residual in zip(models, shares.tolist(), residuals_by_model, strict=True)
     ]
     return tuple(sorted(rows, key=lambda row: -row.probability))
 
 
-def _with_clocks(search: Search) -> list[Fit]:
+def _clock_models(search: Search) -> list[Fit]:
     """Models with an offset of the clocks that is too small to be named, beside effects that are needed."""
     return [
         fit
@@ -81,28 +81,28 @@ def _shares_of_scores(search: Search, models: Sequence[Fit]) -> Array:
     """
     scores = np.array([search.score(model) for model in models])
     for place, model in enumerate(models[len(search.fitted) :], start=len(search.fitted)):
-        alone = models.index(search.fitted[frozenset(model.space.names) - {str(ClockOffset.name)}])
-        scores[alone] = max(scores[alone], scores[place])
+        smaller = models.index(search.fitted[frozenset(model.space.names) - {str(ClockOffset.name)}])
+        scores[smaller] = max(scores[smaller], scores[place])
     first = models[int(np.argmax(scores))]
     for place, model in enumerate(models):
         if _is_twin(search, first, model):
             unsure = 0.5 * MODEL_ERROR**2 * search.problem.loudness(first.noise)
-            lost = max(first.log_likelihood - model.log_likelihood - unsure, 0.0)
-            scores[place] = max(scores[place], float(scores.max()) - lost)
+            loss = max(first.log_likelihood - model.log_likelihood - unsure, 0.0)
+            scores[place] = max(scores[place], float(scores.max()) - loss)
     return _softmax(scores)
 
 
 def _is_twin(search: Search, first: Fit, rival: Fit) -> bool:
     """Whether a model differs from another by one effect, which the block may be unable to tell."""
     gone = set(first.space.effects) - set(rival.space.effects)
-    added = set(rival.space.effects) - set(first.space.effects)
-    if len(gone) != 1 or len(added) != 1:
+    added_effects = set(rival.space.effects) - set(first.space.effects)
+    if len(gone) != 1 or len(added_effects) != 1:
         return False
-    return next(iter(added)) in search.problem.block.twins.get(next(iter(gone)), ())
+    return next(iter(added_effects)) in search.problem.block.twins.get(next(iter(gone)), ())
 
 
 def _shares_of_parts(
-    search: ErrorSearch, models: Sequence[Fit], held_out: Sequence[LeftOut], observed: float
+    search: ErrorSearch, models: Sequence[Fit], held_out: Sequence[LeftOut], held_out_observations: float
 ) -> Array:
     """Probability of each model by its errors on left-out parts and on held-out tests, shape (models,).
 
@@ -117,7 +117,9 @@ def _shares_of_parts(
         ]
     )
     weights = np.random.default_rng(_SEED).dirichlet(np.ones(errors.shape[1]), _DRAWS) * errors.shape[1]
-    likelihoods = -0.5 * (search.observations + observed) * np.log(np.maximum(weights @ errors.T, 1e-300))
+    likelihoods = (
+        -0.5 * (search.observations + held_out_observations) * np.log(np.maximum(weights @ errors.T, 1e-300))
+    )
     costs = np.array([cost_beside_error(model.space.effects) for model in models])
     return np.asarray(_softmax(likelihoods - costs).mean(axis=0))
 
@@ -127,10 +129,12 @@ def _softmax(scores: Array) -> Array:
     return np.asarray(weights / weights.sum(axis=-1, keepdims=True))
 
 
-def probability(ranked: Sequence[Ranked], effect: type[Effect]) -> float:
+def probability(ranked_models: Sequence[RankedModel], effect: type[Effect]) -> float:
     """Probability that an effect acts, in whichever variant or form: of all models that contain one."""
     kinds = _kinds(effect)
-    return float(sum(r.probability for r in ranked if any(kinds & _kinds(e) for e in r.fit.space.effects)))
+    return float(
+        sum(r.probability for r in ranked_models if any(kinds & _kinds(e) for e in r.fit.space.effects))
+    )
 
 
 def _kinds(effect: type[Effect]) -> set[str]:
@@ -142,51 +146,55 @@ def _kinds(effect: type[Effect]) -> set[str]:
 class Choice:
     """The model that is believed."""
 
-    best: Ranked  # Which
+    best: RankedModel  # Which
     sure: frozenset[type[Effect]]  # Its effects that are named
     doubtful: frozenset[type[Effect]]  # Its effects of which one acts
     refining: Mapping[type[Effect], float]
     """Its effects that explain less than they leave beside the others, with the errors without them."""
-    contradicted: Ranked | None  # A more probable model that the held-out tests contradict
+    contradicted: RankedModel | None  # A more probable model that the held-out tests contradict
     unchanging: tuple[tuple[type[Effect], float, float], ...]
     """Probable effects that change nothing on held-out tests, with the errors with and without each."""
 
 
-def choose(search: Search, ranked: Sequence[Ranked], proof: Problem) -> Choice:
+def choose(search: Search, ranked_models: Sequence[RankedModel], proof: Problem) -> Choice:
     """Take the most probable model that the held-out tests sustain, without effects that change nothing."""
-    best = sustained(ranked)
+    best = find_sustained(ranked_models)
     if isinstance(search, ErrorSearch) and any(map(is_general, best.fit.space.effects)):
-        inside = sustained([row for row in ranked if not any(map(is_general, row.fit.space.effects))])
-        best = best if best.held_out < (1.0 - _GENERAL) * inside.held_out else inside
+        library_model = find_sustained(
+            [row for row in ranked_models if not any(map(is_general, row.fit.space.effects))]
+        )
+        best = best if best.held_out < (1.0 - _GENERAL) * library_model.held_out else library_model
     slack = 1.0 + (_LITTLE if isinstance(search, ErrorSearch) else NO_CHANGE)
     least = best.held_out
-    contradicted = ranked[0] if ranked[0].held_out > (1.0 + NO_CHANGE) * best.held_out else None
+    contradicted_model = (
+        ranked_models[0] if ranked_models[0].held_out > (1.0 + NO_CHANGE) * best.held_out else None
+    )
     unchanging: list[tuple[type[Effect], float, float]] = []
-    while (idle := _idle(search, ranked, best, proof, slack * least)) is not None:
+    while (idle := _idle(search, ranked_models, best, proof, slack * least)) is not None:
         kind, smaller = idle
         if kind not in search.problem.block.linear or not isinstance(search, ErrorSearch):
             unchanging.append((kind, best.held_out, smaller.held_out))
         best, least = smaller, min(least, smaller.held_out)
-    best, sure, doubtful = _believed(search, ranked, best)
-    refining = _refining(search, ranked, best, proof)
+    best, sure, doubtful = _split_by_certainty(search, ranked_models, best)
+    refining = _refining(search, ranked_models, best, proof)
     return Choice(
         best=best,
         sure=frozenset(sure - set(refining)),
         doubtful=frozenset(doubtful - set(refining)),
         refining=refining,
-        contradicted=contradicted,
+        contradicted=contradicted_model,
         unchanging=tuple(unchanging),
     )
 
 
-def best_rival(ranked: Sequence[Ranked], best: Ranked) -> Ranked | None:
+def best_rival(ranked_models: Sequence[RankedModel], best: RankedModel) -> RankedModel | None:
     """Find the model of the smallest error on held-out tests that lacks one of a model's effects."""
     effects = set(best.names)
-    rivals = [row for row in ranked if not effects <= set(row.names)]
+    rivals = [row for row in ranked_models if not effects <= set(row.names)]
     return min(rivals, key=lambda row: row.held_out, default=None)
 
 
-def names_of(row: Ranked) -> str:
+def names_of(row: RankedModel) -> str:
     """Write the effects of a model in words."""
     return " + ".join(name.replace("_", " ") for name in row.names) or "no effect"
 
@@ -199,43 +207,43 @@ def remarks_on(choice: Choice) -> Iterator[str]:
             f"The held-out tests contradict {names_of(rival)}, which would explain the fitted tests: it "
             f"leaves {percent(rival.held_out)} of the signal, {names_of(best)} {percent(best.held_out)}."
         )
-    for effect, without in choice.refining.items():
-        little = not explains_more_than_left(without, best.held_out)
+    for effect, error_without in choice.refining.items():
+        little = not explains_more_than_left(error_without, best.held_out)
         reason = "too little to be named" if little else "other effects explain nearly as much"
         yield (
             f"{effect.label().replace('_', ' ').capitalize()} refines the model: without it "
-            f"{percent(without)} of the signal remain on held-out tests, with it {percent(best.held_out)}. "
-            f"It is in model.toml, and {reason}."
+            f"{percent(error_without)} of the signal remain on held-out tests, with it "
+            f"{percent(best.held_out)}. It is in model.toml, and {reason}."
         )
-    for effect, with_it, without in choice.unchanging:
-        worse = without < (1.0 - NO_CHANGE) * with_it
+    for effect, error_with, error_without in choice.unchanging:
+        worse = error_without < (1.0 - NO_CHANGE) * error_with
         verdict = "is contradicted by the held-out tests" if worse else "changes nothing on held-out tests"
         yield (
-            f"{effect.label().replace('_', ' ').capitalize()} {verdict} ({percent(with_it)} of the signal "
-            f"with it, {percent(without)} without): it is not named."
+            f"{effect.label().replace('_', ' ').capitalize()} {verdict} ({percent(error_with)} of the signal "
+            f"with it, {percent(error_without)} without): it is not named."
         )
 
 
-def sustained(ranked: Sequence[Ranked]) -> Ranked:
+def find_sustained(ranked_models: Sequence[RankedModel]) -> RankedModel:
     """Find the most probable model that predicts held-out tests as well as any that explains the fitted ones.
 
     A model explains them that takes off half of what the best one takes off the error of the worst on
     left-out parts.
     """
-    squares = np.array([row.left_out**2 for row in ranked])
-    worst = max(row.left_out**2 for row in ranked if not row.fit.space.effects)
+    squares = np.array([row.left_out**2 for row in ranked_models])
+    worst = max(row.left_out**2 for row in ranked_models if not row.fit.space.effects)
     limit = worst - _EXPLAINS * (worst - squares.min())
-    explaining = [row for row, square in zip(ranked, squares, strict=True) if square <= limit]
+    explaining = [row for row, square in zip(ranked_models, squares, strict=True) if square <= limit]
     least = min(row.held_out for row in explaining)
     return next(row for row in explaining if row.held_out <= (1.0 + NO_CHANGE) * least)
 
 
 def _idle(
-    search: Search, ranked: Sequence[Ranked], best: Ranked, proof: Problem, limit: float
-) -> tuple[type[Effect], Ranked] | None:
+    search: Search, ranked_models: Sequence[RankedModel], best: RankedModel, proof: Problem, limit: float
+) -> tuple[type[Effect], RankedModel] | None:
     """Find the effect without which a model predicts held-out tests best, None where all exceed a limit."""
     smaller = {
-        kind: _without(search, ranked, best, kind, proof)
+        kind: _remove_effect(search, ranked_models, best, kind, proof)
         for kind in best.fit.space.effects
         if kind not in (ClockOffset, StatedDamping)
     }
@@ -248,7 +256,7 @@ def _idle(
 
 
 def _refining(
-    search: Search, ranked: Sequence[Ranked], best: Ranked, proof: Problem
+    search: Search, ranked_models: Sequence[RankedModel], best: RankedModel, proof: Problem
 ) -> dict[type[Effect], float]:
     """Find effects that only refine a model whose error follows the motion, all but its main one.
 
@@ -258,37 +266,49 @@ def _refining(
     kinds = best.fit.space.effects
     if not isinstance(search, ErrorSearch) or len(kinds) < 2:  # noqa: PLR2004 - a single one is the main one
         return {}
-    without = {kind: _without(search, ranked, best, kind, proof).held_out for kind in kinds}
-    likely = {kind: probability(ranked, kind) >= _LIKELY for kind in kinds}
-    main = max(without, key=lambda kind: (likely[kind], without[kind]))
+    errors_without = {
+        kind: _remove_effect(search, ranked_models, best, kind, proof).held_out for kind in kinds
+    }
+    likely = {kind: probability(ranked_models, kind) >= _LIKELY for kind in kinds}
+    main = max(errors_without, key=lambda kind: (likely[kind], errors_without[kind]))
     return {
         kind: error
-        for kind, error in without.items()
+        for kind, error in errors_without.items()
         if kind is not main and not (likely[kind] and explains_more_than_left(error, best.held_out))
     }
 
 
-def explains_more_than_left(without: float, with_it: float) -> bool:
+def explains_more_than_left(error_without: float, error_with: float) -> bool:
     """Whether an effect takes off more energy than is left with it, by the errors on held-out tests."""
-    return without**2 >= _MORE_THAN_LEFT * with_it**2
+    return error_without**2 >= _MORE_THAN_LEFT * error_with**2
 
 
-def _without(
-    search: Search, ranked: Sequence[Ranked], best: Ranked, kind: type[Effect], proof: Problem
-) -> Ranked:
+def _remove_effect(
+    search: Search,
+    ranked_models: Sequence[RankedModel],
+    best: RankedModel,
+    kind: type[Effect],
+    proof: Problem,
+) -> RankedModel:
     """Return the best model without an effect of another one: refitted, or with still fewer effects."""
-    others = set(best.fit.space.effects) - {kind}
-    fitted = search.without(best.fit, kind)
-    rows = [row for row in ranked if row.fit is fitted or set(row.fit.space.effects) <= others]
-    if all(row.fit is not fitted for row in rows):
-        error = held_out_nrmse(proof, residuals(proof, fitted))
-        rows.append(Ranked(fit=fitted, probability=0.0, left_out=search.error(fitted).nrmse, held_out=error))
+    other_effects = set(best.fit.space.effects) - {kind}
+    fitted_model = search.remove_effect(best.fit, kind)
+    rows = [
+        row for row in ranked_models if row.fit is fitted_model or set(row.fit.space.effects) <= other_effects
+    ]
+    if all(row.fit is not fitted_model for row in rows):
+        error = compute_nrmse(proof, residuals(proof, fitted_model))
+        rows.append(
+            RankedModel(
+                fit=fitted_model, probability=0.0, left_out=search.error(fitted_model).nrmse, held_out=error
+            )
+        )
     if not isinstance(search, ErrorSearch):
-        return next(row for row in rows if row.fit is fitted)
+        return next(row for row in rows if row.fit is fitted_model)
     return min(rows, key=lambda row: row.held_out)
 
 
-def _is_silent(search: Search, best: Ranked, smaller: Ranked, proof: Problem) -> bool:
+def _is_silent(search: Search, best: RankedModel, smaller: RankedModel, proof: Problem) -> bool:
     """Whether held-out tests could not show an effect of this size, which the fitted ones show.
 
     They do not reach a limit of the stroke, say, or what the effect does to their energy is less than twice
@@ -298,27 +318,29 @@ def _is_silent(search: Search, best: Ranked, smaller: Ranked, proof: Problem) ->
     if search.energy(smaller.fit, noise) <= least * search.energy(best.fit, noise):
         return False
     scatter = 0.0 if isinstance(search, ErrorSearch) else (2.0 * _STANDARD_ERRORS) ** 2 / proof.rows
-    missed, others = (residuals(proof, row.fit) for row in (best, smaller))
-    change = held_out_nrmse(proof, {test: others[test] - values for test, values in missed.items()})
+    best_residuals, smaller_residuals = (residuals(proof, row.fit) for row in (best, smaller))
+    change = compute_nrmse(
+        proof, {test: smaller_residuals[test] - values for test, values in best_residuals.items()}
+    )
     return (change / best.held_out) ** 2 < max(least - 1.0, scatter)
 
 
-def _believed(
-    search: Search, ranked: Sequence[Ranked], best: Ranked
-) -> tuple[Ranked, set[type[Effect]], set[type[Effect]]]:
+def _split_by_certainty(
+    search: Search, ranked_models: Sequence[RankedModel], best: RankedModel
+) -> tuple[RankedModel, set[type[Effect]], set[type[Effect]]]:
     """Return the model that is believed, its effects that are named, and those of which one acts.
 
     Where noise judges, an effect that is not sure is in doubt only where something is missing for sure, and
     left out of the model otherwise.
     """
     effects = best.fit.space.effects
-    sure = {effect for effect in effects if probability(ranked, effect) >= SURE}
+    sure = {effect for effect in effects if probability(ranked_models, effect) >= SURE}
     less_sure = set(effects) - sure
     if isinstance(search, ErrorSearch):
         return best, sure, less_sure
-    fewer = sum(row.probability for row in ranked if len(row.fit.space.effects) < len(effects))
-    most = _LIKELY if any(effect is ClockOffset for effect in less_sure) else _NEGLIGIBLE
-    doubtful = less_sure if fewer < most else set()
-    credible = next((row for row in ranked if set(row.fit.space.effects) == sure | doubtful), None)
-    none = next(row for row in ranked if not row.fit.space.effects)
-    return credible or none, sure, doubtful
+    fewer = sum(row.probability for row in ranked_models if len(row.fit.space.effects) < len(effects))
+    largest_probability = _LIKELY if any(effect is ClockOffset for effect in less_sure) else _NEGLIGIBLE
+    doubtful = less_sure if fewer < largest_probability else set()
+    credible = next((row for row in ranked_models if set(row.fit.space.effects) == sure | doubtful), None)
+    null = next(row for row in ranked_models if not row.fit.space.effects)
+    return credible or null, sure, doubtful

@@ -10,17 +10,17 @@ from scipy import stats
 
 from reliab.core.significant_digits import counted, percent
 from reliab.discrepancy.fitting.error_search import ErrorSearch
-from reliab.discrepancy.fitting.fit import Fit, as_judged_by_noise, fit, reweighted
-from reliab.discrepancy.fitting.left_out import LeftOut, left_out, refitted
+from reliab.discrepancy.fitting.fit import Fit, as_judged_by_noise, fit, reweight_fit
+from reliab.discrepancy.fitting.left_out import LeftOut, leave_out, refit
 from reliab.discrepancy.fitting.noise_test import (
     LARGEST_STRUCTURED_SHARE,
     is_noise,
     noise_like_tests,
-    structured_share,
+    share_structured,
 )
 from reliab.discrepancy.fitting.prior import COST
 from reliab.discrepancy.fitting.problem import Problem
-from reliab.discrepancy.fitting.screening import screened
+from reliab.discrepancy.fitting.screening import screen_effects
 from reliab.discrepancy.fitting.search import MATERIAL, Search
 from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.locating.locate import Finding, locate
@@ -35,9 +35,9 @@ from reliab.discrepancy.naming.choice import (
     ranking,
     remarks_on,
 )
-from reliab.discrepancy.naming.unexplained import unexplained
-from reliab.discrepancy.proof import gap, held_out_nrmse, residuals
-from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis, Ranked
+from reliab.discrepancy.naming.unexplained import find_unexplained
+from reliab.discrepancy.proof import compute_nrmse, gap, residuals
+from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis, RankedModel
 from reliab.discrepancy.result.gap import FurtherError, Gap
 from reliab.discrepancy.result.missing_effect import (
     Estimate,
@@ -46,7 +46,7 @@ from reliab.discrepancy.result.missing_effect import (
     Unknown,
     calibration,
     estimates,
-    widened,
+    widen_estimates,
 )
 from reliab.discrepancy.terms.stated_damping import StatedDamping
 from reliab.effects.effect import Effect
@@ -58,7 +58,7 @@ MOST_SURE = 0.99
 """Largest probability that is stated where what the best model leaves fails the noise test."""
 
 _RIVALS = 4
-_MISSTATED = 0.5  # of a stated damping, by which it may be off
+_MOST_MISSTATEMENT = 0.5  # of a stated damping, by which it may be off
 _LEAST_PROBABLE = 1e-3  # model that counts where parameters differ between models
 _FEWEST = 3  # left-out tests from which the error on a further one is foretold
 _TAILS = 0.05
@@ -70,37 +70,38 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
     ranked = ranking(search, proof)
     choice = choose(search, ranked, proof)
     best = choice.best.fit
-    restated = frozenset({StatedDamping}) & choice.sure  # a contradiction of what is stated, and no effect
-    calibrated = search.fitted.get(frozenset(str(kind.name) for kind in restated), search.null)
-    judged = as_judged_by_noise(search.problem, best)
-    noise, structured = is_noise(*judged), structured_share(*judged)
-    naming = _Naming(search=search, ranked=ranked, choice=choice, proof=proof, structured=structured)
-    effects, doubtful, uncertain = naming.settled()
+    # Another damping than the stated one is a contradiction of what is stated, and no effect.
+    restatements = frozenset({StatedDamping}) & choice.sure
+    calibrated_model = search.fitted.get(frozenset(str(kind.name) for kind in restatements), search.null)
+    noise_judgement = as_judged_by_noise(search.problem, best)
+    noise, structure = is_noise(*noise_judgement), share_structured(*noise_judgement)
+    naming = _Naming(search=search, ranked=ranked, choice=choice, proof=proof, structured=structure)
+    effects, doubtful, uncertain = naming.state_effects()
     offsets = [effect.effect for effect in effects if effect.effect in best.space.block.offsets]
-    before = residuals(proof, search.plain(calibrated), without=offsets)
-    after = residuals(proof, best)
-    measured = gap(proof, before, after, noise_like_tests(proof, judged[1]))
-    missing = bool(set(best.space.effects) - restated or offsets)
-    proved = naming.beside_others(replace(measured, missing=missing))
+    residuals_before = residuals(proof, search.plain(calibrated_model), neutral_offsets=offsets)
+    residuals_after = residuals(proof, best)
+    measured_gap = gap(proof, residuals_before, residuals_after, noise_like_tests(proof, noise_judgement[1]))
+    missing = bool(set(best.space.effects) - restatements or offsets)
+    proof_gap = naming.compare_with_others(replace(measured_gap, missing=missing))
     is_named = bool(effects) and (isinstance(search, ErrorSearch) or not doubtful)
-    unknown = naming.unknown(judged, proved, is_named=is_named, is_noise=noise)
+    unknown = naming.unknown(noise_judgement, proof_gap, is_named=is_named, is_noise=noise)
     return BlockDiagnosis(
         problem=search.problem,
         proof=proof,
-        calibrated=calibrated,
+        calibrated=calibrated_model,
         ranked=ranked,
         effects=effects,
         doubtful=doubtful,
         uncertain_offsets=uncertain,
         unknown=unknown,
-        findings=_located(search.problem, calibrated, judged),
-        residuals_before={proof.block.tests[test].file: values for test, values in before.items()},
-        residuals_after={proof.block.tests[test].file: values for test, values in after.items()},
-        gap=replace(proved, missing=bool(proved.missing or unknown)),
-        structured_share=structured,
+        findings=_locate_residual(search.problem, calibrated_model, noise_judgement),
+        residuals_before={proof.block.tests[test].file: values for test, values in residuals_before.items()},
+        residuals_after={proof.block.tests[test].file: values for test, values in residuals_after.items()},
+        gap=replace(proof_gap, missing=bool(proof_gap.missing or unknown)),
+        structured_share=structure,
         leaves_noise=noise,
-        calibration=calibration(best, restated=bool(restated)),
-        further=expected_error(naming.errors_as_recorded),
+        calibration=calibration(best, is_restated=bool(restatements)),
+        further=predict_error(naming.errors_as_recorded),
         believed=choice.best,
         choice_remarks=tuple(remarks_on(choice)),
         linear=naming.linear,
@@ -108,12 +109,14 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
     )
 
 
-def _located(problem: Problem, fitted: Fit, judged: tuple[Problem, Fit]) -> tuple[Finding, ...]:
+def _locate_residual(
+    problem: Problem, fitted_model: Fit, noise_judgement: tuple[Problem, Fit]
+) -> tuple[Finding, ...]:
     """Find what the residual of a model varies with, as noise judges it."""
-    plain, best = judged
-    factors = np.sqrt(problem.densities(fitted.noise) / plain.densities(best.noise))
-    whitened = replace(fitted, jacobian=factors[:, np.newaxis] * fitted.jacobian)
-    return locate(plain, whitened, best.noise)
+    plain, best = noise_judgement
+    factors = np.sqrt(problem.densities(fitted_model.noise) / plain.densities(best.noise))
+    whitened_fit = replace(fitted_model, jacobian=factors[:, np.newaxis] * fitted_model.jacobian)
+    return locate(plain, whitened_fit, best.noise)
 
 
 class OffsetRival(NamedTuple):
@@ -129,7 +132,7 @@ class _Naming:
     """What is needed to state effects: all models, the believed one, and the held-out tests."""
 
     search: Search
-    ranked: Sequence[Ranked]
+    ranked: Sequence[RankedModel]
     choice: Choice
     proof: Problem
     structured: float  # Share of what is left that is no noise
@@ -144,27 +147,28 @@ class _Naming:
         """Effects of the believed model that may have a name."""
         return [kind for kind in self.best.space.effects if kind not in self.choice.refining]
 
-    def beside_others(self, measured: Gap) -> Gap:
+    def compare_with_others(self, measured_gap: Gap) -> Gap:
         """Add to a gap what the best linear model leaves, and the best model that lacks an effect."""
         linear, rival = self.search.linear, best_rival(self.ranked, self.choice.best)
-        error = self._error(linear) if linear.space.effects else measured.before
+        error = self._error(linear) if linear.space.effects else measured_gap.before
         if rival is None:
-            return replace(measured, linear=error)
-        return replace(measured, linear=error, rival=rival.held_out, rival_effects=rival.names)
+            return replace(measured_gap, linear=error)
+        return replace(measured_gap, linear=error, rival=rival.held_out, rival_effects=rival.names)
 
     def unknown(
-        self, judged: tuple[Problem, Fit], proved: Gap, *, is_named: bool, is_noise: bool
+        self, noise_judgement: tuple[Problem, Fit], proof_gap: Gap, *, is_named: bool, is_noise: bool
     ) -> Unknown | None:
         """State what no effect of the library explains, beyond terms that only refine a model."""
         row, models = min(self.ranked, key=lambda row: row.held_out), counted(len(self.ranked), "model")
-        return unexplained(
-            judged,
+        comparison = f"of {models} that were tried the best ({names_of(row)}) leaves {percent(row.held_out)}"
+        return find_unexplained(
+            noise_judgement,
             self.best,
             [kind for kind in self.kinds if issubclass(kind, GeneralTerm)],
-            proved,
-            None if is_noise else _located(self.search.problem, self.best, judged),
+            proof_gap,
+            None if is_noise else _locate_residual(self.search.problem, self.best, noise_judgement),
             is_named=is_named,
-            tried=f"of {models} that were tried the best ({names_of(row)}) leaves {percent(row.held_out)}",
+            comparison=comparison,
         )
 
     @property
@@ -179,24 +183,28 @@ class _Naming:
         """Errors on left-out tests with all that the converter adds, as a further test has it."""
         if not self.search.problem.conversion:
             return self.search.error(self.best)
-        return left_out(replace(self.search.problem, conversion={}), self.best)
+        return leave_out(replace(self.search.problem, conversion={}), self.best)
 
-    def settled(self) -> tuple[tuple[MissingEffect, ...], ...]:
+    def state_effects(self) -> tuple[tuple[MissingEffect, ...], ...]:
         """State effects: those that are named, those of which one acts, and uncertain offsets.
 
         An offset is uncertain if another effect may stand in its place.
         """
-        named: list[MissingEffect] = []
-        doubted: list[MissingEffect] = []
+        named_effects: list[MissingEffect] = []
+        doubtful_effects: list[MissingEffect] = []
         for kind in (kind for kind in self.kinds if not is_general(kind)):
             if kind in self.choice.sure - {StatedDamping}:
                 for effect in self._members(kind):
-                    (named if effect.probability >= SURE else doubted).append(effect)
+                    (named_effects if effect.probability >= SURE else doubtful_effects).append(effect)
         for kind in (kind for kind in self.kinds if not is_general(kind) and kind in self.choice.doubtful):
-            doubted += self._members(kind)
+            doubtful_effects += self._members(kind)
         shifts = [self._offset(kind) for kind in self.best.space.block.offsets if self._is_offset(kind)]
-        named += [shift for shift in shifts if shift.probability >= SURE]
-        return tuple(named), tuple(doubted), tuple(shift for shift in shifts if shift.probability < SURE)
+        named_effects += [shift for shift in shifts if shift.probability >= SURE]
+        return (
+            tuple(named_effects),
+            tuple(doubtful_effects),
+            tuple(shift for shift in shifts if shift.probability < SURE),
+        )
 
     def _members(self, effect: type[Effect]) -> tuple[MissingEffect, ...]:
         """State an effect of the library, or the members of a composition.
@@ -204,28 +212,28 @@ class _Naming:
         Where no model is exact, a special form, or a member beside the first one, has a name only if it
         explains more than the whole leaves.
         """
-        first, *others = self._missing(effect).by_member
+        first, *other_members = self._missing(effect).split_members
         simple = effect.refines
         if simple is None:
             return (first,)
-        alone = self._error(self.search.simplified(self.best, effect))
+        simple_error = self._error(self.search.simplify(self.best, effect))
         if isinstance(self.search, ErrorSearch) and not explains_more_than_left(
-            alone, self._error(self.best)
+            simple_error, self._error(self.best)
         ):
-            return (first if others or simple.label() == effect.label() else first.named_as(simple),)
-        return (first, *(replace(member, error_without=alone) for member in others))
+            return (first if other_members or simple.label() == effect.label() else first.report_as(simple),)
+        return (first, *(replace(member, error_without=simple_error) for member in other_members))
 
     def _missing(self, effect: type[Effect]) -> MissingEffect:
         """State an effect of the library."""
-        smaller = self.search.without(self.best, effect)
+        smaller = self.search.remove_effect(self.best, effect)
         missing = self._describe(effect, probability(self.ranked, effect), smaller, self._rivals(effect))
-        others = [
-            (ranked.probability, estimates(effect, ranked.fit))
-            for ranked in self.ranked
-            if effect in ranked.fit.space.effects and ranked.probability > _LEAST_PROBABLE
+        variants = [
+            (row.probability, estimates(effect, row.fit))
+            for row in self.ranked
+            if effect in row.fit.space.effects and row.probability > _LEAST_PROBABLE
         ]
-        if others:
-            missing = replace(missing, estimates=widened(missing.estimates, others))
+        if variants:
+            missing = replace(missing, estimates=widen_estimates(missing.estimates, variants))
         return or_stated_damping(missing, self.search.problem.block.structure_damping)
 
     def _rivals(self, effect: type[Effect]) -> tuple[Rival, ...]:
@@ -236,13 +244,13 @@ class _Naming:
         """
         other_effects = set(self.best.space.effects) - {effect}
         rivals: list[Rival] = []
-        for ranked in self.ranked:
-            effects = set(ranked.fit.space.effects)
-            added = effects - other_effects
-            names = {rival.label() for rival in added}
-            if other_effects <= effects and len(added) == 1 and names != {effect.label()}:
+        for row in self.ranked:
+            effects = set(row.fit.space.effects)
+            added_effects = effects - other_effects
+            names = {rival.label() for rival in added_effects}
+            if other_effects <= effects and len(added_effects) == 1 and names != {effect.label()}:
                 (name,) = names
-                rivals.append(self._rival(name, ranked.probability, ranked.fit))
+                rivals.append(self._rival(name, row.probability, row.fit))
         return tuple(rivals[:_RIVALS])
 
     def _offset(self, effect: type[Effect]) -> MissingEffect:
@@ -251,10 +259,12 @@ class _Naming:
         odds = offset_odds(self.best, effect)
         relative = np.exp(np.minimum([0.0, -odds, -np.inf if rival is None else rival.odds], 700.0))
         shares = (relative / relative.sum()).tolist()
-        neutral = self.best.space.neutralised(self.best.coordinates, [effect])
+        neutral = self.best.space.neutralise(self.best.coordinates, [effect])
         place = self.best.space.places(effect).start
-        moved = refitted(self.best, np.zeros(self.search.problem.rows, dtype=bool), (place,))
-        smaller = min((replace(self.best, coordinates=x) for x in (neutral, moved)), key=self._error)
+        refitted_coordinates = refit(self.best, np.zeros(self.search.problem.rows, dtype=bool), (place,))
+        smaller = min(
+            (replace(self.best, coordinates=x) for x in (neutral, refitted_coordinates)), key=self._error
+        )
         rivals = () if rival is None else (self._rival(rival.effect.label(), shares[2], rival.fit),)
         return self._describe(effect, shares[0], smaller, rivals)
 
@@ -268,32 +278,32 @@ class _Naming:
         if abs(float(best.space.values(best.coordinates)[place])) < _SMALLEST_OFFSET * float(values.std()):
             return False
         share = 1.0 - MATERIAL if problem.flat else 1.0
-        return self.search.error(best).energy <= share * left_out(problem, best, (place,)).energy
+        return self.search.error(best).energy <= share * leave_out(problem, best, (place,)).energy
 
-    def _rival(self, name: str, sure: float, fitted: Fit) -> Rival:
-        return Rival(name=name, probability=sure, held_out_nrmse=self._error(fitted))
+    def _rival(self, name: str, sure: float, fitted_model: Fit) -> Rival:
+        return Rival(name=name, probability=sure, held_out_nrmse=self._error(fitted_model))
 
     def _describe(
         self, effect: type[Effect], sure: float, smaller: Fit, rivals: tuple[Rival, ...]
     ) -> MissingEffect:
         key = f"{effect.name}."
-        bounds = self.best.space.on_bounds(self.best.coordinates)
-        fitted = estimates(effect, self.best)
+        bounds = self.best.space.find_bounds(self.best.coordinates)
+        parameters = estimates(effect, self.best)
         if issubclass(effect, StrokeSaturation):  # a converter reads the level of a stop within its step
             rounding = max(self.search.problem.steps.values()) / np.sqrt(12.0)
-            fitted = tuple(replace(item, sd=float(np.hypot(item.sd, rounding))) for item in fitted)
+            parameters = tuple(replace(item, sd=float(np.hypot(item.sd, rounding))) for item in parameters)
         return MissingEffect(
             effect=effect,
             probability=min(sure, 1.0 if self.structured <= LARGEST_STRUCTURED_SHARE else MOST_SURE),
-            estimates=fitted,
+            estimates=parameters,
             rivals=rivals,
             error_with=self._error(self.best),
             error_without=self._error(smaller),
             on_bounds=tuple(name.removeprefix(key) for name in bounds if name.startswith(key)),
         )
 
-    def _error(self, fitted: Fit) -> float:
-        return held_out_nrmse(self.proof, residuals(self.proof, fitted))
+    def _error(self, fitted_model: Fit) -> float:
+        return compute_nrmse(self.proof, residuals(self.proof, fitted_model))
 
 
 def or_stated_damping(damper: MissingEffect, damping: float) -> MissingEffect:
@@ -301,14 +311,17 @@ def or_stated_damping(damper: MissingEffect, damping: float) -> MissingEffect:
 
     `damping` [N·s/m] is that from which it cannot be told: both predict the same, and no test prefers one.
     """
-    if damper.effect is not ViscousDamping or not abs(damper.estimates[0].value) < _MISSTATED * damping:
+    if (
+        damper.effect is not ViscousDamping
+        or not abs(damper.estimates[0].value) < _MOST_MISSTATEMENT * damping
+    ):
         return damper
     half = 0.5 * damper.probability
     twin = Rival(name=StatedDamping.label(), probability=half, held_out_nrmse=damper.error_with)
     return replace(damper, probability=half, rivals=(twin, *damper.rivals)[:_RIVALS])
 
 
-def expected_error(errors: LeftOut) -> FurtherError | None:
+def predict_error(errors: LeftOut) -> FurtherError | None:
     """Interval of the error on a further test, from those on tests that were left out.
 
     The logarithms of the errors are taken for draws from one normal distribution, of which the further test
@@ -316,7 +329,7 @@ def expected_error(errors: LeftOut) -> FurtherError | None:
 
     >>> whole, every = np.full(3, 100.0), np.ones(3, dtype=bool)
     >>> errors = LeftOut(energies=np.array([1.0, 4.0, 2.0]), signals=whole, units=np.ones(3), foretold=every)
-    >>> further = expected_error(errors)
+    >>> further = predict_error(errors)
     >>> round(further.value, 3), round(further.low, 3), round(further.high, 3)
     (0.141, 0.044, 0.455)
     """
@@ -342,15 +355,15 @@ def offset_rival(search: Search, best: Fit, offset: type[Effect]) -> OffsetRival
     block.offsets = tuple(kind for kind in block.offsets if kind is not offset)
     problem = replace(search.problem, block=block)
     space = ModelSpace(block, best.space.effects)
-    start = space.inherited(best.space, best.coordinates)
-    without = reweighted(problem, fit(problem, space, [start], best.noise))
-    promising = screened(problem, without, search.candidates, without)
+    start = space.inherit(best.space, best.coordinates)
+    null_fit = reweight_fit(problem, fit(problem, space, [start], best.noise))
+    promising = screen_effects(problem, null_fit, search.candidates, null_fit)
     if not promising or not promising[0].gain > 0.0:
         return None
     first = promising[0]
     larger = ModelSpace(block, (*best.space.effects, first.kind))
-    rival = reweighted(problem, fit(problem, larger, [first.start], without.noise))
-    error = left_out(problem, rival)
+    rival = reweight_fit(problem, fit(problem, larger, [first.start], null_fit.noise))
+    error = leave_out(problem, rival)
     if (1.0 - MATERIAL) * error.energy > search.error(best).energy:
         return None
     odds = rival.log_evidence - best.log_evidence
@@ -359,9 +372,9 @@ def offset_rival(search: Search, best: Fit, offset: type[Effect]) -> OffsetRival
     return OffsetRival(effect=first.kind, fit=rival, odds=odds)
 
 
-def offset_odds(fitted: Fit, offset: type[Effect]) -> float:
+def offset_odds(fitted_model: Fit, offset: type[Effect]) -> float:
     """Logarithm of the odds that an offset is not zero, by the ratio of Savage and Dickey."""
-    place = fitted.space.places(offset).start
-    variance = float(fitted.covariance[place, place])
-    at_zero = -0.5 * float(fitted.coordinates[place]) ** 2 / variance - 0.5 * np.log(variance)
-    return float(-at_zero - COST)
+    place = fitted_model.space.places(offset).start
+    variance = float(fitted_model.covariance[place, place])
+    log_density_zero = -0.5 * float(fitted_model.coordinates[place]) ** 2 / variance - 0.5 * np.log(variance)
+    return float(-log_density_zero - COST)

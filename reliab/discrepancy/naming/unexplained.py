@@ -12,7 +12,7 @@ from reliab.discrepancy.campaign.campaign import Channel
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.locating.locate import Finding
-from reliab.discrepancy.result.gap import ABOVE_FLOOR, Gap
+from reliab.discrepancy.result.gap import FLOOR_EXCESS, Gap
 from reliab.discrepancy.result.missing_effect import Unknown, estimates
 from reliab.discrepancy.spectra.segment import energy_of
 from reliab.effects.general.general_term import GeneralTerm
@@ -32,7 +32,7 @@ SMALLEST_GAP = 0.1
 
 _CHANCE = 1e-7  # that noise alone shows a line anywhere
 _LEAST = 8.0  # times the power around it, on the average of the stretches
-_BEYOND_SPRING = 9.0  # times the power with which the spring answers what the displacement shows
+_SPRING_EXCESS = 9.0  # times the power with which the spring answers what the displacement shows
 _AROUND = 25  # bins
 _AUDIBLE = 0.05  # of the energy of all that is left: every recording has lines far below its noise
 _FEWEST_SAMPLES = 5
@@ -42,56 +42,56 @@ _SHARE = 0.01  # of the channel's RMS
 _LEAST_OF_REMAINDER = 0.05  # share of the energy that the model leaves
 
 
-def unexplained(
-    judged: tuple[Problem, Fit],
+def find_unexplained(
+    noise_judgement: tuple[Problem, Fit],
     best: Fit,
-    outside: Sequence[type[GeneralTerm]],
-    proved: Gap,
+    general_terms: Sequence[type[GeneralTerm]],
+    proof_gap: Gap,
     remaining: Sequence[Finding] | None,
     *,
     is_named: bool,
-    tried: str,
+    comparison: str,
 ) -> Unknown | None:
     """Return an effect outside the library, or a remainder that is too large.
 
-    `outside` holds terms of the best model that are no members of the library; `remaining` what the remainder
-    varies with, None where it is noise; `tried` says how well models do. Where effects have a name they
-    must explain enough of every kind of held-out test, however small the remainder is.
+    `general_terms` holds terms of the best model that are no members of the library; `remaining` what the
+    remainder varies with, None where it is noise; `comparison` says how well models do. Where effects have a
+    name they must explain enough of every kind of held-out test, however small the remainder is.
     """
-    problem, fitted = judged
-    held, terms = standstill(problem, fitted), _terms(outside, best) if outside else None
-    found = held or terms or line_above(problem, fitted)
-    if found is None:
-        large = remaining is not None and _is_large(problem, best, proved)
-        if explains_enough(proved) if is_named else not large:
+    problem, fitted_model = noise_judgement
+    dropout, terms = standstill(problem, fitted_model), _terms(general_terms, best) if general_terms else None
+    explanation = dropout or terms or line_above(problem, fitted_model)
+    if explanation is None:
+        large = remaining is not None and _is_large(problem, best, proof_gap)
+        if explains_enough(proof_gap) if is_named else not large:
             return None
-        found = "", f"the remainder follows the motion: {tried}{_looks(remaining or ())}"
-    expression, description = found
-    block = outside[0].block if found is terms else problem.block.block
+        explanation = "", f"the remainder follows the motion: {comparison}{_looks(remaining or ())}"
+    expression, description = explanation
+    block = general_terms[0].block if explanation is terms else problem.block.block
     return Unknown(
-        block=str(block), expression=expression, description=description, held_out_nrmse=proved.after
+        block=str(block), expression=expression, description=description, held_out_nrmse=proof_gap.after
     )
 
 
-def explains_enough(proved: Gap) -> bool:
+def explains_enough(proof_gap: Gap) -> bool:
     """Whether what was found may be `named`: it explains the kind of held-out test that it explains least."""
-    share = proved.worst_unexplained_share
+    share = proof_gap.worst_unexplained_share
     return share is None or share <= LARGEST_REMAINDER
 
 
-def _is_large(problem: Problem, best: Fit, proved: Gap) -> bool:
+def _is_large(problem: Problem, best: Fit, proof_gap: Gap) -> bool:
     """Whether the error of a model is large beside the signal, or beside the noise floor.
 
     The force that balances a command is computed from derivatives of the command. Where these are rough, at
     frequencies above those that are judged, the error is one of this computation.
     """
     if _is_balanced(problem):
-        rows = problem.whitened(best.space, best.coordinates, NoiseModel.white(problem.block.rate, 1.0))
+        rows = problem.whiten(best.space, best.coordinates, NoiseModel.white(problem.block.rate, 1.0))
         signal = sum(energy_of(s.spectrum(problem.measured(s.test))) for s in problem.segments)
         if not rows @ rows > SMALLEST_GAP**2 * max(signal, 1e-300):
             return False
-    above_floor = proved.floor is not None and proved.after > ABOVE_FLOOR * proved.floor
-    return proved.model_error > SMALLEST_GAP or above_floor
+    exceeds_floor = proof_gap.floor is not None and proof_gap.after > FLOOR_EXCESS * proof_gap.floor
+    return proof_gap.model_error > SMALLEST_GAP or exceeds_floor
 
 
 def _looks(remaining: Sequence[Finding]) -> str:
@@ -107,13 +107,13 @@ def _is_balanced(problem: Problem) -> bool:
     return problem.block.block is Block.NUMERICAL and problem.block.channel is Channel.FORCE
 
 
-def _terms(outside: Sequence[type[GeneralTerm]], best: Fit) -> tuple[str, str]:
+def _terms(general_terms: Sequence[type[GeneralTerm]], best: Fit) -> tuple[str, str]:
     """Write terms outside the library with their coefficients, and in words."""
     terms = []
-    for effect in outside:
+    for effect in general_terms:
         values = ", ".join(f"{e.name} = {e.value:.4g} {e.units}" for e in estimates(effect, best))
         terms.append(f"{effect.expression} ({values})")
-    return " + ".join(terms), "; ".join(effect.description for effect in outside)
+    return " + ".join(terms), "; ".join(effect.description for effect in general_terms)
 
 
 def line_above(problem: Problem, best: Fit) -> tuple[str, str] | None:
@@ -135,8 +135,8 @@ def line_above(problem: Problem, best: Fit) -> tuple[str, str] | None:
     spring = 0.0 if specimen is None else specimen.stiffness
     around = ndimage.median_filter(forces, (1, _AROUND)) / np.log(2.0)
     clear = np.mean(forces / np.maximum(around, 1e-300), axis=0)
-    answered = _BEYOND_SPRING * spring**2 * _powers(problem, read, grid).mean(axis=0)
-    clear[forces.mean(axis=0) < answered] = 0.0
+    spring_power = _SPRING_EXCESS * spring**2 * _powers(problem, read, grid).mean(axis=0)
+    clear[forces.mean(axis=0) < spring_power] = 0.0
     clear[(grid <= block.highest) | (grid >= block.highest_signal)] = 0.0
     clear[near_mains(grid, 0.5 * block.rate)] = 0.0
     place = int(np.argmax(clear))
@@ -184,16 +184,16 @@ def standstill(problem: Problem, best: Fit) -> tuple[str, str] | None:
     if _is_balanced(problem):
         return None
     lengths: list[int] = []
-    inside = whole = 0.0
+    event_energy = total_energy = 0.0
     for test, residual in problem.residuals(best.space, best.coordinates).items():
         read = problem.block.measured(test)
-        expected = _judged(read - residual, problem.block.highest / problem.block.rate)
+        expected_signal = _low_pass(read - residual, problem.block.highest / problem.block.rate)
         usual = max(problem.steps[test], float(np.median(np.abs(residual))))
-        events = _standing_stretches(read, expected, usual)
+        events = _standing_stretches(read, expected_signal, usual)
         lengths += [end - begin for begin, end in events]
-        inside += sum(float((residual[begin:end] ** 2).sum()) for begin, end in events)
-        whole += float((residual**2).sum())
-    if len(lengths) < _FEWEST_EVENTS or inside < _LEAST_OF_REMAINDER * whole:
+        event_energy += sum(float((residual[begin:end] ** 2).sum()) for begin, end in events)
+        total_energy += float((residual**2).sum())
+    if len(lengths) < _FEWEST_EVENTS or event_energy < _LEAST_OF_REMAINDER * total_energy:
         return None
     seconds = significant(float(np.median(lengths)) / problem.block.rate)
     return (
@@ -202,12 +202,12 @@ def standstill(problem: Problem, best: Fit) -> tuple[str, str] | None:
     )
 
 
-def _judged(expected: Array, highest: float) -> Array:
+def _low_pass(expected_signal: Array, highest: float) -> Array:
     """Keep of what a model expects the part below the highest frequency, in units of the sampling rate."""
-    return np.asarray(signal.sosfiltfilt(signal.butter(4, highest, fs=1.0, output="sos"), expected))
+    return np.asarray(signal.sosfiltfilt(signal.butter(4, highest, fs=1.0, output="sos"), expected_signal))
 
 
-def _standing_stretches(read: Array, expected: Array, usual: float) -> list[tuple[int, int]]:
+def _standing_stretches(read: Array, expected_signal: Array, usual: float) -> list[tuple[int, int]]:
     """First sample of each event in a test and the one after the last."""
     changes = np.diff(read)
     edges = np.concatenate([[0], np.flatnonzero(changes) + 1, [read.size]])
@@ -216,6 +216,6 @@ def _standing_stretches(read: Array, expected: Array, usual: float) -> list[tupl
     least = _TIMES * usual + _SHARE * float(read.std())
     events = []
     for begin, end in zip(edges[1:-2].tolist(), edges[2:-1].tolist(), strict=True):
-        if end - begin >= _FEWEST_SAMPLES and float(np.ptp(expected[begin:end])) > least:
+        if end - begin >= _FEWEST_SAMPLES and float(np.ptp(expected_signal[begin:end])) > least:
             events.append((begin, end))
     return events

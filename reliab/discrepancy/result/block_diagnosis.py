@@ -10,7 +10,7 @@ import numpy as np
 from reliab.core.arrays import Array
 from reliab.core.plain_values import PlainResult
 from reliab.discrepancy.blocks.observed import ObservedBlock
-from reliab.discrepancy.campaign.campaign import held_out_in_words
+from reliab.discrepancy.campaign.campaign import describe_held_out
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import MODEL_ERROR
@@ -20,7 +20,7 @@ from reliab.discrepancy.result.missing_effect import Estimate, MissingEffect, Un
 from reliab.effects.effect import Effect
 
 _CLEAR = 3.0  # standard deviations between a calibrated value and a nominal one that is wrong
-_LISTED = 5  # models that are shown because they are probable, and because their error is small
+_MOST_LISTED = 5  # models that are shown because they are probable, and because their error is small
 _SMALLEST_OFFSET = 0.005  # of the force's RMS in the strongest test
 
 
@@ -48,7 +48,7 @@ NOMINAL_VALUES = {
 }
 """What is calibrated relative to values that the campaign states."""
 
-_ALIKE = ("structure_frequency", "structure_mass")
+_FREQUENCY_AND_MASS = ("structure_frequency", "structure_mass")
 
 
 class Verdict(StrEnum):
@@ -72,7 +72,7 @@ class Verdict(StrEnum):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Ranked(PlainResult):
+class RankedModel(PlainResult):
     """A fitted model with its probability among all that were fitted, and its errors over the signal."""
 
     keys: ClassVar[Mapping[str, str]] = {
@@ -101,7 +101,7 @@ class BlockDiagnosis:
     problem: Problem
     proof: Problem
     calibrated: Fit  # Calibration and offsets alone
-    ranked: tuple[Ranked, ...]  # All fitted models, the most probable first
+    ranked: tuple[RankedModel, ...]  # All fitted models, the most probable first
     effects: tuple[MissingEffect, ...]  # Effects of the library that are named, offsets among them
     doubtful: tuple[MissingEffect, ...]  # Effects one of which acts, though the data do not tell which
     # Offsets that are calibrated and not named, because another effect could stand in their place
@@ -119,7 +119,7 @@ class BlockDiagnosis:
     leaves_noise: bool  # Whether that passes for noise, or for the error of a converter
     calibration: tuple[Estimate, ...]  # Gain, delay, stiffness or scale as calibrated in the best model
     further: FurtherError | None  # Error to expect on a further test, None from too few tests
-    believed: Ranked  # The best model in the ranking
+    believed: RankedModel  # The best model in the ranking
     # Sentences on models that held-out tests contradict, and on effects that change nothing there
     choice_remarks: tuple[str, ...] = ()
     # Parameters of the best linear model, where the block has one of its own
@@ -136,7 +136,7 @@ class BlockDiagnosis:
         return self.problem.block
 
     @property
-    def judged_by_parts(self) -> bool:
+    def is_judged_by_parts(self) -> bool:
         """Whether models were chosen by their errors on left-out parts: the best one leaves no noise."""
         return self.problem.flat
 
@@ -151,34 +151,34 @@ class BlockDiagnosis:
 
         Where parts that are left out judge, a further effect in doubt does not undo the others.
         """
-        doubtful = () if self.judged_by_parts and self.effects else self.doubtful
+        doubtful = () if self.is_judged_by_parts and self.effects else self.doubtful
         return Verdict.from_effects(self.effects, doubtful, self.unknown)
 
     @property
     def held_out(self) -> str:
         """What is held out, in words."""
-        return held_out_in_words(self.block.tests, self.gap.held_out)
+        return describe_held_out(self.block.tests, self.gap.held_out)
 
     @property
-    def candidates(self) -> tuple[Ranked, ...]:
+    def candidates(self) -> tuple[RankedModel, ...]:
         """Models to compare the believed one with, those of the smallest error on held-out tests first."""
         linear = {effect.label() for effect in self.block.linear}
-        alike: dict[frozenset[str], list[Ranked]] = {}
+        groups: dict[frozenset[str], list[RankedModel]] = {}
         is_ranked = any(row.fit is self.best for row in self.ranked)
         for row in self.ranked if is_ranked else (self.believed, *self.ranked):
-            alike.setdefault(frozenset(row.names) - linear or frozenset(row.names), []).append(row)
+            groups.setdefault(frozenset(row.names) - linear or frozenset(row.names), []).append(row)
         rows = [
             replace(
                 next((row for row in group if row.fit is self.best), group[0]),
                 probability=sum(row.probability for row in group),
             )
-            for group in alike.values()
+            for group in groups.values()
         ]
         rows.sort(key=lambda row: -row.probability)
         simple = [row for row in rows if set(row.names) <= linear]
-        by_error = sorted(rows, key=lambda row: row.held_out)
-        listed = {id(row): row for row in (*simple, *rows[:_LISTED], *by_error[:_LISTED])}
-        return tuple(sorted(listed.values(), key=lambda row: row.held_out))
+        best_rows = sorted(rows, key=lambda row: row.held_out)
+        chosen_rows = {id(row): row for row in (*simple, *rows[:_MOST_LISTED], *best_rows[:_MOST_LISTED])}
+        return tuple(sorted(chosen_rows.values(), key=lambda row: row.held_out))
 
     @property
     def misstated(self) -> tuple[Estimate, ...]:
@@ -188,7 +188,7 @@ class BlockDiagnosis:
             for item in self.calibration
             if item.name in NOMINAL_VALUES
             and _is_contradiction(item)
-            and not (self.judged_by_parts and item.name == "stiffness")
+            and not (self.is_judged_by_parts and item.name == "stiffness")
         )
 
     @property
@@ -199,17 +199,21 @@ class BlockDiagnosis:
         neither does by itself, one of them is wrong, and the tests do not tell which.
         """
         names = [calibration.parameter.name for calibration in self.block.calibrations]
-        if not set(_ALIKE) <= set(names) or any(item.name in _ALIKE for item in self.misstated):
+        if not set(_FREQUENCY_AND_MASS) <= set(names) or any(
+            item.name in _FREQUENCY_AND_MASS for item in self.misstated
+        ):
             return ()
         space, x = self.best.space, self.best.coordinates
-        places = [names.index(name) for name in _ALIKE]
+        places = [names.index(name) for name in _FREQUENCY_AND_MASS]
         covariance = space.covariance_of_values(x, self.best.covariance)[np.ix_(places, places)]
         precision = np.linalg.inv(covariance + MODEL_ERROR**2 * np.eye(len(places)))
         size = np.diag(precision)
         away = (precision @ (space.values(x)[places] - 1.0) / size).tolist()
         either = tuple(
             Estimate(name=name, value=1.0 + change, sd=sd, units="-", signed=True)
-            for name, change, sd in zip(_ALIKE, away, (1.0 / np.sqrt(size)).tolist(), strict=True)
+            for name, change, sd in zip(
+                _FREQUENCY_AND_MASS, away, (1.0 / np.sqrt(size)).tolist(), strict=True
+            )
         )
         return either if all(map(_is_contradiction, either)) else ()
 

@@ -72,12 +72,12 @@ class Diagnosis(ResultWithRows):
     @property
     def effects(self) -> tuple[MissingEffect, ...]:
         """Effects that are named in any block."""
-        return tuple(effect for diagnosed in self.blocks for effect in diagnosed.effects)
+        return tuple(effect for block_result in self.blocks for effect in block_result.effects)
 
     @property
     def doubtful(self) -> tuple[MissingEffect, ...]:
         """Effects that the data cannot tell from others."""
-        return tuple(effect for diagnosed in self.blocks for effect in diagnosed.doubtful)
+        return tuple(effect for block_result in self.blocks for effect in block_result.doubtful)
 
     @property
     def all_effects(self) -> tuple[MissingEffect, ...]:
@@ -87,7 +87,9 @@ class Diagnosis(ResultWithRows):
     @property
     def unknown(self) -> Unknown | None:
         """The effect outside the library, in the first block that has one."""
-        return next((diagnosed.unknown for diagnosed in self.blocks if diagnosed.unknown is not None), None)
+        return next(
+            (block_result.unknown for block_result in self.blocks if block_result.unknown is not None), None
+        )
 
     @property
     def verdict(self) -> Verdict:
@@ -108,21 +110,28 @@ class Diagnosis(ResultWithRows):
     def gap(self) -> Gap:
         """The gap in the block where it shrank by the largest factor."""
         return max(
-            (diagnosed.gap for diagnosed in self.blocks), key=lambda gap: gap.before / max(gap.after, 1e-300)
+            (block_result.gap for block_result in self.blocks),
+            key=lambda gap: gap.before / max(gap.after, 1e-300),
         )
 
     @property
     def where(self) -> tuple[Finding, ...]:
         """All findings, block by block, the largest share of each block's residual first."""
-        return tuple(finding for diagnosed in self.blocks for finding in diagnosed.findings)
+        return tuple(finding for block_result in self.blocks for finding in block_result.findings)
 
     @property
     def remarks(self) -> tuple[str, ...]:
         """Sentences on what limits the answer: faults, doubts, bounds, convergence, errors of models."""
-        contradicted = (contradiction(item) for block in self.blocks for item in block.misstated)
+        contradictions = (contradiction(item) for block in self.blocks for item in block.misstated)
         either = (one_of_two(block.either_misstated) for block in self.blocks if block.either_misstated)
         scale = scale_of_displacement(self.blocks)
-        remarks = [*self.faults, *contradicted, *scale, *either, *(effect.remark for effect in self.doubtful)]
+        remarks = [
+            *self.faults,
+            *contradictions,
+            *scale,
+            *either,
+            *(effect.remark for effect in self.doubtful),
+        ]
         for block in self.blocks:
             remarks += _limits_of(block)
         if len(self.campaign.tests) == 1:
@@ -160,11 +169,9 @@ class Diagnosis(ResultWithRows):
         """Table of the verdict, the effects with their parameters, and the gap."""
         rows = {"verdict": str(self.verdict).replace("_", " ")}
         for effect in self.all_effects:
-            values = (
-                f"{one.name} {one.value:.4g} ± {significant(one.sd, 1)} {one.units}".strip()
-                for one in effect.estimates
+            rows[effect.name.replace("_", " ")] = (
+                f"probability {significant(effect.probability)}; {effect.parameters}"
             )
-            rows[effect.name] = "; ".join([f"probability {significant(effect.probability)}", *values])
         sizes = f"{significant(self.gap.before)} before, {significant(self.gap.after)} after"
         rows[f"error on held-out tests, {self.gap.channel}"] = sizes
         return html_table(self.campaign.name, rows, self.remarks)
@@ -172,20 +179,21 @@ class Diagnosis(ResultWithRows):
 
 def _limits_of_parameters(effects: Sequence[MissingEffect]) -> list[str]:
     """Sentences on parameters that the tests hardly determine."""
-    remarks = [
-        f"{parameter} of {effect.name} lies on a bound of its range: its value and its standard deviation"
-        " mean little."
-        for effect in effects
-        for parameter in effect.on_bounds
-    ]
-    remarks += [
-        f"{estimate.name} of {effect.name} is known to ± {significant(estimate.sd, 2)} {estimate.units} only:"
-        " models that explain the tests equally well, with differing clocks or with a further effect,"
-        " give other values."
-        for effect in effects
-        for estimate in effect.estimates
-        if estimate.between > _OTHER_MODELS * estimate.sd
-    ]
+    remarks = []
+    for effect in effects:
+        name = effect.name.replace("_", " ")
+        remarks += [
+            f"The {estimate.meaning} of {name} lies on a bound of its range, so its value and interval mean "
+            "little."
+            for estimate in effect.estimates
+            if estimate.name in effect.on_bounds
+        ]
+        remarks += [
+            f"The {estimate.meaning} of {name} is only known roughly, {estimate.size}: models that explain "
+            "the tests equally well, with differing clocks or with a further effect, give other values."
+            for estimate in effect.estimates
+            if estimate.between > _OTHER_MODELS * estimate.sd
+        ]
     return remarks
 
 
@@ -193,7 +201,7 @@ def _limits_of(block: BlockDiagnosis) -> list[str]:
     """Sentences on what limits the answer for a block."""
     name, gap = _NAMES.get(block.block.block, str(block.block.block)), block.gap
     remarks = [*block.choice_remarks, *_limits_of_parameters((*block.effects, *block.doubtful))]
-    if block.linear and block.judged_by_parts:
+    if block.linear and block.is_judged_by_parts:
         remarks.append(linear_statement(name, block))
     if block.not_fed_back is not None:
         remarks.append(
@@ -226,14 +234,10 @@ def _limits_of(block: BlockDiagnosis) -> list[str]:
 
 def linear_statement(name: str, block: BlockDiagnosis) -> str:
     """Say what the best linear model of a block is, whatever was stated, and what it leaves."""
-    values = ", ".join(
-        f"{item.name.partition('_')[0]} {item.value:.4g} "
-        f"{'times the stated one' if item.units == '-' else item.units}"
-        for item in block.linear
-    )
+    values = ", ".join(f"{item.meaning} {item.size}" for item in block.linear)
     return (
-        f"The best linear model of the {name} ({values}) leaves {percent(block.gap.linear or 0.0)} of the "
-        "signal on held-out tests."
+        f"The best linear model of the {name} leaves {percent(block.gap.linear or 0.0)} of the signal on "
+        f"held-out tests: {values}."
     )
 
 
@@ -241,8 +245,8 @@ def clock_remark(effect: MissingEffect) -> str:
     """Say which channel is ahead of which, and that no model should make up for it."""
     (lag,) = effect.estimates
     if lag.name in _LATE_CHANNELS:
-        late, beside = _LATE_CHANNELS[lag.name]
-        channels = late, "later" if lag.value > 0.0 else "earlier", beside
+        late, reference = _LATE_CHANNELS[lag.name]
+        channels = late, "later" if lag.value > 0.0 else "earlier", reference
     else:
         channels = "measured displacement", "earlier", "command"
     return (
@@ -263,10 +267,10 @@ def contradiction(item: Estimate) -> str:
     """Say with which value, other than the stated one, the tests ran."""
     nominal = NOMINAL_VALUES[item.name]
     unit = unit_like(item.value, tolerance=_UNIT_TOLERANCE) if item.name == "stiffness" else ""
-    alike = f", as {unit} would have" if unit else ""
+    unit_hint = f", as {unit} would have" if unit else ""
     return (
         f"The tests ran with a {nominal.meaning} of {significant(item.value, 4)} ± {significant(item.sd, 1)} "
-        f"times the stated one{alike}: {nominal.check}."
+        f"times the stated one{unit_hint}: {nominal.check}."
     )
 
 
@@ -306,11 +310,11 @@ def statement(verdict: Verdict, blocks: Sequence[BlockDiagnosis]) -> str:
     Returns a sentence or two: what contradicts the campaign comes first. That nothing is missing is said only
     where every block is explained.
     """
-    misstated = [item for block in blocks for item in block.misstated]
+    misstatements = [item for block in blocks for item in block.misstated]
     either = [block.either_misstated for block in blocks if block.either_misstated]
     first = ""
-    if misstated or either:
-        values = [*map(_times, misstated), *(" or ".join(map(_times, pair)) for pair in either)]
+    if misstatements or either:
+        values = [*map(_times, misstatements), *(" or ".join(map(_times, pair)) for pair in either)]
         first = f"The tests did not run with what was stated ({'; '.join(values)}). "
     if verdict is not Verdict.NO_MISSING_EFFECT:
         return f"{first}{_VERDICTS[verdict]}"
@@ -332,9 +336,9 @@ def _times(item: Estimate) -> str:
 
 def remainder_statement(name: str, gap: Gap, structured_share: float) -> str:
     """Say what remains of a block whose residual does not pass for noise."""
-    after = percent(gap.after)
+    error = percent(gap.after)
     floor = "unknown" if gap.floor is None else f"{percent(gap.floor)} by the {gap.source}"
-    subject = f"On held-out tests the model of the {name} is off by {after} of the signal's RMS"
+    subject = f"On held-out tests the model of the {name} is off by {error} of the signal's RMS"
     match gap.remainder:
         case Remainder.AT_NOISE:
             size = f", which is the noise floor ({floor})"

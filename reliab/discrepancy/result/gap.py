@@ -13,11 +13,11 @@ from reliab.core.significant_digits import percent
 _FLOOR_UNCERTAINTY = 0.2
 """Relative uncertainty of a floor, which is estimated from the recordings: within it two sizes are one."""
 
-ABOVE_FLOOR = 2.0
+FLOOR_EXCESS = 2.0
 """Times the noise floor from which a remainder is called an effect: three quarters of its energy are then no
 noise."""
 
-_WHOLE = 0.999
+_MOST_CLOSED = 0.999
 """Largest share of a gap that is said to be closed where what remains stands above the noise."""
 
 
@@ -76,8 +76,8 @@ class Gap:
         """Whether what remains is at the level of the noise, within the uncertainty of the floor."""
         if self.floor is None:
             return Remainder.NOT_KNOWN
-        at_noise = self.after <= (1.0 + _FLOOR_UNCERTAINTY) * self.floor
-        return Remainder.AT_NOISE if at_noise else Remainder.ABOVE_NOISE
+        is_noise = self.after <= (1.0 + _FLOOR_UNCERTAINTY) * self.floor
+        return Remainder.AT_NOISE if is_noise else Remainder.ABOVE_NOISE
 
     @property
     def model_error(self) -> float:
@@ -98,7 +98,7 @@ class Gap:
         return bool(self.tests_after) and self.noise_like.issuperset(self.tests_after)
 
     @property
-    def at_noise_before(self) -> bool:
+    def is_noise_before(self) -> bool:
         """Whether the calibrated model leaves noise alone, so that there is nothing to explain."""
         if self.floor is not None:
             return self.before <= (1.0 + _FLOOR_UNCERTAINTY) * self.floor
@@ -113,7 +113,7 @@ class Gap:
         if self.floor is None or self.unexplained_share is None:
             return None
         share = 1.0 - self.unexplained_share
-        return share if self.remainder is Remainder.AT_NOISE else min(share, _WHOLE)
+        return share if self.remainder is Remainder.AT_NOISE else min(share, _MOST_CLOSED)
 
     @property
     def unexplained_share(self) -> float | None:
@@ -122,21 +122,21 @@ class Gap:
         Zero where what remains is at the noise, one where the effects took nothing away, None where nothing
         is missing or the calibrated model is at the noise: there is nothing to explain.
         """
-        if self.at_noise_before or not self.missing:
+        if self.is_noise_before or not self.missing:
             return None
-        left = 0.0 if self.remainder is Remainder.AT_NOISE else self.model_error**2
-        return _unexplained(self.before**2, self.after**2, left)
+        remaining_energy = 0.0 if self.remainder is Remainder.AT_NOISE else self.model_error**2
+        return _remaining_share(self.before**2, self.after**2, remaining_energy)
 
     @property
     def conclusion(self) -> str:
         """What the sizes mean, a clause that is the same on the screen, in the JSON and in the report."""
-        if self.at_noise_before:
+        if self.is_noise_before:
             return (
                 "the error of the calibrated model is at the level of the noise: there is nothing to explain"
             )
         if not self.missing:
-            known = "above the noise" if self.floor is not None else "of unknown cause"
-            return f"the error is {known}, but too small to be called an effect"
+            cause = "above the noise" if self.floor is not None else "of unknown cause"
+            return f"the error is {cause}, but too small to be called an effect"
         share = "" if self.stated_share is None else percent(self.stated_share, decimals=1)
         match self.remainder:
             case Remainder.AT_NOISE:
@@ -154,7 +154,7 @@ class Gap:
         kinds: dict[str, list[str]] = {}
         for file in self.tests_after:
             kinds.setdefault(self.kinds.get(file, ""), []).append(file)
-        return _worst_first(self._over(kind, files) for kind, files in kinds.items())
+        return _worst_first(self._gap_over(kind, files) for kind, files in kinds.items())
 
     @property
     def worst_unexplained_share(self) -> float | None:
@@ -165,11 +165,11 @@ class Gap:
     @property
     def by_test(self) -> tuple["GapOfKind", ...]:
         """The gap in each held-out test, the least explained first."""
-        return _worst_first(self._over(self.kinds.get(file, ""), [file]) for file in self.tests_after)
+        return _worst_first(self._gap_over(self.kinds.get(file, ""), [file]) for file in self.tests_after)
 
-    def _over(self, kind: str, files: Sequence[str]) -> "GapOfKind":
+    def _gap_over(self, kind: str, files: Sequence[str]) -> "GapOfKind":
         """Gap over some tests, which count alike."""
-        before, after, noise = (
+        error_before, error_after, noise = (
             float(np.sqrt(np.mean(np.square(values))))
             for values in (
                 [self.tests_before[file] for file in files],
@@ -178,7 +178,12 @@ class Gap:
             )
         )
         return GapOfKind(
-            kind=kind, files=tuple(files), before=before, after=after, noise=noise, missing=self.missing
+            kind=kind,
+            files=tuple(files),
+            before=error_before,
+            after=error_after,
+            noise=noise,
+            missing=self.missing,
         )
 
     def _noise_in(self, file: str) -> float:
@@ -186,11 +191,11 @@ class Gap:
 
         What is spread as noise may be above a floor: noise of the motion adds to that of the channel.
         """
-        after, noise_like = self.tests_after[file], file in self.noise_like
+        error, noise_like = self.tests_after[file], file in self.noise_like
         if self.floor is None:
-            return after if noise_like else 0.0
+            return error if noise_like else 0.0
         floor = self.floor / max(self.sizes.get(file, 1.0), 1e-300)
-        return after if after <= (ABOVE_FLOOR if noise_like else 1.0 + _FLOOR_UNCERTAINTY) * floor else floor
+        return error if error <= (FLOOR_EXCESS if noise_like else 1.0 + _FLOOR_UNCERTAINTY) * floor else floor
 
     def to_dict(self) -> dict[str, Any]:
         """Return the entry `gap`."""
@@ -243,12 +248,12 @@ class GapOfKind(PlainResult):
         """
         if not self.missing or (self.noise > 0.0 and self.before <= (1.0 + _FLOOR_UNCERTAINTY) * self.noise):
             return None
-        return _unexplained(self.before**2, self.after**2, self.model_error**2)
+        return _remaining_share(self.before**2, self.after**2, self.model_error**2)
 
 
-def _unexplained(before: float, after: float, remaining: float) -> float:
-    closed = max(before - after, 0.0)
-    return remaining / (remaining + closed) if remaining > 0.0 else 0.0
+def _remaining_share(energy_before: float, energy_after: float, remaining: float) -> float:
+    closed_energy = max(energy_before - energy_after, 0.0)
+    return remaining / (remaining + closed_energy) if remaining > 0.0 else 0.0
 
 
 def _worst_first(gaps: Iterable[GapOfKind]) -> tuple[GapOfKind, ...]:

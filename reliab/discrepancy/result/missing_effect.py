@@ -1,5 +1,6 @@
 """A missing effect: one of the library with its parameters and rivals, or a term outside the library."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -8,7 +9,7 @@ import numpy as np
 
 from reliab.core.arrays import Array
 from reliab.core.plain_values import PlainResult
-from reliab.core.significant_digits import percent, significant
+from reliab.core.significant_digits import percent, value_and_interval
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.terms.stated_damping import StatedDamping
 from reliab.effects.effect import Effect, Parameter
@@ -33,11 +34,37 @@ _TELLS = {
     frozenset({"added_mass", "cubic_stiffness"}):
         "Slow cycles of the same amplitude leave the inertia out",
 }  # fmt: skip
-_OTHERWISE = "A test with a stronger input of wider band, recorded on all four channels, would decide it"
+_DECISIVE_TEST = "A test with a stronger input of wider band, recorded on all four channels, would decide it"
 _LEAST_RIVAL = 0.01  # probability of an effect that is named as another one's rival
 _DAMPING = "structure_damping"
 _STEP = 1e-4  # of a coordinate
+_PREFIXES = {-6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
+_READABLE = (0.01, 1e4)  # sizes of numbers that are shown without a power of ten
 _NOTHING = 1e-8  # SI value of a parameter whose lower bound stands a hair below zero
+
+
+NORMAL_REACH_90 = 1.645
+"""Standard deviations to either end of a central 90 % interval."""
+
+
+def _readable_unit(unit: str, size: float) -> tuple[float, str]:
+    """Return a power of ten and its unit in which a size is readable.
+
+    Forces are shown in N, kN, …, lengths and times in m, mm, … and s, ms, …
+
+    >>> _readable_unit("m/s", 0.004), _readable_unit("N·s/m", 4.6e7), _readable_unit("-", 3e-5)
+    ((0.001, 'mm/s'), (1000000.0, 'MN·s/m'), (1e-06, '·10⁻⁶'))
+    """
+    exponent = 3 * math.floor(math.log10(size) / 3.0) if size > 0.0 else 0
+    plain_unit = "" if unit == "-" else unit
+    if exponent < 0 and unit in ("m", "s", "m/s") and exponent in _PREFIXES:
+        return 10.0**exponent, _PREFIXES[exponent] + unit
+    if _READABLE[0] <= size < _READABLE[1] or not exponent:
+        return 1.0, plain_unit
+    if exponent > 0 and unit.startswith("N") and exponent in _PREFIXES:
+        return 10.0**exponent, _PREFIXES[exponent] + unit
+    superscript = str(exponent).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    return 10.0**exponent, f"·10{superscript} {plain_unit}".rstrip()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,6 +78,7 @@ class Estimate:
     value: float
     sd: float
     units: str
+    meaning: str = ""  # The parameter in words
     interval: tuple[float, float] | None = None
     signed: bool = False  # Whether it may be negative, so that zero is a value like any other
     between: float = 0.0
@@ -61,23 +89,32 @@ class Estimate:
         return self.signed or self.sd < self.value
 
     @property
-    def words(self) -> tuple[str, str]:
-        """Value with its unit and standard deviation, as they are shown."""
+    def size(self) -> str:
+        """Value with its 90 % interval and unit, as they are shown.
+
+        >>> Estimate(name="force_n", value=237_500.0, sd=73_000.0, units="N").size
+        '240 kN (120 to 360)'
+        """
         if not self.determined:
-            return "not determined", ""
-        value = f"{self.value:.4g}"
-        unit = "" if self.units == "-" else self.units
-        return f"{value} {unit}".strip(), f"{self.sd:.1e}" if "e" in value else significant(self.sd, 2)
+            return "not determined"
+        reach = NORMAL_REACH_90 * self.sd
+        low, high = self.interval or (self.value - reach, self.value + reach)
+        if not self.signed:
+            low = max(low, 0.0)
+        largest = max(abs(self.value), abs(low), abs(high))
+        scale, unit = _readable_unit(self.units, largest)
+        value, interval = value_and_interval(self.value / scale, low / scale, high / scale)
+        return f"{value} {unit} ({interval})".replace(" ·", "·").replace("  ", " ").replace("-", "−")
 
     def to_dict(self) -> dict[str, Any]:
         """Return the entry of `parameters`."""
-        sampled = {} if self.interval is None else {"interval_90": list(self.interval)}
+        interval = {} if self.interval is None else {"interval_90": list(self.interval)}
         return {
             "value": self.value,
             "sd": self.sd,
             "units": self.units,
             "determined": self.determined,
-            **sampled,
+            **interval,
         }
 
 
@@ -112,7 +149,7 @@ class MissingEffect:
         return (self.member or self.effect).label()
 
     @property
-    def by_member(self) -> "tuple[MissingEffect, ...]":
+    def split_members(self) -> "tuple[MissingEffect, ...]":
         """The effect, or each member of a composition with its parameters, the first with what is left."""
         members = self.effect.members
         owners = {
@@ -130,7 +167,7 @@ class MissingEffect:
             for member in members
         ) or (self,)
 
-    def named_as(self, member: type[Effect]) -> "MissingEffect":
+    def report_as(self, member: type[Effect]) -> "MissingEffect":
         """State a special form under the name of the effect that it refines, with the parameters of that."""
         names = _names(member)
         return replace(
@@ -141,14 +178,10 @@ class MissingEffect:
         )
 
     @property
-    def parameter_texts(self) -> tuple[str, ...]:
-        """Each parameter with its value, standard deviation and unit, as they are shown."""
-        texts = []
-        for estimate in self.estimates:
-            value, spread = estimate.words
-            mark = " (on a bound)" if estimate.name in self.on_bounds else ""
-            texts.append(f"{estimate.name} {value}{f' ± {spread}' if spread else ''}{mark}")
-        return tuple(texts)
+    def parameters(self) -> str:
+        """All parameters in words, with their 90 % intervals and units, on one line."""
+        marks = dict.fromkeys(self.on_bounds, ", on a bound of its range")
+        return "; ".join(f"{item.meaning} {item.size}{marks.get(item.name, '')}" for item in self.estimates)
 
     @property
     def remark(self) -> str:
@@ -186,14 +219,14 @@ class Unknown(PlainResult):
 def telling_test(effect: str, rival: str) -> str:
     """Return the test that would distinguish two effects, as a sentence without its final full stop."""
     pair = {str(effect), str(rival)}
-    return next((text for names, text in _TELLS.items() if {str(n) for n in names} == pair), _OTHERWISE)
+    return next((text for names, text in _TELLS.items() if {str(n) for n in names} == pair), _DECISIVE_TEST)
 
 
 def remark(name: str, probability: float, rival: tuple[str, float] | None) -> str:
     """State from which other effect an effect cannot be distinguished, if one is probable at all."""
     words = name.replace("_", " ")
     if rival is None or rival[1] < _LEAST_RIVAL:
-        return f"The data suggest {words}, but do not settle it. {_OTHERWISE}."
+        return f"The data suggest {words}, but do not settle it. {_DECISIVE_TEST}."
     rival_name = rival[0].replace("_", " ")
     return (
         f"The data do not distinguish {words} ({percent(probability, decimals=0)}) from {rival_name} "
@@ -205,65 +238,74 @@ def _names(effect: type[Effect]) -> set[str]:
     return {parameter.name for parameter in effect.parameters}
 
 
-def estimates(effect: type[Effect], fitted: Fit) -> tuple[Estimate, ...]:
+def estimates(effect: type[Effect], fitted_model: Fit) -> tuple[Estimate, ...]:
     """Parameters of an effect with their standard deviations, SI units."""
-    return _estimates(fitted, effect.parameters, fitted.space.places(effect))
+    return _estimates(fitted_model, effect.parameters, fitted_model.space.places(effect))
 
 
-def _estimates(fitted: Fit, parameters: Sequence[Parameter], places: slice) -> tuple[Estimate, ...]:
-    values = fitted.space.values(fitted.coordinates)[places].tolist()
-    spread = fitted.space.standard_deviations(fitted.coordinates, fitted.covariance)[places].tolist()
+def _estimates(fitted_model: Fit, parameters: Sequence[Parameter], places: slice) -> tuple[Estimate, ...]:
+    values = fitted_model.space.values(fitted_model.coordinates)[places].tolist()
+    spread = fitted_model.space.standard_deviations(fitted_model.coordinates, fitted_model.covariance)[
+        places
+    ].tolist()
     return tuple(
         Estimate(
             name=parameter.name,
             value=value if abs(value) > _NOTHING else 0.0,
             sd=sd,
             units=parameter.units,
+            meaning=parameter.meaning,
             signed=parameter.signed,
         )
         for parameter, value, sd in zip(parameters, values, spread, strict=True)
     )
 
 
-def widened(
-    stated: tuple[Estimate, ...], others: Sequence[tuple[float, tuple[Estimate, ...]]]
+def widen_estimates(
+    estimates_of_best: tuple[Estimate, ...], variants: Sequence[tuple[float, tuple[Estimate, ...]]]
 ) -> tuple[Estimate, ...]:
     """Add to standard deviations how far parameters differ between the models that hold the effect.
 
-    `others` holds the probability and the estimates of each such model, the stated one included.
+    `variants` holds the probability and the estimates of each such model, the stated one included.
     """
-    total = sum(share for share, _ in others)
+    total = sum(share for share, _ in variants)
     wide = []
-    for k, one in enumerate(stated):
-        square = sum(share * ((e[k].value - one.value) ** 2 + e[k].sd ** 2) for share, e in others) / total
-        between = max(square - one.sd**2, 0.0) ** 0.5
-        wide.append(replace(one, sd=float(np.hypot(one.sd, between)), between=between))
+    for k, estimate in enumerate(estimates_of_best):
+        square = (
+            sum(share * ((e[k].value - estimate.value) ** 2 + e[k].sd ** 2) for share, e in variants) / total
+        )
+        spread_between = max(square - estimate.sd**2, 0.0) ** 0.5
+        wide.append(
+            replace(estimate, sd=float(np.hypot(estimate.sd, spread_between)), between=spread_between)
+        )
     return tuple(wide)
 
 
-def calibration(fitted: Fit, *, restated: bool = False) -> tuple[Estimate, ...]:
+def calibration(fitted_model: Fit, *, is_restated: bool = False) -> tuple[Estimate, ...]:
     """Calibrated values with their standard deviations.
 
-    `restated`: a damping that is not the stated one is calibrated, not missing.
+    `is_restated`: a damping that is not the stated one is calibrated, not missing.
     """
-    parameters = [item.parameter for item in fitted.space.block.calibrations]
-    calibrated = _estimates(fitted, parameters, slice(len(parameters)))
-    if not restated:
-        return calibrated
-    return tuple(_restated(item, fitted) if item.name == _DAMPING else item for item in calibrated)
+    parameters = [item.parameter for item in fitted_model.space.block.calibrations]
+    calibrations = _estimates(fitted_model, parameters, slice(len(parameters)))
+    if not is_restated:
+        return calibrations
+    return tuple(
+        _restate_damping(item, fitted_model) if item.name == _DAMPING else item for item in calibrations
+    )
 
 
-def _restated(damping: Estimate, fitted: Fit) -> Estimate:
+def _restate_damping(damping: Estimate, fitted_model: Fit) -> Estimate:
     """Damping of the structure over the stated one, of the calibrated factor and the effect together."""
-    space = fitted.space
-    stated = space.block.removable[StatedDamping]
+    space = fitted_model.space
+    nominal_damping = space.block.removable[StatedDamping]
     place = space.places(StatedDamping).start
     factor = [c.parameter.name for c in space.block.calibrations].index(damping.name)
 
-    def whole(coordinates: Array) -> float:
+    def total_damping(coordinates: Array) -> float:
         values = space.values(coordinates)
-        return float(values[factor] + values[place] / stated)
+        return float(values[factor] + values[place] / nominal_damping)
 
-    value, steps = whole(fitted.coordinates), _STEP * np.eye(space.size)
-    slopes = np.array([whole(fitted.coordinates + step) - value for step in steps]) / _STEP
-    return replace(damping, value=value, sd=float(np.sqrt(slopes @ fitted.covariance @ slopes)))
+    value, steps = total_damping(fitted_model.coordinates), _STEP * np.eye(space.size)
+    slopes = np.array([total_damping(fitted_model.coordinates + step) - value for step in steps]) / _STEP
+    return replace(damping, value=value, sd=float(np.sqrt(slopes @ fitted_model.covariance @ slopes)))

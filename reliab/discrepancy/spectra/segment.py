@@ -17,7 +17,7 @@ from reliab.signals.noise import NoiseModel, Periodogram, noise_shapes
 from reliab.simulation.hybrid_test.open_loop import Motion3
 
 _FEWEST_SEGMENTS = 4
-_AT_REST = 0.1  # of the RMS of the velocity
+_REST_SHARE = 0.1  # of the RMS of the velocity
 _FIRST = 5  # samples
 _REVERSALS = 3  # after which the motion has gone through a whole swing
 _LARGEST_SHARE = 0.2  # of a record
@@ -60,20 +60,20 @@ class Segment:
         """Discrete Fourier transform over √n at the frequencies that count, shape (bins,)."""
         return np.asarray(self.full_spectrum(values)[: self.bins])
 
-    def coarse_spectrum(self, values: Array, every: int) -> Spectrum:
-        """Return the same of values of which only each `every`-th is there.
+    def coarse_spectrum(self, values: Array, thinning: int) -> Spectrum:
+        """Return the same of values of which only each `thinning`-th is there.
 
         Sums over coarse and fine instants differ where a segment does not end as it begins, by the terms of
         Euler and Maclaurin: half of the ends' difference in value, a twelfth of that in slope.
         """
         n = self.end - self.begin
-        first, last = self.begin // every, self.end // every
-        sums = every * fft.rfft(values[first:last])[: self.bins]
-        if every > 1:
+        first, last = self.begin // thinning, self.end // thinning
+        sums = thinning * fft.rfft(values[first:last])[: self.bins]
+        if thinning > 1:
             (begin, rise), (end, fall) = _value_and_slope(values, first), _value_and_slope(values, last)
             turn = 2.0 * np.pi / n * np.arange(self.bins)
-            along = (fall - rise) / every - 1j * turn * (end - begin)
-            sums += 0.5 * (every - 1) * (end - begin) - (every**2 - 1) / 12.0 * along
+            slope_term = (fall - rise) / thinning - 1j * turn * (end - begin)
+            sums += 0.5 * (thinning - 1) * (end - begin) - (thinning**2 - 1) / 12.0 * slope_term
         return np.asarray(sums / np.sqrt(n))
 
     def history(self, rows: Array, noise: NoiseModel) -> Array:
@@ -92,7 +92,7 @@ class Segment:
         return Periodogram(frequency=fft.rfftfreq(n, 1.0 / self.rate)[1:], power=power[1:])
 
 
-def by_segment(segments: Sequence[Segment], rows: Array) -> Iterator[tuple[Segment, Array]]:
+def split_by_segment(segments: Sequence[Segment], rows: Array) -> Iterator[tuple[Segment, Array]]:
     """Divide residuals, shape (rows,), into those of each segment: real parts, then imaginary ones."""
     ends = np.cumsum([2 * segment.bins - 1 for segment in segments])
     return zip(segments, np.split(rows, ends[:-1]), strict=True)
@@ -109,14 +109,14 @@ def _value_and_slope(values: Array, place: int) -> tuple[float, float]:
     near = values[max(place - 3, 0) : place + 3]
     if place == values.size:
         near = np.append(near, 3.0 * near[-1] - 3.0 * near[-2] + near[-3])
-    at = min(place, 3)
-    if 0 < at < near.size - 1:
-        return float(near[at]), float(0.5 * (near[at + 1] - near[at - 1]))
-    return float(near[at]), float(np.gradient(near, edge_order=2)[at])
+    centre = min(place, 3)
+    if 0 < centre < near.size - 1:
+        return float(near[centre]), float(0.5 * (near[centre + 1] - near[centre - 1]))
+    return float(near[centre]), float(np.gradient(near, edge_order=2)[centre])
 
 
 def cut_segments(
-    stretches: Sequence[Stretch], rate: float, highest: Callable[[int], float], every: int = 1
+    stretches: Sequence[Stretch], rate: float, highest: Callable[[int], float], thinning: int = 1
 ) -> tuple[Segment, ...]:
     """Cut stretches of tests into at least four segments, whole stretches if there are as many.
 
@@ -127,8 +127,8 @@ def cut_segments(
     for stretch in stretches:
         edges = np.linspace(stretch.begin, stretch.end, parts + 1).astype(int)
         for begin, end in zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True):
-            first = -(-begin // every) * every
-            length = every * fft.prev_fast_len((end - first) // every, real=True)
+            first = -(-begin // thinning) * thinning
+            length = thinning * fft.prev_fast_len((end - first) // thinning, real=True)
             segments.append(
                 Segment(
                     test=stretch.test,
@@ -141,7 +141,7 @@ def cut_segments(
     return tuple(segments)
 
 
-def settled(
+def skip_transient(
     stretches: Sequence[Stretch], motions: Sequence[Motion3], memory: float = 0.0
 ) -> tuple[Stretch, ...]:
     """Leave out the start of records that begin while the piston moves.
@@ -163,17 +163,17 @@ def settled(
 def _begin(motion: Motion3, end: int, memory: float) -> int:
     velocity = motion.values[1][:end]
     usual = float(np.sqrt(np.mean(velocity**2)))
-    if float(np.abs(velocity[:_FIRST]).mean()) < _AT_REST * usual:
+    if float(np.abs(velocity[:_FIRST]).mean()) < _REST_SHARE * usual:
         return 0
-    moving = np.flatnonzero(np.abs(velocity) > _AT_REST * usual)
+    moving = np.flatnonzero(np.abs(velocity) > _REST_SHARE * usual)
     signs = np.sign(velocity[moving])
     reversals = moving[1:][np.diff(signs) != 0.0]
-    most = int(_LARGEST_SHARE * end)
-    swing = int(reversals[_REVERSALS - 1]) if reversals.size >= _REVERSALS else most
-    return min(max(swing, int(memory / motion.step)), most)
+    upper_limit = int(_LARGEST_SHARE * end)
+    swing = int(reversals[_REVERSALS - 1]) if reversals.size >= _REVERSALS else upper_limit
+    return min(max(swing, int(memory / motion.step)), upper_limit)
 
 
-def answered(
+def skip_end(
     stretches: Sequence[Stretch], motions: Sequence[Motion3], unanswered: float
 ) -> tuple[Stretch, ...]:
     """Leave out the end of records whose output shows in the input only after it.

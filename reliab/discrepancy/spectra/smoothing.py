@@ -26,14 +26,14 @@ _HARMONICS = 5.0  # of a structure, at which a stiffness that grows with the squ
 _LARGEST_SHARE = 0.4  # of the sampling rate
 _NARROW, _WIDENING = 0.2, 0.1  # Hz, and of the frequency: to either side power is averaged so far
 _FEWEST = 3  # frequencies to either side
-_BY_CHANCE = 0.6  # share of a signal that an error of a converter, which is no noise, may seem to hold
+_CHANCE_SHARE = 0.6  # share of a signal that an error of a converter, which is no noise, may seem to hold
 _CLEAR = 50.0  # of the noise's power
 _HARMONICS_OF_SINE, _NARROW_LINE, _ALL_OF_IT = 11.0, 0.1, 0.98
 _LEAST_RELIABLE = 1.0  # Hz
 _LOWEST_NOISE = 2.0  # Hz, down to which noise is told from a signal
 _THIRD = 2.0 ** (1.0 / 3.0)  # of an octave
 _STEEPEST = _THIRD**2  # rise of first-order noise over a third of an octave
-_BY_CHANCE_ABOVE = 3.0  # standard deviations of a band's mean power
+_CHANCE_DEVIATIONS = 3.0  # standard deviations of a band's mean power
 
 
 def highest_frequency(rate: float, structure: Structure | None = None) -> float:
@@ -59,9 +59,9 @@ def reliable_frequency(displacements: Sequence[Array], step: float, highest: flo
     """
     clear = []
     for displacement in displacements:
-        _, frequency, whole, floor = _spectra(displacement, step, highest)
-        above = frequency[(whole > _CLEAR * floor) & (frequency <= highest)]
-        clear.append(float(above[-1]) if above.size else 0.0)
+        _, frequency, mean_power, floor = _spectra(displacement, step, highest)
+        clear_frequencies = frequency[(mean_power > _CLEAR * floor) & (frequency <= highest)]
+        clear.append(float(clear_frequencies[-1]) if clear_frequencies.size else 0.0)
     return max(float(np.median(clear)), _LEAST_RELIABLE)
 
 
@@ -84,12 +84,12 @@ def _spectra(displacement: Array, step: float, highest: float) -> tuple[Array, A
     """Spectrum of a displacement made antisymmetric, frequencies, its smooth power, the noise's."""
     n = displacement.size
     swing = displacement - np.linspace(displacement[0], displacement[-1], n)
-    padded = np.concatenate([swing, -swing[-2:0:-1]])
-    spectrum = fft.rfft(padded)
-    frequency = fft.rfftfreq(padded.size, step)
-    power = np.abs(spectrum) ** 2 / padded.size
+    padded_signal = np.concatenate([swing, -swing[-2:0:-1]])
+    spectrum = fft.rfft(padded_signal)
+    frequency = fft.rfftfreq(padded_signal.size, step)
+    power = np.abs(spectrum) ** 2 / padded_signal.size
     noise = _noise_below(frequency, power, highest, 1.0 / step)
-    return spectrum, frequency, _averaged(frequency, power, highest), noise.density(frequency)
+    return spectrum, frequency, _average(frequency, power, highest), noise.density(frequency)
 
 
 def _noise_below(frequency: Array, power: Array, highest: float, rate: float) -> NoiseModel:
@@ -104,22 +104,22 @@ def _noise_below(frequency: Array, power: Array, highest: float, rate: float) ->
     while edges[-1] > _LOWEST_NOISE:
         lower = edges[-1] / _THIRD
         band = (frequency > lower) & (frequency <= edges[-1])
-        above = (frequency > edges[-1]) & (frequency <= edges[-1] * _THIRD)
-        if not (band.any() and above.any()):
+        upper_band = (frequency > edges[-1]) & (frequency <= edges[-1] * _THIRD)
+        if not (band.any() and upper_band.any()):
             break
-        chance = 1.0 + _BY_CHANCE_ABOVE / np.sqrt(float(min(band.sum(), above.sum())))
-        if float(power[band].mean()) > _STEEPEST * chance * float(power[above].mean()):
+        chance = 1.0 + _CHANCE_DEVIATIONS / np.sqrt(float(min(band.sum(), upper_band.sum())))
+        if float(power[band].mean()) > _STEEPEST * chance * float(power[upper_band].mean()):
             break
         edges.append(lower)
-    return _fitted_above(frequency, power, edges[max(len(edges) - 3, 0)], rate)
+    return _fit_above(frequency, power, edges[max(len(edges) - 3, 0)], rate)
 
 
-def _fitted_above(frequency: Array, power: Array, lowest: float, rate: float) -> NoiseModel:
-    above = frequency > lowest
-    return fit_noise([Periodogram(frequency=frequency[above], power=power[above])], rate)
+def _fit_above(frequency: Array, power: Array, lowest: float, rate: float) -> NoiseModel:
+    is_above = frequency > lowest
+    return fit_noise([Periodogram(frequency=frequency[is_above], power=power[is_above])], rate)
 
 
-def _averaged(frequency: Array, power: Array, highest: float) -> Array:
+def _average(frequency: Array, power: Array, highest: float) -> Array:
     """Mean power over a band that widens with the frequency, of what may be signal or of what may not."""
     reach = np.maximum((_NARROW + _WIDENING * frequency) / frequency[1], _FEWEST).astype(int)
     places = np.arange(frequency.size)
@@ -130,7 +130,7 @@ def _averaged(frequency: Array, power: Array, highest: float) -> Array:
     return np.asarray((sums[last] - sums[first]) / (last - first))
 
 
-def smoothed_motion(displacement: Array, step: float, highest: float) -> Motion3:
+def smooth_motion(displacement: Array, step: float, highest: float) -> Motion3:
     """Motion behind a noisy displacement.
 
     `displacement` [m]; `step` [s]; `highest` [Hz].
@@ -138,28 +138,28 @@ def smoothed_motion(displacement: Array, step: float, highest: float) -> Motion3
     >>> time = np.arange(0.0, 20.0, 0.002)
     >>> truth = np.sin(2.0 * np.pi * time) * np.sin(np.pi * time / 20.0)
     >>> noise = 0.1 * np.random.default_rng(1).normal(size=time.size)
-    >>> found = smoothed_motion(truth + noise, 0.002, 45.0).values[0]
+    >>> found = smooth_motion(truth + noise, 0.002, 45.0).values[0]
     >>> bool(np.std(found - truth) < 0.02)
     True
     """
     n = displacement.size
-    spectrum, frequency, whole, floor = _spectra(displacement, step, highest)
-    share = _share(frequency, whole, floor, highest)
+    spectrum, frequency, mean_power, floor = _spectra(displacement, step, highest)
+    share = _share(frequency, mean_power, floor, highest)
     swing = fft.irfft(share * spectrum, 2 * n - 2)[:n]
     return Motion3.interpolate(swing + np.linspace(displacement[0], displacement[-1], n), step)
 
 
 def velocity_spread(displacement: Array, step: float, highest: float) -> float:
     """Return how far the velocity spreads about that of the smoothed motion, its standard deviation [m/s]."""
-    _, frequency, whole, floor = _spectra(displacement, step, highest)
-    missed = _share(frequency, whole, floor, highest) * floor * (2.0 * np.pi * frequency) ** 2
-    return float(np.sqrt(missed.sum() / displacement.size))
+    _, frequency, mean_power, floor = _spectra(displacement, step, highest)
+    missed_power = _share(frequency, mean_power, floor, highest) * floor * (2.0 * np.pi * frequency) ** 2
+    return float(np.sqrt(missed_power.sum() / displacement.size))
 
 
-def _share(frequency: Array, whole: Array, floor: Array, highest: float) -> Array:
+def _share(frequency: Array, mean_power: Array, floor: Array, highest: float) -> Array:
     """Share of the signal in the power, by which the spectrum is multiplied."""
-    share = np.clip((whole - floor) / np.maximum(whole, 1e-300), 0.0, 1.0)
-    share[(frequency > highest) | (share < _BY_CHANCE)] = 0.0
+    share = np.clip((mean_power - floor) / np.maximum(mean_power, 1e-300), 0.0, 1.0)
+    share[(frequency > highest) | (share < _CHANCE_SHARE)] = 0.0
     return np.asarray(share)
 
 
@@ -172,14 +172,16 @@ def motions_of(campaign: Campaign) -> tuple[Motion3, ...]:
 def _piston_in(test: MeasuredTest, step: float, highest: float) -> Motion3:
     if Channel.COMMAND in test.channels:
         return Motion3.interpolate(test.channels[Channel.COMMAND], step)
-    return smoothed_motion(test.channels[Channel.MEASURED], step, highest)
+    return smooth_motion(test.channels[Channel.MEASURED], step, highest)
 
 
 def scales_of(campaign: Campaign, motions: Sequence[Motion3]) -> Scales:
     """Peaks of the motion and the force over the tests that are not held out."""
-    kept = [k for k, test in enumerate(campaign.tests) if not test.held_out]
-    centred = [motions[k].values - [[motions[k].values[0].mean()], [0.0], [0.0]] for k in kept]
-    peaks = np.max([np.quantile(np.abs(history), 0.9995, axis=1) for history in centred], axis=0)
+    fitted_tests = [k for k, test in enumerate(campaign.tests) if not test.held_out]
+    centred_motions = [
+        motions[k].values - [[motions[k].values[0].mean()], [0.0], [0.0]] for k in fitted_tests
+    ]
+    peaks = np.max([np.quantile(np.abs(history), 0.9995, axis=1) for history in centred_motions], axis=0)
     if not peaks.min() > 0.0:
         raise InputError(
             "The displacement must move in at least one test that is not held out",
@@ -190,14 +192,14 @@ def scales_of(campaign: Campaign, motions: Sequence[Motion3]) -> Scales:
         displacement=float(peaks[0]),
         velocity=float(peaks[1]),
         acceleration=float(peaks[2]),
-        force=_peak_force(campaign, kept, float(peaks[0])),
-        duration=max(campaign.tests[k].size for k in kept) * campaign.step,
+        force=_peak_force(campaign, fitted_tests, float(peaks[0])),
+        duration=max(campaign.tests[k].size for k in fitted_tests) * campaign.step,
     )
 
 
-def _peak_force(campaign: Campaign, kept: Sequence[int], displacement: float) -> float:
+def _peak_force(campaign: Campaign, fitted_tests: Sequence[int], displacement: float) -> float:
     if Channel.FORCE in campaign.channels:
-        forces = [campaign.tests[k].channels[Channel.FORCE] for k in kept]
+        forces = [campaign.tests[k].channels[Channel.FORCE] for k in fitted_tests]
         peak = max(float(np.abs(force - np.median(force)).max()) for force in forces)
     else:
         specimen = campaign.nominal.specimen

@@ -97,9 +97,9 @@ class LateGround(RecordEffect):
         return read_late(path_through(acceleration), -self.ground_lag_s / step)
 
 
-def with_clock(model: HybridTest, values: Array, step: float) -> Array:
+def record_by_clock(model: HybridTest, values: Array, step: float) -> Array:
     """Return a predicted channel as the clocks of a model record it, shape (n,), at steps [s]."""
-    return recorded_late(values, lag_of(model), step)
+    return record_late(values, lag_of(model), step)
 
 
 def lag_of(model: HybridTest) -> float:
@@ -108,7 +108,7 @@ def lag_of(model: HybridTest) -> float:
     return late - sum(effect.lead_s for effect in model.effects if isinstance(effect, LeadingReading))
 
 
-def recorded_late(values: Array, lag: float, step: float) -> Array:
+def record_late(values: Array, lag: float, step: float) -> Array:
     """Read a channel at steps [s] so much later [s], shape (n,).
 
     Beyond its ends it goes on straight for two steps, and keeps that value.
@@ -127,13 +127,13 @@ def read_late(coefficients: Array, late: float) -> Array:
     last = coefficients.shape[1]
     values = np.empty(last + 1)
     for place in range(last + 1):
-        at = place - late
-        inside = min(max(at, 0.0), float(last))
-        beyond = min(max(at - inside, -_STRAIGHT), _STRAIGHT)
-        before = min(int(inside), last - 1)
-        since = inside - before
-        cubic, square, slope = coefficients[0, before], coefficients[1, before], coefficients[2, before]
-        values[place] = coefficients[3, before] + since * (slope + since * (square + since * cubic))
-        if beyond != 0.0:
-            values[place] += beyond * (slope + since * (2.0 * square + 3.0 * since * cubic))
+        position = place - late
+        inner_position = min(max(position, 0.0), float(last))
+        excess = min(max(position - inner_position, -_STRAIGHT), _STRAIGHT)
+        knot = min(int(inner_position), last - 1)
+        since = inner_position - knot
+        cubic, square, slope = coefficients[0, knot], coefficients[1, knot], coefficients[2, knot]
+        values[place] = coefficients[3, knot] + since * (slope + since * (square + since * cubic))
+        if excess != 0.0:
+            values[place] += excess * (slope + since * (2.0 * square + 3.0 * since * cubic))
     return values

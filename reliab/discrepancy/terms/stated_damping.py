@@ -28,7 +28,7 @@ class StatedDamping(Effect):
     damping_n_s_per_m: float  # Δc [N·s/m]
 
 
-def with_damping(model: HybridTest) -> HybridTest:
+def apply_damping(model: HybridTest) -> HybridTest:
     """Return a model whose structure has the damping that its effects give it."""
     changes = [effect for effect in model.effects if isinstance(effect, StatedDamping)]
     if not changes or model.structure is None:
@@ -36,5 +36,5 @@ def with_damping(model: HybridTest) -> HybridTest:
     damping = model.mass * model.substructure.damping
     factor = 1.0 + sum(change.damping_n_s_per_m for change in changes) / damping
     ratio = max(factor * model.structure.damping_ratio, _LEAST)
-    others = tuple(effect for effect in model.effects if not isinstance(effect, StatedDamping))
-    return replace(model, structure=replace(model.structure, damping_ratio=ratio), effects=others)
+    other_effects = tuple(effect for effect in model.effects if not isinstance(effect, StatedDamping))
+    return replace(model, structure=replace(model.structure, damping_ratio=ratio), effects=other_effects)

@@ -252,9 +252,7 @@ def posterior_figure(diagnosis: Diagnosis, block: str, posterior: Posterior) -> 
         posterior.units[k] if scale == 1.0 else f"{scale:g} {posterior.units[k]}"
         for k, scale in zip(places, scales, strict=True)
     ]
-    names = [
-        f"{posterior.names[k].rpartition('.')[2]} [{unit}]" for k, unit in zip(places, units, strict=True)
-    ]
+    names = [f"{posterior.meanings[k]} [{unit}]" for k, unit in zip(places, units, strict=True)]
     caption = prose(
         "Posterior of the effects in the {block}: 90 % intervals, and contours around 50 and 90 % of draws.",
         block=block,

@@ -10,13 +10,13 @@ import pandas as pd
 from reliab.core.significant_digits import percent, significant
 from reliab.core.vocabulary import PERCENT
 from reliab.discrepancy.adding.posterior import Posterior
-from reliab.discrepancy.campaign.campaign import held_out_in_words
+from reliab.discrepancy.campaign.campaign import describe_held_out
 from reliab.discrepancy.fitting.problem import MOST_OF_A_TEST
 from reliab.discrepancy.naming.unexplained import LARGEST_REMAINDER
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis, Verdict
 from reliab.discrepancy.result.diagnosis import Diagnosis
 from reliab.discrepancy.result.gap import Gap, Remainder
-from reliab.discrepancy.result.missing_effect import Estimate, MissingEffect, Unknown
+from reliab.discrepancy.result.missing_effect import MissingEffect, Unknown
 from reliab.report.document import Block, Column, Document, Paragraph, Points, Section, Table
 from reliab.report.kinds.discrepancy_figures import (
     block_figure,
@@ -286,28 +286,20 @@ def _parameters(diagnosis: Diagnosis) -> Table:
         {
             "effect": spelled_out(effect.name),
             "probability": effect.probability,
-            "parameters": "; ".join(map(_with_interval, effect.parameter_texts, effect.estimates)),
+            "parameters": effect.parameters,
         }
         for effect in diagnosis.all_effects
     ]
     columns = (
         Column(key="effect", heading="Effect"),
         Column(key="probability", heading="Probability", number=Fixed(decimals=3)),
-        Column(key="parameters", heading="Parameters ± standard deviation (90 % interval)"),
+        Column(key="parameters", heading="Parameters (90 % intervals)"),
     )
     return Table(
         frame=pd.DataFrame(rows),
         columns=columns,
         caption="Effects with the most probable values of their parameters.",
     )
-
-
-def _with_interval(text: str, estimate: Estimate) -> str:
-    """Add the 90 % interval to a parameter where it is known."""
-    if estimate.interval is None or not estimate.determined:
-        return text
-    low, high = estimate.interval
-    return f"{text} ({low:.4g} to {high:.4g})"
 
 
 def _sentence(effect: MissingEffect) -> Prose:
@@ -350,16 +342,14 @@ def _unknown(unknown: Unknown) -> Prose:
 
 def _calibration(diagnosis: Diagnosis) -> Table:
     rows = [
-        (str(diagnosed.block.block), e.name, e.value, e.sd, e.units)
+        (str(diagnosed.block.block), e.meaning, e.size)
         for diagnosed in diagnosis.blocks
         for e in diagnosed.calibration
     ]
     columns = (
         Column(key="block", heading="Block"),
         Column(key="parameter", heading="Calibrated"),
-        Column(key="value", heading="Value", number=Significant(digits=4)),
-        Column(key="sd", heading="± sd", number=Significant(digits=2)),
-        Column(key="units", heading="Unit"),
+        Column(key="value", heading="Value (90 % interval)"),
     )
     return Table(
         frame=pd.DataFrame(rows, columns=[column.key for column in columns]),
@@ -468,7 +458,7 @@ def _errors_by_test(diagnosis: Diagnosis) -> Table:
         {
             "block": str(diagnosed.block.block),
             "channel": diagnosed.gap.channel,
-            "test": held_out_in_words(diagnosed.block.tests, gap.files),
+            "test": describe_held_out(diagnosed.block.tests, gap.files),
             "kind": gap.kind,
             "before": gap.before,
             "after": gap.after,
