@@ -1,11 +1,14 @@
 """Results show themselves in a notebook: tables that escape what they hold, and plots that return axes."""
 
+import inspect
 from dataclasses import replace
 from html.parser import HTMLParser
+from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
 import pytest
+import xarray as xr
 
 import reliab
 from reliab.app.api.assessment import compare_assessments
@@ -119,6 +122,28 @@ def test_error_is_drawn_over_time(verdict):
     time, error = axes.lines[0].get_data()
     assert time[-1] == pytest.approx(verdict.recording.duration)
     np.testing.assert_allclose(error, 1e3 * verdict.error.rebuilt.smooth_error)
+
+
+def test_a_suite_a_recording_a_campaign_and_rates_show_themselves(verdict):
+    suite = reliab.load_motions("synthetic")[:3]
+    campaign = reliab.read_campaign(shipped("datasets", "campaigns/rig_a"))
+    for answer, rows in ((suite, 3), (verdict.recording, 1), (campaign, 3)):
+        assert len(answer.to_dataframe()) == rows
+        assert len(answer.summary().splitlines()) > rows
+        assert answer._repr_html_().startswith("<table")
+        assert answer.plot().get_xlabel() in {"duration [s]", "time [s]"}
+
+
+SHOWING = ("summary", "plot", "to_dataframe", "_repr_html_")
+OF_OTHERS = (Path, xr.Dataset, dict, tuple, int, type(None))
+
+
+def test_every_answer_of_the_interface_shows_itself():
+    functions = [getattr(reliab, name) for name in dir(reliab) if name.islower()]
+    answers = {inspect.signature(one).return_annotation for one in functions if inspect.isfunction(one)}
+    own = [one for one in answers if isinstance(one, type) and not issubclass(one, OF_OTHERS)]
+    assert len(own) > 10
+    assert [(one, way) for one in own for way in SHOWING if not hasattr(one, way)] == []
 
 
 @pytest.mark.parametrize("kind", ["record", "monitor"])

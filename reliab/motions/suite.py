@@ -3,12 +3,15 @@
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
-from typing import Protocol, overload
+from typing import TYPE_CHECKING, Any, Protocol, overload
 
 from reliab.core.errors import InputError
-from reliab.core.plain_values import html_table
+from reliab.core.plain_values import ResultWithRows, html_table
 from reliab.core.significant_digits import counted
 from reliab.motions.motion import Motion
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _MOST_ROWS = 100  # motions in a table
 
@@ -32,7 +35,7 @@ class MotionEntry(Protocol):
         """Read the motion."""
 
 
-class MotionSuite(Sequence[Motion]):
+class MotionSuite(Sequence[Motion], ResultWithRows):
     """An ordered suite of motions with unique names.
 
     Names, events and sets are known from the start; a record is read when its motion is needed and is not
@@ -55,6 +58,8 @@ class MotionSuite(Sequence[Motion]):
     >>> len(suite), suite.names, suite.events, suite[0].duration
     (1, ('pulse',), ('test',), 0.02)
     """
+
+    rows_in = "motions"
 
     def __init__(self, entries: Iterable[MotionEntry]) -> None:
         self._entries = tuple(entries)
@@ -123,6 +128,27 @@ class MotionSuite(Sequence[Motion]):
         return (
             f"<MotionSuite of {counted(len(self), 'motion')} from {counted(len(set(self.events)), 'event')}>"
         )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Name, earthquake and set of each motion; no record is read."""
+        return {
+            "motions": [
+                {"motion": entry.name, "event": entry.event, "set": entry.set_name} for entry in self._entries
+            ]
+        }
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw the peak acceleration of each motion over its duration, and return the axes.
+
+        `axes`: those to draw into; new ones by default. Reads one record after the other.
+        """
+        from matplotlib import pyplot as plt
+
+        drawn = axes if axes is not None else plt.figure().gca()
+        points = [(motion.duration, motion.peak_acceleration) for motion in self]
+        drawn.plot(*zip(*points, strict=True), "o")
+        drawn.set(xlabel="duration [s]", ylabel="peak ground acceleration [m/s²]")
+        return drawn
 
     def _repr_html_(self) -> str:
         """Table for notebooks: motions by earthquake; no record is read."""

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,8 +11,12 @@ from numpy.typing import NDArray
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.physical_range import require_physical
+from reliab.core.plain_values import PlainResult
 from reliab.core.stated_value import StatedValue
 from reliab.recordings.words import Quantity
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 FEWEST_SAMPLES = 64
 """Samples below which no index is evaluated."""
@@ -130,7 +134,7 @@ def require_few_samples(samples: int, location: str) -> None:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Recording:
+class Recording(PlainResult):
     """Command and measured displacement of a test.
 
     InputError
@@ -187,6 +191,38 @@ class Recording:
     def duration(self) -> float:
         """Time between the first and the last sample [s]."""
         return (self.command.size - 1) * self.time_step
+
+    def to_dict(self) -> dict[str, Any]:
+        """Say how long the test is, and the largest value of each channel in SI units."""
+        return {
+            "test": self.name,
+            "duration_s": self.duration,
+            "rate_hz": 1.0 / self.time_step,
+            "samples": self.command.size,
+            **{f"largest_{name}": float(np.abs(values).max()) for name, values in self._histories.items()},
+            "notes": list(self.notes),
+        }
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw command and measured displacement over time, and return the axes.
+
+        `axes`: those to draw into; new ones by default.
+        """
+        from matplotlib import pyplot as plt
+
+        drawn = plt.subplots(figsize=(8.0, 3.0))[1] if axes is None else axes
+        time = np.arange(self.command.size) * self.time_step
+        for name in ("command", "measured"):
+            drawn.plot(time, getattr(self, name), linewidth=0.8, label=name)
+        drawn.set(xlabel="time [s]", ylabel="displacement [m]", title=self.name)
+        drawn.legend(frameon=False)
+        return drawn
+
+    @property
+    def _histories(self) -> dict[str, Array]:
+        names = ("command", "measured", "ground", "force")
+        known = {name: getattr(self, name) for name in names}
+        return {name: values for name, values in known.items() if values is not None}
 
 
 def require_finite(values: NDArray[np.float64], description: str, location: str) -> None:

@@ -81,8 +81,8 @@ TERMS: Final = (
         ),
     ),
     Term(
-        name=prose('$"RMS"^R$, $"MTE"^R$'),
-        pattern=r"RMS|MTE",
+        name=prose('RMS error $"RMS"^R$, largest error $"MTE"^R$'),
+        pattern=r"RMS|MTE|[Ll]argest error",
         meaning=prose(
             "Root mean square, and largest value, of measured minus exact displacement, over the peak of the "
             "exact displacement."

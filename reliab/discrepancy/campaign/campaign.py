@@ -5,15 +5,20 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
 from itertools import pairwise
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from reliab.core.errors import InputError
+from reliab.core.plain_values import ResultWithRows
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.structures.partition import Partition
 from reliab.structures.specimen import Specimen
 from reliab.structures.structure import Structure
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _CLEAR_GROWTH = 1.02  # of the displacement before
 
@@ -82,7 +87,7 @@ class Stretch:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Campaign:
+class Campaign(ResultWithRows):
     """A folder of measured tests with the nominal model of the rig.
 
     Parameters
@@ -105,6 +110,8 @@ class Campaign:
     partition : Partition, optional
         Nominal frame with its specimen and interface, in the place of a structure of one degree of freedom.
     """
+
+    rows_in = "tests"
 
     name: str
     structure: Structure | None
@@ -131,6 +138,37 @@ class Campaign:
     def step(self) -> float:
         """Step between samples [s]."""
         return 1.0 / self.rate
+
+    def to_dict(self) -> dict[str, Any]:
+        """Name the campaign and its tests."""
+        tests = [
+            {
+                "file": test.file,
+                "motion": test.motion,
+                "held_out": test.held_out,
+                "duration_s": (test.size - 1) * self.step,
+                "channels": ", ".join(test.channels),
+            }
+            for test in self.tests
+        ]
+        return {"campaign": self.name, "rate_hz": self.rate, "tests": tests}
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw the measured displacement of each test over time, and return the axes.
+
+        `axes`: those to draw into; new ones by default.
+        """
+        from matplotlib import pyplot as plt
+
+        drawn = plt.subplots(figsize=(8.0, 3.0))[1] if axes is None else axes
+        for test in self.tests:
+            channel = Channel.MEASURED if Channel.MEASURED in test.channels else next(iter(test.channels))
+            drawn.plot(
+                np.arange(test.size) * self.step, test.channels[channel], linewidth=0.8, label=test.file
+            )
+        drawn.set(xlabel="time [s]", ylabel="measured [SI units]", title=self.name)
+        drawn.legend(frameon=False)
+        return drawn
 
     @cached_property
     def nominal(self) -> HybridTest:

@@ -2,13 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
+from reliab.core.plain_values import ResultWithRows
 from reliab.core.vocabulary import Side
 
 COUNTS: Final = (
@@ -22,8 +23,12 @@ DIMENSIONS: Final = ("candidate", "confidence", "side", "f", "xi", "motion")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class CrossValidation:
+class CrossValidation(ResultWithRows):
     """Counts for each judged motion, and the rates that follow."""
+
+    rows_in = "rates"
+    shown = ("candidate", "confidence", "containment", "containment_low", "containment_high")
+    plotted = ("confidence", "containment")
 
     # Over (candidate, confidence, side, f, xi, motion), for actuators that are late and those that are early:
     # times `judged` and `contained` by the true error, times `unresolved`, where the error along the edge is
@@ -34,6 +39,11 @@ class CrossValidation:
     threshold: float  # Error on the boundary [-]
     metric: str  # Which error
     truth: str  # What the errors rest on: "simulated", or "ellipse" where only fitted ellipses are known
+
+    def to_dict(self) -> dict[str, Any]:
+        """Say how the motions were divided, and the rates of each criterion over all structures."""
+        asked = {"scheme": self.scheme, "threshold": self.threshold, "metric": self.metric}
+        return {**asked, "truth": self.truth, "rates": tabulate(self).to_dict("records")}
 
     def containment(self, over: Sequence[str] = ("f", "xi"), side: Side = Side.LAG) -> xr.Dataset:
         """Share of judged motions under which the error stays below the threshold along the whole edge."""
