@@ -134,7 +134,7 @@ class OwnBoundary:
         bracket = elementwise.bracket_root(excess, np.array([-0.1]), np.array([0.1]))
         if not bool(bracket.success[0]):
             raise InputError(
-                "The test must lie on a ray that meets the boundary",
+                "A and d of the test lie in a direction in which this ground motion sets no limit",
                 value=f"A = {amplitude:g}, d = {delay:g} s",
                 remedy="Check command and measured displacement",
             )

@@ -291,7 +291,9 @@ def _interval(size: Estimate) -> str:
 def _require_one_test(runs: Mapping[str, Assessment]) -> None:
     found: Sequence[Assessment] = list(runs.values())
     if len(found) < 2:  # noqa: PLR2004 - a pair
-        raise InputError("Extrapolating needs at least two runs", value=len(found))
+        raise InputError(
+            "Extrapolating needs at least two runs", value=len(found), remedy="Name every run of the test"
+        )
     first = found[0]
     for name, one in runs.items():
         if not np.isclose(one.recording.time_step, first.recording.time_step, rtol=1e-6):
@@ -308,6 +310,7 @@ def _require_one_test(runs: Mapping[str, Assessment]) -> None:
                 "The runs have different commands",
                 value=f"a correlation of {significant(alike, 2)}",
                 where=name,
+                remedy="Extrapolate runs of one test only, driven by the same command",
             )
         seconds = apart * first.recording.time_step
         if abs(seconds) * first.structure.frequency > _APART_IN_TIME:

@@ -34,7 +34,9 @@ def shipped(kind: str, name: str) -> Path:
     'table2.csv'
     """
     if kind not in KINDS:
-        raise InputError("What ships is a dataset or a study", value=kind, remedy=f"Use {' or '.join(KINDS)}")
+        raise InputError(
+            "Only datasets and studies ship with reliab", value=kind, remedy=f"Use {' or '.join(KINDS)}"
+        )
     folder, digests = shipped_folder(kind), checksums(kind)
     path = folder / name
     if not path.exists() and name in digests:
@@ -50,7 +52,7 @@ def shipped(kind: str, name: str) -> Path:
             entry.name for entry in folder.glob("*") if entry.name not in ("README.md", CHECKSUMS)
         )
         raise InputError(
-            f"No {kind} of this name come with reliab",
+            f"reliab ships no {kind} of this name",
             value=name,
             remedy=f"Choose among {', '.join(present)}",
         )

@@ -207,7 +207,7 @@ def carry_to_suite(ellipses: "xr.Dataset", suite: "xr.Dataset") -> "xr.Dataset":
         near = ellipses.sel(shared)
     except KeyError as missing:
         raise InputError(
-            "The population holds no such structures or errors to pool the suite with",
+            "The population has no such structures or errors, so the suite cannot be pooled with it",
             value=str(missing),
             remedy="Choose among those of the population, or give the suite as `motions` alone",
         ) from missing
@@ -389,7 +389,7 @@ def _require_rms(table: EllipseTable) -> None:
     metrics = names_along(table, "metric")
     if metrics != [Metric.RMS]:
         raise InputError(
-            "For a record, a criterion is known for the error RMS^R only",
+            "A criterion can be transferred to a record for the RMS error only",
             value=", ".join(metrics),
             remedy="Ask for the metric rms",
         )

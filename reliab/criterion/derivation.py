@@ -79,7 +79,7 @@ class LearnedSide:
         empty = int((limits <= 0.0).any(axis=-1).sum())
         if empty and kind is not Table:
             raise InputError(
-                "A law needs positive limits at every structure",
+                "At a structure the limits are zero, which no law can follow",
                 value=(
                     f"too few motions or earthquakes for {method.name} at {confidence:g} at "
                     f"{empty} structures"
@@ -306,7 +306,7 @@ class Derivation:
             sides[side] = LearnedSide(grid=grid, learned=learned_limits)
         if Side.LAG not in sides:
             raise InputError(
-                "A criterion needs boundaries of lags",
+                "A criterion needs the boundaries of late actuators",
                 value=f"ellipses of {', '.join(names_along(selected_ellipses, 'side'))} alone",
                 remedy="Trace the boundaries of both sides",
             )

@@ -71,6 +71,7 @@ def growth(experimental_fraction: ArrayLike, damping_ratio: ArrayLike) -> Array:
         raise InputError(
             "The share of the stiffness in the laboratory must be above 0 and at most 1",
             value=float(share.flat[0]),
+            remedy="Give a fraction, 0.6 for 60 %",
         )
     weak = (share < _FULL_SHARE) & (share < LEAST_SHARE_OVER_DAMPING * xi * (1.0 - 1e-9))
     if weak.any():

@@ -184,7 +184,7 @@ def pack(ellipses: Mapping[str, xr.Dataset]) -> dict[str, Any]:
     )
     if codes.max() > _LARGEST_CODE:
         raise InputError(
-            "Parameters of the ellipses in one page must lie within 32 powers of two of each other",
+            "The ellipses differ too much in size for one page",
             value=f"{(codes.max() + 1) / 2**11:.0f}",
             remedy="Trace fewer thresholds or structures",
         )

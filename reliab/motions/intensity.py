@@ -77,11 +77,16 @@ def arias_times(acceleration: ArrayLike, time_step: float, fractions: Sequence[f
     samples = np.asarray(acceleration, dtype=np.float64)
     shares = np.asarray(fractions, dtype=np.float64)
     if not ((shares >= 0) & (shares <= 1)).all():
-        raise InputError("Fractions of the Arias intensity must lie in [0, 1]", value=fractions)
+        raise InputError(
+            "Fractions of the Arias intensity must lie in [0, 1]", value=fractions, remedy="Give 0.05 for 5 %"
+        )
     samples = samples / (np.abs(samples).max() or 1.0)
     cumulative_energy = np.concatenate([[0.0], np.cumsum(_segment_energies(samples, time_step))])
     if not cumulative_energy[-1] > 0:
-        raise InputError("The record is zero throughout, so that it has no Arias intensity")
+        raise InputError(
+            "The record is zero throughout, so that it has no Arias intensity",
+            remedy="Leave the record out, or choose another window",
+        )
     target = shares * cumulative_energy[-1]
     segment = np.clip(np.searchsorted(cumulative_energy, target, side="left") - 1, 0, samples.size - 2)
     energy = (target - cumulative_energy[segment]) / time_step
@@ -123,7 +128,11 @@ def mean_period(acceleration: ArrayLike, time_step: float) -> float:
     power = np.abs(scipy.fft.rfft(samples / (np.abs(samples).max() or 1.0), count)[is_in_band]) ** 2
     total = float(power.sum())
     if not total > 0:
-        raise InputError("The mean period needs a record with content from 0.25 to 20 Hz", value="none")
+        raise InputError(
+            "The mean period needs a record with content from 0.25 to 20 Hz",
+            value="none",
+            remedy="Check the time step of the record",
+        )
     return float((power / frequencies[is_in_band]).sum() / total)
 
 

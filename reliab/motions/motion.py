@@ -62,7 +62,7 @@ class Motion:
 
     def __post_init__(self) -> None:
         if not self.name:
-            raise InputError("A motion must have a name")
+            raise InputError("A motion must have a name", remedy="Name it, by its record for example")
         require_short(np.size(self.acceleration), self.name)
         object.__setattr__(self, "acceleration", _check_samples(self.acceleration, self.name))
         object.__setattr__(self, "time_step", _check_step(self.time_step, self.name))
@@ -131,6 +131,7 @@ def _check_samples(samples: Array, name: str) -> Array:
             "A motion must be a one-dimensional array of at least two samples",
             value=f"shape {samples_copy.shape}",
             where=name,
+            remedy="Give the accelerations of one component",
         )
     if not np.isfinite(samples_copy).all():
         first = int(np.flatnonzero(~np.isfinite(samples_copy))[0])
@@ -181,6 +182,7 @@ def resample(motion: Motion, rate_hz: float = 1024.0) -> Motion:
             "At this sampling rate fewer than two samples are left",
             value=f"{rate_hz} Hz over {motion.duration} s",
             where=motion.name,
+            remedy="Choose a higher rate",
         )
     times = np.arange(steps + 1) / rate_hz
     samples = np.interp(times, motion.times, motion.acceleration)
@@ -203,6 +205,7 @@ def truncate(motion: Motion, duration: float) -> Motion:
             "The duration is shorter than a time step of the record",
             value=f"{duration} s against a step of {motion.time_step} s",
             where=motion.name,
+            remedy="Give the duration in seconds",
         )
     if duration >= motion.duration:
         return motion

@@ -31,7 +31,7 @@ def write_suite(suite: MotionSuite, folder: str | Path, *, event: str | None = N
     """
     target = Path(folder)
     if not len(suite):
-        raise InputError("The suite has no motions to write")
+        raise InputError("The suite has no motions to write", remedy="Choose motions that are in the suite")
     if target.exists() and (not target.is_dir() or any(target.iterdir())):
         raise InputError(
             "The folder is not empty",

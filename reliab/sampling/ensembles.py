@@ -60,7 +60,7 @@ class ChainFile:
             if stored_signature is not None
         ):
             raise InputError(
-                "A run is resumed with the model, data and settings that it began with",
+                "The stored chains belong to another model, other data or other settings",
                 value=f"another run of {model}",
                 remedy="Name another file; only the number of steps may grow",
                 where=str(path),

@@ -106,7 +106,7 @@ class EffectLoop:
         """
         if cells.leads.any():
             raise InputError(
-                "A loop with effects takes no leads",
+                "Effects cannot be simulated with an early actuator (a negative delay)",
                 value=f"a lead of {-1e3 * cells.delay.min():.4g} ms",
                 remedy="Give delays of zero or more, or leave the effects out",
             )

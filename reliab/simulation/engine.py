@@ -110,7 +110,7 @@ class Loop:
         if self.engine is Engine.DELAY:
             if cells.leads.any():
                 raise InputError(
-                    "The engine delay takes no leads",
+                    "The engine 'delay' cannot simulate an early actuator (a negative delay)",
                     value=f"a lead of {-1e3 * cells.delay.min():.4g} ms",
                     remedy="Use the engine 'automatic', 'pole' or 'spectral'",
                 )
@@ -122,7 +122,7 @@ class Loop:
         if self.engine is Engine.POLE:
             worst = int(np.argmax(error / tolerance))
             raise InputError(
-                f"The engine pole would change RMS^R by more than {tolerance[worst]:g}",
+                f"The engine 'pole' would change the RMS error by more than {tolerance[worst]:g}",
                 value=f"{significant(error[worst], 2)} at k_p = {cells.gain[worst]:g}, τ = "
                 f"{cells.delay[worst]:g} s",
                 remedy="Use the engine 'automatic'",

@@ -72,6 +72,7 @@ def modal_damping(mass: ArrayLike, stiffness: ArrayLike, ratios: ArrayLike) -> A
         raise InputError(
             f"Give one damping ratio for all modes, or {size}, one for each",
             value=f"{values.size} ratios",
+            remedy="Write 0.02 for 2 % in all modes",
         )
     if not ((values >= 0.0) & (values < 1.0)).all():
         raise InputError(
@@ -97,7 +98,9 @@ def rayleigh_damping(
     first, second = (2.0 * np.pi * f for f in frequencies)
     if not (first > 0.0 and second > 0.0 and first != second):
         raise InputError(
-            "Rayleigh damping needs two different positive frequencies", value=f"{frequencies} Hz"
+            "Rayleigh damping needs two different positive frequencies",
+            value=f"{frequencies} Hz",
+            remedy="Give two frequencies in hertz",
         )
     system = 0.5 * np.array([[1.0 / first, first], [1.0 / second, second]])
     mass_factor, stiffness_factor = np.linalg.solve(system, np.asarray(ratios, dtype=np.float64))
@@ -242,7 +245,9 @@ class Frame:
         names = tuple(self.names) or tuple(str(k + 1) for k in range(self.size))
         if len(names) != self.size or len(set(names)) != self.size:
             raise InputError(
-                f"The {self.size} degrees of freedom need as many different names", value=list(names)
+                f"The {self.size} degrees of freedom need as many different names",
+                value=list(names),
+                remedy="Give each degree of freedom a name of its own",
             )
         object.__setattr__(self, "names", names)
         require_positive_definite(self.mass, "mass matrix", "Give every degree of freedom a positive mass")

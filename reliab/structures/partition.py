@@ -114,14 +114,18 @@ class Partition:
     def _name(self, field: str, number: int, description: str) -> None:
         names = tuple(getattr(self, field)) or tuple(str(place + 1) for place in range(number))
         if len(names) != number or len(set(names)) != number:
-            raise InputError(f"The {number} {description} need as many different names", value=list(names))
+            raise InputError(
+                f"The {number} {description} need as many different names",
+                value=list(names),
+                remedy="Give each a name of its own",
+            )
         object.__setattr__(self, field, names)
 
     def _check_effects(self) -> None:
         for effect in self.effects:
             if effect.role is not Role.FORCE:
                 raise InputError(
-                    "An effect of a partition's specimen must act on its force",
+                    "An effect of the frame's specimen must act on its force",
                     value=effect.name,
                     remedy="Put effects of actuators and sensors into the laboratory",
                 )
@@ -151,7 +155,9 @@ class Partition:
 
     def _check_substructure(self) -> None:
         if not any(matrix.any() for matrix in self._specimen) and not self.effects:
-            raise InputError("The specimen has neither stiffness nor damping nor mass")
+            raise InputError(
+                "The specimen has neither stiffness nor damping nor mass", remedy="State at least one of them"
+            )
         require_positive_semidefinite(self.mass, "mass matrix", "Masses must not be negative")
         require_positive_definite(
             self.stiffness, "stiffness matrix", "A structure that can move without a force is not supported"

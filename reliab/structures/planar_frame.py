@@ -26,6 +26,7 @@ def shear_frame(masses: Sequence[float], storey_stiffnesses: Sequence[float]) ->
         raise InputError(
             "A shear frame needs as many floor masses as storey stiffnesses",
             value=f"{m.size} masses and {k.size} stiffnesses",
+            remedy="Give one mass and one stiffness for each storey, from the ground up",
         )
     for place, (mass, stiffness) in enumerate(zip(m.tolist(), k.tolist(), strict=True), start=1):
         require_physical("mass", mass, called=f"mass of floor {place}")
@@ -60,7 +61,11 @@ class PlanarFrame:
     def __post_init__(self) -> None:
         for name in ("storeys", "bays"):
             if getattr(self, name) < 1:
-                raise InputError(f"A planar frame must have {name}", value=getattr(self, name))
+                raise InputError(
+                    f"A planar frame must have {name}",
+                    value=getattr(self, name),
+                    remedy="Complete the table of the frame",
+                )
         require_physical("elastic modulus", self.elastic_modulus)
         for member, inertia, length in (
             ("a column", self.column_inertia, self.storey_height),

@@ -49,7 +49,11 @@ def drift_interface(frame: Frame, upper: str | int, lower: str | int) -> Array:
     """
     interface = floor_interface(frame, upper)
     if frame.degree_of_freedom(lower) == frame.degree_of_freedom(upper):
-        raise InputError("A drift needs two different degrees of freedom", value=str(upper))
+        raise InputError(
+            "A drift needs two different degrees of freedom",
+            value=str(upper),
+            remedy="Name the floors above and below the storey",
+        )
     interface[frame.degree_of_freedom(lower)] = -1.0
     return interface
 

@@ -58,8 +58,8 @@ class EllipseRequest:
         check_model(self.model, self.structures)
         if self.model is not None and Side.LEAD in self.sides:
             raise InputError(
-                "A model with effects has boundaries of lags only",
-                remedy="Ask for the side of the lag",
+                "With effects, boundaries exist for late actuators only",
+                remedy="Ask for the side lag",
             )
 
     @property
@@ -256,7 +256,7 @@ def _check_predictable(request: EllipseRequest) -> None:
     wrong += ["a model with effects"] if request.model is not None else []
     if wrong:
         raise InputError(
-            "The closed form gives the ellipse of RMS^R for an actuator with gain and delay alone",
+            "The closed form is for the RMS error of an actuator with gain and delay alone",
             value=", ".join(wrong),
             remedy="Leave it out, or trace the boundaries by simulation",
         )

@@ -71,7 +71,7 @@ class FrameRequest:
             )
         if stability_limit(self.frame.partition).delay == 0.0:
             raise InputError(
-                "A boundary needs a test that tolerates some delay",
+                "This loop is unstable without any delay, so it has no boundary",
                 value="a specimen with half of the mass at its interface or more",
                 remedy="Leave more of the mass to the computer",
             )

@@ -77,7 +77,7 @@ class ExplicitGrid(Grid):
                 )
         if 0.0 not in self.delay or self.delay[-1] <= 0.0 or 1.0 not in self.gain:
             raise InputError(
-                "The grid lacks the perfect actuator, k_p = 1 and τ = 0",
+                "The grid lacks the perfect actuator (gain 1, delay 0)",
                 value=f"gains {self.gain[0]:g} … {self.gain[-1]:g}, "
                 f"delays {self.delay[0]:g} … {self.delay[-1]:g} s",
                 remedy="Add the gain 1, the delay 0 and delays above it",

@@ -262,7 +262,7 @@ class ResultsAccessor:
     def _check_sides(self, sides: Sequence[Side]) -> None:
         if not set(sides) <= set(self.sides):
             raise InputError(
-                "Boundaries of leads need results with leads",
+                "These results hold no early actuators (leads)",
                 value="results of delays only",
                 remedy="Simulate again with leads, or ask for the side of the lag",
             )

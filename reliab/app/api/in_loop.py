@@ -99,7 +99,11 @@ def _monitor(asked: questions.MonitorInLoop) -> LoopMonitor:
     require_sound(stated)
     lag = stated["feedback_lag"].value
     if not 0.0 <= lag <= _LONGEST_LAG:
-        raise InputError(f"`feedback_lag` must be 0 to {_LONGEST_LAG:g} ms", value=f"{lag:g} ms")
+        raise InputError(
+            f"`feedback_lag` must be 0 to {_LONGEST_LAG:g} ms",
+            value=f"{lag:g} ms",
+            remedy="State it in milliseconds",
+        )
     tested, to_interface = _structure(asked)
     return LoopMonitor(
         structure=tested,
@@ -140,7 +144,7 @@ def _of_frame(frame: FrameUnderTest, where: str) -> tuple[Partition, Array | Non
     if frame.has_several:
         if frame.geometry is not None and not frame.channels_at_interface:
             raise InputError(
-                "A monitor in a loop carries actuators to the interface by a matrix",
+                "A monitor in a loop needs the kinematics of the actuators as a matrix",
                 value="[kinematics.geometry]",
                 remedy=f"Give matrix = {frame.kinematics.round(6).tolist()} if rotations are small, or take "
                 'channels at the "interface"',

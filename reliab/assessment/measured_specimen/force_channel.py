@@ -44,7 +44,11 @@ class ForceChannel:
                 )
             found[name] = StatedValue.parse(value, name)
             if found[name].value < 0.0 and name != "lag_ms":
-                raise InputError("Attached mass and friction are not negative", value=repr(text))
+                raise InputError(
+                    "Attached mass and friction are not negative",
+                    value=repr(text),
+                    remedy="Write attached_kg=12±1 or friction_n=40±20",
+                )
         return cls(**found)
 
     @property

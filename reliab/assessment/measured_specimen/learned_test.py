@@ -340,7 +340,7 @@ def _bounded(response: Array) -> Array:
     """Refuse a response that diverges [m]."""
     if not np.isfinite(response).all():
         raise InputError(
-            "The response that a perfect actuator would have given must stay bounded",
+            "With this mass, share and force the exact response grows without bound",
             remedy="Check mass, share and force: the specimen's force must be that of the displacement",
         )
     return response

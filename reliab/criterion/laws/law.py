@@ -237,7 +237,7 @@ class LogLinearLaw(Law):
 def _require_positive(limits: Array) -> None:
     if (limits == 0.0).any():
         raise InputError(
-            "A law of f and ξ needs positive limits at every structure",
+            "At a structure the limits are zero, which no law of f and ξ can follow",
             value=f"limits of zero at {int((limits == 0.0).sum())} structures",
             remedy="Give more motions or a lower confidence, or keep the limits as a table",
         )

@@ -69,7 +69,7 @@ def _faults_of(test: MeasuredTest, campaign: Campaign) -> Iterator[str]:
         return
     if campaign.structure is not None and ground is not None and _is_still(ground, displacement):
         raise InputError(
-            "The recorded ground acceleration must change during a test that starts at rest",
+            "The recorded ground acceleration is constant, although the test starts at rest",
             value=f"{significant(ground[0] + 0.0)} throughout",
             remedy="Record it, or leave its column out of every test: the other channels are then diagnosed",
             where=test.file,

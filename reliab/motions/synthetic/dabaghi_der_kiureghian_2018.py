@@ -99,6 +99,7 @@ class Scenario:
             raise InputError(
                 "The rupture cannot be nearer to the station than its top is deep",
                 value=f"{self.rupture_distance:g} km with the top at {self.depth_to_top:g} km",
+                remedy="Give a larger distance, or a shallower top of the rupture",
             )
 
 

@@ -262,15 +262,22 @@ def _partition(description: FrameDescription) -> Partition:
         raise InputError(
             "Mass and stiffness matrices must be of the same size",
             value=f"shapes {mass.shape} and {stiffness.shape}",
+            remedy="Give one row and column for each degree of freedom",
         )
     names = table.names or tuple(str(place + 1) for place in range(len(mass)))
     if len(names) != len(mass) or len(set(names)) != len(mass):
         raise InputError(
-            f"The {len(mass)} degrees of freedom need as many different names", value=list(names)
+            f"The {len(mass)} degrees of freedom need as many different names",
+            value=list(names),
+            remedy="Give each degree of freedom a name of its own",
         )
     interface, its_names = specimen.interface(names)
     if len(interface) != len(names):
-        raise InputError(f"A direction needs {len(names)} numbers", value=len(interface))
+        raise InputError(
+            f"A direction needs {len(names)} numbers",
+            value=len(interface),
+            remedy="Give one number for each degree of freedom",
+        )
     k, c, m = specimen.matrices(interface.shape[1])
     damping = description.damping.matrix(mass, stiffness)
     if not specimen.part_of_structure:
@@ -298,5 +305,6 @@ def _kinematics(matrix: Array, degrees: int) -> Array:
         raise InputError(
             f"The kinematics need {degrees} columns, one for each degree of freedom of the specimen",
             value=matrix.shape[1],
+            remedy="Give a row for each actuator, with a number for each driven degree of freedom",
         )
     return invertible(matrix)

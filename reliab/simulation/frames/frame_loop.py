@@ -92,6 +92,7 @@ class FrameLoop:
             raise InputError(
                 "A frame is solved by the engines automatic, spectral or, with one actuator, pole",
                 value=self.engine,
+                remedy="Choose one of these",
             )
         if self.output is not None and np.shape(self.output) != (self.partition.nonsingular_form.size,):
             raise InputError(

@@ -55,7 +55,11 @@ class EffectTable(BaseModel):
             return kind(**values)
         except TypeError:
             missing = [name for name in names if name not in values]
-            raise InputError(f"{self.name} needs its parameters", value=f"no {', '.join(missing)}") from None
+            raise InputError(
+                f"{self.name} needs its parameters",
+                value=f"no {', '.join(missing)}",
+                remedy="Give them in SI units",
+            ) from None
 
 
 class SpecimenTable(DescribedTable):
@@ -167,6 +171,7 @@ class SpecimenTable(DescribedTable):
                     f"The specimen's {name} matrix must be square, with a row for each of its "
                     f"{degrees} driven degrees of freedom and for its inner ones",
                     value=f"shape {matrix.shape}",
+                    remedy="Give the driven degrees of freedom first, then the inner ones",
                 )
         if len(stiffness) == degrees:
             return stiffness, damping, mass

@@ -70,6 +70,8 @@ def matrix_of_rows(rows: tuple[Row, ...] | None) -> Array:
     rows = rows or ()
     if len({len(row) for row in rows}) != 1:
         raise InputError(
-            "The rows of the matrix have different lengths", value=f"lengths {[len(row) for row in rows]}"
+            "The rows of the matrix have different lengths",
+            value=f"lengths {[len(row) for row in rows]}",
+            remedy="Give as many numbers in each row",
         )
     return np.array(rows, dtype=np.float64)

@@ -47,7 +47,9 @@ class PlanarGeometry:
         number, allowed_motions = len(self.motions), set(MOTIONS)
         if not allowed_motions.issuperset(self.motions) or len(set(self.motions)) != number:
             raise InputError(
-                "The motions of a body in a plane are x, y and rotation, each once", value=list(self.motions)
+                "The motions of a body in a plane are x, y and rotation, each once",
+                value=list(self.motions),
+                remedy="Name each of the three once",
             )
         directions, pins = (np.array(rows, dtype=np.float64) for rows in (self.directions, self.pins))
         lengths = np.full(number, np.inf) if self.lengths is None else np.array(self.lengths, dtype=float)
@@ -62,6 +64,7 @@ class PlanarGeometry:
             raise InputError(
                 "Pins must be finite, directions not zero and lengths positive",
                 value=f"directions {directions.tolist()} and lengths {lengths.tolist()} m",
+                remedy="Check the numbers of [kinematics.geometry]",
             )
         object.__setattr__(self, "pins", pins)
         object.__setattr__(self, "directions", directions / size[:, np.newaxis])
@@ -92,7 +95,7 @@ class PlanarGeometry:
                 if np.abs(step).max() <= _CONVERGENCE_TOLERANCE * max(np.abs(estimate).max(), 1.0):
                     return estimate
         raise InputError(
-            "Extensions of the actuators must be possible with their geometry",
+            "The actuators cannot reach these extensions with their geometry",
             value=f"up to {significant(float(np.abs(extensions).max()))} m",
             remedy="Check pins and directions of [kinematics.geometry], and the unit of the channels",
         )

@@ -75,7 +75,7 @@ def pole_loop(partition: Partition, gain: Array, delay: Array, output: Array | N
     start = partition.frame.poles
     if start.size < partition.frame.size:
         raise InputError(
-            "Every mode of the frame must oscillate",
+            "A mode of the frame does not oscillate",
             value=f"{partition.frame.size - start.size} overdamped modes",
             remedy="Reduce the damping, or the number of degrees of freedom",
         )

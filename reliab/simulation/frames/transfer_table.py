@@ -48,7 +48,9 @@ def transfer_function_of(model: Any, delay: float = 0.0) -> TransferFunction:  #
         c = np.atleast_2d(np.asarray(model.C))
         if b.shape[1] != 1 or c.shape[0] != 1:
             raise InputError(
-                "A transfer system has one input and one output", value=f"{b.shape[1]} and {c.shape[0]}"
+                "A transfer system has one input and one output",
+                value=f"{b.shape[1]} and {c.shape[0]}",
+                remedy="Give the model of one actuator",
             )
         numerator, denominator = scipy.signal.ss2tf(
             np.asarray(model.A), b, c, np.atleast_2d(np.asarray(model.D))
@@ -79,7 +81,9 @@ def _single(coefficients: Any) -> tuple[float, ...]:  # noqa: ANN401 - any libra
     while len(channel) and np.ndim(channel[0]) > 0:
         if len(channel) != 1:
             raise InputError(
-                "A transfer system has one input and one output", value=f"{len(channel)} channels"
+                "A transfer system has one input and one output",
+                value=f"{len(channel)} channels",
+                remedy="Give the model of one actuator",
             )
         channel = channel[0]
     return coefficients_of(channel)

@@ -89,7 +89,11 @@ class TransferFunction(TransferSystem):
                 remedy="No actuator differentiates; add the poles that limit it",
             )
         if not (math.isfinite(self.delay) and self.delay >= 0.0):
-            raise InputError("The delay of a transfer function must not be negative", value=self.delay)
+            raise InputError(
+                "The delay of a transfer function must not be negative",
+                value=self.delay,
+                remedy="Give seconds, 0.002 for 2 ms",
+            )
         self._check_poles()
 
     def _check_poles(self) -> None:
@@ -128,7 +132,9 @@ class TransferFunction(TransferSystem):
         for name, values in (("zeros", numerator), ("poles", denominator)):
             if np.iscomplexobj(values):
                 raise InputError(
-                    f"Complex {name} must come in conjugate pairs", value=list(np.asarray(values))
+                    f"Complex {name} must come in conjugate pairs",
+                    value=list(np.asarray(values)),
+                    remedy="Add the conjugate of each",
                 )
         factor = gain * denominator[-1] / numerator[-1] if static else gain
         return cls(numerator=tuple(factor * numerator), denominator=tuple(denominator), delay=delay)
@@ -195,7 +201,11 @@ class TransferFunction(TransferSystem):
 def gain_and_delay(gain: float = 1.0, delay: float = 0.0) -> TransferFunction:
     """Transfer function k_p e^(−sτ)."""
     if not (math.isfinite(gain) and gain > 0.0):
-        raise InputError("The actuator's gain must be positive and finite", value=gain)
+        raise InputError(
+            "The actuator's gain must be positive and finite",
+            value=gain,
+            remedy="Give measured over commanded displacement, 1 for an exact actuator",
+        )
     return TransferFunction(numerator=(gain,), denominator=(1.0,), delay=delay)
 
 
@@ -257,7 +267,11 @@ def invertible(kinematics: Array) -> Array:
     """Return the matrix of kinematics, which must be square, finite and not singular."""
     matrix = np.array(kinematics, dtype=np.float64)
     if matrix.ndim != 2 or not np.isfinite(matrix).all():  # noqa: PLR2004
-        raise InputError("The kinematics need rows of finite numbers", value=f"shape {matrix.shape}")
+        raise InputError(
+            "The kinematics need rows of finite numbers",
+            value=f"shape {matrix.shape}",
+            remedy="Give a row for each actuator",
+        )
     if matrix.shape[0] > matrix.shape[1]:
         raise InputError(
             "There must not be more actuators than degrees of freedom of the specimen: they would work "

@@ -206,7 +206,7 @@ def tracking_over_frequency(
     coherent[0] = False
     if int(coherent.sum()) < _FEWEST:
         raise InputError(
-            "Command and measured displacement are hardly coherent",
+            "The measured displacement hardly follows the command at the frequencies of the test",
             value=f"coherent at {int(coherent.sum())} frequencies",
             remedy="Record longer, or with less noise",
         )

@@ -94,7 +94,7 @@ def test_a_law_with_logarithms_refuses_a_limit_of_zero(law, place):
     limits = list(map(np.copy, grid(law)))
     limits[place][1, 2] = 0.0
     with pytest.raises(
-        InputError, match="positive limits at every structure; found limits of zero at 1 structures"
+        InputError, match="which no law of f and ξ can follow; found limits of zero at 1 structures"
     ):
         law.fit(F, XI, *limits)
 
