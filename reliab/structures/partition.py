@@ -114,11 +114,8 @@ class Partition:
     def _name(self, field: str, number: int, description: str) -> None:
         names = tuple(getattr(self, field)) or tuple(str(place + 1) for place in range(number))
         if len(names) != number or len(set(names)) != number:
-            raise InputError(
-                f"The {number} {description} need as many different names",
-                value=list(names),
-                remedy="Give each a name of its own",
-            )
+            rule = f"The {number} {description} need as many different names"
+            raise InputError(rule, value=list(names), remedy="Give each a name of its own")
         object.__setattr__(self, field, names)
 
     def _check_effects(self) -> None:
@@ -155,9 +152,7 @@ class Partition:
 
     def _check_substructure(self) -> None:
         if not any(matrix.any() for matrix in self._specimen) and not self.effects:
-            raise InputError(
-                "The specimen has neither stiffness nor damping nor mass", remedy="State at least one of them"
-            )
+            raise InputError("The specimen has neither stiffness nor damping nor mass", remedy="State one")
         require_positive_semidefinite(self.mass, "mass matrix", "Masses must not be negative")
         require_positive_definite(
             self.stiffness, "stiffness matrix", "A structure that can move without a force is not supported"

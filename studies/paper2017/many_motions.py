@@ -51,7 +51,7 @@ def table_2(printed: PrintedTables, records: Records) -> Iterator[Item]:
 
 
 def rows_of_table_2(printed: PrintedTables, records: Records) -> Iterator[Item]:
-    """How many rows of Table 2 come back, in a and b and in the fitting error."""
+    """How many rows of Table 2 are reproduced, in a and b and in the fitting error."""
     table = printed.table2
     names = [str(name) for name in table["record"]]
     ratios = {
@@ -92,7 +92,7 @@ def _explanation(ratio_a: float, ratio_b: float) -> str:
     if abs(ratio_a / ratio_b - 1.0) <= CLOSE:
         factor = significant((ratio_a * ratio_b) ** 0.5, 2)
         return f"a and b both off by about {factor}, as another duration might make them"
-    return "the row does not come back from the record of that name"
+    return "the row is not reproduced from the record of that name"
 
 
 def figure_11(printed: PrintedTables, records: Records) -> Iterator[Item]:
@@ -221,7 +221,7 @@ def _mean_amplitude_limit(printed: PrintedTables, records: Records) -> Iterator[
         printed=a,
         from_tables=float(gmean(printed.table3["a"])),
         from_records=float(gmean(of_a)) if known else MISSING,
-        remark="comes back as the geometric mean over Table 3",
+        remark="reproduced as the geometric mean over Table 3",
     )
     yield Item(
         item="Figure 15",

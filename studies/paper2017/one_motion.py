@@ -60,7 +60,7 @@ def table_1(printed: PrintedTables, records: Records) -> Iterator[Item]:
         quantity="points of the contour, n",
         printed=float(POINTS_OF_FIT),
         from_records=points,
-        remark="comes back with the two ends of the contour, d = 0; without them 23 points leave the ellipse "
+        remark="reproduced with the two ends of the contour, d = 0; without them 23 points leave the ellipse "
         "an error of 0.026 ms⁴ where 0.12 is printed"
         if points == POINTS_OF_FIT
         else "",
@@ -223,7 +223,7 @@ def equations_16_17(printed: PrintedTables, records: Records) -> Iterator[Item]:
             from_tables=proportional(table["xi"], table[parameter]),
             from_records=proportional(xi, values) if xi.size else MISSING,
             unit=unit,
-            remark=f"{remark or 'comes back from the tables'}; {letter} grows with ξ^2.3",
+            remark=f"{remark or 'reproduced from the tables'}; {letter} grows with ξ^2.3",
         )
     remarks = (
         "the straight line through zero misses the first row of Table 4: a grows with ξ^2.3",

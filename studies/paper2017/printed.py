@@ -215,17 +215,17 @@ class Item:
         """The finding on the number, in a clause.
 
         >>> Item(item="Equation (12)", quantity="a", printed=5.3e-5, from_tables=5.29e-5).finding
-        'comes back'
+        'reproduced'
         >>> Item(item="Table 1", quantity="a", printed=2.0, from_tables=2.0, from_records=3.0).finding
-        'comes back from the tables; from the records +50 %, unexplained'
+        'reproduced from the tables; from the records +50 %, unexplained'
         """
         if self.remark:
             return self.remark
         if self.difference != self.difference:
             return "cannot be recomputed from tables or records"
         if abs(self.difference) <= CLOSE:
-            return "comes back"
+            return "reproduced"
         percent = f"{100.0 * self.difference:+.0f} %"
         if abs(self.from_tables / self.printed - 1.0) <= CLOSE:
-            return f"comes back from the tables; from the records {percent}, unexplained"
+            return f"reproduced from the tables; from the records {percent}, unexplained"
         return f"differs by {percent}, unexplained"

@@ -23,7 +23,7 @@ from .printed import (
 
 SLIPS: Final[tuple[tuple[str, str], ...]] = (
     ("Equation (8)", "b′² should be b′."),
-    ("Caption of Table 2", "It says MTE^R where the numbers are RMS^R."),
+    ("Caption of Table 2", "It says MTEᴿ where the numbers are RMSᴿ."),
     ("Text above equation (12)", "It refers to Figure 10 for a and b, which Figure 11 shows."),
     ("Section on frequency", "The list of frequencies has 1 Hz twice."),
     ("Section on frequency", "“Wallace et al. [7]” cites the CR integration algorithm; Wallace is [9]."),

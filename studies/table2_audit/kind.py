@@ -1,4 +1,4 @@
-"""The study that audits the paper's Table 2: which rows come back, and what differs in the others."""
+"""The study that audits the paper's Table 2: which rows are reproduced, and what differs in the others."""
 
 from collections.abc import Sequence
 from pathlib import Path

@@ -27,7 +27,7 @@ def table_audit_report(
     provenance: Mapping[str, object],
     notes: Sequence[Prose] = (),
 ) -> Document:
-    """Report which rows of Table 2 come back, and what differs in the others."""
+    """Report which rows of Table 2 are reproduced, and what differs in the others."""
     rows = rows.fillna({"difference": "", "detail": ""})
     disagreeing = rows[~rows["agrees"]]
     explained = disagreeing[disagreeing["difference"] != NONE_FOUND]
@@ -36,9 +36,9 @@ def table_audit_report(
         kind="Audit of a published table",
         title=title,
         verdict=prose(
-            "{agree} of {all} rows come back within 10 % in both $a$ and $b$; of the other {disagreeing}, a "
+            "{agree} of {all} rows are reproduced within 10 % in both $a$ and $b$; of the other {disagreeing}, a "
             "hidden difference explains {named} better than chance would, and {rest} remain unexplained. The "
-            "column “error” comes back in {errors} rows.",
+            "column “error” is reproduced in {errors} rows.",
             agree=int(rows["agrees"].sum()),
             all=len(rows),
             disagreeing=len(disagreeing),
@@ -149,7 +149,7 @@ def _all(rows: pd.DataFrame) -> Section:
                 ),
                 caption=prose(
                     "Every row of Table 2, printed and simulated from the raw record; “error” is the sum of "
-                    "squares of equation (10), which comes back in few rows for a reason that is unknown."
+                    "squares of equation (10), which is reproduced in few rows for a reason that is unknown."
                 ),
                 label="tab:all",
             ),

@@ -273,11 +273,8 @@ def _partition(description: FrameDescription) -> Partition:
         )
     interface, its_names = specimen.interface(names)
     if len(interface) != len(names):
-        raise InputError(
-            f"A direction needs {len(names)} numbers",
-            value=len(interface),
-            remedy="Give one number for each degree of freedom",
-        )
+        remedy = "Give one number for each degree of freedom"
+        raise InputError(f"A direction needs {len(names)} numbers", value=len(interface), remedy=remedy)
     k, c, m = specimen.matrices(interface.shape[1])
     damping = description.damping.matrix(mass, stiffness)
     if not specimen.part_of_structure:

@@ -77,13 +77,13 @@ def of_row(numbers: pd.DataFrame) -> pd.Series:
 
 
 def count(numbers: pd.DataFrame) -> tuple[int, int]:
-    """How many printed numbers outside the rows of Table 2 come back, of how many that can be recomputed."""
+    """How many printed numbers outside the rows of Table 2 are reproduced, of how many that can be recomputed."""
     compared = numbers[~of_row(numbers) & (numbers["item"] != "Table 2")].dropna(subset=["difference"])
     return int((compared["difference"].abs() <= CLOSE).sum()), len(compared)
 
 
 def rows_that_agree(numbers: pd.DataFrame) -> tuple[int, int, int]:
-    """Rows of Table 2 that come back in a and b, those that do in the fitting error, and all rows."""
+    """Rows of Table 2 that are reproduced in a and b, those that do in the fitting error, and all rows."""
     both, errors = "rows within 10 % in a and b", "rows within 10 % in the fitting error"
     rows = int(number(numbers, "Table 2", both, "printed"))
     return int(number(numbers, "Table 2", both)), int(number(numbers, "Table 2", errors)), rows

@@ -79,7 +79,7 @@ def _verdict(numbers: pd.DataFrame, contained: pd.DataFrame) -> Prose:
     rows, errors, all_rows = rows_that_agree(numbers)
     law = contained["guo_2017_18"]
     return prose(
-        "{close} of the {known} numbers that can be recomputed come back within 10 %. So do {rows} of the "
+        "{close} of the {known} numbers that can be recomputed are reproduced within 10 %. So do {rows} of the "
         "{all} rows of Table 2 in $a$ and $b$, but only {errors} in its column “error”. The final "
         "criterion, equation (18), promises 95 % of ground motions like these hundred; the fitted "
         "ellipses of {worst} to {best} of them contain it.",
@@ -120,7 +120,7 @@ def _numbers(numbers: pd.DataFrame) -> Section:
                     "Differences are relative to the printed number, of the records where they give one. "
                     "Entries without a number say how they were used. The hundred rows of Table 2 are "
                     "listed row by row in the report of the study table2_audit, counted here by the same "
-                    "rule: a number comes back when it differs by at most 10 %. Slips are listed in "
+                    "rule: a number is reproduced when it differs by at most 10 %. Slips are listed in "
                     "@sec:errata."
                 )
             ),
@@ -204,7 +204,7 @@ def _limits(numbers: pd.DataFrame) -> list[Prose]:
     sentences: list[Prose] = [
         prose(
             "{count} rows of Table 2 differ by more than 10 % in $a$ or $b$; the records behind them may "
-            "have another time step, length or name than those used here. Its column “error” comes back in "
+            "have another time step, length or name than those used here. Its column “error” is reproduced in "
             "{errors} rows; why the others do not is unknown.",
             count=all_rows - rows,
             errors=errors,

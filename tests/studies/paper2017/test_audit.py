@@ -153,11 +153,11 @@ def test_rows_are_compared_with_the_records(printed_rows):
     numbers = audit(ellipses=ellipses_of(printed_rows)).set_index(["item", "quantity"])
     names = printed_rows["record"].tolist()
     assert "by about 2, as another duration" in numbers.loc[("Table 2", f"a of {names[0]}"), "finding"]
-    assert "does not come back" in numbers.loc[("Table 2", f"b of {names[1]}"), "finding"]
+    assert "is not reproduced" in numbers.loc[("Table 2", f"b of {names[1]}"), "finding"]
     assert numbers.loc[("Table 2", f"error of {names[2]}"), "finding"] == "differs by +200 %, unexplained"
     rows = numbers.loc["Table 2"]
     others = [f"{column} of {name}" for name in names[3:] for column in ("a", "b", "error")]
-    assert (rows.loc[others, "finding"] == "comes back").all()
+    assert (rows.loc[others, "finding"] == "reproduced").all()
     assert rows.loc["rows within 10 % in a and b", "from_records"] == 98
     assert rows.loc["rows within 10 % in the fitting error", "from_records"] == 99
     assert np.isnan(numbers.loc[("Table 3", "a at 2 Hz"), "from_records"])

@@ -52,7 +52,7 @@ def test_column_b_of_table_4_is_the_root(audited):
 
 
 def test_three_quarters_of_table_2_come_back(audited):
-    back = audited.loc["Table 2", "finding"] == "comes back"
+    back = audited.loc["Table 2", "finding"] == "reproduced"
     of_a, of_b = (back[back.index.str.startswith(f"{column} of ")].to_numpy() for column in "ab")
     assert of_a.size == of_b.size == 100
     assert (of_a & of_b).sum() >= 70
