@@ -77,7 +77,7 @@ def of_row(numbers: pd.DataFrame) -> pd.Series:
 
 
 def count(numbers: pd.DataFrame) -> tuple[int, int]:
-    """How many printed numbers outside the rows of Table 2 are reproduced, of how many that can be recomputed."""
+    """Count the printed numbers outside of Table 2's rows that are reproduced, and those that can be."""
     compared = numbers[~of_row(numbers) & (numbers["item"] != "Table 2")].dropna(subset=["difference"])
     return int((compared["difference"].abs() <= CLOSE).sum()), len(compared)
 

@@ -79,8 +79,8 @@ def _verdict(numbers: pd.DataFrame, contained: pd.DataFrame) -> Prose:
     rows, errors, all_rows = rows_that_agree(numbers)
     law = contained["guo_2017_18"]
     return prose(
-        "{close} of the {known} numbers that can be recomputed are reproduced within 10 %. So do {rows} of the "
-        "{all} rows of Table 2 in $a$ and $b$, but only {errors} in its column “error”. The final "
+        "{close} of the {known} numbers that can be recomputed are reproduced within 10 %. So are {rows} of "
+        "the {all} rows of Table 2 in $a$ and $b$, but only {errors} in its column “error”. The final "
         "criterion, equation (18), promises 95 % of ground motions like these hundred; the fitted "
         "ellipses of {worst} to {best} of them contain it.",
         close=close,
@@ -204,8 +204,8 @@ def _limits(numbers: pd.DataFrame) -> list[Prose]:
     sentences: list[Prose] = [
         prose(
             "{count} rows of Table 2 differ by more than 10 % in $a$ or $b$; the records behind them may "
-            "have another time step, length or name than those used here. Its column “error” is reproduced in "
-            "{errors} rows; why the others do not is unknown.",
+            "have another time step, length or name than those used here. Its column “error” is reproduced "
+            "in {errors} rows; why the others do not is unknown.",
             count=all_rows - rows,
             errors=errors,
         )
