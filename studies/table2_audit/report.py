@@ -36,9 +36,9 @@ def table_audit_report(
         kind="Audit of a published table",
         title=title,
         verdict=prose(
-            "{agree} of {all} rows are reproduced within 10 % in both $a$ and $b$; of the other {disagreeing}, "
-            "a hidden difference explains {named} better than chance would, and {rest} remain unexplained. The "
-            "column “error” is reproduced in {errors} rows.",
+            "{agree} of {all} rows are reproduced within 10 % in both $a$ and $b$; of the other "
+            "{disagreeing}, a hidden difference explains {named} better than chance would, and {rest} remain "
+            "unexplained. The column “error” is reproduced in {errors} rows.",
             agree=int(rows["agrees"].sum()),
             all=len(rows),
             disagreeing=len(disagreeing),
