@@ -29,7 +29,7 @@ from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
 from reliab.discrepancy.result.diagnosis import Diagnosis
 from reliab.discrepancy.spectra.segment import Segment, cut_segments, skip_end, skip_transient
 from reliab.discrepancy.spectra.smoothing import motions_of, scales_of, smooth_motion
-from reliab.discrepancy.terms.clock_offset import ClockOffset, LateGround, lag_of
+from reliab.discrepancy.terms import ClockOffset, LateGround, lag_of
 from reliab.effects.effect import Role, Scales
 from reliab.signals.noise import NoiseModel
 from reliab.simulation.hybrid_test.open_loop import Motion3
@@ -324,10 +324,10 @@ def _release_stiffness(stated_search: Search, campaign: Campaign) -> Search:
     return open_search if better and best.space.size < stated_best.space.size else stated_search
 
 
-def _energy(fitted_model: Fit, search: Search) -> float:
+def _energy(fit: Fit, search: Search) -> float:
     """Energy of what a model leaves at the judged frequencies, in the square of the channel's unit."""
     plain = replace(search.problem, tempering=(), powers=())
-    rows = plain.whiten(fitted_model.space, fitted_model.coordinates, NoiseModel.white(plain.block.rate, 1.0))
+    rows = plain.whiten(fit.space, fit.coordinates, NoiseModel.white(plain.block.rate, 1.0))
     return float(rows @ rows)
 
 
@@ -353,19 +353,19 @@ def _search_integration(block: BalanceBlock, campaign: Campaign, search: Search)
     return search.rerun_converted()
 
 
-def _is_slightly_late(fitted_model: Fit) -> bool:
+def _is_slightly_late(fit: Fit) -> bool:
     """Whether a ground acceleration is late or early by what an integration with short steps does, too."""
-    effects = fitted_model.space.model(fitted_model.coordinates).effects
+    effects = fit.space.model(fit.coordinates).effects
     return any(abs(effect.ground_lag_s) < _SLIGHT for effect in effects if isinstance(effect, LateGround))
 
 
-def highest_informed_frequency(problem: Problem, fitted_model: Fit) -> float:
+def highest_informed_frequency(problem: Problem, fit: Fit) -> float:
     """Frequency above the strongest motion from which a model explains less than half of the channel [Hz].
 
     Returns the highest frequency that is judged, where the model explains more than half of the power up to
     there.
     """
-    remainders = problem.residuals(fitted_model.space, fitted_model.coordinates)
+    remainders = problem.residuals(fit.space, fit.coordinates)
     highest = max(segment.highest for segment in problem.segments)
     grid = np.arange(_FINEST, highest, _FINEST)
     signal, remainder = np.zeros(grid.size), np.zeros(grid.size)

@@ -28,13 +28,9 @@ _NOTHING = 1e-300  # energy of a channel that does not move
 _WHITE = 1.25  # ratio of the power in both halves of a band of white noise
 
 
-def residuals(
-    proof: Problem, fitted_model: Fit, *, neutral_offsets: Sequence[type[Effect]] = ()
-) -> dict[int, Array]:
+def residuals(proof: Problem, fit: Fit, *, neutral_offsets: Sequence[type[Effect]] = ()) -> dict[int, Array]:
     """Measured minus predicted channel on held-out tests."""
-    return proof.residuals(
-        fitted_model.space, fitted_model.space.neutralise(fitted_model.coordinates, neutral_offsets)
-    )
+    return proof.residuals(fit.space, fit.space.neutralise(fit.coordinates, neutral_offsets))
 
 
 def compute_nrmse(proof: Problem, residual: dict[int, Array]) -> float:

@@ -17,7 +17,7 @@ from reliab.discrepancy.fitting.problem import Problem, relative_powers
 from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.spectra.segment import cut_segments
 from reliab.discrepancy.spectra.smoothing import motions_of, scales_of, velocity_spread
-from reliab.discrepancy.terms.clock_offset import ClockOffset
+from reliab.discrepancy.terms import ClockOffset
 from reliab.effects.effect import Effect, Role, Setting, SteppedEffect
 from reliab.effects.general.general_terms import general_terms
 from reliab.effects.registry import find_effect, library

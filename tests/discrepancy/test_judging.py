@@ -11,7 +11,7 @@ from reliab.discrepancy.fitting import search
 from reliab.discrepancy.fitting.error_search import ErrorSearch
 from reliab.discrepancy.fitting.left_out import LeftOut
 from reliab.discrepancy.fitting.search import Search
-from reliab.discrepancy.terms.clock_offset import ClockOffset
+from reliab.discrepancy.terms import ClockOffset
 from reliab.effects.general.general_terms import general_terms
 from reliab.effects.registry import find_effect
 

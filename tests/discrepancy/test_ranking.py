@@ -14,7 +14,7 @@ from reliab.discrepancy.naming.choice import (
     _shares_of_scores,
     _split_by_certainty,
 )
-from reliab.discrepancy.terms.clock_offset import ClockOffset
+from reliab.discrepancy.terms import ClockOffset
 from reliab.effects.registry import find_effect
 
 AFTER, BEFORE = find_effect("stroke_saturation"), find_effect("command_saturation")

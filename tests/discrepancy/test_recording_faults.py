@@ -11,8 +11,15 @@ from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.campaign.reading import read_campaign
 from reliab.discrepancy.diagnose import _is_slightly_late, _possible_lag, diagnose
 from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
-from reliab.discrepancy.terms.clock_offset import ClockOffset, LateGround, LeadingReading, record_by_clock
-from reliab.discrepancy.terms.stated_damping import StatedDamping, apply_damping
+from reliab.discrepancy.terms import (
+    ClockOffset,
+    LateGround,
+    LeadingReading,
+    StatedDamping,
+    apply_damping,
+    lag_of,
+    record_late,
+)
 from reliab.effects.added_mass import AddedMass
 from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
@@ -131,18 +138,18 @@ def test_a_displacement_that_leads_its_command_is_a_clock_offset():
 @pytest.mark.parametrize("lag", [-0.02, -0.001, 0.001, 0.0025, 0.02])
 def test_a_late_force_is_that_of_earlier(lag):
     model = HybridTest(effects=(ClockOffset(lag_s=lag),))
-    late = record_by_clock(model, np.sin(3.0 * TIME), 1.0 / RATE)
+    late = record_late(np.sin(3.0 * TIME), lag_of(model), 1.0 / RATE)
     inner = slice(10, -10)
     assert late[inner] == pytest.approx(np.sin(3.0 * (TIME - lag))[inner], abs=1e-7)
 
 
 def test_a_reading_that_leads_is_that_of_later():
     model = HybridTest(effects=(LeadingReading(lead_s=0.003),))
-    early = record_by_clock(model, np.sin(3.0 * TIME), 1.0 / RATE)
+    early = record_late(np.sin(3.0 * TIME), lag_of(model), 1.0 / RATE)
     assert early[10:-10] == pytest.approx(np.sin(3.0 * (TIME + 0.003))[10:-10], abs=1e-7)
     step, slope = 1.0 / RATE, 3.0 * np.cos(3.0 * TIME[-1])
     assert early[-1] == pytest.approx(np.sin(3.0 * TIME[-1]) + 0.003 * slope, abs=1e-5)
-    far = record_by_clock(HybridTest(effects=(LeadingReading(lead_s=0.2),)), np.sin(3.0 * TIME), step)
+    far = record_late(np.sin(3.0 * TIME), -0.2, step)
     assert far[-30:] == pytest.approx(np.sin(3.0 * TIME[-1]) + 2.0 * step * slope, abs=1e-5)
 
 
@@ -154,7 +161,7 @@ def with_late_force(campaign, lag):
             test,
             channels={
                 **test.channels,
-                Channel.FORCE: record_by_clock(late, test.channels[Channel.FORCE], campaign.step),
+                Channel.FORCE: record_late(test.channels[Channel.FORCE], lag_of(late), campaign.step),
             },
         )
         for test in campaign.tests
@@ -181,7 +188,7 @@ def test_a_late_ground_acceleration_is_no_integration_error(lag):
             test,
             channels={
                 **test.channels,
-                Channel.GROUND: record_by_clock(late, test.channels[Channel.GROUND], campaign.step),
+                Channel.GROUND: record_late(test.channels[Channel.GROUND], lag_of(late), campaign.step),
             },
         )
         for test in campaign.tests
@@ -228,9 +235,7 @@ def test_a_balance_reads_its_force_as_late_as_the_specimen_does():
     campaign = read_campaign("rig_c")
     block = BalanceBlock(campaign, scales_of(campaign, motions_of(campaign)))
     late = block.read_late(0.01)
-    expected = record_by_clock(
-        HybridTest(effects=(ClockOffset(lag_s=0.01),)), block.predict(block.nominal, 0), campaign.step
-    )
+    expected = record_late(block.predict(block.nominal, 0), 0.01, campaign.step)
     assert late.predict(late.nominal, 0) == pytest.approx(expected)
     assert block.nominal == campaign.nominal
 

@@ -19,7 +19,7 @@ from reliab.discrepancy.result.missing_effect import (
     remark,
     widen_estimates,
 )
-from reliab.discrepancy.terms.stated_damping import StatedDamping
+from reliab.discrepancy.terms import StatedDamping
 from reliab.effects.registry import find_effect
 from reliab.recordings import behaviour
 

@@ -178,10 +178,8 @@ def _effects_to_add(block_result: BlockDiagnosis) -> set[type[Effect]]:
 
 def _deviations(block_result: BlockDiagnosis) -> dict[str, float]:
     """Return standard deviations in SI units of what a block calibrated and named."""
-    fitted_model = block_result.best
-    spread = fitted_model.space.standard_deviations(
-        fitted_model.coordinates, fitted_model.covariance
-    ).tolist()
+    fit = block_result.best
+    spread = fit.space.standard_deviations(fit.coordinates, fit.covariance).tolist()
     calibrated_model = {
         calibration.key: calibration.unit * sd
         for calibration, sd in zip(block_result.block.calibrations, spread, strict=False)
@@ -190,7 +188,7 @@ def _deviations(block_result: BlockDiagnosis) -> dict[str, float]:
     refining = {
         f"{kind.name}.{item.name}": item.sd
         for kind in _effects_to_add(block_result)
-        for item in estimates(kind, fitted_model)
+        for item in estimates(kind, fit)
     }
     effects = {
         f"{missing.effect.name}.{item.name}": item.sd

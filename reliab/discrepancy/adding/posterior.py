@@ -49,10 +49,10 @@ _ENOUGH_OF_SURFACE = 2000.0  # the same where draws cost nothing
 Density = Callable[[Array], Array]
 
 
-def simulate_residuals(problem: Problem, fitted_model: Fit, points: Iterable[Array]) -> Array:
+def simulate_residuals(problem: Problem, fit: Fit, points: Iterable[Array]) -> Array:
     """Whitened residuals of a model at given coordinates."""
     with ThreadPoolExecutor(_WORKERS) as pool:
-        rows = pool.map(lambda point: problem.whiten(fitted_model.space, point, fitted_model.noise), points)
+        rows = pool.map(lambda point: problem.whiten(fit.space, point, fit.noise), points)
         return np.stack(list(rows))
 
 
@@ -66,20 +66,17 @@ class LikelihoodSurface:
     coefficients: Array  # The whitened residual over the monomials, shape (features, rows)
 
     @classmethod
-    def around(cls, problem: Problem, fitted_model: Fit) -> "LikelihoodSurface":
+    def around(cls, problem: Problem, fit: Fit) -> "LikelihoodSurface":
         """Simulate around a fitted model and fit the polynomial."""
-        variances, directions = np.linalg.eigh(fitted_model.covariance)
+        variances, directions = np.linalg.eigh(fit.covariance)
         axes = directions * np.sqrt(variances)
-        points = np.clip(
-            fitted_model.coordinates + _design(fitted_model.space.size) @ axes.T, *fitted_model.space.bounds
-        )
-        standard = np.linalg.solve(axes, (points - fitted_model.coordinates).T).T
+        points = np.clip(fit.coordinates + _design(fit.space.size) @ axes.T, *fit.space.bounds)
+        standard = np.linalg.solve(axes, (points - fit.coordinates).T).T
         return cls(
-            centre=fitted_model.coordinates,
+            centre=fit.coordinates,
             axes=axes,
-            bounds=fitted_model.space.bounds,
-            coefficients=np.linalg.pinv(_features(standard))
-            @ simulate_residuals(problem, fitted_model, points),
+            bounds=fit.space.bounds,
+            coefficients=np.linalg.pinv(_features(standard)) @ simulate_residuals(problem, fit, points),
         )
 
     @cached_property
@@ -98,11 +95,11 @@ class LikelihoodSurface:
             standard, lambda coordinates, is_inside: _posterior(squares[is_inside], coordinates)
         )
 
-    def simulate_density(self, problem: Problem, fitted_model: Fit, standard: Array) -> Array:
+    def simulate_density(self, problem: Problem, fit: Fit, standard: Array) -> Array:
         """Return the same by simulations."""
 
         def density(coordinates: Array, _is_inside: Array) -> Array:
-            residuals = simulate_residuals(problem, fitted_model, coordinates)
+            residuals = simulate_residuals(problem, fit, coordinates)
             return _posterior((residuals**2).sum(axis=1), coordinates)
 
         return self._restrict_to_bounds(standard, density)
@@ -221,18 +218,18 @@ class Posterior:
         return tuple(sentences)
 
 
-def sample_posterior(problem: Problem, fitted_model: Fit) -> Posterior:
+def sample_posterior(problem: Problem, fit: Fit) -> Posterior:
     """Sample the posterior distribution of a fitted model.
 
     Calibrations and offsets are sampled along with the effects; the noise is as fitted.
     """
-    surface = LikelihoodSurface.around(problem, fitted_model)
-    size, space = fitted_model.space.size, fitted_model.space
+    surface = LikelihoodSurface.around(problem, fit)
+    size, space = fit.space.size, fit.space
     draws, effective = draws_by_importance(surface.log_density, size, _DRAWS, _ENOUGH_OF_SURFACE)
-    agreement = 0.0 if effective < ENOUGH else agreement_of(problem, fitted_model, surface, draws[:_CHECKS])
+    agreement = 0.0 if effective < ENOUGH else agreement_of(problem, fit, surface, draws[:_CHECKS])
     if agreement < SMALLEST_AGREEMENT:
         draws, effective = draws_by_importance(
-            lambda standard: surface.simulate_density(problem.sketch, fitted_model, standard), size
+            lambda standard: surface.simulate_density(problem.sketch, fit, standard), size
         )
     exact = np.stack([space.values(point) for point in np.clip(surface.coordinates(draws), *surface.bounds)])
     model_noise = np.random.default_rng(_SEED).standard_normal(exact.shape)  # the error of the model
@@ -293,7 +290,7 @@ def _effective(weights: Array) -> float:
     return float(weights.sum() ** 2 / (weights**2).sum())
 
 
-def agreement_of(problem: Problem, fitted_model: Fit, surface: LikelihoodSurface, draws: Array) -> float:
+def agreement_of(problem: Problem, fit: Fit, surface: LikelihoodSurface, draws: Array) -> float:
     """Effective share of draws of a surface under importance weights from it to simulations."""
-    ratios = surface.simulate_density(problem, fitted_model, draws) - surface.log_density(draws)
+    ratios = surface.simulate_density(problem, fit, draws) - surface.log_density(draws)
     return _effective(_weights(ratios)) / len(draws)

@@ -11,7 +11,7 @@ from reliab.core.vocabulary import Block
 from reliab.discrepancy.blocks.calibration import delay, gain
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
-from reliab.discrepancy.terms.clock_offset import LeadingReading, record_by_clock
+from reliab.discrepancy.terms import LeadingReading, lag_of, record_late
 from reliab.effects.effect import Role, Scales
 from reliab.effects.general.general_terms import general_terms
 from reliab.effects.registry import library
@@ -76,7 +76,7 @@ class ActuatorBlock(ObservedBlock):
     def predict(self, model: HybridTest, test: int) -> Array:
         """Displacement that the sensor reads [m], shape (n,)."""
         piston = self.piston(model, test)
-        return record_by_clock(model, read_displacement(model, piston), piston.step)
+        return record_late(read_displacement(model, piston), lag_of(model), piston.step)
 
 
 def _parts(campaign: Campaign) -> int:

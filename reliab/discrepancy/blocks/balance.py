@@ -45,7 +45,7 @@ from reliab.discrepancy.blocks.calibration import (
 )
 from reliab.discrepancy.blocks.observed import SuperposedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
-from reliab.discrepancy.terms.clock_offset import ClockOffset, LateGround, read_late
+from reliab.discrepancy.terms import ClockOffset, LateGround, read_late
 from reliab.effects.effect import Parameter, RecordEffect, Role, Scales
 from reliab.effects.force_bias import ForceBias
 from reliab.effects.integration_error import IntegrationError

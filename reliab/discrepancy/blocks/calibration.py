@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from reliab.discrepancy.terms.clock_offset import ClockOffset
+from reliab.discrepancy.terms import ClockOffset
 from reliab.effects.effect import Parameter, Scales
 from reliab.effects.excitation_scale import ExcitationScale
 from reliab.effects.force_bias import ForceBias

@@ -22,7 +22,7 @@ from reliab.discrepancy.blocks.calibration import (
 )
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
-from reliab.discrepancy.terms.stated_damping import StatedDamping, apply_damping
+from reliab.discrepancy.terms import StatedDamping, apply_damping
 from reliab.effects.added_mass import AddedMass
 from reliab.effects.effect import Effect, Role, Scales
 from reliab.effects.excitation_scale import ExcitationScale

@@ -16,7 +16,7 @@ from reliab.discrepancy.blocks.calibration import Calibration
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.spectra.segment import Segment
 from reliab.discrepancy.spectra.smoothing import highest_frequency
-from reliab.discrepancy.terms.clock_offset import lag_of, path_through, read_late, record_late
+from reliab.discrepancy.terms import lag_of, path_through, read_late, record_late
 from reliab.effects.added_mass import AddedMass
 from reliab.effects.effect import Effect, Scales
 from reliab.effects.viscous_damping import ViscousDamping

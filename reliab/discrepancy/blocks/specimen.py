@@ -15,7 +15,7 @@ from reliab.discrepancy.blocks.calibration import Calibration, free_stiffness, l
 from reliab.discrepancy.blocks.observed import ObservedBlock, SuperposedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
 from reliab.discrepancy.spectra.smoothing import harmonics_up_to, reliable_frequency, velocity_spread
-from reliab.discrepancy.terms.clock_offset import ClockOffset
+from reliab.discrepancy.terms import ClockOffset
 from reliab.effects.added_mass import AddedMass
 from reliab.effects.effect import Effect, Role, Scales, SteppedEffect
 from reliab.effects.force_bias import ForceBias

@@ -5,7 +5,7 @@ import numpy as np
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.discrepancy.terms.clock_offset import ClockOffset
+from reliab.discrepancy.terms import ClockOffset
 from reliab.effects.backlash import Backlash
 from reliab.effects.effect import Effect, LinearEffect
 from reliab.effects.rate_limit import RateLimit
@@ -21,35 +21,31 @@ LIMITS = (StrokeSaturation, RateLimit)
 _DELAY = "delay_s"
 
 
-def acts(fitted_model: Fit, effect: type[Effect], deviations: float) -> bool:
+def acts(fit: Fit, effect: type[Effect], deviations: float) -> bool:
     """Whether an effect is so many standard deviations from none, where its parameters can say so."""
     if not all(parameter.signed for parameter in effect.parameters):
         return True
-    place = fitted_model.space.places(effect)
+    place = fit.space.places(effect)
     if effect is ClockOffset:
-        lag = fitted_model.space.values(fitted_model.coordinates)[place]
-        return bool((np.abs(lag) * fitted_model.space.block.rate > _LEAST_LAG).all())
-    neutral = fitted_model.coordinates.copy()
+        lag = fit.space.values(fit.coordinates)[place]
+        return bool((np.abs(lag) * fit.space.block.rate > _LEAST_LAG).all())
+    neutral = fit.coordinates.copy()
     neutral[place] = 0.0
-    distance = np.abs(
-        fitted_model.space.values(fitted_model.coordinates) - fitted_model.space.values(neutral)
-    )[place]
-    spread = fitted_model.space.standard_deviations(fitted_model.coordinates, fitted_model.covariance)[place]
+    distance = np.abs(fit.space.values(fit.coordinates) - fit.space.values(neutral))[place]
+    spread = fit.space.standard_deviations(fit.coordinates, fit.covariance)[place]
     return bool((distance > deviations * spread).any())
 
 
-def exceeds_rounding(problem: Problem, fitted_model: Fit, effect: type[Effect]) -> bool:
+def exceeds_rounding(problem: Problem, fit: Fit, effect: type[Effect]) -> bool:
     """Whether an effect that holds the reading still moves it by more than a converter's rounding does.
 
     A converter, too, holds the reading of a motion still where that turns.
     """
     if not issubclass(effect, _RESTING) or not any(problem.steps.values()):
         return True
-    space = ModelSpace(
-        fitted_model.space.block, tuple(e for e in fitted_model.space.effects if e is not effect)
-    )
-    free = problem.predictions(space, space.inherit(fitted_model.space, fitted_model.coordinates))
-    held_prediction = problem.predictions(fitted_model.space, fitted_model.coordinates)
+    space = ModelSpace(fit.space.block, tuple(e for e in fit.space.effects if e is not effect))
+    free = problem.predictions(space, space.inherit(fit.space, fit.coordinates))
+    held_prediction = problem.predictions(fit.space, fit.coordinates)
     return any(
         np.abs(held_prediction[test] - free[test]).max() > _ROUNDING * problem.steps[test]
         for test in held_prediction

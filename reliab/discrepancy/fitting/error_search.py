@@ -16,7 +16,7 @@ from reliab.discrepancy.fitting.prior import cost_beside_error
 from reliab.discrepancy.fitting.problem import Problem, observations
 from reliab.discrepancy.fitting.screening import Promise
 from reliab.discrepancy.fitting.search import Search
-from reliab.discrepancy.terms.clock_offset import ClockOffset
+from reliab.discrepancy.terms import ClockOffset
 from reliab.effects.effect import Effect
 
 WORTH = 0.1

@@ -145,14 +145,14 @@ def improve_fit(
         is_accepted = foreseen = False
         while damping < _MOST_DAMPING:
             step = solve_bounded_step(curvature, slope, lower - x, upper - x, damping)
-            moved_coordinates = np.clip(x + step, lower, upper)
+            trial = np.clip(x + step, lower, upper)
             promise = -slope @ step - 0.5 * step @ curvature @ step
             if promise < _NEGLIGIBLE:
                 break
-            residual_after = problem.whiten(space, moved_coordinates, noise)
-            decrease = value - _objective(residual_after, moved_coordinates)
+            residual_after = problem.whiten(space, trial, noise)
+            decrease = value - _objective(residual_after, trial)
             if decrease > 0.0:
-                x, residual, is_accepted = moved_coordinates, residual_after, True
+                x, residual, is_accepted = trial, residual_after, True
                 foreseen = bool(promise < _SMALL and abs(decrease - promise) < _NEGLIGIBLE)
                 value -= decrease
                 damping = max(0.1 * damping, 1e-7)
@@ -164,19 +164,15 @@ def improve_fit(
     return replace(fitted_model, coordinates=x, residual=residual, jacobian=derivatives)
 
 
-def solve_bounded_step(
-    curvature: Array, slope: Array, least: Array, upper_limit: Array, damping: float
-) -> Array:
+def solve_bounded_step(curvature: Array, slope: Array, least: Array, high: Array, damping: float) -> Array:
     """Damped Newton step: the minimum of the quadratic model within the bounds."""
     damped_curvature = curvature + damping * np.diag(np.diag(curvature))
     step: Array = np.asarray(-np.linalg.solve(damped_curvature, slope), dtype=np.float64)
-    if ((step >= least) & (step <= upper_limit)).all():
+    if ((step >= least) & (step <= high)).all():
         return step
     root = np.linalg.cholesky(damped_curvature)
-    upper_limit = np.maximum(upper_limit, least + 1e-12)
-    solution = optimize.lsq_linear(
-        root.T, -np.linalg.solve(root, slope), bounds=(least, upper_limit), method="bvls"
-    )
+    high = np.maximum(high, least + 1e-12)
+    solution = optimize.lsq_linear(root.T, -np.linalg.solve(root, slope), bounds=(least, high), method="bvls")
     return np.asarray(solution.x)
 
 
@@ -212,7 +208,7 @@ def _differentiate(
     columns = np.empty((centre.size, space.size))
     for place in range(space.size):
         step = _STEP if coordinates[place] + _STEP < upper[place] else -_STEP
-        moved_coordinates = coordinates.copy()
-        moved_coordinates[place] += step
-        columns[:, place] = (problem.whiten(space, moved_coordinates, noise) - centre) / step
+        trial = coordinates.copy()
+        trial[place] += step
+        columns[:, place] = (problem.whiten(space, trial, noise) - centre) / step
     return columns

@@ -56,22 +56,22 @@ class LeftOut:
         return float(self.relative[foretold].sum()) <= multiple * float(rival.relative[foretold].sum())
 
 
-def leave_out(problem: Problem, fitted_model: Fit, fixed: tuple[int, ...] = ()) -> LeftOut:
+def leave_out(problem: Problem, fit: Fit, fixed: tuple[int, ...] = ()) -> LeftOut:
     """Leave out each test in turn, refit the model to the others and predict it."""
     energies, foretold = [], []
     for members in _parts(problem):
         excluded_rows = np.isin(problem.owners, members)
         if problem.flat and not fixed:
-            refits = [_refit_fully(problem, fitted_model, excluded_rows, members)]
+            refits = [_refit_fully(problem, fit, excluded_rows, members)]
         else:
-            refits = [refit(fitted_model, excluded_rows, fixed)]
+            refits = [refit(fit, excluded_rows, fixed)]
         if fixed:  # far from the fit one step may be worse than none
-            fixed_coordinates = fitted_model.coordinates.copy()
+            fixed_coordinates = fit.coordinates.copy()
             fixed_coordinates[list(fixed)] = 0.0
             refits.append(fixed_coordinates)
         segments = [problem.segments[k] for k in members]
-        energies.append(min(_residual_energy(problem, fitted_model.space, x, segments) for x in refits))
-        foretold.append(problem.flat or _is_determined(fitted_model, ~excluded_rows))
+        energies.append(min(_residual_energy(problem, fit.space, x, segments) for x in refits))
+        foretold.append(problem.flat or _is_determined(fit, ~excluded_rows))
     return _errors(problem, energies, foretold)
 
 
@@ -102,15 +102,15 @@ def _errors(problem: Problem, energies: Sequence[float], foretold: Sequence[bool
     )
 
 
-def _is_determined(fitted_model: Fit, fitted_rows: NDArray[np.bool_]) -> bool:
+def _is_determined(fit: Fit, fitted_rows: NDArray[np.bool_]) -> bool:
     """Whether some rows say more of every parameter of the effects than its prior.
 
     A limit that a single test reaches follows from that test alone: without it nothing but the prior is left
     to predict it.
     """
-    derivatives = fitted_model.jacobian[fitted_rows]
-    variances = np.diag(np.linalg.inv(derivatives.T @ derivatives + np.eye(fitted_model.space.size)))
-    places = [fitted_model.space.places(effect) for effect in fitted_model.space.effects]
+    derivatives = fit.jacobian[fitted_rows]
+    variances = np.diag(np.linalg.inv(derivatives.T @ derivatives + np.eye(fit.space.size)))
+    places = [fit.space.places(effect) for effect in fit.space.effects]
     return all(float(variances[place].max()) < _PRIOR_SHARE for place in places)
 
 
@@ -128,7 +128,7 @@ def _residual_energy(
 
 
 def _refit_fully(
-    problem: Problem, fitted_model: Fit, excluded_rows: NDArray[np.bool_], members: Sequence[int]
+    problem: Problem, fit: Fit, excluded_rows: NDArray[np.bool_], members: Sequence[int]
 ) -> Array:
     """Coordinates fitted without some segments, in a few steps, shape (size,)."""
     fitted_segments = [k for k in range(len(problem.segments)) if k not in members]
@@ -139,22 +139,22 @@ def _refit_fully(
         powers=tuple(problem.powers[k] for k in fitted_segments),
     )
     start = replace(
-        fitted_model,
-        residual=fitted_model.residual[~excluded_rows],
-        jacobian=fitted_model.jacobian[~excluded_rows],
+        fit,
+        residual=fit.residual[~excluded_rows],
+        jacobian=fit.jacobian[~excluded_rows],
     )
     return improve_fit(reduced_problem, start, _STEPS, differentiate_last=False).coordinates
 
 
-def refit(fitted_model: Fit, excluded_rows: NDArray[np.bool_], fixed: tuple[int, ...]) -> Array:
+def refit(fit: Fit, excluded_rows: NDArray[np.bool_], fixed: tuple[int, ...]) -> Array:
     """Coordinates fitted to the rows that are not left out, from the fit to all rows, shape (size,)."""
-    x = fitted_model.coordinates
-    derivatives, residual = fitted_model.jacobian[~excluded_rows], fitted_model.residual[~excluded_rows]
-    lower, upper = fitted_model.space.bounds
-    least, upper_limit = lower - x, upper - x
+    x = fit.coordinates
+    derivatives, residual = fit.jacobian[~excluded_rows], fit.residual[~excluded_rows]
+    lower, upper = fit.space.bounds
+    least, high = lower - x, upper - x
     for place in fixed:
-        least[place] = upper_limit[place] = -x[place]
+        least[place] = high[place] = -x[place]
     curvature = derivatives.T @ derivatives + np.eye(x.size)
     slope = derivatives.T @ residual + x
-    step = solve_bounded_step(curvature, slope, least, np.maximum(upper_limit, least + 1e-12), 0.0)
+    step = solve_bounded_step(curvature, slope, least, np.maximum(high, least + 1e-12), 0.0)
     return np.asarray(np.clip(x + step, lower, upper))

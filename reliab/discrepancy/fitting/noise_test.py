@@ -28,35 +28,35 @@ _BANDS = (1, 4, 16, 64, 256, 1024)  # bins that are transformed together
 _EXCESS = 7.0  # times the mean energy; noise has a thousandth of its energy above
 
 
-def share_structured(problem: Problem, fitted_model: Fit) -> float:
+def share_structured(problem: Problem, fit: Fit) -> float:
     """Share of a residual's energy that is more concentrated than noise would be."""
-    spectra = list(_spectra(problem, fitted_model.residual).values())
+    spectra = list(_spectra(problem, fit.residual).values())
     return max(_share(spectra, size) for size in _BANDS)
 
 
-def is_model_error(problem: Problem, fitted_model: Fit) -> bool:
+def is_model_error(problem: Problem, fit: Fit) -> bool:
     """Whether a model's residual is an error of the model rather than noise."""
-    return share_structured(problem, fitted_model) > _DOMINANT and not _is_within_steps(problem, fitted_model)
+    return share_structured(problem, fit) > _DOMINANT and not _is_within_steps(problem, fit)
 
 
-def is_noise(problem: Problem, fitted_model: Fit) -> bool:
+def is_noise(problem: Problem, fit: Fit) -> bool:
     """Whether a model's residual is compatible with noise, or with the error of a converter."""
-    return is_spread(problem, fitted_model) or _is_within_steps(problem, fitted_model)
+    return is_spread(problem, fit) or _is_within_steps(problem, fit)
 
 
-def is_spread(problem: Problem, fitted_model: Fit) -> bool:
+def is_spread(problem: Problem, fit: Fit) -> bool:
     """Whether a model's residual is spread over time and frequency as noise is."""
-    return share_structured(problem, fitted_model) <= LARGEST_STRUCTURED_SHARE
+    return share_structured(problem, fit) <= LARGEST_STRUCTURED_SHARE
 
 
-def noise_like_tests(problem: Problem, fitted_model: Fit) -> frozenset[int]:
+def noise_like_tests(problem: Problem, fit: Fit) -> frozenset[int]:
     """Find the tests in each of which what a model leaves, whitened by its noise, is spread as noise is.
 
     Or it stays within a step of the converter, whose own error follows the motion.
     """
-    residual = problem.whiten(fitted_model.space, fitted_model.coordinates, fitted_model.noise)
+    residual = problem.whiten(fit.space, fit.coordinates, fit.noise)
     spectra = _spectra(problem, residual)
-    quantised_tests = _tests_within_steps(problem, fitted_model)
+    quantised_tests = _tests_within_steps(problem, fit)
     return frozenset(
         test
         for test, test_spectra in spectra.items()
@@ -65,16 +65,16 @@ def noise_like_tests(problem: Problem, fitted_model: Fit) -> frozenset[int]:
     )
 
 
-def _is_within_steps(problem: Problem, fitted_model: Fit) -> bool:
+def _is_within_steps(problem: Problem, fit: Fit) -> bool:
     """Whether what a model leaves stays within a step of the converter in every test."""
-    return len(_tests_within_steps(problem, fitted_model)) == len(problem.steps)
+    return len(_tests_within_steps(problem, fit)) == len(problem.steps)
 
 
-def _tests_within_steps(problem: Problem, fitted_model: Fit) -> frozenset[int]:
+def _tests_within_steps(problem: Problem, fit: Fit) -> frozenset[int]:
     """Find the tests in which what a model leaves stays within a step of the converter."""
     if not any(step > 0.0 for step in problem.steps.values()):
         return frozenset()
-    residual = problem.residuals(fitted_model.space, fitted_model.coordinates)
+    residual = problem.residuals(fit.space, fit.coordinates)
     return frozenset(
         test for test, values in residual.items() if float(np.std(values)) < _STEPS * problem.steps[test]
     )

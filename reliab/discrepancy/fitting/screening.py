@@ -41,13 +41,13 @@ def screen_effects(problem: Problem, parent: Fit, kinds: Sequence[type[Effect]],
         promises = pool.map(
             lambda kind: _screen_effect(problem, parent, sketch_residual, basis, kind, null), fresh
         )
-        ranked_models = sorted(promises, key=lambda candidate: -candidate.gain)
+        rows = sorted(promises, key=lambda candidate: -candidate.gain)
     if not problem.flat:
-        return ranked_models
+        return rows
     total_energy = 0.5 * float(parent.residual @ parent.residual)
     return [
         replace(candidate, gain=-total_energy * np.log1p(-min(candidate.gain / total_energy, 0.99)))
-        for candidate in ranked_models
+        for candidate in rows
     ]
 
 
@@ -88,14 +88,14 @@ def _screen_uncalibrated(
     return best
 
 
-def line_terms(problem: Problem, fitted_model: Fit) -> tuple[type[Disturbance], ...]:
+def line_terms(problem: Problem, fit: Fit) -> tuple[type[Disturbance], ...]:
     """Make a term of the strongest line in a model's residual, if one stands out and is not mains pickup."""
     longest = max(problem.segments, key=lambda segment: segment.end - segment.begin)
     frequency = longest.frequency
     if frequency.size <= _NEAR_ZERO + 1:
         return ()
     powers = []
-    for segment, rows in split_by_segment(problem.segments, fitted_model.residual):
+    for segment, rows in split_by_segment(problem.segments, fit.residual):
         real, imaginary = rows[1 : segment.bins], rows[segment.bins :]
         power = np.concatenate([rows[:1] ** 2, 0.5 * (real**2 + imaginary**2)])
         powers.append(np.interp(frequency, segment.frequency, power))

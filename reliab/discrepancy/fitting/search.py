@@ -16,7 +16,7 @@ from reliab.discrepancy.fitting.prior import COST, GENERAL_COST, cost
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.screening import Promise, line_terms, screen_effects
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.discrepancy.terms.clock_offset import ClockOffset, LateGround
+from reliab.discrepancy.terms import ClockOffset, LateGround
 from reliab.effects.effect import Effect
 from reliab.effects.general.general_term import is_general
 from reliab.effects.registry import library

@@ -170,11 +170,9 @@ class ModelSpace:
             return coordinates
         place = self.keys.index(f"{kind.name}.{kind.parameters[0].name}")
         lower, upper = self.bounds
-        moved_coordinates = coordinates.copy()
-        moved_coordinates[place] = np.clip(
-            factor * coordinates[place], 0.9 * lower[place], 0.9 * upper[place]
-        )
-        return moved_coordinates
+        trial = coordinates.copy()
+        trial[place] = np.clip(factor * coordinates[place], 0.9 * lower[place], 0.9 * upper[place])
+        return trial
 
     def inherit(self, source: "ModelSpace", coordinates: Array) -> Array:
         """Coordinates of a larger model without what this one does not have."""

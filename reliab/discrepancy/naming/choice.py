@@ -16,8 +16,7 @@ from reliab.discrepancy.fitting.search import Search
 from reliab.discrepancy.fitting.space import MODEL_ERROR
 from reliab.discrepancy.proof import compute_nrmse, residuals
 from reliab.discrepancy.result.block_diagnosis import RankedModel
-from reliab.discrepancy.terms.clock_offset import ClockOffset
-from reliab.discrepancy.terms.stated_damping import StatedDamping
+from reliab.discrepancy.terms import ClockOffset, StatedDamping
 from reliab.effects.effect import Effect
 from reliab.effects.general.general_term import is_general
 
@@ -129,12 +128,10 @@ def _softmax(scores: Array) -> Array:
     return np.asarray(weights / weights.sum(axis=-1, keepdims=True))
 
 
-def probability(ranked_models: Sequence[RankedModel], effect: type[Effect]) -> float:
+def probability(rows: Sequence[RankedModel], effect: type[Effect]) -> float:
     """Probability that an effect acts, in whichever variant or form: of all models that contain one."""
     kinds = _kinds(effect)
-    return float(
-        sum(r.probability for r in ranked_models if any(kinds & _kinds(e) for e in r.fit.space.effects))
-    )
+    return float(sum(r.probability for r in rows if any(kinds & _kinds(e) for e in r.fit.space.effects)))
 
 
 def _kinds(effect: type[Effect]) -> set[str]:
@@ -156,27 +153,25 @@ class Choice:
     """Probable effects that change nothing on held-out tests, with the errors with and without each."""
 
 
-def choose(search: Search, ranked_models: Sequence[RankedModel], proof: Problem) -> Choice:
+def choose(search: Search, rows: Sequence[RankedModel], proof: Problem) -> Choice:
     """Take the most probable model that the held-out tests sustain, without effects that change nothing."""
-    best = find_sustained(ranked_models)
+    best = find_sustained(rows)
     if isinstance(search, ErrorSearch) and any(map(is_general, best.fit.space.effects)):
         library_model = find_sustained(
-            [row for row in ranked_models if not any(map(is_general, row.fit.space.effects))]
+            [row for row in rows if not any(map(is_general, row.fit.space.effects))]
         )
         best = best if best.held_out < (1.0 - _GENERAL) * library_model.held_out else library_model
     slack = 1.0 + (_LITTLE if isinstance(search, ErrorSearch) else NO_CHANGE)
     least = best.held_out
-    contradicted_model = (
-        ranked_models[0] if ranked_models[0].held_out > (1.0 + NO_CHANGE) * best.held_out else None
-    )
+    contradicted_model = rows[0] if rows[0].held_out > (1.0 + NO_CHANGE) * best.held_out else None
     unchanging: list[tuple[type[Effect], float, float]] = []
-    while (idle := _idle(search, ranked_models, best, proof, slack * least)) is not None:
+    while (idle := _idle(search, rows, best, proof, slack * least)) is not None:
         kind, smaller = idle
         if kind not in search.problem.block.linear or not isinstance(search, ErrorSearch):
             unchanging.append((kind, best.held_out, smaller.held_out))
         best, least = smaller, min(least, smaller.held_out)
-    best, sure, doubtful = _split_by_certainty(search, ranked_models, best)
-    refining = _refining(search, ranked_models, best, proof)
+    best, sure, doubtful = _split_by_certainty(search, rows, best)
+    refining = _refining(search, rows, best, proof)
     return Choice(
         best=best,
         sure=frozenset(sure - set(refining)),
@@ -187,10 +182,10 @@ def choose(search: Search, ranked_models: Sequence[RankedModel], proof: Problem)
     )
 
 
-def best_rival(ranked_models: Sequence[RankedModel], best: RankedModel) -> RankedModel | None:
+def best_rival(rows: Sequence[RankedModel], best: RankedModel) -> RankedModel | None:
     """Find the model of the smallest error on held-out tests that lacks one of a model's effects."""
     effects = set(best.names)
-    rivals = [row for row in ranked_models if not effects <= set(row.names)]
+    rivals = [row for row in rows if not effects <= set(row.names)]
     return min(rivals, key=lambda row: row.held_out, default=None)
 
 
@@ -224,26 +219,26 @@ def remarks_on(choice: Choice) -> Iterator[str]:
         )
 
 
-def find_sustained(ranked_models: Sequence[RankedModel]) -> RankedModel:
+def find_sustained(rows: Sequence[RankedModel]) -> RankedModel:
     """Find the most probable model that predicts held-out tests as well as any that explains the fitted ones.
 
     A model explains them that takes off half of what the best one takes off the error of the worst on
     left-out parts.
     """
-    squares = np.array([row.left_out**2 for row in ranked_models])
-    worst = max(row.left_out**2 for row in ranked_models if not row.fit.space.effects)
+    squares = np.array([row.left_out**2 for row in rows])
+    worst = max(row.left_out**2 for row in rows if not row.fit.space.effects)
     limit = worst - _EXPLAINS * (worst - squares.min())
-    explaining = [row for row, square in zip(ranked_models, squares, strict=True) if square <= limit]
+    explaining = [row for row, square in zip(rows, squares, strict=True) if square <= limit]
     least = min(row.held_out for row in explaining)
     return next(row for row in explaining if row.held_out <= (1.0 + NO_CHANGE) * least)
 
 
 def _idle(
-    search: Search, ranked_models: Sequence[RankedModel], best: RankedModel, proof: Problem, limit: float
+    search: Search, rows: Sequence[RankedModel], best: RankedModel, proof: Problem, limit: float
 ) -> tuple[type[Effect], RankedModel] | None:
     """Find the effect without which a model predicts held-out tests best, None where all exceed a limit."""
     smaller = {
-        kind: _remove_effect(search, ranked_models, best, kind, proof)
+        kind: _remove_effect(search, rows, best, kind, proof)
         for kind in best.fit.space.effects
         if kind not in (ClockOffset, StatedDamping)
     }
@@ -256,7 +251,7 @@ def _idle(
 
 
 def _refining(
-    search: Search, ranked_models: Sequence[RankedModel], best: RankedModel, proof: Problem
+    search: Search, rows: Sequence[RankedModel], best: RankedModel, proof: Problem
 ) -> dict[type[Effect], float]:
     """Find effects that only refine a model whose error follows the motion, all but its main one.
 
@@ -266,10 +261,8 @@ def _refining(
     kinds = best.fit.space.effects
     if not isinstance(search, ErrorSearch) or len(kinds) < 2:  # noqa: PLR2004 - a single one is the main one
         return {}
-    errors_without = {
-        kind: _remove_effect(search, ranked_models, best, kind, proof).held_out for kind in kinds
-    }
-    likely = {kind: probability(ranked_models, kind) >= _LIKELY for kind in kinds}
+    errors_without = {kind: _remove_effect(search, rows, best, kind, proof).held_out for kind in kinds}
+    likely = {kind: probability(rows, kind) >= _LIKELY for kind in kinds}
     main = max(errors_without, key=lambda kind: (likely[kind], errors_without[kind]))
     return {
         kind: error
@@ -292,19 +285,13 @@ def _remove_effect(
 ) -> RankedModel:
     """Return the best model without an effect of another one: refitted, or with still fewer effects."""
     other_effects = set(best.fit.space.effects) - {kind}
-    fitted_model = search.remove_effect(best.fit, kind)
-    rows = [
-        row for row in ranked_models if row.fit is fitted_model or set(row.fit.space.effects) <= other_effects
-    ]
-    if all(row.fit is not fitted_model for row in rows):
-        error = compute_nrmse(proof, residuals(proof, fitted_model))
-        rows.append(
-            RankedModel(
-                fit=fitted_model, probability=0.0, left_out=search.error(fitted_model).nrmse, held_out=error
-            )
-        )
+    fit = search.remove_effect(best.fit, kind)
+    rows = [row for row in ranked_models if row.fit is fit or set(row.fit.space.effects) <= other_effects]
+    if all(row.fit is not fit for row in rows):
+        error = compute_nrmse(proof, residuals(proof, fit))
+        rows.append(RankedModel(fit=fit, probability=0.0, left_out=search.error(fit).nrmse, held_out=error))
     if not isinstance(search, ErrorSearch):
-        return next(row for row in rows if row.fit is fitted_model)
+        return next(row for row in rows if row.fit is fit)
     return min(rows, key=lambda row: row.held_out)
 
 
@@ -326,7 +313,7 @@ def _is_silent(search: Search, best: RankedModel, smaller: RankedModel, proof: P
 
 
 def _split_by_certainty(
-    search: Search, ranked_models: Sequence[RankedModel], best: RankedModel
+    search: Search, rows: Sequence[RankedModel], best: RankedModel
 ) -> tuple[RankedModel, set[type[Effect]], set[type[Effect]]]:
     """Return the model that is believed, its effects that are named, and those of which one acts.
 
@@ -334,13 +321,13 @@ def _split_by_certainty(
     left out of the model otherwise.
     """
     effects = best.fit.space.effects
-    sure = {effect for effect in effects if probability(ranked_models, effect) >= SURE}
+    sure = {effect for effect in effects if probability(rows, effect) >= SURE}
     less_sure = set(effects) - sure
     if isinstance(search, ErrorSearch):
         return best, sure, less_sure
-    fewer = sum(row.probability for row in ranked_models if len(row.fit.space.effects) < len(effects))
+    fewer = sum(row.probability for row in rows if len(row.fit.space.effects) < len(effects))
     largest_probability = _LIKELY if any(effect is ClockOffset for effect in less_sure) else _NEGLIGIBLE
     doubtful = less_sure if fewer < largest_probability else set()
-    credible = next((row for row in ranked_models if set(row.fit.space.effects) == sure | doubtful), None)
-    null = next(row for row in ranked_models if not row.fit.space.effects)
+    credible = next((row for row in rows if set(row.fit.space.effects) == sure | doubtful), None)
+    null = next(row for row in rows if not row.fit.space.effects)
     return credible or null, sure, doubtful

@@ -48,7 +48,7 @@ from reliab.discrepancy.result.missing_effect import (
     estimates,
     widen_estimates,
 )
-from reliab.discrepancy.terms.stated_damping import StatedDamping
+from reliab.discrepancy.terms import StatedDamping
 from reliab.effects.effect import Effect
 from reliab.effects.general.general_term import GeneralTerm, is_general
 from reliab.effects.stroke_saturation import StrokeSaturation

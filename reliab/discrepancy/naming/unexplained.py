@@ -58,9 +58,9 @@ def find_unexplained(
     remainder varies with, None where it is noise; `comparison` says how well models do. Where effects have a
     name they must explain enough of every kind of held-out test, however small the remainder is.
     """
-    problem, fitted_model = noise_judgement
-    dropout, terms = standstill(problem, fitted_model), _terms(general_terms, best) if general_terms else None
-    explanation = dropout or terms or line_above(problem, fitted_model)
+    problem, fit = noise_judgement
+    dropout, terms = standstill(problem, fit), _terms(general_terms, best) if general_terms else None
+    explanation = dropout or terms or line_above(problem, fit)
     if explanation is None:
         large = remaining is not None and _is_large(problem, best, proof_gap)
         if explains_enough(proof_gap) if is_named else not large:

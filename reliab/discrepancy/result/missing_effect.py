@@ -11,7 +11,7 @@ from reliab.core.arrays import Array
 from reliab.core.plain_values import PlainResult
 from reliab.core.significant_digits import percent, value_and_interval
 from reliab.discrepancy.fitting.fit import Fit
-from reliab.discrepancy.terms.stated_damping import StatedDamping
+from reliab.discrepancy.terms import StatedDamping
 from reliab.effects.effect import Effect, Parameter
 
 _TELLS = {
@@ -238,16 +238,14 @@ def _names(effect: type[Effect]) -> set[str]:
     return {parameter.name for parameter in effect.parameters}
 
 
-def estimates(effect: type[Effect], fitted_model: Fit) -> tuple[Estimate, ...]:
+def estimates(effect: type[Effect], fit: Fit) -> tuple[Estimate, ...]:
     """Parameters of an effect with their standard deviations, SI units."""
-    return _estimates(fitted_model, effect.parameters, fitted_model.space.places(effect))
+    return _estimates(fit, effect.parameters, fit.space.places(effect))
 
 
-def _estimates(fitted_model: Fit, parameters: Sequence[Parameter], places: slice) -> tuple[Estimate, ...]:
-    values = fitted_model.space.values(fitted_model.coordinates)[places].tolist()
-    spread = fitted_model.space.standard_deviations(fitted_model.coordinates, fitted_model.covariance)[
-        places
-    ].tolist()
+def _estimates(fit: Fit, parameters: Sequence[Parameter], places: slice) -> tuple[Estimate, ...]:
+    values = fit.space.values(fit.coordinates)[places].tolist()
+    spread = fit.space.standard_deviations(fit.coordinates, fit.covariance)[places].tolist()
     return tuple(
         Estimate(
             name=parameter.name,
@@ -281,23 +279,21 @@ def widen_estimates(
     return tuple(wide)
 
 
-def calibration(fitted_model: Fit, *, is_restated: bool = False) -> tuple[Estimate, ...]:
+def calibration(fit: Fit, *, is_restated: bool = False) -> tuple[Estimate, ...]:
     """Calibrated values with their standard deviations.
 
     `is_restated`: a damping that is not the stated one is calibrated, not missing.
     """
-    parameters = [item.parameter for item in fitted_model.space.block.calibrations]
-    calibrations = _estimates(fitted_model, parameters, slice(len(parameters)))
+    parameters = [item.parameter for item in fit.space.block.calibrations]
+    calibrations = _estimates(fit, parameters, slice(len(parameters)))
     if not is_restated:
         return calibrations
-    return tuple(
-        _restate_damping(item, fitted_model) if item.name == _DAMPING else item for item in calibrations
-    )
+    return tuple(_restate_damping(item, fit) if item.name == _DAMPING else item for item in calibrations)
 
 
-def _restate_damping(damping: Estimate, fitted_model: Fit) -> Estimate:
+def _restate_damping(damping: Estimate, fit: Fit) -> Estimate:
     """Damping of the structure over the stated one, of the calibrated factor and the effect together."""
-    space = fitted_model.space
+    space = fit.space
     nominal_damping = space.block.removable[StatedDamping]
     place = space.places(StatedDamping).start
     factor = [c.parameter.name for c in space.block.calibrations].index(damping.name)
@@ -306,6 +302,6 @@ def _restate_damping(damping: Estimate, fitted_model: Fit) -> Estimate:
         values = space.values(coordinates)
         return float(values[factor] + values[place] / nominal_damping)
 
-    value, steps = total_damping(fitted_model.coordinates), _STEP * np.eye(space.size)
-    slopes = np.array([total_damping(fitted_model.coordinates + step) - value for step in steps]) / _STEP
-    return replace(damping, value=value, sd=float(np.sqrt(slopes @ fitted_model.covariance @ slopes)))
+    value, steps = total_damping(fit.coordinates), _STEP * np.eye(space.size)
+    slopes = np.array([total_damping(fit.coordinates + step) - value for step in steps]) / _STEP
+    return replace(damping, value=value, sd=float(np.sqrt(slopes @ fit.covariance @ slopes)))

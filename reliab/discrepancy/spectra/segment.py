@@ -168,9 +168,9 @@ def _begin(motion: Motion3, end: int, memory: float) -> int:
     moving = np.flatnonzero(np.abs(velocity) > _REST_SHARE * usual)
     signs = np.sign(velocity[moving])
     reversals = moving[1:][np.diff(signs) != 0.0]
-    upper_limit = int(_LARGEST_SHARE * end)
-    swing = int(reversals[_REVERSALS - 1]) if reversals.size >= _REVERSALS else upper_limit
-    return min(max(swing, int(memory / motion.step)), upper_limit)
+    high = int(_LARGEST_SHARE * end)
+    swing = int(reversals[_REVERSALS - 1]) if reversals.size >= _REVERSALS else high
+    return min(max(swing, int(memory / motion.step)), high)
 
 
 def skip_end(

@@ -1,15 +1,17 @@
-"""A channel that was recorded earlier or later than another: clocks, filters or multiplexers that differ."""
+"""What is diagnosed beside the library: clocks that differ, and a damping that is not the stated one."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from reliab.core.arrays import Array
 from reliab.core.compiled import compiled
+from reliab.core.physical_range import RANGES
 from reliab.core.vocabulary import Block
-from reliab.effects.effect import Parameter, RecordEffect, Role, SteppedEffect
+from reliab.effects.effect import Effect, Parameter, RecordEffect, Role, SteppedEffect
 from reliab.effects.kernel import Kernel, Numbers
+from reliab.effects.viscous_damping import ViscousDamping
 from reliab.signals.cubic_path import CubicPath
 from reliab.simulation.hybrid_test.model import HybridTest
 
@@ -20,6 +22,7 @@ def _nothing(_motion: Numbers, _time: float, _step: float, _coefficients: Number
 
 _STRAIGHT: Final = 2.0  # steps
 _TIME: Final = (("displacement", 1.0), ("velocity", -1.0))
+_LEAST_DAMPING_RATIO = RANGES["damping ratio"].lowest  # a structure has some
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,11 +100,6 @@ class LateGround(RecordEffect):
         return read_late(path_through(acceleration), -self.ground_lag_s / step)
 
 
-def record_by_clock(model: HybridTest, values: Array, step: float) -> Array:
-    """Return a predicted channel as the clocks of a model record it, shape (n,), at steps [s]."""
-    return record_late(values, lag_of(model), step)
-
-
 def lag_of(model: HybridTest) -> float:
     """Time by which the clocks of a model record a channel later than the other [s]."""
     late = sum(effect.lag_s for effect in model.effects if isinstance(effect, ClockOffset))
@@ -137,3 +135,32 @@ def read_late(coefficients: Array, late: float) -> Array:
         if excess != 0.0:
             values[place] += excess * (slope + since * (2.0 * square + 3.0 * since * cubic))
     return values
+
+
+@dataclass(frozen=True, kw_only=True)
+class StatedDamping(Effect):
+    """Damping of the controller's structure beside the stated one, c(1 + Δ) in the place of c.
+
+    In one channel it can hardly be told from a damper in the specimen, nor, where it is negative, from an
+    added mass with a gain. Its prior is that of a damper.
+    """
+
+    name = "structure_damping"
+    block = Block.NUMERICAL
+    role = Role.INTEGRATION
+    description = "the damping ratio of the structure is not the stated one"
+    parameters = ViscousDamping.parameters
+
+    damping_n_s_per_m: float  # Δc [N·s/m]
+
+
+def apply_damping(model: HybridTest) -> HybridTest:
+    """Return a model whose structure has the damping that its effects give it."""
+    changes = [effect for effect in model.effects if isinstance(effect, StatedDamping)]
+    if not changes or model.structure is None:
+        return model
+    damping = model.mass * model.substructure.damping
+    factor = 1.0 + sum(change.damping_n_s_per_m for change in changes) / damping
+    ratio = max(factor * model.structure.damping_ratio, _LEAST_DAMPING_RATIO)
+    other_effects = tuple(effect for effect in model.effects if not isinstance(effect, StatedDamping))
+    return replace(model, structure=replace(model.structure, damping_ratio=ratio), effects=other_effects)
