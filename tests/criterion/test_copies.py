@@ -24,7 +24,7 @@ def write_record(folder, motion, name):
     (folder / f"{name}.csv").write_text("\n".join(lines), encoding="utf-8")
 
 
-def copied(ellipses, times):
+def copy_motions(ellipses, times):
     """Every motion several times, under other names and as of other earthquakes."""
     parts = [
         ellipses.assign_coords(
@@ -39,27 +39,27 @@ def copied(ellipses, times):
 @pytest.mark.parametrize("checksums", [True, False], ids=["records", "table"])
 def test_copies_promise_no_more_than_their_records(ellipses, checksums):
     """Eight times ten records are no eighty earthquakes."""
-    few = ellipses.isel(motion=slice(0, 30, 3))
-    few = few if checksums else few.drop_vars("checksum")
-    own, many = (
-        derive_criterion(given, f=1.0, xi=0.02, confidence=0.95, method="dirichlet")
-        for given in (few, copied(few, 8))
+    small_sample = ellipses.isel(motion=slice(0, 30, 3))
+    small_sample = small_sample if checksums else small_sample.drop_vars("checksum")
+    original, many = (
+        derive_criterion(sample, f=1.0, xi=0.02, confidence=0.95, method="dirichlet")
+        for sample in (small_sample, copy_motions(small_sample, 8))
     )
-    assert many.limits(1.0, 0.02) == own.limits(1.0, 0.02)
+    assert many.limits(1.0, 0.02) == original.limits(1.0, 0.02)
     assert (many.provenance.n_motions, many.provenance.n_events) == (10, 10)
     assert "70 of 80 motions are the records of others" in " ".join(many.provenance.warnings)
 
 
 def test_a_scaled_copy_is_known_by_its_boundary(ellipses):
     """Its checksum is another; its a and b are the same but for rounding."""
-    few = ellipses.isel(motion=slice(0, 30, 3))
-    scaled = copied(few, 2)
-    rounding = np.random.default_rng(3).normal(1.0, 2e-5, scaled["a"].shape)
-    scaled = scaled.assign({name: scaled[name] * rounding for name in ("a", "b")})
-    scaled = scaled.assign_coords(checksum=("motion", [f"{place:064}" for place in range(20)]))
-    counted = drop_copies(scaled)
-    assert counted["motion"].values.tolist() == scaled["motion"].values[:10].tolist()
-    assert "10 of 20 motions are the records of others" in counted.attrs["copies"]
+    small_sample = ellipses.isel(motion=slice(0, 30, 3))
+    scaled_copy = copy_motions(small_sample, 2)
+    rounding = np.random.default_rng(3).normal(1.0, 2e-5, scaled_copy["a"].shape)
+    scaled_copy = scaled_copy.assign({name: scaled_copy[name] * rounding for name in ("a", "b")})
+    scaled_copy = scaled_copy.assign_coords(checksum=("motion", [f"{place:064}" for place in range(20)]))
+    count = drop_copies(scaled_copy)
+    assert count["motion"].values.tolist() == scaled_copy["motion"].values[:10].tolist()
+    assert "10 of 20 motions are the records of others" in count.attrs["copies"]
 
 
 @pytest.mark.slow
@@ -70,12 +70,12 @@ def test_trimmed_copies_of_records_raise_no_limit(tmp_path):
         write_record(tmp_path / "own", motion, motion.name.replace("/", "_"))
         write_record(tmp_path / "with", motion, motion.name.replace("/", "_"))
         begin, end = arias_times(motion.acceleration, motion.time_step, [0.01, 0.99]) / motion.time_step
-        trimmed = replace(motion, acceleration=1.7 * motion.acceleration[round(begin) : round(end)])
-        write_record(tmp_path / "with", trimmed, f"COPY_{motion.name.replace('/', '_')}")
+        short_motion = replace(motion, acceleration=1.7 * motion.acceleration[round(begin) : round(end)])
+        write_record(tmp_path / "with", short_motion, f"COPY_{motion.name.replace('/', '_')}")
     limits = []
     for folder in ("own", "with"):
-        found = derive_criteria(motions=tmp_path / folder, f=1.0, xi=0.05).to_dict()["criteria"][0]
-        limits.append((found["a"], found["b"], found["n_motions"]))
+        result = derive_criteria(motions=tmp_path / folder, f=1.0, xi=0.05).to_dict()["criteria"][0]
+        limits.append((result["a"], result["b"], result["n_motions"]))
     assert limits[1][2] == limits[0][2] == 8
     # Which of two is the original is not known; the trimmed ones have a and b of shorter records.
     assert limits[1][0] <= 1.02 * limits[0][0]
@@ -88,10 +88,10 @@ def test_a_copy_is_not_judged_as_a_further_earthquake(tmp_path):
         write_record(
             tmp_path, replace(motion, acceleration=-0.6 * motion.acceleration), f"REVERSED_M{number}"
         )
-    asked = {"f": 1.0, "xi": 0.05, "confidence": 0.5, "law": "table", "trials": 8}
-    found = validate_criteria(motions=tmp_path, **asked).to_dict()
-    assert found["n_motions"] == 4
-    assert "each record counts once" in found["sentences"][0]
+    options = {"f": 1.0, "xi": 0.05, "confidence": 0.5, "law": "table", "trials": 8}
+    result = validate_criteria(motions=tmp_path, **options).to_dict()
+    assert result["n_motions"] == 4
+    assert "each record counts once" in result["sentences"][0]
 
 
 @pytest.mark.slow
@@ -100,20 +100,21 @@ def test_different_motions_stay(ellipses, form):
     """Motions without an ellipse have nothing in common; in the shipped suite nothing is left out."""
     gaps = ellipses.assign({name: ellipses[name].where(ellipses["event"] > "E3") for name in ("a", "b")})
     table = ellipses.drop_vars("checksum")
-    for given in (
+    for sample in (
         form(read_ellipses("real_suite")),
         form(gaps),
         form(gaps.drop_vars("checksum")),
         form(table),
     ):
-        assert drop_copies(given) is given
+        assert drop_copies(sample) is sample
 
 
 def test_unstated_earthquakes_are_told_of(ellipses):
-    own = ellipses.assign_coords(event=("motion", ellipses["motion"].values))
+    original = ellipses.assign_coords(event=("motion", ellipses["motion"].values))
     sentence = "No earthquake is stated for 60 of 60 motions"
-    said = [
-        " ".join(derive_criterion(given, f=1.0, xi=0.02).provenance.warnings) for given in (own, ellipses)
+    messages = [
+        " ".join(derive_criterion(sample, f=1.0, xi=0.02).provenance.warnings)
+        for sample in (original, ellipses)
     ]
-    assert sentence in said[0]
-    assert "No earthquake is stated" not in said[1]
+    assert sentence in messages[0]
+    assert "No earthquake is stated" not in messages[1]

@@ -83,14 +83,14 @@ def set_in(*path, value):
         set_in("surprise", value=1),
     ],
 )
-def test_what_is_no_criterion_is_refused(text, change):
+def test_file_without_criterion_is_refused(text, change):
     with pytest.raises(InputError):
         Criterion.from_json(broken(text, change))
 
 
 @pytest.mark.parametrize("number", ["NaN", "Infinity", "-Infinity", "1e999"])
 @pytest.mark.parametrize("key", ["threshold", "largest"])
-def test_no_number_that_is_not_finite_is_read(text, number, key):
+def test_reading_refuses_non_finite_numbers(text, number, key):
     wrong = broken(
         text, set_in(key, value="here") if key == "threshold" else set_in("law", "a", 0, 0, value="here")
     )
@@ -98,14 +98,14 @@ def test_no_number_that_is_not_finite_is_read(text, number, key):
         Criterion.from_json(wrong.replace('"here"', number))
 
 
-def test_no_number_that_is_not_finite_is_written(two_sided):
-    derived = derive_criterion(two_sided)
-    derived.provenance.settings["strange"] = float("nan")
+def test_writing_refuses_non_finite_numbers(two_sided):
+    criterion = derive_criterion(two_sided)
+    criterion.provenance.settings["strange"] = float("nan")
     with pytest.raises(ValueError, match="not JSON compliant"):
-        derived.to_json()
+        criterion.to_json()
 
 
-def test_a_file_of_the_first_schema_says_what_it_lacks(text):
+def test_file_of_first_schema_names_missing_parts(text):
     with pytest.raises(InputError, match="version 1, which has no limits for leads"):
         Criterion.from_json(broken(text, set_in("schema_version", value=1)))
 

@@ -8,7 +8,7 @@ from reliab.criterion.ellipse_reading import read_ellipses
 from reliab.criterion.ellipse_sample import sample_of
 
 
-def written(tmp_path, text):
+def write_ellipses(tmp_path, text):
     path = tmp_path / "ellipses.csv"
     path.write_text(text, encoding="utf-8")
     return path
@@ -23,7 +23,7 @@ def test_the_printed_table_has_100_motions_of_19_earthquakes(printed_table2):
 
 
 def test_columns_are_found_in_any_order_and_case(tmp_path):
-    path = written(tmp_path, "B, Event ,A,Motion\n2,K,1e-4,x\n3,K,2e-4,y\n4,L,3e-4,z\n")
+    path = write_ellipses(tmp_path, "B, Event ,A,Motion\n2,K,1e-4,x\n3,K,2e-4,y\n4,L,3e-4,z\n")
     table = read_ellipses(path, f=2.0, xi=0.05, threshold=0.1, metric="mte")
     sample = sample_of(table, frequency=2.0, damping_ratio=0.05, threshold=0.1, metric="mte")
     np.testing.assert_array_equal(sample.a, [1e-4, 2e-4, 3e-4])
@@ -31,7 +31,7 @@ def test_columns_are_found_in_any_order_and_case(tmp_path):
 
 
 def test_without_names_every_row_is_an_event(tmp_path):
-    table = read_ellipses(written(tmp_path, "a,b\n1e-4,2\n1e-4,3\n2e-4,4\n"))
+    table = read_ellipses(write_ellipses(tmp_path, "a,b\n1e-4,2\n1e-4,3\n2e-4,4\n"))
     assert len(set(table["event"].values)) == 3
 
 
@@ -43,7 +43,7 @@ def test_structures_and_thresholds_may_stand_in_the_table(tmp_path):
         for xi in (0.02, 0.05)
         for threshold in (0.05, 0.1)
     ]
-    table = read_ellipses(written(tmp_path, "motion,f,xi,threshold,a,b\n" + "\n".join(rows)))
+    table = read_ellipses(write_ellipses(tmp_path, "motion,f,xi,threshold,a,b\n" + "\n".join(rows)))
     assert dict(table.sizes) == {
         "motion": 3, "f": 2, "xi": 2, "threshold": 2, "metric": 1, "curve": 1, "side": 1,
     }  # fmt: skip
@@ -51,11 +51,11 @@ def test_structures_and_thresholds_may_stand_in_the_table(tmp_path):
     np.testing.assert_allclose(sample.a, [2e-4, 4e-4, 6e-4])
 
 
-def test_a_motion_that_is_missing_in_a_cell_is_left_out_there(tmp_path):
+def test_motion_missing_in_a_cell_is_skipped_there(tmp_path):
     text = (
         "motion,f,a,b\nx,1,1e-4,1\ny,1,2e-4,2\nz,1,3e-4,3\nw,1,3e-4,3\nx,2,1e-4,1\ny,2,2e-4,2\nz,2,3e-4,3\n"
     )
-    table = read_ellipses(written(tmp_path, text))
+    table = read_ellipses(write_ellipses(tmp_path, text))
     for frequency, count in ((1.0, 4), (2.0, 3)):
         sample = sample_of(table, frequency=frequency, damping_ratio=0.02, threshold=0.05, metric="rms")
         assert sample.n_motions == count
@@ -76,7 +76,7 @@ def test_a_motion_that_is_missing_in_a_cell_is_left_out_there(tmp_path):
 )
 def test_faults_are_named_with_their_line(tmp_path, text, message):
     with pytest.raises(InputError, match=message):
-        read_ellipses(written(tmp_path, text))
+        read_ellipses(write_ellipses(tmp_path, text))
 
 
 def test_a_missing_file_is_bad_input(tmp_path):
@@ -94,7 +94,7 @@ def test_a_binary_file_is_bad_input(tmp_path):
 @pytest.mark.parametrize(
     "wrong", [{"frequency": 3.0}, {"damping_ratio": 0.1}, {"threshold": 0.2}, {"metric": "mte"}]
 )
-def test_what_was_not_traced_is_refused_with_a_choice(printed_table2, wrong):
+def test_untraced_value_is_refused_with_a_choice(printed_table2, wrong):
     cell = {"frequency": 1.0, "damping_ratio": 0.02, "threshold": 0.05, "metric": "rms", **wrong}
     with pytest.raises(InputError, match="Choose among"):
         sample_of(printed_table2, **cell)

@@ -25,31 +25,31 @@ from reliab.tracking.indices.response_error import relative_error
 def test_white_noise_has_the_growth_of_the_law():
     random = np.random.default_rng(7)
     excitation = Excitation(acceleration=random.normal(size=8_000), time_step=0.05)
-    whole, part = (
+    complete, part = (
         first_order_ellipse(
             excitation, Structure(frequency=1.0, damping_ratio=0.05, experimental_fraction=alpha)
         )
         for alpha in (1.0, 0.5)
     )
-    assert part.amplitude / whole.amplitude == pytest.approx(float(growth(0.5, 0.05)), rel=0.1)
+    assert part.amplitude / complete.amplitude == pytest.approx(float(growth(0.5, 0.05)), rel=0.1)
 
 
-def test_carried_ellipses_are_near_those_that_are_traced():
+def test_carried_ellipses_are_near_traced_ones():
     motions = synthetic_suite(count=2)
-    whole, part = (
+    complete, part = (
         trace_ellipses(
             motions,
             EllipseRequest(frequencies=(1.0,), damping_ratios=(0.02,), experimental_fractions=(alpha,)),
         )
         for alpha in (1.0, 0.5)
     )
-    carried = carry_to_share(whole, 0.5)
+    carried = carry_to_share(complete, 0.5)
     assert carried.attrs["experimental_fraction"] == 0.5
     assert "transferred" in carried.attrs["caution"]
     for name in ("a", "b"):
         ratio = (part[name] / carried[name]).values
         assert np.median(ratio) == pytest.approx(1.0, abs=0.05)
-        assert carried[name].dims == whole[name].dims
+        assert carried[name].dims == complete[name].dims
 
 
 def test_a_whole_structure_keeps_its_limits():
@@ -57,13 +57,13 @@ def test_a_whole_structure_keeps_its_limits():
 
 
 @pytest.mark.parametrize(("share", "xi"), [(0.1, 0.02), (0.4, 0.05), (0.9, 0.1)])
-def test_a_share_that_damping_outweighs_is_refused(share, xi):
+def test_share_outweighed_by_damping_is_refused(share, xi):
     with pytest.raises(InputError, match="at least 10 ξ"):
         growth(share, xi)
 
 
 @pytest.mark.parametrize("share", [0.0, 1.2, np.nan])
-def test_what_is_no_share_is_refused(share):
+def test_invalid_share_is_refused(share):
     with pytest.raises(InputError, match="laboratory must be above 0"):
         growth(share, 0.02)
 
@@ -91,7 +91,7 @@ def criteria_of(ellipses):
     ]
 
 
-def test_limits_that_follow_a_law_are_found_to_follow_it(tmp_path):
+def test_limits_of_a_law_are_recognised(tmp_path):
     shares = [0.1, 0.3, 0.5, 1.0]
     follows = [(alpha, (1 + 500) / (1 + 500 * alpha**2)) for alpha in shares]
     (tmp_path / "ellipses.csv").write_text(table_of(follows))
@@ -102,15 +102,15 @@ def test_limits_that_follow_a_law_are_found_to_follow_it(tmp_path):
     assert fit["b_strength"] == pytest.approx(500, rel=1e-4)
     assert fit["b_largest_deviation"] < 1e-5
     assert fit["white_noise"] == pytest.approx(312.5)
-    weak, *stated = answer["ratios"]
+    weak, *declared_values = answer["ratios"]
     assert weak["alpha"] == 0.1
     assert weak["law"] is weak["a_deviation"] is None  # below ten damping ratios
-    for row, (alpha, factor) in zip(stated, follows[1:-1], strict=True):
+    for row, (alpha, factor) in zip(declared_values, follows[1:-1], strict=True):
         assert row["a_ratio"] == pytest.approx(factor)
         assert row["b_deviation"] == pytest.approx(factor / growth(alpha, 0.02) - 1.0)
 
 
-def test_a_that_ends_where_tracing_ends_is_not_compared(tmp_path):
+def test_amplitude_limit_at_end_of_tracing_is_not_compared(tmp_path):
     (tmp_path / "ellipses.csv").write_text(table_of([(0.5, 100.0), (1.0, 1.0)]))
     ellipses = read_ellipses(tmp_path / "ellipses.csv")
     (row,) = compare_shares(criteria_of(ellipses), [(1.0, 0.02)])["ratios"]
@@ -135,11 +135,11 @@ def largest_errors(motions, structures, shares):
     errors = []
     for f, xi in structures:
         request = EllipseRequest(frequencies=(f,), damping_ratios=(xi,))
-        whole = trace_ellipses(motions, request).sel(curve="inscribed").squeeze()
+        complete = trace_ellipses(motions, request).sel(curve="inscribed").squeeze()
         for motion in motions:
             excitation = excitation_of(motion, request.window)
             for side, sign in (("lag", 1e-3), ("lead", -1e-3)):
-                a, b = (float(whole[name].sel(motion=motion.name, side=side)) for name in ("a", "b"))
+                a, b = (float(complete[name].sel(motion=motion.name, side=side)) for name in ("a", "b"))
                 actuators = {
                     "gain": 1.0 + np.sqrt(a) * np.cos(angles),
                     "delay": sign * np.sqrt(b) * np.sin(angles),
@@ -160,7 +160,7 @@ def largest_errors(motions, structures, shares):
     return np.array(errors)
 
 
-def test_tests_that_the_whole_stiffness_allows_are_better_with_a_part_of_it():
+def test_partial_stiffness_improves_allowed_tests():
     errors = largest_errors(synthetic_suite(count=2), [(1.0, 0.02), (3.0, 0.1)], (0.05, 1.0))
     assert errors[:, -1] == pytest.approx(1.0, abs=0.03)
     assert errors[:, :-1].max() < 0.8
@@ -179,8 +179,8 @@ def test_real_motions_allow_more_with_a_part_of_the_stiffness(real_motions_folde
 def test_a_stiff_and_damped_structure_may_allow_less_with_a_part_of_the_stiffness():
     t = np.arange(0.0, 20.0, 0.005)
     slow = Excitation(acceleration=np.sin(2.0 * np.pi * t) * t * np.exp(-0.5 * t), time_step=0.005)
-    part, whole = (
+    part, complete = (
         first_order_ellipse(slow, Structure(frequency=20.0, damping_ratio=0.1, experimental_fraction=share))
         for share in (0.2, 1.0)
     )
-    assert part.amplitude < whole.amplitude
+    assert part.amplitude < complete.amplitude

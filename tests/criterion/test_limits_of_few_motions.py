@@ -68,10 +68,10 @@ def test_limits_are_finite_and_never_wider_at_a_higher_confidence(method, joint,
         sample = sample_of(*given_motions)
     except InputError:
         return  # all motions alike
-    found = np.array([limits(sample, method, confidence, joint=joint) for confidence in CONFIDENCES])
-    assert np.isfinite(found).all()
-    assert (found >= 0.0).all()
-    for lower, higher in pairwise(found):
+    result = np.array([limits(sample, method, confidence, joint=joint) for confidence in CONFIDENCES])
+    assert np.isfinite(result).all()
+    assert (result >= 0.0).all()
+    for lower, higher in pairwise(result):
         assert (higher <= lower * (1.0 + 1e-6)).all()
 
 
@@ -80,7 +80,7 @@ def test_limits_are_finite_and_never_wider_at_a_higher_confidence(method, joint,
 @pytest.mark.parametrize("method", EVERY.values(), ids=EVERY)
 @settings(max_examples=EXAMPLES, deadline=None, derandomize=True)
 @given(given_motions=small_samples())
-def test_bounds_beyond_what_the_motions_carry_fall_all_the_same(method, given_motions):
+def test_bounds_beyond_the_sample_still_fall(method, given_motions):
     """The methods by themselves: minus infinity is a bound, NaN and plus infinity are none."""
     logarithms, events = given_motions
     values = logarithms[:, 0]
@@ -97,11 +97,11 @@ def test_bounds_beyond_what_the_motions_carry_fall_all_the_same(method, given_mo
 @given(given_motions=small_samples())
 def test_a_predictive_quantile_is_always_there(given_motions):
     logarithms, events = given_motions
-    learned = MotionPredictive.fit(logarithms, events.astype(np.str_))
-    quantiles = np.array([learned.quantile(1.0 - confidence) for confidence in CONFIDENCES])
+    fit = MotionPredictive.fit(logarithms, events.astype(np.str_))
+    quantiles = np.array([fit.quantile(1.0 - confidence) for confidence in CONFIDENCES])
     assert np.isfinite(quantiles).all()
     assert (np.diff(quantiles, axis=0) <= 1e-9).all()
-    np.testing.assert_allclose(learned.cumulative(logarithms.min(axis=0) - 1e12), 0.0, atol=1e-2)
+    np.testing.assert_allclose(fit.cumulative(logarithms.min(axis=0) - 1e12), 0.0, atol=1e-2)
 
 
 def test_two_earthquakes_carry_no_99_percent():
@@ -113,7 +113,7 @@ def test_two_earthquakes_carry_no_99_percent():
         assert min(limits(sample, method_of("dirichlet"), 0.5, joint=True)) > 0.0
 
 
-def test_motions_that_are_all_alike_are_refused():
+def test_equal_motions_are_refused():
     logarithms = np.random.default_rng(1).normal(size=(5, 2))
     logarithms[:, 1] = 0.3
     with pytest.raises(InputError, match="b is the same for all ground motions"):
@@ -128,8 +128,8 @@ def test_one_earthquake_carries_nothing(name):
 
 def test_ties_have_an_empirical_distribution():
     with warnings.catch_warnings(action="error"):
-        fitted = DISTRIBUTIONS["empirical"].fit([1.0, 2.0, 2.0, 2.0, 2.0, 2.0])
-        assert 0.0 < float(fitted.quantile(0.05)) < 2.0
+        fit = DISTRIBUTIONS["empirical"].fit([1.0, 2.0, 2.0, 2.0, 2.0, 2.0])
+        assert 0.0 < float(fit.quantile(0.05)) < 2.0
 
 
 @settings(max_examples=25, deadline=None, derandomize=True)
@@ -164,8 +164,8 @@ def test_a_criterion_of_few_motions_is_finite_and_comes_back_from_its_file_or_is
         criterion = derive_criterion(ellipses, method=method, law=law, confidence=confidence)
     except InputError:
         return
-    again = Criterion.from_json(criterion.to_json())
-    limits_of_both = [np.stack(one.limits([0.5, 0.7, 1.0], 0.03)) for one in (criterion, again)]
+    second = Criterion.from_json(criterion.to_json())
+    limits_of_both = [np.stack(single.limits([0.5, 0.7, 1.0], 0.03)) for single in (criterion, second)]
     np.testing.assert_array_equal(*limits_of_both)
     assert np.isfinite(limits_of_both[0]).all()
     assert (limits_of_both[0] >= 0.0).all()
@@ -177,38 +177,40 @@ STRUCTURE = (1.0, 0.02)
 
 
 @pytest.fixture(scope="module")
-def derived(two_sided):
+def criterion(two_sided):
     return derive_criterion(two_sided)
 
 
-def test_each_side_has_its_own_limits(two_sided, derived):
+def test_each_side_has_its_own_limits(two_sided, criterion):
     for side in ("lag", "lead"):
-        alone = derive_criterion(two_sided.sel(side=side, drop=True))
-        assert derived.limits(*STRUCTURE, side) == alone.limits(*STRUCTURE)
-    assert derived.limits(*STRUCTURE, "lead")[1] > derived.limits(*STRUCTURE)[1]
+        separate = derive_criterion(two_sided.sel(side=side, drop=True))
+        assert criterion.limits(*STRUCTURE, side) == separate.limits(*STRUCTURE)
+    assert criterion.limits(*STRUCTURE, "lead")[1] > criterion.limits(*STRUCTURE)[1]
 
 
-def test_the_sign_of_the_delay_chooses_the_side(derived):
-    (a, b), (a_lead, b_lead) = derived.limits(*STRUCTURE), derived.limits(*STRUCTURE, "lead")
+def test_the_sign_of_the_delay_chooses_the_side(criterion):
+    (a, b), (a_lead, b_lead) = criterion.limits(*STRUCTURE), criterion.limits(*STRUCTURE, "lead")
     delay = np.array([1e-3, -1e-3, 0.0])
     expected = [1e-6 / a + 1.0 / b, 1e-6 / a_lead + 1.0 / b_lead, 1e-6 / a]
-    np.testing.assert_allclose(derived.index(1.001, delay, *STRUCTURE), expected, rtol=1e-9)
-    lag, lead, _ = derived.probability(1.001, delay, *STRUCTURE)
+    np.testing.assert_allclose(criterion.index(1.001, delay, *STRUCTURE), expected, rtol=1e-9)
+    lag, lead, _ = criterion.probability(1.001, delay, *STRUCTURE)
     assert lead > lag
 
 
-def test_leads_come_back_from_json(derived):
-    again = Criterion.from_json(derived.to_json())
-    assert again == derived
-    at = (1.002, -0.8e-3, *STRUCTURE)
-    assert float(again.index(*at)) == float(derived.index(*at))
-    assert float(again.probability(*at)) == pytest.approx(float(derived.probability(*at)), abs=1e-4)
+def test_leads_come_back_from_json(criterion):
+    second = Criterion.from_json(criterion.to_json())
+    assert second == criterion
+    arguments = (1.002, -0.8e-3, *STRUCTURE)
+    assert float(second.index(*arguments)) == float(criterion.index(*arguments))
+    assert float(second.probability(*arguments)) == pytest.approx(
+        float(criterion.probability(*arguments)), abs=1e-4
+    )
 
 
-def test_the_summary_names_the_lead(derived):
-    found = summarise(derived, *STRUCTURE)
-    assert (found["a_lead"], found["b_lead"]) == derived.limits(*STRUCTURE, "lead")
-    assert found["lead_limit_ms"] ** 2 == pytest.approx(found["b_lead"])
+def test_the_summary_names_the_lead(criterion):
+    result = summarise(criterion, *STRUCTURE)
+    assert (result["a_lead"], result["b_lead"]) == criterion.limits(*STRUCTURE, "lead")
+    assert result["lead_limit_ms"] ** 2 == pytest.approx(result["b_lead"])
 
 
 def test_a_lead_is_not_judged_by_lags_alone(ellipses):
@@ -226,17 +228,19 @@ def test_the_papers_law_counts_a_lead_as_a_lag():
 
 
 def test_too_few_leads_are_said_and_leave_the_lags(two_sided):
-    few = two_sided.copy(deep=True)
-    few["a"].loc[{"side": "lead", "f": 2.0}] = np.nan
-    found = derive_criterion(few)
-    assert found.lead_law is None
-    assert any("Too few motions have a boundary for leads" in each for each in found.provenance.warnings)
+    small_sample = two_sided.copy(deep=True)
+    small_sample["a"].loc[{"side": "lead", "f": 2.0}] = np.nan
+    result = derive_criterion(small_sample)
+    assert result.lead_law is None
+    assert any(
+        "Too few motions have a boundary for leads" in warning for warning in result.provenance.warnings
+    )
 
 
 @pytest.mark.parametrize("wrong", [(np.nan, 0.0), (1.0, np.inf)])
-def test_indices_that_are_not_finite_are_refused(derived, wrong):
+def test_non_finite_indices_are_refused(criterion, wrong):
     with pytest.raises(InputError, match="must be finite"):
-        derived.index(*wrong, *STRUCTURE)
+        criterion.index(*wrong, *STRUCTURE)
 
 
 def test_the_paper_rests_on_fitted_ellipses_and_every_other_method_on_inscribed_ones(two_sided, ellipses):
@@ -245,8 +249,8 @@ def test_the_paper_rests_on_fitted_ellipses_and_every_other_method_on_inscribed_
     assert paper.limits(*STRUCTURE) == derive_criterion(ellipses, method="quantile").limits(*STRUCTURE)
     default = derive_criterion(two_sided)
     assert (default.method, default.provenance.curve, default.joint) == ("dirichlet", "inscribed", True)
-    fitted = derive_criterion(ellipses)
+    fit = derive_criterion(ellipses)
     assert float(default.limits(*STRUCTURE)[0]) == pytest.approx(
-        0.9 * float(fitted.limits(*STRUCTURE)[0]), rel=1e-6
+        0.9 * float(fit.limits(*STRUCTURE)[0]), rel=1e-6
     )
-    assert any("not inscribed" in each for each in derive_criterion(ellipses).provenance.warnings)
+    assert any("not inscribed" in warning for warning in derive_criterion(ellipses).provenance.warnings)

@@ -20,9 +20,9 @@ A, B = np.array([1e-4, 2e-4, 3e-4]), np.array([1.0, 2.0, 4.0])
 EVENTS = np.array(["E1", "E2", "E3"])
 
 
-def sample(**changed):
+def sample(**variant):
     structure = {"frequency": 1.0, "damping_ratio": 0.02, "threshold": 0.05, "metric": "rms"}
-    return EllipseSample(**{"a": A, "b": B, "motions": EVENTS, "events": EVENTS, **structure, **changed})
+    return EllipseSample(**{"a": A, "b": B, "motions": EVENTS, "events": EVENTS, **structure, **variant})
 
 
 def ellipses(**names):
@@ -46,13 +46,13 @@ def ellipses(**names):
     )
 
 
-def population(**changed):
+def population(**variant):
     parts = {"events": EVENTS, "frequencies": np.array([1.0]), "damping_ratios": np.array([0.02])}
     logarithms = {"log_alpha": np.log(A).reshape(3, 1, 1), "log_beta": np.log(B).reshape(3, 1, 1)}
-    return Population(**{**parts, **logarithms, **changed})
+    return Population(**{**parts, **logarithms, **variant})
 
 
-derived = partial(derive_criterion, method="quantile")
+derive = partial(derive_criterion, method="quantile")
 
 
 @pytest.mark.parametrize(
@@ -68,7 +68,7 @@ derived = partial(derive_criterion, method="quantile")
             lambda: sample(b=np.full(3, 2.0)),
             "b is the same for all ground motions; found 3 times 2",
         ),
-        (lambda: derived(ellipses(side=["lead"])), "boundaries of lags; found ellipses of lead alone"),
+        (lambda: derive(ellipses(side=["lead"])), "boundaries of lags; found ellipses of lead alone"),
         (lambda: validate_coefficients("a", [1.0, np.nan], 2), "coefficients of a must be 2 finite numbers"),
         (lambda: validate_coefficients("b", [1.0], 2), "coefficients of b must be 2 finite numbers"),
         (lambda: validate_coefficients("b", [[1.0], [1.0, 2.0]], 2), "in rows of one length"),
@@ -83,7 +83,7 @@ derived = partial(derive_criterion, method="quantile")
         (lambda: population(log_beta=np.full((3, 1, 1), np.nan)), "a pair of ellipse parameters for each"),
     ],
 )
-def test_what_cannot_be_is_refused_by_its_own_rule(make, rule):
+def test_each_rule_refuses_its_violation(make, rule):
     with pytest.raises(InputError, match=rule):
         make()
 
@@ -94,10 +94,10 @@ def test_a_table_without_rows_is_refused(tmp_path):
         read_ellipses(tmp_path / "ellipses.csv")
 
 
-def test_a_curve_that_the_ellipses_do_not_have_is_refused_whether_it_is_a_dimension_or_not():
-    for held in (ellipses(curve=["cosine"]), ellipses(curve=["cosine"]).isel(curve=0)):
+def test_missing_curve_is_refused_with_and_without_dimension():
+    for content in (ellipses(curve=["cosine"]), ellipses(curve=["cosine"]).isel(curve=0)):
         with pytest.raises(InputError, match="cosine"):
-            derived(held)
+            derive(content)
 
 
 def test_motions_without_an_ellipse_somewhere_do_not_count_in_the_hierarchical_model():
@@ -114,17 +114,19 @@ def test_motions_without_an_ellipse_somewhere_do_not_count_in_the_hierarchical_m
         hierarchical_model(gaps)
 
 
-def test_what_lacks_an_ellipse_is_counted_and_named_once():
+def test_missing_ellipses_are_counted_and_named_once():
     """Of five motions one has no ellipse at one of two structures and one has none at all."""
     values = np.arange(10.0).reshape(5, 2, 1)
     values[0, 0], values[1] = np.nan, np.nan
     gaps = SimpleNamespace(log_alpha=values, log_beta=2.0 * values)
-    said = {}
-    for kept in (4, 5):
-        model = SimpleNamespace(values=np.zeros((kept, 2, 1, 2)))
+    text_by_count = {}
+    for motion_count in (4, 5):
+        model = SimpleNamespace(values=np.zeros((motion_count, 2, 1, 2)))
         grid = SimpleNamespace(population=gaps)
-        fitted = HierarchicalFit(grid=grid, method="", assurance=None, model=model, posterior=None)
-        said[kept] = fitted._imputation_note  # noqa: SLF001 - one of the cautions
-    assert said[4].startswith("2 of 5 motions have no ellipse at some structure, 30.0 % of all values;")
-    assert said[4].endswith("; 1 with none at all were left out.")
-    assert said[5] == said[4].replace("; 1 with none at all were left out", "")
+        fit = HierarchicalFit(grid=grid, method="", assurance=None, model=model, posterior=None)
+        text_by_count[motion_count] = fit._imputation_note  # noqa: SLF001 - one of the cautions
+    assert text_by_count[4].startswith(
+        "2 of 5 motions have no ellipse at some structure, 30.0 % of all values;"
+    )
+    assert text_by_count[4].endswith("; 1 with none at all were left out.")
+    assert text_by_count[5] == text_by_count[4].replace("; 1 with none at all were left out", "")

@@ -16,8 +16,8 @@ CONFIDENCES = (0.5, 0.8, 0.9, 0.95)
 
 
 def test_shipped_boundaries_lie_at_their_predictions():
-    compared = read_shipped_measures().scales
-    logarithms = compared.logarithms(0.05, "lag", None)
+    comparison = read_shipped_measures().scales
+    logarithms = comparison.logarithms(0.05, "lag", None)
     assert logarithms.mean() == pytest.approx(-0.14, abs=0.04)
     assert logarithms.std(axis=0).max() < 0.12  # where ln a scatters by 0.5 to 0.8
 
@@ -29,36 +29,38 @@ def test_the_whole_boundary_is_no_further_than_any_direction():
 
 
 def test_errors_between_stored_ones_are_interpolated():
-    compared = BoundaryScales(
+    comparison = BoundaryScales(
         least=np.exp([[[[[0.0], [-0.2]]]]]),
         towards=np.ones((1, 1, 1, 2, 1, 9)),
         thresholds=np.array([0.01, 0.04]),
         sides=["lag"],
     )
-    assert compared.logarithms(0.02, "lag", None) == pytest.approx(-0.1)
-    assert compared.logarithms(0.04, "lag", None) == pytest.approx(-0.2)
+    assert comparison.logarithms(0.02, "lag", None) == pytest.approx(-0.1)
+    assert comparison.logarithms(0.04, "lag", None) == pytest.approx(-0.2)
 
 
 @pytest.mark.slow
 def test_a_criterion_by_response_keeps_every_share_of_earthquakes_left_out():
     """Also at 50 and 80 %: by a and b separately 69 and 93 % were kept."""
-    at = {"f": [1.0], "xi": [0.05]}
+    structure_place = {"f": [1.0], "xi": [0.05]}
     ellipses = read_ellipses("real_suite").sel(
-        metric=["rms"], threshold=[0.05], side=["lag"], curve=["inscribed"], **at
+        metric=["rms"], threshold=[0.05], side=["lag"], curve=["inscribed"], **structure_place
     )
-    measures = read_netcdf(shipped("datasets", "real_suite/first_order.nc"), "Measures", "").sel(at)
+    measures = read_netcdf(shipped("datasets", "real_suite/first_order.nc"), "Measures", "").sel(
+        structure_place
+    )
     events = ellipses["event"].values
-    kept = np.zeros((events.size, len(CONFIDENCES)), dtype=bool)
+    is_contained = np.zeros((events.size, len(CONFIDENCES)), dtype=bool)
     for place, event in enumerate(events):
-        others = events != event
-        own = measures.isel(motion=[place])
-        carried = carry_to_response(ellipses.isel(motion=others), measures.isel(motion=others), own)
-        predicted, *_ = ResponseMeasures.from_dataset(own).predict_ellipses(0.05, "lag")
-        reach = float(predicted[0, 0, 0] * own["scale"].sel(threshold=0.05, side="lag").item())
-        kept[place] = [
+        rivals = events != event
+        original = measures.isel(motion=[place])
+        carried = carry_to_response(ellipses.isel(motion=rivals), measures.isel(motion=rivals), original)
+        prediction, *_ = ResponseMeasures.from_dataset(original).predict_ellipses(0.05, "lag")
+        reach = float(prediction[0, 0, 0] * original["scale"].sel(threshold=0.05, side="lag").item())
+        is_contained[place] = [
             derive_criterion(carried, confidence=share).limits(1.0, 0.05)[0] <= reach for share in CONFIDENCES
         ]
-    assert kept.mean(axis=0) == pytest.approx(CONFIDENCES, abs=0.06)
+    assert is_contained.mean(axis=0) == pytest.approx(CONFIDENCES, abs=0.06)
 
 
 LENGTHS = {"length": [10.0, 20.0, 90.0, 100.0]}
@@ -81,15 +83,15 @@ def test_a_length_lies_inside_between_the_outer_twentieths(length, position):
 
 def test_the_least_favourable_quantity_decides_and_each_has_a_sentence():
     scope = {**LENGTHS, "cycles": [5.0, 10.0, 100.0, 200.0]}
-    compared = compare_with_scope(scope, {"length": 15.0, "cycles": 300.0})
-    assert compared.position is Position.OUTSIDE
-    assert [sentence.split(",")[0] for sentence in compared.sentences] == [
+    comparison = compare_with_scope(scope, {"length": 15.0, "cycles": 300.0})
+    assert comparison.position is Position.OUTSIDE
+    assert [sentence.split(",")[0] for sentence in comparison.sentences] == [
         "The length of the record",
         "The number of cycles",
     ]
 
 
-def test_what_the_population_does_not_know_is_not_compared():
+def test_measures_unknown_to_population_are_not_compared():
     assert compare_with_scope(LENGTHS, {"effective_duration": 1.0}).position is Position.INSIDE
 
 

@@ -47,7 +47,7 @@ UNSTABLE, ERROR, FAULT = 1, 2, 4
 
 
 @dataclass(frozen=True)
-class Followed:
+class MonitorOutput:
     """What the monitor said after each sample; error, rms and mte of several actuators in rows."""
 
     error: np.ndarray
@@ -59,7 +59,7 @@ class Followed:
     offset: np.ndarray
 
 
-def built(folder, compiler=None, flags=STRICT):
+def build(folder, compiler=None, flags=STRICT):
     """The exported folder as a library."""
     (folder / "shim.c").write_text(SHIM)
     library = folder / f"monitor{len(list(folder.glob('*.so')))}.so"
@@ -72,47 +72,49 @@ def built(folder, compiler=None, flags=STRICT):
     return ctypes.CDLL(str(library))
 
 
-def built_of(monitor, folder, compiler=None):
+def build_monitor(monitor, folder, compiler=None):
     """The library of a monitor."""
     folder.mkdir(exist_ok=True)
     for name, text in monitor_sources(monitor).items():
         (folder / name).write_text(text, encoding="utf-8")
-    return built(folder, compiler)
+    return build(folder, compiler)
 
 
-def followed(library, command, measured, begin=None):
+def follow(library, command, reading, begin=None):
     """Follow a test; histories of several actuators in rows, `begin`: offsets, then standing differences."""
     actuators = 1 if command.ndim == 1 else command.shape[0]
     size = command.shape[-1]
     table = np.empty((size, 3 * actuators + 4))
     library.follow_size.restype = ctypes.c_size_t
     place = ctypes.create_string_buffer(library.follow_size() + 16)
-    channels = [np.ascontiguousarray(values.T, dtype=np.float64) for values in (command, measured)]
+    channels = [np.ascontiguousarray(values.T, dtype=np.float64) for values in (command, reading)]
     pointers = [values.ctypes.data_as(ctypes.c_void_p) for values in (*channels, table)]
     state = None if begin is None else (ctypes.c_double * len(begin))(*begin)
     library.follow(place, state, ctypes.c_long(size), *pointers)
     parts = np.split(table.T, [actuators, 2 * actuators, 3 * actuators])
-    of_degrees = [part[0] if command.ndim == 1 else part for part in parts[:3]]
-    return Followed(*of_degrees, *parts[3])
+    degree_errors = [part[0] if command.ndim == 1 else part for part in parts[:3]]
+    return MonitorOutput(*degree_errors, *parts[3])
 
 
-def compare(folder, drawn, compiler=None):
+def compare(folder, samples, compiler=None):
     """Whether C gives the errors of a drawn test, and its alarm at the same sample; return what it says."""
-    ours = followed(built_of(drawn.monitor, folder, compiler), drawn.command, drawn.measured, drawn.begin)
-    assert_same(ours.error, drawn)
-    if len(drawn.error) == 1:
-        raised = np.flatnonzero(ours.status.astype(int) & UNSTABLE)
-        assert (raised[0] * drawn.monitor.time_step if raised.size else None) == pytest.approx(drawn.alarm)
-    offset = drawn.begin[: len(drawn.command), np.newaxis]
-    carry = drawn.monitor.coefficients.carry
-    ideal = np.abs(carry @ (drawn.measured - offset) - drawn.error).max(axis=1)
-    square = drawn.error**2
+    ours = follow(
+        build_monitor(samples.monitor, folder, compiler), samples.command, samples.measured, samples.begin
+    )
+    assert_same(ours.error, samples)
+    if len(samples.error) == 1:
+        error = np.flatnonzero(ours.status.astype(int) & UNSTABLE)
+        assert (error[0] * samples.monitor.time_step if error.size else None) == pytest.approx(samples.alarm)
+    offset = samples.begin[: len(samples.command), np.newaxis]
+    carry = samples.monitor.coefficients.carry
+    ideal = np.abs(carry @ (samples.measured - offset) - samples.error).max(axis=1)
+    square = samples.error**2
     mean = (square.sum(axis=1) - 0.5 * (square[:, 0] + square[:, -1])) / (square.shape[1] - 1)
     assert ours.rms[:, -1] == pytest.approx(np.sqrt(mean) / ideal, rel=1e-9)
-    assert ours.mte[:, -1] == pytest.approx(np.abs(drawn.error).max(axis=1) / ideal, rel=1e-9)
+    assert ours.mte[:, -1] == pytest.approx(np.abs(samples.error).max(axis=1) / ideal, rel=1e-9)
     return ours
 
 
-def assert_same(error, drawn):
+def assert_same(error, samples):
     """Whether errors are those of Python, to 1e-12 of the peak."""
-    assert (np.abs(error - drawn.error) < 1e-12 * drawn.peaks[:, np.newaxis]).all()
+    assert (np.abs(error - samples.error) < 1e-12 * samples.peaks[:, np.newaxis]).all()

@@ -18,11 +18,11 @@ from reliab.structures.partition import Partition
 from reliab.structures.structure import Structure
 
 FINE = 4096
-SHIPPED = [name for name, effect in library().items() if effect.role is Role.FORCE]
+EFFECT_NAMES = [name for name, effect in library().items() if effect.role is Role.FORCE]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Drawn:
+class RandomTest:
     """A test, and what Python says of it; histories in rows by actuator or interface displacement."""
 
     monitor: LoopMonitor
@@ -34,14 +34,14 @@ class Drawn:
     alarm: float | None = None  # time of the alarm of the energy [s]; of one actuator only
 
 
-def by_monitor(structure, monitor, command, measured, offset, peak=None):
+def monitor_in_python(structure, monitor, command, reading, offset, peak=None):
     """What Python's monitor of one actuator says."""
     theirs = Monitor(structure, monitor.time_step, feedback_lag=monitor.feedback_lag, sensor_offset=offset)
-    theirs.feed(command, measured)
-    return Drawn(
+    theirs.feed(command, reading)
+    return RandomTest(
         monitor=monitor,
         command=command[np.newaxis],
-        measured=measured[np.newaxis],
+        measured=reading[np.newaxis],
         begin=np.array([offset, 0.0]),
         error=theirs.error[np.newaxis],
         peaks=np.array([np.abs(command).max() if peak is None else peak]),
@@ -72,15 +72,15 @@ def random_test(seed, rate, seconds=12.0):
     return structure, command, histories.measured + noise
 
 
-def of_one_degree(seed, rate):
+def draw_single_degree(seed, rate):
     """A linear structure of one degree of freedom, with a delay up to thrice the critical one."""
-    structure, command, measured = random_test(seed, rate)
+    structure, command, reading = random_test(seed, rate)
     monitor = LoopMonitor(
         structure=Partition.from_structure(structure),
         time_step=1.0 / rate,
         feedback_lag=(0.0, 0.37, 2.6)[seed % 3] / rate,
     )
-    return by_monitor(structure, monitor, command, measured, 1e-3 * (seed % 2))
+    return monitor_in_python(structure, monitor, command, reading, 1e-3 * (seed % 2))
 
 
 def shaken(rate, seconds=12.0, seed=0):
@@ -97,12 +97,12 @@ def random_partition(seed, degrees=None):
     degrees = int(rng.integers(2, 4)) if degrees is None else degrees
     stiffness = 2.0 * np.eye(floors) - np.eye(floors, k=1) - np.eye(floors, k=-1)
     stiffness *= (2.0 * np.pi * rng.uniform(0.8, 3.0)) ** 2
-    own, across, rest = (
+    original, normal_part, remainder = (
         stiffness[:degrees, :degrees],
         stiffness[:degrees, degrees:],
         stiffness[degrees:, degrees:],
     )
-    share = (own - across @ np.linalg.solve(rest, across.T)) * rng.uniform(0.2, 0.9)
+    share = (original - normal_part @ np.linalg.solve(remainder, normal_part.T)) * rng.uniform(0.2, 0.9)
     return Partition(
         mass=np.diag(rng.uniform(0.5, 2.0, floors)),
         damping=2e-3 * stiffness,
@@ -114,54 +114,58 @@ def random_partition(seed, degrees=None):
     )
 
 
-def delayed_loop(partition, delay, rate, ground):
+def loop_with_delay(partition, delay, rate, ground):
     """Interface commands and measured displacements of a loop whose actuators are late by whole samples."""
-    whole = partition.nonsingular_form
-    gamma, late = whole.interface, round(delay * rate)
-    mass, damping, stiffness = whole.numerical_mass, whole.numerical_damping, whole.numerical_stiffness
-    x, v = np.zeros(whole.size), np.zeros(whole.size)
-    moved = np.zeros((ground.size + late, whole.degrees))
+    complete = partition.nonsingular_form
+    gamma, late = complete.interface, round(delay * rate)
+    mass, damping, stiffness = (
+        complete.numerical_mass,
+        complete.numerical_damping,
+        complete.numerical_stiffness,
+    )
+    x, v = np.zeros(complete.size), np.zeros(complete.size)
+    displacement = np.zeros((ground.size + late, complete.degrees))
     inverse = np.linalg.inv(mass)
     for k in range(ground.size):
-        moved[k + late] = gamma.T @ x
-        rate_of_y = (moved[k] - moved[max(k - 1, 0)]) * rate
-        force = whole.specimen_stiffness @ moved[k] + whole.specimen_damping @ rate_of_y
+        displacement[k + late] = gamma.T @ x
+        rate_of_y = (displacement[k] - displacement[max(k - 1, 0)]) * rate
+        force = complete.specimen_stiffness @ displacement[k] + complete.specimen_damping @ rate_of_y
         a = inverse @ (
-            -whole.mass @ whole.influence * ground[k] - damping @ v - stiffness @ x - gamma @ force
+            -complete.mass @ complete.influence * ground[k] - damping @ v - stiffness @ x - gamma @ force
         )
         v = v + a / rate
         x = x + v / rate
-    channels = moved[late:], moved[: ground.size]
+    channels = displacement[late:], displacement[: ground.size]
     return tuple(np.ascontiguousarray(channel.T) for channel in channels)
 
 
-def of_frame(seed, rate):
+def draw_frame(seed, rate):
     """A frame of three to five storeys with one actuator, late by up to 1.5 times the critical delay."""
     rng = np.random.default_rng((seed, 9))
     partition = random_partition(seed, 1)
     delay = float(rng.uniform(0.0, 1.5)) * stability_limit(partition).delay
-    (command,), (measured,) = delayed_loop(partition, delay, rate, shaken(rate, 6.0, seed))
-    read = measured + 1e-3 * np.abs(command).max() * rng.normal(size=command.size)
+    (command,), (reading,) = loop_with_delay(partition, delay, rate, shaken(rate, 6.0, seed))
+    read = reading + 1e-3 * np.abs(command).max() * rng.normal(size=command.size)
     monitor = LoopMonitor(
         structure=partition.nonsingular_form,
         time_step=1.0 / rate,
         feedback_lag=float(rng.choice([0.0, 0.4, 2.7])) / rate,
     )
-    return by_monitor(monitor.structure, monitor, command, read, float(rng.choice([0.0, 1e-4])))
+    return monitor_in_python(monitor.structure, monitor, command, read, float(rng.choice([0.0, 1e-4])))
 
 
-def by_assess(partition, carry, command, measured, rate, lag=0.0, standing=None):
+def errors_of_assess(partition, carry, command, reading, rate, lag=0.0, standing=None):
     """Errors by degree of freedom as `assess` computes them, without taking noise away.
 
     In a loop the next sample is not known, and readings are joined by straight lines.
     """
     recursion = Recursion.of_displacement(partition.nonsingular_form, 1.0 / rate)
-    felt = np.stack([delayed(row, lag, 1.0 / rate) for row in measured])
+    input_motion = np.stack([delayed(row, lag, 1.0 / rate) for row in reading])
     state = None if standing is None else recursion.static @ carry @ standing
-    return respond(recursion, carry @ (command - felt), state) - carry @ (command - measured)
+    return respond(recursion, carry @ (command - input_motion), state) - carry @ (command - reading)
 
 
-def of_several_actuators(seed, rate):
+def draw_several_actuators(seed, rate):
     """Two or three actuators with coupled kinematics, offsets, standing differences and a late force."""
     rng = np.random.default_rng((seed, 8))
     partition = random_partition(seed)
@@ -169,22 +173,22 @@ def of_several_actuators(seed, rate):
     lag = float(rng.choice([0.0, 0.4, 2.7])) / rate
     if seed % 2:
         command = np.cumsum(rng.normal(size=(partition.degrees, 6 * rate)), axis=1) * 1e-3 / np.sqrt(rate)
-        measured = 0.98 * command
+        reading = 0.98 * command
     else:
         delay = float(rng.uniform(0.0, 1.5)) * stability_limit(partition).delay
-        command, measured = (
-            np.linalg.solve(carry, moved)
-            for moved in delayed_loop(partition, delay, rate, shaken(rate, 6.0, seed))
+        command, reading = (
+            np.linalg.solve(carry, displacement)
+            for displacement in loop_with_delay(partition, delay, rate, shaken(rate, 6.0, seed))
         )
-    measured = measured + 1e-3 * np.abs(command).max() * rng.normal(size=command.shape)
+    reading = reading + 1e-3 * np.abs(command).max() * rng.normal(size=command.shape)
     offset, standing = 1e-4 * rng.normal(size=(2, partition.degrees))
-    sound = measured - offset[:, np.newaxis]
-    return Drawn(
+    sound = reading - offset[:, np.newaxis]
+    return RandomTest(
         monitor=LoopMonitor(structure=partition, to_interface=carry, time_step=1.0 / rate, feedback_lag=lag),
         command=command,
-        measured=measured,
+        measured=reading,
         begin=np.concatenate([offset, standing]),
-        error=by_assess(partition, carry, command, sound, rate, lag, standing),
+        error=errors_of_assess(partition, carry, command, sound, rate, lag, standing),
         peaks=np.abs(carry @ command).max(axis=1),
     )
 
@@ -225,32 +229,34 @@ def nonlinear_test(seed, rate, kinds, seconds=10.0):
     shaking = np.interp(time, np.arange(int(seconds * 32)) / 32, rng.normal(size=int(seconds * 32)))
     plain = HybridTest(structure=structure, mass=mass)
     peak = float(np.abs(run_closed_loop(plain, shaking, 1.0 / FINE).command.values[0]).max())
-    sized = [effects(kind, peak, plain.specimen.stiffness, structure.circular_frequency) for kind in kinds]
-    model = HybridTest(structure=structure, mass=mass, effects=tuple(one for (one,) in sized))
+    size_values = [
+        effects(kind, peak, plain.specimen.stiffness, structure.circular_frequency) for kind in kinds
+    ]
+    model = HybridTest(structure=structure, mass=mass, effects=tuple(single for (single,) in size_values))
     share = rng.uniform(0.2, 0.8) * 2.0 * structure.damping_ratio / structure.circular_frequency
     late = Actuator(gain=float(rng.uniform(0.98, 1.02)), delay=float(share))
     run = run_closed_loop(
         HybridTest(structure=structure, mass=mass, effects=model.effects, actuator=late), shaking, 1.0 / FINE
     )
     exact = run_closed_loop(model, shaking, 1.0 / FINE).command.values[0]
-    every = FINE // rate
-    return model, *(np.ascontiguousarray(x[::every]) for x in (run.command.values[0], run.measured, exact))
+    interval = FINE // rate
+    return model, *(np.ascontiguousarray(x[::interval]) for x in (run.command.values[0], run.measured, exact))
 
 
-def of_model(seed, rate, kinds=None, noise=None):
+def draw_model(seed, rate, kinds=None, noise=None):
     """A specimen with one of the shipped effects in turn, or with `kinds`; every other one with noise."""
-    kinds = (SHIPPED[seed % len(SHIPPED)],) if kinds is None else kinds
-    model, command, measured, exact = nonlinear_test(seed, rate, kinds)
-    level = 1e-3 * (seed // len(SHIPPED) % 2) if noise is None else noise
+    kinds = (EFFECT_NAMES[seed % len(EFFECT_NAMES)],) if kinds is None else kinds
+    model, command, reading, exact = nonlinear_test(seed, rate, kinds)
+    level = 1e-3 * (seed // len(EFFECT_NAMES) % 2) if noise is None else noise
     peak = float(np.abs(exact).max())
-    read = measured + level * peak * np.random.default_rng(seed).normal(size=measured.size)
+    read = reading + level * peak * np.random.default_rng(seed).normal(size=reading.size)
     monitor = LoopMonitor(structure=model, time_step=1.0 / rate)
-    return by_monitor(UpdatedModel(name="", test=model), monitor, command, read, 0.0, peak)
+    return monitor_in_python(UpdatedModel(name="", test=model), monitor, command, read, 0.0, peak)
 
 
 KINDS = {
-    "one degree of freedom": of_one_degree,
-    "frame": of_frame,
-    "several actuators": of_several_actuators,
-    "model": of_model,
+    "one degree of freedom": draw_single_degree,
+    "frame": draw_frame,
+    "several actuators": draw_several_actuators,
+    "model": draw_model,
 }

@@ -4,8 +4,8 @@ import subprocess
 
 import numpy as np
 import pytest
-from compiled_monitor import COMPILERS, FAULT, STRICT, built, built_of, compare, followed, needs_compiler
-from drawn_tests import KINDS, of_one_degree, random_test
+from compiled_monitor import COMPILERS, FAULT, STRICT, build, build_monitor, compare, follow, needs_compiler
+from drawn_tests import KINDS, draw_single_degree, random_test
 
 from reliab.app.api.in_loop import export_monitor
 from reliab.in_loop.sources import monitor_sources
@@ -19,8 +19,8 @@ BOTH = [
 ]
 FIRST, *FURTHER = KINDS
 SANITIZERS = ("address,undefined", "thread")
-OF_MATH = {"sqrt", "log", "exp", "erfc", "ceil", "fabs", "pow", "tanh", "trunc"}
-OF_COMPILERS = {"memset", "memcpy", "__stack_chk_fail", "_GLOBAL_OFFSET_TABLE_"}
+MATH_FUNCTIONS = {"sqrt", "log", "exp", "erfc", "ceil", "fabs", "pow", "tanh", "trunc"}
+COMPILER_FUNCTIONS = {"memset", "memcpy", "__stack_chk_fail", "_GLOBAL_OFFSET_TABLE_"}
 TWO_THREADS = """
 #include "reliab_monitor.h"
 #include <math.h>
@@ -56,10 +56,10 @@ int main(void)
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize("compiler", BOTH)
 def test_fast_arithmetic_changes_nothing(tmp_path, compiler):
-    _, command, measured = random_test(6, 512, 6.0)
+    _, command, reading = random_test(6, 512, 6.0)
     export_monitor(("c", tmp_path), f=1, xi=0.02, rate=512)
-    exact = followed(built(tmp_path, compiler), command, measured)
-    fast = followed(built(tmp_path, compiler, ("-std=c99", "-O3", "-ffast-math")), command, measured)
+    exact = follow(build(tmp_path, compiler), command, reading)
+    fast = follow(build(tmp_path, compiler, ("-std=c99", "-O3", "-ffast-math")), command, reading)
     assert np.abs(exact.error - fast.error).max() < 1e-9 * np.abs(command).max()
     assert (exact.status == fast.status).all()
 
@@ -69,11 +69,11 @@ def test_fast_arithmetic_changes_nothing(tmp_path, compiler):
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_kind_has_the_same_error_strictly_and_with_fast_arithmetic(tmp_path, kind, compiler):
     for seed in range(6):
-        drawn = KINDS[kind](600 + seed, 512)
-        ours = compare(tmp_path / f"{seed}", drawn, compiler)
-        fast = built(tmp_path / f"{seed}", compiler, ("-std=c99", "-O3", "-ffast-math"))
-        again = followed(fast, drawn.command, drawn.measured, drawn.begin)
-        assert (np.abs(ours.error - again.error) < 1e-9 * drawn.peaks[:, np.newaxis]).all()
+        samples = KINDS[kind](600 + seed, 512)
+        ours = compare(tmp_path / f"{seed}", samples, compiler)
+        fast = build(tmp_path / f"{seed}", compiler, ("-std=c99", "-O3", "-ffast-math"))
+        second = follow(fast, samples.command, samples.measured, samples.begin)
+        assert (np.abs(ours.error - second.error) < 1e-9 * samples.peaks[:, np.newaxis]).all()
 
 
 def require_sanitizer(folder, compiler, sanitizer):
@@ -84,10 +84,10 @@ def require_sanitizer(folder, compiler, sanitizer):
         pytest.skip(f"{compiler} has no {sanitizer} sanitizer here")
 
 
-def follow_sanitized(folder, drawn, compiler, sanitizer):
+def follow_sanitized(folder, samples, compiler, sanitizer):
     """Let the example follow a drawn test under a sanitizer, which ends it where it finds something."""
-    built_of(drawn.monitor, folder, compiler)
-    table = np.stack([drawn.command, drawn.measured], axis=1).reshape(-1, drawn.command.shape[1]).T
+    build_monitor(samples.monitor, folder, compiler)
+    table = np.stack([samples.command, samples.measured], axis=1).reshape(-1, samples.command.shape[1]).T
     names = ",".join(f"channel_{k}" for k in range(table.shape[1]))
     np.savetxt(folder / "test.csv", table, delimiter=",", header=names, comments="", fmt="%.17g")
     flags = [*STRICT, f"-fsanitize={sanitizer}", "-fno-sanitize-recover=all"]
@@ -96,7 +96,7 @@ def follow_sanitized(folder, drawn, compiler, sanitizer):
     subprocess.run([compiler, *flags, *sources], cwd=folder, check=True)  # noqa: S603 - a compiler
     run = subprocess.run(["./example", "test.csv"], cwd=folder, capture_output=True, text=True, check=False)
     assert run.returncode in range(FAULT), run.stderr
-    assert len(run.stdout.splitlines()) == drawn.command.shape[1]
+    assert len(run.stdout.splitlines()) == samples.command.shape[1]
     assert len(run.stderr.splitlines()) == 1
 
 
@@ -104,7 +104,7 @@ def follow_sanitized(folder, drawn, compiler, sanitizer):
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize("compiler", BOTH)
 def test_sanitizers_find_nothing_in_the_example(tmp_path, compiler):
-    follow_sanitized(tmp_path, of_one_degree(8, 256), compiler, SANITIZERS[0])
+    follow_sanitized(tmp_path, draw_single_degree(8, 256), compiler, SANITIZERS[0])
 
 
 @pytest.mark.slow
@@ -120,7 +120,7 @@ def test_sanitizers_find_nothing_in_any_kind(tmp_path, kind, sanitizer, compiler
 @pytest.mark.parametrize("compiler", BOTH)
 @pytest.mark.parametrize("kind", KINDS)
 def test_two_threads_step_two_monitors(tmp_path, kind, compiler):
-    built_of(KINDS[kind](9, 256).monitor, tmp_path)
+    build_monitor(KINDS[kind](9, 256).monitor, tmp_path)
     require_sanitizer(tmp_path, compiler, "thread")
     (tmp_path / "two.c").write_text(TWO_THREADS)
     flags = [*STRICT, "-fsanitize=thread", "-pthread"]
@@ -137,13 +137,13 @@ def test_nothing_is_allocated_and_no_state_is_shared(tmp_path, kind, compiler):
         (tmp_path / name).write_text(text, encoding="utf-8")
     object_file = [compiler, *STRICT, "-c", "reliab_monitor.c", "-o", "monitor.o"]
     subprocess.run(object_file, cwd=tmp_path, check=True)  # noqa: S603
-    listed = subprocess.run(
+    listing = subprocess.run(
         ["nm", "monitor.o"],  # noqa: S607 - of the compiler
         cwd=tmp_path,
         capture_output=True,
         text=True,
         check=True,
     ).stdout
-    symbols = [line.split()[-2:] for line in listed.splitlines()]
-    assert {name for kind, name in symbols if kind == "U"} <= OF_MATH | OF_COMPILERS
+    symbols = [line.split()[-2:] for line in listing.splitlines()]
+    assert {name for kind, name in symbols if kind == "U"} <= MATH_FUNCTIONS | COMPILER_FUNCTIONS
     assert not {name for kind, name in symbols if kind in "BbDdC"}

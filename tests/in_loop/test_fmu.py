@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from compiled_monitor import UNSTABLE, built, followed
+from compiled_monitor import UNSTABLE, build, follow
 
 from reliab.app.api.in_loop import export_monitor
 from reliab.assessment.rebuilt_error.running_error import Monitor
@@ -24,21 +24,21 @@ RATE, DELAY, XI = 256, 12, 0.02
 KINDS = ("fmu", "fmu3")
 
 
-def compiled_unit(kind, folder, **stated):
+def compile_unit(kind, folder, **declared_values):
     """The monitor of a structure, unpacked and compiled from its sources."""
     from fmpy.build import build_platform_binary
 
-    export_monitor((kind, folder / "monitor.fmu"), rate=RATE, **(stated or {"f": 1, "xi": XI}))
-    unpacked = fmpy.extract(str(folder / "monitor.fmu"), unzipdir=str(folder / "unpacked"))
+    export_monitor((kind, folder / "monitor.fmu"), rate=RATE, **(declared_values or {"f": 1, "xi": XI}))
+    content = fmpy.extract(str(folder / "monitor.fmu"), unzipdir=str(folder / "unpacked"))
     (folder / "build").mkdir()
-    build_platform_binary(unpacked, build_dir=folder / "build")
-    return Path(unpacked)
+    build_platform_binary(content, build_dir=folder / "build")
+    return Path(content)
 
 
 @pytest.fixture(scope="module")
 def units(tmp_path_factory):
     """An FMU of each version, asked for by its kind."""
-    return {kind: compiled_unit(kind, tmp_path_factory.mktemp(kind)) for kind in KINDS}
+    return {kind: compile_unit(kind, tmp_path_factory.mktemp(kind)) for kind in KINDS}
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -57,8 +57,8 @@ def test_the_description_is_valid_and_the_bytes_depend_on_the_structure_only(kin
 def test_the_unit_gives_the_error_of_python(units, kind):
     time = np.arange(8 * RATE) / RATE
     command = 0.01 * np.sin(2.0 * np.pi * 0.9 * time)  # which has no rest from which an offset is learned
-    measured = 0.98 * command + 1e-6 * np.random.default_rng(1).normal(size=time.size) * (time > 0.0)
-    inputs = np.rec.fromarrays([time, command, measured], names="time,command,measured")
+    reading = 0.98 * command + 1e-6 * np.random.default_rng(1).normal(size=time.size) * (time > 0.0)
+    inputs = np.rec.fromarrays([time, command, reading], names="time,command,measured")
     table = fmpy.simulate_fmu(
         str(units[kind]),
         stop_time=time[-1],
@@ -68,17 +68,17 @@ def test_the_unit_gives_the_error_of_python(units, kind):
         use_event_mode=False,
     )
     monitor = Monitor(Structure(frequency=1.0, damping_ratio=XI), 1.0 / RATE, sensor_offset=0.0)
-    monitor.feed(command, measured)
+    monitor.feed(command, reading)
     count = table["error"].size - 1
     assert count >= time.size - 2
     assert np.abs(table["error"][1:] - monitor.error[:count]).max() < 1e-12 * 0.01
 
 
-FOLLOWED = ("two_actuators", "model")
+UNIT_KINDS = ("two_actuators", "model")
 
 
 @pytest.fixture(scope="module")
-def further(tmp_path_factory):
+def exported_units(tmp_path_factory):
     """What is exported of several actuators, and of a specimen with a model."""
     folder = tmp_path_factory.mktemp("further")
     friction = find_effect("coulomb_friction")(force_n=0.05, regularisation_velocity_m_per_s=0.01)
@@ -92,24 +92,24 @@ def further(tmp_path_factory):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("what", FOLLOWED)
+@pytest.mark.parametrize("label", UNIT_KINDS)
 def test_units_of_several_actuators_and_of_models_give_the_error_of_the_sources(
-    kind, what, further, tmp_path
+    kind, label, exported_units, tmp_path
 ):
     from fmpy.validation import validate_fmu
 
-    unpacked = compiled_unit(kind, tmp_path, **further[what])
+    content = compile_unit(kind, tmp_path, **exported_units[label])
     assert validate_fmu(str(tmp_path / "monitor.fmu")) == []
-    actuators = 2 if what == "two_actuators" else 1
+    actuators = 2 if label == "two_actuators" else 1
     numbers = [f"_{k + 1}" for k in range(actuators)] if actuators > 1 else [""]
     time = np.arange(6 * RATE) / RATE
     command = 0.01 * np.sin(np.arange(1, actuators + 1)[:, np.newaxis] * 5.0 * time)
-    measured = 0.98 * command + 1e-6 * np.random.default_rng(1).normal(size=command.shape) * (time > 0.0)
+    reading = 0.98 * command + 1e-6 * np.random.default_rng(1).normal(size=command.shape) * (time > 0.0)
     names = ["time", *(f"{channel}{k}" for channel in ("command", "measured") for k in numbers)]
-    inputs = np.rec.fromarrays([time, *command, *measured], names=names)
+    inputs = np.rec.fromarrays([time, *command, *reading], names=names)
     output = [f"{name}{k}" for name in ("error", "rms", "mte") for k in numbers]
     table = fmpy.simulate_fmu(
-        str(unpacked),
+        str(content),
         stop_time=time[-1],
         output_interval=1.0 / RATE,
         input=inputs,
@@ -117,8 +117,8 @@ def test_units_of_several_actuators_and_of_models_give_the_error_of_the_sources(
         use_event_mode=False,
     )
     (tmp_path / "c").mkdir()
-    export_monitor(("c", tmp_path / "c"), rate=RATE, **further[what])
-    ours = followed(built(tmp_path / "c"), command, measured)
+    export_monitor(("c", tmp_path / "c"), rate=RATE, **exported_units[label])
+    ours = follow(build(tmp_path / "c"), command, reading)
     count = table["time"].size - 1
     assert count >= time.size - 2
     for k, number in enumerate(numbers):
@@ -154,10 +154,10 @@ PLANTS = {
 @pytest.fixture(scope="module")
 def plants(tmp_path_factory, units):
     """FMUs of a structure with an actuator that is four times too late, by the wrappers of ours."""
-    return {kind: compiled_plant(kind, tmp_path_factory.mktemp("plant"), units[kind]) for kind in KINDS}
+    return {kind: compile_plant(kind, tmp_path_factory.mktemp("plant"), units[kind]) for kind in KINDS}
 
 
-def compiled_plant(kind, folder, unit):
+def compile_plant(kind, folder, unit):
     """A plant in the place of the monitor."""
     from fmpy.build import build_platform_binary
 
@@ -225,10 +225,10 @@ def commands_of(plant, monitor=None, seconds=60):
     units = [Unit(folder) for folder in (plant, monitor) if folder is not None]
     commands = []
     for _ in range(seconds * RATE):
-        command, measured = units[0].get("command", "measured")
+        command, reading = units[0].get("command", "measured")
         commands.append(command)
         if monitor is not None:
-            units[1].put(command=command, measured=measured)
+            units[1].put(command=command, measured=reading)
         for unit in units:
             unit.step()
         if monitor is not None and units[1].status & UNSTABLE:
@@ -241,28 +241,28 @@ def commands_of(plant, monitor=None, seconds=60):
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_co_simulation_of_two_units_is_stopped_at_the_alarm(units, plants, kind):
-    stopped, unstopped = commands_of(plants[kind], units[kind]), commands_of(plants[kind])
-    assert stopped.size < unstopped.size
-    assert np.array_equal(stopped, unstopped[: stopped.size])
-    assert np.abs(stopped).max() < 0.1 * np.abs(unstopped).max()
+    alarm_time, free_run = commands_of(plants[kind], units[kind]), commands_of(plants[kind])
+    assert alarm_time.size < free_run.size
+    assert np.array_equal(alarm_time, free_run[: alarm_time.size])
+    assert np.abs(alarm_time).max() < 0.1 * np.abs(free_run).max()
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_an_offset_is_stated_before_the_first_sample_and_not_after(units, kind):
-    learned, stated = Unit(units[kind]), Unit(units[kind])
-    stated.put(sensor_offset=2e-3)
-    stated.slave.setBoolean([stated.number["offsets_are_stated"]], [True])
-    assert stated.get("sensor_offset") == [2e-3]
-    for unit in (learned, stated):
+    fit, declared_values = Unit(units[kind]), Unit(units[kind])
+    declared_values.put(sensor_offset=2e-3)
+    declared_values.slave.setBoolean([declared_values.number["offsets_are_stated"]], [True])
+    assert declared_values.get("sensor_offset") == [2e-3]
+    for unit in (fit, declared_values):
         for k in range(8):
             unit.put(command=1e-3 * k, measured=1e-3 * k + 2e-3)
             unit.step()
-    assert abs(learned.get("error")[0]) > 1e-3
-    assert abs(stated.get("error")[0]) < 1e-15
+    assert abs(fit.get("error")[0]) > 1e-3
+    assert abs(declared_values.get("error")[0]) < 1e-15
     with pytest.raises(Exception, match="failed"):
-        stated.put(sensor_offset=0.0)
-    for unit in (learned, stated):
+        declared_values.put(sensor_offset=0.0)
+    for unit in (fit, declared_values):
         unit.end()
 
 
@@ -272,6 +272,6 @@ def test_steps_of_another_length_are_refused(units, kind):
         fmpy.simulate_fmu(str(units[kind]), stop_time=1.0, output_interval=0.01)
 
 
-def test_what_is_not_stated_is_asked_for(tmp_path):
+def test_missing_values_are_requested(tmp_path):
     with pytest.raises(InputError, match="rate"):
         export_monitor(("fmu", tmp_path / "a.fmu"), f=1, xi=XI)

@@ -31,7 +31,7 @@ exit 2
 """
 
 
-def said(script, folder, *, code=0, program=f"{sys.executable} -m reliab"):
+def run_octave(script, folder, *, code=0, program=f"{sys.executable} -m reliab"):
     """Run lines of Octave with the toolbox on its path; return what they print."""
     environment = {**os.environ, "RELIAB": program}
     words = [OCTAVE, "--quiet", "--no-init-file", "--eval", f"addpath('{TOOLBOX}'); {script}"]
@@ -46,7 +46,7 @@ def said(script, folder, *, code=0, program=f"{sys.executable} -m reliab"):
 @needs_octave
 def test_a_monitor_is_written_wherever_it_shall_stand(tmp_path):
     script = "m = reliab.monitor_export('c', 'it''s here', 'f', 1, 'xi', 0.02, 'rate', 256);"
-    assert said(f"{script} disp(m.degrees_of_freedom)", tmp_path).strip() == "1"
+    assert run_octave(f"{script} disp(m.degrees_of_freedom)", tmp_path).strip() == "1"
     assert (tmp_path / "it's here" / "reliab_monitor.c").is_file()
 
 
@@ -62,7 +62,7 @@ def test_names_and_values_are_options_of_the_command_line(tmp_path):
         reliab.diagnose('it''s', 'out', 'x');
         reliab.monitor_export('fmu3', 'm.fmu', 'structure', 'frame.toml', 'rate', 4096);
     """
-    said(script, tmp_path, program="sh answers.sh")
+    run_octave(script, tmp_path, program="sh answers.sh")
     words = (tmp_path / "words.txt").read_text().splitlines()
     calls = [
         "assess t.csv --f 1 --xi 0.02 --exact --feedback-lag 2.5 --json *",
@@ -74,18 +74,18 @@ def test_names_and_values_are_options_of_the_command_line(tmp_path):
 
 
 @needs_octave
-def test_what_the_command_line_refuses_is_an_error(tmp_path):
+def test_refusals_of_the_command_line_are_errors(tmp_path):
     (tmp_path / "refuses.sh").write_text(REFUSES)
-    sentence = said("reliab.criterion('f', 1)", tmp_path, code=1, program="sh refuses.sh")
+    sentence = run_octave("reliab.criterion('f', 1)", tmp_path, code=1, program="sh refuses.sh")
     assert sentence.splitlines()[0] == "error: The file must be there; found 2 of 3. Give it"
 
 
 @needs_octave
 @pytest.mark.slow
-def test_a_diagnosis_is_that_of_python(tmp_path):
+def test_diagnosis_equals_python(tmp_path):
     folder = shipped("datasets", "campaigns/rig_c")
     script = f"d = reliab.diagnose('{folder}'); disp(jsonencode(d))"
-    answer = json.loads(said(script, tmp_path))
+    answer = json.loads(run_octave(script, tmp_path))
     expected = diagnose_campaign(str(folder)).to_dict()
     assert answer["verdict"] == expected["verdict"]
     assert answer.keys() == expected.keys()
@@ -100,7 +100,7 @@ def test_an_array_is_judged_as_its_file(tmp_path):
         f"x = csvread('{path}', 2, 0); "
         "r = reliab.assess(x, 'f', 1, 'xi', 0.02, 'skew', '0±0.41', 'exact', true); disp(jsonencode(r))"
     )
-    answer = json.loads(said(script, tmp_path))
+    answer = json.loads(run_octave(script, tmp_path))
     expected = assess(path, f=1, xi=0.02, exact=True)
     assert answer["verdict"] == expected.to_dict()["verdict"]
     for name in ("A", "d_ms", "probability"):
@@ -110,26 +110,26 @@ def test_an_array_is_judged_as_its_file(tmp_path):
 @needs_octave
 @pytest.mark.slow
 def test_a_refusal_is_an_error_with_the_same_sentence(tmp_path):
-    sentence = said("reliab.assess('absent.csv', 'f', 1, 'xi', 0.02)", tmp_path, code=1)
+    sentence = run_octave("reliab.assess('absent.csv', 'f', 1, 'xi', 0.02)", tmp_path, code=1)
     assert "error: absent.csv: A test's file must be readable" in sentence
 
 
 @needs_octave
 @pytest.mark.slow
-def test_a_criterion_is_that_of_python(tmp_path):
+def test_criterion_equals_python(tmp_path):
     path = shipped("datasets", "paper/table2.csv")
     script = f"c = reliab.criterion('ellipses', '{path}', 'f', [1], 'xi', 0.02); disp(jsonencode(c))"
-    answer = json.loads(said(script, tmp_path))
+    answer = json.loads(run_octave(script, tmp_path))
     expected = derive_criteria(ellipses=str(path), f=(1.0,), xi=(0.02,)).to_dict()
     assert [answer[name] for name in "ab"] == pytest.approx([expected[name] for name in "ab"], rel=1e-4)
 
 
-@pytest.mark.parametrize("accepted", [True, False])
-def test_the_toolbox_is_matlab_and_not_octave_alone(tmp_path, accepted):
+@pytest.mark.parametrize("is_accepted", [True, False])
+def test_the_toolbox_is_matlab_and_not_octave_alone(tmp_path, is_accepted):
     """A parser of MATLAB's language takes it, and does not take what Octave alone has."""
     pytest.importorskip("miss_hit", reason="MISS_HIT is not installed here (it comes with the extra test)")
     (tmp_path / "octave.m").write_text("function x = octave(a)\n    x = !a;  # not a\nend\n")
-    words = [sys.executable, "-m", "miss_hit.mh_lint", TOOLBOX if accepted else str(tmp_path)]
+    words = [sys.executable, "-m", "miss_hit.mh_lint", TOOLBOX if is_accepted else str(tmp_path)]
     run = subprocess.run(words, capture_output=True, text=True, check=False)  # noqa: S603 - the parser
-    assert (run.returncode == 0) is accepted, run.stdout
-    assert f"{5 if accepted else 1} file(s) analysed" in run.stdout
+    assert (run.returncode == 0) is is_accepted, run.stdout
+    assert f"{5 if is_accepted else 1} file(s) analysed" in run.stdout

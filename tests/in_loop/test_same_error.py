@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from compiled_monitor import FAULT, STRICT, UNSTABLE, built, compare, followed, needs_compiler
-from drawn_tests import of_one_degree, random_test
+from compiled_monitor import FAULT, STRICT, UNSTABLE, build, compare, follow, needs_compiler
+from drawn_tests import draw_single_degree, random_test
 
 from reliab.app.api.in_loop import export_monitor
 from reliab.assessment.rebuilt_error.running_error import Monitor
@@ -16,17 +16,17 @@ from reliab.structures.structure import Structure
 pytestmark = needs_compiler
 
 
-def by_python(structure, command, measured, rate, lag, offset):
+def follow_in_python(structure, command, reading, rate, lag, offset):
     """The monitor of Python after the whole test."""
     monitor = Monitor(structure, 1.0 / rate, feedback_lag=lag, sensor_offset=offset)
-    monitor.feed(command, measured)
+    monitor.feed(command, reading)
     return monitor
 
 
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize(("seed", "rate"), [(0, 256), (1, 1024), (2, 4096)])
 def test_errors_are_those_of_python(tmp_path, seed, rate):
-    compare(tmp_path, of_one_degree(seed, rate))
+    compare(tmp_path, draw_single_degree(seed, rate))
 
 
 def test_net_damping_and_the_alarm_are_those_of_python(tmp_path):
@@ -38,19 +38,19 @@ def test_net_damping_and_the_alarm_are_those_of_python(tmp_path):
     histories = run_closed_loop(test, shaken, 1.0 / rate)
     command = np.ascontiguousarray(histories.command.values[0])
     export_monitor(("c", tmp_path), f=1.5, xi=0.02, rate=rate)
-    ours = followed(built(tmp_path), command, histories.measured, (0.0, 0.0))
+    ours = follow(build(tmp_path), command, histories.measured, (0.0, 0.0))
     theirs = Monitor(structure, 1.0 / rate, sensor_offset=0.0)
     theirs.feed(command, histories.measured)
     first = int(np.flatnonzero(ours.status.astype(int) & UNSTABLE)[0])
     assert first / rate == theirs.gains_energy_since
     look = round(rate / 1.5 / 4)
     last = command.size // look * look
-    again = Monitor(structure, 1.0 / rate, sensor_offset=0.0)
-    again.feed(command[:last], histories.measured[:last])
-    assert ours.damping[-1] == pytest.approx(again.now.damping.ratio, rel=1e-9)
+    second = Monitor(structure, 1.0 / rate, sensor_offset=0.0)
+    second.feed(command[:last], histories.measured[:last])
+    assert ours.damping[-1] == pytest.approx(second.now.damping.ratio, rel=1e-9)
 
 
-def test_a_frame_whose_error_is_that_of_a_drift_is_refused(tmp_path):
+def test_frame_with_drift_error_is_refused(tmp_path):
     text = shipped("datasets", "frames/benchmark_case_1.toml").read_text(encoding="utf-8")
     (tmp_path / "frame.toml").write_text(
         f'{text}\n[error]\nof = "drift"\nbetween = ["2", "1"]\n', encoding="utf-8"
@@ -68,11 +68,11 @@ def test_a_frame_is_followed_as_python_does(tmp_path):
     structure = read_frame(path).partition
     rng = np.random.default_rng(5)
     command = np.cumsum(rng.normal(size=6000)) * 1e-4
-    measured = 0.98 * command + 1e-4 * rng.normal(size=command.size)
-    written = export_monitor(("c", tmp_path), structure=path, rate=1024)
-    ours = followed(built(tmp_path), command, measured, (0.0, 0.0))
-    theirs = by_python(structure, command, measured, 1024, 0.0, 0.0)
-    assert written.degrees_of_freedom == structure.size > 1
+    reading = 0.98 * command + 1e-4 * rng.normal(size=command.size)
+    text = export_monitor(("c", tmp_path), structure=path, rate=1024)
+    ours = follow(build(tmp_path), command, reading, (0.0, 0.0))
+    theirs = follow_in_python(structure, command, reading, 1024, 0.0, 0.0)
+    assert text.degrees_of_freedom == structure.size > 1
     assert np.abs(ours.error - theirs.error).max() < 1e-12 * np.abs(command).max()
 
 
@@ -81,7 +81,7 @@ def test_an_offset_at_rest_is_learned(tmp_path):
     command = np.concatenate([np.zeros(512), 1e-2 * command / np.abs(command).max()])
     noise = 1e-6 * np.random.default_rng(1).normal(size=command.size)
     export_monitor(("c", tmp_path), f=1, xi=0.02, rate=512)
-    ours = followed(built(tmp_path), command, 0.99 * command + 2e-3 + noise)
+    ours = follow(build(tmp_path), command, 0.99 * command + 2e-3 + noise)
     assert ours.offset[-1] == pytest.approx(2e-3, abs=5e-7)
     theirs = Monitor(Structure(frequency=1.0, damping_ratio=0.02), 1 / 512, sensor_offset=ours.offset[-1])
     theirs.feed(command, 0.99 * command + 2e-3 + noise)
@@ -98,20 +98,20 @@ def libraries(tmp_path_factory):
     for folder in folders:
         export_monitor(("c", folder), f=1, xi=0.02, rate=256)
     flags = (STRICT, ("-std=c99", "-O3", "-ffast-math"))
-    return [built(folder, flags=each) for folder, each in zip(folders, flags, strict=True)]
+    return [build(folder, flags=flag) for folder, flag in zip(folders, flags, strict=True)]
 
 
 @pytest.mark.slow
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize("broken", ["nan", "infinite", "absurd", "stuck", "held"])
-def test_a_channel_that_fails_is_a_fault_and_never_a_number(libraries, broken):
+def test_failing_channel_is_a_fault_and_never_a_number(libraries, broken):
     time = np.arange(2048) / 256
     command = 0.02 * np.sin(2.0 * np.pi * time)
-    measured = 0.99 * command + 1e-6 * np.random.default_rng(2).normal(size=time.size)
-    failed = {"nan": np.nan, "infinite": -np.inf, "absurd": 1e300}.get(broken, measured[1000])
-    measured[1000 : 1013 if broken == "held" else None] = failed  # of 0.05 s
+    reading = 0.99 * command + 1e-6 * np.random.default_rng(2).normal(size=time.size)
+    failure = {"nan": np.nan, "infinite": -np.inf, "absurd": 1e300}.get(broken, reading[1000])
+    reading[1000 : 1013 if broken == "held" else None] = failure  # of 0.05 s
     for library in libraries:
-        ours = followed(library, command, measured)
+        ours = follow(library, command, reading)
         faulty = ours.status.astype(int) & FAULT > 0
         first = int(np.argmax(faulty))
         assert faulty.any()
@@ -124,15 +124,15 @@ def test_a_channel_that_fails_is_a_fault_and_never_a_number(libraries, broken):
 GROWS = 0.02 * np.sin(2.0 * np.pi * np.arange(4096) / 256) * np.minimum(np.arange(4096) / 2048, 1.0)
 
 
-def test_a_piston_that_rests_in_its_play_is_no_fault_even_without_noise(libraries):
-    place, measured = 0.0, np.empty(GROWS.size)
+def test_piston_resting_in_its_play_is_no_fault(libraries):
+    place, reading = 0.0, np.empty(GROWS.size)
     for k, x in enumerate(GROWS):
-        place = measured[k] = min(max(place, x - 4e-4), x + 4e-4)
+        place = reading[k] = min(max(place, x - 4e-4), x + 4e-4)
     for library in libraries:
-        assert not (followed(library, GROWS, measured).status.astype(int) & FAULT).any()
+        assert not (follow(library, GROWS, reading).status.astype(int) & FAULT).any()
 
 
-def test_a_sensor_that_is_read_every_tenth_step_is_no_fault(libraries):
-    measured = np.repeat(0.99 * GROWS[::10], 10)[: GROWS.size]
+def test_slowly_sampled_sensor_is_no_fault(libraries):
+    reading = np.repeat(0.99 * GROWS[::10], 10)[: GROWS.size]
     for library in libraries:
-        assert not (followed(library, GROWS, measured).status.astype(int) & FAULT).any()
+        assert not (follow(library, GROWS, reading).status.astype(int) & FAULT).any()

@@ -49,7 +49,7 @@ def test_a_true_step_corrects_a_rounded_one(at2: str, write: Write) -> None:
     assert load_motions(folder)[0].time_step == 0.00244140625
 
 
-def test_what_the_catalogue_notes_of_a_header_changes_nothing(at2: str, write: Write) -> None:
+def test_catalogue_notes_of_header_change_nothing(at2: str, write: Write) -> None:
     write("a.AT2", at2)
     folder = write("catalog.csv", "motion,file,header_dt_s,header_npts\nx,a.AT2,0.005,7\n").parent
     assert load_motions(folder)[0].time_step == 0.005
@@ -57,8 +57,8 @@ def test_what_the_catalogue_notes_of_a_header_changes_nothing(at2: str, write: W
 
 
 def test_channels_of_a_file_are_chosen_by_number(records: dict[str, str], write: Write) -> None:
-    one = records["record.V2"]
-    write("a.V2", one + one.replace("222.25000", "  2.25000"))
+    single = records["record.V2"]
+    write("a.V2", single + single.replace("222.25000", "  2.25000"))
     folder = write("catalog.csv", "motion,file,channel\nx,a.V2,2\ny,a.V2,1\n").parent
     peaks = [motion.peak_acceleration for motion in load_motions(folder)]
     assert peaks == pytest.approx([1.234567, 2.2225])
@@ -107,7 +107,7 @@ def test_a_faulty_catalogue_is_explained(
         ("channel", "2", None, "No such channel in the file; found channel 2 of 1"),
     ],
 )
-def test_a_catalogue_that_contradicts_a_header_is_refused(
+def test_catalogue_contradicting_header_is_refused(
     column: str, value: str, line: int | None, rule: str, at2: str, write: Write
 ) -> None:
     record = write("a.AT2", at2)
@@ -124,7 +124,7 @@ def test_every_faulty_row_is_reported(at2: str, write: Write) -> None:
     assert [fault.line for fault in inspect(folder).faults] == [3, 3, 4, 5]
 
 
-def test_what_is_given_must_not_contradict_the_catalogue(write: Write) -> None:
+def test_arguments_must_not_contradict_catalogue(write: Write) -> None:
     write("a.txt", TEXT)
     folder = write("catalog.csv", "motion,file,dt_s,units\nx,a.txt,0.01,g\n").parent
     np.testing.assert_allclose(load_motions(folder, units="g", time_step=0.01)[0].peak_acceleration, 0.3 * G)
@@ -136,7 +136,7 @@ def test_what_is_given_must_not_contradict_the_catalogue(write: Write) -> None:
         load_motions(folder, time_step=0.02)
 
 
-def test_what_is_given_serves_rows_that_declare_nothing(write: Write) -> None:
+def test_arguments_complete_rows_without_declarations(write: Write) -> None:
     write("a.txt", TEXT)
     folder = write("catalog.csv", "motion,file\nx,a.txt\n").parent
     assert load_motions(folder, units="m/s2", time_step=0.01)[0].peak_acceleration == 0.3

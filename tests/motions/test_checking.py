@@ -39,8 +39,8 @@ def test_every_fault_of_every_file_is_reported(records: dict[str, str], write: W
     write("peak.AT2", at2.replace(".5000000E+00", ".5000000E+02"))
     write("step.AT2", at2.replace("DT=   .0050", "DT=   .0000"))
     write("unitless.txt", "0.1\n0.2\n")
-    found = [(Path(fault.file).name, fault.line, fault.rule) for fault in inspect(tmp_path).faults]
-    assert found == [
+    result = [(Path(fault.file).name, fault.line, fault.rule) for fault in inspect(tmp_path).faults]
+    assert result == [
         ("binary.AT2", 1, "Not a record that reliab reads"),
         ("cut.AT2", 6, "Fewer samples than the header states"),
         ("empty.AT2", 1, "The file is empty"),
@@ -54,7 +54,7 @@ def test_every_fault_of_every_file_is_reported(records: dict[str, str], write: W
     ]
 
 
-def test_units_and_step_can_be_given_for_records_that_state_none(write: Write, tmp_path: Path) -> None:
+def test_units_and_step_can_be_given_for_bare_records(write: Write, tmp_path: Path) -> None:
     write("a.txt", "0.1\n0.2\n")
     assert inspect(tmp_path, units="g", time_step=0.01).faults == []
 
@@ -62,15 +62,13 @@ def test_units_and_step_can_be_given_for_records_that_state_none(write: Write, t
 def test_a_fault_in_one_of_several_channels_is_reported_once(
     records: dict[str, str], write: Write, tmp_path: Path
 ) -> None:
-    one = records["record.V2"]
-    write("a.V2", one + one.replace("in cm/sec2.", "in ft.") + one)
+    single = records["record.V2"]
+    write("a.V2", single + single.replace("in cm/sec2.", "in ft.") + single)
     faults = [(fault.line, fault.value) for fault in inspect(tmp_path).faults]
     assert len(faults) == len(set(faults)) == 1
 
 
-def test_sets_choose_what_is_checked_and_all_are_by_default(
-    records: dict[str, str], write: Write, tmp_path: Path
-) -> None:
+def test_sets_select_checked_records(records: dict[str, str], write: Write, tmp_path: Path) -> None:
     write("a.AT2", records["record.AT2"])
     write("b.AT2", b"")
     write("catalog.csv", "motion,set,file\na,near,a.AT2\nb,held_out,b.AT2\n")
@@ -94,7 +92,7 @@ def test_a_record_out_of_scale_with_its_folder_is_reported(
     assert "the record is weak or its header states wrong units" in note.remedy
 
 
-def test_files_in_formats_that_are_not_read_are_named(
+def test_files_of_unsupported_formats_are_named(
     records: dict[str, str], write: Write, tmp_path: Path
 ) -> None:
     write("a.AT2", records["record.AT2"])
@@ -115,7 +113,7 @@ def test_units_given_for_a_whole_folder_do_not_hide_a_mixture(write: Write, tmp_
     assert fault.value == "0.000306 g against 0.255 g"
 
 
-def test_a_record_whose_units_the_catalogue_confirms_may_be_weak(write: Write, tmp_path: Path) -> None:
+def test_record_with_confirmed_units_may_be_weak(write: Write, tmp_path: Path) -> None:
     rows = ""
     for name, peak in {"a": 0.2, "b": 0.3, "c": 0.9, "weak": 0.001}.items():
         write(f"{name}.txt", two_columns("g", peak))
@@ -130,7 +128,7 @@ def test_records_of_a_wide_but_possible_range_are_not_reported(write: Write, tmp
     assert inspect(tmp_path).faults == []
 
 
-def test_a_record_that_is_there_twice_is_noted(write: Write, tmp_path: Path) -> None:
+def test_duplicate_record_is_noted(write: Write, tmp_path: Path) -> None:
     samples = [math.sin(i * i) for i in range(20)]
     for name, scale in (("one", 1.0), ("two", 1.0), ("half", 0.5)):
         lines = "".join(f"{0.01 * i:.2f} {scale * sample:.6g}\n" for i, sample in enumerate(samples))
@@ -142,7 +140,7 @@ def test_a_record_that_is_there_twice_is_noted(write: Write, tmp_path: Path) -> 
     assert all(note.value == "the same record as half times 2" for note in inspection.notes)
 
 
-def test_a_path_that_does_not_exist_is_refused(tmp_path: Path) -> None:
+def test_missing_path_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="gone not found"):
         inspect(tmp_path / "gone")
 

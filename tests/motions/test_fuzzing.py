@@ -111,9 +111,9 @@ def damage(draw: st.DrawFn) -> Callable[[str], bytes]:
     encoding = draw(st.sampled_from(["utf-8", "latin-1", "utf-16"]))
 
     def apply(text: str) -> bytes:
-        for place, removed, inserted in edits:
+        for place, removal, insertion in edits:
             start = int(place * len(text))
-            text = text[:start] + inserted + text[start + removed :]
+            text = text[:start] + insertion + text[start + removal :]
         return text.replace("\n", ending).encode(encoding, errors="replace")
 
     return apply
@@ -137,11 +137,11 @@ def outcomes(name: str, content: bytes) -> None:
 @pytest.mark.slow
 @pytest.mark.default_cases(2)
 @pytest.mark.parametrize("kind", ["record.AT2", "record.NS", "record.V2", "record.V2c", "record.csv"])
-@given(damaged=damage())
+@given(broken=damage())
 def test_a_damaged_record_is_read_or_explained(
-    kind: str, damaged: Callable[[str], bytes], records: dict[str, str]
+    kind: str, broken: Callable[[str], bytes], records: dict[str, str]
 ) -> None:
-    outcomes(kind, damaged(records[kind]))
+    outcomes(kind, broken(records[kind]))
 
 
 @pytest.mark.parametrize(

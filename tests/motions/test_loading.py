@@ -41,9 +41,9 @@ def test_a_suite_of_nothing_but_held_out_motions_is_refused(records: dict[str, s
 
 
 def test_sources_are_joined_in_order(folder: Path, records: dict[str, str], write: Write) -> None:
-    other = write("elsewhere/z.csv", records["record.csv"])
-    assert load_motions(other, folder).names == ("z", "a", "b", "d")
-    assert load_motions(str(other)).names == ("z",)
+    second = write("elsewhere/z.csv", records["record.csv"])
+    assert load_motions(second, folder).names == ("z", "a", "b", "d")
+    assert load_motions(str(second)).names == ("z",)
 
 
 def test_motions_of_one_name_cannot_be_joined(folder: Path) -> None:
@@ -51,7 +51,7 @@ def test_motions_of_one_name_cannot_be_joined(folder: Path) -> None:
         load_motions(folder, folder / "a.AT2")
 
 
-def test_a_source_that_does_not_exist_is_explained() -> None:
+def test_missing_source_is_explained() -> None:
     with pytest.raises(
         InputError, match=r"nowhere/at_all not found. Name a file, a folder or a built-in suite"
     ):
@@ -94,7 +94,7 @@ def test_the_built_in_suite_is_loaded_by_name() -> None:
 
 
 @pytest.mark.parametrize("time_step", [0.0, -0.01, float("inf"), float("nan")])
-def test_a_step_that_is_not_positive_is_refused(folder: Path, time_step: float) -> None:
+def test_non_positive_step_is_refused(folder: Path, time_step: float) -> None:
     with pytest.raises(InputError, match=r"time step must be between .* found"):
         load_motions(folder, time_step=time_step)
 
@@ -118,7 +118,7 @@ def test_every_record_below_a_folder_is_named_after_its_path(
     assert [motion.event for motion in suite] == list(suite.events)
 
 
-def test_records_that_differ_in_their_ending_alone_keep_it(
+def test_records_differing_in_suffix_keep_it(
     at2: str, records: dict[str, str], write: Write, tmp_path: Path
 ) -> None:
     write("a.AT2", at2)
@@ -127,7 +127,7 @@ def test_records_that_differ_in_their_ending_alone_keep_it(
     assert load_motions(tmp_path).names == ("a.AT2", "a.csv", "b")
 
 
-def test_what_is_no_record_is_passed_over(at2: str, write: Write, tmp_path: Path) -> None:
+def test_files_without_records_are_skipped(at2: str, write: Write, tmp_path: Path) -> None:
     write("a.AT2", at2)
     write("sub/.hidden.AT2", b"")
     write(".git/b.AT2", b"")
@@ -157,20 +157,18 @@ def test_components_share_an_event_only_if_their_headers_say_so(
     write("d.AT2", at2.replace("Nowhere-01, 10/18/1989", "Nowhere"))
     write("e.csv", records["record.csv"])
     write("f.csv", "# event: NOWHERE-01 1989-10-18\n" + records["record.csv"])
-    one, other = "NOWHERE-01 1989-10-18", "NOWHERE-01 1989-10-19"
-    assert load_motions(tmp_path).events == (one, one, other, "d", "e", one)
+    single, second = "NOWHERE-01 1989-10-18", "NOWHERE-01 1989-10-19"
+    assert load_motions(tmp_path).events == (single, single, second, "d", "e", single)
 
 
-def test_a_file_that_claims_to_be_a_record_and_is_none_is_not_passed_over(
-    at2: str, write: Write, tmp_path: Path
-) -> None:
+def test_broken_record_is_not_skipped_silently(at2: str, write: Write, tmp_path: Path) -> None:
     write("a.AT2", at2)
     path = write("b.AT2", b"")
     with pytest.raises(InputError, match=rf"{path}, line 1: The file is empty"):
         load_motions(tmp_path)
 
 
-def test_folder_names_what_it_skips_and_why(at2: str, write: Write, tmp_path: Path) -> None:
+def test_folder_reports_skipped_files_with_reasons(at2: str, write: Write, tmp_path: Path) -> None:
     write("a.AT2", at2)
     write("sub/b.mat", b"MATLAB 5.0 MAT-file")
     write("c.v9", "some words\nand more\n")

@@ -24,13 +24,13 @@ def motion(**changes: object) -> Motion:
 
 def test_samples_are_a_read_only_contiguous_copy() -> None:
     original = np.arange(10.0)[::2]
-    copied = motion(acceleration=original).acceleration
+    duplicate = motion(acceleration=original).acceleration
     original[0] = 7.0
-    assert copied[0] == 0.0
-    assert copied.dtype == np.float64
-    assert copied.flags.c_contiguous
+    assert duplicate[0] == 0.0
+    assert duplicate.dtype == np.float64
+    assert duplicate.flags.c_contiguous
     with pytest.raises(ValueError, match="read-only"):
-        copied[0] = 1.0
+        duplicate[0] = 1.0
 
 
 def test_properties_follow_from_the_samples() -> None:
@@ -45,7 +45,7 @@ def test_a_motion_without_event_is_an_event_of_its_own() -> None:
     assert motion(event="KOBE").event == "KOBE"
 
 
-def test_the_checksum_is_that_of_little_endian_doubles() -> None:
+def test_checksum_is_of_little_endian_doubles() -> None:
     expected = hashlib.sha256(struct.pack("<4d", 0.5, 0.0, 1.0, -2.0)).hexdigest()
     assert motion().checksum == expected
     assert motion(name="b").checksum == expected
@@ -79,7 +79,7 @@ def test_a_motion_survives_pickling() -> None:
         ({"name": ""}, "must have a name"),
     ],
 )
-def test_a_motion_that_breaks_a_rule_is_refused(changes: dict[str, object], message: str) -> None:
+def test_invalid_motion_is_refused(changes: dict[str, object], message: str) -> None:
     with pytest.raises(InputError, match=message):
         motion(**changes)
 
@@ -93,7 +93,7 @@ def motions():
     return list(load_motions("synthetic")[:20])
 
 
-def between(motion, low, high):
+def significant_duration(motion, low, high):
     begin, end = arias_times(motion.acceleration, motion.time_step, [low, high]) / motion.time_step
     return motion.acceleration[round(begin) : round(end) + 1]
 
@@ -103,7 +103,7 @@ def between(motion, low, high):
     [
         lambda motion: replace(motion, acceleration=1.7 * motion.acceleration),
         lambda motion: replace(motion, acceleration=-motion.acceleration),
-        lambda motion: replace(motion, acceleration=between(motion, 0.02, 0.98)),
+        lambda motion: replace(motion, acceleration=significant_duration(motion, 0.02, 0.98)),
         lambda motion: replace(
             motion, acceleration=np.concatenate([np.zeros(500), motion.acceleration, np.zeros(900)])
         ),
@@ -114,9 +114,9 @@ def between(motion, low, high):
 def test_a_copy_is_recognised_and_no_other_record(motions, change):
     outlines = [outline_of(motion) for motion in motions]
     copies = [outline_of(change(motion)) for motion in motions]
-    found = are_copies(outlines, copies)
-    assert not found[~np.eye(len(motions), dtype=bool)].any()
-    assert found.diagonal().sum() >= len(motions) - 1  # of two equal swings the other may be the strongest
+    result = are_copies(outlines, copies)
+    assert not result[~np.eye(len(motions), dtype=bool)].any()
+    assert result.diagonal().sum() >= len(motions) - 1  # of two equal swings the other may be the strongest
 
 
 @pytest.mark.slow

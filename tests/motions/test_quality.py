@@ -44,32 +44,30 @@ def test_equal_samples_at_a_coarse_resolution_are_no_clipping(record: np.ndarray
 
 
 @pytest.mark.parametrize("offset", [0.05, -0.3])
-def test_constant_offset_is_noted_by_the_velocity_to_which_it_leads(
-    offset: float, record: np.ndarray
-) -> None:
+def test_constant_offset_is_noted_by_its_velocity(offset: float, record: np.ndarray) -> None:
     (flaw,) = [flaw for flaw in flaws(record + offset) if "velocity" in flaw]
     assert f"ends at {'-' if offset < 0 else ''}{abs(offset) * TIMES[-1]:.3g}" in flaw
 
 
 @pytest.mark.parametrize("samples", [[900], [900, 1300], [2, 700], [0], [1999]])
 def test_single_spikes_are_noted(samples: list[int], record: np.ndarray) -> None:
-    spoiled = record.copy()
-    spoiled[samples] += 1.5 * np.abs(record).max()
-    (flaw,) = [flaw for flaw in flaws(spoiled) if "spike" in flaw]
+    corrupt = record.copy()
+    corrupt[samples] += 1.5 * np.abs(record).max()
+    (flaw,) = [flaw for flaw in flaws(corrupt) if "spike" in flaw]
     assert flaw.endswith(" s" if len(samples) == 1 else " and 1 more")
 
 
-def test_jump_that_stays_is_no_spike(record: np.ndarray) -> None:
-    spoiled = record.copy()
-    spoiled[800:806] += 1.5 * np.abs(record).max() * np.array([1.0, 0.95, 0.9, 0.8, 0.6, 0.3])
-    assert not any("spike" in flaw for flaw in flaws(spoiled))
+def test_lasting_jump_is_no_spike(record: np.ndarray) -> None:
+    corrupt = record.copy()
+    corrupt[800:806] += 1.5 * np.abs(record).max() * np.array([1.0, 0.95, 0.9, 0.8, 0.6, 0.3])
+    assert not any("spike" in flaw for flaw in flaws(corrupt))
 
 
 @pytest.mark.parametrize("value", [0.0, 0.4])
-def test_gap_that_was_filled_is_noted(value: float, record: np.ndarray) -> None:
-    spoiled = record.copy()
-    spoiled[780:820] = value
-    assert any("held from 7.80 s for 40 samples" in flaw for flaw in flaws(spoiled))
+def test_filled_gap_is_noted(value: float, record: np.ndarray) -> None:
+    corrupt = record.copy()
+    corrupt[780:820] = value
+    assert any("held from 7.80 s for 40 samples" in flaw for flaw in flaws(corrupt))
 
 
 @pytest.mark.parametrize("factor", [1.0, -1.0, 1.7, -0.25])

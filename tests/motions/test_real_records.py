@@ -12,12 +12,12 @@ from reliab.motions.loading import load_motions
 from reliab.motions.suite import MotionSuite
 from reliab.motions.writing import write_suite
 
-ALL = ["far_field", "near_field", "held_out"]
+SET_NAMES = ["far_field", "near_field", "held_out"]
 
 
 @pytest.fixture(scope="module")
 def suite(real_motions_folder: Path) -> MotionSuite:
-    return MotionSuite.from_motions(load_motions(real_motions_folder, sets=ALL))
+    return MotionSuite.from_motions(load_motions(real_motions_folder, sets=SET_NAMES))
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +43,7 @@ def test_sizes_steps_and_peaks_are_those_of_the_catalogue(
         assert motion.peak_acceleration / STANDARD_GRAVITY == pytest.approx(float(row["pga_g"]), abs=5.1e-5)
 
 
-def test_samples_are_those_that_numpy_reads(
+def test_samples_equal_numpy_reading(
     suite: MotionSuite, rows: list[dict[str, str]], real_motions_folder: Path
 ) -> None:
     for motion, row in zip(suite, rows, strict=True):
@@ -60,11 +60,11 @@ def test_no_fault_is_found(real_motions_folder: Path) -> None:
 def test_events_are_told_by_the_headers_without_the_catalogue(real_motions_folder: Path) -> None:
     """Components stay together; an earthquake is split only where its headers print two names or dates."""
     for name, events in {"far_field": 15, "near_field": 14}.items():
-        scanned = load_motions(real_motions_folder / name)
-        assert len(set(scanned.events)) == events
+        scan = load_motions(real_motions_folder / name)
+        assert len(set(scan.events)) == events
 
 
 @pytest.mark.slow
 def test_an_imported_suite_reads_back_bit_by_bit(suite: MotionSuite, tmp_path: Path) -> None:
     write_suite(suite, tmp_path / "suite")
-    assert list(load_motions(tmp_path / "suite", sets=ALL)) == list(suite)
+    assert list(load_motions(tmp_path / "suite", sets=SET_NAMES)) == list(suite)

@@ -19,13 +19,13 @@ def test_resampling_stays_on_the_line_between_samples(
     record = motion([*samples, *samples, *samples], time_step)
     if record.duration * rate < 1:
         return
-    other = resample(record, rate)
-    position = other.times / time_step
-    left = np.minimum(position.astype(int), record.acceleration.size - 2)
-    share = position - left
-    start, end = record.acceleration[left], record.acceleration[left + 1]
-    np.testing.assert_allclose(other.acceleration, start + share * (end - start), atol=1e-6)
-    assert -1e-9 < record.duration - other.duration < 1.0 / rate + 1e-9
+    second = resample(record, rate)
+    position = second.times / time_step
+    left_index = np.minimum(position.astype(int), record.acceleration.size - 2)
+    share = position - left_index
+    start, end = record.acceleration[left_index], record.acceleration[left_index + 1]
+    np.testing.assert_allclose(second.acceleration, start + share * (end - start), atol=1e-6)
+    assert -1e-9 < record.duration - second.duration < 1.0 / rate + 1e-9
 
 
 def test_an_integer_multiple_of_the_rate_keeps_every_sample() -> None:
@@ -35,14 +35,14 @@ def test_an_integer_multiple_of_the_rate_keeps_every_sample() -> None:
 
 def test_resampling_a_record_of_one_hundred_hertz_reaches_its_last_sample() -> None:
     record = motion([0.0] * 2999 + [1.0], 0.01)
-    other = resample(record)
-    assert other.time_step == 1.0 / 1024.0
-    assert other.acceleration.size == int(29.99 * 1024) + 1
+    second = resample(record)
+    assert second.time_step == 1.0 / 1024.0
+    assert second.acceleration.size == int(29.99 * 1024) + 1
 
 
 def test_name_event_and_set_are_kept() -> None:
-    other = truncate(resample(motion([0.0, 1.0, 2.0], 0.1)), 0.1)
-    assert (other.name, other.event, other.set_name) == ("a", "e", "s")
+    second = truncate(resample(motion([0.0, 1.0, 2.0], 0.1)), 0.1)
+    assert (second.name, second.event, second.set_name) == ("a", "e", "s")
 
 
 @pytest.mark.parametrize("rate", [0.0, -1.0, np.nan, np.inf, 1.0])
@@ -55,7 +55,7 @@ def test_an_impossible_rate_is_refused(rate: float) -> None:
     ("duration", "samples"),
     [(0.01, 2), (0.3, 31), (0.305, 31), (0.29999999999, 31), (0.4, 41), (9.0, 41)],
 )
-def test_truncation_keeps_what_lies_within_the_duration(duration: float, samples: int) -> None:
+def test_truncation_keeps_samples_within_duration(duration: float, samples: int) -> None:
     record = motion(list(range(41)), 0.01)
     assert truncate(record, duration).acceleration.tolist() == list(range(samples))
 

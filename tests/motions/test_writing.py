@@ -34,9 +34,9 @@ def test_a_written_suite_reads_back_bit_by_bit(
     )
     with tempfile.TemporaryDirectory() as folder:
         write_suite(MotionSuite.from_motions([original]), Path(folder) / "suite")
-        (again,) = load_motions(Path(folder) / "suite")
-    assert again == original
-    assert again.acceleration.tobytes() == original.acceleration.tobytes()
+        (second,) = load_motions(Path(folder) / "suite")
+    assert second == original
+    assert second.acceleration.tobytes() == original.acceleration.tobytes()
 
 
 def test_a_written_motion_reads_back_without_its_catalogue(tmp_path: Path) -> None:
@@ -45,7 +45,7 @@ def test_a_written_motion_reads_back_without_its_catalogue(tmp_path: Path) -> No
     assert read_motion(tmp_path / "KOBE.txt") == original
 
 
-def test_names_that_make_one_file_name_make_two_files(tmp_path: Path) -> None:
+def test_names_sharing_a_file_name_make_two_files(tmp_path: Path) -> None:
     names = ["K/1", "K_1", "k 1", "..", "ÄÖ", "ß"]
     write_suite(MotionSuite.from_motions(map(motion, names)), tmp_path / "out")
     suite = load_motions(tmp_path / "out")
@@ -66,12 +66,12 @@ def test_an_empty_folder_is_filled_and_another_is_left_alone(tmp_path: Path) -> 
     (tmp_path / "empty").mkdir()
     assert write_suite(suite, tmp_path / "empty").is_file()
     (tmp_path / "file").write_text("x")
-    for taken in ("empty", "file"):
+    for existing in ("empty", "file"):
         with pytest.raises(InputError, match="is not empty"):
-            write_suite(suite, tmp_path / taken)
+            write_suite(suite, tmp_path / existing)
 
 
-def test_nothing_is_left_of_a_suite_that_cannot_be_written(tmp_path: Path) -> None:
+def test_failed_writing_leaves_no_files(tmp_path: Path) -> None:
     (tmp_path / "bad.AT2").write_text("NPTS= 3, DT= .01\n0.1 0.2 nan\n")
     write_motion(motion(), tmp_path / "good.txt")
     suite = load_motions(tmp_path / "good.txt", tmp_path / "bad.AT2")
@@ -80,7 +80,7 @@ def test_nothing_is_left_of_a_suite_that_cannot_be_written(tmp_path: Path) -> No
     assert sorted(path.name for path in tmp_path.iterdir()) == ["bad.AT2", "good.txt"]
 
 
-def test_a_folder_that_cannot_be_made_is_explained(tmp_path: Path) -> None:
+def test_uncreatable_folder_is_explained(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("x")
     with pytest.raises(InputError, match="Cannot write to the folder: Not a directory"):
         write_suite(MotionSuite.from_motions([motion()]), tmp_path / "file" / "out")

@@ -19,14 +19,14 @@ TIME = np.arange(SIZE) / RATE
 _RANDOM = np.random.default_rng(3)
 
 
-def _moved(time):
+def _motion(time):
     return 0.02 * np.sin(2.0 * np.pi * 0.9 * time) * np.exp(-time / 9.0) + 0.004 * np.sin(
         2.0 * np.pi * 2.3 * time
     )
 
 
-COMMAND = _moved(TIME)
-MEASURED = 0.997 * _moved(TIME - 0.006) + 2e-6 * _RANDOM.normal(size=SIZE)
+COMMAND = _motion(TIME)
+MEASURED = 0.997 * _motion(TIME - 0.006) + 2e-6 * _RANDOM.normal(size=SIZE)
 FORCE = 4e4 * MEASURED + 300.0 * np.gradient(MEASURED, 1.0 / RATE) + 5.0 * _RANDOM.normal(size=SIZE)
 GROUND = _RANDOM.normal(size=SIZE)
 VALVE = 0.5 * np.gradient(COMMAND, 1.0 / RATE)
@@ -215,8 +215,8 @@ def timeseries(folder):
         about = {"Time": TIME[:, np.newaxis], "Data": values[:, np.newaxis], "Name": np.array([name])}
         return MatlabOpaque(properties=about, classname="timeseries")
 
-    held = {"d": series("desired disp", COMMAND), "m": series("feedback disp", MEASURED)}
-    return _save_objects(folder / "t.mat", held, "v7")
+    content = {"d": series("desired disp", COMMAND), "m": series("feedback disp", MEASURED)}
+    return _save_objects(folder / "t.mat", content, "v7")
 
 
 def timeseries_as_saved(folder):
@@ -246,12 +246,12 @@ def timeseries_as_saved(folder):
         }
         return MatlabOpaque(properties=about, classname="timeseries")
 
-    held = {
+    content = {
         "d": series("desired disp", 1e3 * COMMAND, "mm", steps=True),
         "m": series("feedback disp", 1e3 * MEASURED, "mm", steps=False),
         "f": series("load cell", 1e-3 * FORCE, "kN", steps=True),
     }
-    return _save_objects(folder / "t.mat", held, "v7")
+    return _save_objects(folder / "t.mat", content, "v7")
 
 
 def _matlab_73(path, fill):
@@ -262,20 +262,20 @@ def _matlab_73(path, fill):
     return path
 
 
-def _stored(file, place, values, kind="double"):
+def _store(file, place, values, kind="double"):
     file[place] = values
     file[place].attrs["MATLAB_class"] = np.bytes_(kind)
     return file[place]
 
 
 def _characters(file, place, text):
-    return _stored(file, place, np.array([[ord(letter)] for letter in text], dtype=np.uint16), "char")
+    return _store(file, place, np.array([[ord(letter)] for letter in text], dtype=np.uint16), "char")
 
 
 def matlab_73_vectors(folder):
     def fill(file):
         for name, values in (("time", TIME), ("Cmd", COMMAND), ("Fbk", MEASURED)):
-            _stored(file, name, values[np.newaxis])
+            _store(file, name, values[np.newaxis])
 
     return _matlab_73(folder / "t.mat", fill)
 
@@ -286,13 +286,13 @@ def dspace_73(folder):
         capture.attrs["MATLAB_class"] = np.bytes_("struct")
         x = capture.create_group("X")
         x.attrs["MATLAB_class"] = np.bytes_("struct")
-        _stored(file, "rths_001/X/Data", TIME[:, np.newaxis])
+        _store(file, "rths_001/X/Data", TIME[:, np.newaxis])
         y = capture.create_group("Y")
         y.attrs["MATLAB_class"] = np.bytes_("struct")
-        held = (("disp_target", COMMAND), ("disp_actual", MEASURED))
-        names = [_characters(file, f"#refs#/n{k}", name).ref for k, (name, _) in enumerate(held)]
+        content = (("disp_target", COMMAND), ("disp_actual", MEASURED))
+        names = [_characters(file, f"#refs#/n{k}", name).ref for k, (name, _) in enumerate(content)]
         data = [
-            _stored(file, f"#refs#/d{k}", values[:, np.newaxis]).ref for k, (_, values) in enumerate(held)
+            _store(file, f"#refs#/d{k}", values[:, np.newaxis]).ref for k, (_, values) in enumerate(content)
         ]
         y.create_dataset("Name", data=np.array([names], dtype=h5py.ref_dtype).T, dtype=h5py.ref_dtype)
         y.create_dataset("Data", data=np.array([data], dtype=h5py.ref_dtype).T, dtype=h5py.ref_dtype)
@@ -337,8 +337,8 @@ def tdms_with_times(folder):
     with TdmsWriter(str(folder / "t.tdms")) as writer:
         for begin in range(0, SIZE, 512):  # in pieces, as a logger writes
             piece = slice(begin, begin + 512)
-            held = (("Time", TIME), ("Target (m)", COMMAND), ("Response (m)", MEASURED))
-            writer.write_segment([ChannelObject("Log", name, values[piece]) for name, values in held])
+            content = (("Time", TIME), ("Target (m)", COMMAND), ("Response (m)", MEASURED))
+            writer.write_segment([ChannelObject("Log", name, values[piece]) for name, values in content])
     return folder / "t.tdms"
 
 
@@ -435,7 +435,7 @@ def simulink_array(folder):
     return folder / "t.mat"
 
 
-def logged_signals_as_structures(folder):
+def save_logged_signals(folder):
     signals = np.array(
         [
             (name, {"Time": TIME, "Data": values})
@@ -447,7 +447,7 @@ def logged_signals_as_structures(folder):
     return folder / "t.mat"
 
 
-def logged_data_set(folder):
+def save_logsout(folder):
     """`logsout` of Simulink: an object of signals, each with a name and a `timeseries` without one."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -462,11 +462,11 @@ def logged_data_set(folder):
             properties={"Name": np.array([name]), "Values": series},
             classname="Simulink.SimulationData.Signal",
         )
-    logged = MatlabOpaque(
+    log_record = MatlabOpaque(
         properties={"Name": np.array(["logsout"]), "Elements": signals},
         classname="Simulink.SimulationData.Dataset",
     )
-    return _save_objects(folder / "t.mat", {"logsout": logged}, "v7.3")
+    return _save_objects(folder / "t.mat", {"logsout": log_record}, "v7.3")
 
 
 def signal_express(folder):
@@ -474,9 +474,9 @@ def signal_express(folder):
     from nptdms import ChannelObject, TdmsWriter
 
     channels = [
-        ChannelObject(f"07/09/2026 - Voltage - {name}", channel, values[::every], properties=step)
-        for name, every in (("All Data", 1), ("Decimated Data_Level1", 8))
-        for step in ({"wf_increment": every / RATE},)
+        ChannelObject(f"07/09/2026 - Voltage - {name}", channel, values[::interval], properties=step)
+        for name, interval in (("All Data", 1), ("Decimated Data_Level1", 8))
+        for step in ({"wf_increment": interval / RATE},)
         for channel, values in (("Disp Cmd (m)", COMMAND), ("Disp Fbk (m)", MEASURED))
     ]
     with TdmsWriter(str(folder / "t.tdms")) as writer:
@@ -500,8 +500,8 @@ def catman_with_names_below_the_units(folder):
 
 def structures_of_values_beside_their_time(folder):
     channels = (("cmd", 1e3 * COMMAND, "mm"), ("fbk", 1e3 * MEASURED, "mm"), ("force", FORCE, "N"))
-    logged = {name: {"values": values, "unit": unit} for name, values, unit in channels}
-    savemat(folder / "t.mat", {"rec": {"time": TIME, **logged}})
+    log_record = {name: {"values": values, "unit": unit} for name, values, unit in channels}
+    savemat(folder / "t.mat", {"rec": {"time": TIME, **log_record}})
     return folder / "t.mat"
 
 
@@ -592,8 +592,8 @@ LAYOUTS = (
         pacific_instruments,
         matlab_4,
         simulink_array,
-        logged_signals_as_structures,
-        logged_data_set,
+        save_logged_signals,
+        save_logsout,
         signal_express,
     ),
     *(

@@ -21,8 +21,8 @@ def test_a_jittering_clock_is_interpolated_and_said(largest):
     test = read_recording(
         pd.DataFrame({"time_s": times, "command_m": smooth(times), "measured_m": smooth(times - 0.01)})
     )
-    at = times[0] + test.time_step * np.arange(test.command.size)
-    np.testing.assert_allclose(test.command[5:-5], smooth(at)[5:-5], atol=1e-7)
+    position = times[0] + test.time_step * np.arange(test.command.size)
+    np.testing.assert_allclose(test.command[5:-5], smooth(position)[5:-5], atol=1e-7)
     assert any("jitters" in note for note in test.notes)
 
 
@@ -34,18 +34,18 @@ def test_a_gap_is_refused():
 
 
 @pytest.mark.parametrize("place", [20, 1000, -20])
-def test_a_sample_that_a_jittering_clock_lost_is_refused(place):
+def test_sample_lost_by_a_jittering_clock_is_refused(place):
     times = TIME + np.random.default_rng(1).uniform(-0.3, 0.3, TIME.size) / RATE
     table = {"time_s": times, "command_m": COMMAND, "measured_m": MEASURED}
-    lost = pd.DataFrame({name: np.delete(values, place) for name, values in table.items()})
+    missing = pd.DataFrame({name: np.delete(values, place) for name, values in table.items()})
     with pytest.raises(InputError, match="equal steps"):
-        read_recording(lost)
+        read_recording(missing)
 
 
 @pytest.mark.parametrize(
     ("step", "remedy"), [(0.0, "repeat the time"), (-3.0, "another test may begin there")]
 )
-def test_a_time_that_stands_or_goes_back_says_what_to_do(step, remedy):
+def test_non_increasing_time_gives_a_remedy(step, remedy):
     times = TIME.copy()
     times[1000:] += (step - 1.0) / RATE if step == 0.0 else step
     with pytest.raises(InputError, match=remedy):
@@ -65,7 +65,7 @@ def test_channels_of_two_rates_and_begins_are_brought_to_the_clock_of_the_comman
     assert any("recorded at 100 Hz and interpolated at the 256 Hz" in note for note in test.notes)
 
 
-def test_channels_that_share_half_of_their_time_are_refused(tmp_path):
+def test_channels_sharing_half_of_their_time_are_refused(tmp_path):
     with h5py.File(tmp_path / "t.h5", "w") as file:
         file["controller/time"], file["controller/command_m"] = TIME, COMMAND
         file["logger/time"], file["logger/measured_m"] = TIME + 4.0, MEASURED
@@ -73,16 +73,16 @@ def test_channels_that_share_half_of_their_time_are_refused(tmp_path):
         read_recording(tmp_path / "t.h5")
 
 
-def test_times_without_a_unit_that_may_be_milliseconds_are_asked_about():
+def test_possible_milliseconds_are_questioned():
     table = {"time": 4.0 * np.arange(TIME.size), "command_m": COMMAND, "measured_m": MEASURED}
     with pytest.raises(InputError, match="without a unit: hardly seconds"):
         read_recording(pd.DataFrame(table))
     assert read_recording(pd.DataFrame(table), time_units="ms").time_step == pytest.approx(4e-3)
 
 
-def told(times, test):
-    at = times[0] + test.time_step * np.arange(test.command.size)
-    np.testing.assert_allclose(test.command[5:-5], smooth(at)[5:-5], atol=2e-6)
+def assert_samples(times, test):
+    sample_times = times[0] + test.time_step * np.arange(test.command.size)
+    np.testing.assert_allclose(test.command[5:-5], smooth(sample_times)[5:-5], atol=2e-6)
     return " ".join(test.notes), test.channels[0].summary()["applied"]
 
 
@@ -92,22 +92,22 @@ def read_at(times):
 
 
 @pytest.mark.parametrize("first", [0.3, 0.5, 0.8])
-def test_a_rate_that_changes_is_resampled_at_the_faster_one(first):
+def test_changing_rate_is_resampled_at_the_faster_one(first):
     """Whole milliseconds, of which every second one is missing from some time on."""
     times = np.arange(8000) / 1000.0
-    kept = (times < 8.0 * first) | (np.arange(8000) % 2 == 0)
-    test = read_at(times[kept])
+    remaining_rows = (times < 8.0 * first) | (np.arange(8000) % 2 == 0)
+    test = read_at(times[remaining_rows])
     assert test.time_step == pytest.approx(1e-3)
-    note, applied = told(times[kept], test)
+    note, applied = assert_samples(times[remaining_rows], test)
     assert "step between samples changes between 0.001 and 0.002 s" in note
     assert applied == [note]
 
 
 @pytest.mark.parametrize("size", [0.002, 0.05])
-def test_a_clock_that_drifts_is_interpolated_and_said(size):
+def test_drifting_clock_is_interpolated_and_reported(size):
     even = np.arange(8000) / 1000.0
     times = (even + size * np.sin(np.pi * even / 8.0)).round(6)
-    note, _ = told(times, read_at(times))
+    note, _ = assert_samples(times, read_at(times))
     assert "The clock drifts by up to" in note
 
 
@@ -118,7 +118,7 @@ def test_rounded_times_are_no_drift():
         assert test.time_step == pytest.approx(1.0 / 1024.0, rel=1e-4)
 
 
-def test_a_rate_that_changes_by_more_than_any_recorder_does_is_refused():
+def test_implausible_change_of_rate_is_refused():
     times = np.concatenate([np.arange(4000) / 1000.0, 4.0 + np.arange(200) / 20.0])
     with pytest.raises(
         InputError, match=r"steps between samples range from 0\.001 to 0\.05 s, by more than a factor of 20"
@@ -136,7 +136,7 @@ def test_times_in_days_hours_and_minutes(factor, unit):
 
 
 @pytest.mark.parametrize("unit", ["samples", "ticks", "hundredths of s", "millis"])
-def test_a_unit_of_the_times_that_nobody_knows_is_asked_about(unit):
+def test_unknown_unit_of_times_is_questioned(unit):
     table = {f"Time ({unit})": TIME, "command_m": COMMAND, "measured_m": MEASURED}
     with pytest.raises(InputError, match=f"Unknown unit of the times: {unit}.*`time_units`"):
         read_recording(pd.DataFrame(table))
@@ -149,7 +149,7 @@ def test_multiples_of_a_unit_are_units():
     np.testing.assert_allclose(test.command, COMMAND, atol=1e-12)
 
 
-def test_a_unit_of_a_channel_that_nobody_knows_is_refused_until_it_is_stated(tmp_path):
+def test_unknown_unit_of_a_channel_is_refused_until_stated(tmp_path):
     with h5py.File(tmp_path / "t.h5", "w") as file:
         file["time"], file["command"], file["measured"] = TIME, COMMAND, MEASURED
         file["command"].attrs["units"], file["measured"].attrs["units"] = "thou", "m"
@@ -160,7 +160,7 @@ def test_a_unit_of_a_channel_that_nobody_knows_is_refused_until_it_is_stated(tmp
     np.testing.assert_allclose(test.command, COMMAND)
 
 
-def test_a_scale_of_the_times_that_a_laboratory_states_is_applied(tmp_path):
+def test_stated_scale_of_times_is_applied(tmp_path):
     (tmp_path / "channels.toml").write_text(
         '[channels.time]\ncolumn = "ticks"\nscale = 1e-4\n', encoding="utf-8"
     )

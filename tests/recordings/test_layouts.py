@@ -41,12 +41,12 @@ def test_blocks_of_one_acquisition_are_joined_and_others_are_tests(tmp_path):
     content = mts_793(tmp_path).read_text(encoding="utf-8")
     rows = content.splitlines()
     names = next(place for place, line in enumerate(rows) if line.startswith("Time\t"))
-    above, table = rows[names - 2 : names + 2], rows[names + 2 :]
-    whole = [*rows[: names + 2], *table[:1000], *above, *table[1000:]]
-    (tmp_path / "t.dat").write_text("\n".join(whole), encoding="utf-8")
+    upper, table = rows[names - 2 : names + 2], rows[names + 2 :]
+    complete = [*rows[: names + 2], *table[:1000], *upper, *table[1000:]]
+    (tmp_path / "t.dat").write_text("\n".join(complete), encoding="utf-8")
     np.testing.assert_allclose(read_recording(tmp_path / "t.dat").command, COMMAND, atol=1e-12)
-    apart = [*rows[: names + 2], *table[:1000], *above, *table[:900]]
-    (tmp_path / "t.dat").write_text("\n".join(apart), encoding="utf-8")
+    separate = [*rows[: names + 2], *table[:1000], *upper, *table[:900]]
+    (tmp_path / "t.dat").write_text("\n".join(separate), encoding="utf-8")
     with pytest.raises(InputError, match="The file holds several tests: 1, 2"):
         read_recording(tmp_path / "t.dat")
     assert read_recording(tmp_path / "t.dat", test="2").command.size == 900
@@ -70,9 +70,9 @@ def test_a_header_with_numbers_between_blocks_of_one_acquisition_is_left_out(tmp
     rows = mts_793(tmp_path).read_text(encoding="utf-8").splitlines()
     names = next(place for place, line in enumerate(rows) if line.startswith("Time\t"))
     title = "Data Acquisition\t\t\tTime:\t12.0\tSec\t5/5/2026 10:00:05 AM"
-    above, table = [title, *rows[names : names + 2]], rows[names + 2 :]
-    whole = [*rows[:names], *above, *table[:1000], *above, *table[1000:]]
-    (tmp_path / "t.dat").write_text("\n".join(whole), encoding="utf-8")
+    upper, table = [title, *rows[names : names + 2]], rows[names + 2 :]
+    complete = [*rows[:names], *upper, *table[:1000], *upper, *table[1000:]]
+    (tmp_path / "t.dat").write_text("\n".join(complete), encoding="utf-8")
     np.testing.assert_allclose(read_recording(tmp_path / "t.dat").command, COMMAND, atol=1e-12)
 
 
@@ -107,14 +107,14 @@ def test_a_broken_row_of_labview_is_named_by_its_line_in_the_file(tmp_path):
         read_recording(tmp_path / "t.lvm")
 
 
-def data_of(package, *below):
-    folder = Path(find_spec(package).origin).parent.joinpath(*below)
+def data_of(package, *lower):
+    folder = Path(find_spec(package).origin).parent.joinpath(*lower)
     if not folder.is_dir():
         pytest.skip(f"{package} was installed without the data of its tests")
     return folder
 
 
-SAVED = sorted((Path(find_spec("scipy.io").origin).parent / "matlab" / "tests" / "data").glob("*.mat"))
+SCIPY_FILES = sorted((Path(find_spec("scipy.io").origin).parent / "matlab" / "tests" / "data").glob("*.mat"))
 THETA = np.arange(9) * np.pi / 4.0
 
 
@@ -129,7 +129,7 @@ THETA = np.arange(9) * np.pi / 4.0
         "testhdf5_7.4_GLNX86.mat",
     ],
 )
-def test_vectors_that_matlab_saved(name):
+def test_vectors_saved_by_matlab(name):
     (test,) = read_tests(data_of("scipy.io", "matlab", "tests", "data") / name)
     np.testing.assert_allclose(test.values["testdouble"], THETA, rtol=1e-15)
 
@@ -141,7 +141,7 @@ def test_a_vector_beside_other_variables(name):
 
 
 @pytest.mark.parametrize("release", ["6.1_SOL2", "6.5.1_GLNX86", "7.1_GLNX86", "7.4_GLNX86"])
-def test_fields_of_a_structure_and_cells_that_matlab_saved(release):
+def test_structure_fields_and_cells_saved_by_matlab(release):
     folder = data_of("scipy.io", "matlab", "tests", "data")
     (structure,) = read_tests(folder / f"teststruct_{release}.mat")
     np.testing.assert_allclose(
@@ -151,15 +151,15 @@ def test_fields_of_a_structure_and_cells_that_matlab_saved(release):
     np.testing.assert_array_equal(cells.values["testcell(4)"], [1.0, 2.0, 3.0])
 
 
-@pytest.mark.parametrize("path", SAVED, ids=lambda path: path.name)
-def test_no_file_that_matlab_saved_is_taken_for_a_test(path):
+@pytest.mark.parametrize("path", SCIPY_FILES, ids=lambda path: path.name)
+def test_other_files_saved_by_matlab_are_no_tests(path):
     """None of them is one: each gives one sentence, and no warning."""
     with pytest.raises(InputError):
         read_recording(path)
 
 
 @pytest.mark.parametrize("name", ["raw1.tdms", "big_endian.tdms", "Digital_Input.tdms"])
-def test_channels_that_labview_wrote(name):
+def test_channels_written_by_labview(name):
     path = data_of("nptdms", "test", "data") / name
     (test,) = read_tests(path)
     group = TdmsFile.read(path).groups()[0]  # of SignalExpress the test; thinned copies stand behind it
@@ -173,15 +173,15 @@ FIRST = (layouts.mts_793, layouts.dspace, layouts.tdms, layouts.xpc)
 
 
 @pytest.fixture(scope="module")
-def expected(tmp_path_factory):
+def reference_verdict(tmp_path_factory):
     """Verdict on the test with its force, and on its two displacements alone."""
     folder = tmp_path_factory.mktemp("t")
-    whole = judged(layouts.matlab_vectors(folder))
+    complete = assess_file(layouts.matlab_vectors(folder))
     columns = {"time_s": layouts.TIME, "command_m": layouts.COMMAND, "measured_m": layouts.MEASURED}
-    return {True: whole, False: judged(pd.DataFrame(columns))}
+    return {True: complete, False: assess_file(pd.DataFrame(columns))}
 
 
-def judged(path):
+def assess_file(path):
     return reliab.assess(path, f=1.0, xi=0.02).to_dict()
 
 
@@ -190,24 +190,27 @@ def judged(path):
     "write",
     [pytest.param(write, marks=[] if write in FIRST else pytest.mark.slow) for write in layouts.LAYOUTS],
 )
-def test_the_verdict_is_that_of_the_same_test_in_another_file(tmp_path, write, expected):
+def test_verdict_is_the_same_for_every_layout(tmp_path, write, reference_verdict):
     """To 1e-6; the ends of the interval and the probability, of which text has 12 digits, to 5e-6."""
-    answer = judged(write(tmp_path))
+    answer = assess_file(write(tmp_path))
     has_force = any(channel["channel"] == "force" for channel in answer["recording"]["channels"])
-    expected = expected[has_force]
+    reference_verdict = reference_verdict[has_force]
     for name in ("A", "d_ms"):
-        assert answer[name] == pytest.approx(expected[name], rel=1e-6)
-    rms = {key: pytest.approx(expected["error"]["rms"][key], rel=1e-6, abs=5e-6) for key in ("low", "high")}
-    rms["value"] = pytest.approx(expected["error"]["rms"]["value"], rel=1e-6)
+        assert answer[name] == pytest.approx(reference_verdict[name], rel=1e-6)
+    rms = {
+        key: pytest.approx(reference_verdict["error"]["rms"][key], rel=1e-6, abs=5e-6)
+        for key in ("low", "high")
+    }
+    rms["value"] = pytest.approx(reference_verdict["error"]["rms"]["value"], rel=1e-6)
     assert {key: answer["error"]["rms"][key] for key in rms} == rms
-    assert answer["verdict"] == expected["verdict"]
-    assert answer["probability"] == pytest.approx(expected["probability"], abs=5e-6)
+    assert answer["verdict"] == reference_verdict["verdict"]
+    assert answer["probability"] == pytest.approx(reference_verdict["probability"], abs=5e-6)
 
 
 def test_command_and_python_give_the_same_numbers(tmp_path, capsys):
     path = layouts.tdms(tmp_path)
     assert cli.run(["assess", str(path), "--f", "1.0", "--xi", "0.02", "--json", "-"]) == 0
     content = json.loads(capsys.readouterr().out)
-    answer = json.loads(json.dumps(judged(path), default=str))
+    answer = json.loads(json.dumps(assess_file(path), default=str))
     for name in ("verdict", "A", "d_ms", "probability", "error"):
         assert content[name] == answer[name]

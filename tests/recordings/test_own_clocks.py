@@ -29,23 +29,23 @@ COMMAND = motion(TIME)
 MEASURED = motion(TIME + LATE - DELAY)
 
 
-def delay_of(command, measured, step):
+def delay_of(command, reading, step):
     window = np.hanning(command.size)
     frequency = np.fft.rfftfreq(command.size, step)
-    x, y = (np.fft.rfft((values - values.mean()) * window) for values in (command, measured))
+    x, y = (np.fft.rfft((values - values.mean()) * window) for values in (command, reading))
     band = (frequency > 0.5) & (frequency < 4.0)
     lag = -np.angle(y[band] / x[band]) / (2.0 * np.pi * frequency[band])
     return float(np.average(lag, weights=np.abs(x[band]) ** 2))
 
 
-def tdms(folder, of_command, of_measured, values=MEASURED):
+def tdms(folder, command_part, measured_part, values=MEASURED):
     from nptdms import ChannelObject, TdmsWriter
 
     common = {"wf_increment": 1.0 / RATE, "unit_string": "m"}
     with TdmsWriter(str(folder / "t.tdms")) as writer:
-        held = (("Command", COMMAND, of_command), ("Measured", values, of_measured))
+        content = (("Command", COMMAND, command_part), ("Measured", values, measured_part))
         writer.write_segment(
-            [ChannelObject("Log", name, v, properties={**common, **p}) for name, v, p in held]
+            [ChannelObject("Log", name, v, properties={**common, **p}) for name, v, p in content]
         )
     return folder / "t.tdms"
 
@@ -64,7 +64,7 @@ def tdms_negative_start_offset(folder):
 
 
 def lvm(folder, columns, names="X_Value\tCommand\tMeasured\tComment", **header):
-    stated = {
+    declared_values = {
         "Samples": [SIZE, SIZE],
         "Date": ["2026/05/05"] * 2,
         "Time": ["10:00:00.000"] * 2,
@@ -73,9 +73,9 @@ def lvm(folder, columns, names="X_Value\tCommand\tMeasured\tComment", **header):
         "Delta_X": [1.0 / RATE, 1.0 / RATE],
         **header,
     }
-    layout = stated.pop("X_Columns", "One")
+    layout = declared_values.pop("X_Columns", "One")
     lines = [f"LabVIEW Measurement\t\nSeparator\tTab\nX_Columns\t{layout}\n***End_of_Header***\t\n"]
-    lines += [f"{name}\t" + "\t".join(map(str, cells)) for name, cells in stated.items()]
+    lines += [f"{name}\t" + "\t".join(map(str, cells)) for name, cells in declared_values.items()]
     lines += ["***End_of_Header***\t\t", names]
     lines += ["\t".join(f"{cell:.9g}" for cell in row) for row in zip(*columns, strict=True)]
     (folder / "t.lvm").write_text("\n".join(lines).replace("nan", ""), encoding="utf-8")
@@ -100,11 +100,11 @@ def lvm_next_day(folder):
 
 
 def lvm_times_of_each(folder):
-    spaced = {"Samples": [SIZE, "", SIZE], "Date": ["2026/05/05", "", "2026/05/05"], "X0": [0, "", 0]}
-    spaced |= {"Time": ["10:00:00", "", "10:00:00.0156"], "Y_Unit_Label": ["m", "", "mm"]}
-    spaced |= {"Delta_X": [1.0 / RATE, "", 1.0 / RATE], "X_Columns": "Multi"}
+    grid_values = {"Samples": [SIZE, "", SIZE], "Date": ["2026/05/05", "", "2026/05/05"], "X0": [0, "", 0]}
+    grid_values |= {"Time": ["10:00:00", "", "10:00:00.0156"], "Y_Unit_Label": ["m", "", "mm"]}
+    grid_values |= {"Delta_X": [1.0 / RATE, "", 1.0 / RATE], "X_Columns": "Multi"}
     names = "X_Value\tCommand\tX_Value\tMeasured\tComment"
-    return lvm(folder, [TIME, COMMAND, TIME, 1e3 * MEASURED], names, **spaced)
+    return lvm(folder, [TIME, COMMAND, TIME, 1e3 * MEASURED], names, **grid_values)
 
 
 def hdf5(folder, datasets, groups=()):
@@ -179,8 +179,8 @@ def classic_netcdf(folder):
 
 
 def simulink(folder):
-    logged = (("command", TIME, COMMAND), ("measured", TIME + LATE, MEASURED))
-    scopes = {name: {"time": time, "signals": {"values": v, "label": name}} for name, time, v in logged}
+    log_record = (("command", TIME, COMMAND), ("measured", TIME + LATE, MEASURED))
+    scopes = {name: {"time": time, "signals": {"values": v, "label": name}} for name, time, v in log_record}
     savemat(folder / "t.mat", scopes)
     return folder / "t.mat"
 
@@ -208,8 +208,8 @@ def timetables(folder):
         index = pd.Timestamp(begin) + pd.to_timedelta(np.round(1e9 * TIME).astype(np.int64), unit="ns")
         return pd.DataFrame({name: values}, index=index.rename("Time"))
 
-    held = {"a": table("Command", COMMAND, BEGIN), "b": table("Measured", MEASURED, LATER)}
-    return _objects(folder / "t.mat", held)
+    content = {"a": table("Command", COMMAND, BEGIN), "b": table("Measured", MEASURED, LATER)}
+    return _objects(folder / "t.mat", content)
 
 
 def timeseries_with_dates(folder):
@@ -259,11 +259,11 @@ LATER_THAN_THE_COMMAND = (
 
 @pytest.mark.default_cases(10)
 @pytest.mark.parametrize("write", LATER_THAN_THE_COMMAND)
-def test_a_channel_that_began_at_another_time_is_moved_there(tmp_path, write):
+def test_late_channel_is_moved_to_its_start(tmp_path, write):
     test = read_recording(write(tmp_path))
     assert delay_of(test.command, test.measured, test.time_step) == pytest.approx(DELAY, abs=3e-5)
-    measured = next(channel for channel in test.channels if channel.part == "measured")
-    assert f"begins {1e3 * LATE:g} ms" in " ".join(measured.summary()["applied"])
+    reading = next(channel for channel in test.channels if channel.part == "measured")
+    assert f"begins {1e3 * LATE:g} ms" in " ".join(reading.summary()["applied"])
     assert any(f"begins {1e3 * LATE:g} ms" in note for note in test.notes)
 
 
@@ -275,7 +275,7 @@ def test_whole_samples_are_moved_without_interpolation(tmp_path, steps):
     assert np.isin(test.measured, MEASURED).all() == is_whole
 
 
-def test_a_clock_that_drifts_against_the_other_is_followed():
+def test_drift_between_clocks_is_followed():
     times = TIME * (1.0 + 1e-4)
     table = {"time_command_s": TIME, "time_measured_s": times, "command_m": COMMAND}
     test = read_recording(pd.DataFrame({**table, "measured_m": motion(times - DELAY)}))
@@ -283,13 +283,13 @@ def test_a_clock_that_drifts_against_the_other_is_followed():
     assert test.channels[1].corrections == ("interpolated at the samples of 'command_m'",)
 
 
-def test_times_that_labview_never_set_are_none(tmp_path):
+def test_unset_labview_times_are_none(tmp_path):
     unset = {"wf_start_time": np.datetime64("1904-01-01", "us")}
     test = read_recording(tdms(tmp_path, unset, unset, motion(TIME - DELAY)))
     assert delay_of(test.command, test.measured, test.time_step) == pytest.approx(DELAY, abs=3e-5)
 
 
-def test_a_channel_without_the_date_that_another_has_is_refused(tmp_path):
+def test_channel_lacking_the_date_of_another_is_refused(tmp_path):
     begin = {"wf_start_time": np.datetime64(BEGIN, "us")}
     with pytest.raises(
         InputError, match=r"t\.tdms: 'Command' states when it begins, but 'Measured' does not"
@@ -298,17 +298,17 @@ def test_a_channel_without_the_date_that_another_has_is_refused(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("step", "found"), [(1e-320, "9.99989e-321 s"), (1e-9, "1e-09 s"), (1e6, "1,000,000 s|1e\\+06 s")]
+    ("step", "result"), [(1e-320, "9.99989e-321 s"), (1e-9, "1e-09 s"), (1e6, "1,000,000 s|1e\\+06 s")]
 )
-def test_a_step_that_no_laboratory_has_is_refused(tmp_path, step, found):
-    with pytest.raises(InputError, match=f"must be between 1e-06 and 1,000 s; found ({found})"):
+def test_implausible_step_is_refused(tmp_path, step, result):
+    with pytest.raises(InputError, match=f"must be between 1e-06 and 1,000 s; found ({result})"):
         read_recording(tdms(tmp_path, {"wf_increment": step}, {"wf_increment": step}))
 
 
 def test_a_waveform_over_anything_but_time_is_refused(tmp_path):
-    over = {"wf_xunit_string": "Hz"}
+    dimensions = {"wf_xunit_string": "Hz"}
     with pytest.raises(InputError, match="Unknown unit of time: 'Hz'"):
-        read_recording(tdms(tmp_path, over, over))
+        read_recording(tdms(tmp_path, dimensions, dimensions))
 
 
 def test_segments_of_one_test_are_joined_and_others_are_tests(tmp_path):
@@ -317,8 +317,8 @@ def test_segments_of_one_test_are_joined_and_others_are_tests(tmp_path):
     first = first.read_text(encoding="utf-8")
     pieces = {}
     for begin in ("10:00:04.000", "10:00:09.000"):
-        rest = [TIME[:half], COMMAND[half:], MEASURED[half:]]
-        second = lvm(tmp_path, rest, Samples=[half, half], Time=[begin] * 2).read_text(encoding="utf-8")
+        remainder = [TIME[:half], COMMAND[half:], MEASURED[half:]]
+        second = lvm(tmp_path, remainder, Samples=[half, half], Time=[begin] * 2).read_text(encoding="utf-8")
         pieces[begin] = first + "\n\nChannels\t2\n" + second[second.index("Samples") :]
     (tmp_path / "t.lvm").write_text(pieces["10:00:04.000"], encoding="utf-8")
     np.testing.assert_allclose(read_recording(tmp_path / "t.lvm").command, COMMAND, atol=1e-9)

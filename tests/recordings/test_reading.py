@@ -29,49 +29,49 @@ def text(path, header, columns, delimiter=",", *, decimal="."):
     return path
 
 
-def of_csv(folder):
+def write_csv(folder):
     return text(folder / "t.csv", ["time_s,command_m,measured_m"], COLUMNS.values())
 
 
-def of_decimal_comma(folder):
+def write_decimal_comma(folder):
     return text(folder / "t.csv", ["time;cmd;meas"], COLUMNS.values(), ";", decimal=",")
 
 
-def of_tabs_with_units_below(folder):
+def write_tabs_and_units(folder):
     millimetres = [TIME, 1e3 * COMMAND, MEASURED]
     return text(folder / "t.txt", ["# rig 3", "Time\tCommand\tMeasured", "s\tmm\tm"], millimetres, "\t")
 
 
-def of_blanks(folder):
+def write_blanks(folder):
     return text(folder / "t.dat", ["% t x_c x_m", "t x_c x_m"], COLUMNS.values(), " ")
 
 
-def of_milliseconds_and_inches(folder):
+def write_milliseconds_and_inches(folder):
     columns = [1e3 * TIME, COMMAND / 0.0254, MEASURED / 0.0254]
     return text(folder / "t.csv", ['"Time [ms]","Target disp (in)","Actual disp (in)"'], columns)
 
 
-def of_no_header(folder):
+def write_no_header(folder):
     return text(folder / "t.csv", [], COLUMNS.values())
 
 
-def of_rounded_times(folder):
+def write_rounded_times(folder):
     rows = [f"{t:.3f},{c:.9f},{m:.9f}" for t, c, m in zip(TIME, COMMAND, MEASURED, strict=True)]
     (folder / "t.csv").write_text("\n".join(["time,command,measured", *rows]), encoding="utf-8")
     return folder / "t.csv"
 
 
-def of_matlab(folder):
+def write_matlab(folder):
     savemat(folder / "t.mat", {"test": {"time": TIME, "command": COMMAND, "measured": MEASURED}})
     return folder / "t.mat"
 
 
-def of_matlab_rate(folder):
+def write_matlab_rate(folder):
     savemat(folder / "t.mat", {"fs": RATE, "cmd": COMMAND, "meas": MEASURED, "name": "rig"})
     return folder / "t.mat"
 
 
-def of_matlab_73(folder):
+def write_matlab_73(folder):
     with h5py.File(folder / "t.mat", "w", userblock_size=512) as file:
         for name, values in (("t", TIME), ("xc", COMMAND), ("xm", MEASURED)):
             file[name] = values[np.newaxis]
@@ -80,7 +80,7 @@ def of_matlab_73(folder):
     return folder / "t.mat"
 
 
-def of_hdf5(folder):
+def write_hdf5(folder):
     with h5py.File(folder / "t.h5", "w") as file:
         for name, values in (("rig/time", TIME), ("rig/command", 1e3 * COMMAND), ("rig/measured", MEASURED)):
             file[name] = values
@@ -89,7 +89,7 @@ def of_hdf5(folder):
     return folder / "t.h5"
 
 
-def of_netcdf_4(folder):
+def write_netcdf_4(folder):
     import xarray as xr
 
     dataset = xr.Dataset(
@@ -100,7 +100,7 @@ def of_netcdf_4(folder):
     return folder / "t.nc"
 
 
-def of_netcdf_classic(folder):
+def write_netcdf_classic(folder):
     with netcdf_file(folder / "t.nc", "w") as file:
         file.createDimension("time", TIME.size)
         for name, values in (("time", TIME), ("command", COMMAND), ("measured", MEASURED)):
@@ -111,28 +111,28 @@ def of_netcdf_classic(folder):
 @pytest.mark.parametrize(
     "write",
     [
-        of_csv, of_decimal_comma, of_tabs_with_units_below, of_blanks, of_milliseconds_and_inches,
-        of_no_header, of_rounded_times, of_matlab, of_matlab_rate, of_matlab_73, of_hdf5, of_netcdf_4,
-        of_netcdf_classic,
+        write_csv, write_decimal_comma, write_tabs_and_units, write_blanks, write_milliseconds_and_inches,
+        write_no_header, write_rounded_times, write_matlab, write_matlab_rate, write_matlab_73, write_hdf5,
+        write_netcdf_4, write_netcdf_classic,
     ],
 )  # fmt: skip
 def test_the_same_test_comes_back(tmp_path, write):
-    found = read_recording(write(tmp_path))
-    assert found.time_step == pytest.approx(1.0 / RATE)
-    np.testing.assert_allclose(found.measured, MEASURED, atol=2e-9)
-    np.testing.assert_allclose(found.command, COMMAND, atol=2e-9)
+    result = read_recording(write(tmp_path))
+    assert result.time_step == pytest.approx(1.0 / RATE)
+    np.testing.assert_allclose(result.measured, MEASURED, atol=2e-9)
+    np.testing.assert_allclose(result.command, COMMAND, atol=2e-9)
 
 
 def test_columns_and_rate_can_be_declared(tmp_path):
     path = text(tmp_path / "t.csv", ["a,b,c"], [COMMAND, TIME, MEASURED])
-    found = read_recording(path, command="a", measured="c", rate_hz=100.0)
-    assert found.time_step == pytest.approx(0.01)
-    timed = read_recording(path, command="a", measured="c", time="b", units="mm")
-    assert timed.time_step == pytest.approx(1.0 / RATE)
-    np.testing.assert_allclose(timed.command, 1e-3 * COMMAND, atol=1e-12)
+    result = read_recording(path, command="a", measured="c", rate_hz=100.0)
+    assert result.time_step == pytest.approx(0.01)
+    duration = read_recording(path, command="a", measured="c", time="b", units="mm")
+    assert duration.time_step == pytest.approx(1.0 / RATE)
+    np.testing.assert_allclose(duration.command, 1e-3 * COMMAND, atol=1e-12)
 
 
-def test_times_that_are_rounded_coarser_than_a_step_are_understood(tmp_path):
+def test_coarsely_rounded_times_are_understood(tmp_path):
     times = (np.arange(2000) / 1024.0).round(3)
     path = text(tmp_path / "t.csv", ["time,command,measured"], [times, COMMAND, MEASURED])
     assert read_recording(path).time_step == pytest.approx(1.0 / 1024.0, rel=1e-3)
@@ -140,13 +140,13 @@ def test_times_that_are_rounded_coarser_than_a_step_are_understood(tmp_path):
 
 def test_unit_stated_for_one_column_is_taken_for_both_and_said(tmp_path):
     path = text(tmp_path / "t.csv", ["time,command [mm],measured"], [TIME, 1e3 * COMMAND, 1e3 * MEASURED])
-    found = read_recording(path)
-    np.testing.assert_allclose(found.measured, MEASURED, atol=2e-9)
-    assert any("measured displacement states no unit" in note for note in found.notes)
+    result = read_recording(path)
+    np.testing.assert_allclose(result.measured, MEASURED, atol=2e-9)
+    assert any("measured displacement states no unit" in note for note in result.notes)
 
 
 def test_choice_among_nameless_columns_is_said(tmp_path):
-    assert any("by their histories" in note for note in read_recording(of_no_header(tmp_path)).notes)
+    assert any("by their histories" in note for note in read_recording(write_no_header(tmp_path)).notes)
 
 
 @pytest.mark.parametrize(
@@ -188,7 +188,7 @@ def test_broken_files_are_explained(tmp_path, content, message):
         read_recording(path)
 
 
-def test_a_file_that_is_not_there_is_said(tmp_path):
+def test_missing_file_is_reported(tmp_path):
     with pytest.raises(InputError, match=r"none\.csv: No such file"):
         read_recording(tmp_path / "none.csv")
 
@@ -200,38 +200,38 @@ def test_no_time_is_said(tmp_path):
     assert read_recording(path, rate_hz=RATE).time_step == pytest.approx(1.0 / RATE)
 
 
-def test_rate_that_disagrees_with_the_times_is_said(tmp_path):
+def test_rate_disagreeing_with_times_is_reported(tmp_path):
     with pytest.raises(InputError, match="but the sampling rate is 1024 Hz"):
-        read_recording(of_csv(tmp_path), rate_hz=1024.0)
+        read_recording(write_csv(tmp_path), rate_hz=1024.0)
 
 
-def with_names(data):
+def add_names(data):
     data.attrs["columns"] = ["time", "command", "measured"]
     data.attrs["units"] = ["s", "mm", "mm"]
 
 
-def with_units_first(data):
+def add_units_first(data):
     data.attrs["Unit"] = ["s", "mm", "mm"]
     data.attrs["channels"] = [" time", "command ", "measured"]
 
 
-def with_labels(data):
+def add_labels(data):
     scale = data.file.create_dataset("names", data=["time", "command", "measured"], dtype=h5py.string_dtype())
     scale.make_scale("names")
     data.dims[data.shape.index(3)].attach_scale(scale)
     data.attrs["units"] = ["s", "mm", "mm"]
 
 
-@pytest.mark.parametrize("name_columns", [with_names, with_units_first, with_labels])
+@pytest.mark.parametrize("name_columns", [add_names, add_units_first, add_labels])
 @pytest.mark.parametrize("upright", [True, False])
 def test_columns_of_a_matrix_in_hdf5_are_named_beside_it(tmp_path, name_columns, upright):
     columns = np.array([TIME, 1e3 * COMMAND, 1e3 * MEASURED])
     with h5py.File(tmp_path / "t.h5", "w") as file:
         data = file.create_dataset("daq/samples", data=columns.T if upright else columns)
         name_columns(data)
-    found = read_recording(tmp_path / "t.h5")
-    np.testing.assert_allclose(found.command, COMMAND, atol=1e-12)
-    np.testing.assert_allclose(found.measured, MEASURED, atol=1e-12)
+    result = read_recording(tmp_path / "t.h5")
+    np.testing.assert_allclose(result.command, COMMAND, atol=1e-12)
+    np.testing.assert_allclose(result.measured, MEASURED, atol=1e-12)
 
 
 def test_a_unit_of_a_whole_matrix_is_that_of_each_column(tmp_path):
@@ -240,20 +240,20 @@ def test_a_unit_of_a_whole_matrix_is_that_of_each_column(tmp_path):
         data = file.create_dataset("samples", data=1e3 * np.array([COMMAND, MEASURED]).T)
         data.attrs["columns"] = ["command", "measured"]
         data.attrs["units"] = ["mm"]
-    found = read_recording(tmp_path / "t.h5")
-    assert found.time_step == pytest.approx(1.0 / RATE)
-    np.testing.assert_allclose(found.command, COMMAND, atol=1e-12)
-    np.testing.assert_allclose(found.measured, MEASURED, atol=1e-12)
+    result = read_recording(tmp_path / "t.h5")
+    assert result.time_step == pytest.approx(1.0 / RATE)
+    np.testing.assert_allclose(result.command, COMMAND, atol=1e-12)
+    np.testing.assert_allclose(result.measured, MEASURED, atol=1e-12)
 
 
-@pytest.mark.parametrize("named", [["command", "command"], ["command"]])
-def test_columns_of_a_matrix_without_names_of_their_own_are_told_by_what_they_do(tmp_path, named):
+@pytest.mark.parametrize("labels", [["command", "command"], ["command"]])
+def test_nameless_matrix_columns_are_recognised_by_behaviour(tmp_path, labels):
     with h5py.File(tmp_path / "t.h5", "w") as file:
         file["rate"] = RATE
-        file.create_dataset("samples", data=np.array([COMMAND, MEASURED]).T).attrs["columns"] = named
-    found = read_recording(tmp_path / "t.h5")
-    assert any("by their histories" in note for note in found.notes)
-    np.testing.assert_allclose(found.command, COMMAND, atol=1e-12)
+        file.create_dataset("samples", data=np.array([COMMAND, MEASURED]).T).attrs["columns"] = labels
+    result = read_recording(tmp_path / "t.h5")
+    assert any("by their histories" in note for note in result.notes)
+    np.testing.assert_allclose(result.command, COMMAND, atol=1e-12)
 
 
 def test_a_header_states_the_skew_of_the_channels(tmp_path):
@@ -267,7 +267,9 @@ def test_a_header_states_the_skew_of_the_channels(tmp_path):
 )
 def test_a_rotation_needs_no_unit_of_length(ending, factor, notes):
     columns = {"time_s": TIME, "command_1_mm": 1e3 * COMMAND, "measured_1_mm": 1e3 * MEASURED}
-    turned = {f"{name}_2{ending}": values for name, values in (("command", COMMAND), ("measured", MEASURED))}
-    found = read_coupled_recording(pd.DataFrame({**columns, **turned}), StatedChannels())
-    assert sum("of actuator 2 states a unit of length" in note for note in found.notes) == notes
-    np.testing.assert_allclose(found.command, [COMMAND, factor * COMMAND], atol=1e-12)
+    rotation = {
+        f"{name}_2{ending}": values for name, values in (("command", COMMAND), ("measured", MEASURED))
+    }
+    result = read_coupled_recording(pd.DataFrame({**columns, **rotation}), StatedChannels())
+    assert sum("of actuator 2 states a unit of length" in note for note in result.notes) == notes
+    np.testing.assert_allclose(result.command, [COMMAND, factor * COMMAND], atol=1e-12)

@@ -14,7 +14,7 @@ def columns_of(table):
 
 
 @pytest.mark.parametrize(
-    ("command", "measured"),
+    ("command", "reading"),
     [
         ("Dis command", "Dis feedback"),
         ("x_d", "x_m"),
@@ -35,10 +35,10 @@ def columns_of(table):
         ("xref", "xlaser"),
     ],
 )
-def test_words_of_laboratories_name_the_channels_in_any_order(command, measured):
-    table = {"Voltage command": VALVE, measured: MEASURED, "Load cell": FORCE, command: COMMAND, "t": TIME}
+def test_words_of_laboratories_name_the_channels_in_any_order(command, reading):
+    table = {"Voltage command": VALVE, reading: MEASURED, "Load cell": FORCE, command: COMMAND, "t": TIME}
     assert columns_of(table) == {
-        "command": command, "measured": measured, "force": "Load cell", "time": "t"
+        "command": command, "measured": reading, "force": "Load cell", "time": "t"
     }  # fmt: skip
 
 
@@ -50,7 +50,7 @@ def test_changed_channels_errors_voltages_and_velocities_are_not_the_command(riv
     assert columns_of(table)["command"] == "Command (m)"
 
 
-def test_target_and_command_that_differ_are_asked_about():
+def test_differing_target_and_command_are_questioned():
     table = {"Time": TIME, "Target": COMMAND, "Command": np.roll(COMMAND, 3), "Measured": MEASURED}
     with pytest.raises(InputError, match=r"'Target' and 'Command'.*Choose one with `command`"):
         columns_of(table)
@@ -58,14 +58,14 @@ def test_target_and_command_that_differ_are_asked_about():
     assert columns_of(table)["command"] == "Target"
 
 
-def test_the_one_that_follows_is_measured_where_units_alone_speak():
+def test_following_column_is_measured_if_only_units_help():
     table = {"Time": TIME, "Ch2 [mm]": 1e3 * MEASURED, "Ch1 [mm]": 1e3 * COMMAND, "Ch3 [kN]": 1e-3 * FORCE}
     assert columns_of(table) == {
         "command": "Ch1 [mm]", "measured": "Ch2 [mm]", "force": "Ch3 [kN]", "time": "Time"
     }  # fmt: skip
 
 
-def test_two_sensors_that_follow_the_command_are_asked_about():
+def test_two_sensors_following_the_command_are_questioned():
     table = {
         "t": TIME,
         "cmd (mm)": COMMAND,
@@ -102,7 +102,7 @@ def test_per_cent_in_front_of_a_line_of_units_begins_no_comment(tmp_path):
     assert factors["command"] == factors["measured"] == 1e-3
 
 
-def test_names_that_say_nothing_without_units_are_asked_about():
+def test_meaningless_names_without_units_are_questioned():
     with pytest.raises(InputError, match="No column for the command"):
         columns_of({"time": TIME, "a": COMMAND, "b": MEASURED})
 
@@ -121,7 +121,7 @@ def test_one_displacement_in_metres_beside_one_in_unstated_millimetres_is_asked_
         columns_of(table)
 
 
-def test_force_is_the_one_that_the_motion_explains():
+def test_force_is_the_column_explained_by_the_motion():
     noise = np.random.default_rng(2).normal(size=TIME.size)
     table = {"t": TIME, "cmd_m": COMMAND, "meas_m": MEASURED, "Load A (N)": 50.0 * noise, "Load B (N)": FORCE}
     assert columns_of(table)["force"] == "Load B (N)"
@@ -136,13 +136,13 @@ def test_pairs_of_several_actuators_are_asked_about_by_a_test_of_one():
     )
 
 
-def nameless(others, folder):
+def nameless(rivals, folder):
     """Time, command, measured and further columns without names."""
-    np.savetxt(folder / "t.txt", np.column_stack([TIME, COMMAND, MEASURED, *others]))
+    np.savetxt(folder / "t.txt", np.column_stack([TIME, COMMAND, MEASURED, *rivals]))
     return read_recording(folder / "t.txt")
 
 
-def test_a_nameless_force_is_the_column_that_the_measured_motion_explains(tmp_path):
+def test_nameless_force_is_explained_by_the_measured_motion(tmp_path):
     test = nameless([FORCE], tmp_path)
     np.testing.assert_allclose(test.force, FORCE)
     assert any("taken to be in N" in note for note in test.notes)
@@ -152,25 +152,25 @@ VELOCITY = np.gradient(MEASURED, 1.0 / RATE)
 
 
 @pytest.mark.parametrize(
-    "other",
+    "second",
     [VELOCITY, np.gradient(VELOCITY, 1.0 / RATE), VALVE, -FORCE],
     ids=["velocity", "acceleration", "valve", "reversed force"],
 )
-def test_nothing_else_without_a_name_is_taken_for_the_force(tmp_path, other):
-    assert nameless([other], tmp_path).force is None
+def test_nothing_else_without_a_name_is_taken_for_the_force(tmp_path, second):
+    assert nameless([second], tmp_path).force is None
 
 
-@pytest.mark.parametrize("other", [400.0 * COMMAND, 0.99 * MEASURED], ids=["voltage", "second sensor"])
-def test_a_nameless_column_that_moves_like_a_displacement_is_never_the_force(tmp_path, other):
+@pytest.mark.parametrize("second", [400.0 * COMMAND, 0.99 * MEASURED], ids=["voltage", "second sensor"])
+def test_nameless_displacement_is_never_the_force(tmp_path, second):
     """It is asked about, or left."""
     try:
-        force = nameless([other], tmp_path).force
+        force = nameless([second], tmp_path).force
     except InputError:
         force = None
     assert force is None
 
 
-def test_a_flag_with_the_name_of_a_command_is_never_taken_beside_one_that_moves():
+def test_flag_named_command_loses_to_a_moving_column():
     """OpenFresco's models log the flag atTarget beside the target."""
     flag = (np.arange(TIME.size) // 7 % 2).astype(float)
     table = {"Time": TIME, "Target": flag, "s1 [m]": COMMAND, "Disp Feedback [m]": MEASURED}
@@ -183,7 +183,7 @@ def test_a_flag_with_the_name_of_a_command_is_never_taken_beside_one_that_moves(
     }
 
 
-def test_a_name_that_ends_in_in_is_asked_about_where_nothing_else_states_a_unit():
+def test_name_ending_in_in_is_questioned_without_units():
     table = {"Time": TIME, "disp_in": COMMAND, "Disp Feedback": MEASURED}
     with pytest.raises(InputError, match="in inches, or an input"):
         columns_of(table)

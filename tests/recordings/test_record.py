@@ -44,27 +44,29 @@ def record(tmp_path):
 
 
 def test_xarray_opens_a_record_by_itself(record):
-    with xr.open_dataset(record) as opened:
-        assert dict(opened.sizes) == {"actuator": 1, "time": COMMAND.size}
-        np.testing.assert_allclose(opened["command"].values[0], COMMAND, atol=1e-12)
-        assert opened["measured"].attrs["units"] == "m"
-        assert opened["command"].attrs["source_column"] == "Dis command (mm)"
-        assert "from mm to m" in opened["command"].attrs["transformation"]
-        assert opened["Voltage_command"].attrs["long_name"] == "Voltage command"
-        source = record.with_name(opened.attrs["source_file"])
-        assert opened.attrs["source_sha256"] == hashlib.sha256(source.read_bytes()).hexdigest()
-        assert (opened.attrs["rig"], opened.attrs["grade"]) == ("rig 3", "S355")
+    with xr.open_dataset(record) as dataset:
+        assert dict(dataset.sizes) == {"actuator": 1, "time": COMMAND.size}
+        np.testing.assert_allclose(dataset["command"].values[0], COMMAND, atol=1e-12)
+        assert dataset["measured"].attrs["units"] == "m"
+        assert dataset["command"].attrs["source_column"] == "Dis command (mm)"
+        assert "from mm to m" in dataset["command"].attrs["transformation"]
+        assert dataset["Voltage_command"].attrs["long_name"] == "Voltage command"
+        source = record.with_name(dataset.attrs["source_file"])
+        assert dataset.attrs["source_sha256"] == hashlib.sha256(source.read_bytes()).hexdigest()
+        assert (dataset.attrs["rig"], dataset.attrs["grade"]) == ("rig 3", "S355")
 
 
-def test_what_the_locale_of_the_command_line_could_not_read_is_text(tmp_path):
-    stated = "1±0.01".encode().decode("ascii", "surrogateescape")
-    reliab.record(csv_with_units_in_brackets(tmp_path), tmp_path / "t.nc", f=stated, rig="Gr\udcc3\udcb6sse")
+def test_undecodable_command_line_text_stays_text(tmp_path):
+    declared_values = "1±0.01".encode().decode("ascii", "surrogateescape")
+    reliab.record(
+        csv_with_units_in_brackets(tmp_path), tmp_path / "t.nc", f=declared_values, rig="Gr\udcc3\udcb6sse"
+    )
     assert str(read_recording(tmp_path / "t.nc").stated["f"]) == "1 ± 0.01"
     with h5py.File(tmp_path / "t.nc") as file:
         assert file.attrs["rig"] == "Grösse"
 
 
-def test_what_is_stated_comes_back(record):
+def test_stated_values_survive_a_round_trip(record):
     test = read_recording(record)
     assert str(test.stated["f"]) == "1 ± 0.01"
     assert [channel.reason for channel in test.channels][:2] == ["the record says so"] * 2
@@ -87,7 +89,7 @@ def test_a_sound_record_has_no_fault_and_a_spoilt_one_names_it(record):
         assert words in faults
 
 
-def test_what_is_no_record_is_said(tmp_path):
+def test_invalid_record_is_reported(tmp_path):
     (tmp_path / "a.nc").write_bytes(b"no")
     with pytest.raises(InputError, match="This is no record"):
         check_record(tmp_path / "a.nc")
@@ -106,9 +108,9 @@ def test_several_actuators_are_kept_with_a_dimension(tmp_path):
         table |= {f"cmd_{number} (mm)": number * COMMAND, f"meas_{number} (mm)": number * MEASURED}
     pd.DataFrame(table).to_csv(tmp_path / "t.csv", index=False)
     reliab.record(tmp_path / "t.csv", tmp_path / "t.nc")
-    with xr.open_dataset(tmp_path / "t.nc") as opened:
-        assert opened["actuator"].values.tolist() == ["1", "2"]
-        np.testing.assert_allclose(opened["measured"].values[1], 2e-3 * MEASURED, rtol=1e-12)
+    with xr.open_dataset(tmp_path / "t.nc") as dataset:
+        assert dataset["actuator"].values.tolist() == ["1", "2"]
+        np.testing.assert_allclose(dataset["measured"].values[1], 2e-3 * MEASURED, rtol=1e-12)
     assert check_record(tmp_path / "t.nc") == []
     with pytest.raises(InputError, match="holds channels of actuators"):
         read_recording(tmp_path / "t.nc")
@@ -125,7 +127,7 @@ def test_a_laboratory_states_its_channels_once(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("changed", "message"),
+    ("variant", "message"),
     [
         (("sign = -1", "sign = 3"), "sign"),
         (("[channels.command]", "[channels.comand]"), "comand is not a known"),
@@ -133,14 +135,14 @@ def test_a_laboratory_states_its_channels_once(tmp_path):
         (("rate_hz = 256", "rate_hz = -1"), "rate_hz"),
     ],
 )
-def test_spoilt_descriptions_of_channels_are_explained(tmp_path, changed, message):
-    (tmp_path / "channels.toml").write_text(CHANNELS.replace(*changed), encoding="utf-8")
+def test_spoilt_descriptions_of_channels_are_explained(tmp_path, variant, message):
+    (tmp_path / "channels.toml").write_text(CHANNELS.replace(*variant), encoding="utf-8")
     pd.DataFrame({"Setpoint A": COMMAND, "S7": MEASURED}).to_csv(tmp_path / "t.csv", index=False)
     with pytest.raises(InputError, match=message):
         read_recording(tmp_path / "t.csv", channels=tmp_path / "channels.toml")
 
 
-def test_a_record_and_its_csv_keep_the_skew_that_the_header_states(tmp_path):
+def test_record_and_csv_keep_the_stated_skew(tmp_path):
     shipped = read_recording(shipped_path("datasets", "sample_test/test.csv"))
     reliab.record("sample_test", tmp_path / "t.nc", csv=tmp_path / "t.csv")
     for file in ("t.nc", "t.csv"):

@@ -19,18 +19,18 @@ MOVING = np.sin(np.arange(0.0, 20.0, 0.01))
 TABLE = pd.DataFrame({"time": 0.01 * np.arange(MOVING.size), "command": MOVING, "measured": MOVING})
 
 
-def recording(**changed):
-    return Recording(**{"command": MOVING, "measured": MOVING, "time_step": 0.01, **changed})
+def recording(**variant):
+    return Recording(**{"command": MOVING, "measured": MOVING, "time_step": 0.01, **variant})
 
 
-def with_a(value):
+def insert_value(value):
     values = MOVING.copy()
     values[99] = value
     return values
 
 
 @pytest.mark.parametrize(
-    ("changed", "rule"),
+    ("variant", "rule"),
     [
         ({"command": MOVING[1:]}, "the same length, at least 64; found 1999 and 2000"),
         ({"command": MOVING[:63], "measured": MOVING[:63]}, "the same length, at least 64; found 63 and 63"),
@@ -39,20 +39,26 @@ def with_a(value):
         ({"time_step": np.inf}, "time step must be .* found inf s"),
         ({"command": 0.0 * MOVING}, "command does not move: 0 throughout"),
         ({"measured": 3.0 + 1e-10 * MOVING}, "measured displacement does not move: 3 throughout"),
-        ({"command": with_a(np.nan)}, "finite number below 1e.30; found nan in the command, sample 100"),
-        ({"measured": with_a(-LARGEST_READING)}, "found -1e.30 in the measured displacement, sample 100"),
-        ({"ground": with_a(np.inf)}, "found inf in the ground acceleration, sample 100"),
-        ({"force": with_a(np.nan)}, "found nan in the force, sample 100"),
+        (
+            {"command": insert_value(np.nan)},
+            "finite number below 1e.30; found nan in the command, sample 100",
+        ),
+        (
+            {"measured": insert_value(-LARGEST_READING)},
+            "found -1e.30 in the measured displacement, sample 100",
+        ),
+        ({"ground": insert_value(np.inf)}, "found inf in the ground acceleration, sample 100"),
+        ({"force": insert_value(np.nan)}, "found nan in the force, sample 100"),
     ],
 )
-def test_a_recording_that_cannot_be_is_refused(changed, rule):
+def test_impossible_recording_is_refused(variant, rule):
     with pytest.raises(InputError, match=rule):
-        recording(**changed)
+        recording(**variant)
 
 
 def test_the_shortest_and_the_smallest_recording_are_taken():
-    few = MOVING[:FEWEST_SAMPLES]
-    assert recording(command=few, measured=few).duration == pytest.approx(0.01 * 63)
+    small_sample = MOVING[:FEWEST_SAMPLES]
+    assert recording(command=small_sample, measured=small_sample).duration == pytest.approx(0.01 * 63)
     assert recording(measured=3.0 + 1e-8 * MOVING, ground=0.0 * MOVING).force is None
 
 
@@ -63,7 +69,7 @@ def test_too_many_samples_are_refused(monkeypatch):
         require_few_samples(21, "test.csv")
 
 
-def test_files_without_vectors_say_what_they_hold(tmp_path):
+def test_files_without_vectors_list_their_content(tmp_path):
     with pytest.raises(InputError, match=r"No vectors of numbers in the file; found words, sizes"):
         of_tree(tmp_path / "a.mat", {"words": np.array(["a"]), "sizes": np.array(3.0)})
     with pytest.raises(InputError, match="found nothing"):
@@ -74,13 +80,13 @@ def test_matrices_may_lie(tmp_path):
     """A column of a matrix is along its longer side, whichever that is."""
     standing = np.arange(40.0).reshape(20, 2)
     for matrix in (standing, standing.T):
-        (found,) = of_tree(tmp_path / "a.mat", {"x": matrix, "dt": np.array([[0.5]])})
-        assert {name: values.tolist() for name, values in found.values.items()} == {
+        (result,) = of_tree(tmp_path / "a.mat", {"x": matrix, "dt": np.array([[0.5]])})
+        assert {name: values.tolist() for name, values in result.values.items()} == {
             "x[1]": standing[:, 0].tolist(),
             "x[2]": standing[:, 1].tolist(),
         }
-        assert found.scalars == {"dt": 0.5}
-        assert not found.named
+        assert result.scalars == {"dt": 0.5}
+        assert not result.named
 
 
 @pytest.mark.parametrize("columns", [1, 4])
@@ -91,7 +97,7 @@ def test_nameless_columns_are_two_or_three(tmp_path, columns):
         reliab.assess(file, f=1.0, xi=0.02)
 
 
-def test_nameless_columns_that_move_alike_are_asked_about(tmp_path):
+def test_similar_nameless_columns_are_questioned(tmp_path):
     file = tmp_path / "test.csv"
     np.savetxt(file, np.column_stack([MOVING] * 4), delimiter=",")
     with pytest.raises(InputError, match=r"'column 1' and 'column 2'.* move alike"):
@@ -99,7 +105,7 @@ def test_nameless_columns_that_move_alike_are_asked_about(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("test", "stated", "rule"),
+    ("test", "declared_values", "rule"),
     [
         (recording(), {"units": "m"}, "`units` has no effect together with a test that was already read"),
         (TABLE, {"rate": 0.0}, "`rate` must be between 0.001 and 1e.09 Hz; found 0 Hz"),
@@ -109,9 +115,9 @@ def test_nameless_columns_that_move_alike_are_asked_about(tmp_path):
         (TABLE, {"measured": "zzzz"}, "The file has"),
     ],
 )
-def test_what_is_stated_of_a_test_must_have_a_meaning(test, stated, rule):
+def test_meaningless_statements_are_refused(test, declared_values, rule):
     with pytest.raises(InputError, match=rule):
-        reliab.assess(test, f=1.0, xi=0.02, **stated)
+        reliab.assess(test, f=1.0, xi=0.02, **declared_values)
 
 
 def test_a_test_of_more_channels_than_any_laboratory_has_is_refused(monkeypatch):
@@ -124,7 +130,7 @@ def test_a_test_of_more_channels_than_any_laboratory_has_is_refused(monkeypatch)
         histories.add("third", Series(values=np.zeros(3)))
 
 
-def test_a_file_that_is_larger_than_any_test_is_refused_before_it_is_read(monkeypatch, tmp_path):
+def test_huge_file_is_refused_before_reading(monkeypatch, tmp_path):
     TABLE.to_csv(tmp_path / "t.csv", index=False)
     monkeypatch.setitem(LIMITS, "test", replace(LIMITS["test"], bytes=1000))
     with pytest.raises(InputError, match=r"t\.csv.*larger than"):
@@ -156,10 +162,10 @@ def test_a_text_is_bounded_before_it_is_read_and_the_remedy_is_another_format(mo
 def test_a_usual_mark_of_missing_samples_is_refused_by_its_number(tmp_path):
     time = np.arange(0.0, 20.0, 0.01)
     command = 10.0 * np.sin(6.0 * time)
-    measured = 0.99 * command
-    measured[700:703] = -9999.0
+    reading = 0.99 * command
+    reading[700:703] = -9999.0
     path = tmp_path / "test.csv"
-    rows = np.column_stack([time, command, measured])
+    rows = np.column_stack([time, command, reading])
     np.savetxt(path, rows, delimiter=",", header="time_s,command_mm,measured_mm", comments="")
     with pytest.raises(InputError, match=r"line 702, column measured_mm: .*-9999, which marks .*, 3 in all"):
         reliab.read_recording(path)

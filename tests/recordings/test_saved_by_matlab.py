@@ -14,12 +14,12 @@ from reliab.recordings.readers.registry import read_tests
 from reliab.recordings.reading import read_recording
 
 pytest.importorskip("matio")
-SAVED = Path(__file__).parent / "saved_by_matlab"
+MATLAB_FILES = Path(__file__).parent / "saved_by_matlab"
 DAY = 86400.0
 
 
 def read(name):
-    (test,) = read_tests(SAVED / f"{name}.mat")
+    (test,) = read_tests(MATLAB_FILES / f"{name}.mat")
     return test
 
 
@@ -32,7 +32,7 @@ def read(name):
         ("timetable_sample_rate", [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0], [1.0, 2.0, 3.0, 4.0]),
     ],
 )
-def test_times_of_timetables_that_were_saved_as_a_step(variable, times, values):
+def test_timetable_times_saved_as_a_step(variable, times, values):
     test = read("timetable_steps_v7")
     np.testing.assert_array_equal(test.values[f"{variable}.data1"], values)
     np.testing.assert_allclose(test.series[f"{variable}.data1"].times, times, atol=1e-9)
@@ -59,31 +59,31 @@ def test_names_of_columns_as_they_were_written():
 
 
 @pytest.mark.parametrize("version", ["v7", "v73"])
-def test_function_handles_and_what_they_hold_are_no_channels(version):
-    handles = tree_of_objects(SAVED / f"function_handles_{version}.mat")
+def test_function_handles_are_no_channels(version):
+    handles = tree_of_objects(MATLAB_FILES / f"function_handles_{version}.mat")
     assert handles.pop("empty_fh") == []
     assert set(handles.values()) == {""}
 
 
 def test_calendar_durations_have_no_length_in_seconds_and_spoil_no_file():
-    assert "dur_" in " ".join(tree_of_objects(SAVED / "time_v7.mat"))
+    assert "dur_" in " ".join(tree_of_objects(MATLAB_FILES / "time_v7.mat"))
 
 
 def test_characters_beyond_sixteen_bits_are_text():
     """As the manual's UTF-16: numbers that are halves of a character could not be written out again."""
     with pytest.raises(InputError) as caught:
-        read_hierarchical(SAVED / "chars_v73.mat")
+        read_hierarchical(MATLAB_FILES / "chars_v73.mat")
     assert str(caught.value).encode()
 
 
-@pytest.mark.parametrize("path", sorted(SAVED.glob("*.mat")), ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", sorted(MATLAB_FILES.glob("*.mat")), ids=lambda path: path.stem)
 def test_none_of_them_is_taken_for_a_test(path):
     with pytest.raises(InputError, match=r"vectors of numbers|No column for the command"):
         read_recording(path)
 
 
 def test_numbers_of_a_file_with_objects_are_bounded_before_these_are_read(monkeypatch):
-    path = SAVED / "timetablev8_v73.mat"
+    path = MATLAB_FILES / "timetablev8_v73.mat"
     with h5py.File(path) as file:
         sizes: list[int] = []
         file.visititems(lambda _, item: sizes.append(getattr(item, "nbytes", 0)))

@@ -29,29 +29,29 @@ def smooth(samples):
     return 0.5 - 0.5 * np.cos(np.pi * linear(samples))
 
 
-def in_two(samples):
+def split_in_half(samples):
     half = samples // 2
     return np.concatenate([0.4 * linear(half), np.full(256, 0.4), 0.4 + 0.6 * linear(samples - half)])
 
 
-def moved(history, shape=linear, rest=512):
+def add_moves(history, shape=linear, remainder=512):
     """The history about a position that is reached by a move, and left by another one."""
     way = AWAY * shape(1024)
-    stands = np.full(rest, AWAY)
+    stands = np.full(remainder, AWAY)
     return np.concatenate([way, stands, AWAY + history, AWAY + history[-1] + 0.0 * stands, way[::-1]])
 
 
-def frame(command, measured):
+def frame(command, reading):
     time = np.arange(command.size) / RATE
-    return pd.DataFrame({"time_s": time, "command_m": command, "measured_m": measured})
+    return pd.DataFrame({"time_s": time, "command_m": command, "measured_m": reading})
 
 
-@pytest.mark.parametrize("shape", [linear, smooth, in_two])
+@pytest.mark.parametrize("shape", [linear, smooth, split_in_half])
 @pytest.mark.parametrize("noise", [0.0, 2e-5])
 def test_moves_before_and_after_a_test_are_left_out_and_said(shape, noise):
-    command = moved(COMMAND, shape)
+    command = add_moves(COMMAND, shape)
     command = command + noise * np.random.default_rng(1).normal(size=command.size)
-    test = read_recording(frame(command, moved(MEASURED, shape)))
+    test = read_recording(frame(command, add_moves(MEASURED, shape)))
     assert TIME.size + 400 < test.command.size < TIME.size + 1400
     assert np.ptp(test.command) == pytest.approx(np.ptp(COMMAND), rel=0.05)
     assert any("left out, in which the command only moved" in note for note in test.notes)
@@ -59,12 +59,12 @@ def test_moves_before_and_after_a_test_are_left_out_and_said(shape, noise):
 
 
 @pytest.mark.slow
-def test_the_error_is_that_of_the_test_without_its_moves():
-    rest = np.zeros(512)
-    alone = frame(*(np.concatenate([rest, history, rest]) for history in (COMMAND, MEASURED)))
+def test_error_equals_that_without_the_moves():
+    remainder = np.zeros(512)
+    separate = frame(*(np.concatenate([remainder, history, remainder]) for history in (COMMAND, MEASURED)))
     plain, away = (
         reliab.assess(test, f=1.0, xi=0.05).to_dict()["error"]["rms"]["value"]
-        for test in (alone, frame(moved(COMMAND), moved(MEASURED)))
+        for test in (separate, frame(add_moves(COMMAND), add_moves(MEASURED)))
     )
     assert away == pytest.approx(plain, rel=0.03)
 
@@ -87,9 +87,9 @@ def test_a_test_without_moves_is_taken_whole(command):
 
 
 def test_several_actuators_are_cut_alike():
-    columns = {"time_s": np.arange(moved(COMMAND).size) / RATE}
+    columns = {"time_s": np.arange(add_moves(COMMAND).size) / RATE}
     still = np.concatenate([np.zeros(1536), COMMAND, np.zeros(1536)])
-    for number, history in (("1", moved(COMMAND)), ("2", still)):
+    for number, history in (("1", add_moves(COMMAND)), ("2", still)):
         columns |= {f"command_{number}_m": history, f"measured_{number}_m": history}
     test = read_coupled_recording(pd.DataFrame(columns), StatedChannels())
     assert TIME.size < test.command.shape[1] < TIME.size + 1400
@@ -98,8 +98,8 @@ def test_several_actuators_are_cut_alike():
 
 @pytest.mark.parametrize("pieces", [1, 7, 500])
 def test_a_followed_test_with_a_move_is_refused_at_its_end(pieces):
-    histories = moved(COMMAND), moved(MEASURED)
+    histories = add_moves(COMMAND), add_moves(MEASURED)
     parts = zip(*(np.array_split(history, pieces) for history in histories), strict=True)
-    rows = (Rows(time=None, command=command, measured=measured, name="t.csv") for command, measured in parts)
+    rows = (Rows(time=None, command=command, measured=reading, name="t.csv") for command, reading in parts)
     with pytest.raises(InputError, match=r"t\.csv: .*a command that also moves by 50(\.\d)? mm"):
         list(rows_about_zero(rows, 1.0 / RATE))

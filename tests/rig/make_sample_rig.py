@@ -24,7 +24,7 @@ CHANGED, LATER = 63, 1e-3
 """From this test on the actuator is later by so much [s]: its valve was exchanged."""
 
 
-def simulated(number, event, rng):
+def simulate_test(number, event, rng):
     """Time, command and measured displacement of a test."""
     ground = rng.uniform(0.15, 0.6) * lab.synthetic_ground(1000 + event, SECONDS, RATE)
     structure = lab.Lab(1.0, 0.03)
@@ -34,9 +34,11 @@ def simulated(number, event, rng):
     gain = 0.998 - 0.008 * np.tanh(np.abs(ideal).max() / 0.05) + 0.0015 * rng.normal()
     actuator = (gain, 1.4 / late, 0.7, 0.0)  # of second order, which lags by 1.4 over its circular frequency
     stiff = replace(structure, kind=lab.SECOND_ORDER, numbers=actuator)
-    tested = lab.run(stiff, ground, RATE, parts=16, ideal=ideal)
+    tested_frame = lab.run(stiff, ground, RATE, parts=16, ideal=ideal)
     noise = lab.noise("white", ideal.size, 2e-5, rng, RATE)
-    return np.stack([np.arange(ideal.size) / RATE, tested.command, tested.measured + noise], axis=1)
+    return np.stack(
+        [np.arange(ideal.size) / RATE, tested_frame.command, tested_frame.measured + noise], axis=1
+    )
 
 
 def main(folder):
@@ -46,7 +48,7 @@ def main(folder):
         for number in range(EARTHQUAKES * PER_EARTHQUAKE):
             event = number // PER_EARTHQUAKE
             file = Path(place) / f"test_{number + 1:03d}.csv"
-            table = simulated(number, event, rng)
+            table = simulate_test(number, event, rng)
             np.savetxt(file, table, "%.7g", ",", header="time_s,command_m,measured_m", comments="")
             day, place_in_day = divmod(number, PER_DAY)
             date = f"2025-{1 + day // 28:02d}-{1 + day % 28:02d}T{9 + place_in_day:02d}:00"

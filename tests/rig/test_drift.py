@@ -40,7 +40,7 @@ def test_one_odd_test_is_no_change():
     assert watch(values, np.zeros((60, 0))).changes == []
 
 
-def test_what_the_next_tests_do_not_confirm_is_said_and_changes_nothing():
+def test_unconfirmed_change_is_reported_without_effect():
     values = np.random.default_rng(4).normal(size=80)
     values[50:52] = 6.0
     (change,) = watch(values, np.zeros((80, 0))).changes
@@ -58,13 +58,15 @@ def test_another_change_is_noticed_soon_after_one():
     assert began == [40, 52]
 
 
-def test_the_band_before_a_test_is_that_of_student():
+def test_band_before_a_test_is_students():
     """Mean and 90 % interval of a further value, of the tests but the latest five."""
     values = np.random.default_rng(11).normal(size=25)
-    known = values[:19]  # all but the last and the five before it
+    reference = values[:19]  # all but the last and the five before it
     low, high = watch(values, np.zeros((25, 0))).band
-    reach = 1.734 * known.std(ddof=1) * np.sqrt(1.0 + 1.0 / 19.0)  # t of 18 degrees of freedom
-    assert (low[24], high[24]) == pytest.approx((known.mean() - reach, known.mean() + reach), abs=0.01)
+    reach = 1.734 * reference.std(ddof=1) * np.sqrt(1.0 + 1.0 / 19.0)  # t of 18 degrees of freedom
+    assert (low[24], high[24]) == pytest.approx(
+        (reference.mean() - reach, reference.mean() + reach), abs=0.01
+    )
 
 
 def test_specimens_and_cold_rigs_are_no_change():
@@ -91,7 +93,7 @@ def test_a_dependence_on_the_displacement_is_no_change():
     assert watch(values, np.zeros((80, 0))).changes != []
 
 
-def test_the_list_says_what_changed(tmp_path):
+def test_list_reports_changes(tmp_path):
     keep(tmp_path, *rig_with_step(7, 40, 3.0))
     for _ in range(2):
         flags = [row["change"] for row in list_rig(tmp_path).to_dict()["tests"]]
@@ -111,23 +113,23 @@ def test_alarms_are_as_often_false_as_stated():
 
 @pytest.mark.slow
 def test_a_step_of_two_spreads_is_noticed_within_five_tests():
-    noticed = 0
+    detection = 0
     for seed in range(200):
         changes = drift_chart(rig_table(rig_with_step([9, seed], 200)).rows).changes
-        noticed += any(100 <= change.noticed < 105 for change in changes)
-    assert noticed > 172  # 91 to 97 % are noticed; three standard errors of 200 are 6 %
+        detection += any(100 <= change.noticed < 105 for change in changes)
+    assert detection > 172  # 91 to 97 % are noticed; three standard errors of 200 are 6 %
 
 
 @pytest.mark.slow
 def test_a_step_is_noticed_among_odd_tests():
     """One test in ten far off; a detector that knows everything notices 84 to 93 %."""
-    noticed = alarms = 0
+    detection = alarms = 0
     for seed in range(100):
         rng = np.random.default_rng([10, seed])
         values = rng.normal(size=200) + (rng.random(200) < 0.1) * 8.0 * rng.standard_t(2, size=200)
         alarms += len(watch(values, np.zeros((200, 0))).changes)
         values[100:] += 2.0
         changes = watch(values, np.zeros((200, 0))).changes
-        noticed += any(100 <= change.detection_place < 105 for change in changes)
-    assert noticed > 68  # 80 % are noticed; three standard errors of 100 are 12 %
+        detection += any(100 <= change.detection_place < 105 for change in changes)
+    assert detection > 68  # 80 % are noticed; three standard errors of 100 are 12 %
     assert alarms < 0.01 * 100 * 187

@@ -30,7 +30,7 @@ SHAKEN = Excitation(
 )
 
 
-def performed(count, **changes):
+def simulate_rig(count, **changes):
     rng = np.random.default_rng(5)
     for number in range(count):
         amplitude, delay = 0.99 + 0.003 * rng.normal(), 2.0 + 0.3 * rng.normal()
@@ -41,10 +41,10 @@ def performed(count, **changes):
 
 @pytest.fixture(scope="module")
 def table():
-    return rig_table(performed(12))
+    return rig_table(simulate_rig(12))
 
 
-def test_intervals_hold_what_the_rig_does(table):
+def test_intervals_contain_results_of_the_rig(table):
     prediction = predict_next(table, STRUCTURE, NextTest(), threshold=0.05)
     delay, error = prediction.intervals["d_ms"], prediction.intervals["rms"]
     assert delay["median"] == pytest.approx(2.0, abs=0.3)
@@ -72,7 +72,7 @@ def test_a_known_motion_is_simulated(table):
     assert 0.0 < interval["low"] < interval["median"] < interval["high"] < 0.3
 
 
-def test_a_table_that_is_far_too_late_for_a_loop_is_predicted_by_the_ellipse():
+def test_very_late_table_is_predicted_by_the_ellipse():
     """Tests of a shaking table: a loop with 80 ms would diverge, their errors are finite."""
     rng = np.random.default_rng(6)
     tests = []
@@ -103,7 +103,7 @@ def test_fewer_than_three_tests_are_refused(table):
         predict_next(table.only([0, 1]), STRUCTURE, NextTest(), threshold=0.05)
     with pytest.raises(InputError, match="0 tests of the frame"):
         predict_next(table, None, NextTest(), threshold=0.05, frame="three storeys")
-    frames = rig_table(performed(4, structure="two storeys"))
+    frames = rig_table(simulate_rig(4, structure="two storeys"))
     with pytest.raises(
         InputError,
         match=r"in addition to those of 'two storeys'. .*plans are for single-degree-of-freedom structures",
@@ -111,14 +111,14 @@ def test_fewer_than_three_tests_are_refused(table):
         predict_next(frames, STRUCTURE, NextTest(), threshold=0.05)
 
 
-def test_a_quantity_that_is_always_the_same_is_learned():
+def test_constant_quantity_is_learned():
     tests = [rig_test(number, d_ms=2.0 + 0.1 * (number % 5)) for number in range(10)]
     prediction = predict_next(rig_table(tests), STRUCTURE, NextTest(), threshold=0.05)
     assert prediction.has_converged
     assert prediction.intervals["remainder"]["median"] == pytest.approx(0.01, rel=1e-6)
 
 
-def test_draws_that_have_not_converged_are_said_to(table, monkeypatch):
+def test_unconverged_draws_are_reported(table, monkeypatch):
     monkeypatch.setattr("reliab.rig.prediction._LARGEST_R_HAT", 0.5)
     prediction = predict_next(table.only(range(4)), STRUCTURE, NextTest(), threshold=0.05)
     assert not prediction.has_converged
@@ -126,7 +126,7 @@ def test_draws_that_have_not_converged_are_said_to(table, monkeypatch):
 
 
 def test_the_command_predicts(tmp_path, capsys):
-    keep(tmp_path, *performed(5))
+    keep(tmp_path, *simulate_rig(5))
     assert run(["rig", "predict", str(tmp_path), "--f", "1", "--xi", "0.02", "--json", "-"]) == 0
     content = json.loads(capsys.readouterr().out)
     assert {"A", "d_ms", "rms", "probability"} <= content.keys()
@@ -142,17 +142,17 @@ def test_the_density_of_odd_tests_is_a_student_distribution():
 
 def test_the_share_of_odd_tests_is_learned():
     rng = np.random.default_rng(1)
-    found = OddTests()
+    result = OddTests()
     for score in rng.normal(size=270) + np.where(np.arange(270) % 10, 0.0, 30.0):
-        found.learn(found.ordinary(float(score)))
-    assert found.share == pytest.approx(0.1, abs=0.03)
+        result.learn(result.ordinary(float(score)))
+    assert result.share == pytest.approx(0.1, abs=0.03)
 
 
-def test_what_a_test_says_for_a_step_is_a_ratio_of_densities():
+def test_evidence_for_a_step_is_a_ratio_of_densities():
     """Without odd tests that of two normal distributions; one far off says less where they are common."""
-    none = OddTests(odd=0.0, tests=1e9)
-    assert none.evidence(1.0, 1.4) == pytest.approx(1.4 * 1.0 - 0.98 + math.log(0.9), abs=0.05)
-    assert none.evidence(1.0, 1.4) == none.evidence(-1.0, -1.4)
+    no_odd_tests = OddTests(odd=0.0, tests=1e9)
+    assert no_odd_tests.evidence(1.0, 1.4) == pytest.approx(1.4 * 1.0 - 0.98 + math.log(0.9), abs=0.05)
+    assert no_odd_tests.evidence(1.0, 1.4) == no_odd_tests.evidence(-1.0, -1.4)
     rare, common = OddTests(odd=0.0, tests=200.0), OddTests(odd=20.0, tests=200.0)
     assert rare.evidence(9.0, 1.4) > 2.0
     assert 0.0 < common.evidence(9.0, 1.4) < 1.3
@@ -164,10 +164,10 @@ def test_level_effects_and_spread_are_those_of_ordinary_tests():
     rows = np.column_stack([np.ones(64), np.arange(64) % 2])
     values = rows @ [3.0, 5.0] + 0.1 * rng.normal(size=64)
     values[[5, 20, 33, 50, 61]] += [9.0, -7.0, 30.0, 4.0, -12.0]
-    found = ordinary_tests(values, rows, np.diag([1e8, 1e4]))
-    assert found.effects == pytest.approx([3.0, 5.0], abs=0.06)
-    assert found.spread == pytest.approx(0.1, rel=0.25)
-    assert np.flatnonzero(found.ordinary < 0.1).tolist() == [5, 20, 33, 50, 61]
+    result = ordinary_tests(values, rows, np.diag([1e8, 1e4]))
+    assert result.effects == pytest.approx([3.0, 5.0], abs=0.06)
+    assert result.spread == pytest.approx(0.1, rel=0.25)
+    assert np.flatnonzero(result.ordinary < 0.1).tolist() == [5, 20, 33, 50, 61]
 
 
 RATE, THINNED = 4096.0, 16
@@ -185,8 +185,8 @@ def frame_and_tests(tmp_path_factory):
         servo = TransferFunction(numerator=(1.0,), denominator=(2e-6, 2e-3, 1.0), delay=0.002 + 3e-4 * place)
         ground = motion.acceleration[: int(20.0 / motion.time_step)]
         rig = Rig(transfer_system=servo, sensors=Sensors(displacement_noise=2e-6))
-        found = run_laboratory(partition, rig, ground, motion.time_step, rate=RATE, seed=place)
-        table = {"command_m": found.command[::THINNED], "measured_m": found.measured[::THINNED]}
+        result = run_laboratory(partition, rig, ground, motion.time_step, rate=RATE, seed=place)
+        table = {"command_m": result.command[::THINNED], "measured_m": result.measured[::THINNED]}
         time = np.arange(table["command_m"].size) * THINNED / RATE
         files.append(folder / f"test_{place}.csv")
         pd.DataFrame({"time_s": time, **table}).to_csv(files[-1], index=False)
@@ -211,8 +211,10 @@ def test_a_rig_of_frames_is_kept_and_predicted(frame_and_tests, tmp_path, capsys
 def test_a_test_of_several_actuators_is_refused_in_a_sentence(tmp_path, capsys):
     rng = np.random.default_rng(0)
     time = np.arange(0.0, 8.0, 1.0 / 256.0)
-    moved = np.cumsum(rng.normal(size=(2, time.size)), axis=1) * 1e-5
-    columns = {f"{kind}_{place + 1}": moved[place] for place in range(2) for kind in ("command", "measured")}
+    displacement = np.cumsum(rng.normal(size=(2, time.size)), axis=1) * 1e-5
+    columns = {
+        f"{kind}_{place + 1}": displacement[place] for place in range(2) for kind in ("command", "measured")
+    }
     file = tmp_path / "test.csv"
     pd.DataFrame({"time_s": time, **columns}).to_csv(file, index=False)
     frame = shipped("datasets", "frames/two_actuators.toml")

@@ -76,24 +76,24 @@ def test_no_text_of_the_table_is_a_formula(tmp_path):
 def test_reading_a_copy_of_a_rig_does_not_write(tmp_path):
     keep(tmp_path, rig_test(1, note="a", A=0.99123), rig_test(2, covariates={"current": 0.4}, rms=None))
     folder, table = RigFolder.open(tmp_path), tmp_path / "table.csv"
-    rows, written = folder.table().rows, table.read_bytes()
+    rows, text = folder.table().rows, table.read_bytes()
     for file in (tmp_path / "tests").iterdir():
         os.utime(file, (1.0, 1.0))
-    again = folder.table().rows
-    assert table.read_bytes() == written
-    assert [{**row, "file_state": ""} for row in again] == [{**row, "file_state": ""} for row in rows]
+    second = folder.table().rows
+    assert table.read_bytes() == text
+    assert [{**row, "file_state": ""} for row in second] == [{**row, "file_state": ""} for row in rows]
     keep(tmp_path, rig_test(3))
     assert len(folder.table()) == 3
-    assert table.read_bytes() != written
+    assert table.read_bytes() != text
 
 
-def test_a_row_that_was_changed_by_hand_is_read_from_its_test_again(tmp_path):
+def test_edited_row_is_read_from_its_test_again(tmp_path):
     keep(tmp_path, rig_test(1, A=0.99123), rig_test(2, note="a\r\nb"))
     folder, cache = RigFolder.open(tmp_path), tmp_path / "table.csv"
     rows = folder.table().rows
     sound = cache.read_bytes()
-    for damaged in (sound.replace(b"0.99123", b"nan"), sound.replace(b",xi,", b",alpha,"), sound[:-20]):
-        cache.write_bytes(damaged)
+    for broken in (sound.replace(b"0.99123", b"nan"), sound.replace(b",xi,", b",alpha,"), sound[:-20]):
+        cache.write_bytes(broken)
         assert folder.table().rows == rows
         assert cache.read_bytes() == sound
 
@@ -113,7 +113,7 @@ def test_many_tests_are_listed_without_reading_them_again(tmp_path, monkeypatch)
     assert time.process_time() - began < 0.5
 
 
-def test_the_table_follows_what_others_add_and_remove(tmp_path):
+def test_table_follows_other_processes(tmp_path):
     keep(tmp_path, rig_test(1), rig_test(2))
     folder = RigFolder.open(tmp_path)
     assert len(folder.table()) == 2
@@ -154,14 +154,14 @@ def test_a_test_is_known_by_its_name_or_the_beginning_of_its_checksum(tmp_path):
             folder.find(name)
 
 
-def test_what_is_no_rig_is_refused(tmp_path):
+def test_folder_without_rig_is_refused(tmp_path):
     for place in (tmp_path, tmp_path / "nowhere"):
         with pytest.raises(InputError, match=r"This folder is no rig|No such folder"):
             RigFolder.open(place)
 
 
 @pytest.mark.parametrize("text", ["yesterday", "2026-13-01", ""])
-def test_a_date_that_is_none_is_refused(text):
+def test_invalid_date_is_refused(text):
     with pytest.raises(InputError, match="neither a day nor a time"):
         require_date(text)
 
@@ -186,12 +186,12 @@ def test_a_killed_writer_loses_nothing_and_leaves_nothing_behind(tmp_path):
         while not (folder / "tests").is_dir():
             time.sleep(0.01)
         time.sleep(0.02 * attempt)
-        before = set(names(folder))
+        first = set(names(folder))
         os.kill(process.pid, signal.SIGKILL)
         process.wait()
         keep(folder, rig_test(5000))
-        after = set(names(folder))
-        assert before | {"test_5000.csv"} <= after
+        second = set(names(folder))
+        assert first | {"test_5000.csv"} <= second
         assert not RigFolder.open(folder).table().faults
         for row in RigFolder.open(folder).table().rows:
             assert RigFolder(folder).record_path(row["sha256"]).is_file()
@@ -229,7 +229,7 @@ def tests_of_lab(tmp_path_factory):
     return folder
 
 
-def asked(capsys, *arguments):
+def run_command(capsys, *arguments):
     """What a command writes as JSON."""
     code = run([*map(str, arguments), "--json", "-"])
     out, err = capsys.readouterr()
@@ -238,16 +238,19 @@ def asked(capsys, *arguments):
 
 def test_tests_are_added_once_listed_shown_exported_and_removed(tests_of_lab, tmp_path, capsys):
     rig, files = tmp_path / "rig", sorted(tests_of_lab.glob("*.csv"))
-    stated = (*STRUCTURE, "--date", "2026-03-01", "--event", "KOBE", "--covariate", "current=0.4")
-    code, content, _ = asked(capsys, "rig", "add", rig, *files, *stated)
+    declared_values = (*STRUCTURE, "--date", "2026-03-01", "--event", "KOBE", "--covariate", "current=0.4")
+    code, content, _ = run_command(capsys, "rig", "add", rig, *files, *declared_values)
     assert (code, len(content["added"]), content["tests"]) == (0, 2, 2)
     assert content["added"][0]["d_ms"] == pytest.approx(2.0, abs=0.1)
-    assert asked(capsys, "rig", "add", rig, *files, *STRUCTURE)[1]["present"] == ["test_1.csv", "test_2.csv"]
-    code, _, err = asked(capsys, "rig", "add", rig, files[0], "--f", "2")
+    assert run_command(capsys, "rig", "add", rig, *files, *STRUCTURE)[1]["present"] == [
+        "test_1.csv",
+        "test_2.csv",
+    ]
+    code, _, err = run_command(capsys, "rig", "add", rig, files[0], "--f", "2")
     assert code == 2
     assert "f 2 now, 1 then" in err
     assert list_rig(rig).to_dict()["tests"][0]["current"] == 0.4
-    _, content, _ = asked(capsys, "rig", "show", rig, "test_1.csv")
+    _, content, _ = run_command(capsys, "rig", "show", rig, "test_1.csv")
     assert content["terms"]["event"] == "KOBE"
     assert content["assessment"]["A"] == content["test"]["A"]
     assert run(["assess", content["record"]]) == 0
@@ -255,14 +258,14 @@ def test_tests_are_added_once_listed_shown_exported_and_removed(tests_of_lab, tm
     assert "KOBE" in capsys.readouterr().out
     assert export_rig(rig, tmp_path / "table.csv") == 2
     assert pd.read_csv(tmp_path / "table.csv")["event"].tolist() == ["KOBE", "KOBE"]
-    assert asked(capsys, "rig", "remove", rig, "test_1.csv")[1] == {"removed": ["test_1.csv"]}
+    assert run_command(capsys, "rig", "remove", rig, "test_1.csv")[1] == {"removed": ["test_1.csv"]}
     assert [row["name"] for row in list_rig(rig).to_dict()["tests"]] == ["test_2.csv"]
 
 
-def test_a_file_that_is_no_test_costs_no_other(tests_of_lab, tmp_path, capsys):
+def test_invalid_file_costs_no_other(tests_of_lab, tmp_path, capsys):
     (tmp_path / "wrong.csv").write_text("no,test\n")
     good = tests_of_lab / "test_1.csv"
-    code, content, err = asked(
+    code, content, err = run_command(
         capsys, "rig", "add", tmp_path / "rig", tmp_path / "wrong.csv", good, *STRUCTURE
     )
     assert code == 2

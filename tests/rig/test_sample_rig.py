@@ -11,7 +11,7 @@ from reliab.core.shipped import shipped
 from reliab.rig.rig_folder import RigFolder
 from reliab.rig.watching import drift_chart
 
-CHANGED = 63  # the first test after the valve was exchanged, counted from 0
+CHANGE_PLACE = 63  # the first test after the valve was exchanged, counted from 0
 
 
 @pytest.fixture(scope="module")
@@ -21,7 +21,7 @@ def table(tmp_path_factory):
     return RigFolder(folder).table()
 
 
-def test_it_holds_what_its_page_says(table):
+def test_sample_rig_matches_its_page(table):
     assert len(table) == 126
     assert len(set(table.texts("event"))) == 42
     assert all(event.startswith("simulated") for event in table.texts("event"))
@@ -29,16 +29,16 @@ def test_it_holds_what_its_page_says(table):
 
 
 def test_its_change_is_noticed_and_the_delay_named(table):
-    every = drift_chart(table.rows).changes
-    changes = [change for change in every if change.cause == "delay" and change.confirmed]
-    assert changes[0].noticed - CHANGED in range(6)
-    assert changes[0].began == pytest.approx(CHANGED, abs=3)
+    interval = drift_chart(table.rows).changes
+    changes = [change for change in interval if change.cause == "delay" and change.confirmed]
+    assert changes[0].noticed - CHANGE_PLACE in range(6)
+    assert changes[0].began == pytest.approx(CHANGE_PLACE, abs=3)
     assert changes[0].size == pytest.approx(1.0, abs=0.4)  # ms
 
 
-def test_delays_before_and_after_differ_by_what_was_simulated(table):
+def test_delays_differ_by_the_simulated_change(table):
     delays = table.numbers("d_ms")
-    assert np.median(delays[CHANGED:]) - np.median(delays[:CHANGED]) == pytest.approx(1.0, abs=0.15)
+    assert np.median(delays[CHANGE_PLACE:]) - np.median(delays[:CHANGE_PLACE]) == pytest.approx(1.0, abs=0.15)
 
 
 @pytest.mark.slow
@@ -46,9 +46,9 @@ def test_it_is_copied_and_its_next_test_predicted(tmp_path, monkeypatch, capsys)
     monkeypatch.chdir(tmp_path)
     assert run(["samples"]) == 0
     capsys.readouterr()
-    asked = ["rig", "predict", "datasets/sample_rig", "--f", "1", "--xi", "0.03", "--json", "-"]
-    assert run(asked) == 0
-    found = json.loads(capsys.readouterr().out)
-    assert found["tests"] == 126
-    assert found["d_ms"]["low"] < 2.1 < found["d_ms"]["high"]  # after the change
-    assert found["d_ms"]["low"] > 1.0
+    options = ["rig", "predict", "datasets/sample_rig", "--f", "1", "--xi", "0.03", "--json", "-"]
+    assert run(options) == 0
+    result = json.loads(capsys.readouterr().out)
+    assert result["tests"] == 126
+    assert result["d_ms"]["low"] < 2.1 < result["d_ms"]["high"]  # after the change
+    assert result["d_ms"]["low"] > 1.0

@@ -49,7 +49,7 @@ def calibration_ranks(model, *, fits, steps, seed=2017):
 def deviation(ranks):
     """Least p-value over the parameters, as one of that many."""
     uniform = (ranks + 0.5) / (DRAWS + 1)
-    p_values = np.array([kstest(each, "uniform").pvalue for each in uniform.T])
+    p_values = np.array([kstest(item, "uniform").pvalue for item in uniform.T])
     return min(1.0, p_values.min() * p_values.size)
 
 
@@ -65,7 +65,7 @@ def test_ranks_are_uniform_over_many_fits(name):
     model, steps = MODELS[name]
     ranks = calibration_ranks(model, fits=100 if "robust" in name else 200, steps=steps)
     counts = np.stack(
-        [np.histogram(of_parameter, np.linspace(0, DRAWS + 1, 11))[0] for of_parameter in ranks.T]
+        [np.histogram(parameter_draws, np.linspace(0, DRAWS + 1, 11))[0] for parameter_draws in ranks.T]
     )
     p_values = chisquare(counts, axis=1).pvalue
     assert p_values.min() * p_values.size > 0.01
@@ -84,10 +84,10 @@ def test_a_wrong_posterior_is_found_out():
 
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize("name", MODELS)
-def test_priors_expect_what_structures_can_do_and_little_else(name):
+def test_priors_cover_plausible_structures(name):
     model, rng = MODELS[name][0], np.random.default_rng(2017)
-    drawn = np.stack([model.simulate(theta, rng).data for theta in model.draw_prior(1000, rng)])
-    low, middle, high = np.exp(np.quantile(drawn, [0.025, 0.5, 0.975]))
+    samples = np.stack([model.simulate(theta, rng).data for theta in model.draw_prior(1000, rng)])
+    low, middle, high = np.exp(np.quantile(samples, [0.025, 0.5, 0.975]))
     # α and β of real records lie between 0.03 and 5; no prior may rule that out or expect the absurd.
     assert low < 0.03
     assert 0.1 < middle < 1.0

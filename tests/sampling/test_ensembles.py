@@ -24,29 +24,29 @@ SHORT = pytest.mark.filterwarnings("ignore::reliab.sampling.posterior_sample.Con
 
 @SHORT
 def test_a_resumed_run_ends_as_if_it_had_never_stopped(tmp_path):
-    whole = sample(MODEL, QUICK)
+    complete = sample(MODEL, QUICK)
     sample(MODEL, Ensembles(steps=24, thin=2, walkers=8), file=tmp_path / "run.h5")
-    resumed = sample(MODEL, QUICK, file=tmp_path / "run.h5")
-    np.testing.assert_array_equal(resumed.draws, whole.draws)
+    second_run = sample(MODEL, QUICK, file=tmp_path / "run.h5")
+    np.testing.assert_array_equal(second_run.draws, complete.draws)
 
 
 @SHORT
 def test_a_finished_run_is_read_and_not_run_again(tmp_path):
     first = sample(MODEL, QUICK, file=tmp_path / "run.h5")
     steps = []
-    again = sample(MODEL, QUICK, file=tmp_path / "run.h5", progress=lambda done, _: steps.append(done))
-    np.testing.assert_array_equal(again.draws, first.draws)
+    second = sample(MODEL, QUICK, file=tmp_path / "run.h5", progress=lambda step, _: steps.append(step))
+    np.testing.assert_array_equal(second.draws, first.draws)
     assert not steps
 
 
 @pytest.mark.slow
 def test_a_run_goes_on_until_it_has_converged_and_no_further():
-    begun = Ensembles(steps=40, walkers=16, longest=4000)
-    found = sample(MODEL, begun)
-    assert found.converged
-    assert 40 < 2 * found.draws.shape[1] <= 4000
+    start = Ensembles(steps=40, walkers=16, longest=4000)
+    result = sample(MODEL, start)
+    assert result.converged
+    assert 40 < 2 * result.draws.shape[1] <= 4000
     with pytest.warns(ConvergenceWarning):  # half as long was not enough
-        sample(MODEL, Ensembles(steps=found.draws.shape[1], walkers=16))
+        sample(MODEL, Ensembles(steps=result.draws.shape[1], walkers=16))
 
 
 class Ridge(NormalValues):
@@ -57,10 +57,10 @@ class Ridge(NormalValues):
 
 
 @SHORT
-def test_walkers_start_on_a_ridge_as_thin_as_that_of_a_parameter_on_its_bound():
-    drawn = sample(Ridge(values=MODEL.values), QUICK).flat
-    assert np.abs(drawn.sum(axis=1)).max() < 1e-8
-    assert np.ptp(drawn[:, 0]) > 0.1
+def test_walkers_start_on_a_thin_ridge():
+    samples = sample(Ridge(values=MODEL.values), QUICK).flat
+    assert np.abs(samples.sum(axis=1)).max() < 1e-8
+    assert np.ptp(samples[:, 0]) > 0.1
 
 
 class StopError(Exception):
@@ -84,7 +84,7 @@ def test_an_interrupted_run_keeps_its_draws_and_ends_with_the_same_bytes(tmp_pat
     with pytest.raises(StopError):
         sample(MODEL, QUICK, file=tmp_path / "run.h5", group="a", progress=stop_after(30))
     steps = []
-    sample(MODEL, QUICK, file=tmp_path / "run.h5", group="a", progress=lambda done, _: steps.append(done))
+    sample(MODEL, QUICK, file=tmp_path / "run.h5", group="a", progress=lambda step, _: steps.append(step))
     assert steps[0] == 2 * 31
     assert (tmp_path / "run.h5").read_bytes() == (tmp_path / "whole.h5").read_bytes()
 
@@ -94,52 +94,52 @@ def test_a_file_of_chains_keeps_those_of_other_runs(tmp_path):
     first = sample(MODEL, QUICK, file=tmp_path / "run.h5", group="a/b")
     sample(NormalValues(values=MODEL.values + 1.0), QUICK, file=tmp_path / "run.h5", group="c")
     steps = []
-    again = sample(
-        MODEL, QUICK, file=tmp_path / "run.h5", group="a/b", progress=lambda done, _: steps.append(done)
+    second = sample(
+        MODEL, QUICK, file=tmp_path / "run.h5", group="a/b", progress=lambda step, _: steps.append(step)
     )
-    np.testing.assert_array_equal(again.draws, first.draws)
+    np.testing.assert_array_equal(second.draws, first.draws)
     assert not steps
 
 
 @SHORT
 def test_emcee_reads_the_file_of_chains(tmp_path):
-    sampled = sample(MODEL, QUICK, file=tmp_path / "run.h5", group="a")
+    samples = sample(MODEL, QUICK, file=tmp_path / "run.h5", group="a")
     backend = HDFBackend(str(tmp_path / "run.h5"), name="a/ensemble_0", read_only=True)
-    np.testing.assert_array_equal(backend.get_chain(discard=10), sampled.draws[0])
+    np.testing.assert_array_equal(backend.get_chain(discard=10), samples.draws[0])
 
 
 @pytest.mark.slow
 @SHORT
-def test_a_full_disk_says_that_earlier_draws_are_safe(tmp_path, monkeypatch):
+def test_full_disk_message_says_draws_are_safe(tmp_path, monkeypatch):
     monkeypatch.setattr(ensembles, "_SAVING_INTERVAL", 0.0)
     monkeypatch.setattr(ensembles, "_SHARE_OF_TIME", 1e9)
-    stored = []
+    archive = []
 
     def full(group, chain, signature):
-        stored.append(chain.iteration)
-        if len(stored) == 20:
+        archive.append(chain.iteration)
+        if len(archive) == 20:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        kept(group, chain, signature)
+        store_chain(group, chain, signature)
 
-    kept = vars(ensembles)["_store"]
+    store_chain = vars(ensembles)["_store"]
     monkeypatch.setattr(ensembles, "_store", full)
     with pytest.raises(IncompleteError, match=r"run\.h5 failed.*Earlier draws are safe"):
         sample(MODEL, QUICK, file=tmp_path / "run.h5")
-    monkeypatch.setattr(ensembles, "_store", kept)
-    resumed = sample(MODEL, QUICK, file=tmp_path / "run.h5")
-    np.testing.assert_array_equal(resumed.draws, sample(MODEL, QUICK).draws)
+    monkeypatch.setattr(ensembles, "_store", store_chain)
+    second_run = sample(MODEL, QUICK, file=tmp_path / "run.h5")
+    np.testing.assert_array_equal(second_run.draws, sample(MODEL, QUICK).draws)
 
 
 @SHORT
 def test_writing_long_chains_takes_a_tenth_of_the_time(tmp_path, monkeypatch):
     """By a clock on which a step takes a second and a file a second for each ensemble."""
-    now, begun = [0.0], []
-    kept = vars(ensembles)["_store"]
+    now, start = [0.0], []
+    store_chain = vars(ensembles)["_store"]
 
     def store_slowly(group, chain, signature):
-        begun.append(now[0])
+        start.append(now[0])
         now[0] += 1.0
-        kept(group, chain, signature)
+        store_chain(group, chain, signature)
 
     def step(*_):
         now[0] += 1.0
@@ -147,9 +147,9 @@ def test_writing_long_chains_takes_a_tenth_of_the_time(tmp_path, monkeypatch):
     monkeypatch.setattr(ensembles, "time", SimpleNamespace(monotonic=lambda: now[0]))
     monkeypatch.setattr(ensembles, "_store", store_slowly)
     sample(MODEL, Ensembles(steps=200, count=1, walkers=8), file=tmp_path / "run.h5", progress=step)
-    between = np.diff(begun)[1:-1]  # the first and the last writing are owed in any case
-    assert (between >= 1.0 / 0.1).all()
-    assert between.max() < 20.0
+    event_variance = np.diff(start)[1:-1]  # the first and the last writing are owed in any case
+    assert (event_variance >= 1.0 / 0.1).all()
+    assert event_variance.max() < 20.0
 
 
 def test_an_ensemble_has_more_than_twice_as_many_walkers_as_parameters():
@@ -168,16 +168,16 @@ def test_a_file_of_other_data_is_refused(tmp_path):
 
 @SHORT
 def test_ensembles_are_independent_and_reproducible():
-    one, two = sample(MODEL, QUICK), sample(MODEL, QUICK)
-    np.testing.assert_array_equal(one.draws, two.draws)
-    assert not np.array_equal(one.draws[0], one.draws[1])
+    single, two = sample(MODEL, QUICK), sample(MODEL, QUICK)
+    np.testing.assert_array_equal(single.draws, two.draws)
+    assert not np.array_equal(single.draws[0], single.draws[1])
 
 
-def test_too_short_a_run_warns_and_says_what_is_wrong():
+def test_short_run_warns_with_the_reason():
     with pytest.warns(ConvergenceWarning, match=r"NOT CONVERGED.*R-hat.*effective draws"):
-        found = sample(MODEL, Ensembles(steps=40, walkers=12))
-    assert not found.converged
-    assert any("R-hat" in sentence for sentence in found.diagnostics.complaints)
+        result = sample(MODEL, Ensembles(steps=40, walkers=12))
+    assert not result.converged
+    assert any("R-hat" in sentence for sentence in result.diagnostics.complaints)
 
 
 @pytest.mark.slow
@@ -189,9 +189,9 @@ def test_too_few_ensembles_are_complained_about():
 @pytest.mark.slow
 def test_a_long_run_converges_and_reports_its_figures():
     values = np.random.default_rng(2).normal(-1.0, 0.6, 60)
-    found = sample(NormalValues(values=values), Ensembles(steps=1600, thin=2, walkers=14))
-    table = found.table()
-    assert found.converged
+    result = sample(NormalValues(values=values), Ensembles(steps=1600, thin=2, walkers=14))
+    table = result.table()
+    assert result.converged
     assert (table["r_hat"] < 1.01).all()
     assert (table[["bulk_size", "tail_size"]] > 1000.0).all().all()
     assert table["autocorrelation_time"].between(1.0, 100.0).all()
@@ -219,7 +219,7 @@ def test_the_group_of_draws_has_one_chain_for_each_ensemble(tmp_path):
             assert posterior[name].values.tolist() == DRAWS[..., k].transpose(0, 2, 1).reshape(2, -1).tolist()
 
 
-def test_the_tree_is_what_the_file_holds(tmp_path):
+def test_tree_equals_file_content(tmp_path):
     SAMPLE.write_netcdf(tmp_path / "draws.nc")
     with xr.open_dataset(tmp_path / "draws.nc", group="posterior", engine="h5netcdf") as posterior:
         assert posterior.load().equals(SAMPLE.to_datatree()["posterior"].to_dataset())
@@ -233,24 +233,24 @@ def test_the_same_draws_make_the_same_file(tmp_path):
 
 def test_hdf5_writes_no_file_itself(tmp_path):
     """It would lose the error of a full disk when it closes the file."""
-    opened = []
+    dataset = []
     opening = h5py.File.__init__
 
-    def watched(self, name, mode="r", *rest, **more):
-        opened.append((name, mode))
-        opening(self, name, mode, *rest, **more)
+    def watched(self, name, mode="r", *remainder, **larger):
+        dataset.append((name, mode))
+        opening(self, name, mode, *remainder, **larger)
 
     with patch.object(h5py.File, "__init__", watched):
         SAMPLE.write_netcdf(tmp_path / "draws.nc")
-    assert opened
-    assert not any(isinstance(name, str) and mode != "r" for name, mode in opened)
+    assert dataset
+    assert not any(isinstance(name, str) and mode != "r" for name, mode in dataset)
 
 
 def test_r_hat_and_effective_sizes_are_those_of_arviz():
     """Of `arviz.rhat` and `arviz.ess` of ArviZ 0.23.4 for chains that drift and mix slowly."""
     steps = np.random.default_rng(7).normal(size=(4, 60, 12, 2)).cumsum(axis=1)
     draws = 0.2 * steps + np.random.default_rng(8).normal(size=steps.shape)
-    found = diagnose(draws, ("first", "second"), 1)
-    assert found.r_hat == pytest.approx([1.0494420699778853, 1.074017193162151], rel=1e-9)
-    assert found.bulk_size == pytest.approx([127.68912472561152, 111.69269751338625], rel=1e-9)
-    assert found.tail_size == pytest.approx([312.4976634048946, 175.2148084866827], rel=1e-9)
+    result = diagnose(draws, ("first", "second"), 1)
+    assert result.r_hat == pytest.approx([1.0494420699778853, 1.074017193162151], rel=1e-9)
+    assert result.bulk_size == pytest.approx([127.68912472561152, 111.69269751338625], rel=1e-9)
+    assert result.tail_size == pytest.approx([312.4976634048946, 175.2148084866827], rel=1e-9)

@@ -15,8 +15,8 @@ VALUES = np.random.default_rng(2017).normal(-0.8, 0.6, 40)
 @pytest.fixture(scope="module", params=[pytest.param("reference", marks=pytest.mark.slow), "weak"])
 def posteriors(request):
     prior = REFERENCE_PRIOR if request.param == "reference" else WEAK_PRIOR
-    sampled = sample(NormalValues(values=VALUES, prior=prior), Ensembles(steps=1200, walkers=16))
-    return sampled, updated(prior, VALUES)
+    samples = sample(NormalValues(values=VALUES, prior=prior), Ensembles(steps=1200, walkers=16))
+    return samples, updated(prior, VALUES)
 
 
 def error_of_share(share, effective_size):
@@ -25,32 +25,32 @@ def error_of_share(share, effective_size):
 
 @pytest.mark.slow
 def test_quantiles_of_the_mean_are_exact_within_monte_carlo_error(posteriors):
-    sampled, exact = posteriors
+    samples, exact = posteriors
     spread = np.sqrt(exact.variance / exact.mean_weight)
     quantiles = stats.t.ppf(SHARES, exact.degrees_of_freedom, exact.mean, spread)  # of μ, Student's t
-    found = (sampled.flat[:, :1] <= quantiles).mean(axis=0)
-    size = min(sampled.diagnostics.bulk_size[0], sampled.diagnostics.tail_size[0])
-    assert (np.abs(found - SHARES) < 4.0 * error_of_share(SHARES, size)).all()
+    result = (samples.flat[:, :1] <= quantiles).mean(axis=0)
+    size = min(samples.diagnostics.bulk_size[0], samples.diagnostics.tail_size[0])
+    assert (np.abs(result - SHARES) < 4.0 * error_of_share(SHARES, size)).all()
 
 
 @pytest.mark.slow
 def test_quantiles_of_the_spread_are_exact_within_monte_carlo_error(posteriors):
-    sampled, exact = posteriors
+    samples, exact = posteriors
     degrees = exact.degrees_of_freedom
     sigma = np.sqrt(degrees * exact.variance / stats.chi2.isf(SHARES, degrees))
-    found = (np.exp(sampled.flat[:, 1:]) <= sigma).mean(axis=0)
-    size = min(sampled.diagnostics.bulk_size[1], sampled.diagnostics.tail_size[1])
-    assert (np.abs(found - SHARES) < 4.0 * error_of_share(SHARES, size)).all()
+    result = (np.exp(samples.flat[:, 1:]) <= sigma).mean(axis=0)
+    size = min(samples.diagnostics.bulk_size[1], samples.diagnostics.tail_size[1])
+    assert (np.abs(result - SHARES) < 4.0 * error_of_share(SHARES, size)).all()
 
 
 def test_predictive_quantiles_are_exact_within_monte_carlo_error(posteriors):
-    sampled, exact = posteriors
-    mu, log_sigma = sampled.flat.T
+    samples, exact = posteriors
+    mu, log_sigma = samples.flat.T
     cumulative = stats.norm.cdf(exact.predictive_quantile(SHARES)[:, None], mu, np.exp(log_sigma)).mean(
         axis=1
     )
     assert (
-        np.abs(cumulative - SHARES) < 4.0 * error_of_share(SHARES, sampled.diagnostics.bulk_size.min())
+        np.abs(cumulative - SHARES) < 4.0 * error_of_share(SHARES, samples.diagnostics.bulk_size.min())
     ).all()
 
 
@@ -60,19 +60,19 @@ def test_quantiles_of_the_populations_quantile_are_those_of_draws(share):
     exact = NormalInverseChiSquared.posterior(VALUES[:6])
     mu, sigma = drawn(exact, 40_000, np.random.default_rng(31))
     quantiles = mu + stats.norm.ppf(share) * sigma
-    found = (quantiles[:, None] <= exact.quantile_of_quantile(share, SHARES)).mean(axis=0)
-    assert (np.abs(found - SHARES) < 4.0 * error_of_share(SHARES, quantiles.size)).all()
+    result = (quantiles[:, None] <= exact.quantile_of_quantile(share, SHARES)).mean(axis=0)
+    assert (np.abs(result - SHARES) < 4.0 * error_of_share(SHARES, quantiles.size)).all()
 
 
-def test_the_density_is_that_of_the_conjugate_posterior():
+def test_density_equals_conjugate_posterior():
     model = NormalValues(values=VALUES)
     exact = updated(WEAK_PRIOR, VALUES)
     mu, log_sigma = np.random.default_rng(1).normal([-0.8, -0.5], 0.3, (20, 2)).T
     variance = np.exp(2.0 * log_sigma)
-    scaled = exact.degrees_of_freedom * exact.variance
+    scaled_copy = exact.degrees_of_freedom * exact.variance
     density = (
         stats.norm.logpdf(mu, exact.mean, np.sqrt(variance / exact.mean_weight))
-        + stats.invgamma.logpdf(variance, exact.degrees_of_freedom / 2.0, scale=scaled / 2.0)
+        + stats.invgamma.logpdf(variance, exact.degrees_of_freedom / 2.0, scale=scaled_copy / 2.0)
         + 2.0 * log_sigma  # from the variance to the logarithm of the spread
     )
     offset = model.log_posterior(np.stack([mu, log_sigma], axis=1)) - density

@@ -26,34 +26,34 @@ def model_of(covariance, spreads):
 
 
 def test_mode_and_covariance_of_a_normal_posterior_come_back():
-    found = Laplace.about_mode(model_of(COVARIANCE, (0.01, 3.0)))
-    assert found.mode == pytest.approx(MODE, rel=1e-4)
-    np.testing.assert_allclose(found.factor @ found.factor.T, COVARIANCE, rtol=1e-3)
+    result = Laplace.about_mode(model_of(COVARIANCE, (0.01, 3.0)))
+    assert result.mode == pytest.approx(MODE, rel=1e-4)
+    np.testing.assert_allclose(result.factor @ result.factor.T, COVARIANCE, rtol=1e-3)
 
 
 def test_the_approximation_is_nowhere_wider_than_the_prior():
     narrow = (5e-4, 0.1)
-    found = Laplace.about_mode(model_of(COVARIANCE, narrow))
-    np.testing.assert_allclose(np.sqrt(np.diag(found.factor @ found.factor.T)), narrow, rtol=0.03)
+    result = Laplace.about_mode(model_of(COVARIANCE, narrow))
+    np.testing.assert_allclose(np.sqrt(np.diag(result.factor @ result.factor.T)), narrow, rtol=0.03)
 
 
 def test_draws_about_the_mode_reach_as_far_as_is_asked():
-    found = Laplace.about_mode(model_of(COVARIANCE, (0.01, 3.0)))
-    draws = found.around(20_000, 1.7, np.random.default_rng(1))
+    result = Laplace.about_mode(model_of(COVARIANCE, (0.01, 3.0)))
+    draws = result.around(20_000, 1.7, np.random.default_rng(1))
     np.testing.assert_allclose(np.cov(draws.T), 1.7**2 * COVARIANCE, rtol=0.05)
     np.testing.assert_allclose(draws.mean(axis=0), MODE, rtol=0.01)
 
 
 def test_leaps_keep_the_balance_of_their_proposals():
     """Weighted by the Hastings factor, proposals from a Student-t count as draws of the approximation."""
-    found = Laplace.about_mode(model_of(COVARIANCE, (0.01, 3.0)))
-    walkers = found.around(4000, 1.0, np.random.default_rng(2))
-    proposed, factors = found._leap(walkers, np.random.RandomState(3))  # noqa: SLF001 - as emcee calls it
+    result = Laplace.about_mode(model_of(COVARIANCE, (0.01, 3.0)))
+    walkers = result.around(4000, 1.0, np.random.default_rng(2))
+    proposal, factors = result._leap(walkers, np.random.RandomState(3))  # noqa: SLF001 - as emcee calls it
     posterior = model_of(COVARIANCE, (1.0, 1.0)).log_posterior
-    accepted = (
+    is_accepted = (
         np.log(np.random.default_rng(4).uniform(size=4000))
-        < posterior(proposed) - posterior(walkers) + factors
+        < posterior(proposal) - posterior(walkers) + factors
     )
-    after = np.where(accepted[:, None], proposed, walkers)
-    np.testing.assert_allclose(np.cov(after.T), COVARIANCE, rtol=0.1)
-    assert 0.4 < accepted.mean() < 0.98
+    second = np.where(is_accepted[:, None], proposal, walkers)
+    np.testing.assert_allclose(np.cov(second.T), COVARIANCE, rtol=0.1)
+    assert 0.4 < is_accepted.mean() < 0.98

@@ -23,11 +23,11 @@ def test_converters_have_three_levels_and_four_samples_for_each():
     assert converter_step(np.concatenate([levels, np.zeros(25)])) == pytest.approx(0.5)
     assert converter_step(np.concatenate([levels, np.zeros(24)])) == 0.0
     for off, step in ((0.015, 0.5), (0.025, 0.0)):
-        shifted = np.tile(levels + np.where(levels == 0.5, 0.5 * off, 0.0), 9)
-        assert converter_step(shifted) == pytest.approx(step, rel=2e-3)
+        shift = np.tile(levels + np.where(levels == 0.5, 0.5 * off, 0.0), 9)
+        assert converter_step(shift) == pytest.approx(step, rel=2e-3)
 
 
-def test_levels_that_differ_by_rounding_of_the_computer_are_one():
+def test_levels_differing_by_rounding_are_one():
     levels = 0.1 * np.arange(10.0)
     reading = np.concatenate([levels, levels * (1.0 + 1e-15), np.tile(levels, 30)])
     assert converter_step(reading) == pytest.approx(0.1)
@@ -48,11 +48,11 @@ def test_a_motion_is_rounded_on_every_shifted_grid():
 def test_expected_error_of_a_converter_against_simulation(spread):
     step, level = 0.2, 0.05
     signal_values = np.linspace(-0.5, 0.5, 31) + 0.003
-    found = expect_rounding_error(signal_values, step, spread * step, level)
+    result = expect_rounding_error(signal_values, step, spread * step, level)
     noise = spread * step * np.random.default_rng(6).normal(size=(20_000, 1))
     noisy = signal_values + noise
-    converted = step * np.round((noisy - level) / step) + level
-    np.testing.assert_allclose(found, (converted - signal_values).mean(axis=0), atol=0.02 * step)
+    conversion = step * np.round((noisy - level) / step) + level
+    np.testing.assert_allclose(result, (conversion - signal_values).mean(axis=0), atol=0.02 * step)
 
 
 def test_much_noise_leaves_nothing_to_correct():
@@ -81,7 +81,7 @@ def test_the_error_of_a_converter_is_the_mean_over_normal_noise(share):
 
 
 @pytest.mark.parametrize("decimals", [5, 6, 7])
-def test_a_text_that_rounds_the_levels_once_more_hides_no_step(decimals):
+def test_text_rounding_hides_no_step(decimals):
     """12 bits over 0.3 m in a text: 73.2 µm become 70 or 80, 73 or 74, and so on."""
     step = 0.3 / 4096
     motion = 0.1 * np.sin(np.linspace(0.0, 400.0, 16_000)) * np.linspace(0.1, 1.0, 16_000)

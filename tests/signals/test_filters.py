@@ -20,9 +20,9 @@ def test_convolution_and_correlation(rng, size):
     np.testing.assert_array_equal(
         convolve_valid(history, kernel), scipy.signal.fftconvolve(history, kernel, mode="valid")
     )
-    other = rng.normal(size=size)
+    second = rng.normal(size=size)
     np.testing.assert_array_equal(
-        cross_correlate(history, other), scipy.signal.correlate(history, other, method="fft")
+        cross_correlate(history, second), scipy.signal.correlate(history, second, method="fft")
     )
 
 
@@ -32,9 +32,11 @@ def test_a_cubic_path_within_and_beyond_its_samples(rng, samples, even):
     times = np.arange(samples) * 0.01 + (0.0 if even else 1.0) * np.sort(rng.uniform(0.0, 0.004, samples))
     values = rng.normal(size=samples)
     path, spline = CubicPath.interpolate(times, values), scipy.interpolate.CubicSpline(times, values)
-    at = np.append(times, rng.uniform(times[0] - 0.01, times[-1] + 0.01, 500))
+    position = np.append(times, rng.uniform(times[0] - 0.01, times[-1] + 0.01, 500))
     for derivative in (0, 1, 2):
-        np.testing.assert_allclose(path(at, derivative), spline(at, derivative), rtol=1e-12, atol=1e-9)
+        np.testing.assert_allclose(
+            path(position, derivative), spline(position, derivative), rtol=1e-12, atol=1e-9
+        )
 
 
 @pytest.mark.parametrize("size", [7, 8, 4096])
@@ -64,7 +66,7 @@ def test_a_recursive_filter(rng):
     np.testing.assert_allclose(filter_recursively(numerator, denominator, values), expected, atol=1e-11)
 
 
-def test_the_end_of_a_line_is_that_of_least_squares():
+def test_end_of_a_line_is_from_least_squares():
     values = np.random.default_rng(3).standard_normal(17)
     line = np.polyfit(np.arange(17), values, 1)
     assert _end_of_line(values) == pytest.approx(np.polyval(line, 16))
@@ -87,5 +89,5 @@ def test_a_constant_has_no_power_whatever_the_taper_is():
 
 def test_the_level_of_noise_is_its_mean_square_though_a_motion_stands_below():
     long = np.random.default_rng(9).normal(0.0, 2.0, 8192)
-    moved = long + 50.0 * np.sin(0.1 * np.arange(8192))
-    assert upper_level(periodogram(moved, np.hanning(8192))) == pytest.approx(4.0, rel=0.1)
+    displacement = long + 50.0 * np.sin(0.1 * np.arange(8192))
+    assert upper_level(periodogram(displacement, np.hanning(8192))) == pytest.approx(4.0, rel=0.1)

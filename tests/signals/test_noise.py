@@ -27,12 +27,12 @@ def periodogram(values, rate=RATE):
 def test_spectrum_of_autoregressive_noise(memory):
     random = np.random.default_rng(3)
     runs = [signal.lfilter([1.0], [1.0, -memory], random.normal(size=40_000)) for _ in range(4)]
-    found = fit_noise([periodogram(run) for run in runs], RATE)
+    result = fit_noise([periodogram(run) for run in runs], RATE)
     frequency = np.geomspace(0.5, 400.0, 40)
     turn = 2.0 * np.pi * frequency / RATE
     expected = 1.0 / (1.0 - 2.0 * memory * np.cos(turn) + memory**2)
-    assert np.abs(np.log(found.density(frequency) / expected)).max() < 0.25
-    assert found.rms == pytest.approx(1.0 / np.sqrt(1.0 - memory**2), rel=0.05)
+    assert np.abs(np.log(result.density(frequency) / expected)).max() < 0.25
+    assert result.rms == pytest.approx(1.0 / np.sqrt(1.0 - memory**2), rel=0.05)
 
 
 @pytest.mark.parametrize("part", range(1 + len(CORNERS)))
@@ -54,22 +54,22 @@ def test_white_noise_has_its_variance():
     assert white.rms == pytest.approx(3.0)
 
 
-def test_a_power_that_is_a_sum_of_the_parts_comes_back():
+def test_power_of_known_parts_is_recovered():
     """Without scatter the likelihood is highest at the spectrum itself."""
     frequency = np.arange(1, 4001) * 0.5 * RATE / 4000
     truth = NoiseModel(rate=RATE, weights=np.array([1.0, 0.0, 50.0, 0.0, 0.0, 10.0, 0.0, 0.0]))
     power = truth.density(frequency)
-    found = fit_noise([Periodogram(frequency=frequency, power=power)], RATE)
+    result = fit_noise([Periodogram(frequency=frequency, power=power)], RATE)
     centre = frequency[20:-20]
-    assert found.density(centre) == pytest.approx(truth.density(centre), rel=0.03)
-    assert found.rms == pytest.approx(truth.rms, rel=3e-3)
+    assert result.density(centre) == pytest.approx(truth.density(centre), rel=0.03)
+    assert result.rms == pytest.approx(truth.rms, rel=3e-3)
 
 
-def test_noise_that_is_there_in_any_case_is_never_undercut():
+def test_noise_floor_is_never_undercut():
     frequency = np.arange(1, 2001) * 0.5 * RATE / 2000
-    found = fit_noise([Periodogram(frequency=frequency, power=np.full(2000, 1e-3))], RATE, least=2.0)
-    assert (found.density(frequency) >= 2.0).all()
-    assert found.density(frequency).max() < 2.01
+    result = fit_noise([Periodogram(frequency=frequency, power=np.full(2000, 1e-3))], RATE, least=2.0)
+    assert (result.density(frequency) >= 2.0).all()
+    assert result.density(frequency).max() < 2.01
 
 
 def test_harmonics_of_the_mains_fold_at_the_nyquist_frequency():
@@ -84,13 +84,13 @@ def test_lines_of_the_mains_are_left_out():
     time = np.arange(40_000) / RATE
     noise = np.random.default_rng(4).normal(size=time.size)
     hum = 5.0 * np.sin(2.0 * np.pi * 50.01 * time) + 2.0 * np.sin(2.0 * np.pi * 150.03 * time)
-    found = fit_noise([periodogram(noise + hum)], RATE)
-    assert found.rms == pytest.approx(1.0, rel=0.1)
+    result = fit_noise([periodogram(noise + hum)], RATE)
+    assert result.rms == pytest.approx(1.0, rel=0.1)
 
 
-def cut(whole, low, high):
-    inside = (whole.frequency > low) & (whole.frequency <= high)
-    return Periodogram(frequency=whole.frequency[inside], power=whole.power[inside])
+def cut(complete, low, high):
+    is_inside = (complete.frequency > low) & (complete.frequency <= high)
+    return Periodogram(frequency=complete.frequency[is_inside], power=complete.power[is_inside])
 
 
 @pytest.mark.parametrize("rate", [200.0, 512.0, 1024.0, 2048.0])
@@ -104,24 +104,24 @@ def test_lines_lie_where_the_mains_fold_whatever_the_band(rate, band):
     for begin, end in places:
         assert 0 <= begin < end <= loud.power.size
     assert sum(end - begin for begin, end in places) < 0.1 * loud.power.size
-    at_mains = [loud.frequency[begin] < 50.01 < loud.frequency[end - 1] for begin, end in places]
-    assert any(at_mains) == (band[0] < 50.0 < band[1])
-    found = fit_noise([loud], rate).density(loud.frequency)
-    assert 0.7 < np.median(found) < 1.5
+    mains_power = [loud.frequency[begin] < 50.01 < loud.frequency[end - 1] for begin, end in places]
+    assert any(mains_power) == (band[0] < 50.0 < band[1])
+    result = fit_noise([loud], rate).density(loud.frequency)
+    assert 0.7 < np.median(result) < 1.5
 
 
 def test_the_fitted_weights_are_where_the_likelihood_does_not_rise():
     """Of Σ n (ln S + P/S) the slope by a weight vanishes, or falls for a weight that is nothing."""
     frequency = np.linspace(0.5, 127.0, 2000)
     power = np.random.default_rng(3).exponential(size=2000) * (1.0 + 40.0 / (1.0 + (frequency / 4.0) ** 2))
-    found = fit_noise([Periodogram(frequency=frequency, power=power)], 256.0)
+    result = fit_noise([Periodogram(frequency=frequency, power=power)], 256.0)
     shapes = noise_shapes(frequency, 256.0)
-    density = found.density(frequency)
+    density = result.density(frequency)
     slopes = shapes @ (1.0 / density - power / density**2) / np.sum(shapes / density, axis=1)
-    large = found.weights > 0.02 * found.weights.max()
+    large = result.weights > 0.02 * result.weights.max()
     assert np.abs(slopes[large]).max() < 0.03
     assert slopes.min() > -0.03
-    assert found.weights.size == 1 + len(CORNERS)
+    assert result.weights.size == 1 + len(CORNERS)
 
 
 def test_pickup_lies_within_seven_tenths_of_a_hertz():
@@ -140,13 +140,13 @@ def test_a_line_is_twelve_times_its_surroundings_and_six_tenths_of_a_hertz_wide(
     for height, count in ((11.0, 0), (13.0, 1)):
         power = np.ones(2000)
         power[place + 5] = height
-        found = line_places(Periodogram(frequency=frequency, power=power), 256.0)
-        assert len(found) == count
+        result = line_places(Periodogram(frequency=frequency, power=power), 256.0)
+        assert len(result) == count
         if count:
-            assert frequency[found[0][0]] == pytest.approx(49.5, abs=0.11)
-            assert frequency[found[0][1] - 1] == pytest.approx(50.5, abs=0.11)
-    beside = np.ones(2000)
-    beside[place + 8] = 100.0
-    assert line_places(Periodogram(frequency=frequency, power=beside), 256.0) == []
-    few = Periodogram(frequency=frequency[:2], power=np.array([1.0, 99.0]))
-    assert line_places(few, 256.0) == []
+            assert frequency[result[0][0]] == pytest.approx(49.5, abs=0.11)
+            assert frequency[result[0][1] - 1] == pytest.approx(50.5, abs=0.11)
+    neighbour = np.ones(2000)
+    neighbour[place + 8] = 100.0
+    assert line_places(Periodogram(frequency=frequency, power=neighbour), 256.0) == []
+    small_sample = Periodogram(frequency=frequency[:2], power=np.array([1.0, 99.0]))
+    assert line_places(small_sample, 256.0) == []

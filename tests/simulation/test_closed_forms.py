@@ -27,13 +27,13 @@ def runge_kutta(acceleration, time_step, structure, gain, delay, parts):
     x, v = [0.0] * (steps + 1), [0.0] * (steps + 1)
 
     def past(i: int, ahead: float) -> float:
-        at = i + ahead - delay / h
-        k = math.floor(at)
-        if at < 0.0:
+        position = i + ahead - delay / h
+        k = math.floor(position)
+        if position < 0.0:
             return 0.0
-        s = at - k
+        s = position - k
         if k >= i:  # inside the running step: from its begin
-            return x[i] + (at - i) * h * v[i]
+            return x[i] + (position - i) * h * v[i]
         return (
             (1 + 2 * s) * (1 - s) ** 2 * x[k]
             + s * (1 - s) ** 2 * h * v[k]
@@ -41,8 +41,8 @@ def runge_kutta(acceleration, time_step, structure, gain, delay, parts):
             + s**2 * (s - 1) * h * v[k + 1]
         )
 
-    def slope(a: float, place: float, pace: float, delayed: float) -> tuple[float, float]:
-        return pace, -a - 2 * xi * w0 * pace - w0**2 * ((1 - alpha) * place + alpha * gain * delayed)
+    def slope(a: float, place: float, pace: float, late: float) -> tuple[float, float]:
+        return pace, -a - 2 * xi * w0 * pace - w0**2 * ((1 - alpha) * place + alpha * gain * late)
 
     for i in range(steps):
         now, half, end = past(i, 0.0), past(i, 0.5), past(i, 1.0)
@@ -71,11 +71,11 @@ def test_engines_solve_the_delay_equation(structure, gain, delay):
     reference = runge_kutta(acceleration, 0.02, structure, gain, delay, parts=40)
     excitation = Excitation(acceleration=acceleration, time_step=0.02)
     exact, step = spectral.response(excitation, structure, gain, delay)
-    sampled = np.interp(t, step * np.arange(exact.size), exact)
-    assert np.abs(sampled - reference).max() < 2e-4 * np.abs(reference).max()
+    samples = np.interp(t, step * np.arange(exact.size), exact)
+    assert np.abs(samples - reference).max() < 2e-4 * np.abs(reference).max()
     blocks = cut(excitation, structure, step=0.005)
-    stepped = delay_stepper.response(blocks, structure, gain, delay)[1][::4]
-    assert np.abs(stepped - reference).max() < 2e-4 * np.abs(reference).max()
+    time_history = delay_stepper.response(blocks, structure, gain, delay)[1][::4]
+    assert np.abs(time_history - reference).max() < 2e-4 * np.abs(reference).max()
 
 
 def test_steady_state_of_the_delayed_loop_is_its_transfer_function():
@@ -83,9 +83,9 @@ def test_steady_state_of_the_delayed_loop_is_its_transfer_function():
     drive = 2.0 * np.pi * 0.8
     t = np.arange(0.0, 120.0, 0.005)
     excitation = Excitation(acceleration=np.sin(drive * t), time_step=0.005)
-    found, step = spectral.response(excitation, structure, 0.98, 0.006)
-    late = step * np.arange(found.size) > 90.0
-    amplitude = np.sqrt(2.0 * np.mean(found[late] ** 2))
+    result, step = spectral.response(excitation, structure, 0.98, 0.006)
+    late = step * np.arange(result.size) > 90.0
+    amplitude = np.sqrt(2.0 * np.mean(result[late] ** 2))
     expected = abs(transfer(structure, np.asarray(0.98), np.asarray(0.006), np.asarray(1j * drive)))
     assert amplitude == pytest.approx(expected, rel=1e-3)
 
@@ -111,8 +111,8 @@ def test_perfect_actuator_has_no_error(random_record, engine):
         structure=Structure(frequency=1.0, damping_ratio=0.02),
         engine=engine,
     )
-    found = loop.deviation(loop.cells(gain=1.0, delay=0.0))
-    assert found.peak[0] < 1e-7 * found.ideal_peak
+    result = loop.deviation(loop.cells(gain=1.0, delay=0.0))
+    assert result.peak[0] < 1e-7 * result.ideal_peak
 
 
 def test_error_scales_with_nothing_but_the_shape_of_the_record(random_record):
@@ -123,9 +123,9 @@ def test_error_scales_with_nothing_but_the_shape_of_the_record(random_record):
     )
     louder = replace(loop, excitation=replace(loop.excitation, acceleration=3.0 * acceleration))
     cells = loop.cells(gain=1.01, delay=0.001)
-    one, three = loop.deviation(cells), louder.deviation(cells)
-    assert three.mean_square[0] == pytest.approx(9.0 * one.mean_square[0], rel=1e-9)
-    assert three.peak[0] / three.ideal_peak == pytest.approx(one.peak[0] / one.ideal_peak, rel=1e-9)
+    single, three = loop.deviation(cells), louder.deviation(cells)
+    assert three.mean_square[0] == pytest.approx(9.0 * single.mean_square[0], rel=1e-9)
+    assert three.peak[0] / three.ideal_peak == pytest.approx(single.peak[0] / single.ideal_peak, rel=1e-9)
 
 
 def test_slower_structure_under_a_slower_record_has_the_same_error(random_record):
@@ -140,8 +140,8 @@ def test_slower_structure_under_a_slower_record_has_the_same_error(random_record
         structure=Structure(frequency=0.5, damping_ratio=0.03),
         engine=Engine.SPECTRAL,
     )
-    one = fast.deviation(fast.cells(gain=0.99, delay=0.002))
+    single = fast.deviation(fast.cells(gain=0.99, delay=0.002))
     two = slow.deviation(slow.cells(gain=0.99, delay=0.004))
     assert two.mean_square[0] / two.ideal_peak**2 == pytest.approx(
-        one.mean_square[0] / one.ideal_peak**2, rel=1e-4
+        single.mean_square[0] / single.ideal_peak**2, rel=1e-4
     )

@@ -53,7 +53,7 @@ def test_without_delay_the_pair_is_the_whole_loop():
 
 
 @pytest.mark.parametrize("delay", [1e-5, 0.001, 0.0031, 0.0033, 0.01])
-def test_two_pairs_stand_for_the_loop_at_the_frequencies_that_matter(delay):
+def test_two_pole_pairs_represent_the_loop(delay):
     structure = Structure(frequency=1.0, damping_ratio=0.02)
     loop = modal_loop(structure, np.array([1.01]), np.array([delay]))
     s = 2j * np.pi * np.array([0.1, 0.5, 1.0, 2.0, 5.0, 10.0])

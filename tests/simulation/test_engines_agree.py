@@ -33,9 +33,9 @@ def random_case(rng: np.random.Generator, acceleration, time_step) -> tuple[Loop
     return loop, loop.cells(gain=gain, delay=delay)
 
 
-def differences(loop: Loop, cells: Cells, other: Engine) -> dict[Metric, float]:
+def differences(loop: Loop, cells: Cells, second: Engine) -> dict[Metric, float]:
     """Largest relative difference of each error between two engines, each of which runs once."""
-    ours, oracle = loop.deviation(cells), replace(loop, engine=other).deviation(cells)
+    ours, oracle = loop.deviation(cells), replace(loop, engine=second).deviation(cells)
     return {
         metric: float(np.abs(relative_error(ours, metric) / relative_error(oracle, metric) - 1.0).max())
         for metric in Metric
@@ -47,9 +47,9 @@ def differences(loop: Loop, cells: Cells, other: Engine) -> dict[Metric, float]:
 def test_automatic_engine_agrees_with_the_spectral_one(random_record, seed):
     rng = np.random.default_rng(seed)
     loop, cells = random_case(rng, *random_record(rng))
-    found = differences(loop, cells, Engine.SPECTRAL)
-    assert found[Metric.RMS] < 1e-4
-    assert found[Metric.MTE] < 2e-3
+    result = differences(loop, cells, Engine.SPECTRAL)
+    assert result[Metric.RMS] < 1e-4
+    assert result[Metric.MTE] < 2e-3
 
 
 @pytest.mark.parametrize("count", [20, pytest.param(300, marks=pytest.mark.slow)])
@@ -58,9 +58,9 @@ def test_engines_agree_on_many_cells_of_the_real_records(real_motions_folder, co
     motions = load_motions(real_motions_folder)
     for index in rng.integers(0, len(motions), count):
         motion = motions[int(index)]
-        found = differences(*random_case(rng, motion.acceleration, motion.time_step), Engine.SPECTRAL)
-        assert found[Metric.RMS] < 1e-4
-        assert found[Metric.MTE] < 1e-3
+        result = differences(*random_case(rng, motion.acceleration, motion.time_step), Engine.SPECTRAL)
+        assert result[Metric.RMS] < 1e-4
+        assert result[Metric.MTE] < 1e-3
 
 
 @pytest.mark.slow
@@ -78,8 +78,8 @@ def test_pole_engine_agrees_with_an_independent_kernel(rate, rms, mte):
         engine=Engine.POLE,
     )
     ours, usual = loop.deviation(cells), cells.delay < 0.9 * critical_delay(structure, cells.gain)
-    other = Kernel(structure, cells.gain, cells.delay, motion.time_step).errors(motion.acceleration)
-    for metric, errors, tolerance in zip(Metric, other, (rms, mte), strict=True):
+    second = Kernel(structure, cells.gain, cells.delay, motion.time_step).errors(motion.acceleration)
+    for metric, errors, tolerance in zip(Metric, second, (rms, mte), strict=True):
         assert np.abs(errors - relative_error(ours, metric))[usual].max() < tolerance
 
 
@@ -103,14 +103,16 @@ def test_delays_shorter_than_a_block_follow_the_history_of_the_general_stepper(r
     structure = Structure(frequency=1.0, damping_ratio=0.05, experimental_fraction=0.7)
     loop = Loop(excitation=excitation, structure=structure, engine=Engine.DELAY)
     blocks, delays = loop.blocks, [0.0, 0.004, 0.0099]
-    found = loop.deviation(loop.cells(gain=1.02, delay=delays))
+    result = loop.deviation(loop.cells(gain=1.02, delay=delays))
     for cell, delay in enumerate(delays):
-        _, measured = delay_stepper.response(blocks, structure, 1.02, delay)
-        inside = (measured - blocks.ideal)[blocks.before :]
-        inside[-1] = inside[-2] + blocks.end * (inside[-1] - inside[-2])
-        squares = np.trapezoid(inside[:-1] ** 2) + 0.5 * blocks.end * (inside[-2] ** 2 + inside[-1] ** 2)
-        assert found.mean_square[cell] == pytest.approx(squares / blocks.intervals, rel=1e-9)
-        assert found.peak[cell] == pytest.approx(np.abs(inside).max(), rel=2e-3)
+        _, reading = delay_stepper.response(blocks, structure, 1.02, delay)
+        is_inside = (reading - blocks.ideal)[blocks.before :]
+        is_inside[-1] = is_inside[-2] + blocks.end * (is_inside[-1] - is_inside[-2])
+        squares = np.trapezoid(is_inside[:-1] ** 2) + 0.5 * blocks.end * (
+            is_inside[-2] ** 2 + is_inside[-1] ** 2
+        )
+        assert result.mean_square[cell] == pytest.approx(squares / blocks.intervals, rel=1e-9)
+        assert result.peak[cell] == pytest.approx(np.abs(is_inside).max(), rel=2e-3)
 
 
 def test_pole_and_delay_engines_agree_beyond_the_stability_limit(random_record):
@@ -134,11 +136,11 @@ def test_result_does_not_depend_on_the_company_of_a_cell(random_record):
         structure=Structure(frequency=0.25, damping_ratio=0.1),
     )
     gain, delay = rng.uniform(0.9, 1.1, 150), rng.uniform(0.0, 0.12, 150)
-    together = loop.deviation(loop.cells(gain=gain, delay=delay))
+    joint = loop.deviation(loop.cells(gain=gain, delay=delay))
     for cell in (0, 70, 149):
-        alone = loop.deviation(loop.cells(gain=gain[cell], delay=delay[cell]))
-        assert alone.mean_square[0] == pytest.approx(together.mean_square[cell], rel=1e-10)
-        assert alone.peak[0] == pytest.approx(together.peak[cell], rel=1e-10)
+        separate = loop.deviation(loop.cells(gain=gain[cell], delay=delay[cell]))
+        assert separate.mean_square[0] == pytest.approx(joint.mean_square[cell], rel=1e-10)
+        assert separate.peak[0] == pytest.approx(joint.peak[cell], rel=1e-10)
 
 
 def test_window_inside_the_record_is_the_same_for_all_engines(random_record):
@@ -162,7 +164,7 @@ def test_spectral_engine_refuses_an_unstable_loop_and_names_the_limit(random_rec
         loop.deviation(loop.cells(gain=1.0, delay=0.0065))
 
 
-def test_pole_engine_refuses_delays_for_which_it_is_not_valid(random_record):
+def test_pole_engine_refuses_delays_outside_its_range(random_record):
     acceleration, time_step = random_record(np.random.default_rng(0))
     loop = Loop(
         excitation=Excitation(acceleration=acceleration, time_step=time_step),
@@ -184,9 +186,9 @@ def test_loops_without_oscillation_are_solved(damping_ratio, fraction):
     loop = Loop(excitation=Excitation(acceleration=record, time_step=0.005), structure=structure)
     for delays in ([0.0, 0.004, 0.04], [-0.004, -0.04]):
         gain, delay = np.meshgrid([0.3, meeting, meeting + 1e-9, 0.7, 1.7], delays)
-        found = differences(loop, loop.cells(gain=gain, delay=delay), Engine.SPECTRAL)
-        assert found[Metric.RMS] < 1e-3
-        assert found[Metric.MTE] < 2e-3
+        result = differences(loop, loop.cells(gain=gain, delay=delay), Engine.SPECTRAL)
+        assert result[Metric.RMS] < 1e-3
+        assert result[Metric.MTE] < 2e-3
 
 
 @pytest.mark.default_cases(1)
@@ -194,10 +196,10 @@ def test_loops_without_oscillation_are_solved(damping_ratio, fraction):
 def test_ellipses_of_highly_damped_structures_are_numbers(damping_ratio):
     time = np.arange(0.0, 8.0, 0.01)
     motion = Motion(name="M", acceleration=np.sin(8.0 * time) * np.exp(-time), time_step=0.01)
-    traced = ellipses(MotionSuite.from_motions([motion]), f=1.0, xi=damping_ratio)
+    boundary = ellipses(MotionSuite.from_motions([motion]), f=1.0, xi=damping_ratio)
     for name in ("a", "b"):
-        assert (traced[name].to_numpy() > 0.0).all()
-        assert np.isfinite(traced[name].to_numpy()).all()
+        assert (boundary[name].to_numpy() > 0.0).all()
+        assert np.isfinite(boundary[name].to_numpy()).all()
 
 
 TIME = np.arange(0.0, 12.0, 0.01)
@@ -205,7 +207,7 @@ END_IN_STRONG_MOTION = np.random.default_rng(1).standard_normal(TIME.size) * TIM
 STRUCTURE = Structure(frequency=1.0, damping_ratio=0.05)
 
 
-def by_poles(blocks, late):
+def sum_poles(blocks, late):
     k = late.coefficients[:, 0]
     slow, fast = np.zeros((2, blocks.left.size + 1))
     for y, c in ((slow, k[:6]), (fast, k[6:])):
@@ -225,18 +227,18 @@ def test_mean_square_and_peak_are_those_of_the_history(kernel, window):
     delay = np.array([{"short delay": 0.6, "delay": 2.3}.get(kernel, 0.1) * blocks.step])
     cells = loop.cells(gain=gain, delay=delay)
     if "delay" in kernel:
-        found = delay_stepper.deviation(blocks, STRUCTURE, gain, delay)
-        measured = delay_stepper.response(blocks, STRUCTURE, gain[0], delay[0])[1]
+        result = delay_stepper.deviation(blocks, STRUCTURE, gain, delay)
+        reading = delay_stepper.response(blocks, STRUCTURE, gain[0], delay[0])[1]
     else:
         (late,) = cells.recursions(blocks.step)
-        alone = kernel == "poles"
-        found = pole_recursion.deviation(blocks, late.coefficients) if alone else loop.deviation(cells)
-        measured = by_poles(blocks, late)
-    inside = (measured - blocks.ideal)[blocks.before :]
-    inside[-1] = inside[-2] + blocks.end * (inside[-1] - inside[-2])
-    peak = np.abs(inside).max()
+        separate = kernel == "poles"
+        result = pole_recursion.deviation(blocks, late.coefficients) if separate else loop.deviation(cells)
+        reading = sum_poles(blocks, late)
+    is_inside = (reading - blocks.ideal)[blocks.before :]
+    is_inside[-1] = is_inside[-2] + blocks.end * (is_inside[-1] - is_inside[-2])
+    peak = np.abs(is_inside).max()
     assert (
-        peak * (1.0 - 1e-5) <= found.peak[0] <= peak * 1.02
+        peak * (1.0 - 1e-5) <= result.peak[0] <= peak * 1.02
     )  # a parabola through three samples rises above them
-    squares = np.trapezoid(inside[:-1] ** 2) + 0.5 * blocks.end * (inside[-2] ** 2 + inside[-1] ** 2)
-    assert found.mean_square[0] == pytest.approx(squares / blocks.intervals, rel=1e-5)
+    squares = np.trapezoid(is_inside[:-1] ** 2) + 0.5 * blocks.end * (is_inside[-2] ** 2 + is_inside[-1] ** 2)
+    assert result.mean_square[0] == pytest.approx(squares / blocks.intervals, rel=1e-5)

@@ -33,7 +33,7 @@ def random_case(rng, acceleration, time_step, window=(0.0, -1.0)):
 
 
 def differences(loop, cells, metric):
-    pole, exact = (replace(loop, engine=each).deviation(cells) for each in (Engine.POLE, Engine.SPECTRAL))
+    pole, exact = (replace(loop, engine=item).deviation(cells) for item in (Engine.POLE, Engine.SPECTRAL))
     return np.abs(relative_error(pole, metric) / relative_error(exact, metric) - 1.0).max()
 
 
@@ -73,14 +73,14 @@ def test_bounded_solution_is_the_fourier_integral():
         return -pulse / (-(w**2) + 2j * 0.1 * w0 * w + stiffness)
 
     t = np.arange(0.0, 8.0, 0.05)
-    measured = quad_vec(
+    reading = quad_vec(
         lambda w: np.real(gain * command(w) * np.exp(1j * w * (t + lead))) / np.pi, 0.0, 40.0, limit=300
     )[0]
     fine = np.arange(0.0, 8.0, 0.005)
     excitation = Excitation(acceleration=ground(fine), time_step=0.005)
-    solved, step = spectral.response(excitation, structure, gain, -lead)
-    found = np.interp(t[:-1], step * np.arange(solved.size), solved)
-    assert np.abs(found - measured[:-1]).max() < 1e-4 * np.abs(measured).max()
+    solution, step = spectral.response(excitation, structure, gain, -lead)
+    result = np.interp(t[:-1], step * np.arange(solution.size), solution)
+    assert np.abs(result - reading[:-1]).max() < 1e-4 * np.abs(reading).max()
 
 
 def test_a_lead_only_adds_damping():
@@ -125,8 +125,8 @@ def test_lead_joins_the_lag_smoothly(random_record):
         structure=Structure(frequency=1.0, damping_ratio=0.05),
     )
     tiny = 1e-6
-    found = loop.deviation(loop.cells(gain=1.0, delay=[-tiny, tiny]))
-    assert found.mean_square[0] == pytest.approx(found.mean_square[1], rel=1e-3)
+    result = loop.deviation(loop.cells(gain=1.0, delay=[-tiny, tiny]))
+    assert result.mean_square[0] == pytest.approx(result.mean_square[1], rel=1e-3)
 
 
 def test_mixed_cells_are_those_of_each_alone(random_record):
@@ -137,11 +137,11 @@ def test_mixed_cells_are_those_of_each_alone(random_record):
         structure=Structure(frequency=0.5, damping_ratio=0.1),
     )
     gain, delay = rng.uniform(0.9, 1.1, 90), rng.uniform(-0.1, 0.1, 90)
-    together = loop.deviation(loop.cells(gain=gain, delay=delay))
+    joint = loop.deviation(loop.cells(gain=gain, delay=delay))
     for cell in (0, 41, 89):
-        alone = loop.deviation(loop.cells(gain=gain[cell], delay=delay[cell]))
-        assert alone.mean_square[0] == pytest.approx(together.mean_square[cell], rel=1e-10)
-        assert alone.peak[0] == pytest.approx(together.peak[cell], rel=1e-10)
+        separate = loop.deviation(loop.cells(gain=gain[cell], delay=delay[cell]))
+        assert separate.mean_square[0] == pytest.approx(joint.mean_square[cell], rel=1e-10)
+        assert separate.peak[0] == pytest.approx(joint.peak[cell], rel=1e-10)
 
 
 @pytest.fixture
@@ -170,7 +170,7 @@ def test_lead_of_a_quarter_period_is_refused(loop):
         loop.cells(gain=1.0, delay=-0.3)
 
 
-def test_lead_that_the_pole_cannot_stand_for_is_solved_exactly(random_record):
+def test_lead_beyond_the_pole_is_solved_exactly(random_record):
     acceleration, time_step = random_record(np.random.default_rng(6))
     loop = Loop(
         excitation=Excitation(acceleration=acceleration, time_step=time_step),
@@ -186,10 +186,10 @@ def test_lead_that_the_pole_cannot_stand_for_is_solved_exactly(random_record):
 
 def test_actuator_at_rest_misses_the_whole_response(loop):
     history, _ = spectral.response(loop.excitation, loop.structure, 1.0, 0.0)
-    rest = loop.rest_deviation()
-    assert relative_error(rest, Metric.MTE)[0] == 1.0
+    remainder = loop.rest_deviation()
+    assert relative_error(remainder, Metric.MTE)[0] == 1.0
     expected = np.sqrt(np.trapezoid(history**2) / (history.size - 1)) / np.abs(history).max()
-    assert relative_error(rest, Metric.RMS)[0] == pytest.approx(expected, rel=2e-4)
+    assert relative_error(remainder, Metric.RMS)[0] == pytest.approx(expected, rel=2e-4)
     effects = EffectLoop(excitation=loop.excitation, test=HybridTest(structure=loop.structure))
     assert relative_error(effects.rest_deviation(), Metric.RMS)[0] == pytest.approx(expected, rel=2e-3)
 

@@ -21,19 +21,19 @@ STRUCTURES = [
 def takenaka_malmquist(poles, s):
     """Functions φ_k at s, by their definition; shape (poles, frequencies)."""
     filters = (s + poles[:, np.newaxis].conj()) / (s - poles[:, np.newaxis])
-    before = np.cumprod(np.concatenate([np.ones((1, s.size)), filters[:-1]]), axis=0)
-    return before / (s - poles[:, np.newaxis])
+    first = np.cumprod(np.concatenate([np.ones((1, s.size)), filters[:-1]]), axis=0)
+    return first / (s - poles[:, np.newaxis])
 
 
 @pytest.mark.parametrize("structure", STRUCTURES)
 def test_share_left_out_is_the_same_at_every_frequency(structure):
     basis = pole_basis(structure)
     scale = structure.damping_ratio * structure.circular_frequency
-    moved = structure.pole + scale * np.array([0.3, 0.2j, -0.5 + 0.4j, -0.9j])
+    displacement = structure.pole + scale * np.array([0.3, 0.2j, -0.5 + 0.4j, -0.9j])
     s = 1j * structure.circular_frequency * np.linspace(-5.0, 5.0, 201)
-    coefficients, left_out = basis.coefficients(moved)
-    rest = 1.0 / (s - moved[:, np.newaxis]) - coefficients.T @ takenaka_malmquist(basis.poles, s)
-    share = np.abs(rest * (s - moved[:, np.newaxis]))
+    coefficients, left_out = basis.coefficients(displacement)
+    remainder = 1.0 / (s - displacement[:, np.newaxis]) - coefficients.T @ takenaka_malmquist(basis.poles, s)
+    share = np.abs(remainder * (s - displacement[:, np.newaxis]))
     np.testing.assert_allclose(share, np.tile(left_out[:, np.newaxis], s.size), rtol=1e-6, atol=1e-12)
     assert left_out.max() < 1e-3
 
@@ -45,8 +45,8 @@ def test_functions_are_sums_of_the_responses_of_single_poles(structure):
     count = basis.poles.size
     fractions = basis.orthogonal[:count, :count] + 1j * basis.orthogonal[count:, :count]
     functions = fractions @ (1.0 / (s - basis.poles[:, np.newaxis]))
-    defined = takenaka_malmquist(basis.poles, s)
-    np.testing.assert_allclose(functions, defined, atol=1e-6 * np.abs(defined).max())
+    definition = takenaka_malmquist(basis.poles, s)
+    np.testing.assert_allclose(functions, definition, atol=1e-6 * np.abs(definition).max())
 
 
 def test_undisturbed_pole_is_expanded_exactly():
@@ -90,10 +90,12 @@ def plane(loop, cells):
 
 def largest_difference(loop, cells, engine):
     """Largest difference of RMS^R where the plane answers, and the share that it answers."""
-    squares, known = plane(loop, cells)
+    squares, reference = plane(loop, cells)
     oracle = replace(loop, engine=engine).deviation(cells).mean_square
-    moved = known & (oracle > 1e-12 * loop.blocks.ideal_peak**2)
-    return np.abs(np.sqrt(squares[moved] / oracle[moved]) - 1.0).max(initial=0.0), known.mean()
+    displacement = reference & (oracle > 1e-12 * loop.blocks.ideal_peak**2)
+    return np.abs(np.sqrt(squares[displacement] / oracle[displacement]) - 1.0).max(
+        initial=0.0
+    ), reference.mean()
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -135,9 +137,9 @@ def test_plane_agrees_on_the_real_records(real_motions_folder):
         assert share > 0.5
 
 
-def test_what_is_not_precise_is_not_answered():
+def test_imprecise_cells_are_not_answered():
     excitation = Excitation(acceleration=HOSTILE["impulse"], time_step=0.01)
     loop = Loop(excitation=excitation, structure=Structure(frequency=1.0, damping_ratio=0.02))
     cells = loop.cells(gain=[1.0, 1.0, 1.6], delay=[0.001, 0.02, 0.0])
-    _, known = plane(loop, cells)
-    assert known.tolist() == [True, False, False]
+    _, reference = plane(loop, cells)
+    assert reference.tolist() == [True, False, False]

@@ -33,7 +33,7 @@ MODEL_BASED = partial(AdaptiveModelBased, factors=(1.0, 0.02, 8.4e-5, 2e-7))
 MODEL = partial(
     UpdatedModel, name="model", test=HybridTest(structure=Structure(frequency=1.0, damping_ratio=0.05))
 )
-WITHOUT_SPECIMEN = HybridTest(structure=None, specimen=None)
+NO_SPECIMEN = HybridTest(structure=None, specimen=None)
 STILL = Motion3.interpolate(np.zeros(64), STEP)
 
 LAG = TransferFunction(numerator=(1.0,), denominator=(0.001, 1.0))
@@ -67,7 +67,7 @@ def laboratory(rig, **options):
         (lambda: PhaseLeadControl(lead=math.inf), "controller's lead must be finite and not negative"),
         (lambda: MODEL(deviations={"gain": -0.1}), "gain.* standard deviation must be 0 or positive"),
         (lambda: MODEL(deviations={"delay_s": math.inf}), "delay_s.* standard deviation must be finite"),
-        (lambda: load(WITHOUT_SPECIMEN, STILL), "A force needs a specimen"),
+        (lambda: load(NO_SPECIMEN, STILL), "A force needs a specimen"),
         (lambda: Sensors(force_noise=-1.0), "force noise of a sensor must be finite and not negative"),
         (lambda: Sensors(displacement_step=math.inf), "displacement step of a sensor must be finite"),
         (lambda: Limits(stroke=0.0), "limit of the rig's stroke must be positive"),
@@ -99,13 +99,13 @@ def laboratory(rig, **options):
         ),
     ],
 )
-def test_what_cannot_be_is_refused_by_its_own_rule(make, rule):
+def test_each_rule_refuses_its_violation(make, rule):
     with pytest.raises(InputError, match=rule):
         make()
 
 
 @pytest.mark.parametrize(
-    ("held", "rule"),
+    ("content", "rule"),
     [
         ({"num": np.array(["a"], dtype=object), "den": [1.0, 1.0]}, "a full matrix of numbers"),
         ({"num": [math.nan], "den": [1.0, 1.0]}, "finite"),
@@ -113,13 +113,13 @@ def test_what_cannot_be_is_refused_by_its_own_rule(make, rule):
         ({"A": [[-1e200]], "B": [[1e200]], "C": [[1e200]], "D": [[0.0]]}, "are too large"),
     ],
 )
-def test_variables_of_a_matlab_file_are_numbers_of_their_kind(tmp_path, held, rule):
-    scipy.io.savemat(tmp_path / "plant.mat", held)
+def test_variables_of_a_matlab_file_are_numbers_of_their_kind(tmp_path, content, rule):
+    scipy.io.savemat(tmp_path / "plant.mat", content)
     with pytest.raises(InputError, match=rule):
         read_matlab(tmp_path / "plant.mat")
 
 
-def test_a_frame_whose_numbers_exceed_all_bounds_is_refused():
+def test_frame_with_unbounded_numbers_is_refused():
     tables = {
         "frame": {"masses_kg": [2e3, 2e3], "storey_stiffnesses_n_per_m": [1.5e308, 1.5e308]},
         "damping": {"ratio": 0.03},

@@ -40,8 +40,8 @@ def grid(loop: Loop):
 
 def precise_cells(loop, driven):
     """Tell for which cells single precision is enough."""
-    stepped = DriveResponse.step_through(loop.blocks, loop.driven_record, driven)
-    _, precise = drive_stepping.deviation(loop.blocks, loop.driven_record, driven, stepped)
+    time_history = DriveResponse.step_through(loop.blocks, loop.driven_record, driven)
+    _, precise = drive_stepping.deviation(loop.blocks, loop.driven_record, driven, time_history)
     return precise
 
 
@@ -50,10 +50,12 @@ def differences(loop, cells):
     (late,) = cells.recursions(loop.blocks.step)
     assert cells.driven(loop.blocks.step, late).place.size == cells.gain.size
     ours, oracle = loop.deviation(cells), pole_recursion.deviation(loop.blocks, late.coefficients)
-    moved = oracle.mean_square > 1e-18 * loop.blocks.ideal_peak**2
-    assert moved.sum() >= 24
-    squares = np.sqrt(ours.mean_square[moved] / oracle.mean_square[moved])
-    return np.abs(squares - 1.0).max(), np.abs(ours.peak[moved] / oracle.peak[moved] - 1.0).max()
+    displacement = oracle.mean_square > 1e-18 * loop.blocks.ideal_peak**2
+    assert displacement.sum() >= 24
+    squares = np.sqrt(ours.mean_square[displacement] / oracle.mean_square[displacement])
+    return np.abs(squares - 1.0).max(), np.abs(
+        ours.peak[displacement] / oracle.peak[displacement] - 1.0
+    ).max()
 
 
 @pytest.mark.parametrize("name", HOSTILE)
@@ -138,10 +140,10 @@ def test_peak_at_the_begin_of_a_window_is_not_extrapolated(engine):
     """The deviation of a resonant record falls from the first sample of this window on."""
     excitation = Excitation(acceleration=HOSTILE["impulse"], time_step=0.01, window=(3.42, 3.57))
     loop = Loop(excitation=excitation, structure=Structure(frequency=1.0, damping_ratio=0.03), engine=engine)
-    whole = replace(loop, excitation=replace(excitation, window=(0.0, 3.42)))
+    complete = replace(loop, excitation=replace(excitation, window=(0.0, 3.42)))
     cells = loop.cells(gain=1.0, delay=0.0045)
-    histories = response(whole.blocks, loop.structure, 1.0, 0.0045)
-    first = abs(histories[1, -1] - whole.blocks.ideal[-1])
+    histories = response(complete.blocks, loop.structure, 1.0, 0.0045)
+    first = abs(histories[1, -1] - complete.blocks.ideal[-1])
     assert loop.deviation(cells).peak[0] == pytest.approx(first, rel=2e-3)
 
 

@@ -38,7 +38,7 @@ def test_gain_and_delay_of_lags_and_leads_come_back(window):
     assert phase / (2.0 * np.pi * sums.equivalent_frequency) == pytest.approx(DELAY, abs=3e-4)
 
 
-def test_a_record_that_begins_later_has_the_same_sums_over_a_window_that_does():
+def test_later_record_has_same_sums_over_later_window():
     """0.7 s of the strongest motion; the taper ends where the window does."""
     early, late = (
         sums_of(RECORD, (11.0, 11.7)),
@@ -80,13 +80,13 @@ def pairs_of_poles():
 def displacement(coefficients, edges):
     """Sum of both pairs at the end of each block but the first, shape (lanes, blocks − 1)."""
     drives = np.concatenate([edges[:, 1:], edges[:, :-1]])
-    moved = []
+    displacement = []
     for lane in coefficients.T:
         both = [
             signal.lfilter([1.0], [1.0, -pair[0], -pair[1]], pair[2:] @ drives) for pair in lane.reshape(2, 6)
         ]
-        moved.append(np.sum(both, axis=0))
-    return np.array(moved)
+        displacement.append(np.sum(both, axis=0))
+    return np.array(displacement)
 
 
 def earlier(values, steps):
@@ -95,17 +95,17 @@ def earlier(values, steps):
 
 def test_sums_are_those_of_filtered_histories():
     straight, aside, ahead = RNG.standard_normal((3, 2, SIZE - 1))
-    command, measured = pairs_of_poles(), pairs_of_poles()
+    command, reading = pairs_of_poles(), pairs_of_poles()
     taper = np.sin(np.pi * np.arange(WINDOW) / (WINDOW - 1)) ** 2
-    found = _accumulate(straight, aside, ahead, taper, BEFORE, command, measured)
-    x, q, reached = (
+    result = _accumulate(straight, aside, ahead, taper, BEFORE, command, reading)
+    x, q, reach = (
         displacement(command, straight),
         displacement(command, aside),
-        displacement(measured, ahead),
+        displacement(reading, ahead),
     )
     weight = np.zeros(SIZE - 2)
     weight[BEFORE - 2 :] = taper
-    turned = [q * earlier(x, steps) - x * earlier(q, steps) for steps in (1, 2)]
-    expected = [reached * x, -reached * q, 0.5 * (x**2 + q**2), 0.5 * turned[0], 0.5 * turned[1]]
-    for row, history in zip(found, expected, strict=True):
+    rotation = [q * earlier(x, steps) - x * earlier(q, steps) for steps in (1, 2)]
+    expected = [reach * x, -reach * q, 0.5 * (x**2 + q**2), 0.5 * rotation[0], 0.5 * rotation[1]]
+    for row, history in zip(result, expected, strict=True):
         assert row == pytest.approx(history @ weight, rel=1e-9, abs=1e-9)

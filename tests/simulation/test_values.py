@@ -50,10 +50,10 @@ def test_window(window):
 
 def test_the_record_since_a_time_has_the_same_samples_in_its_window():
     record = np.arange(1001.0)
-    whole = Excitation(acceleration=record, time_step=0.01, window=(6.003, 8.5))
-    later = whole.since(4.0)
+    complete = Excitation(acceleration=record, time_step=0.01, window=(6.003, 8.5))
+    later = complete.since(4.0)
     left_out = record.size - later.acceleration.size
     assert left_out == 399
     assert later.acceleration[0] == record[left_out]
     assert later.window == pytest.approx((6.003 - 3.99, 8.5 - 3.99))
-    assert whole.since(-1.0).acceleration.size == record.size
+    assert complete.since(-1.0).acceleration.size == record.size

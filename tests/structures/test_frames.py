@@ -7,7 +7,7 @@ from reliab.core.errors import InputError
 from reliab.structures.frame import Frame, exact_step, modal_damping, rayleigh_damping, square_matrix
 from reliab.structures.planar_frame import PlanarFrame, shear_frame
 
-PUBLISHED = np.array(
+REFERENCE_STIFFNESS = np.array(
     [
         [26054883.879603837, -23133938.877108198, 5937035.463339146],
         [-23133938.877108198, 32560774.186380334, -14419970.777236981],
@@ -26,7 +26,7 @@ def test_benchmark_stiffness_follows_from_six_numbers():
         storey_height=0.635,
         bay_width=0.762,
     )
-    np.testing.assert_allclose(frame.lateral_stiffness(), PUBLISHED, rtol=1e-10)
+    np.testing.assert_allclose(frame.lateral_stiffness(), REFERENCE_STIFFNESS, rtol=1e-10)
 
 
 def test_planar_frame_with_rigid_beams_is_a_shear_frame_and_a_fixed_base_is_four_times_stiffer():
@@ -37,11 +37,11 @@ def test_planar_frame_with_rigid_beams_is_a_shear_frame_and_a_fixed_base_is_four
         "column_inertia": 1e-6,
         "beam_inertia": 1e6,
     }
-    pinned = PlanarFrame(**rigid, storey_height=3.0, bay_width=6.0).lateral_stiffness()
+    pinned_frame = PlanarFrame(**rigid, storey_height=3.0, bay_width=6.0).lateral_stiffness()
     fixed = PlanarFrame(**rigid, storey_height=3.0, bay_width=6.0, fixed_base=True).lateral_stiffness()
     column = 2e11 * 1e-6 / 27.0
     np.testing.assert_allclose(fixed, shear_frame([1, 1], [24 * column, 24 * column])[1], rtol=1e-6)
-    np.testing.assert_allclose(pinned, shear_frame([1, 1], [6 * column, 24 * column])[1], rtol=1e-6)
+    np.testing.assert_allclose(pinned_frame, shear_frame([1, 1], [6 * column, 24 * column])[1], rtol=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -55,7 +55,7 @@ def test_planar_frame_with_rigid_beams_is_a_shear_frame_and_a_fixed_base_is_four
         ("storeys", 10_000, "displacements and rotations at most"),
     ],
 )
-def test_planar_frame_that_no_computer_can_solve_is_refused(field, value, rule):
+def test_unsolvable_planar_frame_is_refused(field, value, rule):
     frame = {
         "storeys": 2,
         "bays": 1,
@@ -88,14 +88,14 @@ def test_damping_ratios_come_back():
     np.testing.assert_allclose(frame.damping_ratios[[0, 2]], [0.02, 0.04], rtol=1e-10)
 
 
-def test_rayleigh_damping_that_would_drive_a_mode_is_refused_and_the_least_that_does_not_is_taken():
+def test_negative_rayleigh_damping_is_refused():
     """At 1 and 2 rad/s with ζ and 4ζ: ζ(ω) = ½(a₀/ω + a₁ω) falls below zero only under 0.76 rad/s."""
     ratios, frequencies = (0.01, 0.04), (1.0 / (2.0 * np.pi), 2.0 / (2.0 * np.pi))
-    on_mass, on_stiffness = np.linalg.solve(0.5 * np.array([[1.0, 1.0], [0.5, 2.0]]), ratios)
-    limit = np.sqrt(-on_mass / on_stiffness)
+    mass_factor, stiffness_factor = np.linalg.solve(0.5 * np.array([[1.0, 1.0], [0.5, 2.0]]), ratios)
+    limit = np.sqrt(-mass_factor / stiffness_factor)
     for omega in (1.01 * limit, 3.0):
         damping = rayleigh_damping([[2.0]], [[2.0 * omega**2]], ratios, frequencies)
-        assert damping[0, 0] == pytest.approx(2.0 * (on_mass + on_stiffness * omega**2))
+        assert damping[0, 0] == pytest.approx(2.0 * (mass_factor + stiffness_factor * omega**2))
     with pytest.raises(InputError, match="every mode a positive damping ratio"):
         rayleigh_damping([[2.0]], [[2.0 * (0.99 * limit) ** 2]], ratios, frequencies)
 
@@ -108,7 +108,7 @@ def test_poles_are_those_of_the_modes():
 
 
 @pytest.mark.parametrize(
-    ("changed", "sentence"),
+    ("variant", "sentence"),
     [
         ({"stiffness": [[2.0, -1.0], [-1.5, 1.0]]}, "stiffness matrix must be symmetric"),
         ({"stiffness": [[1.0, -1.0], [-1.0, 1.0]]}, "stiffness matrix must be positive definite"),
@@ -122,10 +122,10 @@ def test_poles_are_those_of_the_modes():
         ({"names": ("roof", "roof")}, "different names"),
     ],
 )
-def test_bad_matrices_are_refused(changed, sentence):
+def test_bad_matrices_are_refused(variant, sentence):
     sound = {"mass": np.eye(2), "damping": np.zeros((2, 2)), "stiffness": [[2.0, -1.0], [-1.0, 1.0]]}
     with pytest.raises(InputError, match=sentence):
-        Frame(**(sound | changed))
+        Frame(**(sound | variant))
 
 
 def test_an_unknown_degree_of_freedom_is_refused_with_those_there_are():
@@ -163,7 +163,7 @@ def test_symmetry_is_judged_by_the_matrix_s_own_size(unit):
 
 def test_several_loads_have_the_effects_of_each_alone():
     dynamics, loads = np.array([[0.0, 1.0], [-9.0, -0.3]]), np.array([[0.0, 1.0, 2.0], [1.0, 0.0, -3.0]])
-    together = exact_step(dynamics, loads, 0.1)
-    alone = [exact_step(dynamics, load[:, np.newaxis], 0.1) for load in loads.T]
+    joint = exact_step(dynamics, loads, 0.1)
+    separate = [exact_step(dynamics, load[:, np.newaxis], 0.1) for load in loads.T]
     for place in (1, 2):
-        np.testing.assert_allclose(together[place], np.hstack([each[place] for each in alone]), rtol=1e-12)
+        np.testing.assert_allclose(joint[place], np.hstack([item[place] for item in separate]), rtol=1e-12)

@@ -27,29 +27,29 @@ def modes_of(mass, damping, stiffness):
 
 
 def test_a_storey_of_a_shear_frame_is_stiffer():
-    changed = change_matrices(
+    variant = change_matrices(
         MASS, DAMPING, STIFFNESS, {"storey_stiffness_2": 0.1, "storey_stiffness_3": -0.2}
     )[2]
-    np.testing.assert_allclose(changed, shear_frame(MASSES, [9e5, 7.7e5, 4e5])[1], rtol=1e-12)
+    np.testing.assert_allclose(variant, shear_frame(MASSES, [9e5, 7.7e5, 4e5])[1], rtol=1e-12)
 
 
 def test_all_storeys_are_stiffer_alike():
-    changed = change_matrices(MASS, DAMPING, STIFFNESS, {"storey_stiffness": 0.1})[2]
-    np.testing.assert_allclose(changed, 1.1 * STIFFNESS, rtol=1e-12)
+    variant = change_matrices(MASS, DAMPING, STIFFNESS, {"storey_stiffness": 0.1})[2]
+    np.testing.assert_allclose(variant, 1.1 * STIFFNESS, rtol=1e-12)
 
 
 def test_a_floor_is_heavier():
-    changed = change_matrices(MASS, DAMPING, STIFFNESS, {"floor_mass_1": 0.25})[0]
-    np.testing.assert_allclose(changed, np.diag([1500.0, 1000.0, 700.0]), rtol=1e-12)
+    variant = change_matrices(MASS, DAMPING, STIFFNESS, {"floor_mass_1": 0.25})[0]
+    np.testing.assert_allclose(variant, np.diag([1500.0, 1000.0, 700.0]), rtol=1e-12)
 
 
 def test_a_dashpot_of_a_storey_is_stronger():
     dashpots = shear_frame(MASSES, [900.0, 700.0, 500.0])[1]
-    changed = change_matrices(MASS, dashpots, STIFFNESS, {"storey_damping_1": 0.5, "damping": 0.1})[1]
-    np.testing.assert_allclose(changed, 1.1 * shear_frame(MASSES, [1350.0, 700.0, 500.0])[1], rtol=1e-12)
+    variant = change_matrices(MASS, dashpots, STIFFNESS, {"storey_damping_1": 0.5, "damping": 0.1})[1]
+    np.testing.assert_allclose(variant, 1.1 * shear_frame(MASSES, [1350.0, 700.0, 500.0])[1], rtol=1e-12)
 
 
-def test_damping_that_no_storeys_make_stays_dissipative():
+def test_damping_without_storeys_stays_dissipative():
     changes = {"storey_damping_1": 0.9, "storey_damping_2": -0.9}
     assert np.linalg.eigvalsh(change_matrices(MASS, DAMPING, STIFFNESS, changes)[1]).min() > 0.0
 
@@ -57,22 +57,22 @@ def test_damping_that_no_storeys_make_stays_dissipative():
 def test_modes_have_other_frequencies_and_ratios_and_the_same_shapes():
     changes = {"mode_frequency_1": 0.05, "mode_damping_ratio_3": 0.4, "mode_damping_ratio_1": -0.1}
     omega, ratios, shapes = modes_of(MASS, DAMPING, STIFFNESS)
-    found = modes_of(*change_matrices(MASS, DAMPING, STIFFNESS, changes))
-    np.testing.assert_allclose(found[0], omega * [1.05, 1.0, 1.0], rtol=1e-10)
-    np.testing.assert_allclose(found[1], ratios * [0.9, 1.0, 1.4], rtol=1e-10)
-    np.testing.assert_allclose(np.abs(found[2]), np.abs(shapes), atol=1e-8)
+    result = modes_of(*change_matrices(MASS, DAMPING, STIFFNESS, changes))
+    np.testing.assert_allclose(result[0], omega * [1.05, 1.0, 1.0], rtol=1e-10)
+    np.testing.assert_allclose(result[1], ratios * [0.9, 1.0, 1.4], rtol=1e-10)
+    np.testing.assert_allclose(np.abs(result[2]), np.abs(shapes), atol=1e-8)
 
 
-def test_what_is_not_named_stays():
-    for before, after in zip(
+def test_unnamed_parts_stay():
+    for first, second in zip(
         (MASS, DAMPING, STIFFNESS), change_matrices(MASS, DAMPING, STIFFNESS, {}), strict=True
     ):
-        assert after is before or (after == before).all()
+        assert second is first or (second == first).all()
 
 
-def test_a_stronger_specimen_leaves_what_the_computer_has():
+def test_stronger_specimen_leaves_numerical_part():
     interface = np.array([-1.0, 1.0, 0.0])
-    whole = Partition(
+    complete = Partition(
         mass=MASS,
         damping=DAMPING,
         stiffness=STIFFNESS,
@@ -81,14 +81,15 @@ def test_a_stronger_specimen_leaves_what_the_computer_has():
         specimen_damping=20.0,
         specimen_mass=10.0,
     )
-    changed = whole.change_parts({"specimen_stiffness": 0.2})
+    variant = complete.change_parts({"specimen_stiffness": 0.2})
     grid = np.outer(interface, interface)
-    assert changed.specimen_stiffness == pytest.approx(3.6e5)
+    assert variant.specimen_stiffness == pytest.approx(3.6e5)
     for name in ("mass", "damping", "stiffness"):
-        of_computer = [
-            getattr(one, name) - getattr(one, f"specimen_{name}")[0, 0] * grid for one in (whole, changed)
+        numerical_part = [
+            getattr(single, name) - getattr(single, f"specimen_{name}")[0, 0] * grid
+            for single in (complete, variant)
         ]
-        np.testing.assert_allclose(*of_computer, rtol=1e-12)
+        np.testing.assert_allclose(*numerical_part, rtol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -107,14 +108,14 @@ def test_names_of_parts(name, expected):
 
 
 def test_entries_are_off_with_those_opposite_to_them():
-    changed = change_matrices(MASS, DAMPING, STIFFNESS, {"stiffness_entry_1_2_3_3": 0.01})[2] - STIFFNESS
+    variant = change_matrices(MASS, DAMPING, STIFFNESS, {"stiffness_entry_1_2_3_3": 0.01})[2] - STIFFNESS
     expected = np.zeros((3, 3))
     expected[0, 1] = expected[1, 0] = 0.01 * STIFFNESS[0, 1]
     expected[2, 2] = 0.01 * STIFFNESS[2, 2]
-    np.testing.assert_allclose(changed, expected, atol=1e-9)
+    np.testing.assert_allclose(variant, expected, atol=1e-9)
 
 
 def test_entries_leave_a_structure():
     stiffness = np.array([[1.05, -1.0], [-1.0, 1.0]])
-    changed = change_matrices(np.eye(2), np.zeros((2, 2)), stiffness, {"stiffness_entry_1_2": 0.2})[2]
-    assert 0.0 < np.linalg.eigvalsh(changed)[0] < np.linalg.eigvalsh(stiffness)[0]
+    variant = change_matrices(np.eye(2), np.zeros((2, 2)), stiffness, {"stiffness_entry_1_2": 0.2})[2]
+    assert 0.0 < np.linalg.eigvalsh(variant)[0] < np.linalg.eigvalsh(stiffness)[0]

@@ -21,14 +21,14 @@ READING = find_effect("sensor_bias")(bias_m=0.001)
 SCALES = {"displacement": 2.0, "velocity": 3.0, "acceleration": 5.0, "force": 7.0, "duration": 11.0}
 
 
-def parameter(**changed):
+def parameter(**variant):
     words = {"name": "force_n", "units": "N", "meaning": "a force", "starts": (1.0,)}
-    return Parameter(**{**words, "lower": 0.1, "upper": 2.0, **changed})
+    return Parameter(**{**words, "lower": 0.1, "upper": 2.0, **variant})
 
 
-def partition(**changed):
+def partition(**variant):
     parts = {"frame": PARTITION.frame, "interface": PARTITION.direction, "specimen": PARTITION.specimen}
-    return Partition.from_frame(**{**parts, **changed})
+    return Partition.from_frame(**{**parts, **variant})
 
 
 @pytest.mark.parametrize(
@@ -84,7 +84,7 @@ def partition(**changed):
         (lambda: parameter(lower=0.0), "lower bound of force_n must be positive"),
     ],
 )
-def test_what_cannot_be_is_refused_by_its_own_rule(make, rule):
+def test_each_rule_refuses_its_violation(make, rule):
     with pytest.raises(InputError, match=rule):
         make()
 

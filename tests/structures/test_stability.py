@@ -64,14 +64,14 @@ def test_stepping_engine_decays_below_and_grows_above_the_limit(
     blocks = cut(Excitation(acceleration=pulse, time_step=0.01 / frequency), structure)
 
     def growth(delay: float) -> float:
-        measured = delay_stepper.response(blocks, structure, gain, delay)[1]
-        third = measured.size // 3
-        return float(np.abs(measured[2 * third :]).max() / np.abs(measured[third : 2 * third]).max())
+        reading = delay_stepper.response(blocks, structure, gain, delay)[1]
+        third = reading.size // 3
+        return float(np.abs(reading[2 * third :]).max() / np.abs(reading[third : 2 * third]).max())
 
     assert growth(0.98 * limit) < 1.0 < growth(1.02 * limit)
 
 
-def coupled_corner(specimen_damping=0.0):
+def corner_partition(specimen_damping=0.0):
     stiffness = np.array([[3.2e6, -4e5, -1.2e6], [-4e5, 9e5, 2e5], [-1.2e6, 2e5, 1.2e6]])
     mass = np.diag([4000.0, 40.0, 3000.0])
     interface = np.eye(3)[:, :2]
@@ -102,20 +102,20 @@ def rightmost_root(partition, gains, delay, nodes=24):
     late = np.block([[np.zeros((size, 2 * size))], [-inverse @ kg, -inverse @ cg]])
     places = np.cos(np.pi * np.arange(nodes + 1) / nodes)
     weights = np.where(np.arange(nodes + 1) % nodes == 0, 2.0, 1.0) * (-1.0) ** np.arange(nodes + 1)
-    apart = places[:, None] - places + np.eye(nodes + 1)
-    differentiation = np.outer(weights, 1.0 / weights) / apart
+    separate = places[:, None] - places + np.eye(nodes + 1)
+    differentiation = np.outer(weights, 1.0 / weights) / separate
     differentiation -= np.diag(differentiation.sum(axis=1))
-    whole = np.kron(2.0 / delay * differentiation, np.eye(2 * size))
-    whole[: 2 * size] = 0.0
-    whole[: 2 * size, : 2 * size], whole[: 2 * size, -2 * size :] = now, late
-    roots = np.linalg.eigvals(whole)
+    complete = np.kron(2.0 / delay * differentiation, np.eye(2 * size))
+    complete[: 2 * size] = 0.0
+    complete[: 2 * size, : 2 * size], complete[: 2 * size, -2 * size :] = now, late
+    roots = np.linalg.eigvals(complete)
     return roots[np.argmax(roots.real)]
 
 
 @pytest.mark.parametrize("specimen_damping", [0.0, 1e-4])
 @pytest.mark.parametrize("gains", [np.eye(2), np.array([[0.97, 0.05], [-0.04, 1.02]])])
 def test_critical_delay_is_where_a_root_crosses(specimen_damping, gains):
-    partition = coupled_corner(specimen_damping)
+    partition = corner_partition(specimen_damping)
     limit = stability_limit(partition, gains)
     root = rightmost_root(partition, gains, limit.delay)
     assert abs(root.real) < 1e-6 * abs(root)
@@ -163,6 +163,6 @@ def test_degrees_without_mass_follow_by_statics():
         interface=np.eye(3)[:, :1],
         specimen_stiffness=np.array([[5e3]]),
     )
-    condensed = stiffness[np.ix_([0, 2], [0, 2])] - np.outer(stiffness[[0, 2], 1], stiffness[1, [0, 2]]) / 2e4
-    expected = np.sqrt(np.sort(np.linalg.eigvals(np.linalg.solve(np.diag([10.0, 5.0]), condensed)).real))
+    reduction = stiffness[np.ix_([0, 2], [0, 2])] - np.outer(stiffness[[0, 2], 1], stiffness[1, [0, 2]]) / 2e4
+    expected = np.sqrt(np.sort(np.linalg.eigvals(np.linalg.solve(np.diag([10.0, 5.0]), reduction)).real))
     np.testing.assert_allclose(2.0 * np.pi * partition.natural_frequencies, expected, rtol=1e-10)

@@ -10,7 +10,7 @@ from reliab.study.running import open_study, read_study
 
 
 @pytest.mark.of_studies
-def test_every_shipped_study_is_valid_and_says_what_it_is_for():
+def test_every_shipped_study_is_valid_and_states_its_purpose():
     assert "quick" in folders_of_studies()
     for study in map(open_study, folders_of_studies()):
         assert study.title
@@ -18,7 +18,7 @@ def test_every_shipped_study_is_valid_and_says_what_it_is_for():
 
 
 @pytest.mark.parametrize(
-    ("content", "named"),
+    ("content", "labels"),
     [
         ('title = "x"', "kind"),
         ('title = "x"\nkind = "criterion"\n[structures]\nf = []', r"structures\.f: at least one value"),
@@ -64,15 +64,15 @@ def test_every_shipped_study_is_valid_and_says_what_it_is_for():
         ("title = ", "TOML"),
     ],
 )
-def test_faults_are_named_with_their_key(tmp_path, content, named):
+def test_faults_are_named_with_their_key(tmp_path, content, labels):
     path = tmp_path / "study.toml"
     path.write_text(content, encoding="utf-8")
-    with pytest.raises(InputError, match=named):
+    with pytest.raises(InputError, match=labels):
         read_study(path)
 
 
 @pytest.mark.of_studies
-def test_a_study_that_is_not_there_is_said_to_be_missing(tmp_path):
+def test_missing_study_is_reported(tmp_path):
     with pytest.raises(InputError, match="--list"):
         read_study(tmp_path / "none.toml")
     with pytest.raises(InputError, match="quick"):
@@ -82,10 +82,10 @@ def test_a_study_that_is_not_there_is_said_to_be_missing(tmp_path):
 @pytest.mark.of_studies
 def test_other_motions_change_the_digest_and_displace_stored_results():
     study = open_study("quick")
-    other: Any = study.replace_motions(["elsewhere"], None)
-    assert other.motions.sources == ("elsewhere",)
-    assert other.motions.results is None
-    assert other.digest() != study.digest()
+    second: Any = study.replace_motions(["elsewhere"], None)
+    assert second.motions.sources == ("elsewhere",)
+    assert second.motions.results is None
+    assert second.digest() != study.digest()
 
 
 @pytest.mark.of_studies

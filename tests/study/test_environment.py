@@ -15,21 +15,21 @@ PROJECT = Path(__file__).resolve().parents[2] / "pyproject.toml"
 
 
 def test_every_dependency_is_listed_with_its_version():
-    needed = tomllib.loads(PROJECT.read_text())["project"]["dependencies"]
-    names = {re.match(r"[\w.-]+", line)[0] for line in needed}
-    listed = environment()["packages"]
-    assert names <= set(listed)
-    assert all(listed[name] == version(name) for name in names)
+    requirements = tomllib.loads(PROJECT.read_text())["project"]["dependencies"]
+    names = {re.match(r"[\w.-]+", line)[0] for line in requirements}
+    listing = environment()["packages"]
+    assert names <= set(listing)
+    assert all(listing[name] == version(name) for name in names)
 
 
 def test_the_processor_and_the_system_are_named():
-    described = environment()
-    assert all(described[name] for name in ("python", "system", "processor"))
+    description = environment()
+    assert all(description[name] for name in ("python", "system", "processor"))
 
 
 @pytest.mark.parametrize("text", ["vendor: x\nmodel name\t: Quick  3000 \nflags\t: fpu", "no such line\n"])
-def test_the_processor_has_the_name_that_the_system_states(tmp_path, monkeypatch, text):
+def test_processor_has_the_name_of_the_system(tmp_path, monkeypatch, text):
     (tmp_path / "cpuinfo").write_text(text, encoding="utf-8")
     monkeypatch.setattr(module, "_PROCESSORS", tmp_path / "cpuinfo")
-    named = vars(module)["_processor"].__wrapped__()
-    assert named == ("Quick  3000" if "Quick" in text else platform.processor() or platform.machine())
+    labels = vars(module)["_processor"].__wrapped__()
+    assert labels == ("Quick  3000" if "Quick" in text else platform.processor() or platform.machine())

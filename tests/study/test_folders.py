@@ -25,7 +25,7 @@ pytestmark = pytest.mark.of_studies
 STUDIES = shipped_folder("studies")
 
 
-def written(folder: Path) -> Path:
+def write_study(folder: Path) -> Path:
     """Write the study of one's own that studies/README.md shows."""
     text = (STUDIES / "README.md").read_text(encoding="utf-8")
     (code,) = re.findall(r"```python\n(.*?)```", text, flags=re.DOTALL)
@@ -36,8 +36,8 @@ def written(folder: Path) -> Path:
     return folder
 
 
-def test_the_study_that_the_page_shows_runs(tmp_path, text_of):
-    study = open_study(written(tmp_path / "my_study"))
+def test_study_of_the_documentation_runs(tmp_path, text_of):
+    study = open_study(write_study(tmp_path / "my_study"))
     run_study(study, tmp_path / "run")
     text = text_of(KINDS[study.kind].report(study, tmp_path / "run"))
     assert re.search(r"The strongest of \d+ motions has \d+\.\d m/s", text)
@@ -46,36 +46,36 @@ def test_the_study_that_the_page_shows_runs(tmp_path, text_of):
 @pytest.mark.parametrize("name", [name for name, folder in folders_of_studies().items() if kind_of(folder)])
 def test_a_copy_under_another_name_is_a_study_of_its_own(name, tmp_path):
     """Its modules import one another relatively, so that the copy's own code is used."""
-    copied = tmp_path / f"my_{name}"
-    shutil.copytree(STUDIES / name, copied, ignore=shutil.ignore_patterns("__pycache__"))
-    kind = kind_of(copied)
+    duplicate = tmp_path / f"my_{name}"
+    shutil.copytree(STUDIES / name, duplicate, ignore=shutil.ignore_patterns("__pycache__"))
+    kind = kind_of(duplicate)
     assert kind.name == KINDS[kind.name].name
-    assert Path(kind.stages.__code__.co_filename).parent == copied.resolve()
+    assert Path(kind.stages.__code__.co_filename).parent == duplicate.resolve()
 
 
 @pytest.mark.parametrize(
-    ("code", "said"),
+    ("code", "messages"),
     [
         ("KIND = 1", "must define KIND"),
         ("import nothing_of_this_name", "cannot be imported"),
         ("KIND = (", "cannot be imported"),
     ],
 )
-def test_code_that_is_no_study_is_refused_with_its_place(code, said, tmp_path):
-    folder = written(tmp_path / "my_study")
+def test_invalid_study_code_is_refused_with_its_place(code, messages, tmp_path):
+    folder = write_study(tmp_path / "my_study")
     (folder / "kind.py").write_text(code, encoding="utf-8")
-    with pytest.raises(InputError, match=said) as refusal:
+    with pytest.raises(InputError, match=messages) as refusal:
         open_study(folder)
     assert str(folder) in str(refusal.value)
 
 
 @pytest.fixture
-def shipped(tmp_path, monkeypatch):
+def study_folders(tmp_path, monkeypatch):
     """A sound study and one whose code raises, in place of those that ship; the folder of the studies."""
     studies = tmp_path / "studies"
     studies.mkdir()
-    written(studies / "sound")
-    broken = written(studies / "broken")
+    write_study(studies / "sound")
+    broken = write_study(studies / "broken")
     (broken / "kind.py").write_text("raise RuntimeError('broken')", encoding="utf-8")
     (broken / "study.toml").write_text('kind = "broken"\ntitle = "Broken"', encoding="utf-8")
     monkeypatch.setattr(folders, "_studies_root", lambda: studies)
@@ -83,7 +83,7 @@ def shipped(tmp_path, monkeypatch):
     return studies
 
 
-@pytest.mark.usefixtures("shipped")
+@pytest.mark.usefixtures("study_folders")
 def test_a_broken_study_breaks_no_other():
     assert [row["name"] for row in list_shipped()] == ["broken", "sound"]
     assert open_study("sound").kind == "peaks"
@@ -91,20 +91,20 @@ def test_a_broken_study_breaks_no_other():
         open_study("broken")
 
 
-def test_a_study_whose_file_is_broken_breaks_no_other(shipped):
-    (shipped / "broken" / "study.toml").write_text("kind = ", encoding="utf-8")
+def test_broken_study_file_breaks_no_other(study_folders):
+    (study_folders / "broken" / "study.toml").write_text("kind = ", encoding="utf-8")
     assert [row["kind"] for row in list_shipped()] == ["", "peaks"]
     assert open_study("sound").kind == "peaks"
 
 
-@pytest.mark.usefixtures("shipped")
+@pytest.mark.usefixtures("study_folders")
 def test_a_study_runs_twice_into_a_folder_of_its_own_name(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     first, second = (studies.run_study("sound", out="sound").stages for _ in range(2))
     assert (set(first.values()), set(second.values())) == ({True}, {False})
 
 
-def test_only_the_study_that_runs_is_imported():
+def test_only_the_running_study_is_imported():
     code = (
         "import sys; from reliab.study.running import list_shipped, open_study; list_shipped(); "
         "open_study('table2_audit'); "
@@ -130,14 +130,14 @@ def test_a_folder_of_its_name_does_not_hide_a_study(name, tmp_path, monkeypatch)
     ],
 )
 def test_examples_in_studies_run(module):
-    failed, tried = doctest.testmod(
+    failure, trial = doctest.testmod(
         import_module(module), optionflags=doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS
     )
-    assert tried > 0
-    assert failed == 0
+    assert trial > 0
+    assert failure == 0
 
 
-ASKED = """
+SCRIPT = """
 import sys
 from reliab.app.cli import run
 print([run(arguments.split()) for arguments in sys.argv[1:]], file=sys.stderr)
@@ -145,13 +145,13 @@ print([run(arguments.split()) for arguments in sys.argv[1:]], file=sys.stderr)
 
 
 @pytest.fixture
-def answered(tmp_path, request):
+def answers(tmp_path, request):
     """What commands say in a checkout that has no folder of studies."""
     checkout, product = tmp_path, Path(reliab.__file__).parent
     for folder in (product, product.parent / "datasets"):
         (checkout / folder.name).symlink_to(folder)
     return subprocess.run(  # noqa: S603 - our own words
-        [sys.executable, "-W", "error", "-c", ASKED, *request.param],
+        [sys.executable, "-W", "error", "-c", SCRIPT, *request.param],
         cwd=checkout,
         env={**os.environ, "PYTHONPATH": str(checkout)},
         capture_output=True,
@@ -161,22 +161,22 @@ def answered(tmp_path, request):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("answered", [["assess sample_test --f 1 --xi 0.02"]], indirect=True)
-def test_assessments_need_no_study(answered):
-    assert answered.stderr.splitlines()[-1] == "[0]"
-    assert "RELIABLE" in answered.stdout
+@pytest.mark.parametrize("answer", [["assess sample_test --f 1 --xi 0.02"]], indirect=True)
+def test_assessments_need_no_study(answer):
+    assert answer.stderr.splitlines()[-1] == "[0]"
+    assert "RELIABLE" in answer.stdout
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("answered", [["criterion --ellipses real_suite --f 1 --xi 0.02"]], indirect=True)
-def test_criteria_need_no_study(answered):
-    assert answered.stderr.splitlines()[-1] == "[0]"
-    assert "confidence" in answered.stdout
+@pytest.mark.parametrize("answer", [["criterion --ellipses real_suite --f 1 --xi 0.02"]], indirect=True)
+def test_criteria_need_no_study(answer):
+    assert answer.stderr.splitlines()[-1] == "[0]"
+    assert "confidence" in answer.stdout
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("answered", [["run --list", "run"]], indirect=True)
-def test_a_run_says_that_no_study_ships_and_what_to_name_instead(answered):
-    assert answered.stderr.splitlines()[-1] == "[0, 2]"
-    assert "none ships" in answered.stderr
-    assert "No study" in answered.stderr
+@pytest.mark.parametrize("answer", [["run --list", "run"]], indirect=True)
+def test_run_without_shipped_studies_gives_a_remedy(answer):
+    assert answer.stderr.splitlines()[-1] == "[0, 2]"
+    assert "none ships" in answer.stderr
+    assert "No study" in answer.stderr

@@ -89,7 +89,7 @@ def test_a_campaign_is_diagnosed_and_reported_from_the_folder_alone(tmp_path, te
     assert "held-out tests" in text
 
 
-def test_figures_that_fail_cost_a_diagnosis_nothing_else(tmp_path, monkeypatch):
+def test_failing_figures_leave_the_diagnosis(tmp_path, monkeypatch):
     def fail(*_args, **_kwargs):
         raise ValueError("Number of rows must be positive")
 
@@ -113,7 +113,7 @@ class Namespace:
 
 
 @pytest.mark.slow
-def test_what_blind_campaigns_showed_is_reported(tmp_path, text_of):
+def test_results_of_blind_campaigns_are_reported(tmp_path, text_of):
     study = open_study("blind_evaluation")
     run_study(study, tmp_path / "run")
     text = text_of_run(study, tmp_path / "run", text_of)

@@ -20,15 +20,15 @@ REASONS: dict[str, str] = {
 """Why a package may be used although its licence is not permissive."""
 
 
-def of_extra(extra):
+def packages_of_extra(extra):
     """Packages that an extra of ours brings on this Python."""
-    named = [Requirement(line) for line in requires("reliab") or ()]
+    labels = [Requirement(line) for line in requires("reliab") or ()]
     return sorted(
-        {item.name.lower() for item in named if item.marker and item.marker.evaluate({"extra": extra})}
+        {item.name.lower() for item in labels if item.marker and item.marker.evaluate({"extra": extra})}
     )
 
 
-def stated(name):
+def licence_of(name):
     """What a package states of its licence: an expression, classifiers, or the first line of a text."""
     about = metadata(name)
     classifiers = [line for line in about.get_all("Classifier") or () if line.startswith("License ::")]
@@ -49,14 +49,17 @@ def fault(licence):
 
 
 @pytest.mark.parametrize(
-    "name", sorted({*environment()["packages"], *of_extra("recordings"), *of_extra("records")})
+    "name",
+    sorted({*environment()["packages"], *packages_of_extra("recordings"), *packages_of_extra("records")}),
 )
 def test_every_package_has_a_permissive_licence_or_a_reason(name):
-    assert name in REASONS or not fault(stated(name)), f"{name}: {stated(name)!r} is {fault(stated(name))}"
+    assert name in REASONS or not fault(licence_of(name)), (
+        f"{name}: {licence_of(name)!r} is {fault(licence_of(name))}"
+    )
 
 
 @pytest.mark.parametrize(
-    ("licence", "what"),
+    ("licence", "label"),
     [
         ("", "unknown"),
         ("see the file", "unknown"),
@@ -67,8 +70,8 @@ def test_every_package_has_a_permissive_licence_or_a_reason(name):
         ("BSD-2-Clause AND Apache-2.0 WITH LLVM-exception", ""),
     ],
 )
-def test_a_licence_is_judged_by_all_its_parts(licence, what):
-    assert fault(licence) == what
+def test_a_licence_is_judged_by_all_its_parts(licence, label):
+    assert fault(licence) == label
 
 
 def test_a_package_is_listed_once_whatever_its_spelling():

@@ -27,16 +27,16 @@ pytestmark = pytest.mark.usefixtures("blank_figures")
 
 
 @pytest.fixture(scope="module")
-def shown():
+def progress_calls():
     """Tasks that a run has shown, with the calls of the progress of each."""
     return {}
 
 
 @pytest.fixture(scope="module")
-def finished_once(tmp_path_factory, small_study, shown, blank_figures):  # noqa: ARG001 - before it
+def complete_run(tmp_path_factory, small_study, progress_calls, blank_figures):  # noqa: ARG001 - before it
     @contextmanager
     def show(task):
-        calls = shown.setdefault(task, [])
+        calls = progress_calls.setdefault(task, [])
         yield lambda *call: calls.append(call)
 
     folder = tmp_path_factory.mktemp("finished") / "run"
@@ -45,94 +45,94 @@ def finished_once(tmp_path_factory, small_study, shown, blank_figures):  # noqa:
 
 
 @pytest.fixture
-def finished(finished_once, tmp_path):
-    return shutil.copytree(finished_once, tmp_path / "run")
+def run_copy(complete_run, tmp_path):
+    return shutil.copytree(complete_run, tmp_path / "run")
 
 
 def stages_of(study, folder):
-    done = {}
-    run_study(study, folder, tell=done.__setitem__)
-    return {name for name, worked in done.items() if worked}
+    finished_stages = {}
+    run_study(study, folder, tell=finished_stages.__setitem__)
+    return {name for name, success in finished_stages.items() if success}
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("finished_once")
-def test_every_long_task_is_shown_in_words_and_to_its_end(shown):
-    assert "Cross-validating, k fold" in shown
-    assert not [task for task in shown if "_" in task]
-    assert all(calls[-1][0] == calls[-1][1] > 0 for calls in shown.values() if calls)
-    assert shown["Cross-validating, k fold"]
+@pytest.mark.usefixtures("complete_run")
+def test_every_long_task_is_shown_in_words_and_to_its_end(progress_calls):
+    assert "Cross-validating, k fold" in progress_calls
+    assert not [task for task in progress_calls if "_" in task]
+    assert all(calls[-1][0] == calls[-1][1] > 0 for calls in progress_calls.values() if calls)
+    assert progress_calls["Cross-validating, k fold"]
 
 
 @pytest.mark.slow
-def test_a_finished_study_is_not_run_again(finished, small_study):
-    report = (finished / "report.pdf").read_bytes()
-    assert stages_of(small_study, finished) == set()
-    assert (finished / "report.pdf").read_bytes() == report
+def test_a_finished_study_is_not_run_again(run_copy, small_study):
+    report = (run_copy / "report.pdf").read_bytes()
+    assert stages_of(small_study, run_copy) == set()
+    assert (run_copy / "report.pdf").read_bytes() == report
 
 
 @pytest.mark.slow
-def test_only_what_depends_on_a_change_is_done_again(finished, small_study):
+def test_only_dependents_of_a_change_run_again(run_copy, small_study):
     criterion = small_study.criterion.model_copy(update={"confidences": (0.7,)})
-    changed = small_study.model_copy(update={"criterion": criterion})
-    assert stages_of(changed, finished) == {"derive", "validate", "real motions", "report"}
+    variant = small_study.model_copy(update={"criterion": criterion})
+    assert stages_of(variant, run_copy) == {"derive", "validate", "real motions", "report"}
 
 
 @pytest.mark.slow
-def test_a_file_that_was_damaged_is_made_again(finished, small_study):
-    (finished / "ellipses.nc").write_bytes(b"")
-    assert "trace" in stages_of(small_study, finished)
+def test_damaged_file_is_made_again(run_copy, small_study):
+    (run_copy / "ellipses.nc").write_bytes(b"")
+    assert "trace" in stages_of(small_study, run_copy)
 
 
 @pytest.mark.slow
-def test_the_report_can_be_made_again_from_the_folder_alone(finished):
-    first = (finished / "report.pdf").read_bytes()
-    (finished / "report.pdf").unlink()
-    assert write_report(finished).read_bytes() == first
+def test_the_report_can_be_made_again_from_the_folder_alone(run_copy):
+    first = (run_copy / "report.pdf").read_bytes()
+    (run_copy / "report.pdf").unlink()
+    assert write_report(run_copy).read_bytes() == first
 
 
-def without_a_key(content, levels=3):
+def copies_lacking_a_key(content, levels=3):
     """Copies of nested JSON without one key of the uppermost levels; of a list the first entry is tried."""
     if isinstance(content, list) and levels:
         yield from (
-            ([first, *content[1:]] for first in without_a_key(content[0], levels - 1)) if content else ()
+            ([first, *content[1:]] for first in copies_lacking_a_key(content[0], levels - 1))
+            if content
+            else ()
         )
     elif isinstance(content, dict) and levels:
         for key, value in content.items():
             yield {name: part for name, part in content.items() if name != key}
-            yield from ({**content, key: part} for part in without_a_key(value, levels - 1))
+            yield from ({**content, key: part} for part in copies_lacking_a_key(value, levels - 1))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["criteria.json", "validation.json"])
-def test_a_file_of_a_run_without_one_of_its_keys_is_refused_or_does_without(finished, monkeypatch, name):
+def test_a_file_of_a_run_without_one_of_its_keys_is_refused_or_does_without(run_copy, monkeypatch, name):
     """No other error than `InputError` ends a report, whatever key of a file somebody left out."""
-    written = []
-    monkeypatch.setattr("reliab.study.running.write_pdf", lambda document, *_, **__: written.append(document))
-    content = json.loads((finished / name).read_text())
-    refused = 0
-    for changed in without_a_key(content):
-        (finished / name).write_text(json.dumps(changed))
+    text = []
+    monkeypatch.setattr("reliab.study.running.write_pdf", lambda document, *_, **__: text.append(document))
+    content = json.loads((run_copy / name).read_text())
+    refusal = 0
+    for variant in copies_lacking_a_key(content):
+        (run_copy / name).write_text(json.dumps(variant))
         try:
-            write_report(finished)
+            write_report(run_copy)
         except InputError:
-            refused += 1
-    (finished / name).write_text("7")
+            refusal += 1
+    (run_copy / name).write_text("7")
     with pytest.raises(InputError):
-        write_report(finished)
-    assert refused or name == "validation.json"  # which is empty where nothing was refused
+        write_report(run_copy)
+    assert refusal or name == "validation.json"  # which is empty where nothing was refused
 
 
-def test_a_missing_key_is_named(finished):
-    (finished / "criteria.json").write_text('{"criteria": []}')
+def test_a_missing_key_is_named(run_copy):
+    (run_copy / "criteria.json").write_text('{"criteria": []}')
     with pytest.raises(InputError, match=r"files of a run must be as .* found no 'refusals'"):
-        write_report(finished)
+        write_report(run_copy)
 
 
 @pytest.mark.slow
-def test_a_run_that_was_killed_resumes_and_gives_the_same_bytes_elsewhere(
-    finished, tmp_path, small_study, monkeypatch
-):
+def test_resumed_run_has_the_same_bytes(run_copy, tmp_path, small_study, monkeypatch):
     from reliab.study import steps
 
     def killed(*_, **__):
@@ -149,13 +149,11 @@ def test_a_run_that_was_killed_resumes_and_gives_the_same_bytes_elsewhere(
         "real motions",
         "report",
     }
-    assert (tmp_path / "again" / "report.pdf").read_bytes() == (finished / "report.pdf").read_bytes()
+    assert (tmp_path / "again" / "report.pdf").read_bytes() == (run_copy / "report.pdf").read_bytes()
 
 
 @pytest.mark.slow
-def test_boundaries_of_records_that_ship_keep_the_ratios_that_came_with_them(
-    finished, small_study, monkeypatch
-):
+def test_boundaries_of_shipped_records_keep_their_ratios(run_copy, small_study, monkeypatch):
     """A study of such records ended in an error of xarray: the ratios were measured once more and merged."""
 
     def known(ellipses):
@@ -164,9 +162,9 @@ def test_boundaries_of_records_that_ship_keep_the_ratios_that_came_with_them(
         return ellipses.assign(a_cut=(structures, ratios), b_cut=(structures, ratios), length=[10.0])
 
     monkeypatch.setattr("reliab.sweep.results_accessor.add_known_cut_records", known)
-    (finished / ELLIPSES).unlink()
-    assert "trace" in stages_of(small_study, finished)
-    with open_ellipses(finished / ELLIPSES) as ellipses:
+    (run_copy / ELLIPSES).unlink()
+    assert "trace" in stages_of(small_study, run_copy)
+    with open_ellipses(run_copy / ELLIPSES) as ellipses:
         assert (ellipses["a_cut"] == 1.0).all()
 
 
@@ -185,7 +183,7 @@ def test_a_report_needs_a_run(tmp_path):
 @pytest.mark.parametrize(
     "name", ["criteria.json", "manifest.json", "report.pdf", "results.zarr/rms", ".lock"]
 )
-def test_what_a_link_in_a_run_folder_names_is_not_written(tmp_path, small_study, name):
+def test_link_in_a_run_folder_is_not_written_through(tmp_path, small_study, name):
     """A run folder may come from somewhere else, with a link to any file of whoever goes on with it."""
     run, elsewhere = tmp_path / "run", tmp_path / "elsewhere"
     elsewhere.write_text("a file that is not the run's", encoding="utf-8")
@@ -202,27 +200,27 @@ def test_what_a_link_in_a_run_folder_names_is_not_written(tmp_path, small_study,
 
 @pytest.mark.slow
 def test_stored_results_answer_only_for_their_structures(tmp_path, small_study):
-    stored = small_study.motions.model_copy(update={"sources": None, "results": "real_suite"})
+    archive = small_study.motions.model_copy(update={"sources": None, "results": "real_suite"})
     structures = small_study.structures.model_copy(update={"f": (7.0,)})
-    study = small_study.model_copy(update={"motions": stored, "structures": structures})
+    study = small_study.model_copy(update={"motions": archive, "structures": structures})
     with pytest.raises(InputError, match="stored results hold no such structures"):
         run_study(study, tmp_path / "run")
 
 
 @pytest.mark.slow
-def test_results_keep_the_day_and_the_packages_with_which_they_were_made(finished, small_study, monkeypatch):
-    manifest = json.loads((finished / "manifest.json").read_text(encoding="utf-8"))
+def test_results_keep_their_day_and_packages(run_copy, small_study, monkeypatch):
+    manifest = json.loads((run_copy / "manifest.json").read_text(encoding="utf-8"))
     for entry in manifest["stages"].values():
         entry["packages"], entry["date"] = {"numpy": "1.2.3"}, "2020-02-03"
-    (finished / "manifest.json").write_text(json.dumps(manifest), encoding="utf-8")
-    assert stages.software_provenance(finished) == {"packages": {"numpy": "1.2.3"}}
-    assert stages.date_of(finished) == dt.date(2020, 2, 3)
-    document = KINDS["criterion"].report(small_study, finished)
+    (run_copy / "manifest.json").write_text(json.dumps(manifest), encoding="utf-8")
+    assert stages.software_provenance(run_copy) == {"packages": {"numpy": "1.2.3"}}
+    assert stages.date_of(run_copy) == dt.date(2020, 2, 3)
+    document = KINDS["criterion"].report(small_study, run_copy)
     assert document.provenance["packages"] == "numpy 1.2.3"
-    (finished / "criteria.json").unlink()
+    (run_copy / "criteria.json").unlink()
     monkeypatch.setattr("reliab.study.running.write_pdf", lambda _, path, **_options: path.touch())
-    run_study(small_study, finished)
-    assert set(stages.software_provenance(finished)["packages"]) == {
+    run_study(small_study, run_copy)
+    assert set(stages.software_provenance(run_copy)["packages"]) == {
         "simulate",
         "trace",
         "derive",
@@ -231,28 +229,31 @@ def test_results_keep_the_day_and_the_packages_with_which_they_were_made(finishe
     }
 
 
-def test_a_stage_that_draws_tells_the_packages_of_those_that_are_done(tmp_path):
+def test_drawing_stage_reports_packages_of_earlier_stages(tmp_path):
     """A stage has no packages of its own while it works; the report that it draws names the others'."""
     folder = RunFolder(tmp_path / "run", study={})
-    told = []
+    message = []
     first = Stage(name="diagnose", inputs={}, writes=(), work=lambda _: None)
     folder.perform(first)
     folder.perform(
         Stage(
-            name="draw", inputs={}, writes=(), work=lambda run: told.append(stages.software_provenance(run))
+            name="draw",
+            inputs={},
+            writes=(),
+            work=lambda run: message.append(stages.software_provenance(run)),
         )
     )
-    assert told == [{"packages": read_versions()}]
+    assert message == [{"packages": read_versions()}]
 
 
-def test_what_was_begun_by_other_code_is_not_resumed(tmp_path):
+def test_run_of_other_code_is_not_resumed(tmp_path):
     folder = RunFolder(tmp_path / "run", study={})
-    seen = []
+    observation = []
 
     def work(path):
-        seen.append((path / "half").exists())
+        observation.append((path / "half").exists())
         (path / "half").write_text("x", encoding="utf-8")
-        if len(seen) < 3:
+        if len(observation) < 3:
             raise KeyboardInterrupt
 
     def attempt(code):
@@ -265,21 +266,21 @@ def test_what_was_begun_by_other_code_is_not_resumed(tmp_path):
             attempt(code)
     attempt("b")
     attempt("b")
-    assert seen == [False, True, False]  # resumed, removed since the code differs, then done for good
+    assert observation == [False, True, False]  # resumed, removed since the code differs, then done for good
 
 
-def test_a_study_judges_the_law_that_it_reports(small_study):
-    fitted = small_study.criterion.model_copy(update={"law": "dimensionless", "method": "dirichlet"})
-    own: Any = candidates(small_study.errors, fitted)[0]
-    assert own.law is FITTED_LAWS["dimensionless"]
-    assert own.name == "dirichlet, dimensionless"
-    sampled = small_study.criterion.model_copy(update={"method": "hierarchical"})
-    assert candidates(small_study.errors, sampled)[0].method.name == "hierarchical"  # type: ignore[attr-defined]
+def test_study_judges_its_reported_law(small_study):
+    fit = small_study.criterion.model_copy(update={"law": "dimensionless", "method": "dirichlet"})
+    original: Any = candidates(small_study.errors, fit)[0]
+    assert original.law is FITTED_LAWS["dimensionless"]
+    assert original.name == "dirichlet, dimensionless"
+    samples = small_study.criterion.model_copy(update={"method": "hierarchical"})
+    assert candidates(small_study.errors, samples)[0].method.name == "hierarchical"  # type: ignore[attr-defined]
 
 
 @pytest.mark.slow
 @pytest.mark.of_studies
-def test_two_earthquakes_end_in_a_report_that_says_what_they_do_not_carry(tmp_path, suite_folder):
+def test_report_of_two_earthquakes_states_its_limits(tmp_path, suite_folder):
     study = study_from(
         {
             "title": "Two earthquakes",
@@ -304,13 +305,13 @@ def test_two_earthquakes_end_in_a_report_that_says_what_they_do_not_carry(tmp_pa
 
 
 @pytest.mark.slow
-def test_a_report_is_titled_after_its_data_and_dated_today(finished, small_study):
-    undated = small_study.model_copy(update={"date": None})
-    document = KINDS["criterion"].report(undated, finished)
+def test_a_report_is_titled_after_its_data_and_dated_today(run_copy, small_study):
+    dateless = small_study.model_copy(update={"date": None})
+    document = KINDS["criterion"].report(dateless, run_copy)
     assert document.title == "A small study: ground motions"
-    assert stages.date_of(finished) == dt.datetime.now(tz=dt.UTC).date()
+    assert stages.date_of(run_copy) == dt.datetime.now(tz=dt.UTC).date()
     synthetic = small_study.on(["synthetic"], None)
-    verdict = plain_text(KINDS["criterion"].report(synthetic, finished).verdict)
+    verdict = plain_text(KINDS["criterion"].report(synthetic, run_copy).verdict)
     assert "80 % of synthetic ground motions" in verdict
     assert "real motions of" in plain_text(document.facts["On real motions"])
 
@@ -330,10 +331,10 @@ def plain(document):
     """Text of the points of a report."""
     sections = [block for block in document.blocks if isinstance(block, Section)]
     points = [block for section in sections for block in section.blocks if isinstance(block, Points)]
-    return " ".join(plain_text(item) for each in points for item in each.items)
+    return " ".join(plain_text(item) for point in points for item in point.items)
 
 
-def test_what_a_killed_run_was_writing_is_removed_when_it_is_resumed(tmp_path):
+def test_partial_files_are_removed_on_resuming(tmp_path):
     run = tmp_path / "run"
     with RunFolder.open(run, study={"kind": "criterion"}):
         pass

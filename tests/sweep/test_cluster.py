@@ -35,20 +35,20 @@ def test_a_cluster_writes_the_bytes_of_this_machine(tmp_path, suite, request_, s
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_a_cluster_writes_the_same_bytes_even_when_a_worker_dies(tmp_path, suite, request_, store, contents):
-    killed = []
+    victim = []
 
     with cluster(processes=True) as workers:
 
-        def kill_one(done: int, _: int) -> None:
-            if done == 1 and not killed:
+        def kill_one(step: int, _: int) -> None:
+            if step == 1 and not victim:
                 worker = next(iter(workers.workers.values()))
-                killed.append(worker.pid)
+                victim.append(worker.pid)
                 os.kill(worker.pid, signal.SIGKILL)
 
         path = run_sweep(
             suite, request_, tmp_path / "remote.zarr", scheduler=workers.scheduler_address, progress=kill_one
         )
-    assert killed
+    assert victim
     assert contents(path) == contents(store)
 
 
@@ -64,7 +64,7 @@ if __name__ == "__main__":
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
-def test_a_scheduler_that_dies_leaves_what_can_be_resumed(tmp_path, suite, request_, store):
+def test_sweep_resumes_after_scheduler_dies(tmp_path, suite, request_, store):
     (tmp_path / "scheduler.py").write_text(SCHEDULER)
     process = subprocess.Popen(  # noqa: S603 - the lines above
         [sys.executable, str(tmp_path / "scheduler.py")],
@@ -75,8 +75,8 @@ def test_a_scheduler_that_dies_leaves_what_can_be_resumed(tmp_path, suite, reque
     )
     address = process.stdout.readline().decode().strip()
 
-    def kill_all(done: int, _: int) -> None:
-        if done == 1 and process.poll() is None:
+    def kill_all(step: int, _: int) -> None:
+        if step == 1 and process.poll() is None:
             os.killpg(process.pid, signal.SIGKILL)
             process.communicate()
 
@@ -89,7 +89,7 @@ def test_a_scheduler_that_dies_leaves_what_can_be_resumed(tmp_path, suite, reque
     assert open_results(tmp_path / "remote.zarr").identical(open_results(store))
 
 
-def test_scheduler_that_does_not_answer_is_named(tmp_path, suite, request_, monkeypatch):
+def test_silent_scheduler_is_named(tmp_path, suite, request_, monkeypatch):
     monkeypatch.setattr("reliab.sweep.run._CONNECT_SECONDS", 0.5)
     with pytest.raises(InputError, match=r"tcp://127\.0\.0\.1:1"):
         run_sweep(suite, request_, tmp_path / "results.zarr", scheduler="tcp://127.0.0.1:1")

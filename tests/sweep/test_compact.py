@@ -23,35 +23,35 @@ def test_ellipses_of_the_small_file_are_those_of_the_store(store, compact):
     thresholds = (0.02, 0.05, 0.1)
     large, small = (open_results(path).reliab.ellipses(thresholds) for path in (store, compact))
     assert small["side"].values.tolist() == ["lag", "lead"]
-    fitted = [each.sel(curve="ellipse") for each in (small, large)]
-    assert np.allclose(*(each["a"] for each in fitted), rtol=5e-3, equal_nan=True)
-    assert np.allclose(*(each["b"] for each in fitted), rtol=5e-3, equal_nan=True)
+    fit = [item.sel(curve="ellipse") for item in (small, large)]
+    assert np.allclose(*(item["a"] for item in fit), rtol=5e-3, equal_nan=True)
+    assert np.allclose(*(item["b"] for item in fit), rtol=5e-3, equal_nan=True)
     # An inscribed ellipse may pass from one edge of the hull to the next, but keeps its area.
-    area = [np.sqrt(each["a"] * each["b"]).sel(curve="inscribed") for each in (small, large)]
+    area = [np.sqrt(item["a"] * item["b"]).sel(curve="inscribed") for item in (small, large)]
     assert np.allclose(*area, rtol=5e-3)
     assert np.allclose(small["error_at_rest"], large["error_at_rest"], rtol=2.5e-4)
 
 
 def test_errors_are_kept_to_the_stated_precision(store, compact):
     large, small = (open_results(path)["rms"].values for path in (store, compact))
-    kept = large <= 1.0
-    assert np.allclose(small[kept], large[kept], rtol=2.52e-4)  # and single precision
+    is_within_range = large <= 1.0
+    assert np.allclose(small[is_within_range], large[is_within_range], rtol=2.52e-4)  # and single precision
     assert small.max() == 1.0
 
 
-def test_window_that_is_not_in_the_file_is_refused(compact):
+def test_window_missing_in_file_is_refused(compact):
     with pytest.raises(InputError, match="record"):
         open_results(compact, window="arias")
 
 
-def test_file_that_declares_more_than_it_can_hold_is_refused_before_it_fills_the_memory(compact, tmp_path):
+def test_file_declaring_too_much_is_refused_before_reading(compact, tmp_path):
     path = tmp_path / "results.nc"
     path.write_bytes(compact.read_bytes())
     with h5py.File(path, "a") as file:
         file.create_dataset("rms2", shape=(1 << 40,), chunks=(1 << 20,), dtype="f8")
-    for opened in (open_results, open_ellipses):
+    for dataset in (open_results, open_ellipses):
         with pytest.raises(InputError, match="must hold the numbers that it declares"):
-            opened(path)
+            dataset(path)
 
 
 def test_ellipses_survive_their_file(tmp_path, store):
@@ -60,13 +60,13 @@ def test_ellipses_survive_their_file(tmp_path, store):
     assert open_ellipses(tmp_path / "ellipses.nc").identical(ellipses)
 
 
-@pytest.mark.parametrize("opened", [open_results, open_ellipses])
+@pytest.mark.parametrize("dataset", [open_results, open_ellipses])
 @pytest.mark.parametrize("content", [b"", b"a,b\n1,2\n", b"\x89HDF\r\n\x1a\n"])
-def test_other_files_are_refused(tmp_path, opened, content):
+def test_other_files_are_refused(tmp_path, dataset, content):
     path = tmp_path / "other.nc"
     path.write_bytes(content)
     with pytest.raises(InputError, match="NetCDF"):
-        opened(path)
+        dataset(path)
 
 
 @pytest.mark.slow
@@ -76,10 +76,10 @@ def test_the_shipped_files_agree_with_each_other():
     looked_up = results.reliab.ellipses((0.05,), curves=(Ellipse,)).squeeze(
         ("f", "xi", "threshold", "metric")
     )
-    traced = ellipses.sel(f=1.0, xi=0.02, threshold=0.05, metric="rms", curve=["ellipse"])
-    traced = traced.sel(side=looked_up["side"])
-    assert np.allclose(looked_up["a"], traced["a"], rtol=5e-3)
-    assert np.allclose(looked_up["b"], traced["b"], rtol=5e-3)
+    boundary = ellipses.sel(f=1.0, xi=0.02, threshold=0.05, metric="rms", curve=["ellipse"])
+    boundary = boundary.sel(side=looked_up["side"])
+    assert np.allclose(looked_up["a"], boundary["a"], rtol=5e-3)
+    assert np.allclose(looked_up["b"], boundary["b"], rtol=5e-3)
 
 
 @pytest.mark.slow
@@ -90,5 +90,5 @@ def test_a_file_of_an_earlier_version_is_read():
         assert "step_of_logarithm" in file.attrs
         steps = file["rms"][0, 0, 0].astype(np.int64)
     errors = np.exp(5e-4 * steps.cumsum(axis=0).cumsum(axis=1))
-    found = open_results(path)["rms"][0, 0, 0]
-    np.testing.assert_allclose(found, np.where(errors < 1.001e-5, 0.0, errors), rtol=1e-6)
+    result = open_results(path)["rms"][0, 0, 0]
+    np.testing.assert_allclose(result, np.where(errors < 1.001e-5, 0.0, errors), rtol=1e-6)

@@ -15,14 +15,14 @@ def motions():
 
 def test_small_errors_have_the_traced_ellipse_and_large_ones_a_larger_one(motions):
     request = {"f": [1.0], "xi": [0.05], "threshold": [0.001, 0.05]}
-    traced, predicted = reliab.ellipses(motions, **request), reliab.ellipses(
+    boundary, prediction = reliab.ellipses(motions, **request), reliab.ellipses(
         motions, **request, first_order=True
     )  # fmt: skip
     for name in ("a", "b"):
-        ratio = (traced[name] / predicted[name]).squeeze()
+        ratio = (boundary[name] / prediction[name]).squeeze()
         np.testing.assert_allclose(ratio.sel(threshold=0.001), 1.0, atol=0.06)
         assert (ratio.sel(threshold=0.05, side="lag") < 1.0).all()
-    assert set(predicted.dims) == set(traced.dims)
+    assert set(prediction.dims) == set(boundary.dims)
 
 
 @pytest.mark.slow
@@ -30,12 +30,12 @@ def test_a_criterion_from_predicted_ellipses_repeats_their_caution(motions, tmp_
     from reliab.sweep.ellipse_dataset import open_ellipses, write_ellipses
 
     write_ellipses(reliab.ellipses(motions, first_order=True), tmp_path / "predicted.nc")
-    found = reliab.derive_criterion(open_ellipses(tmp_path / "predicted.nc"))
-    assert any("too generous" in warning for warning in found.provenance.warnings)
+    result = reliab.derive_criterion(open_ellipses(tmp_path / "predicted.nc"))
+    assert any("too generous" in warning for warning in result.provenance.warnings)
 
 
 @pytest.mark.parametrize("wrong", [{"metric": ["mte"]}, {"curves": [Cosine]}])
-def test_what_the_closed_form_does_not_know_is_refused(motions, wrong):
+def test_closed_form_refuses_unsupported_options(motions, wrong):
     with pytest.raises(InputError, match="closed form"):
         reliab.ellipses(motions, first_order=True, **wrong)
 

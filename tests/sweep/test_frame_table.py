@@ -20,22 +20,22 @@ from reliab.sweep.frame_table import FrameRequest, errors_of_rig, summary_of_rig
 from reliab.tracking.indices.window import Window
 
 
-def framed(partition, output=None):
+def frame_under_test(partition, output=None):
     return FrameUnderTest(name="frame", partition=partition, output=output, error_of="interface")
 
 
 def test_a_frame_of_one_mass_has_the_ellipses_of_the_one_mode_structure():
     motions = load_motions("synthetic")[:1]
     structure = Structure(frequency=1.0, damping_ratio=0.05)
-    frame = framed(Partition.from_structure(structure, mass=20.0))
-    asked = {"thresholds": (0.03, 0.05), "metrics": (Metric.RMS, Metric.MTE)}
-    found = trace_frame_ellipses(motions, FrameRequest(frame=frame, **asked))
-    expected = trace_ellipses(motions, EllipseRequest(frequencies=(1.0,), damping_ratios=(0.05,), **asked))
+    frame = frame_under_test(Partition.from_structure(structure, mass=20.0))
+    options = {"thresholds": (0.03, 0.05), "metrics": (Metric.RMS, Metric.MTE)}
+    result = trace_frame_ellipses(motions, FrameRequest(frame=frame, **options))
+    expected = trace_ellipses(motions, EllipseRequest(frequencies=(1.0,), damping_ratios=(0.05,), **options))
     expected = expected.drop_dims("length")  # how a frame's records can be cut is not known
-    assert found.sizes == expected.sizes
+    assert result.sizes == expected.sizes
     for name in ("a", "b", "error_at_rest"):
-        np.testing.assert_allclose(found[name].values, expected[name].values, rtol=5e-3)
-    assert found.attrs["experimental_fraction"] == pytest.approx(1.0)
+        np.testing.assert_allclose(result[name].values, expected[name].values, rtol=5e-3)
+    assert result.attrs["experimental_fraction"] == pytest.approx(1.0)
 
 
 def test_the_governing_mode_is_described_as_it_is():
@@ -44,13 +44,13 @@ def test_the_governing_mode_is_described_as_it_is():
     assert dataclasses.astuple(mode) == pytest.approx((1.7, 0.03, 0.4))
 
 
-def test_a_specimen_that_tolerates_no_delay_has_no_boundary():
+def test_specimen_tolerating_no_delay_has_no_boundary():
     frame = Frame.from_structure(Structure(frequency=1.0, damping_ratio=0.02), mass=100.0)
     heavy = Partition.from_frame(
         frame=frame, interface=floor_interface(frame, 1), specimen=Specimen(stiffness=100.0, mass=60.0)
     )
     with pytest.raises(InputError, match="unstable without any delay"):
-        FrameRequest(frame=framed(heavy))
+        FrameRequest(frame=frame_under_test(heavy))
 
 
 TABLES = {
@@ -83,8 +83,8 @@ def test_a_rig_on_the_boundary_of_a_motion_has_the_error_of_the_boundary(motions
 
 def test_the_summary_counts_motions_below_the_threshold(motions):
     errors = errors_of_rig(frame(gain=0.98, delay_ms=1.0), motions, window=Window())
-    between = float(errors["rms"].mean())
-    summary = summary_of_rig(errors, "rms", between)
+    event_variance = float(errors["rms"].mean())
+    summary = summary_of_rig(errors, "rms", event_variance)
     assert summary["stable"]
     assert summary["share_below"] == 0.5
     assert summary["largest"] == pytest.approx(errors["rms"].max())

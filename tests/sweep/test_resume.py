@@ -58,20 +58,20 @@ def run_script(path: Path, *, resume: bool) -> subprocess.Popen[str]:
 
 def kill_repeatedly(path: Path, times: int, rng: np.random.Generator) -> int:
     """Kill a sweep at random moments and count how often it was really interrupted."""
-    interrupted = 0
+    partial_run = 0
     for _ in range(times):
         process = run_script(path, resume=path.exists())
         assert process.stdout is not None
         process.stdout.readline()
         time.sleep(float(rng.uniform(0.0, 0.5)))
-        interrupted += killed(process)
+        partial_run += kill(process)
     finish = run_script(path, resume=path.exists())
     _, error = finish.communicate()
     assert finish.returncode == 0, error
-    return interrupted
+    return partial_run
 
 
-def killed(process: subprocess.Popen[str]) -> bool:
+def kill(process: subprocess.Popen[str]) -> bool:
     """Kill a process; return whether it was still running."""
     process.send_signal(signal.SIGKILL)
     process.communicate()
@@ -85,12 +85,12 @@ def reference(tmp_path_factory, contents):
 
 
 @pytest.mark.slow
-def test_a_store_whose_sweep_was_killed_is_finished_with_the_same_bytes(tmp_path, reference, contents):
+def test_resumed_store_has_the_same_bytes(tmp_path, reference, contents):
     path = tmp_path / "results.zarr"
     process = run_script(path, resume=False)
     assert process.stdout is not None
     assert [process.stdout.readline() for _ in range(6)] == ["ready\n", *["solved\n"] * 5]
-    assert killed(process)
+    assert kill(process)
     assert contents(path) != reference
     run_sweep(load_motions("synthetic")[:40], REQUEST, path, resume=True)
     assert contents(path) == reference
@@ -101,37 +101,37 @@ def test_the_journal_is_written_when_it_is_due(tmp_path, suite, monkeypatch, tic
     """A process that is killed closes nothing; by this clock every motion is due, or none before the end."""
     clock = (100.0 + tick * reading for reading in itertools.count())
     monkeypatch.setattr(store, "time", SimpleNamespace(monotonic=lambda: next(clock)))
-    path, known = tmp_path / "results.zarr", []
+    path, reference = tmp_path / "results.zarr", []
 
-    def look(done: int, _: int) -> None:
+    def look(step: int, _: int) -> None:
         entries = store.array_of(store.open_group(path, "r"), store.JOURNAL)[:]  # type: ignore[attr-defined]
-        known.append(sum(map(bool, entries)) >= done if tick else not any(entries))
+        reference.append(sum(map(bool, entries)) >= step if tick else not any(entries))
 
     run_sweep(suite, REQUEST, path, progress=look, workers=1)
-    assert known == [True] * 7
+    assert reference == [True] * 7
 
 
 @pytest.mark.slow
 def test_fifty_kills_leave_the_same_bytes(tmp_path, reference, contents):
     rng = np.random.default_rng(50)
-    interrupted = sum(kill_repeatedly(tmp_path / f"{k}" / "results.zarr", 5, rng) for k in range(10))
-    assert interrupted >= 40
+    partial_run = sum(kill_repeatedly(tmp_path / f"{k}" / "results.zarr", 5, rng) for k in range(10))
+    assert partial_run >= 40
     for k in range(10):
         assert contents(tmp_path / f"{k}" / "results.zarr") == reference
 
 
 def test_damaged_chunk_is_detected_and_solved_again(own_store, suite, request_, contents):
     path = own_store
-    before = contents(path)
+    first = contents(path)
     chunk = next((path / "rms").glob("c.2.*"))
     content = chunk.read_bytes()
     chunk.write_bytes(content[: len(content) // 2])
-    flipped = next((path / "window_arias" / "mte").glob("c.4.*"))
-    flipped.write_bytes(bytes([flipped.read_bytes()[0] ^ 1]) + flipped.read_bytes()[1:])
-    solved = []
-    run_sweep(suite, request_, path, resume=True, progress=lambda done, _: solved.append(done))
-    assert solved == [4, 5, 6]
-    assert contents(path) == before
+    corrupt = next((path / "window_arias" / "mte").glob("c.4.*"))
+    corrupt.write_bytes(bytes([corrupt.read_bytes()[0] ^ 1]) + corrupt.read_bytes()[1:])
+    solution = []
+    run_sweep(suite, request_, path, resume=True, progress=lambda step, _: solution.append(step))
+    assert solution == [4, 5, 6]
+    assert contents(path) == first
 
 
 @pytest.mark.slow
@@ -139,8 +139,8 @@ def test_interrupted_store_is_not_mistaken_for_a_whole_one(tmp_path, suite, requ
     class StopError(Exception):
         pass
 
-    def stop(done: int, _: int) -> None:
-        if done == 2:
+    def stop(step: int, _: int) -> None:
+        if step == 2:
             raise StopError
 
     with pytest.raises(StopError):
@@ -151,15 +151,15 @@ def test_interrupted_store_is_not_mistaken_for_a_whole_one(tmp_path, suite, requ
     assert open_results(tmp_path / "results.zarr").sizes["motion"] == 6
 
 
-def test_what_a_killed_process_was_writing_is_removed(own_store, suite, request_, contents):
-    before = contents(own_store)
+def test_partial_files_of_a_killed_process_are_removed(own_store, suite, request_, contents):
+    first = contents(own_store)
     (own_store / "rms" / ".unfinished-1").write_bytes(b"half")
     (own_store / "duration" / "c.0123.partial").write_bytes(b"half")
     run_sweep(suite, request_, own_store, resume=True)
-    assert contents(own_store) == before
+    assert contents(own_store) == first
 
 
-def test_a_disk_that_is_full_from_the_start_is_named(tmp_path, suite, request_, monkeypatch):
+def test_full_disk_at_start_is_named(tmp_path, suite, request_, monkeypatch):
     def create_store(*_):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
@@ -185,39 +185,39 @@ def test_existing_store_is_not_overwritten(own_store, suite, request_):
 @pytest.mark.parametrize(
     "place", ["motion/c.0", "rms/c.0.0.0.0.0", "journal/entries/c.0", "rms/zarr.json", "mte", ".lock"]
 )
-def test_what_a_link_in_a_store_names_is_not_written(own_store, suite, request_, tmp_path, place, contents):
+def test_link_in_a_store_is_not_written_through(own_store, suite, request_, tmp_path, place, contents):
     """A store may come from somewhere else, with a link to any file of whoever resumes it."""
-    own = own_store.with_name("results.zarr.lock") if place == ".lock" else own_store / place
+    link = own_store.with_name("results.zarr.lock") if place == ".lock" else own_store / place
     elsewhere = tmp_path / "elsewhere"
-    if own.is_dir():
-        own.rename(elsewhere)
+    if link.is_dir():
+        link.rename(elsewhere)
     else:
         elsewhere.write_bytes(b"a file that is not the store's")
-        own.unlink(missing_ok=True)
-    own.symlink_to(elsewhere)
-    before = contents(elsewhere) if elsewhere.is_dir() else elsewhere.read_bytes()
+        link.unlink(missing_ok=True)
+    link.symlink_to(elsewhere)
+    first = contents(elsewhere) if elsewhere.is_dir() else elsewhere.read_bytes()
     with pytest.raises(InputError, match="must not contain links"):
         run_sweep(suite, request_, own_store, resume=True)
-    assert (contents(elsewhere) if elsewhere.is_dir() else elsewhere.read_bytes()) == before
+    assert (contents(elsewhere) if elsewhere.is_dir() else elsewhere.read_bytes()) == first
 
 
 def test_another_sweep_is_not_mixed_in(own_store, suite, request_):
-    other = SweepRequest(
+    second = SweepRequest(
         frequencies=(0.7,), damping_ratios=(0.02,), grid=ScaledGrid(gain_steps=5, delay_steps=6)
     )
     with pytest.raises(InputError, match="holds a sweep of other"):
-        run_sweep(suite, other, own_store, resume=True)
+        run_sweep(suite, second, own_store, resume=True)
     with pytest.raises(InputError, match="motions, not the"):
         run_sweep(suite[:5], request_, own_store, resume=True)
 
 
-def test_full_disk_ends_with_what_is_safe(tmp_path, suite, request_, monkeypatch):
+def test_full_disk_message_says_results_are_safe(tmp_path, suite, request_, monkeypatch):
     original = store.write_chunk  # type: ignore[attr-defined]
 
-    def write_chunk(path, within, chunk):
-        if within.name.startswith("c.2."):
+    def write_chunk(path, motion_variance, chunk):
+        if motion_variance.name.startswith("c.2."):
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        original(path, within, chunk)
+        original(path, motion_variance, chunk)
 
     path = tmp_path / "results.zarr"
     monkeypatch.setattr(store, "write_chunk", write_chunk)
@@ -228,12 +228,12 @@ def test_full_disk_ends_with_what_is_safe(tmp_path, suite, request_, monkeypatch
     assert open_results(path).sizes["motion"] == 6
 
 
-@pytest.mark.parametrize("what", ["nothing", "text", "folder"])
-def test_what_is_no_store_is_named(tmp_path, what):
+@pytest.mark.parametrize("label", ["nothing", "text", "folder"])
+def test_invalid_store_is_named(tmp_path, label):
     path = tmp_path / "results.zarr"
-    if what == "text":
+    if label == "text":
         path.write_text("no store")
-    elif what == "folder":
+    elif label == "folder":
         path.mkdir()
     with pytest.raises(InputError, match=r"Zarr store|results\.zarr: No such file"):
         open_results(path)
@@ -246,7 +246,7 @@ def test_a_store_of_another_version_is_named(own_store):
         open_results(own_store)
 
 
-def test_a_folder_that_cannot_be_written_is_named(tmp_path, suite, request_):
+def test_unwritable_folder_is_named(tmp_path, suite, request_):
     (tmp_path / "file").write_bytes(b"")
     with pytest.raises(InputError, match="Cannot write to the folder of a results store"):
         run_sweep(suite, request_, tmp_path / "file" / "results.zarr")
@@ -254,11 +254,11 @@ def test_a_folder_that_cannot_be_written_is_named(tmp_path, suite, request_):
 
 @pytest.mark.slow
 def test_number_of_threads_does_not_change_a_bit(tmp_path, suite, request_):
-    by_one, by_two = (
+    single_thread, two_threads = (
         open_results(run_sweep(suite, request_, tmp_path / f"{threads}.zarr", workers=threads))
         for threads in (1, 2)
     )
-    assert by_one.identical(by_two)
+    assert single_thread.identical(two_threads)
 
 
 SUITE = load_motions("synthetic")
@@ -271,10 +271,10 @@ def test_every_motion_is_solved_once(threads):
     assert [index for task in _divide_into_tasks(MISSING, SUITE.events, threads) for index in task] == MISSING
 
 
-def test_threads_do_not_wait_for_a_recording_that_another_simulates():
-    ordered = _side_by_side(list(range(100)), SUITE.events, 2)
-    pairs = zip(ordered[::2], ordered[1::2], strict=True)
-    assert all(SUITE.events[one] != SUITE.events[other] for one, other in pairs)
+def test_threads_do_not_wait_for_one_another():
+    sorted_values = _side_by_side(list(range(100)), SUITE.events, 2)
+    pairs = zip(sorted_values[::2], sorted_values[1::2], strict=True)
+    assert all(SUITE.events[single] != SUITE.events[second] for single, second in pairs)
 
 
 def test_tasks_of_workers_hold_whole_earthquakes_until_the_last_ones():
@@ -298,12 +298,12 @@ def test_an_earthquake_of_many_motions_is_shared_by_all_workers():
 
 def test_variables_stand_in_the_same_order_however_the_store_lists_them(tmp_path):
     reliab.simulate(load_motions("synthetic")[:2], out=tmp_path / "one.zarr")
-    described = json.loads((tmp_path / "one.zarr/zarr.json").read_text(encoding="utf-8"))
-    assert described["node_type"] == "group"
+    description = json.loads((tmp_path / "one.zarr/zarr.json").read_text(encoding="utf-8"))
+    assert description["node_type"] == "group"
     (tmp_path / "two.zarr").mkdir()
     for place in sorted((tmp_path / "one.zarr").iterdir(), reverse=True):
-        copied = tmp_path / "two.zarr" / place.name
-        shutil.copytree(place, copied) if place.is_dir() else shutil.copy(place, copied)
-    one, two = (open_results(tmp_path / f"{name}.zarr") for name in ("one", "two"))
-    assert list(one.variables) == list(two.variables) == sorted(one.variables)
-    assert one.load().identical(two.load())
+        duplicate = tmp_path / "two.zarr" / place.name
+        shutil.copytree(place, duplicate) if place.is_dir() else shutil.copy(place, duplicate)
+    single, two = (open_results(tmp_path / f"{name}.zarr") for name in ("one", "two"))
+    assert list(single.variables) == list(two.variables) == sorted(single.variables)
+    assert single.load().identical(two.load())

@@ -58,21 +58,21 @@ def test_the_share_is_a_dimension_after_the_damping_ratio(results):
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize("share", SHARES)
 def test_each_share_has_the_bits_of_its_own_sweep(tmp_path, two, results, share):
-    alone = replace(REQUEST, experimental_fractions=(share,))
-    own = open_results(run_sweep(two, alone, tmp_path / "results.zarr"))
+    separate = replace(REQUEST, experimental_fractions=(share,))
+    original = open_results(run_sweep(two, separate, tmp_path / "results.zarr"))
     part = select_share(results, share)
-    assert shares_of(own) == (share,)
-    xr.testing.assert_equal(part, own)
-    xr.testing.assert_equal(select_share(results.reliab.ellipses(), share), own.reliab.ellipses())
+    assert shares_of(original) == (share,)
+    xr.testing.assert_equal(part, original)
+    xr.testing.assert_equal(select_share(results.reliab.ellipses(), share), original.reliab.ellipses())
 
 
-def test_a_request_of_one_share_is_known_by_the_digest_that_stores_already_carry():
-    described = replace(REQUEST, experimental_fractions=(0.5,)).describe()
-    assert described["experimental_fraction"] == 0.5
-    assert "experimental_fractions" not in described
+def test_request_of_one_share_keeps_its_digest():
+    description = replace(REQUEST, experimental_fractions=(0.5,)).describe()
+    assert description["experimental_fraction"] == 0.5
+    assert "experimental_fractions" not in description
 
 
-def test_cells_of_a_share_hold_what_the_delay_equation_gives(results, two):
+def test_cells_of_a_share_solve_the_delay_equation(results, two):
     motion = two[0]
     excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step)
     part = select_share(results, 0.25)
@@ -80,12 +80,12 @@ def test_cells_of_a_share_hold_what_the_delay_equation_gives(results, two):
     assert structure.experimental_fraction == 0.25
     cells = REQUEST.grid.cells(structure)
     some = np.flatnonzero((cells.delay > 0.0) & cells.stable)[::11]
-    chosen = replace(cells, gain=cells.gain[some], delay=cells.delay[some])
+    selection = replace(cells, gain=cells.gain[some], delay=cells.delay[some])
     exact = relative_error(
-        Loop(excitation=excitation, structure=structure, engine=Engine.DELAY).deviation(chosen), Metric.RMS
+        Loop(excitation=excitation, structure=structure, engine=Engine.DELAY).deviation(selection), Metric.RMS
     )
-    stored = part["rms"].sel(f=1.0, xi=0.05).isel(motion=0).values.ravel()[some]
-    np.testing.assert_allclose(stored, exact, rtol=2e-3, atol=1e-5)
+    archive = part["rms"].sel(f=1.0, xi=0.05).isel(motion=0).values.ravel()[some]
+    np.testing.assert_allclose(archive, exact, rtol=2e-3, atol=1e-5)
 
 
 def test_small_errors_have_the_ellipse_of_the_closed_form(two):
@@ -96,35 +96,37 @@ def test_small_errors_have_the_ellipse_of_the_closed_form(two):
         thresholds=(0.002,),
         curves=(Ellipse,),
     )
-    traced, predicted = trace_ellipses(two, request), predict_ellipses(two, request)
-    assert traced["a"].dims == predicted["a"].dims == ("motion", "f", "xi", "alpha", *traced["a"].dims[4:])
-    np.testing.assert_allclose(traced["a"], predicted["a"], rtol=0.03)
-    np.testing.assert_allclose(traced["b"].sel(side="lag"), predicted["b"].sel(side="lag"), rtol=0.06)
+    boundary, prediction = trace_ellipses(two, request), predict_ellipses(two, request)
+    assert (
+        boundary["a"].dims == prediction["a"].dims == ("motion", "f", "xi", "alpha", *boundary["a"].dims[4:])
+    )
+    np.testing.assert_allclose(boundary["a"], prediction["a"], rtol=0.03)
+    np.testing.assert_allclose(boundary["b"].sel(side="lag"), prediction["b"].sel(side="lag"), rtol=0.06)
 
 
 def test_compact_files_keep_the_dimension(tmp_path, results):
     write_compact(results, tmp_path / "results.nc")
-    opened = open_results(tmp_path / "results.nc")
-    assert shares_of(opened) == SHARES
-    np.testing.assert_allclose(opened["rms"], results["rms"].clip(max=1.0), rtol=3e-4, atol=1e-5)
+    dataset = open_results(tmp_path / "results.nc")
+    assert shares_of(dataset) == SHARES
+    np.testing.assert_allclose(dataset["rms"], results["rms"].clip(max=1.0), rtol=3e-4, atol=1e-5)
 
 
-def test_what_is_asked_of_one_share_is_refused_for_several(results):
+def test_options_of_one_share_are_refused_for_several(results):
     with pytest.raises(InputError, match="one share"):
         results.reliab.structure(1.0, 0.02)
     with pytest.raises(InputError, match="has no such share"):
         select_share(results, 0.5)
-    chosen = results.sel(alpha=0.25)  # by xarray's own means, which leaves a coordinate
-    assert chosen.reliab.structure(1.0, 0.02).experimental_fraction == 0.25
+    selection = results.sel(alpha=0.25)  # by xarray's own means, which leaves a coordinate
+    assert selection.reliab.structure(1.0, 0.02).experimental_fraction == 0.25
 
 
 @pytest.mark.parametrize("shares", [(), (0.5, 0.5), (1.0, 0.5)])
-def test_shares_that_do_not_increase_are_refused(shares):
+def test_non_increasing_shares_are_refused(shares):
     with pytest.raises(InputError, match="increase"):
         replace(REQUEST, experimental_fractions=shares)
 
 
-def traced_frame(motions, request, **options):
+def trace_frame(motions, request, **options):
     structure = Structure(frequency=1.0, damping_ratio=0.05)
     frame = FrameUnderTest(
         name="frame",
@@ -142,7 +144,7 @@ TABLE = EllipseRequest(
     thresholds=(0.02, 0.05),
     curves=(InscribedEllipse, Ellipse),
 )
-ALONE = replace(  # the second f, curve and metric, but the first ξ, side and threshold
+SINGLE_STRUCTURE = replace(  # the second f, curve and metric, but the first ξ, side and threshold
     TABLE,
     frequencies=(1.0,),
     damping_ratios=(0.02,),
@@ -155,64 +157,64 @@ BOTH = (Metric.MTE, Metric.RMS)
 
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize(
-    ("trace", "metrics"), [(trace_ellipses, BOTH), (traced_frame, BOTH), (predict_ellipses, (Metric.RMS,))]
+    ("trace", "metrics"), [(trace_ellipses, BOTH), (trace_frame, BOTH), (predict_ellipses, (Metric.RMS,))]
 )
 def test_an_entry_of_a_table_is_what_is_traced_for_it_alone(two, trace, metrics):
     """Structures, thresholds, metrics, curves and sides stand where the labels say."""
-    whole = trace(two, replace(TABLE, metrics=metrics))
-    one = trace(two[1:], ALONE)
+    complete = trace(two, replace(TABLE, metrics=metrics))
+    single = trace(two[1:], SINGLE_STRUCTURE)
     for name in ("a", "b", "n", "no_ellipse"):
-        part = whole[name].sel({dimension: one[dimension].values for dimension in one[name].dims})
-        np.testing.assert_allclose(part.values, one[name].values, rtol=1e-4)
+        part = complete[name].sel({dimension: single[dimension].values for dimension in single[name].dims})
+        np.testing.assert_allclose(part.values, single[name].values, rtol=1e-4)
 
 
-@pytest.mark.parametrize("trace", [trace_ellipses, traced_frame, predict_ellipses])
+@pytest.mark.parametrize("trace", [trace_ellipses, trace_frame, predict_ellipses])
 def test_progress_rises_to_its_total(two, trace):
     steps = []
-    request = replace(ALONE, experimental_fractions=SHARES)
+    request = replace(SINGLE_STRUCTURE, experimental_fractions=SHARES)
     trace(two, request, progress=lambda *step: steps.append(step))
-    done, totals = zip(*steps, strict=True)
-    assert list(done) == sorted(set(done))
-    assert set(totals) == {done[-1]}
+    finished_count, totals = zip(*steps, strict=True)
+    assert list(finished_count) == sorted(set(finished_count))
+    assert set(totals) == {finished_count[-1]}
 
 
 @pytest.fixture(scope="module")
-def traced(suite):
+def boundary(suite):
     request = EllipseRequest(frequencies=(2.0,), damping_ratios=(0.05,), thresholds=(0.02, 0.05, 0.6))
     return trace_ellipses(suite[:3], request)
 
 
-def test_both_sides_and_curves_are_there(traced):
-    assert traced["a"].dims == ELLIPSE_DIMENSIONS
-    assert traced["curve"].values.tolist() == ["ellipse", "inscribed"]
-    assert traced["side"].values.tolist() == ["lag", "lead"]
-    small = traced.sel(threshold=0.05)
+def test_both_sides_and_curves_are_there(boundary):
+    assert boundary["a"].dims == ELLIPSE_DIMENSIONS
+    assert boundary["curve"].values.tolist() == ["ellipse", "inscribed"]
+    assert boundary["side"].values.tolist() == ["lag", "lead"]
+    small = boundary.sel(threshold=0.05)
     assert (small["b"].sel(side="lead") > small["b"].sel(side="lag")).all()
-    inscribed, fitted = (small.sel(curve=name) for name in ("inscribed", "ellipse"))
-    assert (inscribed["a"] * inscribed["b"] < fitted["a"] * fitted["b"]).all()
+    inscribed_curve, fit = (small.sel(curve=name) for name in ("inscribed", "ellipse"))
+    assert (inscribed_curve["a"] * inscribed_curve["b"] < fit["a"] * fit["b"]).all()
     assert (small["no_ellipse"] == NoEllipse.NOT_SO).all()
 
 
-def test_no_number_is_meaningless(traced):
+def test_no_number_is_meaningless(boundary):
     for name in ("a", "b"):
-        values = traced[name].values
+        values = boundary[name].values
         assert not np.isinf(values).any()
         assert not (values < 0.0).any()
-        np.testing.assert_array_equal(np.isnan(values), traced["no_ellipse"].values > NoEllipse.NO_ROOM)
+        np.testing.assert_array_equal(np.isnan(values), boundary["no_ellipse"].values > NoEllipse.NO_ROOM)
     # At 60 % no lead is long enough; what was followed still bounds the inscribed ellipse.
-    far = traced.sel(threshold=0.6, side="lead")
+    far = boundary.sel(threshold=0.6, side="lead")
     assert (far["no_ellipse"].sel(curve="ellipse") == NoEllipse.NOT_REACHED).all()
     assert (far["a"].sel(curve="inscribed") > 0.0).all()
 
 
-def test_threshold_that_an_actuator_at_rest_keeps_is_found(traced):
-    rest = traced["error_at_rest"].sel(metric="rms").squeeze()
-    assert rest.dims == ("motion",)
-    assert ((rest > 0.05) & (rest < 0.6)).all()
-    share = share_at_rest(traced).squeeze()
+def test_threshold_that_an_actuator_at_rest_keeps_is_found(boundary):
+    remainder = boundary["error_at_rest"].sel(metric="rms").squeeze()
+    assert remainder.dims == ("motion",)
+    assert ((remainder > 0.05) & (remainder < 0.6)).all()
+    share = share_at_rest(boundary).squeeze()
     assert share.sel(threshold=0.05) == 0.0
     assert share.sel(threshold=0.6) == 1.0
-    assert np.isnan(share_at_rest(traced.drop_vars("error_at_rest"))).all()
+    assert np.isnan(share_at_rest(boundary.drop_vars("error_at_rest"))).all()
 
 
 @pytest.mark.parametrize(
@@ -227,40 +229,42 @@ def test_threshold_that_an_actuator_at_rest_keeps_is_found(traced):
     ],
 )  # fmt: skip
 def test_reason_for_which_there_is_no_ellipse(contour, curve, reason):
-    a, b, _, _, found = curve_row(contour, curve)
-    assert found == reason
+    a, b, _, _, result = curve_row(contour, curve)
+    assert result == reason
     assert (a, b) == (0.0, 0.0) if reason is NoEllipse.NO_ROOM else np.isnan([a, b]).all()
 
 
 def test_inscribed_ellipse_of_a_boundary_that_widens_with_the_amplitude_is_one():
     widening = Contour(amplitude=np.linspace(0.9, 1.1, 9), delay=0.01 + np.linspace(-0.1, 0.1, 9) ** 2)
-    found = InscribedEllipse.fit(widening)
-    assert found.a == pytest.approx(0.01)
-    assert found.b == pytest.approx(100.0)
+    result = InscribedEllipse.fit(widening)
+    assert result.a == pytest.approx(0.01)
+    assert result.b == pytest.approx(100.0)
 
 
-def test_file_of_an_older_version_holds_delays_only(tmp_path, traced):
-    older = traced.sel(curve="ellipse", side="lag", drop=True)
+def test_file_of_an_older_version_holds_delays_only(tmp_path, boundary):
+    older = boundary.sel(curve="ellipse", side="lag", drop=True)
     older[["a", "b", "sse", "n"]].to_netcdf(tmp_path / "older.nc", engine="h5netcdf")
-    opened = open_ellipses(tmp_path / "older.nc")
-    assert opened["a"].dims == ELLIPSE_DIMENSIONS
-    xr.testing.assert_equal(opened["b"].sel(curve="ellipse", side="lag", drop=True), older["b"])
-    assert opened["side"].values.tolist() == ["lag"]
+    dataset = open_ellipses(tmp_path / "older.nc")
+    assert dataset["a"].dims == ELLIPSE_DIMENSIONS
+    xr.testing.assert_equal(dataset["b"].sel(curve="ellipse", side="lag", drop=True), older["b"])
+    assert dataset["side"].values.tolist() == ["lag"]
 
 
 @pytest.mark.slow
-def test_file_of_several_windows_gives_the_one_that_is_asked_for(tmp_path, traced):
-    several = xr.concat(
-        [traced, traced.assign(b=2.0 * traced["b"])], xr.Variable("window", ["record", "40"]), join="exact"
+def test_file_of_several_windows_gives_the_one_that_is_asked_for(tmp_path, boundary):
+    has_several = xr.concat(
+        [boundary, boundary.assign(b=2.0 * boundary["b"])],
+        xr.Variable("window", ["record", "40"]),
+        join="exact",
     )
-    write_ellipses(several, tmp_path / "windows.nc")
+    write_ellipses(has_several, tmp_path / "windows.nc")
     for window, factor in ((None, 1.0), ("record", 1.0), ("40", 2.0)):
-        opened = open_ellipses(tmp_path / "windows.nc", window=window)
-        assert opened.attrs["window"] == (window or "record")
-        xr.testing.assert_allclose(opened["b"], factor * traced["b"])
+        dataset = open_ellipses(tmp_path / "windows.nc", window=window)
+        assert dataset.attrs["window"] == (window or "record")
+        xr.testing.assert_allclose(dataset["b"], factor * boundary["b"])
     with pytest.raises(InputError, match="record, 40"):
         open_ellipses(tmp_path / "windows.nc", window="arias")
-    write_ellipses(traced, tmp_path / "one.nc")
+    write_ellipses(boundary, tmp_path / "one.nc")
     with pytest.raises(InputError, match="there are record"):
         open_ellipses(tmp_path / "one.nc", window="40")
 
@@ -278,6 +282,6 @@ def test_model_with_effects_has_delays_only(suite):
 def test_store_of_an_older_version_still_answers(tmp_path, suite):
     request = SweepRequest(frequencies=(1.0,), damping_ratios=(0.02,), grid=ScaledGrid(lead_steps=0))
     results = open_results(run_sweep(suite[:2], request, tmp_path / "lag.zarr")).drop_vars("rms_at_rest")
-    found = results.reliab.ellipses((0.05,))
-    assert found["side"].values.tolist() == [Side.LAG]
-    assert "error_at_rest" not in found
+    result = results.reliab.ellipses((0.05,))
+    assert result["side"].values.tolist() == [Side.LAG]
+    assert "error_at_rest" not in result

@@ -20,7 +20,7 @@ from reliab.sweep.store_layout import ChunkNames, codecs, encode, write_chunk
 
 
 @pytest.fixture
-def opened(store):
+def dataset(store):
     """The store as xarray opens it by itself; a warning would fail the test."""
     return xr.open_zarr(store)
 
@@ -43,42 +43,42 @@ def old_store(own_store):
     return own_store
 
 
-def test_plain_open_zarr_needs_no_option(store, opened):
-    assert opened.attrs["window"] == "record"
+def test_plain_open_zarr_needs_no_option(store, dataset):
+    assert dataset.attrs["window"] == "record"
     assert xr.open_zarr(store, group="window_arias").attrs["window"] == "arias"
-    assert xr.open_zarr(store, consolidated=True).identical(opened)
+    assert xr.open_zarr(store, consolidated=True).identical(dataset)
 
 
-def test_what_describes_motions_is_a_coordinate(opened, suite):
-    assert set(opened.coords) == {
+def test_descriptions_of_motions_are_coordinates(dataset, suite):
+    assert set(dataset.coords) == {
         *("motion", "f", "xi", "kp", "tau"),
         *("event", "duration", "dt", "pga", "checksum"),
     }
-    assert opened["rms"].mean("motion").sizes == {"f": 2, "xi": 2, "kp": 29, "tau": 47}
-    assert opened["event"].values.tolist() == list(suite.events)
-    groups = opened["rms"].isel(f=0, xi=0, kp=0, tau=0).load().groupby("event").mean()
+    assert dataset["rms"].mean("motion").sizes == {"f": 2, "xi": 2, "kp": 29, "tau": 47}
+    assert dataset["event"].values.tolist() == list(suite.events)
+    groups = dataset["rms"].isel(f=0, xi=0, kp=0, tau=0).load().groupby("event").mean()
     assert groups.sizes == {"event": 3}
 
 
-def test_every_variable_is_a_number(opened):
-    for variable in opened.data_vars.values():
+def test_every_variable_is_a_number(dataset):
+    for variable in dataset.data_vars.values():
         assert variable.dtype.kind in "fb"
-    stable = opened.where(opened["stable"])
+    stable = dataset.where(dataset["stable"])
     assert float(stable["rms"].max()) < np.inf
-    assert opened.to_array().sizes["variable"] == len(opened.data_vars)
+    assert dataset.to_array().sizes["variable"] == len(dataset.data_vars)
 
 
-def test_xarray_and_open_results_agree(store, opened):
+def test_xarray_and_open_results_agree(store, dataset):
     ours = open_results(store)
-    for name in (*opened.data_vars, *opened.coords):
-        np.testing.assert_array_equal(np.asarray(opened[name]).astype(ours[name].dtype), ours[name])
+    for name in (*dataset.data_vars, *dataset.coords):
+        np.testing.assert_array_equal(np.asarray(dataset[name]).astype(ours[name].dtype), ours[name])
 
 
-def test_scaled_gains_and_delays_say_so(opened, tmp_path, suite, request_):
-    assert "each xi" in opened["kp"].attrs["comment"]
-    assert "each f and xi" in opened["tau"].attrs["comment"]
-    same = replace(request_, grid=ExplicitGrid(), windows=request_.windows[:1])
-    explicit = xr.open_zarr(run_sweep(suite[:1], same, tmp_path / "explicit.zarr"))
+def test_scaled_gains_and_delays_say_so(dataset, tmp_path, suite, request_):
+    assert "each xi" in dataset["kp"].attrs["comment"]
+    assert "each f and xi" in dataset["tau"].attrs["comment"]
+    other_request = replace(request_, grid=ExplicitGrid(), windows=request_.windows[:1])
+    explicit = xr.open_zarr(run_sweep(suite[:1], other_request, tmp_path / "explicit.zarr"))
     assert not {"comment"} & (set(explicit["kp"].attrs) | set(explicit["tau"].attrs))
     assert explicit.sel(kp=1.0, tau=0.0)["rms"].max() < 1e-6
 
@@ -86,26 +86,26 @@ def test_scaled_gains_and_delays_say_so(opened, tmp_path, suite, request_):
 def test_unfinished_store_says_so_until_it_is_finished(tmp_path, suite, request_, monkeypatch):
     path, write_chunk = tmp_path / "results.zarr", stores.write_chunk  # type: ignore[attr-defined]
 
-    def full(place, within, chunk):
-        if within.name.startswith("c.2."):
+    def full(place, motion_variance, chunk):
+        if motion_variance.name.startswith("c.2."):
             raise OSError(28, "No space left on device")
-        write_chunk(place, within, chunk)
+        write_chunk(place, motion_variance, chunk)
 
     monkeypatch.setattr(stores, "write_chunk", full)
     with pytest.raises(IncompleteError):
         run_sweep(suite, request_, path, workers=1)
     monkeypatch.setattr(stores, "write_chunk", write_chunk)
     for group in ("", "window_arias"):
-        unfinished = xr.open_zarr(path, group=group)
-        assert unfinished.attrs["status"].startswith("unfinished")
-        assert bool(unfinished["rms"].isel(motion=-1).isnull().all())
+        partial_file = xr.open_zarr(path, group=group)
+        assert partial_file.attrs["status"].startswith("unfinished")
+        assert bool(partial_file["rms"].isel(motion=-1).isnull().all())
     run_sweep(suite, request_, path, resume=True)
     for group in ("", "window_arias"):
         assert xr.open_zarr(path, group=group).attrs["status"] == "complete"
 
 
-def test_attributes_can_be_written_as_netcdf(opened, tmp_path):
-    opened.isel(motion=0, f=0, xi=0)[["rms", "mte"]].to_netcdf(tmp_path / "some.nc", engine="h5netcdf")
+def test_attributes_can_be_written_as_netcdf(dataset, tmp_path):
+    dataset.isel(motion=0, f=0, xi=0)[["rms", "mte"]].to_netcdf(tmp_path / "some.nc", engine="h5netcdf")
     assert xr.load_dataset(tmp_path / "some.nc").attrs["status"] == "complete"
 
 
@@ -164,7 +164,7 @@ def test_store_under_git_annex_is_read(own_store, store):
     assert open_results(own_store).identical(open_results(store))
 
 
-def test_content_that_is_not_fetched_is_named(own_store):
+def test_unfetched_content_is_named(own_store):
     objects = annex(own_store, own_store.parent)
     (own_store / "rms/c.3.0.0.0.0").resolve().unlink()
     with pytest.raises(InputError, match=r"c\.3\.0\.0\.0\.0.*git annex get"):
@@ -203,9 +203,9 @@ def test_description_of_endless_chunks_is_refused_at_once(own_store):
 @pytest.mark.parametrize("separator", ["/", "."])  # stores of older versions have folders
 def test_bytes_are_those_of_zarr(tmp_path, dtype, separator):
     shape = 2, 1, 41, 21
-    drawn = np.random.default_rng(1).normal(size=shape)
-    drawn.flat[0] = np.inf
-    values = drawn > 0.0 if dtype == "bool" else drawn.astype(dtype)
+    samples = np.random.default_rng(1).normal(size=shape)
+    samples.flat[0] = np.inf
+    values = samples > 0.0 if dtype == "bool" else samples.astype(dtype)
     group = zarr.create_group(tmp_path / "store", zarr_format=3)
     array = group.create_array(
         "values",
@@ -218,6 +218,6 @@ def test_bytes_are_those_of_zarr(tmp_path, dtype, separator):
     array[0] = values
     (first,) = (file for file in (tmp_path / "store" / "values").rglob("*0") if file.is_file())
     assert first.read_bytes() == encode(values)
-    within = ChunkNames.from_array(Path("values"), array).path_of_motion(1)
-    write_chunk(tmp_path / "store", within, encode(values))
+    motion_variance = ChunkNames.from_array(Path("values"), array).path_of_motion(1)
+    write_chunk(tmp_path / "store", motion_variance, encode(values))
     np.testing.assert_array_equal(array[1], values)

@@ -8,15 +8,15 @@ from reliab.core.vocabulary import ELLIPSE_DIMENSIONS
 from reliab.criterion.scaling import scales
 
 
-def _drawn(*, events: int, frequencies=(1.0,), skewness=0.0, seed=0) -> xr.Dataset:
+def _draw_motions(*, events: int, frequencies=(1.0,), skewness=0.0, seed=0) -> xr.Dataset:
     """Two motions an earthquake; ln a and ln b correlated by 0.9, half the variance between earthquakes."""
     rng = np.random.default_rng(seed)
     factor = np.linalg.cholesky([[1.0, 0.9], [0.9, 1.0]]).T
 
     def deviation(rows):
         normal = rng.normal(size=(rows, len(frequencies), 2))
-        skewed = rng.exponential(size=(rows, len(frequencies), 2)) - 1.0
-        return (np.sqrt(1.0 - skewness) * normal + np.sqrt(skewness) * skewed) @ factor
+        skewed_table = rng.exponential(size=(rows, len(frequencies), 2)) - 1.0
+        return (np.sqrt(1.0 - skewness) * normal + np.sqrt(skewness) * skewed_table) @ factor
 
     total = 0.6 * np.sqrt(0.5) * (np.repeat(deviation(events), 2, axis=0) + deviation(2 * events))
     scale_a, scale_b = scales(np.asarray(frequencies), 0.02)
@@ -40,4 +40,4 @@ def _drawn(*, events: int, frequencies=(1.0,), skewness=0.0, seed=0) -> xr.Datas
 
 @pytest.fixture
 def draw_ellipses():
-    return _drawn
+    return _draw_motions

@@ -47,11 +47,11 @@ def test_a_copy_of_a_record_is_of_its_earthquake(real):
     """Scaled or trimmed, it has another checksum, and the same outline."""
     place = real["event"].values.tolist().index("KOBE")
     outline = str(real["outline"].values[place])
-    other = "".join("0123456789abcdef"[15 - int(digit, 16)] for digit in outline)
-    assert earthquakes_among(["mine"] * 2, ["0" * 64] * 2, real, [outline, other]) == ["KOBE", None]
+    second = "".join("0123456789abcdef"[15 - int(digit, 16)] for digit in outline)
+    assert earthquakes_among(["mine"] * 2, ["0" * 64] * 2, real, [outline, second]) == ["KOBE", None]
 
 
-def test_earthquakes_that_do_not_ship_are_known_by_their_own_names():
+def test_other_earthquakes_keep_their_names():
     suite = xr.Dataset(coords={"event": ("motion", ["TOHOKU 2011-03-11", "Maule"])})
     assert earthquakes_among(["Tohoku", "MAULE 2010-02-27", "Illapel"], ["", "", ""], suite) == [
         "TOHOKU 2011-03-11",
@@ -63,9 +63,9 @@ def test_earthquakes_that_do_not_ship_are_known_by_their_own_names():
 @pytest.mark.slow
 def test_headers_of_all_real_records_are_recognised(real_motions_folder, real):
     for folder in ("far_field", "near_field"):
-        catalogued = {
+        catalogue_events = {
             motion.checksum: motion.event for motion in load_motions(real_motions_folder, sets=[folder])
         }
         motions = list(load_motions(real_motions_folder / folder))
-        named = earthquakes_among([motion.event for motion in motions], [""] * len(motions), real)
-        assert named == [catalogued[motion.checksum] for motion in motions]
+        labels = earthquakes_among([motion.event for motion in motions], [""] * len(motions), real)
+        assert labels == [catalogue_events[motion.checksum] for motion in motions]

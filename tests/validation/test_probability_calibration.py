@@ -14,8 +14,8 @@ def test_stated_probabilities_come_true(draw_ellipses):
     assert (np.diff(table["stated"]) > 0.0).all()
     assert (np.diff(table["observed"]) > 0.0).all()
     np.testing.assert_allclose(table["observed"], table["stated"], atol=0.06)
-    inside = (table["low"] <= table["stated"]) & (table["stated"] <= table["high"])
-    assert inside.mean() > 0.7
+    is_inside = (table["low"] <= table["stated"]) & (table["stated"] <= table["high"])
+    assert is_inside.mean() > 0.7
 
 
 def test_each_test_is_counted_where_its_probability_lies(draw_ellipses):

@@ -4,7 +4,7 @@ from reliab.report.sections.method import limits_section
 from reliab.validation.yielding import read_yielding
 
 
-def test_reports_say_what_was_measured_and_no_longer_that_yielding_is_safe():
+def test_reports_state_the_measured_effect_of_yielding():
     first = read_yielding()[0]
     assert first.reduction == 2.0
     assert first.exceeding > 0.2

@@ -10,7 +10,7 @@ from reliab.core.errors import InputError
 from reliab.criterion.distributions import DISTRIBUTIONS, Empirical
 
 SKEW_NORMAL: Any = DISTRIBUTIONS["skew_normal"]
-EVERY = pytest.mark.parametrize("family", DISTRIBUTIONS.values(), ids=DISTRIBUTIONS)
+EACH_DISTRIBUTION = pytest.mark.parametrize("family", DISTRIBUTIONS.values(), ids=DISTRIBUTIONS)
 SOURCES = {
     "lognormal": stats.lognorm(0.6, scale=1e-4),
     "student_t": stats.lognorm(0.6, scale=1e-4),
@@ -27,46 +27,46 @@ def values():
     return SOURCES["lognormal"].rvs(200, random_state=np.random.default_rng(1))
 
 
-@EVERY
+@EACH_DISTRIBUTION
 def test_the_density_is_the_slope_of_the_cumulative(family, values):
-    fitted = family.fit(values)
+    fit = family.fit(values)
     x = np.quantile(values, np.linspace(0.02, 0.98, 25))
     step = 1e-5 * x
-    slope = (fitted.cumulative(x + step) - fitted.cumulative(x - step)) / (2.0 * step)
-    np.testing.assert_allclose(np.exp(fitted.log_density(x)), slope, rtol=1e-4)
+    slope = (fit.cumulative(x + step) - fit.cumulative(x - step)) / (2.0 * step)
+    np.testing.assert_allclose(np.exp(fit.log_density(x)), slope, rtol=1e-4)
 
 
 @pytest.mark.default_cases(2)
-@EVERY
+@EACH_DISTRIBUTION
 def test_the_density_integrates_to_one(family, values):
-    fitted = family.fit(values)
-    total, _ = integrate.quad(
-        lambda t: float(np.exp(fitted.log_density(np.exp(t)) + t)), -22.0, 5.0, limit=500
-    )
+    fit = family.fit(values)
+    total, _ = integrate.quad(lambda t: float(np.exp(fit.log_density(np.exp(t)) + t)), -22.0, 5.0, limit=500)
     assert total == pytest.approx(1.0, abs=1e-3)
 
 
-@EVERY
+@EACH_DISTRIBUTION
 def test_the_quantile_inverts_the_cumulative(family, values):
-    fitted = family.fit(values)
+    fit = family.fit(values)
     probability = np.array([1e-4, 0.01, 0.05, 0.5, 0.95, 0.999])
-    np.testing.assert_allclose(fitted.cumulative(fitted.quantile(probability)), probability, rtol=1e-6)
+    np.testing.assert_allclose(fit.cumulative(fit.quantile(probability)), probability, rtol=1e-6)
 
 
-@EVERY
+@EACH_DISTRIBUTION
 def test_the_fit_does_not_depend_on_the_unit(family, values):
-    few = values[:60]
+    small_sample = values[:60]
     np.testing.assert_allclose(
-        family.fit(1e6 * few).quantile(0.05), 1e6 * family.fit(few).quantile(0.05), rtol=2e-4
+        family.fit(1e6 * small_sample).quantile(0.05),
+        1e6 * family.fit(small_sample).quantile(0.05),
+        rtol=2e-4,
     )
 
 
-@EVERY
+@EACH_DISTRIBUTION
 def test_quantiles_of_its_own_kind_are_recovered(family):
     source = SOURCES[family.name]
-    fitted = family.fit(source.rvs(5_000, random_state=np.random.default_rng(7)))
+    fit = family.fit(source.rvs(5_000, random_state=np.random.default_rng(7)))
     for probability in (0.05, 0.5, 0.9):
-        assert float(fitted.quantile(probability)) == pytest.approx(source.ppf(probability), rel=0.04)
+        assert float(fit.quantile(probability)) == pytest.approx(source.ppf(probability), rel=0.04)
 
 
 @pytest.mark.parametrize(
@@ -74,15 +74,15 @@ def test_quantiles_of_its_own_kind_are_recovered(family):
 )
 def test_no_neighbour_is_likelier(family, values):
     """The fit is a maximum: values scaled a little are less likely under it than the values themselves."""
-    fitted = family.fit(values)
-    here = fitted.log_density(values).sum()
+    fit = family.fit(values)
+    here = fit.log_density(values).sum()
     for factor in (0.97, 1.03):
-        assert (fitted.log_density(factor * values) + np.log(factor)).sum() < here
+        assert (fit.log_density(factor * values) + np.log(factor)).sum() < here
 
 
-@EVERY
+@EACH_DISTRIBUTION
 @pytest.mark.parametrize("wrong", [[1.0, 2.0], [1.0, 2.0, 0.0], [1.0, np.nan, 2.0], [3.0, 3.0, 3.0]])
-def test_what_cannot_be_fitted_is_refused(family, wrong):
+def test_fit_refuses_unusable_values(family, wrong):
     with pytest.raises(InputError):
         family.fit(wrong)
 
@@ -97,13 +97,13 @@ def test_a_heavy_tail_is_recognised():
 
 @pytest.mark.parametrize("shape", [-4.0, 0.0, 4.0])
 def test_skewness_is_recognised(shape):
-    drawn = np.exp(stats.skewnorm(shape).rvs(5000, random_state=np.random.default_rng(5)))
-    assert SKEW_NORMAL.fit(drawn).shape == pytest.approx(shape, abs=0.8)
+    samples = np.exp(stats.skewnorm(shape).rvs(5000, random_state=np.random.default_rng(5)))
+    assert SKEW_NORMAL.fit(samples).shape == pytest.approx(shape, abs=0.8)
 
 
 def test_the_smaller_of_two_correlated_normals_is_skew_normal():
     """Azzalini's property on which the joint bound rests."""
     pair = np.random.default_rng(9).multivariate_normal([0.0, 0.0], [[1.0, 0.6], [0.6, 1.0]], 40_000)
-    fitted = SKEW_NORMAL.fit(np.exp(pair.min(axis=1)))
+    fit = SKEW_NORMAL.fit(np.exp(pair.min(axis=1)))
     expected = -np.sqrt((1.0 - 0.6) / (1.0 + 0.6))
-    assert fitted.shape == pytest.approx(expected, abs=0.12)
+    assert fit.shape == pytest.approx(expected, abs=0.12)

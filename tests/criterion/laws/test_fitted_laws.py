@@ -13,7 +13,7 @@ from reliab.criterion.scaling import scales
 
 F = np.array([0.25, 0.5, 1.0, 2.0])
 XI = np.array([0.02, 0.05, 0.1])
-EVERY = pytest.mark.parametrize("law", FITTED_LAWS.values(), ids=FITTED_LAWS)
+EACH_LAW = pytest.mark.parametrize("law", FITTED_LAWS.values(), ids=FITTED_LAWS)
 
 SHAPES = {
     "table": lambda f, xi: (0.2 * xi**2 * f**0.3, 3.0 * (xi / f) ** 2),
@@ -29,50 +29,50 @@ def grid(law):
     return SHAPES[law.name](F[:, None], XI[None, :])
 
 
-@EVERY
+@EACH_LAW
 def test_its_own_shape_is_reproduced(law):
-    fitted = law.fit(F, XI, *grid(law))
-    for found, given in zip(fitted.limits(F[:, None], XI[None, :]), grid(law), strict=True):
-        np.testing.assert_allclose(found, given, rtol=1e-8)
+    fit = law.fit(F, XI, *grid(law))
+    for result, given_limit in zip(fit.limits(F[:, None], XI[None, :]), grid(law), strict=True):
+        np.testing.assert_allclose(result, given_limit, rtol=1e-8)
 
 
-@EVERY
+@EACH_LAW
 def test_limits_are_positive_and_finite_between_the_structures(law):
-    fitted = law.fit(F, XI, *grid(law))
-    for limits in fitted.limits(np.linspace(0.25, 2.0, 20)[:, None], np.linspace(0.02, 0.1, 15)[None, :]):
+    fit = law.fit(F, XI, *grid(law))
+    for limits in fit.limits(np.linspace(0.25, 2.0, 20)[:, None], np.linspace(0.02, 0.1, 15)[None, :]):
         assert limits.shape == (20, 15)
         assert (np.isfinite(limits) & (limits > 0.0)).all()
 
 
-@EVERY
+@EACH_LAW
 def test_a_factor_on_the_limits_passes_through_the_fit(law):
     a, b = grid(law)
-    for once, scaled in zip(
+    for once, scaled_copy in zip(
         law.fit(F, XI, a, b).limits(1.3, 0.03),
         law.fit(F, XI, 0.7 * a, 0.7 * b).limits(1.3, 0.03),
         strict=True,
     ):
-        assert float(scaled) == pytest.approx(0.7 * float(once))
+        assert float(scaled_copy) == pytest.approx(0.7 * float(once))
 
 
-@EVERY
+@EACH_LAW
 def test_use_outside_of_the_grid_is_refused(law):
-    fitted = law.fit(F, XI, *grid(law))
+    fit = law.fit(F, XI, *grid(law))
     for structure in ((0.2, 0.05), (2.1, 0.05), (1.0, 0.01), (1.0, 0.11)):
         with pytest.raises(InputError, match="does not hold for this"):
-            fitted.limits(*structure)
+            fit.limits(*structure)
 
 
-@EVERY
+@EACH_LAW
 def test_a_law_comes_back_from_json(law):
-    fitted = law.fit(F, XI, *grid(law))
-    assert law_from_dict(json.loads(json.dumps(law_to_dict(fitted)))) == fitted
+    fit = law.fit(F, XI, *grid(law))
+    assert law_from_dict(json.loads(json.dumps(law_to_dict(fit)))) == fit
 
 
-@EVERY
+@EACH_LAW
 def test_one_structure_is_enough(law):
-    fitted = law.fit([1.0], [0.02], [[5.3e-5]], [[1.04]])
-    assert [float(limit) for limit in fitted.limits(1.0, 0.02)] == pytest.approx([5.3e-5, 1.04])
+    fit = law.fit([1.0], [0.02], [[5.3e-5]], [[1.04]])
+    assert [float(limit) for limit in fit.limits(1.0, 0.02)] == pytest.approx([5.3e-5, 1.04])
 
 
 def test_an_unknown_law_is_refused():

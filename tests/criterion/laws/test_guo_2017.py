@@ -36,8 +36,8 @@ def geometric_mean(values):
     ],
 )
 def test_each_law_is_as_printed(equation, f, xi, a, b):
-    found = equation.limits(f, xi)
-    assert (float(found[0]), float(found[1])) == (pytest.approx(a), pytest.approx(b))
+    result = equation.limits(f, xi)
+    assert (float(result[0]), float(result[1])) == (pytest.approx(a), pytest.approx(b))
 
 
 def test_the_text_under_equation_15():
@@ -88,10 +88,12 @@ def test_squares_in_equation_17_would_be_too_generous_at_the_least_damping(table
 
 
 def test_the_corrected_equation_18_joins_the_other_two():
-    joined, over_f = guo_2017.Equation18Corrected(), guo_2017.Equation15Corrected()
+    joint_law, frequency_law = guo_2017.Equation18Corrected(), guo_2017.Equation15Corrected()
     for f in (0.25, 1.0, 2.0):
-        assert joined.limits(f, 0.02) == over_f.limits(f, 0.02)
-        np.testing.assert_allclose(np.ravel(joined.limits(f, 0.04)), 4.0 * np.ravel(over_f.limits(f, 0.02)))
+        assert joint_law.limits(f, 0.02) == frequency_law.limits(f, 0.02)
+        np.testing.assert_allclose(
+            np.ravel(joint_law.limits(f, 0.04)), 4.0 * np.ravel(frequency_law.limits(f, 0.02))
+        )
 
 
 @pytest.mark.parametrize(

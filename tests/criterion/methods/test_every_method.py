@@ -15,7 +15,9 @@ from reliab.criterion.motion_predictive import MotionPredictive
 
 BOUND_METHODS = [name for name, method in METHODS.items() if issubclass(method, BoundMethod)]
 
-EVERY = pytest.mark.parametrize("method", [method_of(name) for name in BOUND_METHODS], ids=BOUND_METHODS)
+EACH_METHOD = pytest.mark.parametrize(
+    "method", [method_of(name) for name in BOUND_METHODS], ids=BOUND_METHODS
+)
 CONFIDENCES = (0.5, 0.8, 0.9, 0.95)
 
 
@@ -28,13 +30,13 @@ def motions():
     return logarithms, events.astype(str)
 
 
-@EVERY
+@EACH_METHOD
 def test_a_higher_confidence_gives_a_lower_bound(method, motions):
     bounds = [method.lower_bound(*motions, confidence) for confidence in CONFIDENCES]
     assert all(high > low for high, low in pairwise(bounds))
 
 
-@EVERY
+@EACH_METHOD
 def test_the_bound_moves_and_scales_with_the_motions(method, motions):
     """Units are free: a · 7 moves the logarithms, and a² stretches them."""
     logarithms, events = motions
@@ -44,21 +46,21 @@ def test_the_bound_moves_and_scales_with_the_motions(method, motions):
     assert method.lower_bound(2.0 * logarithms, events, 0.9) == pytest.approx(2.0 * bound, **tight)
 
 
-@EVERY
+@EACH_METHOD
 def test_the_order_of_the_motions_does_not_matter(method, motions):
     logarithms, events = motions
-    mixed = np.random.default_rng(1).permutation(120)
-    relabelled = np.char.add("another ", events)
-    bound = method.lower_bound(logarithms[mixed], relabelled[mixed], 0.9)
+    mixture = np.random.default_rng(1).permutation(120)
+    new_labels = np.char.add("another ", events)
+    bound = method.lower_bound(logarithms[mixture], new_labels[mixture], 0.9)
     assert bound == pytest.approx(method.lower_bound(logarithms, events, 0.9), abs=1e-9)
 
 
-@EVERY
+@EACH_METHOD
 def test_the_bound_lies_below_the_median(method, motions):
     assert method.lower_bound(*motions, 0.8) < np.median(motions[0])
 
 
-@EVERY
+@EACH_METHOD
 @pytest.mark.parametrize("wrong", [0.0, 1.0, 95.0, -0.1, np.nan])
 def test_a_confidence_outside_of_0_and_1_is_refused(method, motions, wrong):
     with pytest.raises(InputError, match="between 0 and 1"):
@@ -67,7 +69,7 @@ def test_a_confidence_outside_of_0_and_1_is_refused(method, motions, wrong):
 
 @pytest.mark.parametrize("name", ["tolerance", "order_statistic"])
 def test_more_assurance_gives_a_lower_bound(name, motions):
-    bounds = [method_of(name, assurance=each).lower_bound(*motions, 0.9) for each in (0.5, 0.8, 0.99)]  # type: ignore[attr-defined]
+    bounds = [method_of(name, assurance=item).lower_bound(*motions, 0.9) for item in (0.5, 0.8, 0.99)]  # type: ignore[attr-defined]
     assert bounds[0] > bounds[1] > bounds[2]
     with pytest.raises(InputError, match="assurance must lie"):
         method_of(name, assurance=95.0)
@@ -78,7 +80,7 @@ def test_an_unknown_method_is_refused_with_a_choice():
         method_of("magic")
 
 
-def test_settings_go_to_the_methods_that_have_them():
+def test_settings_reach_their_methods():
     with pytest.raises(InputError, match="predictive has no assurance"):
         method_of("predictive", assurance=0.5)
     assert method_of("predictive", assurance=None) == method_of("predictive")
@@ -91,7 +93,7 @@ SHAPES = {
     "long below": lambda rng, size: (4.0 - rng.gamma(4.0, size=size)) / 2.0,
     "heavy": lambda rng, size: rng.standard_t(5, size=size) / np.sqrt(5.0 / 3.0),
 }
-BETWEEN = 0.3  # share of the variance between earthquakes
+EVENT_SHARE = 0.3  # share of the variance between earthquakes
 MIX = np.array([[1.0, 0.8], [0.0, 0.6]])  # of independent values to ln a and ln b
 
 
@@ -102,21 +104,21 @@ def exceedance(shape, earthquakes, motions, confidence, suites):
     def drawn(*size):
         return SHAPES[shape](rng, (*size, 2))
 
-    suite = np.sqrt(BETWEEN) * drawn(earthquakes, 1, suites) + np.sqrt(1.0 - BETWEEN) * drawn(
+    suite = np.sqrt(EVENT_SHARE) * drawn(earthquakes, 1, suites) + np.sqrt(1.0 - EVENT_SHARE) * drawn(
         earthquakes, motions, suites
     )
-    further = (np.sqrt(BETWEEN) * drawn(20_000) + np.sqrt(1.0 - BETWEEN) * drawn(20_000)) @ MIX
+    additional = (np.sqrt(EVENT_SHARE) * drawn(20_000) + np.sqrt(1.0 - EVENT_SHARE) * drawn(20_000)) @ MIX
     logarithms = (suite @ MIX).reshape(earthquakes * motions, suites, 2)
     scatter = Scatter.from_logarithms(logarithms)
     events = np.repeat(np.arange(earthquakes), motions).astype(np.str_)
-    learned = MotionPredictive.fit(scatter.worse(logarithms), events)
-    limits = scatter.limits_at_depth(learned.quantile(1.0 - confidence))
-    kept = np.mean([(further >= limit).all(axis=1).mean() for limit in limits])
-    return (1.0 - kept) / (1.0 - confidence)
+    fit = MotionPredictive.fit(scatter.worse(logarithms), events)
+    limits = scatter.limits_at_depth(fit.quantile(1.0 - confidence))
+    coverage = np.mean([(additional >= limit).all(axis=1).mean() for limit in limits])
+    return (1.0 - coverage) / (1.0 - confidence)
 
 
 @pytest.mark.parametrize("earthquakes", [4, 10, 19])
-def test_what_the_earthquakes_carry_by_themselves_holds_to_a_fifth(earthquakes):
+def test_bound_carried_by_earthquakes_holds_to_a_fifth(earthquakes):
     confidence = earthquakes / (earthquakes + 1.0)
     assert exceedance("normal", earthquakes, 3, confidence, suites=200) < 1.25
 
@@ -129,8 +131,8 @@ def test_where_the_fitted_shape_carries_it_is_within_a_factor(earthquakes, motio
     """Beyond it the ratio grows without bound; that is where limits become zero."""
     carried = Dirichlet().achievable_confidence(earthquakes * motions, earthquakes)
     assert exceedance(shape, earthquakes, motions, carried, suites=400) < 2.6
-    by_themselves = exceedance(shape, earthquakes, motions, earthquakes / (earthquakes + 1.0), suites=400)
-    assert by_themselves < (1.3 if motions > 1 else 1.6)
+    event_coverage = exceedance(shape, earthquakes, motions, earthquakes / (earthquakes + 1.0), suites=400)
+    assert event_coverage < (1.3 if motions > 1 else 1.6)
 
 
 def test_few_earthquakes_carry_little_and_one_nothing():
@@ -144,11 +146,11 @@ def test_few_earthquakes_carry_little_and_one_nothing():
     )
 
 
-def test_the_plug_in_quantile_states_what_it_keeps():
+def test_plug_in_quantile_states_its_coverage():
     """m − z·s of n lognormal motions, against 400,000 simulated suites."""
     rng = np.random.default_rng(1)
     values = rng.normal(size=(400_000, 8))
     bound = values.mean(axis=1) - 1.6448536 * values.std(axis=1)
-    kept = (rng.normal(size=400_000) >= bound).mean()
-    assert Quantile().mean_share(0.95, 8) == pytest.approx(kept, abs=0.002)
-    assert kept < 0.92
+    coverage = (rng.normal(size=400_000) >= bound).mean()
+    assert Quantile().mean_share(0.95, 8) == pytest.approx(coverage, abs=0.002)
+    assert coverage < 0.92

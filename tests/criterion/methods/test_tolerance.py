@@ -31,24 +31,26 @@ def test_the_factor_tends_to_the_normal_quantile():
 
 
 @pytest.mark.parametrize("confidence", [0.8, 0.95])
-def test_clusters_that_are_not_alike_leave_the_bound_of_independent_motions(confidence):
+def test_unlike_clusters_leave_bound_of_independent_motions(confidence):
     """By another route: the exact factor, where earthquakes have two motions without a common part."""
     values = np.random.default_rng(6).normal(size=4000)
-    pairs, alone = np.repeat(np.arange(2000), 2).astype(str), np.arange(4000).astype(str)
-    bounds = [Tolerance().lower_bound(values, events, confidence) for events in (pairs, alone)]
+    pairs, separate = np.repeat(np.arange(2000), 2).astype(str), np.arange(4000).astype(str)
+    bounds = [Tolerance().lower_bound(values, events, confidence) for events in (pairs, separate)]
     assert bounds[0] == pytest.approx(bounds[1], abs=0.03)
 
 
 def test_copies_of_each_motion_are_worth_no_more_than_the_motions():
     values = np.random.default_rng(7).normal(size=30)
-    few, many = (
+    small_sample, many = (
         Tolerance().lower_bound(np.repeat(values, count), np.repeat(np.arange(30), count).astype(str), 0.9)
         for count in (1, 8)
     )
-    assert many == pytest.approx(few, abs=0.1)
-    own = OrderStatistic().lower_bound(values, np.arange(30).astype(str), 0.8)
-    copied = OrderStatistic().lower_bound(np.repeat(values, 8), np.repeat(np.arange(30), 8).astype(str), 0.8)
-    assert copied <= own
+    assert many == pytest.approx(small_sample, abs=0.1)
+    original = OrderStatistic().lower_bound(values, np.arange(30).astype(str), 0.8)
+    duplicate = OrderStatistic().lower_bound(
+        np.repeat(values, 8), np.repeat(np.arange(30), 8).astype(str), 0.8
+    )
+    assert duplicate <= original
 
 
 @pytest.mark.parametrize(("n", "rank"), [(58, 0), (59, 1), (93, 2), (124, 3), (181, 5)])

@@ -91,17 +91,17 @@ def test_each_named_component_is_a_motion_of_one_event(heading: str, write: Writ
         ("# units: g\ntime (s), U(-), N(+)", (times(), SAMPLES, SAMPLES), "columns with names"),
     ],
 )
-def test_columns_that_nobody_can_tell_are_refused(
+def test_indistinguishable_columns_are_refused(
     heading: str, columns: tuple[object, ...], rule: str, write: Write
 ) -> None:
     with pytest.raises(InputError, match=rule):
         list(load_motions(write("a.csv", f"{heading}\n{rows(*columns, mark=',')}")))
 
 
-@pytest.mark.parametrize("per_line", [2, 3, 5, 8])
-def test_count_tells_samples_that_follow_one_another(per_line: int, write: Write) -> None:
+@pytest.mark.parametrize("line_values", [2, 3, 5, 8])
+def test_count_identifies_consecutive_samples(line_values: int, write: Write) -> None:
     cells = [str(value) for value in SAMPLES]
-    lines = "".join(" ".join(cells[i : i + per_line]) + "\n" for i in range(0, 8, per_line))
+    lines = "".join(" ".join(cells[i : i + line_values]) + "\n" for i in range(0, 8, line_values))
     path = write("a.txt", f"# dt: 0.01\n# units: m/s2\n# samples: 8\n{lines}")
     np.testing.assert_array_equal(read_motion(path).acceleration, SAMPLES)
 
@@ -115,7 +115,7 @@ def test_lines_of_count_and_step_are_no_samples(sizes: str, write: Write) -> Non
         assert motion.time_step == 0.01
 
 
-def test_step_before_the_samples_must_be_that_of_the_header(write: Write) -> None:
+def test_step_before_samples_must_match_header(write: Write) -> None:
     with pytest.raises(
         InputError, match=r"line 4: Two different time steps in one file; found 0\.01 here and 0\.02"
     ):

@@ -15,7 +15,7 @@ FIVE = """   3.437285e-01
    3.441520e-01
    3.442641e-01
 """
-ANNOUNCED = "5 acceleration pts, approx    0 secs, units=cm/sec2(04),Format=(1E15.6)"
+COUNT_LINE = "5 acceleration pts, approx    0 secs, units=cm/sec2(04),Format=(1E15.6)"
 
 
 @pytest.fixture
@@ -23,7 +23,7 @@ def cosmos(records: dict[str, str]) -> str:
     return records["record.V2c"]
 
 
-def test_the_step_is_value_62_and_not_that_of_the_raw_record(cosmos: str, write: Write) -> None:
+def test_step_is_value_62_instead_of_the_raw_step(cosmos: str, write: Write) -> None:
     motion = read_motion(write("a.acc.V2c", cosmos))
     np.testing.assert_allclose(motion.acceleration, GAL / 100, rtol=1e-15)
     assert motion.time_step == 0.005
@@ -45,18 +45,18 @@ def test_the_step_is_value_62_and_not_that_of_the_raw_record(cosmos: str, write:
 def test_variants_of_the_announcement_are_read(
     announcement: str, lines: str | None, factor: float, cosmos: str, write: Write
 ) -> None:
-    packed = "".join(f"{value:10.5f}" for value in GAL) + "\n"
-    body = packed if lines is None else lines.replace("e+01", "e-01")
-    motion = read_motion(write("a.V2c", cosmos.replace(ANNOUNCED, announcement).replace(FIVE, body)))
+    archive = "".join(f"{value:10.5f}" for value in GAL) + "\n"
+    body = archive if lines is None else lines.replace("e+01", "e-01")
+    motion = read_motion(write("a.V2c", cosmos.replace(COUNT_LINE, announcement).replace(FIVE, body)))
     expected = np.round(GAL, 5) if lines is None else np.where(np.abs(GAL) > 1, GAL / 100, GAL)
     np.testing.assert_allclose(motion.acceleration, expected * factor, rtol=1e-12)
 
 
-def test_numbers_that_touch_are_split_by_the_printed_format(cosmos: str, write: Write) -> None:
+def test_touching_numbers_are_split_by_printed_format(cosmos: str, write: Write) -> None:
     values = [101.12345, -101.12345, 2001.5, 3001.25, -4001.0]
     touching = "".join(f"{value:10.5f}" for value in values)
     assert "101.12345-101.12345" in touching
-    text = cosmos.replace(ANNOUNCED, ANNOUNCED.replace("1E15.6", "8F10.5")).replace(FIVE, f"{touching}\n")
+    text = cosmos.replace(COUNT_LINE, COUNT_LINE.replace("1E15.6", "8F10.5")).replace(FIVE, f"{touching}\n")
     np.testing.assert_allclose(read_motion(write("a.V2c", text)).acceleration, np.array(values) / 100)
 
 
@@ -91,25 +91,25 @@ def test_a_fault_is_explained(old: str, new: str, rule: str, cosmos: str, write:
 
 
 @pytest.mark.parametrize(
-    ("announced", "mark"), [("-999, -999.00", -999.0), ("-88, -88.50", -88.5), ("", -999.0)]
+    ("announcement", "mark"), [("-999, -999.00", -999.0), ("-88, -88.50", -88.5), ("", -999.0)]
 )
-def test_the_mark_of_what_is_unknown_is_the_one_that_the_header_names(
-    announced: str, mark: float, cosmos: str, write: Write
+def test_header_names_the_mark_of_unknown_values(
+    announcement: str, mark: float, cosmos: str, write: Write
 ) -> None:
     line = "Values used when parameter or data value is unknown/unspecified:   -999, -999.00"
     assert line in cosmos
-    text = cosmos.replace(line, line.replace("-999, -999.00", announced) if announced else " ")
+    text = cosmos.replace(line, line.replace("-999, -999.00", announcement) if announcement else " ")
     path = write("a.V2c", text.replace("   3.438810e-01", f"{mark:15.6f}"))
     with pytest.raises(InputError, match=f"found the mark of a missing sample, {mark:g}"):
         read_motion(path)
 
 
-def test_a_step_that_the_header_leaves_open_can_be_given(cosmos: str, write: Write) -> None:
+def test_step_missing_in_header_can_be_given(cosmos: str, write: Write) -> None:
     path = write("a.V2c", cosmos.replace("       5.000000", "    -999.000000"))
     assert read_motion(path, time_step=0.01).time_step == 0.01
 
 
-def test_a_real_header_that_ends_early_is_explained(cosmos: str, write: Write) -> None:
+def test_truncated_real_header_is_explained(cosmos: str, write: Write) -> None:
     start, end = cosmos.index("follow on  20 lines"), cosmos.index("   1 Comment line")
     with pytest.raises(InputError, match="positive number; found nothing"):
         read_motion(write("a.V2c", cosmos[: start + 44] + cosmos[end:]))

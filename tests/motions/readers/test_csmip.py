@@ -116,6 +116,6 @@ def test_a_file_cut_within_the_acceleration_is_refused(csmip: str, write: Write)
         read_motion(write("a.V2", cut))
 
 
-def test_a_file_that_only_ends_like_csmip_is_explained(write: Write) -> None:
+def test_file_with_csmip_suffix_only_is_explained(write: Write) -> None:
     with pytest.raises(InputError, match="must announce its points of accel data"):
         read_motion(write("a.V2", "nothing of the kind\n"))

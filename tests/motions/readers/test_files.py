@@ -33,7 +33,7 @@ def test_every_format_is_recognised_without_its_ending(records: dict[str, str], 
     ],
 )
 @pytest.mark.parametrize("name", ["record", "record.bin"])
-def test_what_is_no_text_is_explained(name: str, content: bytes, rule: str, write: Write) -> None:
+def test_binary_content_is_explained(name: str, content: bytes, rule: str, write: Write) -> None:
     path = write(name, content)
     with pytest.raises(InputError, match=rule) as caught:
         read_motion(path)

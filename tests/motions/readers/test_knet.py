@@ -25,7 +25,7 @@ def test_counts_become_acceleration_without_their_mean(knet: str, write: Write) 
     assert abs(motion.acceleration.mean()) < 1e-15
 
 
-def test_the_maximum_is_that_of_the_record_without_its_mean(knet: str, write: Write) -> None:
+def test_maximum_is_of_the_record_without_mean(knet: str, write: Write) -> None:
     motion = read_motion(write("a.NS", knet))
     assert motion.peak_acceleration * 100 == pytest.approx(0.0475516, rel=1e-4)
 
@@ -83,7 +83,7 @@ def test_a_fault_is_told_with_its_line(
 
 
 @pytest.mark.parametrize("rate", ["", "Sampling Freq(Hz) fastHz\n"])
-def test_a_rate_that_is_missing_is_asked_for(rate: str, knet: str, write: Write) -> None:
+def test_missing_rate_is_requested(rate: str, knet: str, write: Write) -> None:
     with pytest.raises(InputError, match="No time step stated"):
         read_motion(write("a.NS", knet.replace("Sampling Freq(Hz) 10Hz\n", rate)))
 

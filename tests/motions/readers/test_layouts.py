@@ -17,9 +17,9 @@ TIMES = STEP * np.arange(COUNT)
 ONE, TWO, UP = (scale * np.sin(9 * TIMES + phase) for scale, phase in ((80.0, 0.2), (60.0, 1.0), (20.0, 2.0)))
 
 
-def lines(values: Iterable[float], form: str, per_line: int) -> str:
+def lines(values: Iterable[float], form: str, line_values: int) -> str:
     cells = [format(value, form) for value in values]
-    return "".join("".join(cells[i : i + per_line]) + "\n" for i in range(0, len(cells), per_line))
+    return "".join("".join(cells[i : i + line_values]) + "\n" for i in range(0, len(cells), line_values))
 
 
 def numeric_header(integers: int, reals: int, width: int = 5) -> str:
@@ -210,11 +210,11 @@ def test_national_layout_is_read_whatever_its_ending(layout: str, name: str, wri
 @pytest.mark.parametrize("layout", ["GeoNet", "RENADIC", "USC", "BHRC", "AFAD", "SMC", "ASA", "K-NET CSV"])
 def test_record_cut_short_is_refused_and_never_shifted(layout: str, write: Write) -> None:
     rows = LAYOUTS[layout][0].splitlines(keepends=True)
-    for kept in range(20, len(rows) - 1, 2):
-        path = write(f"cut{kept}.dat", "".join(rows[:kept]))
+    for index in range(20, len(rows) - 1, 2):
+        path = write(f"cut{index}.dat", "".join(rows[:index]))
         if not inspect(path).faults:  # whole components may be left
             for motion in load_motions(path):
-                differences = [np.abs(motion.acceleration * 100 - each).max() for each in LAYOUTS[layout][1]]
+                differences = [np.abs(motion.acceleration * 100 - item).max() for item in LAYOUTS[layout][1]]
                 assert min(differences) < 0.1
 
 
@@ -225,7 +225,7 @@ def test_samples_without_a_numeric_header_are_read(write: Write) -> None:
     np.testing.assert_allclose(motion.acceleration * 100, ONE, atol=0.01)
 
 
-def test_uneven_times_are_refused_with_what_to_do(write: Write) -> None:
+def test_uneven_times_are_refused_with_a_remedy(write: Write) -> None:
     text = volume_1(layout="renadic").replace("  0.050", "  0.053")
     (fault, *_) = inspect(write("a.v1", text)).faults
     assert "increase by equal steps" in fault.rule
@@ -245,7 +245,7 @@ def test_title_of_a_layout_above_plain_columns_is_no_obstacle(title: str, write:
     np.testing.assert_allclose(motion.acceleration * 100, ONE, atol=1e-6)
 
 
-def test_clock_that_was_never_set_is_no_earthquake(write: Write) -> None:
+def test_unset_clock_is_no_earthquake(write: Write) -> None:
     text = volume_1(layout="renadic").replace("08/11/2012 12:23:16", "01/01/1980 0:00:00")
     assert set(load_motions(write("station.v1", text)).events) == {"station"}
 

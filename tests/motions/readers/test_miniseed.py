@@ -63,7 +63,7 @@ def test_channels_are_components_of_one_earthquake(precision: type, write: Any) 
         ),
     ],
 )
-def test_what_cannot_be_taken_as_acceleration_is_refused(traces: list[Any], rule: str, write: Any) -> None:
+def test_non_acceleration_channels_are_refused(traces: list[Any], rule: str, write: Any) -> None:
     with pytest.raises(InputError, match=rule):
         list(load_motions(write(*traces), units="gal"))
 

@@ -92,15 +92,15 @@ def test_latin_1_bytes_in_a_header_are_read(write: Write) -> None:
         "0.1-0.2+0.3-0.4 0.5-0.06 0.007",
     ],
 )
-def test_glued_numbers_are_split_where_that_is_certain(lines: str, write: Write) -> None:
+def test_glued_numbers_are_split_if_unambiguous(lines: str, write: Write) -> None:
     motion = read_motion(write("a.AT2", at2(lines=lines)))
     np.testing.assert_allclose(np.abs(motion.acceleration), np.abs(SAMPLES) * G, rtol=1e-15)
 
 
-@pytest.mark.parametrize("glued", [".1-2", ".1234-101", ".1E-023.5", ".1E-1-.2E-1", "1.2.3", "1E5-2E5"])
-def test_glued_numbers_are_refused_where_that_is_not_certain(glued: str, write: Write) -> None:
-    with pytest.raises(InputError, match=rf"line 6: Not a number; found '{glued}'"):
-        read_motion(write("a.AT2", at2(lines=LINES.replace("-.6000000E-01", glued))))
+@pytest.mark.parametrize("joined_text", [".1-2", ".1234-101", ".1E-023.5", ".1E-1-.2E-1", "1.2.3", "1E5-2E5"])
+def test_ambiguous_glued_numbers_are_refused(joined_text: str, write: Write) -> None:
+    with pytest.raises(InputError, match=rf"line 6: Not a number; found '{joined_text}'"):
+        read_motion(write("a.AT2", at2(lines=LINES.replace("-.6000000E-01", joined_text))))
 
 
 @pytest.mark.parametrize(
@@ -141,7 +141,7 @@ def test_the_event_is_the_earthquake_and_its_date(title: str, event: str, write:
     assert read_motion(write("a.AT2", at2(title=title))).event == event
 
 
-def test_an_event_that_is_given_is_kept(write: Write) -> None:
+def test_stated_event_is_preserved(write: Write) -> None:
     motion = read_motion(write("x/a.AT2", at2()), event="KOBE", name="KOBE/A", set_name="near")
     assert (motion.name, motion.event, motion.set_name) == ("KOBE/A", "KOBE", "near")
 
@@ -215,25 +215,23 @@ def test_a_fault_is_told_with_file_line_rule_and_remedy(
 
 
 def test_padding_of_the_last_line_is_not_a_sample(write: Write) -> None:
-    padded = LINES.rstrip() + "  0.000000E+00  0.000000E+00\n"
-    assert_read(read_motion(write("a.AT2", at2(lines=padded))))
+    padded_record = LINES.rstrip() + "  0.000000E+00  0.000000E+00\n"
+    assert_read(read_motion(write("a.AT2", at2(lines=padded_record))))
 
 
-def test_units_that_contradict_the_header_are_refused(write: Write) -> None:
+def test_units_contradicting_header_are_refused(write: Write) -> None:
     path = write("a.AT2", at2())
     with pytest.raises(InputError, match=r"line 3: .*found g in the header, cm/s2 in the arguments"):
         read_motion(path, units="gal")
     assert_read(read_motion(path, units="G"))
 
 
-@pytest.mark.parametrize(
-    ("printed", "true_step"), [(".0024", 1 / 409.6), (".0066", 1 / 150), (".02", 0.0204)]
-)
-def test_a_rounded_step_can_be_corrected(printed: str, true_step: float, write: Write) -> None:
-    path = write("a.AT2", at2(f"NPTS= 7, DT= {printed} SEC"))
+@pytest.mark.parametrize(("output", "true_step"), [(".0024", 1 / 409.6), (".0066", 1 / 150), (".02", 0.0204)])
+def test_a_rounded_step_can_be_corrected(output: str, true_step: float, write: Write) -> None:
+    path = write("a.AT2", at2(f"NPTS= 7, DT= {output} SEC"))
     assert_read(read_motion(path, time_step=true_step), true_step)
 
 
-def test_a_step_that_contradicts_the_header_is_refused(write: Write) -> None:
+def test_step_contradicting_header_is_refused(write: Write) -> None:
     with pytest.raises(InputError, match=r"line 4: .*found 0.005 s in the header, 0.01 s in the arguments"):
         read_motion(write("a.AT2", at2()), time_step=0.01)

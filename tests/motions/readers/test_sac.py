@@ -61,7 +61,7 @@ def test_components_of_one_earthquake_share_its_origin(write: Write) -> None:
         (sac(count=1), "at least two samples"),
     ],
 )
-def test_what_cannot_be_taken_as_acceleration_is_refused(content: bytes, rule: str, write: Write) -> None:
+def test_non_acceleration_channels_are_refused(content: bytes, rule: str, write: Write) -> None:
     with pytest.raises(InputError, match=rule):
         read_motion(write("a.sac", content), units=None if "units" in rule else "m/s2")
 

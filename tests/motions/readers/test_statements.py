@@ -10,7 +10,7 @@ from reliab.motions.loading import read_motion
 
 Write = Callable[[str, str | bytes], Path]
 SAMPLES = np.array([0.1, -0.2, 0.3, -0.25])
-ONE = "".join(f"{value}\n" for value in SAMPLES)
+SINGLE_COLUMN = "".join(f"{value}\n" for value in SAMPLES)
 
 
 @pytest.mark.parametrize(
@@ -33,18 +33,18 @@ ONE = "".join(f"{value}\n" for value in SAMPLES)
     ],
 )
 def test_step_is_read_with_its_unit(line: str, write: Write) -> None:
-    motion = read_motion(write("a.txt", f"# {line}\n# units: m/s2\n{ONE}"))
+    motion = read_motion(write("a.txt", f"# {line}\n# units: m/s2\n{SINGLE_COLUMN}"))
     assert motion.time_step == pytest.approx(0.01, rel=1e-12)
     np.testing.assert_array_equal(motion.acceleration, SAMPLES)
 
 
 def test_rate_with_a_separator_of_thousands_is_read(write: Write) -> None:
-    path = write("a.txt", f"# Sampling rate: 1,024 Hz\n# units: m/s2\n{ONE}")
+    path = write("a.txt", f"# Sampling rate: 1,024 Hz\n# units: m/s2\n{SINGLE_COLUMN}")
     assert read_motion(path).time_step == 1 / 1024
 
 
 @pytest.mark.parametrize(
-    ("line", "found"),
+    ("line", "result"),
     [
         ("dt: 10", "10 s"),
         ("dt: 0.01 min", "0.6 s"),
@@ -53,17 +53,17 @@ def test_rate_with_a_separator_of_thousands_is_read(write: Write) -> None:
         ("dt: 0.0001", "0.0001 s"),
     ],
 )
-def test_step_that_is_not_plausible_is_asked_back(line: str, found: str, write: Write) -> None:
-    path = write("a.txt", f"# {line}\n# units: m/s2\n{ONE}")
+def test_implausible_step_is_questioned(line: str, result: str, write: Write) -> None:
+    path = write("a.txt", f"# {line}\n# units: m/s2\n{SINGLE_COLUMN}")
     with pytest.raises(
-        InputError, match=f"line 1: .*those of records are 0.0005 to 0.1 s; found {found}"
+        InputError, match=f"line 1: .*those of records are 0.0005 to 0.1 s; found {result}"
     ) as caught:
         read_motion(path)
     assert "confirm it with `time_step`" in caught.value.remedy
 
 
-def test_step_that_is_not_plausible_can_be_confirmed(write: Write) -> None:
-    path = write("a.txt", f"# dt: 0.5\n# units: m/s2\n{ONE}")
+def test_implausible_step_can_be_confirmed(write: Write) -> None:
+    path = write("a.txt", f"# dt: 0.5\n# units: m/s2\n{SINGLE_COLUMN}")
     assert read_motion(path, time_step=0.5).time_step == 0.5
     folder = write("catalog.csv", "motion,file,dt_s\na,a.txt,0.5\n").parent
     assert inspect(folder).faults == []
@@ -87,7 +87,7 @@ def test_step_that_is_not_plausible_can_be_confirmed(write: Write) -> None:
 )
 def test_scale_factor_is_applied(line: str, factor: float, write: Write) -> None:
     units = "" if "gal" in line else "# units: m/s2\n"
-    path = write("a.txt", f"# dt = 0.01\n# {line}\n{units}{ONE}")
+    path = write("a.txt", f"# dt = 0.01\n# {line}\n{units}{SINGLE_COLUMN}")
     np.testing.assert_allclose(read_motion(path).acceleration, factor * SAMPLES, rtol=1e-15)
     notes = [note.value for note in inspect(path).notes]
     assert notes == ([] if factor == 1 else [f"scale factor {50 if 'gal' in line else factor:g} of line 2"])
@@ -113,8 +113,8 @@ def test_scale_factor_is_applied(line: str, factor: float, write: Write) -> None
         ("Response spectrum, 5 % damping", "Not a record of acceleration; found a spectrum"),
     ],
 )
-def test_statement_that_cannot_be_applied_is_refused_by_name(line: str, rule: str, write: Write) -> None:
-    path = write("a.txt", f"# dt = 0.01\n# units: m/s2\n# {line}\n{ONE}")
+def test_inapplicable_statement_is_refused_by_name(line: str, rule: str, write: Write) -> None:
+    path = write("a.txt", f"# dt = 0.01\n# units: m/s2\n# {line}\n{SINGLE_COLUMN}")
     with pytest.raises(InputError, match=rule):
         read_motion(path)
 
@@ -131,14 +131,14 @@ def test_statement_that_cannot_be_applied_is_refused_by_name(line: str, rule: st
         *("missing samples: 0", "sampling rate of the recorder", "Offset removed: 0.5"),
     ],
 )
-def test_line_that_says_nothing_of_the_numbers_is_passed_over(line: str, write: Write) -> None:
-    motion = read_motion(write("a.txt", f"# dt = 0.01\n# units: m/s2\n# {line}\n{ONE}"))
+def test_irrelevant_line_is_skipped(line: str, write: Write) -> None:
+    motion = read_motion(write("a.txt", f"# dt = 0.01\n# units: m/s2\n# {line}\n{SINGLE_COLUMN}"))
     np.testing.assert_array_equal(motion.acceleration, SAMPLES)
     assert motion.time_step == 0.01
 
 
 def test_units_of_the_peak_are_used_where_no_others_are_stated(write: Write) -> None:
-    path = write("a.txt", f"# dt = 0.01\n# Peak acceleration = 0.3 cm/s2\n{ONE}")
+    path = write("a.txt", f"# dt = 0.01\n# Peak acceleration = 0.3 cm/s2\n{SINGLE_COLUMN}")
     np.testing.assert_allclose(read_motion(path).acceleration, SAMPLES / 100, rtol=1e-15)
 
 
@@ -156,23 +156,23 @@ def test_units_of_the_peak_are_used_where_no_others_are_stated(write: Write) -> 
     ],
 )
 def test_at2_of_velocity_or_displacement_is_refused(third: str, kind: str, write: Write) -> None:
-    text = f"PEER\nSomequake 1/2/2003, STA 1\n{third}\nNPTS= 4, DT= .01 SEC\n{ONE}"
+    text = f"PEER\nSomequake 1/2/2003, STA 1\n{third}\nNPTS= 4, DT= .01 SEC\n{SINGLE_COLUMN}"
     with pytest.raises(InputError, match=f"line 3: Not a record of acceleration; found {kind}"):
         read_motion(write("a.AT2", text))
 
 
 @pytest.mark.parametrize(
-    ("mark", "declared"),
+    ("mark", "declaration"),
     [
         *(("-999", ""), ("-999.0", ""), ("9999.", ""), ("1e20", ""), ("-7.5", "")),
         ("0.3", "missing value: 0.3\n# no-data value: 0.3"),
         ("-99", "missing data marked as -99"),
     ],
 )
-def test_gap_marks_are_refused(mark: str, declared: str, write: Write) -> None:
+def test_gap_marks_are_refused(mark: str, declaration: str, write: Write) -> None:
     samples = [f"{value:.4f}" for value in np.sin(np.arange(60.0))]
     samples[20:24] = [mark] * 4
-    header = f"# dt = 0.01\n# units: cm/s2\n# {declared}\n"
+    header = f"# dt = 0.01\n# units: cm/s2\n# {declaration}\n"
     with pytest.raises(InputError, match=r"has gaps; found the mark of a missing sample, .*, 4 times"):
         read_motion(write("a.txt", header + "\n".join(samples)))
 

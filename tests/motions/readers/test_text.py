@@ -11,7 +11,7 @@ from reliab.motions.loading import read_motion
 
 Write = Callable[[str, str | bytes], Path]
 SAMPLES = [0.1, -0.2, 0.3, -0.25]
-ONE = "".join(f"{value}\n" for value in SAMPLES)
+SINGLE_COLUMN = "".join(f"{value}\n" for value in SAMPLES)
 TWO = "".join(f"{0.01 * i:.2f} {value}\n" for i, value in enumerate(SAMPLES))
 
 
@@ -32,14 +32,14 @@ TWO = "".join(f"{0.01 * i:.2f} {value}\n" for i, value in enumerate(SAMPLES))
     ],
 )
 def test_step_and_units_are_found_in_a_header(header: str, write: Write) -> None:
-    motion = read_motion(write("a.txt", header + ONE))
+    motion = read_motion(write("a.txt", header + SINGLE_COLUMN))
     assert motion.acceleration.tolist() == SAMPLES
     assert motion.time_step == 0.01
 
 
 @pytest.mark.parametrize(("units", "factor"), [("g", 9.80665), ("gal", 0.01), ("cm/s2", 0.01), ("m/s2", 1.0)])
 def test_step_and_units_can_be_given(units: str, factor: float, write: Write) -> None:
-    motion = read_motion(write("a.txt", ONE), time_step=0.02, units=units)
+    motion = read_motion(write("a.txt", SINGLE_COLUMN), time_step=0.02, units=units)
     np.testing.assert_allclose(motion.acceleration, np.array(SAMPLES) * factor)
     assert motion.time_step == 0.02
 
@@ -80,15 +80,15 @@ def test_times_in_exponents_and_single_precision_tell_the_step(write: Write) -> 
 
 
 def test_an_event_can_be_declared_in_the_header(write: Write) -> None:
-    motion = read_motion(write("a.txt", "# event: KOBE 1995\n# units: g\n# dt = 0.01\n" + ONE))
+    motion = read_motion(write("a.txt", "# event: KOBE 1995\n# units: g\n# dt = 0.01\n" + SINGLE_COLUMN))
     assert motion.event == "KOBE 1995"
 
 
 @pytest.mark.parametrize(
     ("text", "line", "rule"),
     [
-        (ONE, None, "No units stated"),
-        ("# units: g\n" + ONE, None, "No time step stated"),
+        (SINGLE_COLUMN, None, "No units stated"),
+        ("# units: g\n" + SINGLE_COLUMN, None, "No time step stated"),
         (
             "# units: furlongs\n" + TWO,
             1,
@@ -105,25 +105,29 @@ def test_an_event_can_be_declared_in_the_header(write: Write) -> None:
             "Two different units in one file; found m/s2 here and g in line 1",
         ),
         (
-            "# units: g\n# dt = 0.01\n# dt = 0.02\n" + ONE,
+            "# units: g\n# dt = 0.01\n# dt = 0.02\n" + SINGLE_COLUMN,
             3,
             "Two different time steps in one file; found 0.02 here and 0.01 in line 2",
         ),
-        ("# units: g\n# dt = 0\n" + ONE, 2, "positive number; found 0"),
-        ("# units: g\n# dt = often\n" + ONE, 2, "positive number; found often"),
-        ("# units: g\n# sampling rate: 0 Hz\n" + ONE, 2, "positive number; found 0"),
+        ("# units: g\n# dt = 0\n" + SINGLE_COLUMN, 2, "positive number; found 0"),
+        ("# units: g\n# dt = often\n" + SINGLE_COLUMN, 2, "positive number; found often"),
+        ("# units: g\n# sampling rate: 0 Hz\n" + SINGLE_COLUMN, 2, "positive number; found 0"),
         (
             "# units: g\n# dt = 0.02\n" + TWO,
             2,
             "contradicts the column of times; found 0.02 s in the header, 0.01 s",
         ),
-        ("# units: g\n# samples: 5\n# dt = 0.01\n" + ONE, 7, "found the end after 4 of 5"),
-        ("# units: g\n# samples: 3\n# dt = 0.01\n" + ONE, 7, "found 4 samples instead of 3"),
-        ("# units: g\n# samples: many\n# dt = 0.01\n" + ONE, 2, "whole number of at least 2; found many"),
+        ("# units: g\n# samples: 5\n# dt = 0.01\n" + SINGLE_COLUMN, 7, "found the end after 4 of 5"),
+        ("# units: g\n# samples: 3\n# dt = 0.01\n" + SINGLE_COLUMN, 7, "found 4 samples instead of 3"),
+        (
+            "# units: g\n# samples: many\n# dt = 0.01\n" + SINGLE_COLUMN,
+            2,
+            "whole number of at least 2; found many",
+        ),
         ("# units: g\n" + TWO.replace("0.02", "0.025"), 5, "equal steps; found 0.03 s after 0.025 s"),
         ("# units: g\n" + TWO.replace("0.02", "0.01"), 4, "equal steps; found 0.01 s after 0.01 s"),
         ("# units: g\n" + TWO.replace("0.02 ", ""), 4, "number of columns changes; found 1 instead of 2"),
-        ("# units: g\n# dt = 0.01\n" + ONE.replace("0.3", "0.3 0.4"), 5, "found 2 instead of 1"),
+        ("# units: g\n# dt = 0.01\n" + SINGLE_COLUMN.replace("0.3", "0.3 0.4"), 5, "found 2 instead of 1"),
         (
             "# units: g\n1 2 3\n4 5 6\n",
             2,
@@ -147,8 +151,8 @@ def test_a_fault_is_told_with_its_line(text: str, line: int | None, rule: str, w
     path = write("a.txt", text)
     with pytest.raises(InputError, match=rule) as caught:
         read_motion(path)
-    where = str(path) if line is None else f"{path}, line {line}"
-    assert str(caught.value).startswith(f"{where}: ")
+    location = str(path) if line is None else f"{path}, line {line}"
+    assert str(caught.value).startswith(f"{location}: ")
 
 
 def test_prose_about_acceleration_is_not_taken_for_units(write: Write) -> None:

@@ -17,8 +17,8 @@ def _logarithms(suite: MotionSuite) -> NDArray[np.float64]:
     measures = [measure(motion) for motion in suite]
     return np.log(
         [
-            [each.peak_acceleration, each.arias_intensity, each.significant_duration, each.mean_period]
-            for each in measures
+            [item.peak_acceleration, item.arias_intensity, item.significant_duration, item.mean_period]
+            for item in measures
         ]
     ).T
 
@@ -43,7 +43,7 @@ def test_medians_stand_in_the_stated_ratio(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("row", range(4), ids=["peak", "Arias intensity", "duration", "mean period"])
-def test_scatter_is_that_of_the_real_records(
+def test_scatter_matches_real_records(
     distributions: tuple[NDArray[np.float64], NDArray[np.float64]], row: int
 ) -> None:
     real, synthetic = (np.std(measures[row]) for measures in distributions)

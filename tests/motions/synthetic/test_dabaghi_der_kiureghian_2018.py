@@ -50,9 +50,9 @@ def _draw(count: int) -> list[Scenario]:
 @pytest.mark.parametrize("side", [0, 1])
 def test_scenarios_outside_the_range_of_the_model_are_refused(quantity: str, side: int) -> None:
     limit = VALID_RANGES[quantity][side]
-    beyond = limit + (1.0 if side else -1.0)
+    excess = limit + (1.0 if side else -1.0)
     with pytest.raises(InputError, match=quantity.replace("_", " ")):
-        Scenario(mechanism=Mechanism.REVERSE, **{**_VALUES, quantity: beyond})
+        Scenario(mechanism=Mechanism.REVERSE, **{**_VALUES, quantity: excess})
 
 
 def test_rupture_nearer_than_its_top_is_refused() -> None:
@@ -88,8 +88,8 @@ def test_stations_lie_around_the_rupture_at_their_distance() -> None:
         scenario = draw_scenario(earthquake, RandomStream(3, i))
         angle = np.radians(scenario.directivity_angle)
         if 1.2 < scenario.directivity_length < 50.0:
-            across = scenario.directivity_length * np.tan(angle)
-            assert across == pytest.approx(scenario.rupture_distance)
+            normal_part = scenario.directivity_length * np.tan(angle)
+            assert normal_part == pytest.approx(scenario.rupture_distance)
         elif scenario.directivity_length == 50.0:
             hypotenuse = hypot(50.0, scenario.rupture_distance)
             assert np.sin(angle) <= scenario.rupture_distance / hypotenuse + 1e-9
@@ -198,7 +198,7 @@ def test_pulse_is_the_equation_written_out() -> None:
         "directivity angle",
     ],
 )
-def test_what_the_regression_does_not_see(
+def test_values_outside_the_regression(
     regression: Regression, first: dict[str, float], second: dict[str, float]
 ) -> None:
     means = [regression.means(replace(_SCENARIO, **change)) for change in (first, second)]
@@ -254,10 +254,10 @@ def _mean_arias_intensity(magnitude: float, distance: float, mechanism: Mechanis
 
 def _travasarou_2003(magnitude: float, distance: float, mechanism: Mechanism) -> float:
     """Median Arias intensity [m/s] on ground of class C (Travasarou, Bray & Abrahamson 2003)."""
-    beyond = magnitude - 6.0
-    source = 2.8 - 1.981 * beyond + 20.72 * log(magnitude / 6.0)
+    excess = magnitude - 6.0
+    source = 2.8 - 1.981 * excess + 20.72 * log(magnitude / 6.0)
     path = -1.703 * log(sqrt(distance**2 + 8.78**2))
-    site = 0.454 + 0.101 * beyond
+    site = 0.454 + 0.101 * excess
     return exp(source + path + site + (0.512 if mechanism is Mechanism.REVERSE else 0.0))
 
 

@@ -71,8 +71,8 @@ def test_both_components_without_a_pulse_hold_the_prescribed_intensity(recording
     for recording in recordings:
         parameters = recording.parameters
         if parameters.pulse is None:
-            prescribed = parameters.first.arias_intensity + parameters.second.arias_intensity
-            assert _arias(recording.components)[:, -1].sum() == pytest.approx(prescribed, rel=5e-3)
+            prescription = parameters.first.arias_intensity + parameters.second.arias_intensity
+            assert _arias(recording.components)[:, -1].sum() == pytest.approx(prescription, rel=5e-3)
 
 
 def test_durations_are_the_prescribed_ones_on_average() -> None:
@@ -82,8 +82,8 @@ def test_durations_are_the_prescribed_ones_on_average() -> None:
         parameters = _parameters(number)
         motion = simulate_recording(parameters, 7.0, (RandomStream(8, number), RandomStream(9, number)))
         for component, acceleration in zip((parameters.first, parameters.second), motion, strict=True):
-            arrived = _arias(acceleration)
-            start, end = np.searchsorted(arrived / arrived[-1], [0.05, 0.95]) * TIME_STEP
+            arrival = _arias(acceleration)
+            start, end = np.searchsorted(arrival / arrival[-1], [0.05, 0.95]) * TIME_STEP
             ratios.append((end - start) / component.strong_duration)
     assert np.median(ratios) == pytest.approx(1.0, abs=0.05)
 
@@ -133,10 +133,10 @@ def test_turning_by_a_right_angle_swaps_the_components() -> None:
 def test_trimming_takes_the_quiet_time_only() -> None:
     parameters = _parameters(1)
     motion = simulate_recording(parameters, 7.0, (RandomStream(8, 1), RandomStream(9, 1)))
-    kept = trim_quiet_ends(motion)
-    assert kept.shape[1] < motion.shape[1]
-    assert np.abs(kept).max(axis=1) == pytest.approx(np.abs(motion).max(axis=1), rel=1e-3)
-    assert _arias(kept)[:, -1] == pytest.approx(_arias(motion)[:, -1], rel=5e-3)
+    trimmed_motion = trim_quiet_ends(motion)
+    assert trimmed_motion.shape[1] < motion.shape[1]
+    assert np.abs(trimmed_motion).max(axis=1) == pytest.approx(np.abs(motion).max(axis=1), rel=1e-3)
+    assert _arias(trimmed_motion)[:, -1] == pytest.approx(_arias(motion)[:, -1], rel=5e-3)
 
 
 def test_stations_of_an_earthquake_share_it_and_differ() -> None:
@@ -219,7 +219,7 @@ def test_frequency_is_linear_between_its_ends_and_has_a_floor() -> None:
     assert frequency == pytest.approx([start, start, 2.0, 1.6, 0.3, 0.3])
 
 
-def _rest(acceleration: NDArray[np.float64], step: float) -> tuple[float, float]:
+def _final_state(acceleration: NDArray[np.float64], step: float) -> tuple[float, float]:
     """Last velocity and displacement of a ground whose acceleration is linear between samples."""
     velocity = displacement = 0.0
     for start, end in pairwise(acceleration):
@@ -229,7 +229,7 @@ def _rest(acceleration: NDArray[np.float64], step: float) -> tuple[float, float]
 
 
 @pytest.mark.parametrize(("frequencies", "gain"), [(1.0, 0.5**0.5), (5.0, 1.0), (0.2, 1.6e-3)])
-def test_gain_is_that_of_a_butterworth_filter(frequencies: float, gain: float) -> None:
+def test_gain_equals_butterworth_filter(frequencies: float, gain: float) -> None:
     """A sine of so many corner frequencies, with a whole number of cycles in the record."""
     magnitude, count = 7.0, 20_000
     step = 100.0 / corner_frequency(magnitude) / count
@@ -254,7 +254,7 @@ def test_filter_leaves_no_velocity() -> None:
 @given(st.integers(3, 400), st.integers(0, 2**32 - 1))
 def test_settled_ground_is_at_rest_where_it_was(count: int, seed: int) -> None:
     acceleration = np.random.default_rng(seed).standard_normal(count)
-    velocity, displacement = _rest(settle(acceleration), 0.01)
+    velocity, displacement = _final_state(settle(acceleration), 0.01)
     assert velocity == pytest.approx(0.0, abs=1e-10)
     assert displacement == pytest.approx(0.0, abs=1e-10)
 
@@ -295,22 +295,20 @@ def _durations(shape: Modulation) -> list[float]:
 def test_integral_of_the_square_gives_the_intensity_and_its_shares(shape: Modulation) -> None:
     times = np.linspace(0.0, shape.peak_time + 25.0 * shape.decay_time, 400_001)
     density = np.pi / (2.0 * STANDARD_GRAVITY) * shape(times) ** 2
-    arrived = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]))]) * times[1]
-    assert arrived[-1] == pytest.approx(shape.arias_intensity, rel=1e-3)
+    arrival = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]))]) * times[1]
+    assert arrival[-1] == pytest.approx(shape.arias_intensity, rel=1e-3)
     for share in (0.01, 0.05, 0.30, 0.75, 0.95):
-        at = np.interp(shape.time_of_share(share), times, arrived)
-        assert at == pytest.approx(share * shape.arias_intensity, abs=1e-3 * shape.arias_intensity)
+        position = np.interp(shape.time_of_share(share), times, arrival)
+        assert position == pytest.approx(share * shape.arias_intensity, abs=1e-3 * shape.arias_intensity)
 
 
 @given(_SHAPES)
 def test_fit_finds_a_function_from_its_durations(shape: Modulation) -> None:
     onset, rise, end = _durations(shape)
-    fitted = fit_modulation(
-        _component(onset=onset, rise=rise, end=end, arias_intensity=shape.arias_intensity)
-    )
-    assert _durations(fitted) == pytest.approx([onset, rise, end], rel=1e-6)
+    fit = fit_modulation(_component(onset=onset, rise=rise, end=end, arias_intensity=shape.arias_intensity))
+    assert _durations(fit) == pytest.approx([onset, rise, end], rel=1e-6)
     times = np.linspace(0.0, 2.0 * end, 50)[1:]
-    assert fitted(times) == pytest.approx(shape(times), rel=1e-3, abs=1e-3 * shape(times).max())
+    assert fit(times) == pytest.approx(shape(times), rel=1e-3, abs=1e-3 * shape(times).max())
 
 
 @given(st.floats(0.3, 20.0), st.floats(0.01, 1.2), st.floats(1.5, 18.0))
@@ -319,11 +317,11 @@ def test_onset_and_strong_duration_are_kept_whatever_the_rise(
 ) -> None:
     """Also where the three durations do not fit together, as in a D0-30 before D0-5."""
     end = ratio * onset
-    fitted = fit_modulation(_component(onset=onset, rise=rise * end, end=end))
-    first, _, last = _durations(fitted)
+    fit = fit_modulation(_component(onset=onset, rise=rise * end, end=end))
+    first, _, last = _durations(fit)
     assert (first, last) == pytest.approx((onset, end), rel=1e-9)
-    assert fitted.growth >= 1.0
-    assert 0.05 <= fitted.peak_share <= 0.95
+    assert fit.growth >= 1.0
+    assert 0.05 <= fit.peak_share <= 0.95
 
 
 @given(st.floats(0.3, 20.0), st.floats(1.5, 18.0), st.floats(0.0, 1.0), st.floats(0.0, 1.0))
@@ -338,9 +336,9 @@ def test_later_rise_gives_a_later_rise(onset: float, ratio: float, one: float, o
 
 
 def test_total_duration_is_kept_where_the_onset_is_too_early() -> None:
-    fitted = fit_modulation(_component(onset=0.05, rise=8.0, end=30.0))
-    assert fitted.growth == 1.0
-    assert fitted.time_of_share(0.95) == pytest.approx(30.0)
+    fit = fit_modulation(_component(onset=0.05, rise=8.0, end=30.0))
+    assert fit.growth == 1.0
+    assert fit.time_of_share(0.95) == pytest.approx(30.0)
 
 
 _PULSE = PulseParameters(velocity=0.8, period=2.0, oscillations=2.2, phase=1.0, peak_time=5.0)

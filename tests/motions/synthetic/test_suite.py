@@ -58,11 +58,11 @@ def test_thousands_of_motions_are_named_at_once() -> None:
 
 
 def test_motion_does_not_depend_on_the_number_of_stations() -> None:
-    one, three = synthetic_suite(count=4), synthetic_suite(count=12, stations_per_event=3)
+    single, three = synthetic_suite(count=4), synthetic_suite(count=12, stations_per_event=3)
     assert three.names[:4] == ("SYN001/H1", "SYN001/H2", "SYN001/S2H1", "SYN001/S2H2")
-    assert three.names[6:8] == one.names[2:]
-    for name in one.names:
-        assert three[three.names.index(name)] == one[one.names.index(name)]
+    assert three.names[6:8] == single.names[2:]
+    for name in single.names:
+        assert three[three.names.index(name)] == single[single.names.index(name)]
 
 
 def test_components_and_events_and_seeds_differ(suite: MotionSuite) -> None:
@@ -88,7 +88,7 @@ def test_threads_get_the_same_motions(suite: MotionSuite) -> None:
     assert motions == list(suite[:24])[::-1]
 
 
-def test_recording_tells_what_the_motion_was_made_of() -> None:
+def test_recording_names_parameters_of_the_motion() -> None:
     entry = synthetic_entries(count=2)[1]
     recording = entry.recording()
     assert 6.5 <= recording.scenario.magnitude <= 7.9
@@ -114,11 +114,11 @@ def _keep(error: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _standard_errors(regression: Regression, stations: int) -> NDArray[np.float64]:
     """Errors over their standard deviations, shape (events, stations, p)."""
-    drawn = []
+    samples = []
     for event in range(_EVENTS):
         errors = EventErrors(regression, RandomStream(1, event, 0))
-        drawn.append([errors.draw(RandomStream(1, event, 1 + i), _keep) for i in range(stations)])
-    return np.array(drawn) / regression.deviations
+        samples.append([errors.draw(RandomStream(1, event, 1 + i), _keep) for i in range(stations)])
+    return np.array(samples) / regression.deviations
 
 
 @pytest.mark.default_cases(1)
@@ -141,8 +141,8 @@ def test_first_station_has_the_published_distribution(regression: Regression) ->
 def test_stations_of_an_earthquake_share_a_part_of_the_variance(regression: Regression) -> None:
     """The cut at two standard deviations takes a fifth of the share away."""
     first, second, third = _standard_errors(regression, 3).transpose(1, 2, 0)
-    for one, other in [(first, second), (second, third), (first, third)]:
-        correlations = [np.corrcoef(*pair)[0, 1] for pair in zip(one, other, strict=True)]
+    for single, alternative in [(first, second), (second, third), (first, third)]:
+        correlations = [np.corrcoef(*pair)[0, 1] for pair in zip(single, alternative, strict=True)]
         assert np.mean(correlations) == pytest.approx(0.8 * EVENT_SHARE, abs=0.04)
 
 
@@ -152,23 +152,23 @@ def test_earthquakes_share_nothing() -> None:
 
 
 def test_later_stations_leave_the_first_alone() -> None:
-    alone = EventErrors(PULSE, RandomStream(1, 0))
-    crowded = EventErrors(PULSE, RandomStream(1, 0))
-    first = crowded.draw(RandomStream(1, 1), _keep)
-    crowded.draw(RandomStream(1, 2), _keep)
-    assert np.array_equal(alone.draw(RandomStream(1, 1), _keep), first)
+    separate = EventErrors(PULSE, RandomStream(1, 0))
+    dense = EventErrors(PULSE, RandomStream(1, 0))
+    first = dense.draw(RandomStream(1, 1), _keep)
+    dense.draw(RandomStream(1, 2), _keep)
+    assert np.array_equal(separate.draw(RandomStream(1, 1), _keep), first)
 
 
 def test_errors_without_a_motion_are_drawn_again() -> None:
-    seen = []
+    progress_calls = []
 
     def attempt(error: NDArray[np.float64]) -> str | None:
-        seen.append(error)
-        return "a motion" if len(seen) == 3 else None
+        progress_calls.append(error)
+        return "a motion" if len(progress_calls) == 3 else None
 
     errors = EventErrors(NO_PULSE, RandomStream(1, 0))
     assert errors.draw(RandomStream(1, 1), attempt) == "a motion"
-    assert len(seen) == 3
+    assert len(progress_calls) == 3
 
 
 def test_numbers_are_uniform_and_normal() -> None:

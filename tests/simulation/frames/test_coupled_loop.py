@@ -25,7 +25,7 @@ def ground(duration):
     return np.sin(5.0 * time) * np.sin(1.3 * time) + 0.4 * np.sin(23.0 * time)
 
 
-def integrated(partition, actuators, record):
+def integrate(partition, actuators, record):
     """Command and measured displacements by Runge-Kutta steps, with each command filtered by itself."""
     size, degrees = partition.size, partition.degrees
     gamma, t_inverse = partition.interface, np.linalg.inv(actuators.kinematics)
@@ -46,8 +46,8 @@ def integrated(partition, actuators, record):
         q, r = state[2 * size : 2 * size + degrees], state[2 * size + degrees :]
         sent = actuators.kinematics @ (gamma.T @ x)
         s = corners**2 * (sent - q) - 1.4 * corners * r
-        mixed = t_inverse @ gains
-        force = k @ (mixed @ q) + c @ (mixed @ r) + m @ (mixed @ s)
+        mixture = t_inverse @ gains
+        force = k @ (mixture @ q) + c @ (mixture @ r) + m @ (mixture @ s)
         load = -partition.mass @ partition.influence * np.interp(t, times, record)
         a = inverse @ (load - damping @ v - stiffness @ x - gamma @ force)
         return np.concatenate([v, a, r, s])
@@ -72,9 +72,9 @@ def test_exact_steps_agree_with_an_integrator(structure):
     partition, actuators = described(structure)
     record = ground(0.4)
     response = coupled_response(partition, actuators, record, STEP)
-    command, measured = integrated(partition, actuators, record)
+    command, reading = integrate(partition, actuators, record)
     np.testing.assert_allclose(response.command, command, atol=1e-6 * np.abs(command).max())
-    np.testing.assert_allclose(response.measured, measured, atol=1e-6 * np.abs(measured).max())
+    np.testing.assert_allclose(response.measured, reading, atol=1e-6 * np.abs(reading).max())
 
 
 @pytest.mark.parametrize("structure", [two_storeys, node, plate])
@@ -83,9 +83,9 @@ def test_state_and_frequency_give_one_steady_motion(structure):
     omega = 9.0
     time = np.arange(0.0, 12.0, STEP)
     response = coupled_response(partition, actuators, np.sin(omega * time), STEP)
-    of_command, of_measured = responses_over_frequency(partition, actuators, np.array([1j * omega]))
+    command_part, measured_part = responses_over_frequency(partition, actuators, np.array([1j * omega]))
     late = time > 9.0
-    for history, transfer in ((response.command, of_command[0]), (response.measured, of_measured[0])):
+    for history, transfer in ((response.command, command_part[0]), (response.measured, measured_part[0])):
         steady = np.imag(np.outer(transfer, np.exp(1j * omega * time)))
         np.testing.assert_allclose(history[:, late], steady[:, late], atol=2e-3 * np.abs(steady).max())
 
@@ -96,9 +96,9 @@ def test_unstable_tests_and_pure_delays_are_refused():
     with pytest.raises(InputError, match="is unstable even without delay"):
         coupled_response(partition, slow, ground(1.0), STEP)
     late = TransferFunction(numerator=(1.0,), denominator=(1.0,), delay=0.01)
-    delayed = ActuatorMatrix(kinematics=np.eye(2), transfer=((late, None), (None, late)))
+    delayed_copy = ActuatorMatrix(kinematics=np.eye(2), transfer=((late, None), (None, late)))
     with pytest.raises(InputError, match="pure delays"):
-        coupled_response(partition, delayed, ground(1.0), STEP)
+        coupled_response(partition, delayed_copy, ground(1.0), STEP)
 
 
 @pytest.mark.parametrize(
@@ -109,6 +109,6 @@ def test_unstable_tests_and_pure_delays_are_refused():
         ([[1.0, 0.2]], "needs an actuator"),
     ],
 )
-def test_kinematics_that_cannot_drive_the_specimen_are_refused(kinematics, sentence):
+def test_kinematics_unable_to_drive_specimen_are_refused(kinematics, sentence):
     with pytest.raises(InputError, match=sentence):
         ActuatorMatrix(kinematics=np.array(kinematics), transfer=coupled_lags(2, 1))

@@ -52,9 +52,9 @@ def test_gains_stray_as_exact_steps_have_it(actuator):
         transfer=tuple(tuple(entry(i) if i == j else None for j in range(size)) for i in range(size)),
     )
     run = coupled_response(partition, wrong, fine, STEP / 10.0)
-    strayed, peaks = run.measured - run.reference, np.abs(run.reference).max(axis=1)
-    rms = (np.sqrt(np.mean(strayed**2, axis=1)) / peaks)[loop.is_output].max()
-    peak = (np.abs(strayed).max(axis=1) / peaks)[loop.is_output].max()
+    deviation, peaks = run.measured - run.reference, np.abs(run.reference).max(axis=1)
+    rms = (np.sqrt(np.mean(deviation**2, axis=1)) / peaks)[loop.is_output].max()
+    peak = (np.abs(deviation).max(axis=1) / peaks)[loop.is_output].max()
     np.testing.assert_allclose(
         errors(loop.deviation(loop.cells(gain=1.03, delay=0.0)))[:, 0], [rms, peak], rtol=2e-3
     )
@@ -68,8 +68,8 @@ def test_a_delay_of_one_actuator_strays_as_exact_steps_of_a_rational_one_have_it
     late = TransferFunction(numerator=(half, -delay / 2.0, 1.0), denominator=(half, delay / 2.0, 1.0))
     wrong = ActuatorMatrix(kinematics=actuators.kinematics, transfer=((gain_and_delay(), None), (None, late)))
     run = coupled_response(partition, wrong, fine, STEP / 10.0)
-    strayed, peaks = run.measured - run.reference, np.abs(run.reference).max(axis=1)
-    rms = (np.sqrt(np.mean(strayed**2, axis=1)) / peaks)[loop.is_output].max()
+    deviation, peaks = run.measured - run.reference, np.abs(run.reference).max(axis=1)
+    rms = (np.sqrt(np.mean(deviation**2, axis=1)) / peaks)[loop.is_output].max()
     rms_of_delay = errors(loop.deviation(loop.cells(gain=1.0, delay=delay)))[0, 0]
     assert rms_of_delay == pytest.approx(rms, rel=2e-3)
 
@@ -77,9 +77,9 @@ def test_a_delay_of_one_actuator_strays_as_exact_steps_of_a_rational_one_have_it
 def test_a_diverging_test_is_infinitely_wrong():
     partition, actuators = described(two_storeys)
     loop, limit = loop_of(partition, actuators.kinematics), stability_limit(partition).delay
-    strayed = errors(loop.deviation(loop.cells(gain=1.0, delay=[0.5 * limit, 30.0 * limit])))
-    assert np.isfinite(strayed[:, 0]).all()
-    assert np.isinf(strayed[:, 1]).all()
+    deviation = errors(loop.deviation(loop.cells(gain=1.0, delay=[0.5 * limit, 30.0 * limit])))
+    assert np.isfinite(deviation[:, 0]).all()
+    assert np.isinf(deviation[:, 1]).all()
     late = [[gain_and_delay(delay=30.0 * limit) if i == j else None for j in range(2)] for i in range(2)]
     rig = ActuatorMatrix(kinematics=actuators.kinematics, transfer=tuple(map(tuple, late)))
     assert not stable_with(partition, rig)
@@ -97,16 +97,16 @@ def test_two_like_structures_side_by_side_err_as_one_does():
             specimen_stiffness=0.6 * w0**2 * np.eye(count),
         )
 
-    asked = {"gain": [1.02, 0.99], "delay": [0.003, -0.004]}
+    options = {"gain": [1.02, 0.99], "delay": [0.003, -0.004]}
     both = {}
     for count in (1, 2):
         excitation = Excitation(acceleration=ground(), time_step=STEP)
         loop = FrameLoop(excitation=excitation, partition=partition(count, 0.08), engine=Engine.SPECTRAL)
-        both[count] = errors(loop.deviation(loop.cells(**asked)))
+        both[count] = errors(loop.deviation(loop.cells(**options)))
     np.testing.assert_allclose(both[2], both[1], rtol=1e-9)
 
 
-def test_a_displacement_that_hardly_moves_is_not_judged():
+def test_nearly_still_displacement_is_not_judged():
     partition = Partition(
         mass=np.eye(2),
         damping=0.2 * np.eye(2),

@@ -28,9 +28,9 @@ def frame_of(**tables):
     ],
 )
 def test_a_frame_may_be_given_as_storeys_or_matrices(frame):
-    expected, found = frame_of().partition.frame, frame_of(frame=frame).partition.frame
+    expected, result = frame_of().partition.frame, frame_of(frame=frame).partition.frame
     for matrix in ("mass", "stiffness", "damping"):
-        assert getattr(found, matrix) == pytest.approx(getattr(expected, matrix))
+        assert getattr(result, matrix) == pytest.approx(getattr(expected, matrix))
 
 
 def modal_ratios(frame):
@@ -47,8 +47,8 @@ def test_damping_is_given_by_one_ratio_by_mode_by_rayleigh_or_as_a_matrix():
     frame = frame_of().partition.frame
     ratios, frequencies = modal_ratios(frame)
     assert ratios == pytest.approx([0.03, 0.03])
-    by_mode = frame_of(damping={"ratios": [0.02, 0.05]}).partition.frame
-    assert modal_ratios(by_mode)[0] == pytest.approx([0.02, 0.05])
+    modal_values = frame_of(damping={"ratios": [0.02, 0.05]}).partition.frame
+    assert modal_ratios(modal_values)[0] == pytest.approx([0.02, 0.05])
     rayleigh = {"rayleigh_ratios": [0.02, 0.05], "rayleigh_frequencies_hz": frequencies.tolist()}
     assert modal_ratios(frame_of(damping=rayleigh).partition.frame)[0] == pytest.approx([0.02, 0.05])
     matrix = [[0.3, -0.1], [-0.1, 0.1]]
@@ -58,10 +58,10 @@ def test_damping_is_given_by_one_ratio_by_mode_by_rayleigh_or_as_a_matrix():
 
 
 def test_a_specimen_beside_the_structure_is_added_to_it():
-    inside = frame_of().partition
-    beside = frame_of(specimen=SPECIMEN | {"part_of_structure": False}).partition
-    added = beside.frame.stiffness - inside.frame.stiffness
-    assert added == pytest.approx(120.0 * np.outer(inside.direction, inside.direction))
+    is_inside = frame_of().partition
+    neighbour = frame_of(specimen=SPECIMEN | {"part_of_structure": False}).partition
+    increment = neighbour.frame.stiffness - is_inside.frame.stiffness
+    assert increment == pytest.approx(120.0 * np.outer(is_inside.direction, is_inside.direction))
 
 
 def test_the_place_of_a_specimen_is_a_floor_a_drift_or_a_direction():
@@ -72,17 +72,17 @@ def test_the_place_of_a_specimen_is_a_floor_a_drift_or_a_direction():
         (0.5, 0.5): {"direction": [0.5, 0.5]},
     }
     for expected, place in places.items():
-        found = frame_of(frame=FRAME | names, specimen=place | {"stiffness_n_per_m": 90.0})
-        assert found.partition.direction == pytest.approx(expected)
+        result = frame_of(frame=FRAME | names, specimen=place | {"stiffness_n_per_m": 90.0})
+        assert result.partition.direction == pytest.approx(expected)
 
 
-def test_a_damping_ratio_of_the_specimen_is_that_of_its_own_oscillator():
-    found = frame_of(specimen=SPECIMEN | {"mass_kg": 0.3, "damping_ratio": 0.1}).partition.specimen
-    assert found.damping == pytest.approx(2.0 * 0.1 * np.sqrt(120.0 * 0.3))
+def test_specimen_damping_ratio_is_of_its_own_oscillator():
+    result = frame_of(specimen=SPECIMEN | {"mass_kg": 0.3, "damping_ratio": 0.1}).partition.specimen
+    assert result.damping == pytest.approx(2.0 * 0.1 * np.sqrt(120.0 * 0.3))
 
 
 @pytest.mark.parametrize(
-    ("tables", "said"),
+    ("tables", "messages"),
     [
         ({"frame": {"storey_stiffnesses_n_per_m": STOREYS}}, "give masses_kg or mass_matrix_kg"),
         ({"frame": {"masses_kg": MASSES}}, "stiffness_matrix_n_per_m or the table planar"),
@@ -109,14 +109,14 @@ def test_a_damping_ratio_of_the_specimen_is_that_of_its_own_oscillator():
         ({"colour": "red"}, "colour is not a known key"),
     ],
 )
-def test_what_is_no_frame_is_refused_with_its_place(tables, said):
-    with pytest.raises(InputError) as refused:
+def test_invalid_frame_is_refused_with_its_place(tables, messages):
+    with pytest.raises(InputError) as refusal:
         frame_of(**tables)
-    assert said in str(refused.value)
-    assert "frame.toml" in str(refused.value)
+    assert messages in str(refusal.value)
+    assert "frame.toml" in str(refusal.value)
 
 
-def test_a_table_that_is_missing_is_named():
+def test_missing_table_is_named():
     with pytest.raises(InputError, match="damping is missing"):
         frame_of_tables({"frame": FRAME, "specimen": SPECIMEN}, "frame.toml")
 
@@ -137,11 +137,14 @@ def test_a_correlation_divides_a_deviation_between_all_and_each():
     }
 
 
-def test_a_specimen_that_changes_the_structure_is_a_part_of_it():
-    beside = TolerancesTable(specimen_stiffness=0.04)
-    within = TolerancesTable(specimen_stiffness=0.04, specimen_changes_structure=True)
-    assert (beside.specimen_deviation, beside.part_deviations(2)) == (0.04, {})
-    assert (within.specimen_deviation, within.part_deviations(2)) == (0.0, {"specimen_stiffness": 0.04})
+def test_specimen_changing_the_structure_is_part_of_it():
+    neighbour = TolerancesTable(specimen_stiffness=0.04)
+    motion_variance = TolerancesTable(specimen_stiffness=0.04, specimen_changes_structure=True)
+    assert (neighbour.specimen_deviation, neighbour.part_deviations(2)) == (0.04, {})
+    assert (motion_variance.specimen_deviation, motion_variance.part_deviations(2)) == (
+        0.0,
+        {"specimen_stiffness": 0.04},
+    )
 
 
 def test_numbers_for_each_are_as_many_as_there_are_modes():
@@ -162,7 +165,7 @@ def test_numbers_for_each_are_as_many_as_there_are_modes():
         ({"storey_stiffnesses": 0.4}, "must be below 0.333"),
     ],
 )
-def test_tolerances_that_contradict_each_other(keys, message):
+def test_contradictory_tolerances_are_refused(keys, message):
     with pytest.raises(ValidationError, match=message):
         TolerancesTable(**keys)
 
@@ -172,7 +175,7 @@ def entries(correlation, *places, deviation=0.04):
     return TolerancesTable(entries=[table])
 
 
-def test_entries_are_named_by_row_and_column_and_share_what_is_correlated():
+def test_entries_are_named_by_place_and_share_correlation():
     assert entries(0.0, ("2", "1")).part_deviations(2) == {"stiffness_entry_2_1": 0.04}
     parts = entries(0.25, ("1", "1"), ("1", "2")).part_deviations(2)
     assert parts["stiffness_entry_1_1_1_2"] == pytest.approx(0.02)

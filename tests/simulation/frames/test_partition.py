@@ -37,16 +37,16 @@ def test_shares_in_every_matrix_are_by_their_definition(frame):
     assert (np.abs(omega - 1.0) > 10.0).all()
     modal = (shapes.T @ frame.damping @ shapes).diagonal()
     np.testing.assert_allclose(partition.stiffness_shares, 1e5 * shapes[0] ** 2 / omega**2)
-    felt, ratios = partition.impedance_shares, frame.damping_ratios
-    np.testing.assert_allclose(felt.imag / (2.0 * ratios), 300.0 * shapes[0] ** 2 / modal)
-    np.testing.assert_allclose(partition.stiffness_shares - felt.real, 50.0 * shapes[0] ** 2)
+    input_motion, ratios = partition.impedance_shares, frame.damping_ratios
+    np.testing.assert_allclose(input_motion.imag / (2.0 * ratios), 300.0 * shapes[0] ** 2 / modal)
+    np.testing.assert_allclose(partition.stiffness_shares - input_motion.real, 50.0 * shapes[0] ** 2)
 
 
 def test_adding_a_specimen_and_taking_it_out_again_is_the_bare_frame(frame):
     interface = floor_interface(frame, 1)
     specimen = Specimen(stiffness=1e5, damping=300.0, mass=50.0)
-    whole = add_specimen(frame, interface, specimen)
-    partition = Partition.from_frame(frame=whole, interface=interface, specimen=specimen)
+    complete = add_specimen(frame, interface, specimen)
+    partition = Partition.from_frame(frame=complete, interface=interface, specimen=specimen)
     np.testing.assert_allclose(partition.numerical_mass, frame.mass)
     np.testing.assert_allclose(partition.numerical_damping, frame.damping)
 
@@ -60,7 +60,7 @@ def test_adding_a_specimen_and_taking_it_out_again_is_the_bare_frame(frame):
         (Specimen(stiffness=0.0), "neither stiffness nor damping nor mass"),
     ],
 )
-def test_specimens_that_the_structure_cannot_spare_are_refused(frame, specimen, sentence):
+def test_specimen_larger_than_the_structure_is_refused(frame, specimen, sentence):
     with pytest.raises(InputError, match=sentence):
         Partition.from_frame(frame=frame, interface=floor_interface(frame, 1), specimen=specimen)
 
@@ -78,7 +78,7 @@ def test_any_one_property_makes_a_specimen(frame, specimen):
     assert Partition.from_frame(frame=frame, interface=floor_interface(frame, 1), specimen=specimen)
 
 
-def test_interfaces_that_do_not_fit_are_refused(frame):
+def test_unfitting_interfaces_are_refused(frame):
     for interface in ([1.0], [0.0, 0.0], [np.nan, 1.0]):
         with pytest.raises(InputError, match="interface needs 2 finite numbers"):
             Partition.from_frame(frame=frame, interface=interface, specimen=Specimen(stiffness=1.0))
@@ -117,7 +117,7 @@ def test_a_file_with_matrices_is_the_same_as_one_with_storeys():
 
 
 @pytest.mark.parametrize(
-    ("table", "changed", "sentence"),
+    ("table", "variant", "sentence"),
     [
         ("frame", {"masses": [1.0]}, "frame.masses is not a known key"),
         ("frame", {"mass_matrix_kg": [[1.0]]}, "give masses_kg or mass_matrix_kg"),
@@ -130,8 +130,8 @@ def test_a_file_with_matrices_is_the_same_as_one_with_storeys():
         ("specimen", {"effects": [{"name": "coulomb_friction"}]}, "needs its parameters"),
     ],
 )
-def test_bad_files_are_refused_with_their_place(table, changed, sentence):
-    content = SOUND | {table: SOUND[table] | changed}
-    with pytest.raises(InputError, match=sentence) as refused:
+def test_bad_files_are_refused_with_their_place(table, variant, sentence):
+    content = SOUND | {table: SOUND[table] | variant}
+    with pytest.raises(InputError, match=sentence) as refusal:
         frame_of_tables(content, "frame.toml")
-    assert refused.value.where == "frame.toml"
+    assert refusal.value.where == "frame.toml"

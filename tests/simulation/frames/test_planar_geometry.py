@@ -28,33 +28,38 @@ def wandering(motions, size):
 
 
 def test_the_benchmark_has_its_printed_inverse():
-    geometry, moved = PlanarGeometry(**BENCHMARK), wandering(2, 0.2)
-    np.testing.assert_allclose(to_node(1e3 * geometry.extensions(moved)), moved, atol=1e-12)
+    geometry, displacement = PlanarGeometry(**BENCHMARK), wandering(2, 0.2)
+    np.testing.assert_allclose(to_node(1e3 * geometry.extensions(displacement)), displacement, atol=1e-12)
 
 
 def test_extensions_are_changes_of_the_distance_between_pins():
-    geometry, moved = PlanarGeometry(**PLATE), wandering(3, 0.2)
+    geometry, displacement = PlanarGeometry(**PLATE), wandering(3, 0.2)
     unit = PLATE["directions"] / np.linalg.norm(PLATE["directions"], axis=1)[:, np.newaxis]
     ground = PLATE["pins"] - PLATE["lengths"][:, np.newaxis] * unit
-    for (x, y, angle), found in zip(moved.T, geometry.extensions(moved).T, strict=True):
+    for (x, y, angle), result in zip(displacement.T, geometry.extensions(displacement).T, strict=True):
         turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
         distance = np.linalg.norm(np.array([x, y]) + PLATE["pins"] @ turn.T - ground, axis=1)
-        np.testing.assert_allclose(found, distance - PLATE["lengths"], atol=1e-14)
+        np.testing.assert_allclose(result, distance - PLATE["lengths"], atol=1e-14)
 
 
-@pytest.mark.parametrize("described", [BENCHMARK, PLATE])
-def test_motions_follow_from_extensions_and_small_ones_by_the_matrix(described):
-    geometry = PlanarGeometry(**described)
-    moved, little = wandering(len(described["motions"]), 0.2), wandering(len(described["motions"]), 1e-7)
-    np.testing.assert_allclose(geometry.displacements(geometry.extensions(moved)), moved, atol=1e-12)
+@pytest.mark.parametrize("description", [BENCHMARK, PLATE])
+def test_motions_follow_from_extensions_and_small_ones_by_the_matrix(description):
+    geometry = PlanarGeometry(**description)
+    displacement, little = (
+        wandering(len(description["motions"]), 0.2),
+        wandering(len(description["motions"]), 1e-7),
+    )
     np.testing.assert_allclose(
-        geometry.as_small(geometry.extensions(moved)), geometry.matrix @ moved, atol=1e-12
+        geometry.displacements(geometry.extensions(displacement)), displacement, atol=1e-12
+    )
+    np.testing.assert_allclose(
+        geometry.as_small(geometry.extensions(displacement)), geometry.matrix @ displacement, atol=1e-12
     )
     np.testing.assert_allclose(geometry.extensions(little), geometry.matrix @ little, atol=1e-12)
 
 
 @pytest.mark.parametrize(
-    ("changed", "rule"),
+    ("variant", "rule"),
     [
         ({"motions": ("x", "x")}, "each once"),
         ({"pins": np.ones((3, 2))}, "one for each motion"),
@@ -62,12 +67,12 @@ def test_motions_follow_from_extensions_and_small_ones_by_the_matrix(described):
         ({"lengths": np.array([1.0, -1.0])}, "lengths positive"),
     ],
 )
-def test_geometries_that_cannot_be_are_refused(changed, rule):
+def test_impossible_geometries_are_refused(variant, rule):
     with pytest.raises(InputError, match=rule):
-        PlanarGeometry(**BENCHMARK | changed)
+        PlanarGeometry(**BENCHMARK | variant)
 
 
-def test_extensions_that_cannot_be_are_refused():
+def test_impossible_extensions_are_refused():
     with pytest.raises(InputError, match="cannot reach these extensions"):
         PlanarGeometry(**BENCHMARK).displacements(np.array([[1.0], [-1.0]]))
 
@@ -90,14 +95,14 @@ def frame_of(**kinematics):
 
 
 def test_a_file_describes_pins_and_directions():
-    described = {"motions": ["x", "rotation"], "pins_m": [[1, -2], [1, 2]], "directions": [[1, 0], [1, 0]]}
-    frame = frame_of(geometry=described)
+    description = {"motions": ["x", "rotation"], "pins_m": [[1, -2], [1, 2]], "directions": [[1, 0], [1, 0]]}
+    frame = frame_of(geometry=description)
     np.testing.assert_allclose(frame.kinematics, [[1.0, 2.0], [1.0, -2.0]])
-    moved = np.array([[0.1], [0.3]])
-    extended = frame.geometry.extensions(moved)
-    np.testing.assert_allclose(frame.to_interface @ frame.straighten(extended), moved)
-    at_interface = frame_of(geometry=described, channels="interface")
-    assert at_interface.straighten(extended) is extended
+    displacement = np.array([[0.1], [0.3]])
+    extension = frame.geometry.extensions(displacement)
+    np.testing.assert_allclose(frame.to_interface @ frame.straighten(extension), displacement)
+    is_interface = frame_of(geometry=description, channels="interface")
+    assert is_interface.straighten(extension) is extension
 
 
 @pytest.mark.parametrize(
@@ -111,12 +116,12 @@ def test_a_file_describes_pins_and_directions():
         ({"matrix": [[1.0], [2.0]]}, "need 2 columns"),
     ],
 )
-def test_kinematics_that_drive_nothing_are_refused(kinematics, rule):
+def test_kinematics_driving_nothing_are_refused(kinematics, rule):
     with pytest.raises(InputError, match=rule):
         frame_of(**kinematics)
 
 
-def test_extensions_that_no_motion_gives_are_refused():
+def test_unreachable_extensions_are_refused():
     """A pin at the node, which a rotation does not move."""
     geometry = PlanarGeometry(motions=("rotation",), pins=[[0.0, 0.0]], directions=[[1.0, 0.0]])
     with pytest.raises(InputError, match="cannot reach"):

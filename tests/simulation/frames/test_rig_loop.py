@@ -24,8 +24,8 @@ TABLES = {
 RATE = 16384.0
 
 
-def described(table, where="frame.toml"):
-    return frame_of_tables({**TABLES, "transfer_system": table}, where)
+def read_table(table, location="frame.toml"):
+    return frame_of_tables({**TABLES, "transfer_system": table}, location)
 
 
 @pytest.fixture(scope="module")
@@ -36,9 +36,9 @@ def shaking():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("case", ["function", "servo_hydraulic"])
-def test_the_error_is_that_of_the_digital_laboratory(case, shaking):
+def test_error_equals_that_of_the_digital_laboratory(case, shaking):
     if case == "function":
-        frame = described({"poles_per_s": [-300.0, [-90.0, 120.0]]})
+        frame = read_table({"poles_per_s": [-300.0, [-90.0, 120.0]]})
         partition, system = frame.partition, frame.transfer_system
     else:
         heavy = {**TABLES["specimen"], "mass_kg": 30.0, "stiffness_n_per_m": 1e5}
@@ -51,20 +51,20 @@ def test_the_error_is_that_of_the_digital_laboratory(case, shaking):
     test = loop.response(system)
     times = test.step * np.arange(test.measured.shape[1])
     piston = np.interp(times, np.arange(run.piston.size) / RATE, run.piston)
-    strayed = test.measured[0] - test.ideal[0]
-    assert np.std(test.measured[0] - piston) < 0.05 * np.std(strayed)
+    deviation = test.measured[0] - test.ideal[0]
+    assert np.std(test.measured[0] - piston) < 0.05 * np.std(deviation)
 
 
 @pytest.mark.parametrize("output", [None, np.array([0.0, 1.0]), np.array([-1.0, 1.0])])
 def test_a_gain_and_a_delay_are_those_of_the_other_engine(shaking, output):
-    partition = described({"gain": 0.99, "delay_ms": 3.0}).partition
+    partition = read_table({"gain": 0.99, "delay_ms": 3.0}).partition
     excitation = Excitation(acceleration=shaking, time_step=0.01)
     loop = FrameLoop(excitation=excitation, partition=partition, output=output)
     expected = loop.deviation(loop.cells(gain=0.99, delay=0.003))
     test = loop.response(gain_and_delay(0.99, 0.003))
-    strayed = test.response[0] - test.ideal[0]
-    assert np.mean(strayed**2) == pytest.approx(expected.mean_square[0], rel=6e-3)
-    assert np.abs(strayed).max() == pytest.approx(expected.peak[0], rel=6e-3)
+    deviation = test.response[0] - test.ideal[0]
+    assert np.mean(deviation**2) == pytest.approx(expected.mean_square[0], rel=6e-3)
+    assert np.abs(deviation).max() == pytest.approx(expected.peak[0], rel=6e-3)
 
 
 @pytest.mark.parametrize("share", [0.3, 0.5, 1.0])
@@ -92,10 +92,10 @@ def test_each_way_of_describing_gives_the_same_system(tmp_path):
     )
     s = 2j * np.pi * np.linspace(0.1, 50.0, 40)
     for way in ways:
-        frame = described({**way, "delay_ms": 1.0}, str(tmp_path / "frame.toml"))
+        frame = read_table({**way, "delay_ms": 1.0}, str(tmp_path / "frame.toml"))
         specimen = frame.partition.specimen
         assert frame.transfer_system.transfer(s, specimen) == pytest.approx(expected.transfer(s, specimen))
-    plant = described({"servo_hydraulic": {"leakage_per_s": 4.0}}).transfer_system
+    plant = read_table({"servo_hydraulic": {"leakage_per_s": 4.0}}).transfer_system
     assert plant == replace(ServoHydraulic(), leakage=4.0)
 
 
@@ -122,4 +122,4 @@ def test_each_way_of_describing_gives_the_same_system(tmp_path):
 )
 def test_malformed_transfer_systems_are_refused(table, message):
     with pytest.raises(InputError, match=message):
-        described(table)
+        read_table(table)

@@ -56,8 +56,11 @@ def test_a_loop_of_poles_answers_a_real_motion_by_a_real_one(random_partition, s
 def test_tests_grow_beyond_the_critical_delay_and_decay_below(random_partition, seed):
     partition = random_partition(seed, size=2, mass=False)
     rate = 4096.0
-    at = stability_limit(partition)
-    limit, frequency = at.delay - 1.5 / rate, at.frequency  # the laboratory's own lag of the force
+    position = stability_limit(partition)
+    limit, frequency = (
+        position.delay - 1.5 / rate,
+        position.frequency,
+    )  # the laboratory's own lag of the force
     kick = np.concatenate([np.hanning(40), np.zeros(int(60 * 50 / frequency))])
     for share, grows in ((0.93, False), (1.07, True)):
         rig = Rig(transfer_system=gain_and_delay(delay=share * limit))
@@ -75,7 +78,7 @@ def test_a_specimen_with_half_of_the_mass_tolerates_no_delay():
     assert stability_limit(heavy).delay == 0.0
 
 
-def test_partitions_that_are_unstable_without_delay_are_refused():
+def test_partitions_unstable_without_delay_are_refused():
     structure = Structure(frequency=1.0, damping_ratio=0.02)
     with pytest.raises(InputError, match="unstable partition"):
         stability_limit(Partition.from_structure(structure), gain=-1.0)

@@ -25,34 +25,34 @@ STRUCTURE = Structure(frequency=1.0, damping_ratio=0.05, experimental_fraction=0
 @pytest.mark.parametrize(("gain", "delay"), [(1.0, 0.0), (1.02, 0.004), (0.98, 0.0125)])
 def test_loop_agrees_with_the_spectral_engine(gain, delay):
     test = HybridTest(structure=STRUCTURE, actuator=Actuator(gain=gain, delay=delay))
-    found = run_closed_loop(test, GROUND, STEP)
+    result = run_closed_loop(test, GROUND, STEP)
     excitation = Excitation(acceleration=GROUND, time_step=STEP)
     exact, fine = spectral.response(excitation, STRUCTURE, gain, delay)
-    sampled = np.interp(TIME, fine * np.arange(exact.size), exact)
-    assert np.abs(found.measured - sampled).max() < 2e-3 * np.abs(sampled).max()
+    samples = np.interp(TIME, fine * np.arange(exact.size), exact)
+    assert np.abs(result.measured - samples).max() < 2e-3 * np.abs(samples).max()
 
 
-def test_blocks_alone_repeat_what_they_did_in_the_loop():
+def test_open_loop_blocks_repeat_the_closed_loop():
     effects = (
         find_effect("first_order_lag")(time_constant_s=0.01),
         find_effect("coulomb_friction")(force_n=0.05, regularisation_velocity_m_per_s=0.01),
         find_effect("force_bias")(bias_n=0.02),
     )
     test = HybridTest(structure=STRUCTURE, actuator=Actuator(gain=1.01, delay=0.006), effects=effects)
-    whole = run_closed_loop(test, GROUND, STEP)
-    piston = drive(test, whole.command)
-    np.testing.assert_allclose(piston.values[0], whole.piston.values[0], atol=1e-12)
-    np.testing.assert_allclose(read_force(test, piston, load(test, piston)), whole.force, atol=1e-9)
+    complete = run_closed_loop(test, GROUND, STEP)
+    piston = drive(test, complete.command)
+    np.testing.assert_allclose(piston.values[0], complete.piston.values[0], atol=1e-12)
+    np.testing.assert_allclose(read_force(test, piston, load(test, piston)), complete.force, atol=1e-9)
 
 
 @pytest.mark.parametrize("mass", [0.0, 0.1])
-def test_the_force_in_the_loop_is_that_of_stiffness_damping_and_mass(mass):
+def test_loop_force_is_from_stiffness_damping_and_mass(mass):
     specimen = Specimen(stiffness=20.0, damping=0.3, mass=mass)
     test = HybridTest(structure=STRUCTURE, specimen=specimen, actuator=Actuator(delay=0.006))
-    whole = run_closed_loop(test, GROUND, STEP)
-    x, v, a = whole.piston.values
+    complete = run_closed_loop(test, GROUND, STEP)
+    x, v, a = complete.piston.values
     expected = 20.0 * x + 0.3 * v + mass * a
-    np.testing.assert_allclose(whole.force, expected, atol=1e-9 * np.abs(expected).max())
+    np.testing.assert_allclose(complete.force, expected, atol=1e-9 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("delay", [0.0, 0.006])
@@ -65,14 +65,14 @@ def test_the_force_in_the_loop_is_that_of_stiffness_damping_and_mass(mass):
     ],
     ids=lambda compensator: compensator.name,
 )
-def test_a_compensator_alone_repeats_what_it_sent_in_the_loop(compensator, delay):
+def test_open_loop_compensator_repeats_the_closed_loop(compensator, delay):
     """It has the command of each instant, and what was measured an instant before, which is 0 at first."""
     test = HybridTest(structure=STRUCTURE, actuator=Actuator(delay=delay))
     run = run_closed_loop(test, 0.05 * GROUND[:1024], STEP, compensator=compensator)
-    measured = np.concatenate([[0.0], run.piston.values[0, :-1]])
+    reading = np.concatenate([[0.0], run.piston.values[0, :-1]])
     coefficients, state = compensator.coefficients(STEP), np.zeros(compensator.kernel.states)
     sent = np.ascontiguousarray(run.command.values.T)
-    for motion, last in zip(sent, measured, strict=True):
+    for motion, last in zip(sent, reading, strict=True):
         compensator.kernel(motion, last, STEP, coefficients, state)
     piston = drive(test, Motion3(values=sent.T, step=STEP))
     scale = np.abs(run.piston.values[0]).max()
@@ -87,11 +87,11 @@ def damping_of(test):
     return np.log(early / late) / (4.0 * np.pi)
 
 
-@pytest.mark.parametrize("added", [0.005, 0.03, -0.01])
-def test_integration_error_adds_the_damping_that_it_states(added):
-    effect = find_effect("integration_error")(numerical_damping_ratio=added)
+@pytest.mark.parametrize("increment", [0.005, 0.03, -0.01])
+def test_integration_error_adds_its_stated_damping(increment):
+    effect = find_effect("integration_error")(numerical_damping_ratio=increment)
     plain = HybridTest(structure=STRUCTURE)
-    assert damping_of(plain.adding(effect)) - damping_of(plain) == pytest.approx(added, rel=0.01)
+    assert damping_of(plain.adding(effect)) - damping_of(plain) == pytest.approx(increment, rel=0.01)
 
 
 def test_loop_without_a_structure():
@@ -113,12 +113,12 @@ def test_a_delay_of_just_a_step_is_the_limit_of_shorter_ones():
         )  # fmt: skip
         readings.append(run_closed_loop(late, ground, 1.0 / 512.0))
     for name in ("measured", "force"):
-        shorter, longer = (getattr(one, name) for one in readings)
+        shorter, longer = (getattr(reading, name) for reading in readings)
         np.testing.assert_allclose(longer, shorter, atol=1e-4 * np.abs(shorter).max())
 
 
 @pytest.mark.parametrize("parts", [1, 4])
-def test_a_motion_through_samples_of_a_cubic_is_that_cubic(parts):
+def test_motion_through_cubic_samples_is_the_cubic(parts):
     time = 0.01 * np.arange(30)
     motion = Motion3.interpolate(2.0 * time**3 - time, 0.01, parts=parts)
     fine = 0.01 / parts * np.arange(29 * parts + 1)
@@ -139,19 +139,19 @@ def test_a_loop_stepped_finely_is_the_loop_of_the_finer_motion():
     test = HybridTest(structure=STRUCTURE, actuator=Actuator(gain=1.01, delay=0.006))
     fine = np.interp(np.arange(4 * (TIME.size - 1) + 1) / 4, np.arange(TIME.size), GROUND)
     expected = run_closed_loop(test, fine, STEP / 4)
-    found = run_closed_loop(test, GROUND, STEP, parts=4)
+    result = run_closed_loop(test, GROUND, STEP, parts=4)
     for name in ("measured", "force"):
-        np.testing.assert_allclose(getattr(found, name), getattr(expected, name)[::4], atol=1e-12)
-    assert found.command.step == pytest.approx(STEP)
-    np.testing.assert_allclose(found.command.values, expected.command.values[:, ::4], atol=1e-12)
+        np.testing.assert_allclose(getattr(result, name), getattr(expected, name)[::4], atol=1e-12)
+    assert result.command.step == pytest.approx(STEP)
+    np.testing.assert_allclose(result.command.values, expected.command.values[:, ::4], atol=1e-12)
 
 
-def test_a_coarse_loop_that_diverges_is_not_a_number_at_any_sample():
+def test_diverging_coarse_loop_is_nan_everywhere():
     error = find_effect("integration_error")
     values = {parameter.name: parameter.upper for parameter in error.parameters}
     test = HybridTest(structure=STRUCTURE, actuator=Actuator(delay=0.3), effects=(error(**values),))
-    found = run_closed_loop(test, np.tile(1e3 * GROUND, 30), STEP)
-    assert found.measured.shape == found.force.shape == (30 * TIME.size,)
-    assert found.command.values.shape == (3, 30 * TIME.size)
-    assert np.isnan(found.measured).all()
-    assert np.isnan(found.piston.values).all()
+    result = run_closed_loop(test, np.tile(1e3 * GROUND, 30), STEP)
+    assert result.measured.shape == result.force.shape == (30 * TIME.size,)
+    assert result.command.values.shape == (3, 30 * TIME.size)
+    assert np.isnan(result.measured).all()
+    assert np.isnan(result.piston.values).all()

@@ -27,12 +27,12 @@ def test_the_exact_scheme_ends_each_step_in_equilibrium_on_the_exact_motion():
     def slope(t, state):
         return [state[1], load * t / step - 3.0 * state[1] - 400.0 * state[0]]
 
-    solved = scipy.integrate.solve_ivp(slope, (0.0, 2.0 * step), [0.0, 0.0], rtol=1e-11, atol=1e-14)
-    np.testing.assert_allclose(motion[:2], solved.y[:, -1], rtol=1e-9)
+    solution = scipy.integrate.solve_ivp(slope, (0.0, 2.0 * step), [0.0, 0.0], rtol=1e-11, atol=1e-14)
+    np.testing.assert_allclose(motion[:2], solution.y[:, -1], rtol=1e-9)
     assert motion[2] == pytest.approx(2.0 * load - 3.0 * motion[1] - 400.0 * motion[0], rel=1e-12)
 
 
-def stepped(structure, ground, step, gamma):
+def march(structure, ground, step, gamma):
     """Displacement at the controller's instants, the whole spring being in the rig; Euler without a γ."""
     omega = structure.circular_frequency
     damping, x, v, path = 2.0 * structure.damping_ratio * omega, 0.0, 0.0, [0.0]
@@ -43,8 +43,8 @@ def stepped(structure, ground, step, gamma):
             acceleration = -shaken - damping * v - omega**2 * x
         else:
             x += step * v + 0.5 * step**2 * acceleration
-            rest = -shaken - omega**2 * x - damping * (v + step * (1.0 - gamma) * acceleration)
-            later = rest / (1.0 + step * gamma * damping)
+            remainder = -shaken - omega**2 * x - damping * (v + step * (1.0 - gamma) * acceleration)
+            later = remainder / (1.0 + step * gamma * damping)
             v += step * ((1.0 - gamma) * acceleration + gamma * later)
             acceleration = later
         path.append(x)
@@ -58,7 +58,7 @@ def test_integration_error_is_its_scheme_at_the_controllers_instants(gamma, shif
     ground, step = record(coarse), coarse / fine
     damping = 0.5 * structure.circular_frequency * shift * coarse
     effect = find_effect("integration_error")(numerical_damping_ratio=damping, step_s=coarse)
-    played = np.interp(np.arange((ground.size - 1) * fine + 1) / fine, np.arange(ground.size), ground)
-    found = run_closed_loop(HybridTest(structure=structure, effects=(effect,)), played, step)
-    wanted = stepped(structure, ground, coarse, gamma)
-    assert np.allclose(found.command.values[0, ::fine], wanted, atol=1e-9 * np.abs(wanted).max())
+    play_output = np.interp(np.arange((ground.size - 1) * fine + 1) / fine, np.arange(ground.size), ground)
+    result = run_closed_loop(HybridTest(structure=structure, effects=(effect,)), play_output, step)
+    target = march(structure, ground, coarse, gamma)
+    assert np.allclose(result.command.values[0, ::fine], target, atol=1e-9 * np.abs(target).max())

@@ -30,11 +30,11 @@ def example(name):
 def test_every_effect_comes_back(tmp_path, name):
     effect = example(name)
     deviations = {f"{name}.{parameter.name}": 1e-3 for parameter in effect.parameters}
-    written = UpdatedModel(
+    text = UpdatedModel(
         name="a test", test=HybridTest(structure=STRUCTURE, effects=(effect,)), deviations=deviations
     )
-    write_model(tmp_path / "model.toml", written)
-    assert read_model(tmp_path / "model.toml") == written
+    write_model(tmp_path / "model.toml", text)
+    assert read_model(tmp_path / "model.toml") == text
 
 
 @pytest.mark.parametrize(
@@ -47,11 +47,11 @@ def test_every_effect_comes_back(tmp_path, name):
     ],
 )
 def test_every_digit_comes_back(tmp_path, test):
-    written = UpdatedModel(
+    text = UpdatedModel(
         name='"quoted" \\ ünïcode\n\x7f\x01', test=test, deviations={"gain": 1e-4, "delay_s": 2.0 / 3.0}
     )
-    write_model(tmp_path / "model.toml", written)
-    assert read_model(tmp_path / "model.toml") == written
+    write_model(tmp_path / "model.toml", text)
+    assert read_model(tmp_path / "model.toml") == text
 
 
 @pytest.mark.parametrize(
@@ -70,7 +70,7 @@ def test_every_digit_comes_back(tmp_path, test):
         ("format = 1", "format = ", r"readable TOML file"),
     ],
 )  # fmt: skip
-def test_what_breaks_a_rule_is_named(tmp_path, old, new, match):
+def test_broken_rules_are_named(tmp_path, old, new, match):
     path = tmp_path / "model.toml"
     friction = example("coulomb_friction")
     test = HybridTest(structure=STRUCTURE, effects=(friction,))
@@ -83,7 +83,7 @@ def test_what_breaks_a_rule_is_named(tmp_path, old, new, match):
 
 
 @pytest.mark.parametrize("content", [None, b"\xff\xfe\x00"])
-def test_a_file_that_is_none_is_refused(tmp_path, content):
+def test_missing_file_is_refused(tmp_path, content):
     path = tmp_path / "model.toml"
     if content is not None:
         path.write_bytes(content)
@@ -119,13 +119,13 @@ def test_commands_take_the_model(motions):
     records = sorted(motions.glob("*.csv"))
     shared = [option for record in records for option in ("--motions", record)]
     shared += ["--confidence", 0.5]  # three earthquakes carry no more than three quarters
-    with_lag = command("criterion", *shared, "--model", model, "--json", "-")
-    assert with_lag.exit_code == 0
+    lagging = command("criterion", *shared, "--model", model, "--json", "-")
+    assert lagging.exit_code == 0
     structure = ("--f", "1.3", "--xi", "0.03", "--alpha", "0.7")
-    without = command("criterion", *shared, *structure, "--json", "-")
-    found, linear = json.loads(with_lag.stdout), json.loads(without.stdout)
-    assert (found["f"], found["xi"]) == (1.3, 0.03)
-    assert 0.0 < found["b"] < 0.9 * linear["b"]
+    bare = command("criterion", *shared, *structure, "--json", "-")
+    result, linear = json.loads(lagging.stdout), json.loads(bare.stdout)
+    assert (result["f"], result["xi"]) == (1.3, 0.03)
+    assert 0.0 < result["b"] < 0.9 * linear["b"]
     both = command("criterion", *shared, "--model", model, *structure)
     assert isinstance(both.exception, InputError)
     assert "brings its own structure" in str(both.exception)
@@ -136,13 +136,13 @@ def test_a_model_is_simulated_and_stored(motions):
     lag = find_effect("first_order_lag")(time_constant_s=0.0005)
     model, store = motions / "model.toml", motions / "results.zarr"
     write_model(model, UpdatedModel(name="late", test=HybridTest(structure=STRUCTURE, effects=(lag,))))
-    done = command(
+    process = command(
         "simulate", "--motions", motions / "motion_0.csv", "--model", model, "--out", store, "--grid", "paper"
     )
-    assert done.exit_code == 0
+    assert process.exit_code == 0
     assert "first_order_lag" in open_results(store).attrs["model"]
-    stored = command("ellipses", "--results", store, "--threshold", "0.02", "--json", "-")
-    traced = command(
+    archive = command("ellipses", "--results", store, "--threshold", "0.02", "--json", "-")
+    boundary = command(
         "ellipses",
         "--motions",
         motions / "motion_0.csv",
@@ -153,31 +153,31 @@ def test_a_model_is_simulated_and_stored(motions):
         "--json",
         "-",
     )
-    (one,), (other,) = (json.loads(each.stdout)["ellipses"] for each in (stored, traced))
-    assert one["b"] == pytest.approx(other["b"], rel=0.01)
-    assert one["a"] == pytest.approx(other["a"], rel=0.01)
+    (single,), (second,) = (json.loads(item.stdout)["ellipses"] for item in (archive, boundary))
+    assert single["b"] == pytest.approx(second["b"], rel=0.01)
+    assert single["a"] == pytest.approx(second["a"], rel=0.01)
 
 
 @pytest.mark.slow
-def test_python_simulates_what_the_command_line_does(motions):
+def test_python_and_command_line_simulate_the_same(motions):
     lag = find_effect("first_order_lag")(time_constant_s=0.0005)
     test = HybridTest(structure=STRUCTURE, effects=(lag,))
     write_model(motions / "model.toml", UpdatedModel(name="late", test=test))
     suite = load_motions(motions / "motion_0.csv")
-    of_file = ellipses(suite, model=motions / "model.toml")
-    xr.testing.assert_identical(of_file, ellipses(suite, model=test))
-    assert of_file["f"].item() == STRUCTURE.frequency
+    file_values = ellipses(suite, model=motions / "model.toml")
+    xr.testing.assert_identical(file_values, ellipses(suite, model=test))
+    assert file_values["f"].item() == STRUCTURE.frequency
     with pytest.raises(InputError, match="brings its own structure"):
         ellipses(suite, f=[1.0], model=test)
     with pytest.raises(InputError, match="numerical substructure"):
         ellipses(suite, model=HybridTest(effects=(lag,)))
 
 
-def test_effects_that_leave_no_room_are_said_to(motions):
+def test_effects_exceeding_the_threshold_are_reported(motions):
     lag = find_effect("first_order_lag")(time_constant_s=0.02)
     model = motions / "model.toml"
     write_model(model, UpdatedModel(name="late", test=HybridTest(structure=STRUCTURE, effects=(lag,))))
     shared = [option for record in sorted(motions.glob("*.csv")) for option in ("--motions", record)]
-    done = command("criterion", *shared, "--model", model)
-    assert isinstance(done.exception, InputError)
-    assert "3 of 3 motions" in str(done.exception)
+    process = command("criterion", *shared, "--model", model)
+    assert isinstance(process.exception, InputError)
+    assert "3 of 3 motions" in str(process.exception)

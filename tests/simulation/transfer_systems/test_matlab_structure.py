@@ -8,7 +8,7 @@ import scipy
 
 from reliab.simulation.transfer_systems.matlab_structure import require_sound_structure
 
-HELD = {
+CONTENT = {
     "complex": np.arange(9.0) + 1j,
     "structure": {"a": [1, 2], "b": "text", "inner": {"c": np.eye(3)}},
     "cells": np.array([np.eye(2), "b"], dtype=object),
@@ -25,9 +25,9 @@ def path(tmp_path):
     return tmp_path / "held.mat"
 
 
-@pytest.mark.parametrize("compressed", [False, True])
-def test_all_kinds_of_variables_are_sound(path, compressed):
-    scipy.io.savemat(path, HELD, do_compression=compressed)
+@pytest.mark.parametrize("content", [False, True])
+def test_all_kinds_of_variables_are_sound(path, content):
+    scipy.io.savemat(path, CONTENT, do_compression=content)
     require_sound_structure(path)
 
 
@@ -41,17 +41,17 @@ def read_by_scipy(file):
 
 @pytest.mark.skipif(not FILES, reason="this SciPy came without its tests")
 @pytest.mark.filterwarnings("ignore")
-def test_what_scipy_reads_of_its_own_files_is_sound():
+def test_scipy_files_are_sound():
     readable = [file for file in FILES if read_by_scipy(file)]
     assert len(readable) > 90
     for file in readable:
         require_sound_structure(file)
 
 
-@pytest.mark.parametrize("compressed", [False, True])
+@pytest.mark.parametrize("compact", [False, True])
 @pytest.mark.parametrize("share", [0.3, 0.6, 0.9])
-def test_a_file_that_ends_early_is_refused(path, compressed, share):
-    scipy.io.savemat(path, {"x": np.random.default_rng(1).normal(size=99)}, do_compression=compressed)
+def test_truncated_file_is_refused(path, compact, share):
+    scipy.io.savemat(path, {"x": np.random.default_rng(1).normal(size=99)}, do_compression=compact)
     content = path.read_bytes()
     path.write_bytes(content[: 128 + int(share * (len(content) - 128))])
     with pytest.raises(ValueError, match="ends within a variable"):
@@ -59,12 +59,12 @@ def test_a_file_that_ends_early_is_refused(path, compressed, share):
 
 
 def test_variables_within_variables_without_end_are_refused(path):
-    held = np.eye(1)
+    content = np.eye(1)
     for _ in range(70):
         cell = np.empty(1, dtype=object)
-        cell[0] = held
-        held = cell
-    scipy.io.savemat(path, {"deep": held})
+        cell[0] = content
+        content = cell
+    scipy.io.savemat(path, {"deep": content})
     with pytest.raises(ValueError, match="unknown kind"):
         require_sound_structure(path)
 

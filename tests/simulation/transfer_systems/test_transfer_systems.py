@@ -23,7 +23,8 @@ def state_space_transfer(plant, s):
     """Transfer function from the command to the displacement of a plant's state-space model."""
     order = plant.dynamics.shape[0]
     rational = [
-        plant.displacement @ np.linalg.solve(at * np.eye(order) - plant.dynamics, plant.command) for at in s
+        plant.displacement @ np.linalg.solve(position * np.eye(order) - plant.dynamics, plant.command)
+        for position in s
     ]
     return (np.array(rational) + plant.displacement_of_command) * np.exp(-s * plant.delay)
 
@@ -109,9 +110,9 @@ class ControlStateSpace:
     ],
 )
 def test_models_of_other_libraries_are_read(model):
-    found = transfer_function_of(model)
+    result = transfer_function_of(model)
     s = 1j * np.array([1.0, 100.0])
-    np.testing.assert_allclose(found.transfer(s, SPRING), 3.0 / (0.01 * s + 1.0), rtol=1e-12)
+    np.testing.assert_allclose(result.transfer(s, SPRING), 3.0 / (0.01 * s + 1.0), rtol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -125,9 +126,9 @@ def test_models_of_other_libraries_are_read(model):
 )
 def test_matlab_files_are_read(tmp_path, content, variable):
     savemat(tmp_path / "model.mat", content)
-    found = read_matlab(tmp_path / "model.mat", variable, delay=0.001)
-    assert found.delay == 0.001
-    assert abs(found.transfer(np.array([100j]), SPRING)[0]) == pytest.approx(3.0 / np.sqrt(2.0))
+    result = read_matlab(tmp_path / "model.mat", variable, delay=0.001)
+    assert result.delay == 0.001
+    assert abs(result.transfer(np.array([100j]), SPRING)[0]) == pytest.approx(3.0 / np.sqrt(2.0))
 
 
 def test_other_matlab_files_are_refused(tmp_path):
@@ -180,8 +181,8 @@ def test_bad_transfer_systems_are_refused(build, sentence):
 
 
 def test_a_single_undamped_pair_of_poles_is_allowed():
-    undamped = TransferFunction(numerator=[100.0], denominator=[1.0, 0.0, 100.0])
-    assert sorted(undamped.poles.imag) == pytest.approx([-10.0, 10.0])
+    undamped_frame = TransferFunction(numerator=[100.0], denominator=[1.0, 0.0, 100.0])
+    assert sorted(undamped_frame.poles.imag) == pytest.approx([-10.0, 10.0])
 
 
 def test_a_single_integrator_is_allowed():
@@ -190,6 +191,6 @@ def test_a_single_integrator_is_allowed():
 
 
 @pytest.mark.parametrize("gain", [0.0, -1.0, np.inf, -np.inf, np.nan])
-def test_a_gain_that_is_none_is_refused(gain):
+def test_missing_gain_is_refused(gain):
     with pytest.raises(InputError, match="positive and finite"):
         gain_and_delay(gain)

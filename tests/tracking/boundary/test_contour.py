@@ -32,15 +32,15 @@ def test_ellipse_of_known_axes_comes_back(half_width):
     (contour,) = trace_contours(
         lambda a, d, _: 0.05 * np.hypot((a - 1.0) / half_width, d / 0.003), np.array([0.05]), STRUCTURE
     )
-    found = Ellipse.fit(contour)
+    result = Ellipse.fit(contour)
     assert 11 <= contour.amplitude.size <= 201
-    assert found.a == pytest.approx(half_width**2, rel=1e-5)
-    assert found.b == pytest.approx(9.0, rel=1e-5)
-    assert found.sse < 1e-6
+    assert result.a == pytest.approx(half_width**2, rel=1e-5)
+    assert result.b == pytest.approx(9.0, rel=1e-5)
+    assert result.sse < 1e-6
 
 
 @pytest.mark.parametrize(
-    ("below", "above", "step", "first", "last"),
+    ("lower", "upper", "step", "first", "last"),
     [
         (0.02, 0.02, 0.001, -19, 19),  # the paper's step; the tips themselves have no delay to search
         (0.0125, 0.0307, 0.001, -12, 30),
@@ -53,28 +53,28 @@ def test_ellipse_of_known_axes_comes_back(half_width):
     ],
 )
 def test_amplitudes_step_by_a_thousandth_and_at_least_five_and_at_most_a_hundred_to_a_side(
-    below, above, step, first, last
+    lower, upper, step, first, last
 ):
     def error(amplitude, delay, _):
         offset = amplitude - 1.0
-        return 0.05 * np.hypot(offset / np.where(offset < 0.0, below, above), delay / 0.003)
+        return 0.05 * np.hypot(offset / np.where(offset < 0.0, lower, upper), delay / 0.003)
 
     (contour,) = trace_contours(error, np.array([0.05]), STRUCTURE)
     assert contour.amplitude == pytest.approx(1.0 + step * np.arange(first, last + 1), abs=1e-9)
-    assert contour.corners == pytest.approx(np.array([[1.0 - below, 1.0 + above], [0.0, 0.0]]), rel=1e-6)
-    half_width = np.where(contour.amplitude < 1.0, below, above)
+    assert contour.corners == pytest.approx(np.array([[1.0 - lower, 1.0 + upper], [0.0, 0.0]]), rel=1e-6)
+    half_width = np.where(contour.amplitude < 1.0, lower, upper)
     height = 0.003 * np.sqrt(1.0 - ((contour.amplitude - 1.0) / half_width) ** 2)
     assert contour.delay == pytest.approx(height, rel=1e-5)
     assert contour.outline[0].size == contour.outline[1].size == contour.amplitude.size + 2
 
 
-def test_a_loop_that_has_diverged_lies_outside_every_contour():
+def test_diverged_loop_lies_outside_every_contour():
     """Errors that are not finite count as larger than any threshold."""
-    for beyond in (np.nan, np.inf):
+    for excess in (np.nan, np.inf):
 
-        def error(amplitude, delay, _, beyond=beyond):
+        def error(amplitude, delay, _, excess=excess):
             size = np.hypot((amplitude - 1.0) / 0.01, delay / 0.003)
-            return np.where(size < 1.1, 0.05 * size, beyond)
+            return np.where(size < 1.1, 0.05 * size, excess)
 
         (contour,) = trace_contours(error, np.array([0.05]), STRUCTURE)
         assert Ellipse.fit(contour).b == pytest.approx(9.0, rel=1e-4)
@@ -84,9 +84,9 @@ def test_a_loop_with_other_errors_than_the_threshold_allows_has_no_contour():
     def error(amplitude, delay, contour):
         return np.hypot(0.04 + 0.02 * contour, np.hypot(amplitude - 1.0, delay))
 
-    first, none = trace_contours(error, np.array([0.05, 0.05]), STRUCTURE)
+    first, empty = trace_contours(error, np.array([0.05, 0.05]), STRUCTURE)
     assert first.delay.max() == pytest.approx(0.03, rel=1e-6)
-    assert none.outline[0].size == 0
+    assert empty.outline[0].size == 0
 
 
 def test_points_lie_on_the_threshold_for_both_errors():
@@ -115,7 +115,7 @@ def test_contour_is_cut_where_the_amplitude_is_out_of_all_proportion():
 
 
 @pytest.mark.parametrize("threshold", [-0.05, 0.0, np.nan, np.inf])
-def test_threshold_must_be_one_that_a_test_has(threshold):
+def test_threshold_must_be_plausible(threshold):
     with pytest.raises(InputError, match="must lie between"):
         trace_contours(lambda a, d, _: np.hypot(a - 1.0, d), np.array([0.05, threshold]), STRUCTURE)
 
@@ -130,28 +130,28 @@ def test_curves_fit_their_own_points():
 
 
 @pytest.mark.parametrize("curve", [Cosine, Ellipse, InscribedEllipse, Parabola])
-def test_the_fitting_error_is_that_of_squared_delays_in_milliseconds(curve):
+def test_fitting_error_is_of_squared_delays_in_milliseconds(curve):
     """Equation (10), with each curve's delay written out from its parameters."""
     offset = np.linspace(-0.008, 0.008, 17)
     delay = 1.5 * np.sqrt(1.0 - (offset / 0.01) ** 2) + 0.02 * np.cos(900.0 * offset)
-    found = curve.fit(Contour(amplitude=1.0 + offset, delay=1e-3 * delay))
-    a, b = found.a, found.b
-    of_curve = {
+    result = curve.fit(Contour(amplitude=1.0 + offset, delay=1e-3 * delay))
+    a, b = result.a, result.b
+    curve_values = {
         Cosine: a * np.cos(b * offset),
         Parabola: a * offset**2 + b,
         Ellipse: np.sqrt(b - b / a * offset**2),
         InscribedEllipse: np.sqrt(b - b / a * offset**2),
     }[curve]
-    assert found.n == 17
-    assert found.sse == pytest.approx(np.sum((of_curve**2 - delay**2) ** 2), rel=1e-9)
-    assert found.delay(1.0 + offset) == pytest.approx(1e-3 * of_curve, rel=1e-9, abs=1e-9)
+    assert result.n == 17
+    assert result.sse == pytest.approx(np.sum((curve_values**2 - delay**2) ** 2), rel=1e-9)
+    assert result.delay(1.0 + offset) == pytest.approx(1e-3 * curve_values, rel=1e-9, abs=1e-9)
 
 
 @pytest.mark.parametrize("curve", [Cosine, Ellipse, InscribedEllipse, Parabola])
-def test_a_contour_without_points_gives_a_curve_that_accepts_nothing(curve):
-    none = curve.fit(Contour(amplitude=np.zeros(0), delay=np.zeros(0)))
-    assert (none.a, none.b, none.sse, none.n) == (0.0, 0.0, 0.0, 0)
-    assert np.isnan(none.delay(np.array([0.99, 1.0]))).all()
+def test_empty_contour_gives_a_curve_accepting_nothing(curve):
+    empty = curve.fit(Contour(amplitude=np.zeros(0), delay=np.zeros(0)))
+    assert (empty.a, empty.b, empty.sse, empty.n) == (0.0, 0.0, 0.0, 0)
+    assert np.isnan(empty.delay(np.array([0.99, 1.0]))).all()
 
 
 def test_two_points_are_no_contour():
@@ -170,10 +170,10 @@ def test_table_2_from_the_records(real_motions_folder, shared_folder):
             excitation=Excitation(acceleration=motion.acceleration, time_step=motion.time_step),
             structure=structure,
         )
-        found, row = Ellipse.fit(*motion_contours(loop)), rows[motion.name]
-        ratios = (found.a / float(row["a"]), found.b / float(row["b"]))
+        result, row = Ellipse.fit(*motion_contours(loop)), rows[motion.name]
+        ratios = (result.a / float(row["a"]), result.b / float(row["b"]))
         near_prototype += max(abs(ratio - 1.0) for ratio in ratios) < 0.01
-        ratios = (found.a / float(row["a_pub"]), found.b / float(row["b_pub"]))
+        ratios = (result.a / float(row["a_pub"]), result.b / float(row["b_pub"]))
         near_print += max(abs(ratio - 1.0) for ratio in ratios) < 0.10
     assert near_prototype >= 95
     assert near_print >= 74
@@ -217,10 +217,10 @@ def test_a_rough_surface_is_the_cubic_spline_along_both_axes_in_every_cell():
     gain, delay = np.exp(rng.uniform(-0.2, 0.12, 300)), rng.uniform(-0.01, 0.03, 300)
     x, y = coordinates(GAIN, DELAY)
     surface = ErrorSurfaces(GAIN, DELAY, rough[np.newaxis])
-    along_gain = scipy.interpolate.CubicSpline(x, np.log(rough**2 + FLOOR**2), axis=0)
+    gain_axis = scipy.interpolate.CubicSpline(x, np.log(rough**2 + FLOOR**2), axis=0)
     for g, d in zip(gain, delay, strict=True):
-        at = coordinates(g, d)
-        logarithm = scipy.interpolate.CubicSpline(y, along_gain(at[0]))(at[1])
+        position = coordinates(g, d)
+        logarithm = scipy.interpolate.CubicSpline(y, gain_axis(position[0]))(position[1])
         expected = np.sqrt(max(np.exp(logarithm) - FLOOR**2, 0.0))
         error = surface.error(np.array([g]), np.array([d]), np.zeros(1, dtype=np.int64))
         assert error[0] == pytest.approx(expected, rel=1e-8, abs=1e-9)
@@ -229,10 +229,10 @@ def test_a_rough_surface_is_the_cubic_spline_along_both_axes_in_every_cell():
 def test_the_larger_side_of_the_gains_sets_the_scale():
     """Gains mirrored: the logarithm is then cubic in mirrored coordinates."""
     gain, delay = np.meshgrid(1.0 / GAIN[::-1], DELAY, indexing="ij")
-    mirrored = ErrorSurfaces(1.0 / GAIN[::-1], DELAY, cubic(1.0 / gain, delay)[np.newaxis])
+    mirror = ErrorSurfaces(1.0 / GAIN[::-1], DELAY, cubic(1.0 / gain, delay)[np.newaxis])
     rng = np.random.default_rng(2)
     gain, delay = np.exp(rng.uniform(-0.2, 0.12, 200)), rng.uniform(-0.01, 0.03, 200)
-    error = mirrored.error(1.0 / gain, delay, np.zeros(200, dtype=np.int64))
+    error = mirror.error(1.0 / gain, delay, np.zeros(200, dtype=np.int64))
     assert error == pytest.approx(cubic(gain, delay), rel=1e-9)
 
 
@@ -244,7 +244,7 @@ def test_every_surface_passes_through_its_cells():
 
 
 @pytest.mark.parametrize(
-    ("gain", "delay", "inside"),
+    ("gain", "delay", "is_inside"),
     [
         (GAIN[0], 0.0, True),
         (GAIN[-1], 0.0, True),
@@ -256,24 +256,26 @@ def test_every_surface_passes_through_its_cells():
         (1.0, 1.001 * DELAY[-1], False),
     ],
 )
-def test_beyond_the_grid_nothing_is_said(gain, delay, inside):
+def test_beyond_the_grid_nothing_is_said(gain, delay, is_inside):
     error = surfaces().error(np.array([gain]), np.array([delay]), np.array([0]))
-    assert bool(np.isfinite(error[0])) == inside
+    assert bool(np.isfinite(error[0])) == is_inside
 
 
 def test_errors_without_bound_and_without_value_count_as_a_thousand():
     error = np.full((1, GAIN.size, DELAY.size), np.inf)
     error[0, ::2] = np.nan
     error[0, 1::3] = 1e9
-    found = ErrorSurfaces(GAIN, DELAY, error).error(GAIN, np.zeros(GAIN.size), np.zeros(GAIN.size, dtype=int))
-    assert found == pytest.approx(1e3)
+    result = ErrorSurfaces(GAIN, DELAY, error).error(
+        GAIN, np.zeros(GAIN.size), np.zeros(GAIN.size, dtype=int)
+    )
+    assert result == pytest.approx(1e3)
 
 
 def test_the_perfect_actuator_has_no_error():
     gain, delay = np.meshgrid(GAIN, DELAY, indexing="ij")
     error = np.hypot(np.log(gain), delay / 0.1)[np.newaxis]
-    found = ErrorSurfaces(GAIN, DELAY, error).error(np.ones(1), np.zeros(1), np.zeros(1, dtype=np.int64))
-    assert found == pytest.approx(0.0, abs=1e-6)
+    result = ErrorSurfaces(GAIN, DELAY, error).error(np.ones(1), np.zeros(1), np.zeros(1, dtype=np.int64))
+    assert result == pytest.approx(0.0, abs=1e-6)
 
 
 def test_the_coordinate_is_odd_and_linear_near_and_far():
@@ -306,14 +308,14 @@ def edge_errors(loop, ellipse, side, metric, shares=(1.0,)):
 
 def test_sides_meet_as_the_threshold_vanishes(loop):
     """To first order an error does not know the sign of the delay."""
-    apart = []
+    separate = []
     for threshold in (0.02, 0.005, 0.00125, 0.0003):
-        lag, lead = (Ellipse.fit(each) for each in both_sides(loop, threshold))
-        apart.append(np.log([lead.b / lag.b, lead.a / lag.a]))
-    assert (apart[0] > 0.05).all()
-    for wide, narrow in pairwise(apart):
+        lag, lead = (Ellipse.fit(item) for item in both_sides(loop, threshold))
+        separate.append(np.log([lead.b / lag.b, lead.a / lag.a]))
+    assert (separate[0] > 0.05).all()
+    for wide, narrow in pairwise(separate):
         assert (np.abs(narrow) < 0.45 * np.abs(wide)).all()
-    assert np.abs(apart[-1]).max() < 0.01
+    assert np.abs(separate[-1]).max() < 0.01
 
 
 def test_points_of_both_sides_lie_on_the_threshold(loop):
@@ -329,12 +331,12 @@ def test_points_of_both_sides_lie_on_the_threshold(loop):
 @pytest.mark.parametrize("threshold", [0.01, 0.05, 0.2])
 def test_error_inside_the_inscribed_ellipse_is_below_the_threshold(loop, metric, threshold):
     for side, contour in zip(Side, both_sides(loop, threshold, metric), strict=True):
-        inside = InscribedEllipse.fit(contour)
+        is_inside = InscribedEllipse.fit(contour)
         tolerance = 2e-3 if metric is Metric.RMS else 1e-2
-        assert edge_errors(loop, inside, side, metric).max() <= threshold * (1.0 + tolerance)
-        assert edge_errors(loop, inside, side, metric, (0.3, 0.7, 0.95)).max() < threshold
+        assert edge_errors(loop, is_inside, side, metric).max() <= threshold * (1.0 + tolerance)
+        assert edge_errors(loop, is_inside, side, metric, (0.3, 0.7, 0.95)).max() < threshold
         # and it is not smaller than it must be
-        assert edge_errors(loop, inside, side, metric).max() >= 0.99 * threshold
+        assert edge_errors(loop, is_inside, side, metric).max() >= 0.99 * threshold
 
 
 def test_fitted_ellipse_does_reach_outside(loop):
@@ -346,28 +348,28 @@ def test_inscribed_ellipse_is_the_largest_of_all():
     """Against a search over all shapes, on boundaries that no ellipse describes."""
     rng = np.random.default_rng(3)
     for _ in range(20):
-        below, above = rng.uniform(0.005, 0.02, 2)
-        offset = np.append(np.linspace(-below, 0.0, 20, endpoint=False), np.linspace(0.0, above, 21))
-        height = np.sqrt(np.maximum(1.0 - (offset / np.where(offset < 0.0, below, above)) ** 2, 0.0))
+        lower, upper = rng.uniform(0.005, 0.02, 2)
+        offset = np.append(np.linspace(-lower, 0.0, 20, endpoint=False), np.linspace(0.0, upper, 21))
+        height = np.sqrt(np.maximum(1.0 - (offset / np.where(offset < 0.0, lower, upper)) ** 2, 0.0))
         bent = height * (1.0 + 0.3 * rng.standard_normal() * offset / offset[-1])
         delay = 1e-3 * np.maximum(bent + 0.02 * rng.standard_normal(41), 0.0) * rng.uniform(0.5, 3.0)
         boundary = Contour(amplitude=1.0 + offset, delay=delay)
-        inside = InscribedEllipse.fit(boundary)
+        is_inside = InscribedEllipse.fit(boundary)
         u, v = offset**2, (1e3 * delay) ** 2
-        assert (u / inside.a + v / inside.b >= 1.0 - 1e-9).all()
+        assert (u / is_inside.a + v / is_inside.b >= 1.0 - 1e-9).all()
         ratio = np.geomspace(1e-4, 1e4, 20_001) * v.max() / u.max()
         b = np.min(v + ratio[:, np.newaxis] * u, axis=1)
         largest = (b**2 / ratio)[b / ratio <= u[[0, -1]].min() * (1 + 1e-12)].max()
-        assert inside.a * inside.b >= largest * (1.0 - 1e-9)
-        assert inside.a <= u[[0, -1]].min() * (1 + 1e-12)
+        assert is_inside.a * is_inside.b >= largest * (1.0 - 1e-9)
+        assert is_inside.a <= u[[0, -1]].min() * (1 + 1e-12)
 
 
 def test_true_ellipse_is_inscribed_in_itself():
     angle = np.linspace(0.0, np.pi, 41)
     for side in Side:
         circle = Contour(amplitude=1.0 + 0.01 * np.cos(angle), delay=side.sign * 0.002 * np.sin(angle))
-        found = InscribedEllipse.fit(circle)
-        assert (found.a, found.b) == (pytest.approx(1e-4), pytest.approx(4.0))
+        result = InscribedEllipse.fit(circle)
+        assert (result.a, result.b) == (pytest.approx(1e-4), pytest.approx(4.0))
 
 
 def test_leads_are_searched_up_to_seven_decay_lengths_or_a_quarter_of_the_period():
@@ -388,12 +390,12 @@ def test_open_side_says_where_it_was_left():
 
     lag, lead = trace_contours(error, np.array([0.05, 0.05]), STRUCTURE, side=tuple(Side))
     assert lag.corners.shape == (2, 2)
-    left = lead.corners[1] < 0.0
-    assert left.any()
-    np.testing.assert_allclose(lead.corners[1][left], -furthest)
-    assert (np.abs(lead.corners[0][left] - 1.0) <= 0.006 + 1e-9).all()
-    inside = InscribedEllipse.fit(lead)
-    assert np.sqrt(inside.b) <= 1e3 * furthest * (1 + 1e-9)
+    is_cut = lead.corners[1] < 0.0
+    assert is_cut.any()
+    np.testing.assert_allclose(lead.corners[1][is_cut], -furthest)
+    assert (np.abs(lead.corners[0][is_cut] - 1.0) <= 0.006 + 1e-9).all()
+    is_inside = InscribedEllipse.fit(lead)
+    assert np.sqrt(is_inside.b) <= 1e3 * furthest * (1 + 1e-9)
 
 
 def test_leads_are_cut_where_they_are_no_longer_searched_at_every_amplitude():
@@ -418,8 +420,8 @@ def test_tolerable_leads_of_the_real_records_are_longer_than_lags(real_motions_f
         structure, ratios = Structure(frequency=f, damping_ratio=xi), []
         for motion in motions:
             excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step)
-            found = both_sides(Loop(excitation=excitation, structure=structure), 0.05)
-            lag, lead = (float(np.interp(1.0, each.amplitude, np.abs(each.delay))) for each in found)
+            result = both_sides(Loop(excitation=excitation, structure=structure), 0.05)
+            lag, lead = (float(np.interp(1.0, item.amplitude, np.abs(item.delay))) for item in result)
             ratios.append(lead / lag)
         assert np.median(ratios) == pytest.approx(expected, rel=0.12)
         assert np.min(ratios) > 1.0
@@ -440,15 +442,15 @@ def loops_under(motions, structure, window=(0.0, -1.0), engine=Engine.AUTOMATIC)
 
 
 def assert_same(loops, tolerance):
-    together = suite_contours(loops, LEVELS, SIDES)
-    for loop, contours in zip(loops, together, strict=True):
-        for alone, contour in zip(motion_contours(loop, LEVELS, side=SIDES), contours, strict=True):
-            np.testing.assert_allclose(contour.amplitude, alone.amplitude, rtol=tolerance)
+    joint = suite_contours(loops, LEVELS, SIDES)
+    for loop, contours in zip(loops, joint, strict=True):
+        for separate, contour in zip(motion_contours(loop, LEVELS, side=SIDES), contours, strict=True):
+            np.testing.assert_allclose(contour.amplitude, separate.amplitude, rtol=tolerance)
             np.testing.assert_allclose(
                 contour.delay,
-                alone.delay,
+                separate.delay,
                 rtol=tolerance,
-                atol=tolerance * np.abs(alone.delay).max(initial=0.0),
+                atol=tolerance * np.abs(separate.delay).max(initial=0.0),
             )
 
 
@@ -477,5 +479,5 @@ def test_contours_of_short_windows_and_of_a_chosen_engine_are_those_of_each_moti
 @pytest.mark.slow
 def test_contours_are_those_of_each_real_motion(real_motions_folder):
     motions = load_motions(real_motions_folder)
-    few = [motions[k] for k in range(0, len(motions), len(motions) // 4)]
-    assert_same(loops_under(few, Structure(frequency=1.0, damping_ratio=0.05)), 2e-4)
+    small_sample = [motions[k] for k in range(0, len(motions), len(motions) // 4)]
+    assert_same(loops_under(small_sample, Structure(frequency=1.0, damping_ratio=0.05)), 2e-4)

@@ -52,8 +52,8 @@ def test_the_ratio_solves_its_equation():
     size = np.array([0.1, 0.7, 1.9])
     for side in Side:
         delay = size * ratio_of_delays(size, side)
-        left = size**2 * (1.0 - side.sign * delay / 2.0) * (1.0 - side.sign * delay / 4.0)
-        assert left == pytest.approx(delay**2, rel=1e-12)
+        left_side = size**2 * (1.0 - side.sign * delay / 2.0) * (1.0 - side.sign * delay / 4.0)
+        assert left_side == pytest.approx(delay**2, rel=1e-12)
 
 
 def test_no_boundary_has_no_multiple():
@@ -64,19 +64,19 @@ STEP = 0.01
 
 
 @pytest.mark.parametrize(("f", "xi", "share"), [(1.0, 0.05, 1.0), (2.0, 0.02, 0.5), (0.5, 0.1, 1.0)])
-def test_ratio_is_that_of_the_ellipses_of_both_records(f, xi, share):
+def test_ratio_is_of_the_ellipses_of_both_records(f, xi, share):
     """The ellipse of the first seconds as a record of its own, from its spectrum, over that of the whole."""
     rng = np.random.default_rng(4)
     t = np.arange(0.0, 40.0, STEP)
     record = rng.normal(size=t.size) * np.exp(-(((t - 12.0) / 6.0) ** 2))
     structure = Structure(frequency=f, damping_ratio=xi, experimental_fraction=share)
-    whole, cut = (
+    complete, cut = (
         first_order_ellipse(Excitation(acceleration=part, time_step=STEP), structure)
         for part in (record, record[: round(20.0 / STEP) + 1])
     )
     response = exact_response(record, STEP, structure)
     (ratios,) = ratios_of_cut_record(response, STEP, structure, 0.0, (20.0,))
-    assert ratios == pytest.approx([cut.amplitude / whole.amplitude, cut.delay / whole.delay], rel=0.01)
+    assert ratios == pytest.approx([cut.amplitude / complete.amplitude, cut.delay / complete.delay], rel=0.01)
 
 
 def test_quiet_time_before_the_onset_is_cut_first():

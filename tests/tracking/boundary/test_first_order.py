@@ -30,9 +30,9 @@ def intercepts(excitation, structure, threshold):
         cells = loop.cells(gain=np.array([gain]), delay=np.array([delay]))
         return float(relative_error(loop.deviation(cells), Metric.RMS)[0]) - threshold
 
-    found = [brentq(lambda e, sign=sign: excess(1.0 + sign * e, 0.0), 1e-6, 0.05) for sign in (1.0, -1.0)]
+    result = [brentq(lambda e, sign=sign: excess(1.0 + sign * e, 0.0), 1e-6, 0.05) for sign in (1.0, -1.0)]
     delay = brentq(lambda d: excess(1.0, d), 1e-7, 0.01)
-    return found[0] * found[1], (1e3 * delay) ** 2
+    return result[0] * result[1], (1e3 * delay) ** 2
 
 
 @pytest.mark.default_cases(4)
@@ -47,14 +47,14 @@ def test_small_errors_are_those_of_the_loop(excitation, frequency, damping_ratio
     assert found_b == pytest.approx(b, rel=3e-2)  # one-sided: the delay's second order stays
 
 
-def test_what_is_left_out_falls_with_the_error(excitation):
+def test_neglected_part_falls_with_the_error(excitation):
     structure = Structure(frequency=1.0, damping_ratio=0.02)
     ellipse = first_order_ellipse(excitation, structure)
-    strayed = [
+    differences = [
         abs(ellipse.parameters(threshold)[1] / intercepts(excitation, structure, threshold)[1] - 1.0)
         for threshold in (4e-3, 1e-3)
     ]
-    assert strayed[1] < 0.5 * strayed[0]
+    assert differences[1] < 0.5 * differences[0]
 
 
 def test_parameters_grow_with_the_square_of_the_error(excitation):
@@ -63,15 +63,15 @@ def test_parameters_grow_with_the_square_of_the_error(excitation):
 
 
 @pytest.mark.parametrize("fraction", [1.0, 0.4])
-def test_a_response_tells_the_ellipse_that_the_record_tells(excitation, fraction):
+def test_response_and_record_give_the_same_ellipse(excitation, fraction):
     """In the time domain from the response, and from the spectrum of the record."""
     structure = Structure(frequency=1.0, damping_ratio=0.05, experimental_fraction=fraction)
     w0, xi = structure.circular_frequency, structure.damping_ratio
     response, step = respond(excitation, lambda s: 1.0 / (s**2 + 2.0 * xi * w0 * s + w0**2))
-    from_record = first_order_ellipse(excitation, structure)
-    from_response = ellipse_of_response(response, step, structure)
+    record_ellipse = first_order_ellipse(excitation, structure)
+    response_ellipse = ellipse_of_response(response, step, structure)
     for name in ("amplitude", "delay", "effective_duration", "duration"):
-        assert getattr(from_response, name) == pytest.approx(getattr(from_record, name), rel=2e-3)
+        assert getattr(response_ellipse, name) == pytest.approx(getattr(record_ellipse, name), rel=2e-3)
 
 
 def test_free_vibration_after_a_pulse_has_half_of_its_energy_in_the_error():

@@ -21,37 +21,37 @@ def nishi_akashi(real_motions_folder):
     return Loop(excitation=excitation, structure=Structure(frequency=1.0, damping_ratio=0.02))
 
 
-@pytest.mark.parametrize(("metric", "published"), [(Metric.RMS, 0.042), (Metric.MTE, 0.092)])
-def test_one_percent_of_amplitude_error_on_nishi_akashi(nishi_akashi, metric, published):
-    found = nishi_akashi.deviation(nishi_akashi.cells(gain=0.99, delay=0.0))
-    assert relative_error(found, metric)[0] == pytest.approx(published, rel=0.02)
+@pytest.mark.parametrize(("metric", "printed_values"), [(Metric.RMS, 0.042), (Metric.MTE, 0.092)])
+def test_one_percent_of_amplitude_error_on_nishi_akashi(nishi_akashi, metric, printed_values):
+    result = nishi_akashi.deviation(nishi_akashi.cells(gain=0.99, delay=0.0))
+    assert relative_error(result, metric)[0] == pytest.approx(printed_values, rel=0.02)
 
 
 def test_histories_and_sums_give_the_same_error(nishi_akashi):
     structure, excitation = nishi_akashi.structure, nishi_akashi.excitation
-    measured, _ = spectral.response(excitation, structure, 1.01, 0.002)
+    reading, _ = spectral.response(excitation, structure, 1.01, 0.002)
     ideal, _ = spectral.response(excitation, structure, 1.0, 0.0)
-    found = nishi_akashi.deviation(nishi_akashi.cells(gain=1.01, delay=0.002))
+    result = nishi_akashi.deviation(nishi_akashi.cells(gain=1.01, delay=0.002))
     for metric in Metric:
-        assert response_error(measured, ideal, metric) == pytest.approx(
-            relative_error(found, metric)[0], rel=1e-3
+        assert response_error(reading, ideal, metric) == pytest.approx(
+            relative_error(result, metric)[0], rel=1e-3
         )
 
 
 def test_maximum_error_is_never_below_the_root_mean_square(nishi_akashi):
     rng = np.random.default_rng(0)
     cells = nishi_akashi.cells(gain=rng.uniform(0.97, 1.03, 64), delay=rng.uniform(0.0, 0.005, 64))
-    found = nishi_akashi.deviation(cells)
-    assert (relative_error(found, Metric.MTE) >= relative_error(found, Metric.RMS)).all()
+    result = nishi_akashi.deviation(cells)
+    assert (relative_error(result, Metric.MTE) >= relative_error(result, Metric.RMS)).all()
 
 
-def test_ground_that_does_not_move_has_no_relative_error():
+def test_still_ground_has_no_relative_error():
     with pytest.raises(InputError, match="zero"):
         response_error(np.zeros(10), np.zeros(10))
 
 
 @pytest.mark.parametrize("text", ["", "whole", "-3", "0", "nan", "inf"])
-def test_window_that_is_none(text):
+def test_invalid_window_is_refused(text):
     with pytest.raises(InputError, match="window"):
         Window.parse(text)
 
@@ -59,8 +59,8 @@ def test_window_that_is_none(text):
 def test_arias_window_holds_nine_tenths_of_the_intensity():
     record = np.sin(np.linspace(0.0, 60.0, 5001)) * np.exp(-(np.linspace(-3.0, 3.0, 5001) ** 2))
     begin, end = Window.parse("arias").bounds(record, 0.01)
-    inside = slice(int(begin / 0.01), int(end / 0.01))
-    assert np.sum(record[inside] ** 2) / np.sum(record**2) == pytest.approx(0.9, abs=5e-3)
+    is_inside = slice(int(begin / 0.01), int(end / 0.01))
+    assert np.sum(record[is_inside] ** 2) / np.sum(record**2) == pytest.approx(0.9, abs=5e-3)
 
 
 def test_shorter_record_than_the_window_is_taken_whole():
@@ -69,9 +69,9 @@ def test_shorter_record_than_the_window_is_taken_whole():
 
 def test_errors_are_shares_of_the_peak_of_the_exact_response():
     """Deviations of 0, 3 and 0 mm beside a peak of 6 mm; the trapezoidal rule halves the ends."""
-    ideal, measured = np.array([0.0, 6e-3, 0.0]), np.array([0.0, 9e-3, 0.0])
-    assert response_error(measured, ideal, Metric.MTE) == pytest.approx(0.5)
-    assert response_error(measured, ideal) == pytest.approx(0.5 * np.sqrt(0.5))
+    ideal, reading = np.array([0.0, 6e-3, 0.0]), np.array([0.0, 9e-3, 0.0])
+    assert response_error(reading, ideal, Metric.MTE) == pytest.approx(0.5)
+    assert response_error(reading, ideal) == pytest.approx(0.5 * np.sqrt(0.5))
 
 
 @pytest.mark.parametrize(("text", "end"), [("record", 10.0), ("2.5", 2.5), ("40", 10.0)])

@@ -27,9 +27,9 @@ def lognormal_ellipses(events: int, motions: int, seed: int, share: float = 0.3)
     """Ellipses whose logarithms are normal, part of the variance lying between earthquakes."""
     rng = np.random.default_rng(seed)
     covariance = np.array([[1.0, 0.9], [0.9, 1.0]])
-    between = rng.multivariate_normal(np.zeros(2), share * covariance, events)
-    within = rng.multivariate_normal(np.zeros(2), (1 - share) * covariance, events * motions)
-    deviation = 0.5 * (np.repeat(between, motions, axis=0) + within)
+    event_variance = rng.multivariate_normal(np.zeros(2), share * covariance, events)
+    motion_variance = rng.multivariate_normal(np.zeros(2), (1 - share) * covariance, events * motions)
+    deviation = 0.5 * (np.repeat(event_variance, motions, axis=0) + motion_variance)
     shape = (events * motions, *(1,) * (len(ELLIPSE_DIMENSIONS) - 1))
     return xr.Dataset(
         {
@@ -50,10 +50,10 @@ def lognormal_ellipses(events: int, motions: int, seed: int, share: float = 0.3)
 
 
 QUANTILE = DerivedCandidate(name="plug-in, each", method=method_of("quantile"), joint=False)
-RECOMMENDED = DerivedCandidate(name="recommended", method=method_of("dirichlet"))
+RECOMMENDED_CANDIDATE = DerivedCandidate(name="recommended", method=method_of("dirichlet"))
 
 
-def judged(ellipses, folds, candidates=(QUANTILE,), **options):
+def validate(ellipses, folds, candidates=(QUANTILE,), **options):
     return cross_validate(ellipses, folds, candidates, scheme="test", **options)
 
 
@@ -72,21 +72,21 @@ def test_no_earthquake_is_learned_from_and_judged(folds):
 def test_each_motion_is_judged_once_when_earthquakes_are_left_out():
     ellipses = lognormal_ellipses(30, 2, 1)
     for folds in (leave_one_event_out(ellipses["event"].values), k_fold(ellipses["event"].values, 3)):
-        found = judged(ellipses, folds, confidences=(0.8,))
-        assert (found.counts["judged"].sel(side="lag").values == 1).all()
-        assert not found.judges(Side.LEAD)
+        result = validate(ellipses, folds, confidences=(0.8,))
+        assert (result.counts["judged"].sel(side="lag").values == 1).all()
+        assert not result.judges(Side.LEAD)
 
 
 @pytest.mark.slow
 def test_containment_of_a_large_suite_is_nominal():
     ellipses = lognormal_ellipses(400, 2, 2)
-    found = judged(
-        ellipses, k_fold(ellipses["event"].values, 5), (RECOMMENDED,), confidences=(0.8, 0.9, 0.95)
+    result = validate(
+        ellipses, k_fold(ellipses["event"].values, 5), (RECOMMENDED_CANDIDATE,), confidences=(0.8, 0.9, 0.95)
     ).containment()
     for confidence in (0.8, 0.9, 0.95):
-        at = found.sel(candidate="recommended", confidence=confidence)
-        assert float(at["rate"]) == pytest.approx(confidence, abs=0.02)
-        assert float(at["low"]) < confidence < float(at["high"])
+        selection = result.sel(candidate="recommended", confidence=confidence)
+        assert float(selection["rate"]) == pytest.approx(confidence, abs=0.02)
+        assert float(selection["low"]) < confidence < float(selection["high"])
 
 
 def test_criterion_without_limits_is_never_contained_and_one_of_zero_always():
@@ -95,45 +95,48 @@ def test_criterion_without_limits_is_never_contained_and_one_of_zero_always():
         PrintedCandidate(name=name, law=Table.fit([1.0], [0.02], [[limit]], [[limit]]))
         for name, limit in (("none", 1e9), ("all", 1e-12))
     )
-    found = judged(
+    result = validate(
         ellipses, leave_one_event_out(ellipses["event"].values), (wide, narrow), confidences=(0.95,)
     )
-    assert found.containment()["rate"].sel(candidate="none").item() == 0.0
-    assert found.containment()["rate"].sel(candidate="all").item() == 1.0
-    assert found.accepted_share()["rate"].sel(candidate="none").item() == 1.0
-    assert found.accepted_share()["rate"].sel(candidate="all").item() == 0.0
+    assert result.containment()["rate"].sel(candidate="none").item() == 0.0
+    assert result.containment()["rate"].sel(candidate="all").item() == 1.0
+    assert result.accepted_share()["rate"].sel(candidate="none").item() == 1.0
+    assert result.accepted_share()["rate"].sel(candidate="all").item() == 0.0
 
 
 def test_wider_criterion_accepts_more_and_is_wrong_more_often():
     ellipses = lognormal_ellipses(40, 2, 4)
-    found = judged(
-        ellipses, k_fold(ellipses["event"].values, 5), (RECOMMENDED,), confidences=(0.5, 0.8, 0.95, 0.99)
+    result = validate(
+        ellipses,
+        k_fold(ellipses["event"].values, 5),
+        (RECOMMENDED_CANDIDATE,),
+        confidences=(0.5, 0.8, 0.95, 0.99),
     )
-    assert (np.diff(found.accepted_share()["rate"].values.ravel()) < 0).all()
-    assert (np.diff(found.false_safe()["rate"].values.ravel()) <= 0).all()
+    assert (np.diff(result.accepted_share()["rate"].values.ravel()) < 0).all()
+    assert (np.diff(result.false_safe()["rate"].values.ravel()) <= 0).all()
 
 
 def test_rates_agree_with_counting_by_hand():
     ellipses = lognormal_ellipses(30, 2, 5)
     fold = Fold(name="one", learned=np.arange(60) < 50, judged=np.arange(60) >= 50)
-    found = judged(ellipses, [fold], confidences=(0.9,))
+    result = validate(ellipses, [fold], confidences=(0.9,))
     sample = ellipses.isel(motion=fold.learned).squeeze()
     limits = [
         np.exp(np.mean(np.log(v)) + np.std(np.log(v)) * -1.2815515655446004)
         for v in (sample["a"].values, sample["b"].values)
     ]
-    own = ellipses.isel(motion=fold.judged).squeeze()
-    expected = ((own["a"] >= limits[0]) & (own["b"] >= limits[1])).mean()
-    assert found.containment()["rate"].item() == pytest.approx(float(expected))
+    original = ellipses.isel(motion=fold.judged).squeeze()
+    expected = ((original["a"] >= limits[0]) & (original["b"] >= limits[1])).mean()
+    assert result.containment()["rate"].item() == pytest.approx(float(expected))
 
 
 def test_bootstrap_interval_is_wider_when_motions_of_an_earthquake_are_alike():
     rng = np.random.default_rng(6)
-    alike = np.repeat(rng.random(20) < 0.8, 5).astype(float)
-    apart = (rng.random(100) < 0.8).astype(float)
+    is_equal = np.repeat(rng.random(20) < 0.8, 5).astype(float)
+    separate = (rng.random(100) < 0.8).astype(float)
     events = np.repeat(np.arange(20), 5).astype(str)
     widths = []
-    for values in (alike, apart):
+    for values in (is_equal, separate):
         low, high = event_bootstrap(values, np.ones(100), events)
         widths.append(float(high - low))
     assert widths[0] > 1.5 * widths[1]
@@ -142,13 +145,13 @@ def test_bootstrap_interval_is_wider_when_motions_of_an_earthquake_are_alike():
 @pytest.mark.slow
 def test_bootstrap_interval_covers_the_rate():
     rng = np.random.default_rng(7)
-    covered = 0
+    coverage = 0
     for seed in range(200):
         rate = rng.beta(8.0, 2.0, 60)
         values = (rng.random((60, 2)) < rate[:, np.newaxis]).ravel().astype(float)
         low, high = event_bootstrap(values, np.ones(120), np.repeat(np.arange(60), 2).astype(str), seed=seed)
-        covered += low <= 0.8 <= high
-    assert 0.90 <= covered / 200 <= 0.99
+        coverage += low <= 0.8 <= high
+    assert 0.90 <= coverage / 200 <= 0.99
 
 
 def test_too_few_earthquakes_are_refused():
@@ -157,13 +160,13 @@ def test_too_few_earthquakes_are_refused():
 
 
 def test_learning_from_another_suite_judges_all_of_this_one():
-    ellipses, other = lognormal_ellipses(10, 2, 8), lognormal_ellipses(300, 2, 9)
+    ellipses, second = lognormal_ellipses(10, 2, 8), lognormal_ellipses(300, 2, 9)
     everything = Fold(name="all", learned=np.ones(600, dtype=bool), judged=np.ones(20, dtype=bool))
-    found = judged(ellipses, [everything], learn_from=other, confidences=(0.9,))
-    assert 0.6 < found.containment()["rate"].item() <= 1.0
+    result = validate(ellipses, [everything], learn_from=second, confidences=(0.9,))
+    assert 0.6 < result.containment()["rate"].item() <= 1.0
 
 
-def test_an_earthquake_that_both_suites_hold_is_not_learned_from():
+def test_shared_earthquake_is_not_learned_from():
     folds = list(from_another(["K", None, "K", None], np.array(["K", "", "K", "M"])))
     assert [fold.name for fold in folds] == ["other earthquakes", "K"]
     np.testing.assert_array_equal(folds[0].learned, [True, True, True, True])
@@ -172,42 +175,42 @@ def test_an_earthquake_that_both_suites_hold_is_not_learned_from():
     np.testing.assert_array_equal(folds[1].judged, [True, False, True, False])
 
 
-def test_what_the_motions_do_not_carry_is_neither_contained_nor_judged():
+def test_unsupported_confidence_is_not_judged():
     ellipses = lognormal_ellipses(30, 2, 12)
     silent = PrintedCandidate(
         name="no promise", law=Table.fit([1.0], [0.02], [[0.0]], [[0.0]]), confidence=0.8
     )
-    found = judged(
+    result = validate(
         ellipses, leave_one_event_out(ellipses["event"].values), (silent, QUANTILE), confidences=(0.8,)
     )
-    assert found.counts["judged"].sel(candidate="no promise").sum() == 0
-    assert set(tabulate(found)["candidate"]) == {"plug-in, each"}
+    assert result.counts["judged"].sel(candidate="no promise").sum() == 0
+    assert set(tabulate(result)["candidate"]) == {"plug-in, each"}
 
 
-def test_law_is_judged_at_the_structure_that_it_did_not_see():
-    one = lognormal_ellipses(20, 2, 10)
-    ellipses = xr.concat([one.assign_coords(f=[f]) for f in (0.5, 1.0, 2.0)], dim="f")
+def test_law_is_judged_at_the_unseen_structure():
+    single = lognormal_ellipses(20, 2, 10)
+    ellipses = xr.concat([single.assign_coords(f=[f]) for f in (0.5, 1.0, 2.0)], dim="f")
     ellipses = ellipses.assign(b=ellipses["b"] / ellipses["f"] ** 2)
     law = DerivedCandidate(name="law", method=method_of("quantile"), law=Dimensionless)
     folds = leave_structures_out(k_fold(ellipses["event"].values, 2), "f", [0.5, 1.0, 2.0])
-    found = judged(ellipses.transpose(*ELLIPSE_DIMENSIONS), folds, (law,), confidences=(0.9,))
-    judged_at = found.counts["judged"].sel(side="lag").sum("motion").squeeze().values
+    result = validate(ellipses.transpose(*ELLIPSE_DIMENSIONS), folds, (law,), confidences=(0.9,))
+    judged_at = result.counts["judged"].sel(side="lag").sum("motion").squeeze().values
     np.testing.assert_array_equal(judged_at, [0, 40, 0])  # a law refuses to extrapolate
-    assert found.containment()["rate"].item() == pytest.approx(0.9, abs=0.12)
+    assert result.containment()["rate"].item() == pytest.approx(0.9, abs=0.12)
 
 
 def test_confusion_matrix_adds_up_to_the_trials():
     ellipses = lognormal_ellipses(30, 2, 11)
-    found = judged(ellipses, leave_one_event_out(ellipses["event"].values), confidences=(0.9,), trials=128)
-    matrix = found.confusion().squeeze()
+    result = validate(ellipses, leave_one_event_out(ellipses["event"].values), confidences=(0.9,), trials=128)
+    matrix = result.confusion().squeeze()
     assert sum(int(matrix[name]) for name in matrix) == 60 * 128
-    accepted = int(matrix["good_accepted"]) + int(matrix["bad_accepted"])
-    assert int(matrix["bad_accepted"]) / accepted == pytest.approx(found.false_safe()["rate"].item())
+    is_accepted = int(matrix["good_accepted"]) + int(matrix["bad_accepted"])
+    assert int(matrix["bad_accepted"]) / is_accepted == pytest.approx(result.false_safe()["rate"].item())
     good = int(matrix["good_accepted"]) + int(matrix["good_rejected"])
-    assert int(matrix["good_accepted"]) / good == pytest.approx(found.accepted_share()["rate"].item())
+    assert int(matrix["good_accepted"]) / good == pytest.approx(result.accepted_share()["rate"].item())
 
 
-def test_transfer_learns_from_no_earthquake_that_it_judges():
+def test_transfer_never_learns_from_judged_earthquakes():
     sets = np.array(["far", "near", "far", "near", "far", "far"])
     events = np.array(["K", "K", "L", "M", "N", "N"])
     folds = list(transfer(sets, events, learned=["far"], judged=["near"]))

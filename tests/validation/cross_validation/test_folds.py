@@ -20,8 +20,8 @@ def test_whole_groups_are_left_out_and_no_earthquake_is_on_both_sides(scheme):
             classes = np.digitize(lengths, [25.0, 40.0, 60.0])
             assert not set(classes[fold.learned]) & set(classes[fold.judged])
     else:
-        judged = {frozenset(events[fold.judged].tolist()) for fold in folds}
-        assert len(judged) == len(folds)
+        verdict = {frozenset(events[fold.judged].tolist()) for fold in folds}
+        assert len(verdict) == len(folds)
 
 
 def test_california_is_left_out_whole():
@@ -31,7 +31,7 @@ def test_california_is_left_out_whole():
 
 
 @pytest.mark.parametrize(("scheme", "events"), [("region", ["A", "B"]), ("length", ["KOBE", "LOMAP"])])
-def test_groups_that_are_not_known_are_refused(scheme, events):
+def test_unknown_groups_are_refused(scheme, events):
     with pytest.raises(InputError, match=scheme):
         folds_of(scheme, np.array(events))
 
@@ -40,6 +40,6 @@ def test_groups_that_are_not_known_are_refused(scheme, events):
     ("sets", "remedy"),
     [(["", ""], "State sets in the column set of a catalogue"), (["b", "c"], "Choose among b, c")],
 )
-def test_a_set_that_is_unknown_is_refused_with_those_that_are_there(sets, remedy):
+def test_unknown_set_is_refused_with_the_choices(sets, remedy):
     with pytest.raises(InputError, match=f"found a. {remedy}"):
         list(transfer(np.array(sets), np.array(["x", "y"]), learned=["a"], judged=["b"]))

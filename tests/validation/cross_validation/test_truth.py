@@ -37,7 +37,7 @@ def ellipses(both_sides):
 
 
 @pytest.fixture(scope="module")
-def stored(tmp_path_factory):
+def results_path(tmp_path_factory):
     path = tmp_path_factory.mktemp("truth") / "results.zarr"
     return simulate(synthetic_suite(count=6)[:2], out=path, f=[1.0], xi=[0.02])
 
@@ -60,46 +60,50 @@ def test_edge_is_the_ellipse_and_closes_on_the_axis_of_no_delay():
     np.testing.assert_array_equal(early.edge().delay, -edge.delay)
 
 
-def test_simulated_and_stored_truth_agree_with_the_spectral_engine(motions, stored):
+def test_simulated_and_stored_truth_agree_with_the_spectral_engine(motions, results_path):
     region = Region(a=1e-4, b=2.0)
     edge = region.edge()
     for number, motion in enumerate(motions[:2]):
         exact = spectral_error(motion, region) / 0.05
-        for truth in (SimulatedTruth(motions=motions), StoredTruth(stored)):
+        for truth in (SimulatedTruth(motions=motions), StoredTruth(results_path)):
             np.testing.assert_allclose(truth.errors(CELL, number, edge.gain, edge.delay), exact, rtol=2e-3)
 
 
-def test_what_the_store_does_not_hold_is_not_known(stored):
-    errors = StoredTruth(stored).errors(CELL, 0, np.array([1.0, 1.0]), np.array([0.001, 0.5]))
+def test_values_outside_the_store_are_unknown(results_path):
+    errors = StoredTruth(results_path).errors(CELL, 0, np.array([1.0, 1.0]), np.array([0.001, 0.5]))
     assert np.isfinite(errors).tolist() == [True, False]
 
 
 def test_ellipses_judge_the_actuators_of_their_own_side(both_sides):
-    fitted = both_sides.sel(curve=["ellipse"])
+    fit = both_sides.sel(curve=["ellipse"])
     delay = np.array([0.001, -0.001])
-    found = EllipseTruth(fitted).errors(CELL, 2, np.ones(2), delay)
-    b = [float(fitted["b"].sel(side=side).squeeze()[2]) for side in ("lag", "lead")]
+    result = EllipseTruth(fit).errors(CELL, 2, np.ones(2), delay)
+    b = [float(fit["b"].sel(side=side).squeeze()[2]) for side in ("lag", "lead")]
     assert abs(b[1] / b[0] - 1.0) > 0.1
-    np.testing.assert_allclose(found, 1.0 / np.sqrt(b))
+    np.testing.assert_allclose(result, 1.0 / np.sqrt(b))
 
 
 def test_window_changes_the_truth(motions):
     edge = Region(a=1e-4, b=2.0).edge()
-    whole, strong = (
+    complete, strong = (
         SimulatedTruth(motions=motions, window=Window.parse(text)).errors(CELL, 0, edge.gain, edge.delay)
         for text in ("record", "arias")
     )
-    assert (strong[1:-1] > whole[1:-1]).all()
+    assert (strong[1:-1] > complete[1:-1]).all()
 
 
-def test_a_motion_whose_ellipse_flatters_it_does_not_contain_the_criterion(motions, ellipses):
-    own = [float(ellipses[name].min()) for name in ("a", "b")]
-    law = Table.fit([1.0], [0.02], [[0.98 * own[0]]], [[0.98 * own[1]]])
-    flattered = ellipses.assign(a=1e3 * ellipses["a"], b=1e3 * ellipses["b"])
+def test_flattering_ellipse_does_not_contain_the_criterion(motions, ellipses):
+    original = [float(ellipses[name].min()) for name in ("a", "b")]
+    law = Table.fit([1.0], [0.02], [[0.98 * original[0]]], [[0.98 * original[1]]])
+    flattering = ellipses.assign(a=1e3 * ellipses["a"], b=1e3 * ellipses["b"])
     validation = cross_validate(
-        flattered,
+        flattering,
         leave_one_event_out(ellipses["event"].values),
-        [PrintedCandidate(name="printed", law=law.fit([1.0], [0.02], [[100 * own[0]]], [[100 * own[1]]]))],
+        [
+            PrintedCandidate(
+                name="printed", law=law.fit([1.0], [0.02], [[100 * original[0]]], [[100 * original[1]]])
+            )
+        ],
         scheme="test",
         confidences=(0.95,),
         truth=SimulatedTruth(motions=motions),
@@ -130,7 +134,7 @@ def test_motions_without_an_ellipse_are_judged_by_their_errors_only(motions, ell
     unknown = ellipses.copy(deep=True)
     unknown["a"][0] = -1.0
     law = Table.fit([1.0], [0.02], [[1e-6]], [[0.01]])
-    for truth, judged in ((SimulatedTruth(motions=motions), 6), (EllipseTruth(unknown), 5)):
+    for truth, verdict in ((SimulatedTruth(motions=motions), 6), (EllipseTruth(unknown), 5)):
         counts = cross_validate(
             unknown,
             leave_one_event_out(ellipses["event"].values),
@@ -140,18 +144,18 @@ def test_motions_without_an_ellipse_are_judged_by_their_errors_only(motions, ell
             truth=truth,
             trials=64,
         ).counts.sum()
-        assert int(counts["judged"]) == judged
+        assert int(counts["judged"]) == verdict
         assert int(counts["fitted"]) == 5
         assert int(counts["judged"] + counts["unresolved"]) == 6
 
 
 def test_leads_are_judged_by_their_own_limits_and_errors(motions, both_sides):
-    own = {
+    original = {
         side: [0.999 * float(both_sides[name].sel(side=side, curve="inscribed").min()) for name in ("a", "b")]
         for side in ("lag", "lead")
     }
-    assert own["lead"][1] > 1.1 * own["lag"][1]
-    laws = {side: Table.fit([1.0], [0.02], [[a]], [[b]]) for side, (a, b) in own.items()}
+    assert original["lead"][1] > 1.1 * original["lag"][1]
+    laws = {side: Table.fit([1.0], [0.02], [[a]], [[b]]) for side, (a, b) in original.items()}
     candidates = [
         PrintedCandidate(name="each side", law=laws["lag"], lead_law=laws["lead"]),
         PrintedCandidate(name="lag limits of leads", law=laws["lead"], lead_law=laws["lead"]),
@@ -170,12 +174,12 @@ def test_leads_are_judged_by_their_own_limits_and_errors(motions, both_sides):
     assert lag[1] < 1.0
 
 
-def test_a_threshold_that_an_actuator_at_rest_keeps_is_refused(motions, both_sides):
-    at_rest = both_sides.assign(error_at_rest=0.1 * both_sides["error_at_rest"])
+def test_threshold_kept_at_rest_is_refused(motions, both_sides):
+    rest_error = both_sides.assign(error_at_rest=0.1 * both_sides["error_at_rest"])
     law = Table.fit([1.0], [0.02], [[1e-6]], [[0.01]])
     with pytest.raises(InputError, match="does not move"):
         cross_validate(
-            at_rest,
+            rest_error,
             leave_one_event_out(both_sides["event"].values),
             [PrintedCandidate(name="printed", law=law)],
             scheme="test",
@@ -186,10 +190,10 @@ def test_a_threshold_that_an_actuator_at_rest_keeps_is_refused(motions, both_sid
 
 
 def test_a_law_of_the_paper_counts_leads_as_lags_and_other_laws_say_nothing_of_them():
-    silent, printed = (
+    silent, output = (
         PrintedCandidate(name="law", law=law).learn(None, 0.05, "rms", [0.95])[0.95].regions(CELL)
         for law in (Table.fit([1.0], [0.02], [[1e-4]], [[1.0]]), MANY_MOTION_LAWS["guo_2017_18"])
     )
     assert [region.side for region in silent] == [Side.LAG]
-    assert [region.side for region in printed] == [Side.LAG, Side.LEAD]
-    assert printed[0].b == printed[1].b
+    assert [region.side for region in output] == [Side.LAG, Side.LEAD]
+    assert output[0].b == output[1].b

@@ -11,11 +11,11 @@ from reliab.criterion.methods.hierarchical.fit import both_below
 @pytest.mark.parametrize(
     ("first", "second"), [(0.0, 0.0), (0.0, -1.2), (1.3, 0.0), (-2.0, 1.0), (-3.0, -2.5), (0.7, 0.9)]
 )
-def test_probability_is_that_of_integration(first, second, correlation):
-    integrated = scipy.stats.multivariate_normal.cdf(
+def test_probability_equals_integration(first, second, correlation):
+    integral = scipy.stats.multivariate_normal.cdf(
         [first, second], cov=[[1.0, correlation], [correlation, 1.0]], abseps=1e-12, releps=1e-12
     )
-    assert both_below(first, second, correlation) == pytest.approx(integrated, abs=1e-9)
+    assert both_below(first, second, correlation) == pytest.approx(integral, abs=1e-9)
 
 
 def test_limits_far_out():

@@ -20,13 +20,13 @@ def model(*, robust, frequencies=(0.5, 1.0, 2.0), damping_ratios=(0.02, 0.05, 0.
     )
 
 
-def parameters(of):
+def parameters(model):
     """Two vectors: the prior's means, and one with other spreads, correlations and heavy tails."""
-    means = np.array([parameter.mean for parameter in of.parameters])
-    other = means + np.linspace(-0.6, 0.6, means.size)
-    if of.robust:
-        other[-1] = np.log(2.5)
-    return np.stack([means, other])
+    means = np.array([parameter.mean for parameter in model.parameters])
+    second = means + np.linspace(-0.6, 0.6, means.size)
+    if model.robust:
+        second[-1] = np.log(2.5)
+    return np.stack([means, second])
 
 
 @pytest.mark.slow
@@ -34,19 +34,19 @@ def parameters(of):
 @pytest.mark.parametrize("robust", [False, True])
 @pytest.mark.parametrize("joint", [False, True])
 def test_the_stated_share_of_drawn_motions_exceeds_the_depth(robust, joint):
-    of = model(robust=robust)
-    theta = parameters(of)
+    hierarchy = model(robust=robust)
+    theta = parameters(hierarchy)
     scatter = Scatter(centre=np.full((3, 3, 2), [-0.8, -1.1]), spread=np.full((3, 3, 2), [0.7, 0.5]))
-    depth = FurtherMotions.from_draws(of, theta).depth(0.95, scatter, joint=joint)
-    drawn = of.draw_motions(theta, np.arange(MOTIONS), np.random.default_rng(3))
-    above = scatter.standard(drawn) >= depth[:, None]
-    share = above.all(axis=-1) if joint else above
+    depth = FurtherMotions.from_draws(hierarchy, theta).depth(0.95, scatter, joint=joint)
+    samples = hierarchy.draw_motions(theta, np.arange(MOTIONS), np.random.default_rng(3))
+    upper = scatter.standard(samples) >= depth[:, None]
+    share = upper.all(axis=-1) if joint else upper
     np.testing.assert_allclose(share.mean(axis=1), 0.95, atol=4.5 * np.sqrt(0.95 * 0.05 / MOTIONS))
 
 
 def test_one_structure_without_slopes():
-    of = model(robust=False, frequencies=(1.0,), damping_ratios=(0.02,))
-    theta = parameters(of)[:1]
+    hierarchy = model(robust=False, frequencies=(1.0,), damping_ratios=(0.02,))
+    theta = parameters(hierarchy)[:1]
     scatter = Scatter(centre=np.zeros((1, 1, 2)), spread=np.ones((1, 1, 2)))
-    depth = FurtherMotions.from_draws(of, theta).depth(0.5, scatter, joint=False)
-    np.testing.assert_allclose(depth, of.coefficients(theta)[:, None], atol=1e-9)
+    depth = FurtherMotions.from_draws(hierarchy, theta).depth(0.5, scatter, joint=False)
+    np.testing.assert_allclose(depth, hierarchy.coefficients(theta)[:, None], atol=1e-9)

@@ -11,13 +11,13 @@ from reliab.criterion.methods.hierarchical.strata import covariance_of, factor_o
 EVENTS = np.array(["A", "A", "A", "B", "C", "C"])
 
 
-def model_on(along_f, along_xi, *, seed=3, **options):
-    values = np.random.default_rng(seed).normal(-1.0, 0.5, (EVENTS.size, along_f, along_xi, 2))
+def model_on(f_count, xi_count, *, seed=3, **options):
+    values = np.random.default_rng(seed).normal(-1.0, 0.5, (EVENTS.size, f_count, xi_count, 2))
     return Hierarchical(
         values=values,
         events=EVENTS,
-        frequencies=np.linspace(0.5, 2.0, along_f),
-        damping_ratios=np.linspace(0.02, 0.1, along_xi),
+        frequencies=np.linspace(0.5, 2.0, f_count),
+        damping_ratios=np.linspace(0.02, 0.1, xi_count),
         **options,
     )
 
@@ -29,33 +29,33 @@ def matrix(covariance):
 
 def dense_log_density(model, theta):
     """The same model, effect by effect, as one large normal distribution."""
-    motions, along_f, along_xi = model.values.shape[:3]
-    eta, same = model.grid.eta, np.eye
+    motions, f_count, xi_count = model.values.shape[:3]
+    eta, identity = model.grid.eta, np.eye
     event = (EVENTS[:, None] == EVENTS[None, :]).astype(float)
-    ones_f, ones_xi, slopes = np.ones((along_f,) * 2), np.ones((along_xi,) * 2), np.outer(eta, eta)
+    ones_f, ones_xi, slopes = np.ones((f_count,) * 2), np.ones((xi_count,) * 2), np.outer(eta, eta)
     patterns = {
         "event": (event, ones_f, ones_xi),
-        "motion": (same(motions), ones_f, ones_xi),
-        "motion, slope in ln ξ": (same(motions), ones_f, slopes),
-        "motion at a frequency": (same(motions), same(along_f), ones_xi),
-        "motion at a frequency, slope in ln ξ": (same(motions), same(along_f), slopes),
-        "remainder": (same(motions), same(along_f), same(along_xi)),
+        "motion": (identity(motions), ones_f, ones_xi),
+        "motion, slope in ln ξ": (identity(motions), ones_f, slopes),
+        "motion at a frequency": (identity(motions), identity(f_count), ones_xi),
+        "motion at a frequency, slope in ln ξ": (identity(motions), identity(f_count), slopes),
+        "remainder": (identity(motions), identity(f_count), identity(xi_count)),
     }
     total = 0.0
     for name, covariance in zip(model.grid.effects, model.covariances(theta[None])[0], strict=True):
-        of_m, of_f, of_xi = patterns[name]
-        total = total + np.kron(np.kron(np.kron(of_m, of_f), of_xi), matrix(covariance))
+        motion_pattern, f_pattern, xi_pattern = patterns[name]
+        total = total + np.kron(np.kron(np.kron(motion_pattern, f_pattern), xi_pattern), matrix(covariance))
     law = np.einsum("tq,fxt->fxq", model.coefficients(theta[None])[0], model.terms)
     mean = np.broadcast_to(law, model.values.shape)
     return stats.multivariate_normal(mean.ravel(), total, allow_singular=True).logpdf(model.values.ravel())
 
 
 @pytest.mark.parametrize("shape", [(3, 4), (1, 1), (2, 1), (1, 3), (3, 2)])
-@pytest.mark.parametrize("curved", [False, True])
-def test_strata_give_the_likelihood_of_the_dense_normal_distribution(shape, curved):
-    model = model_on(*shape, has_curvature=curved)
+@pytest.mark.parametrize("has_curvature", [False, True])
+def test_strata_give_the_likelihood_of_the_dense_normal_distribution(shape, has_curvature):
+    model = model_on(*shape, has_curvature=has_curvature)
     theta = 0.7 * model.draw_prior(4, np.random.default_rng(1))
-    dense = np.array([dense_log_density(model, each) for each in theta])
+    dense = np.array([dense_log_density(model, item) for item in theta])
     difference = model.log_likelihood(theta) - dense
     np.testing.assert_allclose(difference, difference[0], rtol=1e-7)
 
@@ -70,20 +70,24 @@ def test_quadrature_over_event_effects_agrees_with_brute_force(degrees, outlier)
     means = 0.5 * rng.normal(size=(8, 2))
     means[1] += outlier
     means[4] -= outlier
-    between, within, centre = np.array([0.3, 0.25, 0.2]), np.array([0.4, 0.3, 0.3]), np.array([-0.1, 0.2])
-    found = MotionMeans(means=means, groups=groups).robust(
-        centre[None], between[None], within[None], np.array([degrees])
+    event_variance, motion_variance, centre = (
+        np.array([0.3, 0.25, 0.2]),
+        np.array([0.4, 0.3, 0.3]),
+        np.array([-0.1, 0.2]),
+    )
+    result = MotionMeans(means=means, groups=groups).robust(
+        centre[None], event_variance[None], motion_variance[None], np.array([degrees])
     )
     x = np.linspace(-6.0, 6.0, 601)
     effects = np.stack(np.meshgrid(x, x), axis=-1)
     exact = 0.0
     for event in range(3):
-        density = stats.multivariate_normal([0.0, 0.0], matrix(between)).pdf(effects)
+        density = stats.multivariate_normal([0.0, 0.0], matrix(event_variance)).pdf(effects)
         for mean in means[groups == event]:
-            density *= stats.multivariate_t(centre, matrix(within), df=degrees).pdf(mean - effects)
+            density *= stats.multivariate_t(centre, matrix(motion_variance), df=degrees).pdf(mean - effects)
         exact += np.log(density.sum() * (x[1] - x[0]) ** 2)
     # Constants that the likelihood leaves out: 1/2π of each motion's density, with those of the events.
-    assert found[0] - exact == pytest.approx(8 * np.log(2.0 * np.pi) + 3 * np.log(2.0 * np.pi), abs=0.02)
+    assert result[0] - exact == pytest.approx(8 * np.log(2.0 * np.pi) + 3 * np.log(2.0 * np.pi), abs=0.02)
 
 
 def test_many_degrees_of_freedom_are_normal():
@@ -96,14 +100,14 @@ def test_many_degrees_of_freedom_are_normal():
 
 def test_an_outlying_motion_costs_the_robust_model_less():
     normal, robust = model_on(2, 3), model_on(2, 3, robust=True)
-    theta = np.array([each.mean for each in normal.parameters])[None]
+    theta = np.array([parameter.mean for parameter in normal.parameters])[None]
     heavy = np.column_stack([theta, [[np.log(4.0)]]])
 
     def cost(model, vector):
-        moved = model.values.copy()
-        moved[0] += 4.0
-        strayed = Hierarchical(**{**vars_of(model), "values": moved})
-        return (model.log_likelihood(vector) - strayed.log_likelihood(vector))[0]
+        displacement = model.values.copy()
+        displacement[0] += 4.0
+        deviation = Hierarchical(**{**vars_of(model), "values": displacement})
+        return (model.log_likelihood(vector) - deviation.log_likelihood(vector))[0]
 
     assert cost(robust, heavy) < 0.5 * cost(normal, theta)
 
@@ -116,14 +120,14 @@ def vars_of(model):
 @pytest.mark.slow
 def test_simulated_motions_have_the_covariance_of_the_model():
     model = model_on(2, 3)
-    theta = np.array([each.mean for each in model.parameters])
+    theta = np.array([item.mean for item in model.parameters])
     rng = np.random.default_rng(5)
-    drawn = np.stack([model.simulate(theta, rng).values.ravel() for _ in range(6000)])
-    densities = np.array([dense_log_density(model_of(model, each), theta) for each in drawn[:400]])
+    samples = np.stack([model.simulate(theta, rng).values.ravel() for _ in range(6000)])
+    densities = np.array([dense_log_density(model_of(model, item), theta) for item in samples[:400]])
     total = model.values.size
     # −2 ln of a normal density of dimension n about its greatest value has the mean n.
-    at_mean = dense_log_density(model_of(model, drawn.mean(axis=0)), theta)
-    assert 2.0 * (at_mean - densities).mean() == pytest.approx(total, rel=0.05)
+    mean_density = dense_log_density(model_of(model, samples.mean(axis=0)), theta)
+    assert 2.0 * (mean_density - densities).mean() == pytest.approx(total, rel=0.05)
 
 
 def model_of(model, values):
@@ -151,8 +155,8 @@ def test_singular_covariances_have_no_probability_and_spare_the_others(robust):
     model = model_on(2, 3, robust=robust)
     theta = model.draw_prior(6, np.random.default_rng(4))
     sound = model.log_posterior(theta)
-    places = [k for k, each in enumerate(model.parameters) if "Fisher z" in each.name]
+    places = [k for k, parameter in enumerate(model.parameters) if "Fisher z" in parameter.name]
     theta[1, places] = 40.0
-    found = model.log_posterior(theta)
-    assert found[1] == -np.inf
-    np.testing.assert_allclose(np.delete(found, 1), np.delete(sound, 1))
+    result = model.log_posterior(theta)
+    assert result[1] == -np.inf
+    np.testing.assert_allclose(np.delete(result, 1), np.delete(sound, 1))
