@@ -16,7 +16,7 @@ from reliab.core.arrays import Array
 from reliab.core.vocabulary import MILLI, Side
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.experimental_share import growth
-from reliab.criterion.scope import promised_confidence
+from reliab.criterion.scope import confidence_to_promise
 from reliab.structures.structure import Structure, critical_delay
 
 CONFIDENCES = (0.80, 0.90, 0.95, 0.99)
@@ -51,7 +51,7 @@ class Tolerance:
     @property
     def promise(self) -> float | None:
         """Share of the population's ground motions; None where the criterion promises none."""
-        return promised_confidence(self.confidence, self.position, self.promised_from)
+        return confidence_to_promise(self.confidence, self.position, self.promised_from)
 
     @property
     def amplitude_error(self) -> float:

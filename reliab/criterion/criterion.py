@@ -19,7 +19,7 @@ from reliab.criterion.laws.law import Law
 from reliab.criterion.methods.method import validate_share
 from reliab.criterion.population import Population
 from reliab.criterion.provenance import Provenance
-from reliab.criterion.scope import promised_confidence
+from reliab.criterion.scope import confidence_to_promise
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -205,7 +205,7 @@ class Criterion:
 
         None for a case that lies outside of the population, or a share too small to be kept.
         """
-        return promised_confidence(self.confidence, self.provenance.position, self.provenance.promised_from)
+        return confidence_to_promise(self.confidence, self.provenance.position, self.provenance.promised_from)
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Put the limits into a table, at the structures of the law's table, else at 1 Hz and 2 % damping."""

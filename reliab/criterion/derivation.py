@@ -324,7 +324,7 @@ class Derivation:
         return [side.learned.diagnostics for side in self._sides if side.learned.diagnostics is not None]
 
     @property
-    def learned_limits(self) -> list[LearnedLimits]:
+    def side_limits(self) -> list[LearnedLimits]:
         """What was learned of each side, lags first."""
         return [side.learned for side in self._sides]
 
@@ -385,7 +385,7 @@ class Derivation:
                 **settings,
                 **self.lag.learned.settings,
                 "carried_confidence": achievable_confidence,
-                **({"converged": self.converged} if self.diagnostics else {}),
+                **({"converged": self.has_converged} if self.diagnostics else {}),
             },
             warnings=(
                 *(sentence for side in self._sides for sentence in side.learned.warnings),
@@ -395,13 +395,13 @@ class Derivation:
         )
 
     @property
-    def converged(self) -> bool:
+    def has_converged(self) -> bool:
         """Whether every posterior that was sampled can be relied on."""
         return all(bool(side["converged"]) for side in self.diagnostics)
 
     def warn_unless_converged(self) -> None:
         """Warn by a `ConvergenceWarning` if a posterior cannot be relied on."""
-        for side in self.learned_limits:
+        for side in self.side_limits:
             side.warn_unless_converged()
 
 

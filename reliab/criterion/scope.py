@@ -24,16 +24,16 @@ _NAMES = {
 }
 
 
-def promised_confidence(confidence: float, position: str, least: float) -> float | None:
+def confidence_to_promise(confidence: float, position: str, least: float) -> float | None:
     """Tell which share of a population's ground motions a criterion promises.
 
     `confidence`: share that was asked for [-]; `position`: where the case lies among the population, one of
     :class:`Position`; `least`: share from which one can be kept [-]. Returns the share; None outside of the
     population, and for a share below the least.
 
-    >>> promised_confidence(0.95, "inside", 0.8)
+    >>> confidence_to_promise(0.95, "inside", 0.8)
     0.95
-    >>> promised_confidence(0.95, "outside", 0.8), promised_confidence(0.5, "inside", 0.8)
+    >>> confidence_to_promise(0.95, "outside", 0.8), confidence_to_promise(0.5, "inside", 0.8)
     (None, None)
     """
     return None if position == Position.OUTSIDE or confidence < least else confidence

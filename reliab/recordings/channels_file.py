@@ -159,14 +159,14 @@ def read_channels_file(path: str | Path) -> StatedChannels:
             where=str(path),
         )
     return StatedChannels(
-        declarations=declared_parts(tables.channels),
+        declarations=read_declarations(tables.channels),
         rate_hz=tables.sampling.rate_hz,
         calibration=tables.calibration.quantities(),
         filters=tables.filters.texts(),
     )
 
 
-def declared_parts(tables: ChannelTables) -> dict[Part, ChannelDeclaration]:
+def read_declarations(tables: ChannelTables) -> dict[Part, ChannelDeclaration]:
     """Return what tables state of the channels, by part."""
     part_tables = {part: getattr(tables, name) for name, part in _PARTS.items()}
     return {part: table.declaration() for part, table in part_tables.items() if table is not None}

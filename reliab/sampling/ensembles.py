@@ -253,7 +253,7 @@ def draw(
         while True:
             _run(samplers, starts, steps // ensembles.thin, ensembles.thin, save_and_report)
             posterior = _collect_draws(model, samplers, steps // ensembles.thin // 2, ensembles.thin)
-            if 2 * steps > ensembles.longest or posterior.converged:
+            if 2 * steps > ensembles.longest or posterior.has_converged:
                 return posterior
             steps *= 2
 

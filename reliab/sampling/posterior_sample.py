@@ -60,7 +60,7 @@ class Diagnostics:
         return tuple(sentence for wrong, sentence in sentences if wrong)
 
     @property
-    def converged(self) -> bool:
+    def has_converged(self) -> bool:
         """Whether R-hat < 1.01 and both effective sizes > 1,000 for every parameter."""
         return not self.complaints
 
@@ -125,9 +125,9 @@ class PosteriorSample:
         return diagnose(self.draws, self.names, self.thin)
 
     @property
-    def converged(self) -> bool:
+    def has_converged(self) -> bool:
         """Whether the draws can be relied on."""
-        return self.diagnostics.converged
+        return self.diagnostics.has_converged
 
     @property
     def flat(self) -> Array:
@@ -177,6 +177,6 @@ class PosteriorSample:
 
     def warn_unless_converged(self) -> None:
         """Issue a :class:`ConvergenceWarning` with every complaint."""
-        if not self.converged:
+        if not self.has_converged:
             text = " ".join(("THIS POSTERIOR HAS NOT CONVERGED.", *self.diagnostics.complaints))
             warnings.warn(f"{text} Resume the run with more steps.", ConvergenceWarning, stacklevel=3)

@@ -257,7 +257,7 @@ def _derive(
     except InputError as refusal:
         return DerivedCriteria(criteria=(), refusals=(f"{error}: {refusal}",))
     derivation.warn_unless_converged()
-    if not derivation.converged:
+    if not derivation.has_converged:
         return DerivedCriteria(criteria=(), refusals=(f"{error}: its posterior has not converged.",))
     criteria, refusals = [], []
     for confidence in table.confidences:

@@ -22,7 +22,7 @@ def test_components_are_unbiased_for_unequal_earthquakes():
     assert np.mean([item.between for item in result]) == pytest.approx(0.5, rel=0.08)
 
 
-def test_effective_number_is_that_of_the_mean():
+def test_effective_number_is_of_the_mean():
     """Equal earthquakes: n_eff = n / (1 + (m − 1) ρ), the design effect of cluster sampling."""
     values, events = draw_motions(np.random.default_rng(5), [5] * 40, 1.0, 1.0)
     result = event_components(values, events)

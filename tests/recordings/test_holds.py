@@ -59,7 +59,7 @@ def test_values_of_a_clock_without_a_whole_ratio_are_put_where_they_were_made(ra
     assert abs(late) < 0.1 / RATE
 
 
-def test_error_equals_that_without_the_hold():
+def test_hold_leaves_the_error_unchanged():
     plain, slow = (
         reliab.assess(frame(command, MEASURED), f=1.0, xi=0.05).to_dict()
         for command in (COMMAND, hold_values(COMMAND, 8))

@@ -234,7 +234,7 @@ def test_columns_of_a_matrix_in_hdf5_are_named_beside_it(tmp_path, name_columns,
     np.testing.assert_allclose(result.measured, MEASURED, atol=1e-12)
 
 
-def test_a_unit_of_a_whole_matrix_is_that_of_each_column(tmp_path):
+def test_unit_of_a_matrix_applies_to_each_column(tmp_path):
     with h5py.File(tmp_path / "t.h5", "w") as file:
         file["rate"] = RATE
         data = file.create_dataset("samples", data=1e3 * np.array([COMMAND, MEASURED]).T)

@@ -59,7 +59,7 @@ def test_moves_before_and_after_a_test_are_left_out_and_said(shape, noise):
 
 
 @pytest.mark.slow
-def test_error_equals_that_without_the_moves():
+def test_moves_leave_the_error_unchanged():
     remainder = np.zeros(512)
     separate = frame(*(np.concatenate([remainder, history, remainder]) for history in (COMMAND, MEASURED)))
     plain, away = (

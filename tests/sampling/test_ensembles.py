@@ -43,7 +43,7 @@ def test_a_finished_run_is_read_and_not_run_again(tmp_path):
 def test_a_run_goes_on_until_it_has_converged_and_no_further():
     start = Ensembles(steps=40, walkers=16, longest=4000)
     result = sample(MODEL, start)
-    assert result.converged
+    assert result.has_converged
     assert 40 < 2 * result.draws.shape[1] <= 4000
     with pytest.warns(ConvergenceWarning):  # half as long was not enough
         sample(MODEL, Ensembles(steps=result.draws.shape[1], walkers=16))
@@ -176,7 +176,7 @@ def test_ensembles_are_independent_and_reproducible():
 def test_short_run_warns_with_the_reason():
     with pytest.warns(ConvergenceWarning, match=r"NOT CONVERGED.*R-hat.*effective draws"):
         result = sample(MODEL, Ensembles(steps=40, walkers=12))
-    assert not result.converged
+    assert not result.has_converged
     assert any("R-hat" in sentence for sentence in result.diagnostics.complaints)
 
 
@@ -191,7 +191,7 @@ def test_a_long_run_converges_and_reports_its_figures():
     values = np.random.default_rng(2).normal(-1.0, 0.6, 60)
     result = sample(NormalValues(values=values), Ensembles(steps=1600, thin=2, walkers=14))
     table = result.table()
-    assert result.converged
+    assert result.has_converged
     assert (table["r_hat"] < 1.01).all()
     assert (table[["bulk_size", "tail_size"]] > 1000.0).all().all()
     assert table["autocorrelation_time"].between(1.0, 100.0).all()

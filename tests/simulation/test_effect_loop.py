@@ -33,7 +33,7 @@ def effect_loop(excitation, *effects, frequency=1.0, alpha=1.0):
 @pytest.mark.default_cases(2)
 @pytest.mark.parametrize(("frequency", "alpha"), [(0.3, 1.0), (1.0, 1.0), (2.0, 1.0), (1.0, 0.6)])
 @pytest.mark.parametrize("metric", list(Metric))
-def test_boundary_without_effects_is_that_of_the_linear_loop(excitation, frequency, alpha, metric):
+def test_boundary_without_effects_is_of_the_linear_loop(excitation, frequency, alpha, metric):
     loop = effect_loop(excitation, frequency=frequency, alpha=alpha)
     linear = Loop(excitation=excitation, structure=loop.structure)
     result, exact = (Ellipse.fit(motion_contours(item, (0.05,), metric)[0]) for item in (loop, linear))

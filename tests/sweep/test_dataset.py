@@ -68,7 +68,7 @@ def test_cells_equal_engine_results(results, suite):
         assert float(cell["mte"]) == pytest.approx(relative_error(result, Metric.MTE)[0], rel=1e-3)
 
 
-def test_index_of_a_cell_equals_that_of_its_histories(results, suite):
+def test_index_of_a_cell_is_of_its_histories(results, suite):
     cell = results.reliab.select_structure(1.0, 0.05).isel(motion=2)
     structure = results.reliab.structure(1.0, 0.05)
     excitation = Excitation(acceleration=suite[2].acceleration, time_step=suite[2].time_step)
@@ -83,7 +83,7 @@ def test_index_of_a_cell_equals_that_of_its_histories(results, suite):
         assert float(cell["d"][i, j]) == pytest.approx(result.equivalent_delay, rel=1e-2)
 
 
-def test_index_of_a_lead_equals_that_of_its_histories(results, suite):
+def test_index_of_a_lead_is_of_its_histories(results, suite):
     cell = results.reliab.select_structure(1.0, 0.05).isel(motion=2)
     structure = results.reliab.structure(1.0, 0.05)
     excitation = Excitation(acceleration=suite[2].acceleration, time_step=suite[2].time_step)

@@ -159,7 +159,7 @@ BOTH = (Metric.MTE, Metric.RMS)
 @pytest.mark.parametrize(
     ("trace", "metrics"), [(trace_ellipses, BOTH), (trace_frame, BOTH), (predict_ellipses, (Metric.RMS,))]
 )
-def test_an_entry_of_a_table_is_what_is_traced_for_it_alone(two, trace, metrics):
+def test_table_entry_equals_its_own_tracing(two, trace, metrics):
     """Structures, thresholds, metrics, curves and sides stand where the labels say."""
     complete = trace(two, replace(TABLE, metrics=metrics))
     single = trace(two[1:], SINGLE_STRUCTURE)
@@ -207,7 +207,7 @@ def test_no_number_is_meaningless(boundary):
     assert (far["a"].sel(curve="inscribed") > 0.0).all()
 
 
-def test_threshold_that_an_actuator_at_rest_keeps_is_found(boundary):
+def test_threshold_kept_at_rest_is_found(boundary):
     remainder = boundary["error_at_rest"].sel(metric="rms").squeeze()
     assert remainder.dims == ("motion",)
     assert ((remainder > 0.05) & (remainder < 0.6)).all()
@@ -228,13 +228,13 @@ def test_threshold_that_an_actuator_at_rest_keeps_is_found(boundary):
          NoEllipse.NOT_REACHED),
     ],
 )  # fmt: skip
-def test_reason_for_which_there_is_no_ellipse(contour, curve, reason):
+def test_reason_for_a_missing_ellipse(contour, curve, reason):
     a, b, _, _, result = curve_row(contour, curve)
     assert result == reason
     assert (a, b) == (0.0, 0.0) if reason is NoEllipse.NO_ROOM else np.isnan([a, b]).all()
 
 
-def test_inscribed_ellipse_of_a_boundary_that_widens_with_the_amplitude_is_one():
+def test_inscribed_ellipse_of_a_widening_boundary():
     widening = Contour(amplitude=np.linspace(0.9, 1.1, 9), delay=0.01 + np.linspace(-0.1, 0.1, 9) ** 2)
     result = InscribedEllipse.fit(widening)
     assert result.a == pytest.approx(0.01)
@@ -251,7 +251,7 @@ def test_file_of_an_older_version_holds_delays_only(tmp_path, boundary):
 
 
 @pytest.mark.slow
-def test_file_of_several_windows_gives_the_one_that_is_asked_for(tmp_path, boundary):
+def test_file_of_several_windows_gives_the_requested_one(tmp_path, boundary):
     has_several = xr.concat(
         [boundary, boundary.assign(b=2.0 * boundary["b"])],
         xr.Variable("window", ["record", "40"]),

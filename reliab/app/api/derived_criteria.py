@@ -261,7 +261,7 @@ def _write_posteriors(folder: Path, derivations: "Sequence[Derivation]") -> list
     from reliab.core.vocabulary import Side
 
     names = []
-    for learned in (part for derivation in derivations for part in derivation.learned_limits):
+    for learned in (part for derivation in derivations for part in derivation.side_limits):
         if learned.posterior_sample is None:
             continue
         side = "" if learned.grid.side == Side.LAG else f"_{learned.grid.side}"

@@ -38,7 +38,7 @@ from reliab.core.physical_range import Physical
 from reliab.core.shipped import is_own_data, shipped
 from reliab.core.untrusted_files import named_within
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
-from reliab.recordings.channels_file import ChannelTables, declared_parts
+from reliab.recordings.channels_file import ChannelTables, read_declarations
 from reliab.recordings.reading import Histories, histories_of, read_test
 from reliab.recordings.recording import FEWEST_SAMPLES, LARGEST_READING, Part, StatedChannels
 from reliab.simulation.frames.frame_file import frame_of_tables, require_one_actuator
@@ -261,7 +261,7 @@ def read_campaign(folder: Path | str) -> Campaign:
     _check_files(folder, description.tests)
     held_out = _flag_held_out(description.tests)
     rate = description.sampling.rate_hz
-    channel_statements = StatedChannels(declarations=declared_parts(description.channels), rate_hz=rate)
+    channel_statements = StatedChannels(declarations=read_declarations(description.channels), rate_hz=rate)
     tests, samples = [], 0
     for test, out in zip(description.tests, held_out, strict=True):
         channels, notes = read_channels(folder / test.file, rate, channel_statements, test.test)

@@ -36,7 +36,7 @@ def shaking():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("case", ["function", "servo_hydraulic"])
-def test_error_equals_that_of_the_digital_laboratory(case, shaking):
+def test_error_equals_the_digital_laboratory(case, shaking):
     if case == "function":
         frame = read_table({"poles_per_s": [-300.0, [-90.0, 120.0]]})
         partition, system = frame.partition, frame.transfer_system

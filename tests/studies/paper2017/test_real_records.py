@@ -100,6 +100,6 @@ def test_the_hierarchical_fit_converges(real_ellipses):
         Ensembles(steps=800, thin=2),
     )
     table = posterior.table()
-    assert posterior.converged
+    assert posterior.has_converged
     assert table["r_hat"].max() < 1.01
     assert table[["bulk_size", "tail_size"]].min().min() > 1000.0

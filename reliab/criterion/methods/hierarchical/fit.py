@@ -282,7 +282,7 @@ class HierarchicalFit(LearnedLimits):
             "metric": self.grid.metric,
             "side": self.grid.side,
             "method": self.method,
-            "converged": self.posterior.converged,
+            "converged": self.posterior.has_converged,
             "complaints": list(diagnostics.complaints),
             "ensembles": diagnostics.ensembles,
             "walkers": draws.shape[2],
@@ -301,7 +301,7 @@ class HierarchicalFit(LearnedLimits):
         diagnostics = self.posterior.diagnostics
         return {
             "curved": self.model.has_curvature,
-            "converged": self.posterior.converged,
+            "converged": self.posterior.has_converged,
             "largest_r_hat": _finite_or_none(diagnostics.r_hat.max()),
             "least_effective_size": _finite_or_none(
                 min(diagnostics.bulk_size.min(), diagnostics.tail_size.min())
