@@ -33,6 +33,7 @@ _MAIN_POWER = 0.9  # of a command's power, that lies below its main frequencies
 _REACH = 2.0  # times the main frequencies, up to which the equation of motion is weighed
 _REACH_OF_GROUND = 3.0  # times the natural frequency, up to which a ground motion is taken to be smooth
 _WEIGHT_OF_GROUND = 0.4  # of the likelihood: earthquakes are less smooth than noise (tests/benchmarks)
+_PLACES = 64  # at which a power is smoothed
 _POINTS = 1500  # of the integral of the determinant
 
 
@@ -213,8 +214,9 @@ def _mass_at_rest(structure: Partition) -> float:
 
 def _smooth(power: Array, frequency: Array) -> Array:
     octave = np.log2(frequency)
-    weight = np.exp(-0.5 * ((octave[:, np.newaxis] - octave) / 0.5) ** 2)
-    return np.asarray(weight @ power / weight.sum(axis=1))
+    places = np.linspace(octave[0], octave[-1], _PLACES)
+    weight = np.exp(-0.5 * ((places[:, np.newaxis] - octave) / 0.5) ** 2)
+    return np.asarray(np.interp(octave, places, weight @ power / weight.sum(axis=1)))
 
 
 def main_frequency(channels: ChannelSpectra) -> float:

@@ -6,6 +6,8 @@ Parameters are standard normal a priori. With the whitened residuals r(z) of all
 J = QR, each draw solves Qᵀ F(z) = ξ for a standard normal ξ (about the value at the mode), and has the weight
 exp(−½|F|² + ½|QᵀF|²) |det R|/|det QᵀJ(z)|, whose last factor is close to one and left out. One step of each
 solution is Laplace's approximation, with the weight exp(−½|F|² + ½|ξ|²); it is enough where most draws count.
+Where few draws of either count, an ensemble of walkers draws (Foreman-Mackey, Hogg, Lang and Goodman 2013,
+Publications of the Astronomical Society of the Pacific 125, 306).
 """
 
 from collections.abc import Callable
@@ -22,8 +24,12 @@ _UPDATES = 4  # of the variances
 _CONVERGED = 0.02  # of a standard deviation a posteriori
 _CHORDS = 12
 _SOLVED = 0.05
+_LOST = 1e6  # standard deviations from its solution, where a draw diverges
 _ENOUGH = 0.9  # of the draws, that must count for Laplace's approximation to do
 _FEWER = 2  # times fewer draws by optimisation, each of which takes several steps
+_FEWEST = 32.0  # effective draws, below which an approximation is not trusted
+_WALKERS, _FEWEST_WALKERS = 2, 32  # pairs of walkers for each quantity
+_WALKED = 300  # steps of each walker, of which the first half is left out
 _LONGEST = 3.0  # standard deviations a priori in one step
 
 
@@ -121,8 +127,23 @@ class LeastSquares:
         normals = normal_points(self.size, 1 << (count - 1).bit_length(), seed).T[:count]
         draws = self._draw(normals, chords=0)
         if draws.effective < _ENOUGH * count:
-            return self._draw(normals[: max(count // _FEWER, 1)], chords=_CHORDS)
-        return draws
+            draws = self._draw(normals[: max(count // _FEWER, 1)], chords=_CHORDS)
+        return draws if draws.effective >= min(_FEWEST, draws.weights.size) else self._sample(count, seed)
+
+    def _sample(self, count: int, seed: int) -> Draws:
+        """Draw by an ensemble of walkers, slower but right where no approximation holds."""
+        import emcee
+
+        walkers = max(2 * _WALKERS * self.size, _FEWEST_WALKERS)
+        generator = np.random.default_rng(seed)
+        begin = self.mode + generator.standard_normal((walkers, self.size)) @ np.linalg.inv(self._r).T
+        moves = [(emcee.moves.DEMove(), 0.8), (emcee.moves.DESnookerMove(), 0.2)]
+        sampler = emcee.EnsembleSampler(walkers, self.size, self.log_density, moves=moves)
+        start = emcee.State(begin, random_state=np.random.RandomState(seed).get_state())
+        sampler.run_mcmc(start, _WALKED)
+        chain = sampler.get_chain(discard=_WALKED // 2, flat=True)
+        values = chain[np.linspace(0, len(chain) - 1, count).astype(int)]
+        return Draws(values=values, weights=np.full(count, 1.0 / count))
 
     def _draw(self, normals: Array, *, chords: int) -> Draws:
         """Draw by Laplace's approximation, or by optimisation with up to a number of steps for each draw."""
@@ -134,13 +155,13 @@ class LeastSquares:
             value = self.stacked(values[row])
             for _ in range(chords):
                 missed = self._q.T @ value - start - normal
-                if np.abs(missed).max() < _SOLVED:
+                if not _SOLVED < np.abs(missed).max() < _LOST:
                     break
                 values[row] -= inverse @ missed
                 value = self.stacked(values[row])
             proposed = float(np.sum((self._q.T @ value) ** 2)) if chords else float(normal @ normal)
             weights[row] = -0.5 * (float(value @ value) - proposed)
-        weights = np.exp(weights - weights.max())
+        weights = np.exp(np.where(np.isfinite(weights), weights - np.nanmax(weights), -np.inf))
         return Draws(values=values, weights=weights / weights.sum())
 
     @property

@@ -10,6 +10,7 @@ from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.error_draws import draw_errors
 from reliab.assessment.inference.evidence import ImpliedGroundMotion
 from reliab.assessment.inference.posterior import infer
+from reliab.assessment.inference.randomized_optimization import LeastSquares
 from reliab.assessment.inference.rebuilt import rebuild, relative_errors
 from reliab.assessment.inference.uncertain_quantity import Circumstances
 from reliab.core.stated_value import StatedValue
@@ -202,3 +203,25 @@ def test_rebuilt_response_of_the_mode_reproduces_the_exact_one(late_test):
     true = np.interp(channels.band.time, np.arange(late_test.exact.size) * STEP, late_test.exact)
     missed, _ = relative_errors(exact - true, true)
     assert missed < 1e-3
+
+
+def test_walkers_draw_where_no_approximation_holds(monkeypatch):
+    """A parabola of two quantities, against sums over a grid."""
+    monkeypatch.setattr("reliab.assessment.inference.randomized_optimization._FEWEST", np.inf)
+    width = 0.3
+    fit = LeastSquares(
+        residuals=lambda z: np.array([(z[1] - 2.0 * z[0] ** 2) / width]),
+        update=lambda _: None,
+        determinant=lambda _: 0.0,
+        start=np.full(2, 0.1),
+    )
+    fit.fit()
+    draws = fit.draw(1024, seed=3)
+    axis = np.linspace(-5.0, 5.0, 801)
+    x, y = np.meshgrid(axis, axis)
+    density = np.exp(-0.5 * (x**2 + y**2 + ((y - 2.0 * x**2) / width) ** 2))
+    for place, values in enumerate((x, y)):
+        mean = np.average(values, weights=density)
+        deviation = np.sqrt(np.average((values - mean) ** 2, weights=density))
+        assert np.mean(draws.values[:, place]) == pytest.approx(mean, abs=0.2 * deviation)
+        assert np.std(draws.values[:, place]) == pytest.approx(deviation, rel=0.2)
