@@ -40,10 +40,7 @@ if TYPE_CHECKING:
 _ALL_TESTS = "all"
 _OF_THE_STRUCTURE = ("f", "xi", "alpha")
 _ASSUMED_DAMPING = StatedValue(0.02)
-_ASSUMED = (
-    "No damping ratio was stated; 0.02 was assumed. The test is undecided where another from 0.005 to 0.1 "
-    "would change the verdict."
-)
+_ASSUMED = "No damping ratio was stated; 0.02 was assumed, and the interval allows for any from 0.005 to 0.1."
 
 _NOT_FOR_FRAMES = {
     "model": "The error of a frame's test is rebuilt for a linear specimen",
@@ -117,12 +114,12 @@ def assess(
     -----
     What is not stated is taken from the model, else from the header of the test's file, else from the file
     of `channels`; skew, scale and hysteresis are taken off the recording. A number without a standard
-    deviation is as uncertain as ordinary equipment makes it. Without a damping ratio 0.02 is assumed, and the
-    test is undecided if the verdict depends on it.
+    deviation is as uncertain as ordinary equipment makes it. Without a damping ratio, the interval allows for
+    any from 0.005 to 0.1 that the recording does not exclude.
 
     A measured specimen is learned from its recorded force alone; f and ξ then describe the computer's part: a
     damping 2ξωm and a stiffness (1 − α)mω², or all of the `structure` of a frame but the specimen. If nothing
-    is stated of the specimen and no force was recorded, the interval allows for yielding.
+    is stated of the specimen and no force was recorded, yielding can keep a test from being reliable.
 
     Examples
     --------
