@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
-from reliab.core.shipped import shipped, shipped_folder
+from reliab.core.shipped import find_shipped_folder, shipped
 
 # What takes seconds to import is imported where it is needed: the process that only hands out tests does
 # without, and so does a session of one file.
@@ -63,7 +63,7 @@ def pytest_collection_modifyitems(items):
     """Make slow tests of cases that do not run by default; skip what needs studies that were taken away."""
     for item in _cases_beyond_the_default(items):
         item.add_marker(pytest.mark.slow)
-    if not shipped_folder("studies").is_dir():
+    if not find_shipped_folder("studies").is_dir():
         for item in items:
             if item.get_closest_marker("of_studies"):
                 item.add_marker(pytest.mark.skip(reason="the studies were taken away"))

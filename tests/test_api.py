@@ -194,12 +194,12 @@ def test_tests_of_a_file_are_named_by_file_and_group(tmp_path):
             for column, values in (("time", time), ("command", np.sin(time)), ("measured", np.sin(time))):
                 file[f"{name}/{column}"] = values
     stated = Channels(units="m")
-    assert stated.of_each_test(tmp_path / "two.h5") == {
+    assert stated.split_by_test(tmp_path / "two.h5") == {
         f"two.h5, {name}": replace(stated, test_name=name) for name in ("early", "late")
     }
     rows = "\n".join(f"{t},{np.sin(t)},{np.sin(t)}" for t in time)
     (tmp_path / "one.csv").write_text(f"time_s,command_m,measured_m\n{rows}\n", encoding="utf-8")
-    assert stated.of_each_test(tmp_path / "one.csv") == {"one.csv": stated}
+    assert stated.split_by_test(tmp_path / "one.csv") == {"one.csv": stated}
 
 
 RESULTS_WITH_ROWS = {

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable
 
 def _any_of(*names: str, beside_files: bool = False) -> Callable[[str], list[str]]:
     """Complete one of some names; `beside_files`: whether a file may stand in its place."""
-    return lambda incomplete: _begun(incomplete, names) if incomplete or not beside_files else []
+    return lambda incomplete: _complete_names(incomplete, names) if incomplete or not beside_files else []
 
 
 samples = _any_of("sample_test", beside_files=True)
@@ -24,7 +24,7 @@ def studies(incomplete: str) -> list[str]:
     """Complete the name of a study that ships."""
     from reliab.core.shipped import shipped
 
-    return _begun(
+    return _complete_names(
         incomplete, sorted(file.parent.name for file in shipped("studies", "").glob("*/study.toml"))
     )
 
@@ -33,15 +33,15 @@ def methods(incomplete: str) -> list[str]:
     """Complete the name of a meaning of confidence."""
     from reliab.criterion.methods.registry import METHODS
 
-    return _begun(incomplete, METHODS)
+    return _complete_names(incomplete, METHODS)
 
 
 def laws(incomplete: str) -> list[str]:
     """Complete the name of a law of natural frequency and damping ratio."""
     from reliab.criterion.laws.registry import FITTED_LAWS, MANY_MOTION_LAWS
 
-    return _begun(incomplete, [*FITTED_LAWS, *MANY_MOTION_LAWS])
+    return _complete_names(incomplete, [*FITTED_LAWS, *MANY_MOTION_LAWS])
 
 
-def _begun(incomplete: str, names: Iterable[str]) -> list[str]:
+def _complete_names(incomplete: str, names: Iterable[str]) -> list[str]:
     return [name for name in names if name.startswith(incomplete)]

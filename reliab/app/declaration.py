@@ -60,29 +60,29 @@ class Option:
         own = f"--{name.replace('_', '-')}"
         return tuple(flag or own for flag in self.names) or (own,)
 
-    def checked(self, value: Any) -> Any:  # noqa: ANN401 - of many types
+    def check_value(self, value: Any) -> Any:  # noqa: ANN401 - of many types
         """Refuse a file to write that is of another kind; take units off numbers."""
         if self.endings and value is not None:
             require_ending(value, *self.endings)
-        return self.without_unit(value)
+        return self.remove_unit(value)
 
-    def without_unit(self, value: Any) -> Any:  # noqa: ANN401 - of many types
+    def remove_unit(self, value: Any) -> Any:  # noqa: ANN401 - of many types
         """Take the unit off the numbers of a text.
 
-        >>> Panel("Structure").option("HZ", "Natural frequency [Hz].").without_unit("1.2 Hz ± 0.01 Hz")
+        >>> Panel("Structure").option("HZ", "Natural frequency [Hz].").remove_unit("1.2 Hz ± 0.01 Hz")
         '1.2 ± 0.01'
         """
         if self.unit and isinstance(value, str):
-            return without_units(value, self.unit)
+            return remove_units(value, self.unit)
         if self.unit and isinstance(value, list | tuple):
-            return [self.without_unit(one) for one in value]
+            return [self.remove_unit(one) for one in value]
         return value
 
 
-def without_units(text: str, *units: str) -> str:
+def remove_units(text: str, *units: str) -> str:
     """Take units off the numbers of a text.
 
-    >>> without_units("35.5 kg", *UNITS), without_units("35.5 kN", *UNITS)
+    >>> remove_units("35.5 kg", *UNITS), remove_units("35.5 kN", *UNITS)
     ('35.5', '35.5 kN')
     """
     return re.sub(rf"(?<=[\d.])\s*(?:{'|'.join(units)})(?![a-z/])", "", text, flags=re.IGNORECASE)
@@ -117,7 +117,7 @@ def argument(metavar: str, help: str, **details: Any) -> Option:  # noqa: A002, 
     return Option(metavar=metavar, help=help, panel="", is_named=False, is_required=needed, **details)
 
 
-def declared_options(question: type) -> dict[str, tuple[Any, Option]]:
+def collect_options(question: type) -> dict[str, tuple[Any, Option]]:
     """Types and declarations of a question's arguments by their names."""
     found = {}
     for name, annotation in question.__annotations__.items():
@@ -141,7 +141,7 @@ def asks(question: type) -> Callable[[_Function], _Function]:
 
     It is called with all arguments, which are checked; an unknown name is a TypeError.
     """
-    options = declared_options(question)
+    options = collect_options(question)
 
     def complete(function: _Function) -> _Function:
         own = [
@@ -155,7 +155,7 @@ def asks(question: type) -> Callable[[_Function], _Function]:
                 raise TypeError(f"{function.__name__}() has no argument {', '.join(sorted(strange))}")
             arguments = {name: declaration.default for name, (_, declaration) in options.items()}
             for name, value in stated.items():
-                arguments[name] = options[name][1].checked(value) if name in options else value
+                arguments[name] = options[name][1].check_value(value) if name in options else value
             return function(*values, **arguments)
 
         named = (
@@ -166,7 +166,7 @@ def asks(question: type) -> Callable[[_Function], _Function]:
         ask.__signature__ = Signature(  # type: ignore[attr-defined]
             [*sorted(own, key=lambda item: item.kind), *named], return_annotation=returned
         )
-        ask.__doc__ = _documented(cleandoc(function.__doc__ or ""), options)
+        ask.__doc__ = _document_options(cleandoc(function.__doc__ or ""), options)
         return ask  # type: ignore[return-value]
 
     return complete
@@ -175,7 +175,7 @@ def asks(question: type) -> Callable[[_Function], _Function]:
 _SECTION = "Parameters\n----------\n"
 
 
-def _documented(text: str, options: Mapping[str, tuple[Any, Option]]) -> str:
+def _document_options(text: str, options: Mapping[str, tuple[Any, Option]]) -> str:
     """Add arguments to the section of parameters of a docstring, before what is returned."""
     entries = "".join(
         f"{name} : {_text_of(kind)}, optional\n    {declaration.help}\n"

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypedDict
 
 from reliab.app import completion
-from reliab.app.declaration import Files, Quantity, declared_options
+from reliab.app.declaration import Files, Quantity, collect_options
 from reliab.app.options import (
     FILE,
     GOOD,
@@ -428,5 +428,5 @@ class Explorer(OneStructure, EllipseFile, Threshold, ErrorMetric, Confidence, to
 
 def only_those_of(question: type, asked: Mapping[str, Any]) -> dict[str, Any]:
     """Take what another question is asked among what is stated."""
-    known = declared_options(question)
+    known = collect_options(question)
     return {name: value for name, value in asked.items() if name in known and value is not None}

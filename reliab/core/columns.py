@@ -14,7 +14,7 @@ Columns = Mapping[str, tuple[str, Form] | tuple[str, Form, str]]
 Without a side, texts, whose form is "", stand left, and all others right.
 """
 
-WHERE: Final[Columns] = {
+PLACE_COLUMNS: Final[Columns] = {
     "f [Hz]": ("f", "g"),
     "ξ [-]": ("xi", "g"),
     "α [-]": ("alpha", "g"),
@@ -23,10 +23,10 @@ WHERE: Final[Columns] = {
 """Columns of a structure of one mass and the error of a test."""
 
 
-def written_cells(columns: Columns, rows: Iterable[Mapping[str, Any]]) -> list[list[str]]:
+def write_cells(columns: Columns, rows: Iterable[Mapping[str, Any]]) -> list[list[str]]:
     """Write the cells of a table, row by row.
 
-    >>> written_cells({"f [Hz]": ("f", "g"), "b": ("b", digits)}, [{"f": 1.0, "b": 0.93142}, {"f": 2.0}])
+    >>> write_cells({"f [Hz]": ("f", "g"), "b": ("b", digits)}, [{"f": 1.0, "b": 0.93142}, {"f": 2.0}])
     [['1', '0.931'], ['2', '-']]
     """
     return [[_cell(row, *column[:2]) for column in columns.values()] for row in rows]

@@ -74,7 +74,7 @@ def compiled(function: _Kernel) -> _Kernel:
     return cast("_Kernel", _attach_cache(kernel, function))
 
 
-def compiled_callback(signature: object, function: Callable[..., float]) -> Any:  # noqa: ANN401 - Numba states no type
+def compile_callback(signature: object, function: Callable[..., float]) -> Any:  # noqa: ANN401 - Numba states no type
     """Compile a function that other kernels call by its address, cached where a disk allows it."""
     typed, options = normalize_signature(signature), {"nopython": True, "error_model": "numpy"}  # type: ignore[no-untyped-call]
     callback = _attach_cache(CFunc(function, typed, {}, options), function)

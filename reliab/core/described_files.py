@@ -33,11 +33,11 @@ _LONG_NAME = re.compile(rf"""(?<![\w"'.-])(?:{_KEY_PART}[ \t]*+\.[ \t]*+){{{DEEP
 def read_toml(path: str | Path, *, rule: str, remedy: str) -> dict[str, Any]:
     """Read a TOML file."""
     return parse_toml(
-        described_text(path, rule=rule, remedy=remedy), rule=rule, remedy=remedy, where=str(path)
+        read_description(path, rule=rule, remedy=remedy), rule=rule, remedy=remedy, where=str(path)
     )
 
 
-def described_text(path: str | Path, *, rule: str, remedy: str, kind: str = "description") -> str:
+def read_description(path: str | Path, *, rule: str, remedy: str, kind: str = "description") -> str:
     """Read the text of a description; arguments and errors as for :func:`read_toml`."""
     try:
         encoding = encoding_of_file(path)
@@ -70,7 +70,7 @@ def parse_toml(text: str, *, rule: str, remedy: str, where: str) -> dict[str, An
 
 def read_json(path: str | Path, *, rule: str, remedy: str) -> Any:  # noqa: ANN401 - JSON holds anything
     """Read a JSON file; as :func:`read_toml`, but whole numbers of many digits become floating-point ones."""
-    text = described_text(path, rule=rule, remedy=remedy, kind="criterion")
+    text = read_description(path, rule=rule, remedy=remedy, kind="criterion")
     return parse_json(text, rule=rule, remedy=remedy, where=str(path))
 
 
@@ -134,7 +134,9 @@ def _too_deep(where: str) -> InputError:
     )
 
 
-def described(schema: "type[Model]", content: object, *, rule: str, remedy: str, where: str = "") -> "Model":
+def validate_description(
+    schema: "type[Model]", content: object, *, rule: str, remedy: str, where: str = ""
+) -> "Model":
     """Return what parsed TOML or JSON describes by a schema, or refuse it with all faults in words."""
     from pydantic import ValidationError
 

@@ -59,7 +59,7 @@ def pieces_as_utf8(pieces: Iterable[bytes]) -> Iterator[bytes]:
             yield text.encode()
 
 
-def decoded(content: bytes) -> str:
+def decode_text(content: bytes) -> str:
     """Decode a text that any program may have written: by its mark, UTF-8 where it is, Latin-1 otherwise."""
     plain = as_utf8(content)
     try:
@@ -82,12 +82,12 @@ def as_cell(text: str) -> str:
 
     Returns the text; behind an apostrophe where it would be a formula and is no number.
 
-    >>> as_cell("=1+1"), as_cell("-0.5"), as_cell("KOBE"), of_cell(as_cell("=1+1"))
+    >>> as_cell("=1+1"), as_cell("-0.5"), as_cell("KOBE"), restore_cell(as_cell("=1+1"))
     ("'=1+1", '-0.5', 'KOBE', '=1+1')
     """
     return f"'{text}" if _FORMULA.match(text) and not _NUMBER.fullmatch(text) else text
 
 
-def of_cell(cell: str) -> str:
+def restore_cell(cell: str) -> str:
     """Read what :func:`as_cell` wrote."""
     return cell[1:] if cell.startswith("'") and _FORMULA.match(cell) else cell

@@ -31,7 +31,7 @@ _KINDS = {
 }
 
 
-def unfinished_name(place: Path) -> Path:
+def make_unfinished_name(place: Path) -> Path:
     """Name a new file or folder beside a place, in which what belongs there is written first."""
     return place.with_name(f"{UNFINISHED}{uuid.uuid4().hex}{place.suffix}")
 
@@ -222,7 +222,7 @@ def _lock_unfinished(place: Path) -> tuple[Path, IO[bytes]]:
     Another process may take it for abandoned before it is held, and remove it; then the next is made.
     """
     while True:
-        unfinished = unfinished_name(place)
+        unfinished = make_unfinished_name(place)
         file = unfinished.open("xb")
         hold(file.fileno())
         if unfinished.exists():
@@ -278,7 +278,7 @@ def folder_written_whole(place: Path) -> Iterator[Path]:
     OSError.
     """
     place = Path(os.path.realpath(place))
-    unfinished = unfinished_name(place)
+    unfinished = make_unfinished_name(place)
     unfinished.mkdir(parents=True)
     try:
         with _lock_folder(unfinished):
@@ -305,7 +305,7 @@ def _lock_folder(folder: Path) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def written_by_one_process(path: Path, rule: str) -> Iterator[None]:
+def lock_for_writing(path: Path, rule: str) -> Iterator[None]:
     """Keep every other process from writing to a folder, with a lock that stands beside it."""
     import filelock
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 
-from reliab.core.columns import Columns, written_cells
-from reliab.core.encodings import as_cell, of_cell
+from reliab.core.columns import Columns, write_cells
+from reliab.core.encodings import as_cell, restore_cell
 from reliab.core.files import refuse_unwritable, written_whole
 from reliab.core.stated_value import StatedValue
 
@@ -140,17 +140,17 @@ class ResultWithRows(PlainResult):
 
     def summary(self) -> str:
         """Say the answer as plain text: a table of the first rows."""
-        return str(self._shown_columns().to_string(index=False, **AS_SHOWN))
+        return str(self._select_columns().to_string(index=False, **AS_SHOWN))
 
     def _repr_html_(self) -> str:
         """Table for notebooks."""
-        return str(self._shown_columns().to_html(index=False, na_rep="", **AS_SHOWN))
+        return str(self._select_columns().to_html(index=False, na_rep="", **AS_SHOWN))
 
-    def _shown_columns(self) -> "pd.DataFrame":
+    def _select_columns(self) -> "pd.DataFrame":
         if isinstance(self.shown, Mapping):
             import pandas as pd
 
-            cells = written_cells(self.shown, self.plain_rows())
+            cells = write_cells(self.shown, self.plain_rows())
             return pd.DataFrame(cells, columns=list(self.shown))
         table = self.to_dataframe()
         return table[list(self.shown)] if self.shown and len(table) else table
@@ -182,7 +182,7 @@ def read_table(path: str | Path) -> "pd.DataFrame":
     """Read what :func:`write_table` wrote."""
     import pandas as pd
 
-    return _map_texts(pd.read_csv(path), of_cell)
+    return _map_texts(pd.read_csv(path), restore_cell)
 
 
 def _map_texts(table: "pd.DataFrame", change: Callable[[str], str]) -> "pd.DataFrame":

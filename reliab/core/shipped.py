@@ -37,10 +37,10 @@ def shipped(kind: str, name: str) -> Path:
         raise InputError(
             "Only datasets and studies ship with reliab", value=kind, remedy=f"Use {' or '.join(KINDS)}"
         )
-    folder, digests = shipped_folder(kind), checksums(kind)
+    folder, digests = find_shipped_folder(kind), checksums(kind)
     path = folder / name
     if not path.exists() and name in digests:
-        path = fetched(kind, name)
+        path = find_fetched(kind, name)
         if not path.exists():
             raise InputError(
                 "This file is too large to ship with the installed package",
@@ -61,7 +61,7 @@ def shipped(kind: str, name: str) -> Path:
     return path
 
 
-def fetched(kind: str, name: str) -> Path:
+def find_fetched(kind: str, name: str) -> Path:
     """Return where a file lies that is too large for the wheel, once it is fetched.
 
     Returns below the folder that the environment variable RELIAB_DATA names, or the user's own data folder.
@@ -76,7 +76,7 @@ def checksums(kind: str) -> dict[str, str]:
 
     Returns checksums in hexadecimal by path below the folder; empty where none are listed.
     """
-    file = shipped_folder(kind) / CHECKSUMS
+    file = find_shipped_folder(kind) / CHECKSUMS
     if not file.exists():
         return {}
     pairs = (line.split(maxsplit=1) for line in file.read_text(encoding="utf-8").splitlines())
@@ -104,7 +104,7 @@ def _verify(path: Path, changed: int, expected: str) -> None:
         )
 
 
-def shipped_folder(kind: str) -> Path:
+def find_shipped_folder(kind: str) -> Path:
     """Return the folder of what ships of a kind; it need not exist: the product runs without the studies."""
     folder = _INSTALLED / kind
     return folder if folder.is_dir() else _CHECKOUT / kind
@@ -122,7 +122,7 @@ def or_shipped(path: Path, kind: str, file: str) -> Path:
     """Take the user's file or store of results, or what ships under this name where there is none."""
     if path.suffix or len(path.parts) != 1 or is_own_data(path, "zarr.json"):
         return path
-    present = {entry.name for entry in shipped_folder(kind).glob("*") if (entry / file).exists()}
+    present = {entry.name for entry in find_shipped_folder(kind).glob("*") if (entry / file).exists()}
     listed = {name.removesuffix(f"/{file}") for name in checksums(kind) if name.endswith(f"/{file}")}
     if path.name not in present | listed:
         if path.exists():

@@ -70,10 +70,10 @@ def is_number(text: str) -> bool:
     return _NUMBER.fullmatch(text) is not None
 
 
-def printed_number(text: str) -> float | None:
+def parse_number(text: str) -> float | None:
     """Read a number as Fortran prints it, which may be infinite; None if the text is not one.
 
-    >>> [printed_number(text) for text in ("1.5D-02", "-.1e3", "1,5", "nan")]
+    >>> [parse_number(text) for text in ("1.5D-02", "-.1e3", "1,5", "nan")]
     [0.015, -100.0, None, None]
     """
     return float(text.translate(_EXPONENTS)) if is_number(text) else None
@@ -141,7 +141,7 @@ class TimesOfDay:
     before: float = 0.0  # s, the last one that was counted
     days: float = 0.0  # s, of the midnights so far
 
-    def counted(self, seconds: Array) -> Array:
+    def count_seconds(self, seconds: Array) -> Array:
         """Count further times of day [s], shape (n,)."""
         if not seconds.size:
             return seconds

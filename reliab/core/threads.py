@@ -45,11 +45,13 @@ def one_thread() -> AbstractContextManager[Any]:
     return limits
 
 
-def in_two_shares(draws: int, sweep: Callable[[slice], _Answer]) -> list[_Answer]:
+def run_in_two_shares(draws: int, sweep: Callable[[slice], _Answer]) -> list[_Answer]:
     """Sweep two shares of draws at once, on any computer, by a kernel that needs no interpreter; few as one.
 
-    >>> in_two_shares(65, lambda share: (share.start, share.stop)), in_two_shares(7, lambda share: share.stop)
-    ([(0, 32), (32, 65)], [7])
+    >>> run_in_two_shares(65, lambda share: (share.start, share.stop))
+    [(0, 32), (32, 65)]
+    >>> run_in_two_shares(7, lambda share: share.stop)
+    [7]
     """
     if draws < _FEWEST_SHARED:
         return [sweep(slice(0, draws))]

@@ -26,13 +26,13 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-def named_within(folder: Path, name: str, *, where: str) -> Path:
+def resolve_within(folder: Path, name: str, *, where: str) -> Path:
     """Return the path of a file that a folder names, which must lie in that folder.
 
     A name that leads out of it, by itself or through a link, would read a file of this machine; a link of
     git-annex leads to an object of the folder's own repository.
 
-    >>> named_within(Path("campaign"), "../secret.csv", where="campaign.toml")
+    >>> resolve_within(Path("campaign"), "../secret.csv", where="campaign.toml")
     Traceback (most recent call last):
     ...
     reliab.core.errors.InputError: campaign.toml: The file lies outside the folder that names it; found
@@ -52,7 +52,7 @@ def named_within(folder: Path, name: str, *, where: str) -> Path:
 
 
 @contextlib.contextmanager
-def opened_hdf5(path: str | Path, *, ships: bool = False) -> "Iterator[h5py.File]":
+def open_hdf5(path: str | Path, *, ships: bool = False) -> "Iterator[h5py.File]":
     """Open an HDF5 file that holds its own data.
 
     Links, raw storage and virtual datasets of HDF5 name other files, which would be read as part of it. The

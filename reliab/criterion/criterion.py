@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reliab.core.arrays import Array
-from reliab.core.described_files import described_text
+from reliab.core.described_files import read_description
 from reliab.core.errors import InputError
 from reliab.core.physical_range import require_physical
 from reliab.core.plain_values import html_table
@@ -306,7 +306,7 @@ class Criterion:
     def read(cls, path: str | Path) -> "Criterion":
         """Read a criterion's file; the errors of `from_json`, and one if it cannot be read."""
         rule, remedy = "A criterion's file must be readable", "Write one with `reliab criterion --out`"
-        text = described_text(path, rule=rule, remedy=remedy, kind="criterion")
+        text = read_description(path, rule=rule, remedy=remedy, kind="criterion")
         from reliab.criterion.criterion_file import from_text
 
         return cls(**from_text(text, str(path)))

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Strict
 
-from reliab.core.described_files import described, parse_json
+from reliab.core.described_files import parse_json, validate_description
 from reliab.core.errors import InputError
 from reliab.criterion.laws.law import Law
 from reliab.criterion.laws.registry import law_from_dict, law_to_dict
@@ -43,7 +43,7 @@ def from_text(text: str, location: str = "") -> dict[str, Any]:
     content = parse_json(text, rule=rule, remedy=_REMEDY, where=location)
     _require_schema(content, location)
     rule = "A criterion must be as `reliab criterion --out` writes it"
-    file_model = described(_CriterionFile, content, rule=rule, remedy=_REMEDY, where=location)
+    file_model = validate_description(_CriterionFile, content, rule=rule, remedy=_REMEDY, where=location)
     laws = {name: getattr(file_model, name) for name in ("law", "lead_law")}
     motions = {name: getattr(file_model, name) for name in ("population", "lead_population")}
     return {

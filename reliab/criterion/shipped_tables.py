@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from reliab.core.files import decoding
 from reliab.core.log_quantization import NEIGHBOURS, UNKNOWN, numbers_of
 from reliab.core.shipped import shipped
-from reliab.core.untrusted_files import opened_hdf5
+from reliab.core.untrusted_files import open_hdf5
 from reliab.core.vocabulary import SHARE_ATTRIBUTE
 from reliab.criterion.ellipse_table import CUT, DIMENSIONS, REST, CutRecords, EllipseTable, words_of
 from reliab.criterion.response_measures import BoundaryScales, ResponseMeasures, directions_about
@@ -94,7 +94,7 @@ def _open_shipped(name: str, words: str) -> Iterator["h5py.File"]:
     """Open a file that ships; `words`: what it holds."""
     path, rule = shipped("datasets", name), f"{words} must be a NetCDF file"
     remedy = "Install the package again"
-    with decoding(rule, remedy=remedy, where=path), opened_hdf5(path, ships=True) as file:
+    with decoding(rule, remedy=remedy, where=path), open_hdf5(path, ships=True) as file:
         yield file
 
 

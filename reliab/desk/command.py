@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Annotated, TypedDict
 
-from reliab.app.cli.commands import Asked, takes
+from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import say, write_json
 from reliab.app.declaration import argument
 from reliab.app.options import OUTPUT
@@ -32,7 +32,7 @@ class _Desk(TypedDict, total=False):
 
 
 @takes(_Desk)
-def desk(asked: Asked) -> None:
+def desk(asked: Request) -> None:
     """Judge, follow, compare and diagnose tests in the browser; nothing leaves this computer."""
     try:
         from reliab.desk.server import serve_desk

@@ -93,7 +93,7 @@ class RegionDrawing:
 
     def update(self, region: Mapping[str, tuple[float, float]], motions: tuple[Array, Array]) -> None:
         """Draw the region by side, and the motions' boundaries of late actuators."""
-        x, y = _closed(region)
+        x, y = _close_region(region)
         self.sources["region"].data = {"x": x, "y": y}
         pairs = [half_ellipse(a, b) for a, b in zip(*motions, strict=True)]
         self.sources["motions"].data = {"x": [x for x, _ in pairs], "y": [y for _, y in pairs]}
@@ -105,7 +105,7 @@ class RegionDrawing:
             for side, end in (("lag", "_inscribed"), ("lead", "_lead_inscribed"))
             if boundary.get(f"a{end}") and boundary.get(f"b{end}")
         }  # fmt: skip
-        x, y = _closed(sides)
+        x, y = _close_region(sides)
         self.sources["record"].data = {"x": x, "y": y}
 
     def mark_tests(self, tests: Sequence[tuple[str, float, float]]) -> None:
@@ -116,7 +116,7 @@ class RegionDrawing:
         }
 
 
-def _closed(sides: Mapping[str, tuple[float, float]]) -> tuple[Array, Array]:
+def _close_region(sides: Mapping[str, tuple[float, float]]) -> tuple[Array, Array]:
     halves = [half_ellipse(a, b, lead=side == "lead") for side, (a, b) in sides.items()]
     if not halves:
         return np.zeros(0), np.zeros(0)

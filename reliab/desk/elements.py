@@ -65,7 +65,7 @@ def refusal(sentence: str) -> str:
     return f'<p class="refusal" role="alert">{escape(sentence)}</p>' if sentence else ""
 
 
-def listed(sentences: Any) -> str:  # noqa: ANN401 - any iterable of texts
+def write_list(sentences: Any) -> str:  # noqa: ANN401 - any iterable of texts
     """Write sentences as a list."""
     items = "".join(f"<li>{escape(sentence)}</li>" for sentence in sentences)
     return f"<ul>{items}</ul>" if items else ""
@@ -78,7 +78,7 @@ def field(memory: PageMemory, name: str, label: str = "", example: str = "") -> 
         name=label or usual[0], placeholder=example or usual[1], value=memory.values.get(name, ""),
         max_length=200,
     )  # fmt: skip
-    return _remembered(memory, name, widget)
+    return _remember_value(memory, name, widget)
 
 
 def choice(
@@ -89,10 +89,10 @@ def choice(
     value = memory.values.get(name, usual)
     widget = pn.widgets.Select(name=label, options=options, value=value if value in values else values[0])
     memory.values[name] = widget.value
-    return _remembered(memory, name, widget)
+    return _remember_value(memory, name, widget)
 
 
-def _remembered(memory: PageMemory, name: str, widget: Any) -> Any:  # noqa: ANN401 - a widget
+def _remember_value(memory: PageMemory, name: str, widget: Any) -> Any:  # noqa: ANN401 - a widget
     def remember(event: Any) -> None:  # noqa: ANN401 - Panel's
         memory.values[name] = event.new
 
@@ -129,7 +129,7 @@ def dropper(
     return pn.Column(html(f"<h2>{escape(name)}</h2>"), widget, sizing_mode="stretch_width")
 
 
-def folded(title: str, *parts: Any, opened: bool = False) -> pn.Card:  # noqa: ANN401 - of Panel
+def fold_card(title: str, *parts: Any, opened: bool = False) -> pn.Card:  # noqa: ANN401 - of Panel
     """Fold parts away below a title."""
     return pn.Card(
         *parts,

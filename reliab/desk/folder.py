@@ -12,7 +12,7 @@ from typing import Final
 
 from reliab.core.errors import InputError
 from reliab.core.files import LIMITS, decoding, refuse_unwritable, written_whole
-from reliab.core.untrusted_files import named_within
+from reliab.core.untrusted_files import resolve_within
 
 _LONGEST_NAME: Final = 120
 _MOST_FILES: Final = 2000  # of an archive
@@ -29,7 +29,7 @@ class DeskFolder:
     work: Path
 
     @classmethod
-    def opened(cls, path: str | Path) -> "DeskFolder":
+    def open_folder(cls, path: str | Path) -> "DeskFolder":
         """Open a folder that is there, and make the working folder in it."""
         folder = Path(path).resolve()
         if not folder.is_dir():
@@ -79,7 +79,7 @@ class DeskFolder:
         path = Path(name.strip())
         inside = Path(os.path.relpath(path, self.path)) if path.is_absolute() else path
         try:
-            return named_within(self.path, str(inside), where="")
+            return resolve_within(self.path, str(inside), where="")
         except InputError:
             raise InputError(
                 f"The desk reads only in its folder, {self.path}",
@@ -87,7 +87,7 @@ class DeskFolder:
                 remedy="Start the desk with the folder that holds it: `reliab desk FOLDER`",
             ) from None
 
-    def offered(self, *endings: str, holding: str = "") -> list[str]:
+    def list_files(self, *endings: str, holding: str = "") -> list[str]:
         """List files by their endings, or folders by what they hold, the latest first."""
         below = len(Path(holding).parts)  # parts of a match that lie in the folder that is offered
         matches = (
@@ -119,7 +119,7 @@ def safe_name(name: str) -> str:
     return plain[:_LONGEST_NAME] or "file"
 
 
-def unpacked(archive: Path) -> Path:
+def unpack_archive(archive: Path) -> Path:
     """Unpack the archive of a campaign beside it, and return the folder that holds `campaign.toml`.
 
     Names that lead elsewhere, links, and content beyond the limits of a test are refused before anything is

@@ -31,7 +31,7 @@ class Memories:
         self._tabs: OrderedDict[str, dict[str, PageMemory]] = OrderedDict()
         self._lock = threading.Lock()
 
-    def of_tab(self, key: str) -> tuple[str, dict[str, PageMemory]]:
+    def find_tab(self, key: str) -> tuple[str, dict[str, PageMemory]]:
         """Return the pages of a tab by its key, which is made where it is none that the desk gave."""
         with self._lock:
             if not _KEY.fullmatch(key) or key not in self._tabs:

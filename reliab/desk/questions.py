@@ -11,10 +11,10 @@ _PARTS: Final = ("command", "measured", "time", "force", "ground")
 _NUMBERS: Final = ("threshold", "wait")  # arguments without a standard deviation
 
 
-def filled(values: Mapping[str, Any], names: Iterable[str]) -> dict[str, Any]:
+def select_filled(values: Mapping[str, Any], names: Iterable[str]) -> dict[str, Any]:
     """Take the arguments of these names that are filled in; those that are plain numbers as such.
 
-    >>> filled({"f": " 1±0.01 ", "xi": "", "threshold": "0,05"}, ("f", "xi", "threshold"))
+    >>> select_filled({"f": " 1±0.01 ", "xi": "", "threshold": "0,05"}, ("f", "xi", "threshold"))
     {'f': '1±0.01', 'threshold': 0.05}
     """
     given = {name: values.get(name) for name in names}

@@ -83,7 +83,7 @@ def serve_desk(
     that a message names as whoever started the desk calls them. Raises InputError if the folder is not there
     or not writable, or the port is taken.
     """
-    place = DeskFolder.opened(folder)
+    place = DeskFolder.open_folder(folder)
     jobs = Jobs(str(place.work))
     try:
         token, port = new_token(), port or _free_port()
@@ -140,7 +140,7 @@ def _server(desk: Desk, token: str, port: int) -> Any:  # noqa: ANN401 - Panel c
 def _open_page(page: type[Page], desk: Desk, memories: Memories, host: str) -> pn.Template:
     """Make a page for one tab, which its address names; a tab without a name gets one."""
     tab = pn.state.session_args.get("desk", [b""])[0].decode("utf-8", "replace")
-    key, pages = memories.of_tab(tab)
+    key, pages = memories.find_tab(tab)
     opened = page(desk, pages.setdefault(page.name, PageMemory()))
     template = pn.Template((WEB / "page.html").read_text(encoding="utf-8"))
     template.add_panel("form", opened.form)

@@ -15,7 +15,7 @@ from reliab.core.significant_digits import (
 )
 from reliab.core.vocabulary import ERROR_NAMES, PERCENT, Metric
 from reliab.desk.drawings import draw_error
-from reliab.desk.elements import button, downloads, html, listed
+from reliab.desk.elements import button, downloads, html, write_list
 from reliab.desk.work import Filed, Judgement
 
 _WIDTH: Final = 640.0  # of the bar, in its own units
@@ -27,7 +27,7 @@ def verdict_html(content: Mapping[str, Any]) -> str:
     steps = next_steps(content["would_decide"], content["error"].get("would_decide", ()))
     return (
         f'<div class="verdict {escape(word)}" role="status"><b>{word.replace("_", " ").capitalize()}</b>'
-        f"<br>{'<br>'.join(escape(reason) for reason in content['reasons'])}</div>{listed(steps)}"
+        f"<br>{'<br>'.join(escape(reason) for reason in content['reasons'])}</div>{write_list(steps)}"
     )
 
 
@@ -75,7 +75,7 @@ class VerdictView:
         content = judgement.content
         parts = [html(verdict_html(content) + interval_html(content)), self._files]
         if judgement.contradictions:
-            sentences = listed(dict.fromkeys(judgement.contradictions))
+            sentences = write_list(dict.fromkeys(judgement.contradictions))
             parts.append(html(f'<h2>What contradicts</h2><div class="warning">{sentences}</div>'))
         if judgement.histories is not None:
             places = "".join(
@@ -90,7 +90,7 @@ class VerdictView:
         parts += self._contributions(content)
         warnings = [text for text in content["warnings"] if text not in content["reasons"]]
         if warnings:
-            parts.append(html(f"<h2>Read before you rely on it</h2>{listed(warnings)}"))
+            parts.append(html(f"<h2>Read before you rely on it</h2>{write_list(warnings)}"))
         self._details.object = ""
         self._files.clear()
         self.column[:] = [*parts, self._details]

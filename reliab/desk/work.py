@@ -93,16 +93,16 @@ _UNITS: Final = {"command": "mm", "measured": "mm", "force": "N", "ground accele
 
 
 def _trace(name: str, unit: str, values: Array, time_step: float) -> Trace:
-    time, drawn = thinned(
+    time, drawn = thin_histories(
         time_step * np.arange(values.size, dtype=np.float64), values * (MILLI if unit == "mm" else 1.0)
     )
     return Trace(name=name, unit=unit, time=time, values=drawn)
 
 
-def thinned(time: Array, *values: Array) -> tuple[Array, ...]:
+def thin_histories(time: Array, *values: Array) -> tuple[Array, ...]:
     """Keep least and greatest value of each stretch of the first history, and the others there.
 
-    >>> thinned(np.arange(3.0), np.array([1.0, 5.0, 2.0]))[1].tolist()
+    >>> thin_histories(np.arange(3.0), np.array([1.0, 5.0, 2.0]))[1].tolist()
     [1.0, 5.0, 2.0]
     """
     if time.size <= 2 * _POINTS:
@@ -149,7 +149,7 @@ def judge(test: str, folder: str, arguments: Mapping[str, Any], tell: Tell) -> F
     with show_task("Rebuilding the error"):
         assessment = assess(test, **arguments)
     tell(judgement_of(assessment))
-    return _filed(assessment, test, folder, arguments.get("structure"))
+    return _file_report(assessment, test, folder, arguments.get("structure"))
 
 
 def judgement_of(assessment: "AnyAssessment") -> Judgement:
@@ -160,7 +160,7 @@ def judgement_of(assessment: "AnyAssessment") -> Judgement:
     rebuilt = assessment.error.rebuilt
     time = rebuilt.time_step * np.arange(rebuilt.error.size, dtype=np.float64)
     histories = (rebuilt.smooth_error, rebuilt.low, rebuilt.high)
-    drawn = thinned(time, *(MILLI * history for history in histories))
+    drawn = thin_histories(time, *(MILLI * history for history in histories))
     return replace(
         plain,
         histories=(drawn[0], drawn[1], drawn[2], drawn[3]),
@@ -191,7 +191,7 @@ def _marks(assessment: "AnyAssessment") -> Iterator[Mark]:
                 yield Mark(begin=step * places[0], end=step * (places[-1] + 1), finding=fault.finding)
 
 
-def _filed(assessment: "AnyAssessment", test: str, folder: str, structure: str | None) -> Filed:
+def _file_report(assessment: "AnyAssessment", test: str, folder: str, structure: str | None) -> Filed:
     with show_task("Writing the report"):
         document = document_of_test(assessment, test=test, structure=structure)
         files = {"Report (PDF)": _pdf(document, folder)}
@@ -218,7 +218,7 @@ def follow(source: str, folder: str, arguments: Mapping[str, Any], tell: Tell) -
     if last is None or last.assessment is None:
         return None
     tell(judgement_of(last.assessment))
-    return _filed(last.assessment, source, folder, arguments.get("structure"))
+    return _file_report(last.assessment, source, folder, arguments.get("structure"))
 
 
 def trace_motion(motion: str, **arguments: Any) -> dict[str, Any]:  # noqa: ANN401 - of `trace_boundaries`

@@ -14,7 +14,7 @@ from numba import types
 from numba.core.errors import TypingError
 from numba.extending import intrinsic
 
-from reliab.core.compiled import compiled_callback
+from reliab.core.compiled import compile_callback
 
 
 class Numbers(Protocol):
@@ -70,7 +70,7 @@ class Kernel:
 
     @cached_property
     def _compiled(self) -> Any:  # noqa: ANN401 - Numba states no type
-        return compiled_callback(_SIGNATURE, self.function)
+        return compile_callback(_SIGNATURE, self.function)
 
     @property
     def address(self) -> int:

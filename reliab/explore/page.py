@@ -56,7 +56,7 @@ class Settings:
     metric: str | None = None  # Which error, "rms" or "mte"; the first of the ellipses by default
 
 
-def by_length(windows: Mapping[str, xr.Dataset]) -> dict[str, xr.Dataset]:
+def sort_by_length(windows: Mapping[str, xr.Dataset]) -> dict[str, xr.Dataset]:
     """Choose the ellipses of a page among those of a file, by window.
 
     Those of whole records are carried to each length to which the records can be cut; where nothing is known
@@ -90,7 +90,7 @@ def render(packed: Mapping[str, Any], settings: Settings, *, source: str) -> str
         "settings": _opening(packed, settings),
         "provenance": f"Written by reliab {__version__} from {source}.",
     }
-    script, style = bundled_script(), (_FOLDER / "style.css").read_text(encoding="utf-8")
+    script, style = bundle_script(), (_FOLDER / "style.css").read_text(encoding="utf-8")
     parts = {
         "policy": f"default-src 'none'; script-src '{_checksum(script)}'; style-src '{_checksum(style)}'; "
         "base-uri 'none'; form-action 'none'",
@@ -102,7 +102,7 @@ def render(packed: Mapping[str, Any], settings: Settings, *, source: str) -> str
     return re.sub(r"\{\{ (\w+) \}\}", lambda match: parts[match[1]], template)
 
 
-def bundled_script() -> str:
+def bundle_script() -> str:
     """Return all scripts of the page as one, each after what it imports, and the main one at the end."""
     sources = {path.stem: path.read_text(encoding="utf-8") for path in sorted(_FOLDER.glob("*.js"))}
     needs = {
@@ -172,7 +172,7 @@ def pack(ellipses: Mapping[str, xr.Dataset]) -> dict[str, Any]:
     Other ellipses are rounded to the same digits, 2.4e-4 relative.
     """
     protected = [protect_over_lengths(dataset) for dataset in ellipses.values()]
-    tables = [_inscribed_ellipses(dataset) for dataset in protected]
+    tables = [_select_inscribed_ellipses(dataset) for dataset in protected]
     first = tables[0]
     bits = [
         np.stack([_bits(table[name].values.astype(np.float64)) for table in tables]) for name in ("a", "b")
@@ -208,7 +208,7 @@ def pack(ellipses: Mapping[str, xr.Dataset]) -> dict[str, Any]:
     }
 
 
-def _inscribed_ellipses(ellipses: xr.Dataset) -> xr.Dataset:
+def _select_inscribed_ellipses(ellipses: xr.Dataset) -> xr.Dataset:
     """Inscribed ellipses, or least-squares ones where no inscribed ones are stored, in the page's order."""
     ellipses = select_share(ellipses)
     curves = names_along(ellipses, "curve")

@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeVar
 
-from reliab.core.encodings import of_cell
-from reliab.core.text_tables import printed_number
+from reliab.core.encodings import restore_cell
+from reliab.core.text_tables import parse_number
 from reliab.motions.faults import Report
 from reliab.motions.motion import Motion
 from reliab.motions.readers.reading import Reading, RecordDeclaration, complete
@@ -106,7 +106,7 @@ def read_catalogue(path: Path, report: Report, defaults: RecordDeclaration) -> l
     lines_by_name: dict[str, int] = {}
     for cells in filled_rows:
         line = rows.line_num
-        row = dict(zip(columns, (of_cell(cell.strip()) for cell in cells), strict=False))
+        row = dict(zip(columns, (restore_cell(cell.strip()) for cell in cells), strict=False))
         if _has_name(row, lines_by_name, line, report):
             records.extend(_record(path, row, line, defaults, report))
     if not lines_by_name and not report.faults:
@@ -120,7 +120,7 @@ def read_catalogue(path: Path, report: Report, defaults: RecordDeclaration) -> l
 
 def _rows_with_cells(rows: Iterator[list[str]], report: Report) -> Iterator[list[str]]:
     try:
-        yield from (cells for cells in rows if any(of_cell(cell.strip()) for cell in cells))
+        yield from (cells for cells in rows if any(restore_cell(cell.strip()) for cell in cells))
     except csv.Error as error:
         report.add("The catalogue is no comma-separated text", value=error, remedy="Save it as CSV")
 
@@ -192,7 +192,7 @@ def _one_of(row_value: T | None, default: T | None, description: str, line: int,
 
 def _positive(row: dict[str, str], column: str, line: int, report: Report) -> float | None:
     text = row.get(column, "")
-    value = printed_number(text) if text else None
+    value = parse_number(text) if text else None
     if text and (value is None or not 0 < value < float("inf")):
         report.add(f"Not a positive number in the column {column}", line=line, value=text)
         return None

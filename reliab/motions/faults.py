@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from reliab.core.errors import InputError
-from reliab.core.untrusted_files import named_within
+from reliab.core.untrusted_files import resolve_within
 
 T = TypeVar("T")
 
@@ -57,7 +57,7 @@ class Report:
     def resolve(self, folder: Path, name: str, *, line: int | None = None) -> Path | None:
         """Return the path of a file that a folder names, or record that it lies elsewhere."""
         try:
-            return named_within(folder, name, where=self.file)
+            return resolve_within(folder, name, where=self.file)
         except InputError as error:
             self.add(error.rule, line=line, value=error.value, remedy=error.remedy)
             return None

@@ -5,7 +5,7 @@ from typing import Annotated, Final, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from reliab.core.described_files import described, read_toml
+from reliab.core.described_files import read_toml, validate_description
 from reliab.core.errors import InputError
 from reliab.core.physical_range import Physical
 from reliab.core.stated_value import StatedValue
@@ -151,7 +151,7 @@ class ChannelsDescription(_Table):
 def read_channels_file(path: str | Path) -> StatedChannels:
     """Read a file `channels.toml`."""
     content = read_toml(path, rule=_RULE, remedy=_REMEDY)
-    tables = described(ChannelsDescription, content, rule=_RULE, remedy=_REMEDY, where=str(path))
+    tables = validate_description(ChannelsDescription, content, rule=_RULE, remedy=_REMEDY, where=str(path))
     if tables.filters.texts() and tables.calibration.skew_ms is not None:
         raise InputError(
             "`skew_ms` already includes the delay of the filters",

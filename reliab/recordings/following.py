@@ -331,7 +331,7 @@ def _parse(lines: list[tuple[int, str]], layout: _Layout, name: str) -> Rows:
             read[key].append(value)
     readings = {key: np.array(values) for key, values in read.items()}
     if layout.times_of_day is not None:
-        readings[Part.TIME, ""] = layout.times_of_day.counted(readings[Part.TIME, ""])
+        readings[Part.TIME, ""] = layout.times_of_day.count_seconds(readings[Part.TIME, ""])
     histories = {key: layout.channels[key][1].convert_to_si(values) for key, values in readings.items()}
     command, measured_rows = (
         np.stack([histories[part, number] for number in layout.actuators]) for part in DISPLACEMENTS

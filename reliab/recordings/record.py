@@ -18,7 +18,7 @@ from reliab.core.encodings import as_text
 from reliab.core.files import decoding, ordinary, require_small, written_whole
 from reliab.core.physical_range import RANGES
 from reliab.core.shipped import checksum_of
-from reliab.core.untrusted_files import objects_of, opened_hdf5
+from reliab.core.untrusted_files import objects_of, open_hdf5
 from reliab.recordings.readers.columns import Series
 from reliab.recordings.readers.hierarchical import STATED_ATTRIBUTES, text_of
 from reliab.recordings.reading import Histories, histories_of, read_statements, read_test
@@ -111,7 +111,7 @@ def check_record(path: str | Path) -> list[str]:
     """Say in sentences what is wrong with a record, if anything is; what is no NetCDF file is refused."""
     with decoding("This is no record", remedy="Make it with `reliab record`", where=path):
         require_small(ordinary(path), _MOST_BYTES, remedy="Cut the test")
-        with opened_hdf5(path) as file:
+        with open_hdf5(path) as file:
             if sum(int(getattr(item, "nbytes", 0)) for _, item in objects_of(file)) > _MOST_BYTES:
                 raise ValueError(f"more than {_MOST_BYTES} bytes declared")
             return list(_faults(file))

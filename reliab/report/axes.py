@@ -49,12 +49,12 @@ def plain(text: str, *, longest: int = 60) -> str:
     >>> print(plain("A name that is long", longest=6))
     A nam…
     """
-    drawn = "".join(_drawn_as(character) for character in " ".join(text.split()))
+    drawn = "".join(_substitute_glyph(character) for character in " ".join(text.split()))
     short = drawn if len(drawn) <= longest else f"{drawn[: longest - 1]}…"
     return short.replace("$", r"\$")
 
 
-def _drawn_as(character: str) -> str:
+def _substitute_glyph(character: str) -> str:
     if character.isprintable() and any(font.get_char_index(ord(character)) for font in _fonts()):
         return character
     return character.encode("unicode_escape").decode()
@@ -105,7 +105,7 @@ def label_logarithmic(*axes: Axis, most: int = 5) -> None:
     for axis in axes:
         low, high = axis.get_view_interval()
         axis.set_major_locator(FixedLocator(round_numbers(low, high, most).tolist()))
-        axis.set_major_formatter(FuncFormatter(_written))
+        axis.set_major_formatter(FuncFormatter(_write_tick))
         axis.set_minor_formatter(NullFormatter())
 
 
@@ -125,7 +125,7 @@ def round_numbers(low: float, high: float, most: int) -> NDArray[np.float64]:
     return np.asarray(inside[:: -(-inside.size // most) if inside.size else 1])
 
 
-def _written(value: float, _: int | None = None) -> str:
+def _write_tick(value: float, _: int | None = None) -> str:
     if _LEAST_PLAIN <= value < _GREATEST_PLAIN:
         return f"{value:g}"
     mantissa, exponent = f"{value:.0e}".split("e")

@@ -17,7 +17,7 @@ from typing import Any, Final
 
 from reliab.core.described_files import parse_json
 from reliab.core.files import LIMITS, decoding, folder_written_whole, ordinary
-from reliab.core.untrusted_files import named_within
+from reliab.core.untrusted_files import resolve_within
 from reliab.report.document import (
     Block,
     Column,
@@ -32,7 +32,7 @@ from reliab.report.document import (
     Table,
 )
 from reliab.report.glossary import glossary_of
-from reliab.report.numbers import Written, cells
+from reliab.report.numbers import WrittenNumber, cells
 from reliab.report.prose import Math, Piece, Prose, Reference, Strong, literal, plain_text, require_formula
 from reliab.report.style import svg
 
@@ -52,7 +52,7 @@ class _Writer:
 
     def __init__(self, document: Document) -> None:
         self._document = document
-        referred = document.referred()
+        referred = document.list_references()
         cited = [source for source in document.sources if source.label in referred]
         self._sources: list[Source] = sorted(cited, key=lambda source: referred.index(source.label))
         self._numbers = {source.label: k for k, source in enumerate(self._sources, start=1)}
@@ -67,8 +67,8 @@ class _Writer:
             "tone": document.tone,
             "facts": [[literal(name), self._prose(text)] for name, text in document.facts.items() if text],
             "leading": [self._figure(figure) for figure in [document.leading_figure()] if figure],
-            "blocks": self._blocks(block for block in document.blocks if not _appended(block)),
-            "appendix": self._blocks(filter(_appended, document.blocks)),
+            "blocks": self._blocks(block for block in document.blocks if not _is_appended(block)),
+            "appendix": self._blocks(filter(_is_appended, document.blocks)),
             "sources": [{"label": source.label, "text": literal(source.text)} for source in self._sources],
             "provenance": [[literal(name), literal(text)] for name, text in document.provenance.items()],
             "sheet": document.sheet,
@@ -170,11 +170,11 @@ class _Writer:
         return groups if any(group["named"] for group in groups) else []
 
 
-def _appended(block: Block) -> bool:
+def _is_appended(block: Block) -> bool:
     return isinstance(block, Section) and block.appendix
 
 
-def _cell(cell: str | tuple[Written, str]) -> dict[str, Any]:
+def _cell(cell: str | tuple[WrittenNumber, str]) -> dict[str, Any]:
     if isinstance(cell, str):
         return {"text": literal(cell)}
     written, lacks = cell
@@ -200,7 +200,7 @@ def save_content(document: Document, folder: Path) -> None:
         shutil.rmtree(folder, ignore_errors=True)
 
 
-def saved_content(folder: Path) -> dict[str, bytes]:
+def read_content(folder: Path) -> dict[str, bytes]:
     """Read what :func:`save_content` kept: the content, and the figures that it names."""
     with decoding(CONTENT_RULE, remedy=CONTENT_REMEDY, where=folder):
         content = parse_json(
@@ -239,6 +239,6 @@ def _figure(folder: Path, name: str) -> bytes:
 
 
 def _bytes_of(folder: Path, name: str) -> bytes:
-    path = ordinary(named_within(folder, name, where=str(folder)))
+    path = ordinary(resolve_within(folder, name, where=str(folder)))
     LIMITS["figure"].require_small(path)
     return path.read_bytes()

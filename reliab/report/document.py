@@ -155,7 +155,7 @@ class Document:
     def __post_init__(self) -> None:
         labels = Counter([*_labels(self.blocks), *(source.label for source in self.sources)])
         twice = sorted(label for label, count in labels.items() if count > 1)
-        unknown = sorted(set(self.referred()) - set(labels))
+        unknown = sorted(set(self.list_references()) - set(labels))
         for rule, faulty in (("be used once", twice), ("name something in the report", unknown)):
             if faulty:
                 raise ValueError(f"A label must {rule}; {', '.join(faulty)} does not.")
@@ -166,7 +166,7 @@ class Document:
         """Figure of the first page, if there is one."""
         return next((figure for figure in _figures(self.blocks) if figure.leads), None)
 
-    def referred(self) -> tuple[str, ...]:
+    def list_references(self) -> tuple[str, ...]:
         """Labels that the text refers to, in the order in which it does."""
         texts = [self.verdict, *self.facts.values(), *_texts(self.blocks)]
         return tuple(dict.fromkeys(label for text in texts for label in references(text)))

@@ -14,7 +14,7 @@ _LEAST_EXPONENT, _GREATEST_EXPONENT = -4, 7  # without a power of ten
 
 
 @dataclass(frozen=True, kw_only=True)
-class Written:
+class WrittenNumber:
     """A number as it is written."""
 
     digits: str  # Its digits, with sign and decimal point
@@ -29,16 +29,16 @@ class Written:
 class Number(ABC):
     """How the numbers of a column are written."""
 
-    def __call__(self, value: float) -> Written:
+    def __call__(self, value: float) -> WrittenNumber:
         """Write a number; NaN as a dash, infinity by its sign."""
         if np.isnan(value):
-            return Written(digits=MISSING)
+            return WrittenNumber(digits=MISSING)
         if np.isinf(value):
-            return Written(digits="∞" if value > 0.0 else "−∞")
+            return WrittenNumber(digits="∞" if value > 0.0 else "−∞")
         return self._write(value)
 
     @abstractmethod
-    def _write(self, value: float) -> Written:
+    def _write(self, value: float) -> WrittenNumber:
         """Write a finite number."""
 
 
@@ -54,9 +54,9 @@ class Fixed(Number):
     factor: float = 1.0  # What the value is multiplied with first, 100 for per cent
     signed: bool = False  # Whether a plus sign is written
 
-    def _write(self, value: float) -> Written:
+    def _write(self, value: float) -> WrittenNumber:
         text = f"{self.factor * value:{'+' if self.signed else ''}.{self.decimals}f}"
-        return Written(digits=text.lstrip("+-") if float(text) == 0.0 else text.replace("-", "−"))
+        return WrittenNumber(digits=text.lstrip("+-") if float(text) == 0.0 else text.replace("-", "−"))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,7 +72,7 @@ class Significant(Number):
     digits: int = 3  # Significant digits
     factor: float = 1.0  # What the value is multiplied with first
 
-    def _write(self, value: float) -> Written:
+    def _write(self, value: float) -> WrittenNumber:
         scaled = self.factor * value
         exponent = int(f"{scaled:.{self.digits - 1}e}".partition("e")[2])
         if not _LEAST_EXPONENT <= exponent <= _GREATEST_EXPONENT:
@@ -90,9 +90,9 @@ class Scientific(Number):
 
     decimals: int = 2  # Decimals of the mantissa
 
-    def _write(self, value: float) -> Written:
+    def _write(self, value: float) -> WrittenNumber:
         mantissa, _, exponent = f"{value:.{self.decimals}e}".partition("e")
-        return Written(digits=mantissa.replace("-", "−"), exponent=int(exponent))
+        return WrittenNumber(digits=mantissa.replace("-", "−"), exponent=int(exponent))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,31 +105,31 @@ class Shortest(Number):
 
     factor: float = 1.0  # What the value is multiplied with first
 
-    def _write(self, value: float) -> Written:
+    def _write(self, value: float) -> WrittenNumber:
         text = f"{self.factor * value:.6f}".rstrip("0").rstrip(".")
-        return Written(digits=text.replace("-", "−"))
+        return WrittenNumber(digits=text.replace("-", "−"))
 
 
 @dataclass(frozen=True, kw_only=True)
-class Whole(Number):
+class WholeNumber(Number):
     """A whole number.
 
-    >>> Whole()(100.0).digits
+    >>> WholeNumber()(100.0).digits
     '100'
     """
 
-    def _write(self, value: float) -> Written:
+    def _write(self, value: float) -> WrittenNumber:
         return Fixed(decimals=0)(value)
 
 
-def cells(values: Sequence[Any], number: Number | None) -> list[str | tuple[Written, str]]:
+def cells(values: Sequence[Any], number: Number | None) -> list[str | tuple[WrittenNumber, str]]:
     """Write the values of a column: texts, or numbers with the digits that each lacks to be aligned.
 
     >>> cells([True, None], None), [lacks for _, lacks in cells([1.0, 0.25], Shortest())]
     (['yes', '–'], ['.00', ''])
     """
     if number is None:
-        return [_worded(value) for value in values]
+        return [_write_word(value) for value in values]
     written = [number(float("nan") if value is None else float(value)) for value in values]
     most = max((one.decimals for one in written), default=0)
     return [
@@ -137,7 +137,7 @@ def cells(values: Sequence[Any], number: Number | None) -> list[str | tuple[Writ
     ]
 
 
-def _worded(value: object) -> str:
+def _write_word(value: object) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     unequal = value != value  # noqa: PLR0124 - NaN; of pandas' NA it is NA again
@@ -145,10 +145,10 @@ def _worded(value: object) -> str:
     return MISSING if missing else str(value)
 
 
-def in_line(written: Written) -> str:
+def write_in_line(written: WrittenNumber) -> str:
     """Write a number within a text, its power of ten by raised digits.
 
-    >>> in_line(Significant()(5.29e-5)), in_line(Significant()(1.048))
+    >>> write_in_line(Significant()(5.29e-5)), write_in_line(Significant()(1.048))
     ('5.29·10⁻⁵', '1.05')
     """
     if written.exponent is None:

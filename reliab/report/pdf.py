@@ -32,16 +32,16 @@ def write_pdf(
 ) -> None:
     """Write a report as PDF; identical input gives identical bytes.
 
-    `document`: the report, or its content as :func:`reliab.report.content.saved_content` gives it; `path`:
+    `document`: the report, or its content as :func:`reliab.report.content.read_content` gives it; `path`:
     the file, replaced if it is there; `date`: date on the report and in the file, unless the setting has
     another; `setting`: paper, title, date, and name and logo of the laboratory.
     """
-    content = compiled_report(document, date=date, setting=setting)
+    content = compile_report(document, date=date, setting=setting)
     with refuse_unwritable("Cannot write the file of a report", where=path), written_whole(path) as file:
         file.write_bytes(content)
 
 
-def compiled_report(
+def compile_report(
     document: Document | Mapping[str, bytes], *, date: dt.date, setting: Setting | None = None
 ) -> bytes:
     """Set a report as PDF."""
@@ -56,7 +56,7 @@ def compiled_report(
 
 def _set(content: Mapping[str, bytes], setting: Setting, date: dt.date) -> bytes:
     """Set content with the package's templates, which stand for any of the same name."""
-    pdf = _compiled(
+    pdf = _compile_typst(
         {**content, **setting.files(), **templates()},
         format="pdf",
         sys_inputs={"date": date.isoformat(), "version": __version__, **setting.inputs()},
@@ -71,10 +71,10 @@ def _require_sound_logo(setting: Setting) -> None:
         return
     with decoding("A logo must be a sound picture", remedy="Export it again", where=setting.logo):
         page = b"#image(sys.inputs.logo)"
-        _compiled({"main.typ": page, **setting.files()}, format="svg", sys_inputs=setting.inputs())
+        _compile_typst({"main.typ": page, **setting.files()}, format="svg", sys_inputs=setting.inputs())
 
 
-def _compiled(sources: Mapping[str, bytes], **options: Any) -> Any:  # noqa: ANN401 - bytes, or a list of them
+def _compile_typst(sources: Mapping[str, bytes], **options: Any) -> Any:  # noqa: ANN401 - bytes, or a list of them
     """Compile files in memory, which can read no other file than the package's templates."""
     files = cast("Any", dict(sources))  # typst's type hints know of no dict
     return typst.compile(files, root=str(_TEMPLATES), ignore_system_fonts=True, **options)

@@ -186,20 +186,22 @@ def _is_set(character: str) -> bool:
 def _pieces(template: str, values: dict[str, object]) -> Iterator[Piece]:
     end = 0
     for mark in _MARKS.finditer(template):
-        yield _filled(template[end : mark.start()], values)
+        yield _fill_template(template[end : mark.start()], values)
         end = mark.end()
         if mark["math"] is not None:
             yield Math(
-                source=_filled(mark["math"], {name: _evaluable(value) for name, value in values.items()})
+                source=_fill_template(
+                    mark["math"], {name: _evaluable(value) for name, value in values.items()}
+                )
             )
         elif mark["strong"] is not None:
-            yield Strong(text=_filled(mark["strong"], values))
+            yield Strong(text=_fill_template(mark["strong"], values))
         else:
             yield Reference(label=mark["label"])
-    yield _filled(template[end:], values)
+    yield _fill_template(template[end:], values)
 
 
-class _Refused:
+class _PlaceholderError:
     """Stands for a text that may be used outside of mathematics only."""
 
     def __format__(self, _: str) -> str:
@@ -210,10 +212,10 @@ class _Refused:
 def _evaluable(value: object) -> object:
     if isinstance(value, Math):
         return value.source
-    return value if isinstance(value, numbers.Real) else _Refused()
+    return value if isinstance(value, numbers.Real) else _PlaceholderError()
 
 
-def _filled(template: str, values: dict[str, object]) -> str:
+def _fill_template(template: str, values: dict[str, object]) -> str:
     return string.Formatter().vformat(template, (), values)
 
 

@@ -90,7 +90,7 @@ _UNDATED: Final[dict[str, dict[str, Any]]] = {
 _Arguments = ParamSpec("_Arguments")
 
 
-def styled(draw: Callable[_Arguments, Figure]) -> Callable[_Arguments, Figure]:
+def apply_style(draw: Callable[_Arguments, Figure]) -> Callable[_Arguments, Figure]:
     """Draw a figure in the style of the reports, whatever style the caller uses.
 
     A figure that cannot be drawn must not cost the results that it shows: a note stands in its place,

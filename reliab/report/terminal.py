@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.table import Table as RichTable
 
 from reliab.report.document import Block, Document, Equation, Paragraph, Points, Remark, Section, Table
-from reliab.report.numbers import MISSING, cells, in_line
+from reliab.report.numbers import MISSING, cells, write_in_line
 from reliab.report.prose import formula, words_of
 
 _NUMBER: Final = re.compile(r"[-+−]?\d[\d.,]*(?: %)?")
@@ -22,7 +22,7 @@ def print_document(document: Document, console: Console) -> None:
         if text:
             console.print(f"{name}: {words_of(text)}", highlight=False)
     print_blocks(document.blocks, console)
-    referred = document.referred()
+    referred = document.list_references()
     for source in document.sources:
         if source.label in referred:
             console.print(f"[{source.label}] {source.text}", highlight=False)
@@ -55,7 +55,7 @@ def rich_table(table: Table) -> RichTable:
     columns = []
     for column in table.columns:
         texts = [
-            cell if isinstance(cell, str) else in_line(cell[0])
+            cell if isinstance(cell, str) else write_in_line(cell[0])
             for cell in cells(list(table.frame[column.key]), column.number)
         ]
         columns.append(texts)

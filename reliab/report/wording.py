@@ -21,10 +21,10 @@ MEANINGS_OF_ERRORS: Final = {
 """What each error of the whole test is, in a clause."""
 
 
-def with_options(sentence: str) -> str:
+def replace_arguments_by_options(sentence: str) -> str:
     """Write arguments that a sentence names as options of the command line, which a filed report came from.
 
-    >>> with_options("Give its `force_channel`; see `reliab calibrate`.")
+    >>> replace_arguments_by_options("Give its `force_channel`; see `reliab calibrate`.")
     'Give its --force-channel; see `reliab calibrate`.'
     """
     return re.sub(r"`([a-z]\w*)`", lambda name: f"--{name[1].replace('_', '-')}", sentence)
@@ -72,22 +72,22 @@ def values(numbers: Sequence[float], unit: str = "") -> str:
     words, ending = [f"{number:g}" for number in numbers], f" {unit}" if unit else ""
     if len(words) > _FEW:
         return f"{words[0]} to {words[-1]}{ending} ({len(words)} values)"
-    return f"{listed(words)}{ending}"
+    return f"{join_words(words)}{ending}"
 
 
-def listed(words: Sequence[str]) -> str:
+def join_words(words: Sequence[str]) -> str:
     """Join words with commas and a last "and".
 
-    >>> listed(["a", "b", "c"])
+    >>> join_words(["a", "b", "c"])
     'a, b and c'
     """
     return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else list(words))
 
 
-def spelled_out(name: str) -> str:
+def spell_out(name: str) -> str:
     """Write a name of the package as words.
 
-    >>> spelled_out("viscous_damping")
+    >>> spell_out("viscous_damping")
     'viscous damping'
     """
     return name.replace("_", " ")

@@ -14,7 +14,7 @@ import numpy as np
 from reliab.assessment.assessment import Assessment
 from reliab.assessment.frame_assessment import FrameAssessment
 from reliab.core.arrays import Array
-from reliab.core.encodings import as_cell, of_cell
+from reliab.core.encodings import as_cell, restore_cell
 from reliab.core.errors import InputError
 from reliab.core.plain_values import PlainResult
 from reliab.core.vocabulary import MILLI
@@ -255,7 +255,7 @@ def read_cache(text: str) -> dict[str, dict[str, Any]]:
 
     ValueError, KeyError or csv.Error where the text is damaged.
     """
-    lines = (list(map(of_cell, cells)) for cells in csv.reader(io.StringIO(text, newline="")))
+    lines = (list(map(restore_cell, cells)) for cells in csv.reader(io.StringIO(text, newline="")))
     names = next(lines, [])
     if names[:1] != [STATE]:
         raise ValueError("another table")

@@ -15,7 +15,7 @@ import numpy as np
 from reliab.core.errors import IncompleteError, InputError
 from reliab.core.files import decoding, ordinary, written_whole
 from reliab.core.progress import Progress, silent
-from reliab.core.untrusted_files import objects_of, opened_hdf5
+from reliab.core.untrusted_files import objects_of, open_hdf5
 from reliab.sampling.laplace import Laplace
 from reliab.sampling.model import Model
 from reliab.sampling.posterior_sample import FEWEST_ENSEMBLES, PosteriorSample
@@ -98,7 +98,7 @@ class ChainFile:
         content = io.BytesIO()  # HDF5 loses an error of the disk that shows when it closes a file
         with h5py.File(content, "w", libver="latest") as new:  # its descriptions carry checksums
             if self.path.exists():
-                with opened_hdf5(self.path) as old:
+                with open_hdf5(self.path) as old:
                     for name in _groups(old):
                         if name not in self._chains:
                             old.copy(name, new, name)
@@ -116,7 +116,7 @@ def _read(
 
     chains: dict[str, tuple[str | None, Backend]] = {}
     with contextlib.ExitStack() as files:
-        groups = files.enter_context(opened_hdf5(path)) if ordinary(path).exists() else {}
+        groups = files.enter_context(open_hdf5(path)) if ordinary(path).exists() else {}
         for name in names:
             chain = Backend()
             chain.reset(*shape)

@@ -20,7 +20,7 @@ from typing import Any, Final
 from reliab.core.described_files import read_toml
 from reliab.core.errors import InputError
 from reliab.core.progress import Show
-from reliab.core.shipped import shipped_folder
+from reliab.core.shipped import find_shipped_folder
 from reliab.report.document import Document
 from reliab.study.description import Study
 from reliab.study.stages import Stage
@@ -41,7 +41,7 @@ class Kind:
         order. What cannot be run is refused here, before the first stage.
     report : callable
         Takes such a study and its run folder; gives the report, or its content as
-        :func:`reliab.report.content.saved_content` reads it. Nothing is simulated any more.
+        :func:`reliab.report.content.read_content` reads it. Nothing is simulated any more.
     """
 
     name: str
@@ -123,7 +123,7 @@ def kind_of(folder: Path) -> Kind | None:
 
 def _studies_root() -> Path:
     """Return the folder of the studies that ship; it does not exist where they were taken away."""
-    return shipped_folder("studies").resolve()
+    return find_shipped_folder("studies").resolve()
 
 
 def _package(parent: Path) -> str:

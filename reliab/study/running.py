@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from reliab.core.described_files import described, read_toml
+from reliab.core.described_files import read_toml, validate_description
 from reliab.core.errors import InputError
 from reliab.core.files import decoding, refuse_links, written_whole
 from reliab.core.progress import Show, quietly
@@ -35,7 +35,7 @@ def study_from(content: Mapping[str, Any], *, location: str = "") -> Study:
             where=location,
         )
     tables = KINDS[name].tables
-    return described(
+    return validate_description(
         tables,
         content,
         rule="A study holds the keys that its kind knows, with allowed values",

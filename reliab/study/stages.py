@@ -26,9 +26,9 @@ from reliab.core.described_files import read_json
 from reliab.core.errors import IncompleteError, InputError
 from reliab.core.files import (
     UNFINISHED,
+    lock_for_writing,
     refuse_unwritable,
     remove_abandoned,
-    written_by_one_process,
     written_whole,
 )
 from reliab.criterion.provenance import read_versions
@@ -73,7 +73,7 @@ class RunFolder:
         """Open a run folder, and keep every other process from running a study in it."""
         with refuse_unwritable("Cannot write the run folder", where=path):
             path.mkdir(parents=True, exist_ok=True)
-        with written_by_one_process(path, "Only one process may run a study in a folder"):
+        with lock_for_writing(path, "Only one process may run a study in a folder"):
             try:
                 yield cls(path, study=study)
             except OSError as error:

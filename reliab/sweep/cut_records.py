@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from reliab.core.shipped import shipped
-from reliab.core.untrusted_files import opened_hdf5
+from reliab.core.untrusted_files import open_hdf5
 from reliab.motions.intensity import arias_times
 from reliab.motions.motion import Motion
 from reliab.structures.structure import Structure
@@ -59,7 +59,7 @@ def add_known_cut_records(ellipses: xr.Dataset) -> xr.Dataset:
     is_full_record = str(ellipses.attrs.get("window")) == Window().label and share_of(ellipses) == 1.0
     if not is_full_record or "checksum" not in ellipses.coords:
         return ellipses
-    with opened_hdf5(shipped("datasets", _SHIPPED_ELLIPSES), ships=True) as file:
+    with open_hdf5(shipped("datasets", _SHIPPED_ELLIPSES), ships=True) as file:
         records, *axes = (file[name][()] for name in ("checksum", "f", "xi"))
         rows = {text.decode(): row for row, text in enumerate(records.tolist())}
         places = [[rows.get(text) for text in ellipses["checksum"].values.tolist()]]

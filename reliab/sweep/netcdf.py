@@ -14,7 +14,7 @@ from reliab.core.errors import InputError
 from reliab.core.files import LIMITS, decoding, ordinary, written_whole
 from reliab.core.log_quantization import NEIGHBOURS, STEP, UNKNOWN, numbers_of, to_steps
 from reliab.core.significant_digits import significant
-from reliab.core.untrusted_files import objects_of, opened_hdf5
+from reliab.core.untrusted_files import objects_of, open_hdf5
 
 
 def pack(
@@ -80,7 +80,7 @@ def read_netcdf(
     """
     with decoding(rule, remedy=remedy, where=path):
         LIMITS["dataset"].require_small(ordinary(path))
-        with opened_hdf5(path) as file:
+        with open_hdf5(path) as file:
             declared_size = sum(_size(item) for _, item in objects_of(file))
             _refuse_empty_promises(declared_size, Path(path))
             LIMITS["dataset"].require_few_numbers(declared_size, path)

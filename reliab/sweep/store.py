@@ -29,9 +29,9 @@ from reliab.core.errors import IncompleteError, InputError
 from reliab.core.files import (
     UNFINISHED,
     decoding,
+    lock_for_writing,
     refuse_unwritable,
     remove_abandoned,
-    written_by_one_process,
 )
 from reliab.motions.motion import Motion
 from reliab.sweep.request import SweepRequest
@@ -106,7 +106,7 @@ class ResultsStore:
     ) -> Iterator["ResultsStore"]:
         """Create a store, or open an unfinished one, and keep every other process from writing to it."""
         _make_writable(path.parent)
-        with written_by_one_process(path, "Only one process may write to a results store"):
+        with lock_for_writing(path, "Only one process may write to a results store"):
             if path.exists():
                 _check_resumable(path, request, names, resume=resume)
                 remove_abandoned([*path.rglob(f"{UNFINISHED}*"), *path.rglob("*.partial")])  # ours and Zarr's

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.core.errors import InputError
-from reliab.core.files import decoding, ordinary, refuse_links, unfinished_name
+from reliab.core.files import decoding, make_unfinished_name, ordinary, refuse_links
 from reliab.core.vocabulary import LABELS, SHARE_ATTRIBUTE, Dimension
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.solve import VARIABLES
@@ -69,7 +69,7 @@ class ChunkNames:
 
 def write_chunk(store: Path, chunk_path: Path, chunk: bytes) -> None:
     """Write a file of a store at once or not at all, without waiting for the disk."""
-    place, partial_file = store / chunk_path, unfinished_name(store / "chunk")
+    place, partial_file = store / chunk_path, make_unfinished_name(store / "chunk")
     try:
         with partial_file.open("xb") as file:
             file.write(chunk)

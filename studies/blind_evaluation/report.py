@@ -12,11 +12,11 @@ from reliab.core.vocabulary import PERCENT
 from reliab.effects.registry import library
 from reliab.report.axes import name_axes, plain
 from reliab.report.document import Column, Document, Figure as RpFigure, Paragraph, Points, Section, Table
-from reliab.report.numbers import Fixed, Whole
+from reliab.report.numbers import Fixed, WholeNumber
 from reliab.report.prose import Prose, prose
 from reliab.report.sources import provenance_of
-from reliab.report.style import BLUE, GREY, INK, blank, panels, styled
-from reliab.report.wording import spelled_out
+from reliab.report.style import BLUE, GREY, INK, apply_style, blank, panels
+from reliab.report.wording import spell_out
 
 _GROUPS = (
     "One effect that exceeds the noise",
@@ -54,7 +54,7 @@ def blind_evaluation_report(
             failed=len(last["failures"]),
         ),
         facts={
-            "Campaigns": ", ".join(f"{count} {spelled_out(kind)}" for kind, count in last["kinds"].items()),
+            "Campaigns": ", ".join(f"{count} {spell_out(kind)}" for kind, count in last["kinds"].items()),
             "Gap closed on held-out tests": prose(
                 "{middle} in the median, {low} or more in 95 % of {n} campaigns",
                 middle=percent(gap["q50"]),
@@ -81,8 +81,8 @@ def _rates(run: Mapping[str, Any]) -> Section:
     rows = [{"what": name, **rate, "wanted": _target(rate)} for name, rate in rates.items() if rate["of"]]
     columns = (
         Column(key="what", heading="What", wide=True),
-        Column(key="count", heading="Times", number=Whole()),
-        Column(key="of", heading="Of", number=Whole()),
+        Column(key="count", heading="Times", number=WholeNumber()),
+        Column(key="of", heading="Of", number=WholeNumber()),
         *(
             Column(key=key, heading=heading, unit="%", number=_SHARE)
             for key, heading in (("share", "Share"), ("low", "From"), ("high", "To"))
@@ -134,9 +134,9 @@ def _confusion(run: Mapping[str, Any]) -> Section:
     group_names = [name for name in _GROUPS if name in groups]
     columns = (
         Column(key="group", heading="Hidden", wide=True),
-        Column(key="kinds", heading="Kinds", number=Whole()),
-        Column(key="of", heading="Times", number=Whole()),
-        Column(key="right", heading="Answered so", number=Whole()),
+        Column(key="kinds", heading="Kinds", number=WholeNumber()),
+        Column(key="of", heading="Times", number=WholeNumber()),
+        Column(key="right", heading="Answered so", number=WholeNumber()),
         Column(key="otherwise", heading="Otherwise", wide=True),
     )
     return Section(
@@ -161,7 +161,7 @@ def _confusion(run: Mapping[str, Any]) -> Section:
 def _counted(group: str, truths: Mapping[str, Mapping[str, int]]) -> dict[str, object]:
     """Count the answers of a group that are what was hidden, and name the others."""
     others = [
-        f"{count} × {spelled_out(truth)} as {spelled_out(answer)}"
+        f"{count} × {spell_out(truth)} as {spell_out(answer)}"
         for truth, answers in truths.items()
         for answer, count in answers.items()
         if answer != _answer_to(truth)
@@ -226,11 +226,11 @@ def _failures(run: Mapping[str, Any]) -> Section:
     rows = [
         {
             "campaign": str(failure["campaign"]).removeprefix("campaign_"),
-            "seen": spelled_out(failure["observation"]),
-            "noise": f"{spelled_out(failure['noise'])}, {failure['snr_db']:.0f} dB",
-            "truth": ", ".join(f"{spelled_out(name)} {db:+.0f} dB" for name, db in failure["truth"].items())
+            "seen": spell_out(failure["observation"]),
+            "noise": f"{spell_out(failure['noise'])}, {failure['snr_db']:.0f} dB",
+            "truth": ", ".join(f"{spell_out(name)} {db:+.0f} dB" for name, db in failure["truth"].items())
             or "nothing",
-            "answer": ", ".join(map(spelled_out, failure["named"])) or spelled_out(str(failure["verdict"])),
+            "answer": ", ".join(map(spell_out, failure["named"])) or spell_out(str(failure["verdict"])),
         }
         for failure in run["failures"]
     ]
@@ -261,7 +261,7 @@ _ROW, _EDGE = 4.6, 42.0
 _DARK = 0.55
 
 
-@styled
+@apply_style
 def discrepancy_reliability(bins: pd.DataFrame) -> Figure:
     """Draw how often effects that were named with a stated probability were right.
 
@@ -283,7 +283,7 @@ def discrepancy_reliability(bins: pd.DataFrame) -> Figure:
     return figure
 
 
-@styled
+@apply_style
 def discrepancy_confusion(counts: Mapping[str, Mapping[str, int]]) -> Figure:
     """Draw which effects were given which names.
 

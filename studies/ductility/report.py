@@ -11,10 +11,10 @@ from reliab.core.significant_digits import counted, percent
 from reliab.core.vocabulary import PERCENT
 from reliab.report.axes import label_logarithmic, legend_below, name_axes
 from reliab.report.document import Column, Document, Figure as RpFigure, Paragraph, Points, Section, Table
-from reliab.report.numbers import Fixed, Shortest, Whole
+from reliab.report.numbers import Fixed, Shortest, WholeNumber
 from reliab.report.prose import Prose, prose
 from reliab.report.sources import provenance_of
-from reliab.report.style import INK, letters, line, panels, styled
+from reliab.report.style import INK, apply_style, letters, line, panels
 from reliab.report.wording import values
 
 from .tolerances import FARTHEST
@@ -115,8 +115,8 @@ def _table_of_levels(frame: pd.DataFrame) -> Table:
         Column(key="name", heading="Specimen", wide=True),
         Column(key="level", heading="Level", number=Shortest()),
         Column(key="ductility", heading="Ductility", number=_RATIO),
-        Column(key="tests", heading="Tests", number=Whole()),
-        Column(key="lost", heading="Lost", number=Whole()),
+        Column(key="tests", heading="Tests", number=WholeNumber()),
+        Column(key="lost", heading="Lost", number=WholeNumber()),
         *(
             Column(key=key, heading=heading, number=_RATIO, group="Median tolerance over linear")
             for key, heading in (("late", "Delay"), ("large", "Gain > 1"), ("small", "Gain < 1"))
@@ -206,7 +206,7 @@ _TITLES = {
 }
 
 
-@styled
+@apply_style
 def tolerance_over_level(levels: pd.DataFrame) -> Figure:
     """Draw quantiles of the tolerance over that of the linear test, one panel for each kind of specimen."""
     kinds = list(dict.fromkeys(levels["specimen"]))

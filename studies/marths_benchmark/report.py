@@ -9,7 +9,7 @@ import pandas as pd
 from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import PERCENT
 from reliab.report.document import Column, Document, Paragraph, Section, Table
-from reliab.report.numbers import Fixed, Whole
+from reliab.report.numbers import Fixed, WholeNumber
 from reliab.report.prose import Prose, prose
 from reliab.report.sources import provenance_of
 
@@ -171,8 +171,8 @@ def _uncertain(rows: Sequence[Mapping[str, Any]]) -> Section:
     frame = pd.DataFrame(content, columns=["name", "tests", "lost", *names])
     columns = (
         Column(key="name", heading="Controller", wide=True),
-        Column(key="tests", heading="Tests", number=Whole()),
-        Column(key="lost", heading="Lost", number=Whole()),
+        Column(key="tests", heading="Tests", number=WholeNumber()),
+        Column(key="lost", heading="Lost", number=WholeNumber()),
         *_columns(_SHOWN),
     )
     caption = "Means over the tests of uncertain plants that were not lost."

@@ -10,10 +10,10 @@ from reliab.core.significant_digits import counted, percent
 from reliab.core.vocabulary import PERCENT
 from reliab.report.axes import legend_below, name_axes, plain
 from reliab.report.document import Block, Column, Document, Figure as RpFigure, Paragraph, Section, Table
-from reliab.report.numbers import Fixed, Whole
+from reliab.report.numbers import Fixed, WholeNumber
 from reliab.report.prose import Prose, prose
 from reliab.report.sources import provenance_of
-from reliab.report.style import GREY, line, panels, styled
+from reliab.report.style import GREY, apply_style, line, panels
 
 from .judging import ALL, compare_with_stated
 
@@ -84,7 +84,7 @@ def _errors(tests: pd.DataFrame, rates: pd.DataFrame) -> Section:
             frame=rates,
             columns=(
                 Column(key="family", heading="Specimen", wide=True),
-                Column(key="tests", heading="Tests", number=Whole()),
+                Column(key="tests", heading="Tests", number=WholeNumber()),
                 Column(key="near", heading="10 %", unit="%", number=_SHARE, group="within"),
                 Column(key="wide", heading="25 %", unit="%", number=_SHARE, group="within"),
                 Column(key="held", heading="Interval holds", unit="%", number=_SHARE),
@@ -99,7 +99,7 @@ def _errors(tests: pd.DataFrame, rates: pd.DataFrame) -> Section:
 def _verdicts(rates: pd.DataFrame) -> Section:
     columns = (
         Column(key="family", heading="Specimen", wide=True),
-        Column(key="bad", heading="Bad tests", number=Whole()),
+        Column(key="bad", heading="Bad tests", number=WholeNumber()),
         Column(key="false_safe", heading="Bad and accepted", unit="%", number=_SMALL_SHARE),
         Column(key="accepted", heading="accepted", unit="%", number=_SHARE, group="good tests"),
         Column(key="refused_good", heading="refused", unit="%", number=_SHARE, group="good tests"),
@@ -155,7 +155,7 @@ _SPREAD = 0.7  # between marks of the tests of a family
 _BESIDE = 0.13  # between marks of tests with less and with more noise
 
 
-@styled
+@apply_style
 def ratios_by_family(tests: pd.DataFrame) -> Figure:
     """Draw the computed error over the true one with its interval, one mark a test.
 

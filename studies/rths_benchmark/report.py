@@ -11,11 +11,11 @@ from reliab.core.significant_digits import counted, percent
 from reliab.core.vocabulary import PERCENT
 from reliab.report.axes import label_logarithmic, legend_below, name_axes, plain
 from reliab.report.document import Block, Column, Document, Figure as RpFigure, Paragraph, Section, Table
-from reliab.report.numbers import Fixed, Whole
+from reliab.report.numbers import Fixed, WholeNumber
 from reliab.report.prose import Prose, prose
 from reliab.report.sources import provenance_of
-from reliab.report.style import line, panels, styled
-from reliab.report.wording import spelled_out
+from reliab.report.style import apply_style, line, panels
+from reliab.report.wording import spell_out
 
 from .outcomes import NOMINAL, summary
 
@@ -84,7 +84,7 @@ def _judged(rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
                 "rebuilt": row["rebuilt"]["rms"]["value"],
                 "low": row["rebuilt"]["rms"]["low"],
                 "high": row["rebuilt"]["rms"]["high"],
-                "verdict": spelled_out(row["rebuilt"]["verdict"]),
+                "verdict": spell_out(row["rebuilt"]["verdict"]),
             }
             for row in rows
             if row["plant"] == NOMINAL and not row["lost"]
@@ -125,7 +125,7 @@ def _lost(count: int) -> str:
 
 
 def _worded(name: str) -> str:
-    return _NAMES.get(name, spelled_out(name))
+    return _NAMES.get(name, spell_out(name))
 
 
 def _published(published: pd.DataFrame) -> Section:
@@ -178,9 +178,9 @@ def _compensators(table: pd.DataFrame, rows: Sequence[Mapping[str, Any]]) -> Sec
     columns = (
         Column(key="name", heading="Compensator", wide=True),
         Column(key="plants", heading="Plants"),
-        Column(key="tests", heading="Tests", number=Whole()),
+        Column(key="tests", heading="Tests", number=WholeNumber()),
         Column(key="share", heading="Lost", unit="%", number=Fixed(decimals=1, factor=PERCENT)),
-        Column(key="over_force_limit", heading="Over 8.9 kN", number=Whole()),
+        Column(key="over_force_limit", heading="Over 8.9 kN", number=WholeNumber()),
         Column(key="J1", heading="J1", unit="ms", number=Fixed(decimals=2)),
         *(
             Column(key=name, heading=name, unit="%", number=Fixed(decimals=1))
@@ -207,7 +207,7 @@ def _errors(judged: pd.DataFrame, threshold: float) -> Section:
     number = Fixed(decimals=2, factor=PERCENT)
     columns = (
         Column(key="name", heading="Compensator", wide=True),
-        Column(key="case", heading="Case", number=Whole()),
+        Column(key="case", heading="Case", number=WholeNumber()),
         Column(key="motion", heading="Motion"),
         Column(key="rms", heading="True", unit="%", number=number),
         *(
@@ -232,7 +232,7 @@ _WIDTH = 120.0
 _SPREAD = 0.16
 
 
-@styled
+@apply_style
 def benchmark_spread(tests: pd.DataFrame) -> Figure:
     """Draw J4 of every test over the case, one mark for each compensator.
 

@@ -19,8 +19,8 @@ from reliab.report.prose import Prose, prose
 from reliab.report.sections.method import limits_section, method_section
 from reliab.report.sections.rates import rates_section
 from reliab.report.sources import SOURCES, provenance_of
-from reliab.report.style import letters, line, panels, styled
-from reliab.report.wording import listed
+from reliab.report.style import apply_style, letters, line, panels
+from reliab.report.wording import join_words
 
 _WORDS = {
     "peak_acceleration": ("Peak acceleration", "m/s²"),
@@ -65,7 +65,7 @@ def suites_report(
         verdict=_verdict(limits, names, containment, confidence),
         tone="bad" if containment is not None and containment["high"] < confidence else "plain",
         facts={
-            "Suites": listed([f"{name} ({len(table)} motions)" for name, table in measures.items()]),
+            "Suites": join_words([f"{name} ({len(table)} motions)" for name, table in measures.items()]),
             "Confidence": percent(confidence),
             "Purpose": purpose,
         },
@@ -244,7 +244,7 @@ _COLUMNS = 3
 _QUANTILES = (0.16, 0.5, 0.84)
 
 
-@styled
+@apply_style
 def suite_measures(suites: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw the distribution of each measure over the motions of each suite.
 
@@ -270,7 +270,7 @@ def suite_measures(suites: Mapping[str, pd.DataFrame]) -> Figure:
     return figure
 
 
-@styled
+@apply_style
 def suite_spectra(suites: Mapping[str, xr.DataArray]) -> Figure:
     """Draw the median response spectrum of each suite with the middle two thirds of the motions.
 

@@ -15,7 +15,7 @@ from reliab.report.numbers import Fixed, Scientific, Significant
 from reliab.report.prose import Prose, prose
 from reliab.report.sections.method import limits_section, method_section
 from reliab.report.sources import SOURCES, provenance_of
-from reliab.report.style import BLUE, GREY, INK, VERMILION, letters, panels, styled
+from reliab.report.style import BLUE, GREY, INK, VERMILION, apply_style, letters, panels
 
 from .audit import LARGEST_CHANCE, NONE_FOUND
 
@@ -163,7 +163,7 @@ def _root_mean_square(gaps: pd.Series) -> float:
     return float(np.sqrt(np.mean(np.square(finite)))) if len(finite) else 0.0
 
 
-@styled
+@apply_style
 def table_rows(rows: pd.DataFrame) -> Figure:
     """Draw simulated over printed ellipse parameters, row by row.
 

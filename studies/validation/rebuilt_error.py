@@ -10,9 +10,9 @@ from reliab.core.significant_digits import counted, percent
 from reliab.core.vocabulary import PERCENT
 from reliab.report.axes import label_logarithmic, legend_below, name_axes, plain as rp_plain
 from reliab.report.document import Column, Figure as RpFigure, Paragraph, Section, Table
-from reliab.report.numbers import Fixed, Whole
+from reliab.report.numbers import Fixed, WholeNumber
 from reliab.report.prose import Prose, prose
-from reliab.report.style import GREY, INK, letters, line, panels, styled
+from reliab.report.style import GREY, INK, apply_style, letters, line, panels
 
 from .rebuilt_error_study.judges import OWN_BOUNDARY, REBUILT, WITH_MODEL
 from .rebuilt_error_study.rigs import LINEAR, PLAIN, RIGHT
@@ -157,9 +157,9 @@ def _table(frame: pd.DataFrame, key: str, heading: str, caption: Prose, label: s
         frame=frame,
         columns=(
             Column(key=key, heading=heading),
-            Column(key="bad", heading="tried", number=Whole(), group=bad),
+            Column(key="bad", heading="tried", number=WholeNumber(), group=bad),
             Column(key="bad_accepted", heading="accepted", unit="%", number=share, group=bad),
-            Column(key="good", heading="tried", number=Whole(), group=good),
+            Column(key="good", heading="tried", number=WholeNumber(), group=good),
             Column(key="good_accepted", heading="accepted", unit="%", number=share, group=good),
             Column(key="contained", heading="Motions contained", unit="%", number=share),
             Column(key="ratio_05", heading="5 %", number=ratio, group=ratio_heading),
@@ -177,7 +177,7 @@ _SHARES_HEIGHT = 40.0
 _SHIFT = 0.16
 
 
-@styled
+@apply_style
 def stated_errors(tests: pd.DataFrame, judges: tuple[str, ...]) -> Figure:
     """Draw the error that judges state over the true one.
 
@@ -204,7 +204,7 @@ def stated_errors(tests: pd.DataFrame, judges: tuple[str, ...]) -> Figure:
     return figure
 
 
-@styled
+@apply_style
 def accepted_tests(rows: pd.DataFrame) -> Figure:
     """Draw which share of bad and of good tests each judge accepts.
 

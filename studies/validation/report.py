@@ -13,12 +13,12 @@ from reliab.core.significant_digits import percent, percent_and_interval
 from reliab.core.vocabulary import MILLI, PERCENT
 from reliab.report.axes import label_logarithmic, legend_below, name_axes, plain
 from reliab.report.document import Block, Column, Document, Figure as RpFigure, Paragraph, Section, Table
-from reliab.report.numbers import Fixed, Shortest, Whole
+from reliab.report.numbers import Fixed, Shortest, WholeNumber
 from reliab.report.prose import Prose, prose
 from reliab.report.sections.method import limits_section, method_section
 from reliab.report.sections.rates import rates_section
 from reliab.report.sources import SOURCES, provenance_of
-from reliab.report.style import GREY, line, panels, styled
+from reliab.report.style import GREY, apply_style, line, panels
 from reliab.report.wording import law_in_words
 
 from .rebuilt_error import rebuilt_error_section
@@ -140,10 +140,10 @@ def verdicts_section(verdicts: pd.DataFrame, confidence: float) -> Section:
                 frame=rows,
                 columns=(
                     Column(key="candidate", heading="Criterion"),
-                    Column(key="good_accepted", heading="accepted", number=Whole(), group=good),
-                    Column(key="good_rejected", heading="refused", number=Whole(), group=good),
-                    Column(key="bad_accepted", heading="accepted", number=Whole(), group=bad),
-                    Column(key="bad_rejected", heading="refused", number=Whole(), group=bad),
+                    Column(key="good_accepted", heading="accepted", number=WholeNumber(), group=good),
+                    Column(key="good_rejected", heading="refused", number=WholeNumber(), group=good),
+                    Column(key="bad_accepted", heading="accepted", number=WholeNumber(), group=bad),
+                    Column(key="bad_rejected", heading="refused", number=WholeNumber(), group=bad),
                 ),
                 caption=prose(
                     "Verdicts of the criteria that state {share} on tests whose amplitude errors and delays "
@@ -210,13 +210,13 @@ def _actuator_rows(frame: pd.DataFrame) -> Table:
         frame=frame,
         columns=(
             Column(key="rig", heading="Actuator", wide=True),
-            Column(key="tests", heading="Tests", number=Whole()),
+            Column(key="tests", heading="Tests", number=WholeNumber()),
             Column(key="typical", heading="median", unit="%", number=share, group=off),
             Column(key="worst", heading="worst", unit="%", number=share, group=off),
-            Column(key="bad", heading="Bad", number=Whole()),
-            Column(key="accepted", heading="Accepted", number=Whole()),
-            Column(key="unsafe", heading="Accepted, yet bad", number=Whole()),
-            Column(key="wasted", heading="Good, yet refused", number=Whole()),
+            Column(key="bad", heading="Bad", number=WholeNumber()),
+            Column(key="accepted", heading="Accepted", number=WholeNumber()),
+            Column(key="unsafe", heading="Accepted, yet bad", number=WholeNumber()),
+            Column(key="wasted", heading="Good, yet refused", number=WholeNumber()),
         ),
         caption=(
             "Verdicts on actuators beyond the model; a test is bad when its own simulated error "
@@ -230,7 +230,7 @@ _HEIGHT = 76.0
 _WIDTH = 120.0
 
 
-@styled
+@apply_style
 def error_beyond_the_model(
     tests: pd.DataFrame, *, prediction: str = "Error of a constant gain $A$ and delay $d$"
 ) -> Figure:
@@ -285,7 +285,7 @@ def _case_rows(frame: pd.DataFrame, seconds: str) -> Table:
     return Table(
         frame=frame,
         columns=(
-            Column(key="case", heading="Case", number=Whole()),
+            Column(key="case", heading="Case", number=WholeNumber()),
             Column(key="f", heading=prose("$f$"), unit="Hz", number=Shortest()),
             Column(key="xi", heading=prose("$xi$"), unit="-", number=Shortest()),
             Column(key="A", heading=prose("$A$"), unit="-", number=Fixed(decimals=4)),

@@ -14,7 +14,7 @@ from reliab.app.api.simulation import simulate_suite
 from reliab.app.api.tracing import trace_boundaries
 from reliab.app.cli import application, run, spread
 from reliab.app.cli.commands import takes
-from reliab.app.declaration import Panel, Quantity, asks, declared_options
+from reliab.app.declaration import Panel, Quantity, asks, collect_options
 
 QUESTIONS = [
     item
@@ -99,7 +99,7 @@ def test_signature_and_docstring_name_what_is_declared():
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_a_public_function_documents_each_of_its_arguments_once(name):
     function = BEHIND_COMMANDS.get(name) or getattr(reliab, name)
-    declared = declared_options(FUNCTIONS[name])
+    declared = collect_options(FUNCTIONS[name])
     assert set(declared) <= set(inspect.signature(function).parameters)
     for argument, (_, option) in declared.items():
         assert function.__doc__.count(f"\n{argument} : ") == 1
@@ -109,7 +109,7 @@ def test_a_public_function_documents_each_of_its_arguments_once(name):
 @pytest.mark.parametrize("question", QUESTIONS, ids=lambda question: question.__name__)
 def test_a_name_has_one_flag_and_a_known_panel_and_unit(question):
     titles = {"", *(panel.title for panel in options.PANELS)}
-    for name, (_, option) in declared_options(question).items():
+    for name, (_, option) in collect_options(question).items():
         assert option.panel in titles, name
         assert option.unit or "[" not in option.help, name
         assert option.metavar or option.default is False or option.names, name

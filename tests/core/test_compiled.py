@@ -24,10 +24,10 @@ print(half(3.0))
 """
 CALLED_BY_ADDRESS = """
 from numba import types
-from reliab.core.compiled import compiled_callback
+from reliab.core.compiled import compile_callback
 def half(x):
     return x / 2
-print(compiled_callback(types.float64(types.float64), half).ctypes(3.0))
+print(compile_callback(types.float64(types.float64), half).ctypes(3.0))
 """
 
 

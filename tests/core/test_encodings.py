@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from reliab.core.encodings import as_cell, of_cell, pieces_as_utf8
+from reliab.core.encodings import as_cell, pieces_as_utf8, restore_cell
 from reliab.criterion.ellipse_reading import read_ellipses
 from reliab.discrepancy.campaign.campaign import Channel
 from reliab.discrepancy.campaign.reading import read_channels
@@ -85,7 +85,7 @@ CELLS = (
 @pytest.mark.parametrize("text", CELLS)
 def test_a_cell_is_read_as_it_was_written_and_is_no_formula(text):
     cell = as_cell(text)
-    assert of_cell(cell) == text
+    assert restore_cell(cell) == text
     try:
         float(cell)
     except ValueError:

@@ -13,8 +13,8 @@ from reliab.core.files import (
     UNFINISHED,
     decoding,
     folder_written_whole,
+    lock_for_writing,
     ordinary,
-    written_by_one_process,
     written_whole,
 )
 
@@ -169,10 +169,10 @@ def overtaken(second, place):
 
 def test_one_process_writes_to_a_folder(tmp_path):
     with (
-        written_by_one_process(tmp_path / "run", "Only one may"),
+        lock_for_writing(tmp_path / "run", "Only one may"),
         pytest.raises(InputError, match=r"Only one may; found .* in use by another process"),
-        written_by_one_process(tmp_path / "run", "Only one may"),
+        lock_for_writing(tmp_path / "run", "Only one may"),
     ):
         pass
-    with written_by_one_process(tmp_path / "run", "Only one may"):
+    with lock_for_writing(tmp_path / "run", "Only one may"):
         pass

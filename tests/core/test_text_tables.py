@@ -62,7 +62,7 @@ def test_a_time_of_day_in_any_notation(cell, seconds):
 def test_times_of_day_are_counted_beyond_midnight_in_any_pieces():
     seconds = np.array([86398.5, 86399.5, 0.5, 1.5, 86399.0, 0.25])
     counted = TimesOfDay()
-    pieces = [counted.counted(piece) for piece in (seconds[:2], seconds[2:2], seconds[2:])]
+    pieces = [counted.count_seconds(piece) for piece in (seconds[:2], seconds[2:2], seconds[2:])]
     expected = [0.0, 1.0, 2.0, 3.0, 86400.5, 86401.75]
     np.testing.assert_allclose(np.concatenate(pieces), expected)
 

@@ -19,12 +19,12 @@ from parsed import nodes
 import reliab
 from reliab.core import untrusted_files as received
 from reliab.core.errors import InputError
-from reliab.core.untrusted_files import named_within, objects_of, opened_hdf5
+from reliab.core.untrusted_files import objects_of, open_hdf5, resolve_within
 from reliab.discrepancy.campaign.reading import read_campaign
 from reliab.motions.checking import inspect
 from reliab.motions.loading import load_motions
 from reliab.recordings.readers.registry import read_tests
-from reliab.report.content import saved_content
+from reliab.report.content import read_content
 from reliab.sampling.ensembles import draw
 from reliab.simulation.frames.frame_file import read_frame
 from reliab.study.stages import RunFolder
@@ -103,12 +103,12 @@ PLACES = {
     "frame's rig": Place(frame, lambda folder: read_frame(folder / "frame.toml"), "plant.mat", "frame.toml"),
     "report's figure": Place(
         run_of_a_study,
-        lambda folder: saved_content(folder / "report"),
+        lambda folder: read_content(folder / "report"),
         "figure-1.svg",
         "report/document.json",
     ),
     "report's content": Place(
-        run_of_a_study, lambda folder: saved_content(folder / "report"), "document.json"
+        run_of_a_study, lambda folder: read_content(folder / "report"), "document.json"
     ),
     "run's manifest": Place(finished_run, open_run, "manifest.json"),
     "store's chunk": Place(lambda: corpus.stores()[0], results, a_chunk()),
@@ -181,7 +181,7 @@ def test_a_folder_that_is_a_link_itself_is_read(folder, tmp_path):
 @pytest.mark.parametrize("name", ["a\0b", "../a", "/a", ".."])
 def test_names_that_are_none_are_refused(name, folder):
     with pytest.raises(InputError, match=r"catalog\.csv, line 2: (The|A) file"):
-        named_within(folder, name, where="catalog.csv, line 2")
+        resolve_within(folder, name, where="catalog.csv, line 2")
 
 
 def resumed_chains(path):
@@ -249,7 +249,7 @@ def test_groups_in_a_circle_and_soft_links_are_walked_once(tmp_path):
         file["a/again"] = file["a"]
         file["a/soft"] = h5py.SoftLink("/a/b")
         file["c"] = file["a/b"]
-    with opened_hdf5(tmp_path / "a.h5") as file:
+    with open_hdf5(tmp_path / "a.h5") as file:
         assert [name for name, _ in objects_of(file)] == ["a", "a/b"]
 
 
@@ -259,7 +259,7 @@ def test_many_groups_in_each_other_are_refused_without_going_through_them(tmp_pa
         for _ in range(1000):
             group = group.create_group("g")
     refused = pytest.raises(InputError, match="are nested more than 32 deep")
-    with refused, opened_hdf5(tmp_path / "a.h5"):
+    with refused, open_hdf5(tmp_path / "a.h5"):
         pass
 
 
@@ -336,20 +336,20 @@ def test_a_file_that_ends_its_reader_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(received, "_PROBE", received._Probe(probe))  # noqa: SLF001 - in place of the shared one
     for answer in ("os.abort()", "print('failed', flush=True)"):
         probe.write_text(f"import os, sys\nprint('ready', flush=True)\nsys.stdin.readline()\n{answer}\n")
-        with pytest.raises(InputError, match=r"a\.h5: The HDF5 library fails"), opened_hdf5(path):
+        with pytest.raises(InputError, match=r"a\.h5: The HDF5 library fails"), open_hdf5(path):
             pass
         received._PROBE.end()  # noqa: SLF001
     probe.write_text(
         "import sys\nprint('ready', flush=True)\nsys.stdin.readline()\nprint('read', flush=True)\n"
     )
     for _ in range(2):  # also after the other process has ended
-        with opened_hdf5(path) as file:
+        with open_hdf5(path) as file:
             assert file["a"][8] == 8.0
         os.utime(path, ns=(1, 1))
         received._PROBE._process.wait()  # noqa: SLF001
     received._PROBE.end()  # noqa: SLF001
     probe.write_text("raise SystemExit")
-    with opened_hdf5(path) as file:  # where no other process can be had
+    with open_hdf5(path) as file:  # where no other process can be had
         assert file["a"][8] == 8.0
 
 

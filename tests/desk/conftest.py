@@ -7,7 +7,7 @@ from reliab.desk.jobs import Jobs
 
 @pytest.fixture
 def folder(tmp_path):
-    opened = DeskFolder.opened(tmp_path)
+    opened = DeskFolder.open_folder(tmp_path)
     yield opened
     opened.close()
 

@@ -8,7 +8,7 @@ import pytest
 
 from reliab.core.errors import InputError
 from reliab.core.files import LIMITS, FileLimits
-from reliab.desk.folder import DeskFolder, safe_name, unpacked
+from reliab.desk.folder import DeskFolder, safe_name, unpack_archive
 
 FOLDER = importlib.import_module("reliab.desk.folder")
 
@@ -59,13 +59,13 @@ def test_files_are_offered_by_their_endings_and_folders_by_what_they_hold(folder
     (folder.path / "a" / "run.csv").write_text("1")
     (folder.path / "campaign.toml").write_text("")
     folder.keep("dropped.csv", b"1")
-    assert folder.offered(".csv") == [str(Path("a", "run.csv"))]
-    assert folder.offered(holding="tests/*.json") == [str(Path("a", "rig"))]
-    assert folder.offered(holding="campaign.toml") == ["."]
+    assert folder.list_files(".csv") == [str(Path("a", "run.csv"))]
+    assert folder.list_files(holding="tests/*.json") == [str(Path("a", "rig"))]
+    assert folder.list_files(holding="campaign.toml") == ["."]
 
 
 def test_the_working_folder_goes_with_the_desk(tmp_path):
-    opened = DeskFolder.opened(tmp_path)
+    opened = DeskFolder.open_folder(tmp_path)
     opened.keep("test.csv", b"1")
     opened.close()
     assert list(tmp_path.iterdir()) == []
@@ -74,7 +74,7 @@ def test_the_working_folder_goes_with_the_desk(tmp_path):
 @pytest.mark.parametrize("path", ["nothing_here", __file__])
 def test_a_folder_that_is_none_is_refused(path, tmp_path):
     with pytest.raises(InputError, match="The desk works in a folder"):
-        DeskFolder.opened(tmp_path / path)
+        DeskFolder.open_folder(tmp_path / path)
 
 
 def zipped(folder, entries):
@@ -86,7 +86,7 @@ def zipped(folder, entries):
 
 
 def test_a_campaign_is_found_in_its_archive(folder):
-    place = unpacked(zipped(folder, {"rig/campaign.toml": "x", "rig/test.csv": "1"}))
+    place = unpack_archive(zipped(folder, {"rig/campaign.toml": "x", "rig/test.csv": "1"}))
     assert sorted(path.name for path in place.iterdir()) == ["campaign.toml", "test.csv"]
 
 
@@ -94,19 +94,19 @@ def test_a_campaign_is_found_in_its_archive(folder):
 def test_archives_whose_files_lead_elsewhere_are_refused_before_anything_is_written(folder, name):
     archive = zipped(folder, {"campaign.toml": "x", name: "1"})
     with pytest.raises(InputError, match="must lie in it"):
-        unpacked(archive)
+        unpack_archive(archive)
     assert [path.name for path in archive.parent.iterdir()] == ["campaign.zip"]
 
 
 def test_archives_with_too_many_or_too_large_files_are_refused(folder, monkeypatch):
     monkeypatch.setattr(FOLDER, "_MOST_FILES", 2)
     with pytest.raises(InputError, match="found 3 files"):
-        unpacked(zipped(folder, dict.fromkeys("abc", "1")))
+        unpack_archive(zipped(folder, dict.fromkeys("abc", "1")))
     monkeypatch.setattr(FOLDER, "LIMITS", {"test": FileLimits(bytes=1000, remedy="Cut it")})
     with pytest.raises(InputError, match="at most; found"):
-        unpacked(zipped(folder, {"a": "0" * 2000}))
+        unpack_archive(zipped(folder, {"a": "0" * 2000}))
 
 
 def test_what_is_no_archive_is_refused(folder):
     with pytest.raises(InputError, match="must be a zip"):
-        unpacked(folder.keep("campaign.zip", b"PK\3\4 nothing"))
+        unpack_archive(folder.keep("campaign.zip", b"PK\3\4 nothing"))

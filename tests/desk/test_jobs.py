@@ -137,19 +137,19 @@ def test_hostile_files_are_refused_with_the_sentence_of_the_command_line(jobs, t
 
 def test_tabs_do_not_mix_and_forged_keys_open_nothing():
     memories = Memories()
-    first, pages = memories.of_tab("")
-    second, others = memories.of_tab("")
+    first, pages = memories.find_tab("")
+    second, others = memories.find_tab("")
     assert first != second
     assert pages is not others
-    assert memories.of_tab(first) == (first, pages)
+    assert memories.find_tab(first) == (first, pages)
     for forged in ("a" * 20, "../../x", "<script>", first + "x"):
-        key, new = memories.of_tab(forged)
+        key, new = memories.find_tab(forged)
         assert key != forged
         assert new == {}
 
 
 def test_tabs_that_were_not_used_for_longest_are_forgotten():
     memories = Memories()
-    keys = [memories.of_tab("")[0] for _ in range(60)]
-    assert memories.of_tab(keys[-1])[0] == keys[-1]
-    assert memories.of_tab(keys[0])[0] != keys[0]
+    keys = [memories.find_tab("")[0] for _ in range(60)]
+    assert memories.find_tab(keys[-1])[0] == keys[-1]
+    assert memories.find_tab(keys[0])[0] != keys[0]

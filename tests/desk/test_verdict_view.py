@@ -8,7 +8,7 @@ import pytest
 import reliab
 from reliab.core.shipped import shipped
 from reliab.desk.verdict_view import interval_html, knowing_html, verdict_html
-from reliab.desk.work import judgement_of, thinned
+from reliab.desk.work import judgement_of, thin_histories
 
 SAMPLE = shipped("datasets", "sample_test/test.csv")
 
@@ -63,7 +63,7 @@ def test_no_peak_of_a_long_history_is_lost():
     rng = np.random.default_rng(1)
     time, values = np.arange(100_000.0), rng.normal(size=100_000)
     values[77_777] = 50.0
-    drawn, peaks = thinned(time, values)
+    drawn, peaks = thin_histories(time, values)
     assert drawn.size < 5000
     assert peaks.max() == 50.0
     assert np.all(np.diff(drawn) > 0)

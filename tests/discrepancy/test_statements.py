@@ -23,7 +23,7 @@ from reliab.discrepancy.result.diagnosis import (
 )
 from reliab.discrepancy.result.gap import Gap, Remainder
 from reliab.discrepancy.result.missing_effect import Estimate
-from reliab.report.kinds.discrepancy_report import _closed, _floor
+from reliab.report.kinds.discrepancy_report import _describe_closed_gap, _floor
 from reliab.report.prose import plain_text
 
 UNCERTAINTY, PRINTED = 1.2, 1.01
@@ -116,7 +116,7 @@ def test_nothing_is_missing_only_where_every_block_is_at_its_noise(observed, ver
 @given(blocks())
 def test_a_gap_is_wholly_closed_only_at_the_noise(block):
     block.effects = ()
-    said = _closed(SimpleNamespace(gap=block.gap, blocks=[block], effects=()))
+    said = _describe_closed_gap(SimpleNamespace(gap=block.gap, blocks=[block], effects=()))
     assert block.gap.conclusion in said
     wholly = "100.0 % of the gap closed" in said or "at the level of the noise" in said
     assert not wholly or block.gap.is_noise_before or block.gap.remainder is Remainder.AT_NOISE

@@ -7,7 +7,7 @@ import pytest
 
 import reliab
 from reliab.core.shipped import shipped
-from reliab.explore.page import by_length, pack
+from reliab.explore.page import pack, sort_by_length
 from reliab.sweep.ellipse_dataset import open_windows
 
 WINDOWS = ("record", "20", "30", "40")
@@ -16,7 +16,7 @@ WEB = Path(reliab.__file__).parent / "explore" / "web"
 
 @pytest.fixture(scope="session")
 def shipped_ellipses():
-    tables = by_length(open_windows(shipped("datasets", "real_suite/ellipses.nc")))
+    tables = sort_by_length(open_windows(shipped("datasets", "real_suite/ellipses.nc")))
     return {window: tables[window] for window in WINDOWS}
 
 

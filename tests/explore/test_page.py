@@ -12,7 +12,7 @@ import reliab.explore
 from reliab.app.cli import run
 from reliab.core.errors import InputError
 from reliab.criterion.carrying import protect_over_lengths
-from reliab.explore.page import Settings, bundled_script, pack, render, write_page
+from reliab.explore.page import Settings, bundle_script, pack, render, write_page
 from reliab.sweep.ellipse_dataset import write_ellipses
 
 MOST_BYTES = 5_000_000
@@ -40,7 +40,7 @@ def test_page_has_no_verdict_of_its_own(packed):
 
 
 def test_no_placeholder_is_left_and_scripts_are_in_order():
-    script = bundled_script()
+    script = bundle_script()
     assert not re.search(r"^(import|export) ", script, flags=re.MULTILINE)
     names = re.findall(r"^const module_(\w+) =", script, flags=re.MULTILINE)
     for used in re.finditer(r"= module_(\w+);", script):

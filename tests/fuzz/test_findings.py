@@ -15,7 +15,7 @@ from fuzz import corpus
 from fuzz.damage import Instead, write
 from fuzz.targets import TARGETS, examine
 from reliab.core.errors import InputError
-from reliab.core.untrusted_files import opened_hdf5
+from reliab.core.untrusted_files import open_hdf5
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.ellipse_reading import read_ellipses
 from reliab.discrepancy.campaign.reading import read_campaign
@@ -69,11 +69,11 @@ def test_an_hdf5_file_whose_texts_never_end_is_refused(tmp_path):
         file.attrs.create("names", ["command", "measured"], dtype=h5py.string_dtype())
     content = bytearray(path.read_bytes())
     heap = content.index(b"GCOL")
-    with opened_hdf5(path) as file:
+    with open_hdf5(path) as file:
         assert list(file.attrs["names"]) == ["command", "measured"]
     content[heap + 16 : heap + 32] = bytes(16)
     path.write_bytes(content)
-    with pytest.raises(InputError, match="must follow each other"), opened_hdf5(path):
+    with pytest.raises(InputError, match="must follow each other"), open_hdf5(path):
         pass
 
 

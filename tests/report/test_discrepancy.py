@@ -25,7 +25,7 @@ from reliab.report.kinds.discrepancy_report import (
     findings_in_words,
     missing_effects_section,
 )
-from reliab.report.pdf import compiled_report
+from reliab.report.pdf import compile_report
 from reliab.report.style import svg
 from reliab.report.terminal import print_blocks
 from reliab.simulation.hybrid_test.model import HybridTest
@@ -88,7 +88,7 @@ def test_a_report_with_a_posterior_is_set(damped):
     posterior = sample_posterior(specimen.problem, specimen.best)
     shifted = replace(damped, criterion_shift={"a": 1.2, "b": 1.1})
     first, second = (
-        compiled_report(
+        compile_report(
             discrepancy_report(shifted, posteriors={"specimen": posterior}, provenance={}),
             date=dt.date(2026, 1, 2),
         )
@@ -109,7 +109,7 @@ def test_a_figure_that_fails_costs_a_figure_and_a_line(damped, monkeypatch):
     content = json.dumps(text_of(document), ensure_ascii=False)
     assert "The figure of the gap could not be drawn" in content
     assert "Number of rows must be positive" in content
-    assert compiled_report(document, date=dt.date(2026, 1, 2)).startswith(b"%PDF")
+    assert compile_report(document, date=dt.date(2026, 1, 2)).startswith(b"%PDF")
 
 
 def test_a_terminal_shows_the_findings_without_figures(damped):
@@ -190,7 +190,7 @@ def test_nothing_missing_is_said_so():
     document = discrepancy_report(diagnose(campaign_with()), provenance={})
     assert document.tone == "good"
     assert "".join(document.verdict) == "Calibration alone explains the tests: they show no missing effect."
-    assert compiled_report(document, date=dt.date(2026, 1, 2)).startswith(b"%PDF")
+    assert compile_report(document, date=dt.date(2026, 1, 2)).startswith(b"%PDF")
 
 
 def test_guilty_blocks_are_coloured():

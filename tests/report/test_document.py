@@ -18,7 +18,7 @@ from reliab.report.document import (
     Source,
     Table,
 )
-from reliab.report.numbers import Fixed, Scientific, Significant, Whole
+from reliab.report.numbers import Fixed, Scientific, Significant, WholeNumber
 from reliab.report.prose import prose
 
 
@@ -79,7 +79,7 @@ def cells(values, number):
 
 
 @pytest.mark.parametrize(
-    "number", [Fixed(decimals=3), Significant(digits=3), Scientific(decimals=1), Whole()]
+    "number", [Fixed(decimals=3), Significant(digits=3), Scientific(decimals=1), WholeNumber()]
 )
 def test_numbers_end_at_the_same_place_after_the_point(number):
     written = cells([23.268, 0.3333, -1234.5, np.nan, np.inf, 0.0], number)

@@ -18,7 +18,7 @@ from reliab.core.errors import InputError
 from reliab.report.content import files_of
 from reliab.report.document import Column, Document, Equation, Figure, Paragraph, Section, Source, Table
 from reliab.report.numbers import Fixed
-from reliab.report.pdf import compiled_report, templates, write_pdf
+from reliab.report.pdf import compile_report, templates, write_pdf
 from reliab.report.prose import literal, prose
 
 DATE = dt.date(2026, 1, 1)
@@ -88,17 +88,17 @@ def test_tools_read_a_report_without_complaint(tmp_path, tool):
 
 
 def test_catalogue_of_a_tagged_report_leaves_out_a_default_that_readers_stumble_over():
-    pdf = compiled_report(report(), date=DATE)
+    pdf = compile_report(report(), date=DATE)
     assert b"/Marked true" in pdf
     assert b"/Suspects" not in pdf
 
 
 def test_the_date_is_written():
-    assert compiled_report(report(), date=DATE) != compiled_report(report(), date=dt.date(2026, 1, 2))
+    assert compile_report(report(), date=DATE) != compile_report(report(), date=dt.date(2026, 1, 2))
 
 
 def test_every_font_is_embedded():
-    pdf = compiled_report(report(), date=DATE)
+    pdf = compile_report(report(), date=DATE)
     content = b"\n".join([pdf, *streams(pdf)])
     described = len(re.findall(rb"/Type\s*/FontDescriptor", content))
     assert described >= 3
@@ -125,13 +125,13 @@ def headings(document):
 def test_text_of_users_is_set_as_it_is(text):
     (first, *_) = json.loads(headings(report(text)))
     assert first == {"func": "text", "text": literal(text)}
-    assert compiled_report(report(text), date=DATE).startswith(b"%PDF")
+    assert compile_report(report(text), date=DATE).startswith(b"%PDF")
 
 
 @settings(max_examples=settings().max_examples // 4)  # every example is set as a PDF
 @given(st.text(min_size=1, max_size=60))
 def test_any_text_can_be_set(text):
-    pdf = compiled_report(report(text), date=DATE)
+    pdf = compile_report(report(text), date=DATE)
     assert pdf.startswith(b"%PDF")
 
 

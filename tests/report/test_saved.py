@@ -8,9 +8,9 @@ from matplotlib.figure import Figure as Drawing
 
 from reliab.app.cli import run
 from reliab.core.errors import InputError
-from reliab.report.content import files_of, save_content, saved_content
+from reliab.report.content import files_of, read_content, save_content
 from reliab.report.document import Document, Equation, Figure, Paragraph
-from reliab.report.pdf import compiled_report, templates
+from reliab.report.pdf import compile_report, templates
 from reliab.report.prose import Math, prose, require_formula
 from reliab.report.setting import Setting
 
@@ -62,17 +62,17 @@ def test_what_is_saved_again_replaces_the_first_and_two_at_once_have_their_own_p
     first, second = (Document(kind="Test", title=title, verdict="Good.", blocks=()) for title in ("A", "B"))
     place = tmp_path / "report"
     save_content(first, place)
-    assert b'"A"' in saved_content(place)["document.json"]
+    assert b'"A"' in read_content(place)["document.json"]
 
     def interrupted(document):
         monkeypatch.setattr("reliab.report.content.files_of", files_of)
         save_content(second, place)
-        assert b'"B"' in saved_content(place)["document.json"]
+        assert b'"B"' in read_content(place)["document.json"]
         return files_of(document)
 
     monkeypatch.setattr("reliab.report.content.files_of", interrupted)
     save_content(first, place)
-    assert b'"A"' in saved_content(place)["document.json"]
+    assert b'"A"' in read_content(place)["document.json"]
     assert [path.name for path in tmp_path.iterdir()] == ["report"]
 
 
@@ -94,14 +94,14 @@ def refused(folder, capsys):
 
 def test_what_was_saved_is_set_as_the_document_itself(sent):
     assert run(["report", str(sent)]) == 0
-    content = saved_content(sent / "report")
-    assert (sent / "report.pdf").read_bytes() == compiled_report(content, date=DATE)
+    content = read_content(sent / "report")
+    assert (sent / "report.pdf").read_bytes() == compile_report(content, date=DATE)
     assert set(content) == {"document.json", "figure-1.svg"}
 
 
 @pytest.mark.parametrize("name", [*templates(), "logo.png", "figure-2.svg"])
 def test_files_that_the_content_does_not_name_are_not_used(sent, name):
-    expected = compiled_report(saved_content(sent / "report"), date=DATE)
+    expected = compile_report(read_content(sent / "report"), date=DATE)
     (sent / "report" / name).write_text('#read("secret.txt")')
     assert run(["report", str(sent)]) == 0
     assert (sent / "report.pdf").read_bytes() == expected
@@ -109,9 +109,9 @@ def test_files_that_the_content_does_not_name_are_not_used(sent, name):
 
 @pytest.mark.parametrize("name", templates())
 def test_templates_are_those_of_the_package_whatever_the_content_is(sent, name):
-    content = saved_content(sent / "report")
+    content = read_content(sent / "report")
     hostile = {**content, name: b'#read("secret.txt")'}
-    assert compiled_report(hostile, date=DATE) == compiled_report(content, date=DATE)
+    assert compile_report(hostile, date=DATE) == compile_report(content, date=DATE)
 
 
 @pytest.mark.default_cases(8)
@@ -135,7 +135,7 @@ def test_a_formula_that_hides_behind_a_key_of_the_same_name_is_not_set(sent):
     twice = '"source": "std.read(\\"secret.txt\\")", "source": "x"'
     path.write_text(path.read_text().replace('"source": "xi = 0.02"', twice))
     assert twice in path.read_text()
-    assert b"std.read" not in saved_content(sent / "report")["document.json"]
+    assert b"std.read" not in read_content(sent / "report")["document.json"]
 
 
 @pytest.mark.parametrize("formula", READING)
@@ -181,7 +181,7 @@ def test_a_picture_beside_the_working_folder_cannot_be_part_of_a_logo(sent, tmp_
     logo = tmp_path / "logo.svg"
     logo.write_text(LINKED.format("secret.png"))
     with pytest.raises(InputError, match="A logo must be a sound picture"):
-        compiled_report(saved_content(sent / "report"), date=DATE, setting=Setting(logo=logo))
+        compile_report(read_content(sent / "report"), date=DATE, setting=Setting(logo=logo))
 
 
 @pytest.mark.parametrize("part", ["report/figure-1.svg", "report/document.json", "report", "manifest.json"])

@@ -146,7 +146,7 @@ def test_limits_begin_with_the_sentences_that_are_given():
 def test_a_residual_of_which_nothing_was_found_is_noise_only_where_all_is_explained(
     monkeypatch, explained, said
 ):
-    monkeypatch.setattr(discrepancy, "drawn", lambda *_: ())
+    monkeypatch.setattr(discrepancy, "draw_or_skip", lambda *_: ())
     section = discrepancy.location_section(SimpleNamespace(where=(), is_explained=explained, blocks=()))
     (only,) = section.blocks
     assert said in words([only])

@@ -13,7 +13,7 @@ from reliab.core.errors import InputError
 from reliab.report.content import files_of
 from reliab.report.document import Column, Document, Figure, Paragraph, Section, Table
 from reliab.report.glossary import TERMS, glossary_of
-from reliab.report.pdf import compiled_report, templates
+from reliab.report.pdf import compile_report, templates
 from reliab.report.prose import plain_text
 from reliab.report.setting import Setting
 
@@ -52,7 +52,7 @@ def test_each_part_of_a_setting_changes_the_report(logo):
         Setting(logo=logo),
     ]
     for sheet in (False, True):
-        pdfs = [compiled_report(report(sheet=sheet), date=DATE, setting=setting) for setting in settings]
+        pdfs = [compile_report(report(sheet=sheet), date=DATE, setting=setting) for setting in settings]
         assert len(set(pdfs)) == len(settings)
     assert len({json.dumps(setting.to_dict()) for setting in settings}) == len(settings)
 
@@ -68,12 +68,12 @@ def test_a_tall_figure_of_the_first_page_leaves_room_for_the_contents(height):
     )
     facts = {f"Fact {k}": "what is known of it " * 12 for k in range(5)}
     document = Document(kind="Test", title="Own title", verdict="Good. " * 30, blocks=blocks, facts=facts)
-    pdf = compiled_report(document, date=DATE)
+    pdf = compile_report(document, date=DATE)
     assert len(re.findall(rb"/Type ?/Page\b", pdf)) == 2
 
 
 def test_letter_has_the_size_of_letter():
-    pdf = compiled_report(report(), date=DATE, setting=Setting(paper="letter"))
+    pdf = compile_report(report(), date=DATE, setting=Setting(paper="letter"))
     assert re.findall(rb"/MediaBox\s*\[([^]]*)\]", pdf) == [b"0 0 612 792"]
 
 
@@ -87,7 +87,7 @@ def test_what_is_no_setting_is_refused(tmp_path):
     damaged = tmp_path / "logo.png"
     damaged.write_bytes(b"no picture")
     with pytest.raises(InputError, match="sound picture"):
-        compiled_report(report(), date=DATE, setting=Setting(logo=damaged))
+        compile_report(report(), date=DATE, setting=Setting(logo=damaged))
 
 
 def test_words_that_a_report_uses_are_explained_at_its_end():

@@ -14,7 +14,7 @@ import pytest
 import reliab
 from reliab.app.api import studies
 from reliab.core.errors import InputError
-from reliab.core.shipped import shipped_folder
+from reliab.core.shipped import find_shipped_folder
 from reliab.study import folders
 from reliab.study.folders import folders_of_studies, kind_of
 from reliab.study.kinds import KINDS
@@ -22,7 +22,7 @@ from reliab.study.running import list_shipped, open_study, run_study
 
 pytestmark = pytest.mark.of_studies
 
-STUDIES = shipped_folder("studies")
+STUDIES = find_shipped_folder("studies")
 
 
 def write_study(folder: Path) -> Path:

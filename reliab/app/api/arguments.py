@@ -33,10 +33,10 @@ _QUANTITIES = {
 }
 
 
-def stated_values(**quantities: Quantity | None) -> dict[str, StatedValue]:
+def parse_stated_values(**quantities: Quantity | None) -> dict[str, StatedValue]:
     """Read what is stated; None where nothing is.
 
-    >>> stated_values(f="1±0.01", xi=0.02, mass=None)
+    >>> parse_stated_values(f="1±0.01", xi=0.02, mass=None)
     {'f': StatedValue(value=1.0, deviation=0.01), 'xi': StatedValue(value=0.02, deviation=0.0)}
     """
     return {name: _value(quantity, name) for name, quantity in quantities.items() if quantity is not None}
@@ -50,7 +50,7 @@ def _value(quantity: Quantity, name: str) -> StatedValue:
 
 def exact_values(**quantities: Quantity | None) -> dict[str, float]:
     """Read what is stated before a test, without standard deviations; None where nothing is."""
-    stated = stated_values(**quantities)
+    stated = parse_stated_values(**quantities)
     for name, quantity in stated.items():
         if quantity.deviation:
             raise InputError(
@@ -72,20 +72,22 @@ def require_sound(stated: Mapping[str, StatedValue]) -> None:
             require_physical(quantity, stated[name].value, zero=none_found, called=f"value of `{name}`")
 
 
-def stated_threshold(threshold: float | None) -> float:
+def parse_threshold(threshold: float | None) -> float:
     """Read the error that a test may have, 0.05 by default."""
     limit = 0.05 if threshold is None else float(threshold)
     require_physical("error threshold", limit, called="value of `threshold`")
     return limit
 
 
-def known_equipment(equipment: "str | Path | Equipment | None", *, exact: bool) -> "Equipment":
+def read_equipment(equipment: "str | Path | Equipment | None", *, exact: bool) -> "Equipment":
     """Read the accuracy of a laboratory's equipment, that of ordinary equipment by default."""
     from reliab.assessment.budget.sizes import exact_equipment, ordinary_equipment, read_equipment
 
     if exact:
         if equipment is not None:
-            raise unused("equipment", "together with `exact`, which takes all quantities as known exactly")
+            raise refuse_unused(
+                "equipment", "together with `exact`, which takes all quantities as known exactly"
+            )
         return exact_equipment()
     if isinstance(equipment, str | Path):
         return read_equipment(equipment)
@@ -105,14 +107,14 @@ def require_known_specimen(specimen: str | None, *, beside_model: bool = False) 
             remedy=f"Give `specimen` as {LINEAR} or {_MEASURED}",
         )
     if specimen is not None and beside_model:
-        raise unused("specimen", "together with `model`, which describes the specimen")
+        raise refuse_unused("specimen", "together with `model`, which describes the specimen")
     return specimen == _MEASURED
 
 
-def stated_filters(texts: Iterable[str]) -> "dict[str, LowPass]":
+def parse_filters(texts: Iterable[str]) -> "dict[str, LowPass]":
     """Read the filters of the channels.
 
-    >>> stated_filters(["measured=200/4"])
+    >>> parse_filters(["measured=200/4"])
     {'measured': LowPass(corner=200.0, order=4)}
     """
     from reliab.assessment.budget.corrections import CHANNELS
@@ -131,7 +133,7 @@ def stated_filters(texts: Iterable[str]) -> "dict[str, LowPass]":
     return filters
 
 
-def unused(name: str, why: str) -> InputError:
+def refuse_unused(name: str, why: str) -> InputError:
     """Describe an argument that would have no effect.
 
     `why`: beside or without what it has no effect.
@@ -159,17 +161,17 @@ def structure_of(stated: Mapping[str, StatedValue], **usual: float) -> "Structur
     return Structure(frequency=known["f"], damping_ratio=known["xi"], experimental_fraction=known["alpha"])
 
 
-def stated_by_model(model: "UpdatedModel") -> dict[str, StatedValue]:
+def read_values_of_model(model: "UpdatedModel") -> dict[str, StatedValue]:
     """Take what a model states of its structure."""
     return {} if model.test.structure is None else exactly_stated(model.test.structure)
 
 
-def stated_of_test(
+def collect_stated_values(
     recording: "Recording", numbers: Mapping[str, StatedValue], of_model: Mapping[str, StatedValue]
 ) -> dict[str, StatedValue]:
     """Take what is stated, else what the model or the file's header states; check that they agree."""
     if "mass" in numbers and recording.force is None:
-        raise unused("mass", "without a column of force")
+        raise refuse_unused("mass", "without a column of force")
     stated = {**recording.stated, **of_model, **numbers}
     require_sound(stated)
     if "f" not in stated:

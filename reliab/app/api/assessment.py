@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING, Any, Unpack, overload
 from reliab.app import questions
 from reliab.app.api.arguments import (
     LINEAR,
+    collect_stated_values,
     exactly_stated,
-    known_equipment,
+    parse_filters,
+    parse_stated_values,
+    parse_threshold,
+    read_equipment,
+    read_values_of_model,
+    refuse_unused,
     require_known_specimen,
     require_sound,
-    stated_by_model,
-    stated_filters,
-    stated_of_test,
-    stated_threshold,
-    stated_values,
     structure_of,
-    unused,
 )
 from reliab.app.api.channels import Channels, Judge, Test, assess_each, is_test, name_of_test
 from reliab.app.declaration import asks
@@ -128,9 +128,9 @@ def assess(
     ('reliable', 0.022)
     """
     judge = _Terms(structure, stated).judge()
-    reading = Channels.stated_in(stated)
+    reading = Channels.from_question(stated)
     if isinstance(test, str | Path) and reading.test_name == _ALL_TESTS:
-        named = ((name, channels, test) for name, channels in reading.of_each_test(test).items())
+        named = ((name, channels, test) for name, channels in reading.split_by_test(test).items())
         return assess_each(named, judge, progress)
     if is_test(test):
         return judge(reading, test)
@@ -152,8 +152,8 @@ class _Terms:
     ) -> None:
         self.structure = structure
         self.stated: Mapping[str, Any] = {**stated}
-        self.numbers = stated_values(**{name: self.stated[name] for name in _NUMBERS})
-        self.filters = stated_filters(self.stated["filter"] or ())
+        self.numbers = parse_stated_values(**{name: self.stated[name] for name in _NUMBERS})
+        self.filters = parse_filters(self.stated["filter"] or ())
         self.force_channel = tuple(self.stated["force_channel"] or ())
 
     def judge(self) -> Judge:
@@ -161,7 +161,7 @@ class _Terms:
         if self.stated["criterion"] is not None:
             for name in ("threshold", "confidence", "metric"):
                 if self.stated[name] is not None:
-                    raise unused(name, "together with `criterion`, which states its own")
+                    raise refuse_unused(name, "together with `criterion`, which states its own")
         if self.structure is not None:
             for name in _OF_THE_STRUCTURE:
                 self._refuse_beside_structure(name)
@@ -181,7 +181,7 @@ class _Terms:
         criterion, motion, specimen = (self.stated[name] for name in ("criterion", "motion", "specimen"))
         measured = require_known_specimen(specimen, beside_model=self.stated["model"] is not None)
         if self.force_channel and not measured:
-            raise unused("force_channel", "unless the `specimen` is measured")
+            raise refuse_unused("force_channel", "unless the `specimen` is measured")
         of_force = None
         if self.force_channel:
             from reliab.assessment.measured_specimen.force_channel import ForceChannel
@@ -193,7 +193,7 @@ class _Terms:
             motion = read_motion(motion)
         return {
             "criterion": Criterion.read(criterion) if isinstance(criterion, str | Path) else criterion,
-            "equipment": known_equipment(self.stated["equipment"], exact=self.stated["exact"]),
+            "equipment": read_equipment(self.stated["equipment"], exact=self.stated["exact"]),
             "motion": motion,
             "measured_specimen": measured,
             "linear_specimen": specimen == LINEAR,
@@ -212,7 +212,9 @@ class _Terms:
             recording = channels.read(test)
             filters = channels.filters(self.filters, recording.stated)
             of_options = numbers | stated_of_filters(filters)
-            stated = stated_of_test(recording, of_options, {} if model is None else stated_by_model(model))
+            stated = collect_stated_values(
+                recording, of_options, {} if model is None else read_values_of_model(model)
+            )
             assumed = () if "xi" in stated else (_ASSUMED,)
             complete = {
                 "xi": _ASSUMED_DAMPING,
@@ -224,7 +226,7 @@ class _Terms:
                 corrected(recording, complete, filters),
                 structure_of(complete),
                 stated=complete,
-                threshold=stated_threshold(self.stated["threshold"]),
+                threshold=parse_threshold(self.stated["threshold"]),
                 confidence=0.95 if self.stated["confidence"] is None else float(self.stated["confidence"]),
                 metric=str(self.stated["metric"] or Metric.RMS),
                 model=model,
@@ -267,7 +269,7 @@ class _Terms:
             return assess_frame(
                 corrected(recording, stated, filters),
                 frame,
-                threshold=stated_threshold(self.stated["threshold"]),
+                threshold=parse_threshold(self.stated["threshold"]),
                 metric=Metric.parse(self.stated["metric"] or Metric.RMS),
                 stated={**stated, **stated_of_filters(filters)},
                 **shared,

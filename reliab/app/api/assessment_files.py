@@ -87,11 +87,13 @@ def draw_chart(answer: "Design | Comparison", figure: str | Path) -> None:
     `figure`: the file, which ends in .svg, .png or .pdf.
     """
     from reliab.app.api.design import Design
-    from reliab.report.figures.tests_by_error import ranked_tests, tolerable_errors_over_frequency
+    from reliab.report.figures.tests_by_error import draw_ranked_tests, tolerable_errors_over_frequency
     from reliab.report.style import picture
 
     drawn = (
-        tolerable_errors_over_frequency(answer.chart) if isinstance(answer, Design) else ranked_tests(answer)
+        tolerable_errors_over_frequency(answer.chart)
+        if isinstance(answer, Design)
+        else draw_ranked_tests(answer)
     )
     require_ending(figure, ".svg", ".png", ".pdf")
     with refuse_unwritable("Cannot write the figure", where=figure), written_whole(figure) as file:

@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from reliab.app.api.arguments import stated_filters, unused
+from reliab.app.api.arguments import parse_filters, refuse_unused
 from reliab.core.errors import InputError
 from reliab.core.physical_range import require_physical
 from reliab.core.progress import Progress
@@ -52,7 +52,7 @@ class Channels:
     channels: str | Path | None = None
 
     @classmethod
-    def stated_in(cls, question: "Mapping[str, Any]") -> "Channels":
+    def from_question(cls, question: "Mapping[str, Any]") -> "Channels":
         """Take what a question says of a test's file."""
         return cls(**{item.name: question.get(item.name) for item in fields(cls)})
 
@@ -61,7 +61,7 @@ class Channels:
         columns = {Part.COMMAND: self.command, Part.MEASURED: self.measured, Part.TIME: self.time}
         return declare_channels(self.channels, columns, self.units, self.rate)
 
-    def of_each_test(self, test: str | Path) -> "dict[str, Channels]":
+    def split_by_test(self, test: str | Path) -> "dict[str, Channels]":
         """Return what is stated of each test of a file, by file and name."""
         path = or_shipped(Path(test), "datasets", "test.csv")
         names = [columns.test for columns in read_tests(path, delimiter=self.delimiter)]
@@ -83,16 +83,18 @@ class Channels:
 
             of_file = read_channels_file(self.channels).filters
         texts = (f"{channel}={text}" for channel, text in of_file.items() if channel not in of_options)
-        filters = {**stated_filters(texts), **of_options}
+        filters = {**parse_filters(texts), **of_options}
         if filters and "filter_delay" in of_test:
-            raise unused("filter", "together with a calibrated skew, which includes the delay of the filters")
+            raise refuse_unused(
+                "filter", "together with a calibrated skew, which includes the delay of the filters"
+            )
         return filters
 
     def read_several_actuators(self, test: Test) -> CoupledRecording:
         """Read a test with several actuators."""
         for name in ("command", "measured"):
             if getattr(self, name) is not None:
-                raise unused(
+                raise refuse_unused(
                     name, "together with a `structure` with several actuators; name the columns command_1, …"
                 )
         if isinstance(test, Recording):
@@ -117,7 +119,7 @@ class Channels:
         given = [name for name, value in asdict(self).items() if value is not None]
         if isinstance(test, Recording):
             if given:
-                raise unused(given[0], "together with a test that was already read")
+                raise refuse_unused(given[0], "together with a test that was already read")
             return test
         if isinstance(test, CoupledRecording):
             raise InputError(
@@ -145,7 +147,7 @@ class Channels:
             require_physical("sampling rate", float(self.rate), called="value of `rate`")
         for name in ("delimiter", "test_name") if is_frame(test) else ():
             if getattr(self, name) is not None:
-                raise unused(name, "together with a data frame")
+                raise refuse_unused(name, "together with a data frame")
 
 
 Judge: TypeAlias = Callable[[Channels, Test], "Assessment | FrameAssessment | CoupledAssessment"]

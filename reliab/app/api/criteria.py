@@ -16,11 +16,11 @@ from reliab.app.api.sources import (
     ONE_HERTZ,
     TWO_PERCENT,
     EllipseSource,
-    at_structures,
-    listed,
+    as_list,
     paths,
     require_thresholds,
-    with_room,
+    select_rows_with_room,
+    select_structures,
 )
 from reliab.app.declaration import Files, asks
 from reliab.core.arrays import Array
@@ -73,7 +73,7 @@ class Case:
         names = ("duration", "motion", "suite")
         return [name for name in names if getattr(self, name) is not None]
 
-    def carried(
+    def carry_ellipses(
         self, ellipses: xr.Dataset, source: EllipseSource, f: Numbers | None, xi: Numbers | None, show: Show
     ) -> xr.Dataset:
         """Carry the ellipses of a population to the case; as they are where nothing is known of it."""
@@ -179,7 +179,7 @@ def derive_criteria(*, show: Show = quietly, **asked: Unpack[questions.Criterion
     >>> [round(row["b"], 2) for row in derived.rows]
     [1.48, 1.2]
     """
-    return _Question(asked, show).answered()
+    return _Question(asked, show).answer()
 
 
 _Derived = tuple[tuple[Criterion, ...], xr.Dataset | None, tuple[Derivation, ...]]
@@ -202,7 +202,7 @@ class _Question:
         self.structures = asked["f"], asked["xi"]
         self.of_source = {name: asked[name] for name in _OF_RECORDS}
         self.settings = {name: asked[name] for name in _OF_METHODS}
-        self.errors, self.confidences = listed(asked["threshold"]), listed(asked["confidence"])
+        self.errors, self.confidences = as_list(asked["threshold"]), as_list(asked["confidence"])
         self.metric, self.out = str(asked["metric"] or Metric.RMS), asked["out"]
         self.chains, self.figures = (
             None if asked[name] is None else Path(asked[name]) for name in ("chains", "figures")
@@ -229,9 +229,9 @@ class _Question:
         """Take the source of the ellipses; what is fitted over structures needs all of them."""
         asked_alone = self.origin["motions"] or (self.law == "table" and self.case.motion is None)
         every = {} if asked_alone else {"f": None, "xi": None}
-        return EllipseSource.asked_by(self.asked, **self.origin, **every)
+        return EllipseSource.from_question(self.asked, **self.origin, **every)
 
-    def printed(self) -> _Derived:
+    def derive_from_published_law(self) -> _Derived:
         """Take the criterion of a printed law, with the ellipses beside which it is shown."""
         criterion = published_criterion(self.law)
         for error in self.errors or [criterion.threshold]:
@@ -279,7 +279,7 @@ class _Question:
                 remedy="Leave these out, or derive a criterion from ellipses",
             )
 
-    def derived(self) -> _Derived:
+    def derive_from_ellipses(self) -> _Derived:
         """Derive a criterion for each share of the stiffness, error and confidence."""
         law, method = (
             find_law(FITTED_LAWS, self.law),
@@ -321,10 +321,10 @@ class _Question:
     def _population(self, method: Method) -> xr.Dataset:
         """Ellipses behind the criteria."""
         source = self.source()
-        population = drop_copies(with_room(source.dataset(self.show)))
-        carried = self.case.carried(population, source, *self.structures, self.show)
+        population = drop_copies(select_rows_with_room(source.dataset(self.show)))
+        carried = self.case.carry_ellipses(population, source, *self.structures, self.show)
         protected = protect_over_lengths(carried, metric=self.metric, curve=method.curve)
-        return at_structures(protected, *self.structures) if self.law == "table" else protected
+        return select_structures(protected, *self.structures) if self.law == "table" else protected
 
     def _require_one_share(self, shares: tuple[float, ...]) -> None:
         """Refuse what is of one share of the stiffness where there are several."""
@@ -347,10 +347,12 @@ class _Question:
                 where=str(self.out),
             )
 
-    def answered(self) -> Criteria:
+    def answer(self) -> Criteria:
         """Derive criteria, write the file of one, and add what is asked for beside them."""
         f, xi = self.structures
-        criteria, dataset, derivations = self.printed() if self.law in MANY_MOTION_LAWS else self.derived()
+        criteria, dataset, derivations = (
+            self.derive_from_published_law() if self.law in MANY_MOTION_LAWS else self.derive_from_ellipses()
+        )
         derived = Criteria(
             criteria=criteria,
             structures=_structures(f, xi, dataset),
@@ -376,10 +378,10 @@ class _Question:
             beside["comparison"] = compare_candidates(
                 derived.ellipses, derived.structures, derived.criteria, self.show
             )
-        beside |= {**_frame(dataset), **self._of_actuators(), **_share_law(derived)}
+        beside |= {**_frame(dataset), **self._limits_of_actuators(), **_share_law(derived)}
         return replace(derived, beside=beside)
 
-    def _of_actuators(self) -> dict[str, Any]:
+    def _limits_of_actuators(self) -> dict[str, Any]:
         """Compute what the motions allow and do to the actuators that a frame's description states."""
         structure = self.of_source["structure"]
         if structure is None:
@@ -415,7 +417,7 @@ def _structures(
     """Structures that are asked for, or all that the ellipses are of."""
     all_f = [ONE_HERTZ] if dataset is None else dataset["f"].values.tolist()
     all_xi = [TWO_PERCENT] if dataset is None else dataset["xi"].values.tolist()
-    return tuple(itertools.product(listed(f) or all_f, listed(xi) or all_xi))
+    return tuple(itertools.product(as_list(f) or all_f, as_list(xi) or all_xi))
 
 
 def _frame(dataset: xr.Dataset | None) -> dict[str, Any]:

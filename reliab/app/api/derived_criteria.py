@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import xarray as xr
 
-from reliab.core.columns import WHERE, Columns, digits
+from reliab.core.columns import PLACE_COLUMNS, Columns, digits
 from reliab.core.errors import IncompleteError, InputError
 from reliab.core.files import refuse_unwritable, require_ending, written_whole
 from reliab.core.plain_values import ResultWithRows
@@ -36,7 +36,7 @@ class Criteria(ResultWithRows):
 
     rows_in = "criteria"
     shown: ClassVar[Columns] = {
-        **WHERE,
+        **PLACE_COLUMNS,
         "confidence [-]": ("confidence", lambda promise: "none" if promise is None else f"{promise:g}"),
         "a [-]": ("a", digits),
         "b [ms²]": ("b", digits),
@@ -59,12 +59,12 @@ class Criteria(ResultWithRows):
     def rows(self) -> list[dict[str, Any]]:
         """Limits of each criterion at each structure, with the motions behind them."""
         return [
-            _row(criterion, self._learned_from(criterion), f, xi)
+            _row(criterion, self._select_learned_ellipses(criterion), f, xi)
             for f, xi in self.structures
             for criterion in self.criteria
         ]
 
-    def _learned_from(self, criterion: Criterion) -> EllipseTable | None:
+    def _select_learned_ellipses(self, criterion: Criterion) -> EllipseTable | None:
         """Ellipses from which a criterion was learned; None for a printed law."""
         provenance = criterion.provenance
         for derivation in self.derivations:
@@ -113,13 +113,13 @@ def _row(criterion: Criterion, sample: EllipseTable | None, f: float, xi: float)
     """Summarise a criterion at one structure, with its motions where the sample has it."""
     summary = summarise(criterion, f, xi)
     if criterion.population is None:
-        summary.update(_kept_by(criterion, summary))
+        summary.update(_describe_kept_share(criterion, summary))
     elif sample is not None and f in sample.coordinates["f"] and xi in sample.coordinates["xi"]:
         summary.update(describe_sample(sample, criterion, f, xi))
     return summary
 
 
-def _kept_by(criterion: Criterion, summary: Mapping[str, Any]) -> dict[str, Any]:
+def _describe_kept_share(criterion: Criterion, summary: Mapping[str, Any]) -> dict[str, Any]:
     """Measure on the real motions that ship with the package how many keep a printed law."""
     real = open_ellipses(shipped("datasets", "real_suite/ellipses.nc"), window=criterion.provenance.window)
     kept = exact_share(criterion, real, summary["f"], summary["xi"])
@@ -236,7 +236,7 @@ def draw_criteria(
         more = f" and {len(missing) - 1} more" if len(missing) > 1 else ""
         warnings.warn(
             f"No figure for {missing[0]}{more}: the motions have no ellipses there. Choose f among "
-            f"{_listed(dataset, 'f')} and ξ among {_listed(dataset, 'xi')} for one.",
+            f"{_list_values(dataset, 'f')} and ξ among {_list_values(dataset, 'xi')} for one.",
             FigureWarning,
             stacklevel=2,
         )
@@ -273,7 +273,7 @@ def _write_posteriors(folder: Path, derivations: "Sequence[Derivation]") -> list
     return names
 
 
-def _listed(dataset: "xr.Dataset", name: str) -> str:
+def _list_values(dataset: "xr.Dataset", name: str) -> str:
     return ", ".join(f"{value:g}" for value in dataset[name].values)
 
 

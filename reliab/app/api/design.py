@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, ClassVar, Unpack
 
 from reliab.app import questions
-from reliab.app.api.arguments import exact_values, stated_threshold, unused
+from reliab.app.api.arguments import exact_values, parse_threshold, refuse_unused
 from reliab.app.declaration import Quantity, asks
 from reliab.assessment.design import CONFIDENCES, Tolerance, chart_frequencies, tolerable_errors
 from reliab.core.columns import Columns
@@ -79,7 +79,7 @@ def design_test(**asked: Unpack[questions.Design]) -> Design:
         given: dict[str, Any] = {**asked, "alpha": None if share == 1.0 else share}
         for name in ("threshold", "confidence", "metric", "alpha"):
             if given[name] is not None:
-                raise unused(name, "together with `criterion`, which states its own")
+                raise refuse_unused(name, "together with `criterion`, which states its own")
     read = Criterion.read(criterion) if isinstance(criterion, str | Path) else criterion
 
     def tolerances(frequencies: list[float]) -> tuple[Tolerance, ...]:
@@ -87,7 +87,7 @@ def design_test(**asked: Unpack[questions.Design]) -> Design:
             tolerable_errors(
                 frequencies,
                 stated.get("xi", 0.02),
-                threshold=stated_threshold(asked["threshold"]),
+                threshold=parse_threshold(asked["threshold"]),
                 confidences=CONFIDENCES if confidence is None else as_names(confidence),
                 metric=str(asked["metric"] or Metric.RMS),
                 criterion=read,
@@ -139,12 +139,12 @@ def write_explorer(**asked: Unpack[questions.Explorer]) -> ExplorerPage:
     InputError
         If the ellipses cannot be read, a value is not allowed or the file cannot be written.
     """
-    from reliab.explore.page import Settings, by_length, write_page
+    from reliab.explore.page import Settings, sort_by_length, write_page
     from reliab.sweep.ellipse_dataset import open_windows
 
     out, ellipses = Path(asked["out"]), Path(asked["ellipses"] or REAL)
     windows = open_windows(or_shipped(ellipses, "datasets", "ellipses.nc"))
-    lengths = by_length(windows)
+    lengths = sort_by_length(windows)
     stated = exact_values(f=asked["f"], xi=asked["xi"], alpha=asked["alpha"])
     settings = Settings(
         frequency=stated.get("f"),

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from reliab.app.api.arguments import require_sound, stated_filters, structure_of
+from reliab.app.api.arguments import parse_filters, require_sound, structure_of
 from reliab.assessment.budget.sizes import (
     Equipment,
     Size,
@@ -185,7 +185,7 @@ class FollowedTest:
         tolerances = tolerances_of(self.sizes)
         if self._value("hysteresis"):  # which is not taken off here, nor are filters
             tolerances = replace(tolerances, lagging_hysteresis=self._value("hysteresis"))
-        if filters := stated_filters(f"{name}={text}" for name, text in self.laboratory.filters.items()):
+        if filters := parse_filters(f"{name}={text}" for name, text in self.laboratory.filters.items()):
             apart = filters["measured"].delay if "measured" in filters else 0.0
             apart -= filters["command"].delay if "command" in filters else 0.0
             tolerances = replace(tolerances, filter_delay=float(np.hypot(tolerances.filter_delay, apart)))
@@ -344,7 +344,7 @@ class FollowedTest:
                 "unstable": FALSE_ALARMS,
                 "error": FALSE_ERROR_ALARMS if self.of_force is None else None,
             },
-            **_of_kind(monitor),
+            **_values_of_monitor(monitor),
             **more,
         }
         return Message(kind=kind, content=content, monitor=monitor, alarms=self.alarms)
@@ -381,7 +381,7 @@ class FollowedTest:
         return {**plain_errors(error.estimate), "probability": probability}
 
 
-def _of_kind(monitor: AnyMonitor) -> dict[str, Any]:
+def _values_of_monitor(monitor: AnyMonitor) -> dict[str, Any]:
     """Give errors of several displacements so far, or how far a measured specimen is learned."""
     if isinstance(monitor, CoupledMonitor):
         errors = {

@@ -6,12 +6,12 @@ from typing import Any, Unpack
 
 from reliab.app import questions
 from reliab.app.api.arguments import (
-    known_equipment,
+    parse_stated_values,
+    parse_threshold,
+    read_equipment,
+    refuse_unused,
     require_known_specimen,
     require_sound,
-    stated_threshold,
-    stated_values,
-    unused,
 )
 from reliab.app.api.assessment import assess
 from reliab.app.api.channels import Channels
@@ -80,14 +80,14 @@ def follow_test(
     force_channel = None if asked["force_channel"] is None else list(asked["force_channel"])
     _require_clock(asked["rate"], **{name: asked[name] for name in ("every", "wait", "start_within")})
     path = str(source) if str(source) == "-" else str(or_shipped(Path(source), "datasets", "test.csv"))
-    laboratory = Channels.stated_in(asked).laboratory()
+    laboratory = Channels.from_question(asked).laboratory()
     updated = None if model is None else model_of(model, asked)
     frame = None
     if structure is not None:
         refuse_beside("structure", asked, "f", "xi", "alpha", "model")
         frame = frame_of(structure, measured=require_known_specimen(specimen))
     of_force = _channel_of_force(specimen, asked["mass"], force_channel, updated, frame)
-    of_test = _stated(asked, _mode(updated, frame))
+    of_test = _collect_stated_values(asked, _mode(updated, frame))
     text = WholeText("standard input" if path == "-" else Path(path).name)
     rows = rows_as_written(
         text.kept(chunks_of_text(path, asked["wait"], asked["start_within"], say)),
@@ -105,8 +105,8 @@ def follow_test(
         model=updated,
         frame=frame,
         of_force=of_force,
-        equipment=known_equipment(asked["equipment"], exact=asked["exact"]),
-        threshold=stated_threshold(asked["threshold"]),
+        equipment=read_equipment(asked["equipment"], exact=asked["exact"]),
+        threshold=parse_threshold(asked["threshold"]),
         metric=Metric.parse(asked["metric"] or Metric.RMS),
         every=asked["every"],
     )
@@ -126,7 +126,7 @@ def model_of(model: str | Path | UpdatedModel, asked: questions.Followed) -> Upd
     stated: Mapping[str, Any] = {**asked}
     for name in ("f", "xi", "alpha", "feedback_lag"):
         if stated[name] is not None and not _is_usual(name, stated[name]):
-            raise unused(
+            raise refuse_unused(
                 name, "together with `model`, which states it, and whose force is fed back without delay"
             )
     return read_model(model) if isinstance(model, str | Path) else model
@@ -151,11 +151,11 @@ def _channel_of_force(
                 "A measured specimen needs the `mass` of the structure", remedy="State it in kilograms"
             )
         if mass is not None and frame is not None:
-            raise unused("mass", "together with `structure`, which describes the test")
+            raise refuse_unused("mass", "together with `structure`, which describes the test")
         return ForceChannel.parse(force_channel or ())
     for name, value in {"mass": mass, "force_channel": force_channel}.items():
         if value is not None:
-            raise unused(name, "unless the `specimen` is measured")
+            raise refuse_unused(name, "unless the `specimen` is measured")
     return None
 
 
@@ -167,7 +167,7 @@ def frame_of(structure: str | Path | FrameUnderTest, *, measured: bool = False) 
     frame = read_structure(structure) if isinstance(structure, str | Path) else structure
     if frame.has_several:
         if measured:
-            raise unused(
+            raise refuse_unused(
                 "specimen", "together with a `structure` with several actuators, whose specimen is linear"
             )
         return frame
@@ -180,7 +180,7 @@ def refuse_beside(name: str, asked: questions.Followed, *others: str) -> None:
     stated: Mapping[str, Any] = {**asked}
     for other in others:
         if stated[other] is not None and not _is_usual(other, stated[other]):
-            raise unused(other, f"together with `{name}`, which describes the test")
+            raise refuse_unused(other, f"together with `{name}`, which describes the test")
 
 
 def _mode(model: UpdatedModel | None, frame: FrameUnderTest | None) -> Structure | None:
@@ -190,7 +190,7 @@ def _mode(model: UpdatedModel | None, frame: FrameUnderTest | None) -> Structure
     return None if model is None else model.test.structure
 
 
-def _stated(asked: questions.FollowedTest, mode: Structure | None) -> dict[str, StatedValue]:
+def _collect_stated_values(asked: questions.FollowedTest, mode: Structure | None) -> dict[str, StatedValue]:
     """Read what is stated of structure, sensor and feedback, which must be complete.
 
     `mode` stands for the structure of a model or a frame.
@@ -209,6 +209,6 @@ def _stated(asked: questions.FollowedTest, mode: Structure | None) -> dict[str, 
         if of_structure[name] is None:
             raise InputError(f"A test needs `{name}`, the structure's {what}", remedy=remedy)
     lag = 0.0 if asked["feedback_lag"] is None else asked["feedback_lag"]
-    stated = stated_values(**of_structure, scale=asked["scale"], feedback_lag=lag, mass=asked["mass"])
+    stated = parse_stated_values(**of_structure, scale=asked["scale"], feedback_lag=lag, mass=asked["mass"])
     require_sound(stated)
     return stated

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Unpack
 
 from reliab.app import questions
-from reliab.app.api.arguments import require_sound, stated_threshold, stated_values, structure_of
+from reliab.app.api.arguments import parse_stated_values, parse_threshold, require_sound, structure_of
 from reliab.app.api.following import model_of, refuse_beside
 from reliab.app.declaration import asks
 from reliab.core.arrays import Array
@@ -89,12 +89,12 @@ def _monitor(asked: questions.MonitorInLoop) -> LoopMonitor:
     rate = asked["rate"]
     if rate is None:
         raise InputError("The monitor needs `rate`, the rate of the loop", remedy="Give it in hertz")
-    threshold = stated_threshold(asked["threshold"])
+    threshold = parse_threshold(asked["threshold"])
     require_physical("sampling rate", rate, called="value of `rate`")
     stated = {
         "scale": StatedValue(1.0),
         "feedback_lag": StatedValue(0.0),
-        **stated_values(scale=asked["scale"], feedback_lag=asked["feedback_lag"]),
+        **parse_stated_values(scale=asked["scale"], feedback_lag=asked["feedback_lag"]),
     }
     require_sound(stated)
     lag = stated["feedback_lag"].value
@@ -125,7 +125,7 @@ def _structure(asked: questions.MonitorInLoop) -> tuple[Partition | HybridTest, 
         )
     if frame is not None:
         refuse_beside("structure", asked, "f", "xi", "alpha")
-        return _of_frame(read_structure(frame), str(frame))
+        return _partition_of_frame(read_structure(frame), str(frame))
     if model is not None:
         return model_of(model, asked).test, None
     for name, value in {"f": asked["f"], "xi": asked["xi"]}.items():
@@ -134,12 +134,12 @@ def _structure(asked: questions.MonitorInLoop) -> tuple[Partition | HybridTest, 
                 f"A monitor in a loop needs `{name}`, or the `structure` of a frame, or a `model`",
                 remedy="State one of them",
             )
-    stated = stated_values(f=asked["f"], xi=asked["xi"], alpha=asked["alpha"])
+    stated = parse_stated_values(f=asked["f"], xi=asked["xi"], alpha=asked["alpha"])
     require_sound(stated)
     return Partition.from_structure(structure_of(stated)), None
 
 
-def _of_frame(frame: FrameUnderTest, where: str) -> tuple[Partition, Array | None]:
+def _partition_of_frame(frame: FrameUnderTest, where: str) -> tuple[Partition, Array | None]:
     """Return the structure of a frame with a linear specimen."""
     if frame.has_several:
         if frame.geometry is not None and not frame.channels_at_interface:

@@ -10,7 +10,7 @@ from urllib.parse import urlsplit
 
 from reliab.core.errors import InputError
 from reliab.core.files import ordinary, refuse_unwritable, written_whole
-from reliab.core.shipped import KINDS, checksum_of, checksums, fetched, shipped, shipped_folder
+from reliab.core.shipped import KINDS, checksum_of, checksums, find_fetched, find_shipped_folder, shipped
 from reliab.version import __version__
 
 _PACKAGES = (
@@ -52,7 +52,7 @@ def describe_installation() -> dict[str, Any]:
         "executable": sys.executable,
         "packages": {name: _version(name) for name in _PACKAGES},
         "shipped": {kind: _folder(kind) for kind in KINDS},
-        "compiled code": _compiled_code(),
+        "compiled code": _describe_compiled_code(),
     }
 
 
@@ -66,14 +66,14 @@ def _version(name: str) -> str:
 
 
 def _folder(kind: str) -> str:
-    folder = shipped_folder(kind)
+    folder = find_shipped_folder(kind)
     if not folder.is_dir():
         return "none"
     size = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
     return f"{folder}, {size / _MEGABYTE:.1f} MB"
 
 
-def _compiled_code() -> str:
+def _describe_compiled_code() -> str:
     try:
         from reliab.core.compiled import kernel_folder
     except ImportError as error:
@@ -149,11 +149,11 @@ def fetch_dataset(source: str | Path) -> Path:
     """
     source = str(source)
     name = _name_of(source)
-    target = fetched(_KIND, name)
+    target = find_fetched(_KIND, name)
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         with written_whole(target) as file:
-            with _opened(source) as content, file.open("wb") as copy:
+            with _open_source(source) as content, file.open("wb") as copy:
                 shutil.copyfileobj(content, copy)
             _check(file, name, source)
     except OSError as error:
@@ -183,7 +183,7 @@ def _is_address(source: str) -> bool:
     return "://" in source
 
 
-def _opened(source: str) -> AbstractContextManager[IO[bytes]]:
+def _open_source(source: str) -> AbstractContextManager[IO[bytes]]:
     if not _is_address(source):
         return ordinary(source).open("rb")
     if urlsplit(source).scheme != "https":

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.app.api.sources import EllipseSource, listed, paths
+from reliab.app.api.sources import EllipseSource, as_list, paths
 from reliab.core.errors import InputError
 from reliab.core.progress import Show
 from reliab.core.significant_digits import percent, significant
@@ -42,7 +42,7 @@ def require_one_share(alpha: Numbers | None) -> None:
 
     `alpha` [-].
     """
-    shares = listed(alpha) or []
+    shares = as_list(alpha) or []
     if len(shares) > 1:
         raise InputError(
             "Criteria are judged for one share of the stiffness at a time",
@@ -51,7 +51,7 @@ def require_one_share(alpha: Numbers | None) -> None:
         )
 
 
-def judged_ellipses(source: EllipseSource, show: Show) -> xr.Dataset:
+def open_judged_ellipses(source: EllipseSource, show: Show) -> xr.Dataset:
     """Trace or look up the ellipses of the motions, each record once.
 
     They must be at the structures that are asked for.
@@ -59,14 +59,14 @@ def judged_ellipses(source: EllipseSource, show: Show) -> xr.Dataset:
     dataset = select_share(source.dataset(show))
     for name in ("f", "xi"):
         held = dataset[name].values.tolist()
-        for value in listed(getattr(source, name)) or []:
+        for value in as_list(getattr(source, name)) or []:
             if not any(math.isclose(value, stored, rel_tol=1e-9) for stored in held):
                 raise InputError(
                     "The source has no boundaries for this structure",
                     value=f"`{name}={value:g}`",
                     remedy=f"Choose among {', '.join(f'{stored:g}' for stored in held)}, or give `motions`",
                 )
-    for error in listed(source.threshold) or []:
+    for error in as_list(source.threshold) or []:
         dataset = interpolate_threshold(dataset, error)
     return drop_copies(dataset)
 
@@ -131,15 +131,15 @@ def divide(
     if learn == [REAL]:
         division = _from_shipped_suite(dataset, source, judge)
     elif learn or judge:
-        division = _by_sets(dataset, source, learn, judge)
+        division = _divide_by_sets(dataset, source, learn, judge)
     else:
         name = scheme or DEFAULT_SCHEME
         lengths = dataset["duration"].values if "duration" in dataset.coords else None
         division = Division(folds=folds_of(name, dataset["event"].values, lengths), name=name)
-    return division if leave_out is None else _without(division, leave_out, dataset)
+    return division if leave_out is None else _leave_out(division, leave_out, dataset)
 
 
-def _without(division: Division, name: str, dataset: xr.Dataset) -> Division:
+def _leave_out(division: Division, name: str, dataset: xr.Dataset) -> Division:
     """Leave out each frequency or damping ratio in turn, too."""
     if name not in {"f", "xi"}:
         raise InputError("`leave_out` is f or xi", value=name, remedy="Choose one of these")
@@ -183,7 +183,7 @@ def _from_shipped_suite(dataset: xr.Dataset, source: EllipseSource, judge: Seque
     )
 
 
-def _by_sets(
+def _divide_by_sets(
     dataset: xr.Dataset, source: EllipseSource, learn: Sequence[str] | None, judge: Sequence[str] | None
 ) -> Division:
     """Learn from sets of a catalogue and judge others of its sets."""
@@ -199,17 +199,17 @@ def _by_sets(
     return Division(folds=list(folds), name=name)
 
 
-def kept_shares(
+def list_kept_shares(
     rows: Sequence[Mapping[str, Any]], of_side: str = "", whose: str = "the motions"
 ) -> Iterator[str]:
     """Say of each method and law whether the share that it states is kept, and by which motions.
 
     >>> rate = {"rate": 0.52, "low": 0.41, "high": 0.63}
     >>> rows = [{"candidate": "power", "confidence": 0.95, "containment": rate}]
-    >>> print(*kept_shares(rows))
+    >>> print(*list_kept_shares(rows))
     power does not keep what it states: it protects 52.0 % of the motions at 95 %.
     >>> of_one_record = {"rate": 1.0, "low": 0.025, "high": 1.0}
-    >>> print(*kept_shares([{**rows[0], "containment": of_one_record}]))
+    >>> print(*list_kept_shares([{**rows[0], "containment": of_one_record}]))
     power may keep what it states (too few earthquakes to tell): it protects 100.0 % of the motions at 95 %.
     """
     for candidate in dict.fromkeys(row["candidate"] for row in rows):

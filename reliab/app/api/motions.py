@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, ClassVar, Unpack
 
 from reliab.app import questions
-from reliab.app.api.sources import listed, paths
+from reliab.app.api.sources import as_list, paths
 from reliab.app.declaration import Files, asks
 from reliab.core.columns import Columns, digits
 from reliab.core.errors import InputError
@@ -149,7 +149,7 @@ class WrittenSuite(PlainResult):
 
 def _reading(read: questions.MotionFiles) -> dict[str, Any]:
     """How records are read."""
-    return {"sets": listed(read["sets"]), "time_step": read["time_step"], "units": read["units"]}
+    return {"sets": as_list(read["sets"]), "time_step": read["time_step"], "units": read["units"]}
 
 
 @asks(questions.ImportedMotions)
@@ -177,7 +177,7 @@ def import_motions(
     """
     named, event = paths(sources), asked["event"]
     suite = load_motions(*named, **_reading(asked))
-    written = _written(
+    written = _write_suite(
         suite, write_suite(suite, out, event=event), suite.events if event is None else [event]
     )
     return replace(written, skipped=tuple(note for source in named for note in list_skipped_files(source)))
@@ -204,8 +204,8 @@ def synthesize_motions(*, out: str | Path, **asked: Unpack[questions.SyntheticSu
     """
     seed = {} if asked["seed"] is None else {"seed": asked["seed"]}
     suite = synthetic_suite(count=asked["count"], **seed)
-    return _written(suite, write_suite(suite, out), suite.events)
+    return _write_suite(suite, write_suite(suite, out), suite.events)
 
 
-def _written(suite: MotionSuite, catalogue: Path, events: Sequence[str]) -> WrittenSuite:
+def _write_suite(suite: MotionSuite, catalogue: Path, events: Sequence[str]) -> WrittenSuite:
     return WrittenSuite(catalogue=catalogue, motions=suite.names, events=len(set(events)))

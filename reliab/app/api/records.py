@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from reliab.app import questions
-from reliab.app.api.arguments import require_sound, stated_values, structure_of
+from reliab.app.api.arguments import parse_stated_values, require_sound, structure_of
 from reliab.app.api.channels import Channels
 from reliab.app.declaration import asks
 from reliab.core.errors import InputError
@@ -45,7 +45,7 @@ class Record(PlainResult):
             "rate_hz": 1.0 / self.histories.time_step,
             "samples": int(next(iter(self.histories.values.values())).size),
             "recording": {"channels": [channel.summary() for channel in self.histories.channels.values()]},
-            "left": [name for name in columns.values if name not in self._used],
+            "left": [name for name in columns.values if name not in self._list_used_columns],
             "notes": list(self.histories.notes),
         }
 
@@ -63,7 +63,7 @@ class Record(PlainResult):
         return shown
 
     @property
-    def _used(self) -> set[str]:
+    def _list_used_columns(self) -> set[str]:
         return {channel.column for channel in self.histories.channels.values()}
 
 
@@ -100,7 +100,9 @@ def record(
     if out is not None:
         require_ending(out, ".nc")
     path = or_shipped(Path(source), "datasets", "test.csv")
-    structure = stated_values(f=stated["f"], xi=stated["xi"], alpha=stated["alpha"], mass=stated["mass"])
+    structure = parse_stated_values(
+        f=stated["f"], xi=stated["xi"], alpha=stated["alpha"], mass=stated["mass"]
+    )
     require_sound(structure)
     structure_of(structure, **_USUAL)  # refuses values that no structure has
     about = About(
@@ -111,7 +113,7 @@ def record(
         date=stated["date"] or "",
         further=dict(attributes or {}),
     )
-    reading = Channels.stated_in(stated)
+    reading = Channels.from_question(stated)
     dataset, histories = record_test(
         path,
         laboratory=reading.laboratory(),
@@ -187,9 +189,9 @@ def calibrate(
     >>> round(measured.skew_ms.value, 3), round(measured.scale.value, 4)
     (0.4, 1.01)
     """
-    reading, out = Channels.stated_in(stated), stated["out"]
+    reading, out = Channels.from_question(stated), stated["out"]
     recording = reading.read(test)
-    delay = stated_values(actuator_delay=stated["actuator_delay"]).get("actuator_delay")
+    delay = parse_stated_values(actuator_delay=stated["actuator_delay"]).get("actuator_delay")
     calibration = calibrate_channels(recording, actuator_delay_ms=delay)
     if out is not None:
         former = None if reading.channels is None else Path(reading.channels)

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 import numpy as np
 
 from reliab.app import questions
-from reliab.app.api.arguments import stated_threshold, stated_values, structure_of, unused
-from reliab.app.api.rigs import stated_covariates
+from reliab.app.api.arguments import parse_stated_values, parse_threshold, refuse_unused, structure_of
+from reliab.app.api.rigs import parse_covariates
 from reliab.app.declaration import asks
 from reliab.assessment.default_criterion import ellipses_of_motions
 from reliab.assessment.judged_test import plot_errors
@@ -86,15 +86,15 @@ def predict_rig(rig: str | Path, **asked: Unpack[questions.NextTest]) -> RigPred
     following = NextTest(
         date=require_date(date) if date else "",
         specimen=asked["specimen"] or "",
-        covariates=stated_covariates(asked["covariate"] or (), MEASURED_COVARIATES),
+        covariates=parse_covariates(asked["covariate"] or (), MEASURED_COVARIATES),
     )
-    limit = stated_threshold(asked["threshold"])
-    predict = _of_structure if asked["structure"] is None else _of_frame
+    limit = parse_threshold(asked["threshold"])
+    predict = _predict_for_structure if asked["structure"] is None else _predict_for_frame
     return RigPrediction(rig=Path(rig), prediction=predict(table, following, limit, asked))
 
 
 def _structure(asked: questions.NextTest) -> Structure:
-    stated = stated_values(f=asked["f"], xi=asked["xi"], alpha=asked["alpha"])
+    stated = parse_stated_values(f=asked["f"], xi=asked["xi"], alpha=asked["alpha"])
     if "f" not in stated:
         raise InputError(
             "The natural frequency of the structure is missing",
@@ -103,22 +103,24 @@ def _structure(asked: questions.NextTest) -> Structure:
     return structure_of(stated, xi=_USUAL["xi"])
 
 
-def _of_frame(table: RigTable, following: NextTest, limit: float, asked: questions.NextTest) -> Prediction:
+def _predict_for_frame(
+    table: RigTable, following: NextTest, limit: float, asked: questions.NextTest
+) -> Prediction:
     stated: Mapping[str, Any] = {**asked}
     for name in ("f", "xi", "alpha", "motion", "suite"):
         if stated[name] is not None:
-            raise unused(name, "together with the `structure` of a frame")
+            raise refuse_unused(name, "together with the `structure` of a frame")
     frame = read_structure(stated["structure"])
     return predict_next(table, None, following, threshold=limit, frame=frame.name)
 
 
-def _of_structure(
+def _predict_for_structure(
     table: RigTable, following: NextTest, limit: float, asked: questions.NextTest
 ) -> Prediction:
     structure, motion, suite = _structure(asked), asked["motion"], asked["suite"]
     if motion is not None:
         if suite is not None:
-            raise unused("suite", "together with `motion`")
+            raise refuse_unused("suite", "together with `motion`")
         record = read_motion(motion)
         excitation = Excitation(acceleration=record.acceleration, time_step=record.time_step)
         return predict_under_motion(table, structure, following, excitation, threshold=limit)
@@ -188,7 +190,7 @@ def document_of_rig(rig: str | Path, **asked: Unpack[questions.RigReport]) -> "D
     if not table.rows:
         raise InputError("The rig has no tests", remedy="Add some with `reliab rig add`")
     last = table.rows[-1]
-    limit = stated_threshold(float(last["threshold"]) if asked["threshold"] is None else asked["threshold"])
+    limit = parse_threshold(float(last["threshold"]) if asked["threshold"] is None else asked["threshold"])
     structure: Structure | None = None
     if asked["f"] is None and last["structure"]:
         prediction = predict_next(table, None, NextTest(), threshold=limit, frame=last["structure"])
@@ -207,6 +209,6 @@ def document_of_rig(rig: str | Path, **asked: Unpack[questions.RigReport]) -> "D
 
 def _structure_of_next(last: Mapping[str, Any], asked: questions.RigReport) -> Structure:
     """Return what is stated of the next structure, and the rest as in the last test."""
-    stated = stated_values(f=asked["f"], xi=asked["xi"], alpha=asked["alpha"])
+    stated = parse_stated_values(f=asked["f"], xi=asked["xi"], alpha=asked["alpha"])
     of_last = {name: float(last[name]) for name in ("f", "xi", "alpha") if last[name] is not None}
     return structure_of(stated, **{**_USUAL, **of_last})

@@ -214,20 +214,20 @@ def add_to_rig(
     labels = {"date": moment, **{name: stated[name] for name in ("event", "specimen", "note")}}
     keeper = _Keeper(
         folder=RigFolder(Path(rig)),
-        reading=Channels.stated_in(asked),
+        reading=Channels.from_question(asked),
         terms={
             name: stated[name] for name in _TERMS if stated[name] is not None and stated[name] is not False
         },
         labels={name: as_text(value) for name, value in labels.items() if value},
-        covariates=stated_covariates(asked["covariate"] or ()),
+        covariates=parse_covariates(asked["covariate"] or ()),
     )
     return keeper.keep(files, show)
 
 
-def stated_covariates(texts: Iterable[str], measured: tuple[str, ...] = ()) -> dict[str, float]:
+def parse_covariates(texts: Iterable[str], measured: tuple[str, ...] = ()) -> dict[str, float]:
     """Read covariates as users write them; `measured` are columns of every test that may be among them.
 
-    >>> stated_covariates(["current=0.4"])
+    >>> parse_covariates(["current=0.4"])
     {'current': 0.4}
     """
     covariates: dict[str, float] = {}
@@ -279,7 +279,7 @@ class _Keeper:
     def _readings_of(self, file: Path) -> dict[str, Channels]:
         """How each test of a file is read, by its name."""
         if self.reading.test_name == _ALL_TESTS:
-            return self.reading.of_each_test(file)
+            return self.reading.split_by_test(file)
         named = f", {self.reading.test_name}" if self.reading.test_name else ""
         return {f"{file.name}{named}": self.reading}
 

@@ -7,7 +7,7 @@ from typing import Any, Unpack
 import xarray as xr
 
 from reliab.app import questions
-from reliab.app.api.sources import listed, paths
+from reliab.app.api.sources import as_list, paths
 from reliab.app.declaration import asks
 from reliab.core.plain_values import PlainResult
 from reliab.core.progress import Progress, Show, quietly, silent
@@ -112,7 +112,7 @@ def simulate_suite(
     *, out: str | Path, show: Show = quietly, **asked: Unpack[questions.Simulation]
 ) -> Simulation:
     """Simulate motions from several sources and sets as :func:`simulate` does, and say what was stored."""
-    suite = load_motions(*paths(asked["motions"] or "synthetic"), sets=listed(asked["sets"]))
+    suite = load_motions(*paths(asked["motions"] or "synthetic"), sets=as_list(asked["sets"]))
     request = _request(asked)
     with show("Simulating") as progress:
         run_sweep(suite, request, out, **_run(asked), progress=progress)

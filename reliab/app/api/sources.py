@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from reliab.app import questions
-from reliab.app.api.arguments import stated_threshold
+from reliab.app.api.arguments import parse_threshold
 from reliab.app.declaration import Files, asks
 from reliab.core.errors import InputError
 from reliab.core.progress import Progress, Show, quietly, silent
@@ -133,7 +133,7 @@ def paths(files: Files) -> tuple[str | Path, ...]:
     return (files,) if isinstance(files, str | Path) else tuple(files)
 
 
-def listed(values: Any) -> list[Any] | None:  # noqa: ANN401 - numbers or names
+def as_list(values: Any) -> list[Any] | None:  # noqa: ANN401 - numbers or names
     """List one value or several; None where none is stated."""
     return None if values is None else list(as_names(values))
 
@@ -164,11 +164,11 @@ class EllipseSource:
     first_order: bool = False  # Whether ellipses are predicted from the spectra of records instead of traced
 
     @classmethod
-    def asked_by(cls, question: Mapping[str, Any], **changes: Any) -> Self:  # noqa: ANN401 - values of many types
+    def from_question(cls, question: Mapping[str, Any], **changes: Any) -> Self:  # noqa: ANN401 - values of many types
         """Take what a question says of its source, with changes."""
         names = {item.name for item in fields(cls)}
         taken = {name: value for name, value in question.items() if name in names and value is not None}
-        return cls(**{**taken, "sets": listed(question["sets"]), **changes})
+        return cls(**{**taken, "sets": as_list(question["sets"]), **changes})
 
     def __post_init__(self) -> None:
         given = [source for source in (self.motions, self.results, self.ellipses) if source is not None]
@@ -225,12 +225,12 @@ class EllipseSource:
         """Trace the ellipses, or look them up."""
         if self.ellipses is not None:
             path = Path(self.ellipses)
-            return _of_shares(self._read(path), self.alpha, path)
+            return _select_shares(self._read(path), self.alpha, path)
         if self.results is not None:
             path = Path(self.results)
-            return _of_shares(self._traced_in(path, show), self.alpha, path)
+            return _select_shares(self._read_traced(path, show), self.alpha, path)
         if self.structure is not None:
-            return self._of_frame(self.structure, show)
+            return self._trace_frame(self.structure, show)
 
         suite = load_motions(*paths(self.motions or ()), sets=self.sets)
         with show("Reading spectra" if self.first_order else "Tracing boundaries") as progress:
@@ -251,7 +251,7 @@ class EllipseSource:
         """Read a file of ellipses."""
         path = or_shipped(path, "datasets", "ellipses.nc")
         if path.suffix == ".nc":
-            return at_structures(open_ellipses(path, window=self.window), self.f, self.xi)
+            return select_structures(open_ellipses(path, window=self.window), self.f, self.xi)
         if self.window is not None:
             raise InputError(
                 "A CSV table of ellipses does not say to which window it belongs",
@@ -261,20 +261,20 @@ class EllipseSource:
         dataset = read_ellipses(path)
         for name in ("f", "xi", "threshold", "metric"):
             _require_column(dataset, name, getattr(self, name), path)
-        return at_structures(dataset, self.f, self.xi)
+        return select_structures(dataset, self.f, self.xi)
 
-    def _traced_in(self, path: Path, show: Show) -> xr.Dataset:
+    def _read_traced(self, path: Path, show: Show) -> xr.Dataset:
         """Trace the boundaries in stored results."""
         stored = open_results(
-            find_results(path, listed(self.f), listed(self.xi)), window=self.window or _RECORD
+            find_results(path, as_list(self.f), as_list(self.xi)), window=self.window or _RECORD
         )
         with show("Tracing boundaries") as progress:
-            traced: xr.Dataset = at_structures(stored, self.f, self.xi).reliab.ellipses(
+            traced: xr.Dataset = select_structures(stored, self.f, self.xi).reliab.ellipses(
                 self._thresholds, (Metric(self.metric),), progress=progress
             )
         return traced
 
-    def _of_frame(self, path: str | Path, show: Show) -> xr.Dataset:
+    def _trace_frame(self, path: str | Path, show: Show) -> xr.Dataset:
         """Trace the boundaries of a frame under records."""
         from reliab.simulation.frames.frame_file import read_structure
         from reliab.sweep.frame_table import FrameRequest, trace_frame_ellipses
@@ -304,7 +304,7 @@ def require_thresholds(threshold: Numbers | None) -> None:
     `threshold` [-].
     """
     for error in () if threshold is None else as_names(threshold):
-        stated_threshold(error)
+        parse_threshold(error)
 
 
 def _require_column(dataset: xr.Dataset, name: str, values: Any, path: Path) -> None:  # noqa: ANN401
@@ -325,7 +325,7 @@ def _require_column(dataset: xr.Dataset, name: str, values: Any, path: Path) -> 
             )
 
 
-def _of_shares(dataset: xr.Dataset, alpha: Numbers | None, path: Path) -> xr.Dataset:
+def _select_shares(dataset: xr.Dataset, alpha: Numbers | None, path: Path) -> xr.Dataset:
     """Choose shares of the stiffness among stored boundaries, or carry those of α = 1 to a smaller share.
 
     `alpha` [-].
@@ -333,10 +333,10 @@ def _of_shares(dataset: xr.Dataset, alpha: Numbers | None, path: Path) -> xr.Dat
     if alpha is None:
         return dataset
     shares = sorted(set(as_names(alpha)))
-    return concatenate_shares(shares, lambda share, _: _of_share(dataset, share, path), silent)
+    return concatenate_shares(shares, lambda share, _: _select_share(dataset, share, path), silent)
 
 
-def _of_share(dataset: xr.Dataset, alpha: float, path: Path) -> xr.Dataset:
+def _select_share(dataset: xr.Dataset, alpha: float, path: Path) -> xr.Dataset:
     """Choose one share, or carry the boundaries of α = 1 to it."""
     shares = shares_of(dataset)
     if _near(alpha, shares):
@@ -356,19 +356,19 @@ def _near(alpha: float, shares: tuple[float, ...]) -> bool:
     return any(math.isclose(alpha, share, rel_tol=1e-9) for share in shares)
 
 
-def at_structures(dataset: xr.Dataset, f: Numbers | None, xi: Numbers | None) -> xr.Dataset:
+def select_structures(dataset: xr.Dataset, f: Numbers | None, xi: Numbers | None) -> xr.Dataset:
     """Keep the structures that are asked for, or all where one of them lies between the stored ones.
 
     `f`, `xi` [Hz, -].
     """
-    for name, values in (("f", listed(f)), ("xi", listed(xi))):
+    for name, values in (("f", as_list(f)), ("xi", as_list(xi))):
         held = dataset[name].values
         if values and all(np.isclose(held, value, rtol=1e-9).any() for value in values):
             dataset = dataset.sel({name: values}, method="nearest")
     return dataset
 
 
-def with_room(dataset: xr.Dataset) -> xr.Dataset:
+def select_rows_with_room(dataset: xr.Dataset) -> xr.Dataset:
     """Refuse boundaries that leave no room, since the effects of a model fill it."""
     full = (dataset["a"] == 0.0) & (dataset["b"] == 0.0)
     if full.any():

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import ClassVar, Unpack
 
 from reliab.app import options
-from reliab.app.api.sources import listed
+from reliab.app.api.sources import as_list
 from reliab.app.declaration import asks
 from reliab.core.plain_values import PlainResult, ResultWithRows
 from reliab.core.progress import Show, quietly
@@ -73,7 +73,7 @@ def run_study(
     """
     described = open_study(study)
     if asked["motions"] or asked["sets"]:
-        described = described.replace_motions(listed(asked["motions"]), listed(asked["sets"]))
+        described = described.replace_motions(as_list(asked["motions"]), as_list(asked["sets"]))
     place = Path(study).resolve()
     name = place.parent.name if place.name == "study.toml" else place.stem
     folder = _OUT / name if out is None else Path(out)

@@ -11,7 +11,7 @@ import xarray as xr
 from reliab.app import questions
 from reliab.app.api.sources import EllipseSource
 from reliab.app.declaration import asks
-from reliab.core.columns import WHERE, Columns
+from reliab.core.columns import PLACE_COLUMNS, Columns
 from reliab.core.plain_values import ResultWithRows
 from reliab.core.progress import Show, quietly
 from reliab.core.vocabulary import CurveName, NoEllipse, Side
@@ -48,7 +48,7 @@ class Boundaries(ResultWithRows):
     rows_in = "ellipses"
     shown: ClassVar[Columns] = {
         "motion": ("motion", ""),
-        **WHERE,
+        **PLACE_COLUMNS,
         "a [-]": ("", _parameter("a", "", ".3e")),
         "b [ms²]": ("", _parameter("b", "", ".4g")),
         **{
@@ -111,7 +111,7 @@ def trace_boundaries(*, show: Show = quietly, **asked: Unpack[questions.Boundari
     >>> len(traced), round(next(traced.rows())["b"], 2)
     (100, 1.35)
     """
-    traced = EllipseSource.asked_by(asked).dataset(show)
+    traced = EllipseSource.from_question(asked).dataset(show)
     if asked["out"] is not None:
         write_ellipses(traced, Path(asked["out"]))
     return Boundaries(ellipses=traced)

@@ -14,15 +14,15 @@ from reliab.app.api.judged_motions import (
     DEFAULT_SCHEME,
     Division,
     divide,
-    judged_ellipses,
-    kept_shares,
+    list_kept_shares,
     motions_outside,
+    open_judged_ellipses,
     require_one_division,
     require_one_share,
     sentences_of_outside,
     true_errors,
 )
-from reliab.app.api.sources import FIVE_PERCENT, EllipseSource, listed
+from reliab.app.api.sources import FIVE_PERCENT, EllipseSource, as_list
 from reliab.app.declaration import asks
 from reliab.core.columns import Columns
 from reliab.core.errors import InputError
@@ -97,7 +97,7 @@ class Validation(ResultWithRows):
             "truth": self.counts.truth,
             "unresolved": int(counts["unresolved"].sum()),
             "not_carried": _not_carried(self.counts),
-            "judged_on": _judged(self.ellipses, self.counts.scheme),
+            "judged_on": _describe_judged(self.ellipses, self.counts.scheme),
             "outside": list(sentences_of_outside(self.ellipses, self.division)),
             "rows": rows,
             "sentences": list(_sentences(self, rows, leads)),
@@ -127,14 +127,14 @@ def validate_criteria(*, show: Show = quietly, **asked: Unpack[questions.Validat
         If the source cannot serve what is asked for, or an argument would have no effect.
     """
     require_one_share(asked["alpha"])
-    learn, judge, scheme = listed(asked["learn"]), listed(asked["judge"]), asked["scheme"]
+    learn, judge, scheme = as_list(asked["learn"]), as_list(asked["judge"]), asked["scheme"]
     require_one_division(scheme, learn, judge)
-    confidences = list(dict.fromkeys(listed(asked["confidence"]) or _CONFIDENCES))
+    confidences = list(dict.fromkeys(as_list(asked["confidence"]) or _CONFIDENCES))
     threshold, metric = _error_of(asked)
     question = _Candidates(error=threshold, metric=metric, confidences=confidences)
-    candidates = question.made_of(listed(asked["law"]), listed(asked["method"]), joint=asked["joint"])
-    source = EllipseSource.asked_by(asked, threshold=[threshold])
-    dataset = judged_ellipses(source, show)
+    candidates = question.from_question(as_list(asked["law"]), as_list(asked["method"]), joint=asked["joint"])
+    source = EllipseSource.from_question(asked, threshold=[threshold])
+    dataset = open_judged_ellipses(source, show)
     truth = true_errors(source, dataset)
     division = divide(dataset, source, scheme=scheme, leave_out=asked["leave_out"], learn=learn, judge=judge)
     with show("Cross-validating") as progress:
@@ -168,7 +168,7 @@ class _Candidates:
     metric: str
     confidences: list[float]
 
-    def made_of(
+    def from_question(
         self, laws: list[str] | None, methods: list[str] | None, *, joint: bool | None
     ) -> list[Candidate]:
         """Make the criteria of every law and method that is asked for."""
@@ -177,7 +177,7 @@ class _Candidates:
         candidates: list[Candidate] = []
         for name in names:
             if name in MANY_MOTION_LAWS:
-                candidates.append(self._printed(name, MANY_MOTION_LAWS[name], asked=bool(laws)))
+                candidates.append(self._make_published(name, MANY_MOTION_LAWS[name], asked=bool(laws)))
                 continue
             fitted = find_law(FITTED_LAWS, name)
             for method in methods or [RECOMMENDED_METHOD]:
@@ -194,7 +194,7 @@ class _Candidates:
             )
         return candidates
 
-    def _printed(self, name: str, law: Law, *, asked: bool) -> Candidate:
+    def _make_published(self, name: str, law: Law, *, asked: bool) -> Candidate:
         """Take a printed law, which states one confidence for one error."""
         law.validity.require_error(self.error, self.metric)
         candidate = PrintedCandidate(name=name, law=law)
@@ -207,7 +207,7 @@ class _Candidates:
         return candidate
 
 
-def _judged(ellipses: xr.Dataset, scheme: str) -> str:
+def _describe_judged(ellipses: xr.Dataset, scheme: str) -> str:
     """Say which motions are judged, and how they were left out."""
     ways = {
         "leave_one_event_out": "each judged by other earthquakes",
@@ -237,8 +237,8 @@ def _sentences(
         if outside.any():
             inner = replace(counts, counts=counts.counts.isel(motion=~outside))
             inside = [] if outside.all() else _rows(inner, ("f", "xi"), side)
-        yield from kept_shares([row for row in inside if not _is_printed(row)], of_side, whose)
-        yield from kept_shares([row for row in of_all if _is_printed(row)], of_side)
+        yield from list_kept_shares([row for row in inside if not _is_printed(row)], of_side, whose)
+        yield from list_kept_shares([row for row in of_all if _is_printed(row)], of_side)
 
 
 def _is_printed(row: Mapping[str, Any]) -> bool:
@@ -318,8 +318,8 @@ def calibrate_probabilities(
     """
     require_one_share(asked["alpha"])
     scheme, (threshold, metric) = asked["scheme"] or DEFAULT_SCHEME, _error_of(asked)
-    source = EllipseSource.asked_by(asked, threshold=[threshold])
-    dataset = judged_ellipses(source, show)
+    source = EllipseSource.from_question(asked, threshold=[threshold])
+    dataset = open_judged_ellipses(source, show)
     truth = true_errors(source, dataset)
     with show("Comparing probabilities") as progress:
         bins = probability_calibration(

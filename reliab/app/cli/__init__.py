@@ -16,11 +16,11 @@ from typing import Annotated, Any, Final
 import typer
 
 from reliab.app.cli.commands import Command, as_options
-from reliab.app.cli.defaults import read_defaults, without_config
-from reliab.app.cli.interruption import interruption, noticed_interruption
-from reliab.app.cli.output import write_what_can_be_written
-from reliab.app.cli.printable import printable, substituted
-from reliab.app.declaration import UNITS, without_units
+from reliab.app.cli.defaults import read_defaults, remove_config
+from reliab.app.cli.interruption import interruption, notice_interruption
+from reliab.app.cli.output import replace_unwritable_characters
+from reliab.app.cli.printable import printable, substitute_characters
+from reliab.app.declaration import UNITS, remove_units
 from reliab.core.errors import INTERRUPTED, IncompleteError, InputError
 from reliab.core.stated_value import StatedValue
 from reliab.core.threads import ONE_THREAD
@@ -120,21 +120,21 @@ def _commands(*names: str) -> Any:  # noqa: ANN401 - Typer hides its type
 
 
 @cache
-def _with_help(*names: str) -> Any:  # noqa: ANN401 - Typer hides its type
+def _make_group(*names: str) -> Any:  # noqa: ANN401 - Typer hides its type
     """Make commands, all by default; help that Rich shows is escaped once."""
     shown = typer.main.get_command(application(*names))
     take_help_literally(shown)
     return shown
 
 
-def _asked(arguments: Sequence[str]) -> Any:  # noqa: ANN401 - Typer hides its type
+def _find_command(arguments: Sequence[str]) -> Any:  # noqa: ANN401 - Typer hides its type
     """Make the command that is asked, or all if there is none of that name."""
     match arguments:
         case ["--version"]:  # printed without Rich
             return _commands()
         case [name, *options] if options and name in _PANEL_OF:
-            return _with_help(name) if _HELP & {*options} else _commands(name)
-    return _with_help()
+            return _make_group(name) if _HELP & {*options} else _commands(name)
+    return _make_group()
 
 
 def take_help_literally(command: Any) -> None:  # noqa: ANN401 - Typer hides its type
@@ -152,7 +152,7 @@ def take_help_literally(command: Any) -> None:  # noqa: ANN401 - Typer hides its
 def main() -> None:
     """Run the command line; bad input ends with one sentence and exit code 2."""
     os.environ.update(ONE_THREAD)
-    sys.stdout, sys.stderr = map(write_what_can_be_written, (sys.stdout, sys.stderr))
+    sys.stdout, sys.stderr = map(replace_unwritable_characters, (sys.stdout, sys.stderr))
     sys.exit(run(sys.argv[1:]))
 
 
@@ -165,9 +165,9 @@ def run(arguments: Sequence[str]) -> int:
     for library in ("asyncio", "matplotlib"):  # errors are told once, as below; fonts are listed elsewhere
         logging.getLogger(library).addHandler(logging.NullHandler())
     try:
-        arguments, config = without_config(arguments)
-        command = _asked(arguments)
-        with noticed_interruption(), warnings.catch_warnings():
+        arguments, config = remove_config(arguments)
+        command = _find_command(arguments)
+        with notice_interruption(), warnings.catch_warnings():
             warnings.showwarning = _show_warning
             defaults = read_defaults(_commands, config)
             for sentence in defaults.sentences(arguments):
@@ -237,7 +237,7 @@ def spread(arguments: Sequence[str], command: Any) -> Iterator[str]:  # noqa: AN
 
 def _is_number(text: str) -> bool:
     try:
-        StatedValue.parse(without_units(text, *UNITS))
+        StatedValue.parse(remove_units(text, *UNITS))
     except InputError:
         return False
     return True
@@ -255,7 +255,7 @@ def _fail(message: str, code: int) -> int:
 
 
 def _say(text: str, colour: str) -> None:
-    typer.secho(substituted(printable(text), sys.stderr), err=True, fg=colour, color=_colour())
+    typer.secho(substitute_characters(printable(text), sys.stderr), err=True, fg=colour, color=_colour())
 
 
 def _colour() -> bool | None:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from reliab.app import outputs, questions
-from reliab.app.cli.commands import Asked, files_of, takes
-from reliab.app.cli.output import say, say_for_which_motions, show_rows
+from reliab.app.cli.commands import Request, files_of, takes
+from reliab.app.cli.output import say, say_population, show_rows
 from reliab.app.options import OUTPUT
 from reliab.core.errors import InputError
 from reliab.core.progress import silent
@@ -49,14 +49,14 @@ class _OneTest(outputs.Tests, outputs.Check, outputs.Cover, total=False):
     _OneTest,
     needs=dict.fromkeys(outputs.Cover.__annotations__, "report"),
 )
-def assess(asked: Asked) -> None:
+def assess(asked: Request) -> None:
     """Judge a test by its error, from command and measured displacement."""
     if not _answer_tests(asked) and asked.check:
         raise typer.Exit(1)
 
 
 @takes(questions.Design, outputs.Chart)
-def design(asked: Asked) -> None:
+def design(asked: Request) -> None:
     """Print how much amplitude error and delay are tolerable, before a test."""
     from reliab.app.api.assessment_files import draw_chart
     from reliab.app.api.design import design_test
@@ -70,7 +70,7 @@ def design(asked: Asked) -> None:
 
 
 @takes(questions.StatedOfTest, outputs.Tests, outputs.Check)
-def extrapolate(asked: Asked) -> None:
+def extrapolate(asked: Request) -> None:
     """Extrapolate runs of one test with different delays or gains to zero error.
 
     The extrapolation itself uses neither structure nor specimen.
@@ -92,7 +92,7 @@ def extrapolate(asked: Asked) -> None:
         raise typer.Exit(1)
 
 
-def _verdicts(asked: Asked, files: Sequence[Path], *uses: str) -> Any:  # noqa: ANN401 - of one test or several
+def _verdicts(asked: Request, files: Sequence[Path], *uses: str) -> Any:  # noqa: ANN401 - of one test or several
     """Judge tests."""
     from reliab.app.api.assessment import assess as api_assess
     from reliab.app.cli.output import progress_bar
@@ -108,17 +108,19 @@ def _verdicts(asked: Asked, files: Sequence[Path], *uses: str) -> Any:  # noqa: 
         )
 
 
-def _answer_tests(asked: Asked) -> bool:
+def _answer_tests(asked: Request) -> bool:
     """Judge tests; write and print what is found; return whether all are reliable."""
-    from reliab.app.api.arguments import unused
+    from reliab.app.api.arguments import refuse_unused
     from reliab.app.api.assessment_files import file_report
 
     files = files_of(asked.tests, asked.out)
     several = len(files) != 1 or asked.test_name == "all"
     if asked.report is not None and several and files:
-        raise unused("report", "together with several tests, since a report is of one test")
+        raise refuse_unused("report", "together with several tests, since a report is of one test")
     if asked.corrected is not None and several and files:
-        raise unused("corrected", "together with several tests, since the response is that of one test")
+        raise refuse_unused(
+            "corrected", "together with several tests, since the response is that of one test"
+        )
     cover = outputs.Cover.__annotations__ if asked.report is not None else ()
     verdicts = _verdicts(asked, files, "corrected", "details", "report", *cover)
     if several:
@@ -131,7 +133,7 @@ def _answer_tests(asked: Asked) -> bool:
 
 
 def _write_one(
-    assessment: "Assessment | FrameAssessment | CoupledAssessment", test: Path, asked: Asked
+    assessment: "Assessment | FrameAssessment | CoupledAssessment", test: Path, asked: Request
 ) -> None:
     from reliab.app.api.assessment_files import write_corrected, write_tests
     from reliab.app.cli.output import say, write_json
@@ -152,7 +154,7 @@ def _write_one(
         say(f"{asked.corrected}: {note}")
 
 
-def _write_several(assessments: "Assessments", asked: Asked) -> None:
+def _write_several(assessments: "Assessments", asked: Request) -> None:
     from reliab.app.api.assessment_files import write_tests
     from reliab.app.cli.output import write_json
     from reliab.app.cli.shown_verdict import show_several
@@ -183,7 +185,7 @@ def show_design(design: "Design") -> None:
 
     rows, first = design.tolerances, design.tolerances[0]
     share = "" if first.experimental_fraction == 1.0 else f" and α = {first.experimental_fraction:g}"
-    say_for_which_motions(((row.promise, row.population) for row in rows), first.position)
+    say_population(((row.promise, row.population) for row in rows), first.position)
     title = (
         f"Tolerable errors at ξ = {first.damping_ratio:g}{share} for an error of {percent(first.threshold)}"
     )

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TypedDict
 
 from reliab.app import questions
-from reliab.app.cli.commands import Asked, takes
+from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import say, show_table
 from reliab.app.declaration import argument
 from reliab.core.significant_digits import significant
@@ -26,7 +26,7 @@ class _File(TypedDict):
 
 
 @takes(questions.CalibrationTest, _File)
-def calibrate(asked: Asked) -> None:
+def calibrate(asked: Request) -> None:
     """Measure skew, scale, hysteresis, noise and resolution of the two displacement channels."""
     from reliab.app.api.records import calibrate as api_calibrate
 

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, TypeVar
 import typer
 from typer.core import TyperCommand
 
-from reliab.app.api.arguments import unused
-from reliab.app.declaration import Files, Option, Quantities, Quantity, declared_options
+from reliab.app.api.arguments import refuse_unused
+from reliab.app.declaration import Files, Option, Quantities, Quantity, collect_options
 from reliab.app.options import HELP, PANELS
 from reliab.app.outputs import Json
 from reliab.core.errors import InputError
@@ -67,7 +67,7 @@ _READ_AS: Final[Mapping[Any, Any]] = {
 """What Typer reads for the type of an argument; a file for one that is not imported."""
 
 
-class Asked:
+class Request:
     """What a command line asks: values by the names of the arguments, and which of them it states."""
 
     def __init__(
@@ -171,29 +171,29 @@ class Asked:
         """Refuse what the command line states and nothing would use."""
         for name in self.given:
             if name not in names:
-                raise unused(name, why or f"without `{self._belongs_to[name]}`")
+                raise refuse_unused(name, why or f"without `{self._belongs_to[name]}`")
 
 
 def takes(
     *questions: type, needs: Mapping[str, str] | None = None, further: Collection[str] = ()
-) -> Callable[[Callable[[Asked], None]], Callable[..., None]]:
+) -> Callable[[Callable[[Request], None]], Callable[..., None]]:
     """Make a command of a function; its options are the arguments of the questions, and --json.
 
     `needs`: by option the one without which it has no effect; `further`: those that few need here.
     """
-    declared = {name: item for question in questions for name, item in declared_options(question).items()}
-    for name, item in declared_options(Json).items():
+    declared = {name: item for question in questions for name, item in collect_options(question).items()}
+    for name, item in collect_options(Json).items():
         declared.setdefault(name, item)
     for name in further:
         declared[name] = declared[name][0], replace(declared[name][1], is_advanced=True)
     options = {name: option for name, (_, option) in declared.items()}
 
-    def declare(command: Callable[[Asked], None]) -> Callable[..., None]:
+    def declare(command: Callable[[Request], None]) -> Callable[..., None]:
         @wraps(command)
         def run(context: typer.Context, **values: Any) -> None:  # noqa: ANN401 - of many types
             given = tuple(name for name in values if _is_given(context, name))
-            say = partial(_in_options, root=context.find_root())
-            asked = Asked(values, options=options, given=given, in_options=say, belongs_to=needs)
+            say = partial(_name_options, root=context.find_root())
+            asked = Request(values, options=options, given=given, in_options=say, belongs_to=needs)
             asked.refuse_to_overwrite()
             from reliab.app.cli.output import progress_bar, speaking
 
@@ -229,12 +229,12 @@ def _parameter(
     """Parameter of which Typer makes the option."""
     read_as: Any = Path if isinstance(kind, str) else _READ_AS[kind]
     flags = {other: declared.flags(other)[0] for other, declared in options.items()}
-    help_ = _with_flags(option.help, flags)
+    help_ = _replace_by_flags(option.help, flags)
     details: dict[str, Any] = {"metavar": option.metavar or None, "help": help_, **option.limits}
     if option.completion is not None:
         details["autocompletion"] = option.completion
     if option.endings:
-        details["callback"] = written_as(*option.endings)
+        details["callback"] = require_endings(*option.endings)
     if option.unit and read_as == list[float]:
         details["parser"] = partial(_number, option)
     if option.is_named:
@@ -253,10 +253,10 @@ def _parameter(
 
 def _number(option: Option, text: str) -> float:
     """Read a number that may be followed by its unit."""
-    return float(option.without_unit(text))
+    return float(option.remove_unit(text))
 
 
-def written_as(*endings: str) -> Callable[[Path | None], Path | None]:
+def require_endings(*endings: str) -> Callable[[Path | None], Path | None]:
     """Refuse a file to write whose name ends otherwise, before anything is computed for it."""
 
     def check(path: Path | None) -> Path | None:
@@ -321,7 +321,7 @@ def _show_all(context: Any, _option: Any, wanted: bool) -> None:  # noqa: ANN401
         raise typer.Exit
 
 
-def _in_options(message: str, root: Any) -> str:  # noqa: ANN401 - Typer hides its type
+def _name_options(message: str, root: Any) -> str:  # noqa: ANN401 - Typer hides its type
     """Write the arguments that a message names as options, of any command where the program can make all."""
     return as_options(message, root.obj() if root.obj else root.command)
 
@@ -345,10 +345,10 @@ def as_options(message: str, command: Any) -> str:  # noqa: ANN401 - Typer hides
     >>> as_options('Give `xi` or `time_units="ms"`, as `reliab info` says of `this`', command)
     'Give --xi or --time-units ms, as `reliab info` says of `this`'
     """
-    return _with_flags(message, dict(_flags(command)))
+    return _replace_by_flags(message, dict(_flags(command)))
 
 
-def _with_flags(text: str, flags: Mapping[str, str]) -> str:
+def _replace_by_flags(text: str, flags: Mapping[str, str]) -> str:
     """Write arguments in backquotes as flags."""
 
     def option(argument: re.Match[str]) -> str:

@@ -4,12 +4,12 @@ from dataclasses import replace
 from typing import Any
 
 from reliab.app import outputs, questions
-from reliab.app.cli.commands import Asked, files_of, takes
+from reliab.app.cli.commands import Request, files_of, takes
 from reliab.app.cli.output import console, progress_bar, write_json
 
 
 @takes(questions.StatedOfTest, outputs.Tests, outputs.Chart)
-def compare(asked: Asked) -> None:
+def compare(asked: Request) -> None:
     """Rank tests by error and say how certain the ranking is.
 
     The tests are of one structure and rig, such as one motion with each compensator.

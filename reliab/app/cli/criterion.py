@@ -5,21 +5,21 @@ from dataclasses import fields
 from typing import Any, Final
 
 from reliab.app import outputs, questions
-from reliab.app.cli.commands import Asked, takes
+from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import (
     progress_bar,
     say,
-    say_for_which_motions,
+    say_population,
     show_rows,
     show_table,
 )
-from reliab.core.columns import WHERE, Columns, digits
+from reliab.core.columns import PLACE_COLUMNS, Columns, digits
 from reliab.core.significant_digits import percent, significant
 from reliab.core.vocabulary import ERROR_NAMES, PERCENT, Metric
 
 
 @takes(questions.CriterionQuestion, outputs.Listing)
-def criterion(asked: Asked) -> None:
+def criterion(asked: Request) -> None:
     """Derive how much amplitude error and delay a test may have.
 
     Without a source it is derived from real_suite, 100 real ground motions whose ellipses come with reliab.
@@ -52,7 +52,7 @@ def _deviation(share: float | None) -> str:
 
 
 _SHARES: Columns = {
-    **WHERE,
+    **PLACE_COLUMNS,
     "confidence [-]": ("confidence", "g"),
     "a over a of the largest α": ("a_ratio", digits),
     "b over b of the largest α": ("b_ratio", digits),
@@ -85,7 +85,7 @@ def _show_limits(rows: Sequence[Mapping[str, Any]], posteriors: Sequence[Mapping
     from reliab.app.api.derived_criteria import Criteria
 
     first = rows[0]
-    say_for_which_motions(((row["confidence"], row["population"]) for row in rows), first["position"])
+    say_population(((row["confidence"], row["population"]) for row in rows), first["position"])
     for posterior in posteriors:
         _show_posterior(posterior)
     behind = f"{first['n_motions']} {first['motions']} of {first['n_events']} earthquakes"
@@ -226,13 +226,13 @@ def show_choices() -> None:
     from reliab.criterion.methods.registry import METHODS
 
     laws = {**FITTED_LAWS, **MANY_MOTION_LAWS}
-    _show_meanings("--method", {name: _of_method(method) for name, method in METHODS.items()})
+    _show_meanings("--method", {name: _describe_method(method) for name, method in METHODS.items()})
     _show_meanings("--law", {name: str(law.equation) for name, law in laws.items()})
     families = {name: (family.__doc__ or "").partition(".")[0] for name, family in DISTRIBUTIONS.items()}
     _show_meanings("--distribution", families)
 
 
-def _of_method(method: Any) -> str:  # noqa: ANN401 - a class of the registry
+def _describe_method(method: Any) -> str:  # noqa: ANN401 - a class of the registry
     assured = any(field.name == "assurance" for field in fields(method))
     return f"{method.meaning}{' (takes --assurance)' if assured else ''}"
 

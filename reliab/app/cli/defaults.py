@@ -64,10 +64,10 @@ def user_file() -> Path:
     return Path(typer.get_app_dir("reliab")) / FILE
 
 
-def without_config(arguments: Sequence[str]) -> tuple[list[str], str | None]:
+def remove_config(arguments: Sequence[str]) -> tuple[list[str], str | None]:
     """Take the option that names the file of defaults from a command line; return its value too.
 
-    >>> without_config(["assess", "--config", "lab.toml", "test.csv"])
+    >>> remove_config(["assess", "--config", "lab.toml", "test.csv"])
     (['assess', 'test.csv'], 'lab.toml')
     """
     kept, named = [], None
@@ -99,11 +99,12 @@ def read_defaults(commands: Callable[[], Any], named: str | None = None) -> Defa
     )
     group = commands()
     return Defaults(
-        path=path, values={name: _of_command(name, table, group, path) for name, table in content.items()}
+        path=path,
+        values={name: _defaults_of_command(name, table, group, path) for name, table in content.items()},
     )
 
 
-def _of_command(name: str, table: object, group: Any, path: Path) -> dict[str, Any]:  # noqa: ANN401
+def _defaults_of_command(name: str, table: object, group: Any, path: Path) -> dict[str, Any]:  # noqa: ANN401
     """Values of one command by the names of its parameters."""
     commands = {key: item for key, item in group.commands.items() if not hasattr(item, "commands")}
     if name not in commands or not isinstance(table, dict):

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from reliab.app import completion, outputs
-from reliab.app.cli.commands import Asked, takes
+from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import console, progress_bar, write_json
 from reliab.app.declaration import argument
 
@@ -24,7 +24,7 @@ class _Campaign(outputs.Folder, outputs.Cover, total=False):
 
 
 @takes(_Campaign, needs=dict.fromkeys(outputs.Cover.__annotations__, "out"))
-def diagnose(asked: Asked) -> None:
+def diagnose(asked: Request) -> None:
     """Find where model and test disagree, name what is missing, verify it on held-out tests."""
     from reliab.app.api.diagnosis import diagnose_campaign, report_diagnosis
     from reliab.report.kinds.discrepancy_report import findings_in_words

@@ -4,7 +4,7 @@ import itertools
 from typing import TYPE_CHECKING
 
 from reliab.app import questions
-from reliab.app.cli.commands import Asked, takes
+from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import progress_bar, say, show_rows
 from reliab.core.vocabulary import ERROR_NAMES, Metric
 
@@ -15,7 +15,7 @@ _PAGE = 1000  # rows
 
 
 @takes(questions.Boundaries)
-def ellipses(asked: Asked) -> None:
+def ellipses(asked: Request) -> None:
     """Trace the boundary of equal error of each motion, for late and early actuators, as ellipses."""
     from reliab.app.api.tracing import trace_boundaries
 

@@ -1,14 +1,14 @@
 """`reliab explore`: a web page with sliders for the tolerable region."""
 
 from reliab.app import questions
-from reliab.app.cli.commands import Asked, takes
+from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import say
 
 _MEGABYTE = 1e6
 
 
 @takes(questions.Explorer)
-def explore(asked: Asked) -> None:
+def explore(asked: Request) -> None:
     """Write an offline web page with sliders that show tolerable errors before a test."""
     from reliab.app.api.design import ExplorerPage, write_explorer
 

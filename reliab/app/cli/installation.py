@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Annotated, Any, TypedDict
 
-from reliab.app.cli.commands import Asked, takes
+from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import write_line
 from reliab.app.declaration import argument
 
@@ -15,7 +15,7 @@ class _Source(TypedDict):
 
 
 @takes(_Source)
-def fetch(asked: Asked) -> None:
+def fetch(asked: Request) -> None:
     """Fetch the data that are too large for the package: results.nc of real_suite."""
     from reliab.app.api.installation import fetch_dataset
 
@@ -33,7 +33,7 @@ class _Folder(TypedDict):
 
 
 @takes(_Folder)
-def samples(asked: Asked) -> None:
+def samples(asked: Request) -> None:
     """Write sample files into a folder; files that you changed are kept."""
     from reliab.app.api.installation import copy_samples
 
@@ -45,7 +45,7 @@ def samples(asked: Asked) -> None:
 
 
 @takes()
-def info(asked: Asked) -> None:
+def info(asked: Request) -> None:
     """Print versions, shipped data and where compiled code is kept, for a bug report."""
     from reliab.app.api.installation import describe_installation
 

@@ -40,7 +40,7 @@ def interruption(arguments: Sequence[str]) -> str:
 
 
 @contextlib.contextmanager
-def noticed_interruption() -> Iterator[None]:
+def notice_interruption() -> Iterator[None]:
     """Notice Ctrl-C while a command runs, also where a library loses it or makes another error of it.
 
     Compilers call Python back. What is raised there is lost, and they go on with half of their work or fail

@@ -6,7 +6,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from reliab.app.cli.printable import printable, substituted
+from reliab.app.cli.printable import printable, substitute_characters
 
 _WIDEST_TABLE = 100_000
 
@@ -16,7 +16,7 @@ class LiteralConsole(Console):
 
     def render_str(self, text: str, **options: Any) -> Text:  # noqa: ANN401 - Rich's options of many types
         """Turn a text into one that Rich sets, letter by letter."""
-        literal = substituted(printable(text), self.file)
+        literal = substitute_characters(printable(text), self.file)
         return super().render_str(literal, **{**options, "markup": False, "emoji": False})
 
     def print(self, *objects: Any, **options: Any) -> None:  # noqa: ANN401 - whatever Rich prints

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Self, TextIO
 import typer
 
 from reliab.app import completion, outputs, questions
-from reliab.app.cli.commands import Asked, takes
+from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import console, say, write_json
 from reliab.app.cli.printable import printable
 from reliab.app.declaration import argument
@@ -48,7 +48,7 @@ class _Source(outputs.Check, total=False):
 
 
 @takes(questions.FollowedTest, _Source)
-def monitor(asked: Asked) -> None:
+def monitor(asked: Request) -> None:
     """Follow the error of a test while it runs, and judge the whole test at its end.
 
     Alarms appear immediately and do not change the exit code. At the end the exit code is 1 if the test is
@@ -60,7 +60,7 @@ def monitor(asked: Asked) -> None:
         _follow(asked)
 
 
-def _export(asked: Asked) -> None:
+def _export(asked: Request) -> None:
     from reliab.app.api.in_loop import export_monitor
 
     written = asked.ask(export_monitor, "json_target", why="together with `export`")
@@ -70,8 +70,8 @@ def _export(asked: Asked) -> None:
         say(f"Written to {written.path}: {', '.join(written.files)}")
 
 
-def _follow(asked: Asked) -> None:
-    from reliab.app.api.arguments import stated_threshold
+def _follow(asked: Request) -> None:
+    from reliab.app.api.arguments import parse_threshold
     from reliab.app.api.following import follow_test
 
     if asked.source is None:
@@ -81,10 +81,10 @@ def _follow(asked: Asked) -> None:
     )
     quiet = asked.json_target == "-"
     screen = Screen(
-        metric=asked.metric or Metric.RMS, threshold=stated_threshold(asked.threshold), quiet=quiet
+        metric=asked.metric or Metric.RMS, threshold=parse_threshold(asked.threshold), quiet=quiet
     )
     verdict = ""
-    with _opened(asked.json_target) as lines, screen:
+    with _open_log(asked.json_target) as lines, screen:
         for message in messages:
             if lines is not None:
                 lines.write(json.dumps(message.to_dict(), allow_nan=False) + "\n")
@@ -97,7 +97,7 @@ def _follow(asked: Asked) -> None:
         raise typer.Exit(_NO)
 
 
-def _opened(target: str | None) -> AbstractContextManager[TextIO | None]:
+def _open_log(target: str | None) -> AbstractContextManager[TextIO | None]:
     if target is None:
         return nullcontext()
     if target == "-":
@@ -191,12 +191,12 @@ def _line(message: Mapping[str, Any], metric: Metric, threshold: float) -> str:
         f"{message['time_s']:8.2f} s  {ERROR_NAMES[metric]}{_governing(message)} "
         f"{percent_with_interval(error['value'], error['low'], error['high'])}, probability below "
         f"{percent(threshold)}: {probability_text(message['error']['probability'])}, net damping "
-        + ("not settled" if damping is None else _with_deviation(damping, deviation))
+        + ("not settled" if damping is None else _write_with_deviation(damping, deviation))
         + (", near instability" if message["near_instability"] else "")
     )
 
 
-def _with_deviation(damping: float, deviation: float) -> str:
+def _write_with_deviation(damping: float, deviation: float) -> str:
     """Net damping with its standard error."""
     decimals = min(decimals_of_uncertainty(PERCENT * deviation), _DECIMALS)
     return f"{PERCENT * damping:.{decimals}f} ± {percent(deviation, decimals=decimals)}"
@@ -230,7 +230,9 @@ def _table(message: "Message", metric: Metric, threshold: float) -> Any:  # noqa
         probability = result.probability(threshold, metric)
         shown[f"probability below {percent(threshold)}"] = f"{probability:.3f}"
     shown["net damping ratio"] = (
-        "not settled" if now.damping is None else _with_deviation(now.damping.ratio, now.damping.deviation)
+        "not settled"
+        if now.damping is None
+        else _write_with_deviation(now.damping.ratio, now.damping.deviation)
     )
     rows = [*shown.items(), *(("ALARM", alarm) for alarm in message.alarms.values())]
     title = f"{now.time:.2f} s of the test, {now.samples} samples"

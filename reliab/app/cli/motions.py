@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, TypedDict
 import typer
 
 from reliab.app import questions
-from reliab.app.cli.commands import Asked, Command, takes
+from reliab.app.cli.commands import Command, Request, takes
 from reliab.app.cli.output import say, show_rows, show_table
 from reliab.app.declaration import Files, argument
 from reliab.app.options import OUTPUT
@@ -31,7 +31,7 @@ class _Suite(TypedDict, total=False):
 
 @app.command("list", cls=Command)
 @takes(questions.MotionFiles, _Sources)
-def list_motions(asked: Asked) -> None:
+def list_motions(asked: Request) -> None:
     """List motions with their events and measures of intensity."""
     from reliab.app.api.motions import MotionList, list_motions as api_list_motions
 
@@ -42,7 +42,7 @@ def list_motions(asked: Asked) -> None:
         for fault in listed.faults:
             line = "" if fault.line is None else f", line {fault.line}"
             value = f"; found {fault.value}" if fault.value else ""
-            place = f"{_within(fault.file, asked.sources)}{line}"
+            place = f"{_path_within_sources(fault.file, asked.sources)}{line}"
             say(f"Left out: {place}: {fault.rule}{value}. {fault.remedy}.", style="yellow", soft_wrap=True)
         _show_notes(listed.skipped, asked.sources)
 
@@ -51,7 +51,7 @@ def list_motions(asked: Asked) -> None:
 
 @app.command("check", cls=Command)
 @takes(questions.MotionFiles, _Sources)
-def check(asked: Asked) -> None:
+def check(asked: Request) -> None:
     """Read every record; report all faults (exit code 2), and note what deserves a look."""
     from reliab.app.api.motions import MotionCheck, check_motions
 
@@ -66,7 +66,7 @@ def check(asked: Asked) -> None:
 
 @app.command("import", cls=Command)
 @takes(questions.ImportedMotions, _Sources, _Suite)
-def import_motions(asked: Asked) -> None:
+def import_motions(asked: Request) -> None:
     """Rewrite motions as a suite: one text format in m/s² and a catalogue."""
     from reliab.app.api.motions import import_motions as api_import_motions
 
@@ -75,7 +75,7 @@ def import_motions(asked: Asked) -> None:
 
 @app.command("synthesize", cls=Command)
 @takes(questions.SyntheticSuite, _Suite)
-def synthesize(asked: Asked) -> None:
+def synthesize(asked: Request) -> None:
     """Write the synthetic suite, which needs no record."""
     from reliab.app.api.motions import synthesize_motions
 
@@ -94,7 +94,7 @@ def _show_faults(faults: "Sequence[Fault]", records: int, sources: Sequence[str]
     files = len({fault.file for fault in faults})
     rows = [
         (
-            _within(fault.file, sources),
+            _path_within_sources(fault.file, sources),
             "" if fault.line is None else str(fault.line),
             *(fault.rule, fault.value, fault.remedy),
         )
@@ -108,11 +108,11 @@ def _show_faults(faults: "Sequence[Fault]", records: int, sources: Sequence[str]
 
 def _show_notes(notes: "Sequence[Fault]", sources: Sequence[str]) -> None:
     for note in notes:
-        text = f"Note: {_within(note.file, sources)}: {note.value}. {note.remedy}."
+        text = f"Note: {_path_within_sources(note.file, sources)}: {note.value}. {note.remedy}."
         say(text, soft_wrap=True)
 
 
-def _within(file: str, sources: Sequence[str]) -> str:
+def _path_within_sources(file: str, sources: Sequence[str]) -> str:
     """Path of a file from the source that it was found in."""
     return next(
         (file[len(start) :] for source in sources if file.startswith(start := f"{Path(source)}/")), file

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final, TextIO
 import typer
 
 from reliab.app.cli.progress_lines import progress_lines
-from reliab.core.columns import Columns, side, written_cells
+from reliab.core.columns import Columns, side, write_cells
 from reliab.core.errors import CLOSED_PIPE
 from reliab.core.files import write_json_file
 from reliab.core.progress import Progress, quietly, shows_tasks
@@ -54,7 +54,7 @@ def speaking(in_options: Callable[[str], str]) -> Iterator[None]:
         _IN_OPTIONS.reset(token)
 
 
-def say_for_which_motions(stated: Iterable[tuple[float | None, str]], position: str) -> None:
+def say_population(stated: Iterable[tuple[float | None, str]], position: str) -> None:
     """Print for which ground motions criteria are valid, and where the case asked for lies outside of these.
 
     `stated`: the share [-] and the population of each.
@@ -77,7 +77,7 @@ def takes_any_character(stream: TextIO) -> bool:
     return (getattr(stream, "encoding", None) or "utf-8").lower().startswith("utf")
 
 
-def write_what_can_be_written(stream: TextIO) -> TextIO:
+def replace_unwritable_characters(stream: TextIO) -> TextIO:
     """Replace characters that a terminal or pipe cannot show, "ξ" by "xi", and end where nobody reads on."""
     if not isinstance(stream, io.TextIOWrapper):
         return stream
@@ -125,11 +125,11 @@ def _substitute(error: UnicodeError) -> tuple[str, int]:
     if not isinstance(error, UnicodeEncodeError):
         raise error
     missing = error.object[error.start : error.end]
-    text = "".join(_IN_ASCII.get(character) or _without_marks(character) for character in missing)
+    text = "".join(_IN_ASCII.get(character) or _remove_marks(character) for character in missing)
     return text, error.end
 
 
-def _without_marks(character: str) -> str:
+def _remove_marks(character: str) -> str:
     """Nearest plain text of a character, "R" for "ᴿ", "xi" for "ξ"; "?" where there is none."""
     parts = unicodedata.normalize("NFKD", character)
     plain = "".join(_IN_ASCII.get(part) or _greek(part) for part in parts if not unicodedata.combining(part))
@@ -187,7 +187,7 @@ def show_table(
 def show_rows(title: str, columns: Columns, rows: Iterable[Mapping[str, Any]]) -> None:
     """Print a table of rows."""
     sides = {heading: side(column) for heading, column in columns.items()}
-    show_table(title, sides, written_cells(columns, rows))
+    show_table(title, sides, write_cells(columns, rows))
 
 
 def write_json(content: Mapping[str, Any] | Sequence[Any], target: str | None) -> bool:

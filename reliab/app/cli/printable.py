@@ -15,7 +15,7 @@ def printable(text: str) -> str:
     )
 
 
-def substituted(text: str, stream: IO[str]) -> str:
+def substitute_characters(text: str, stream: IO[str]) -> str:
     """Put what a stream writes for characters that it lacks, so that columns are as wide as they will be."""
     encoding = getattr(stream, "encoding", None) or "utf-8"
     return text.encode(encoding, getattr(stream, "errors", None) or "surrogatepass").decode(

@@ -63,10 +63,10 @@ class _Lines:
         with self._changed:
             while not self._ended:
                 now = time.monotonic()
-                if now < due and (is_estimated or self._left is None):
+                if now < due and (is_estimated or self._time_left is None):
                     self._changed.wait(due - now)
                     continue
-                is_estimated = self._left is not None
+                is_estimated = self._time_left is not None
                 with suppress(OSError, ValueError):  # nobody reads on
                     sys.stderr.write(f"{self._line(now)}\n")
                     sys.stderr.flush()
@@ -74,7 +74,7 @@ class _Lines:
                 due = now + self._pause
 
     @property
-    def _left(self) -> float | None:
+    def _time_left(self) -> float | None:
         """Time that is left [s], once a piece has shown how long one takes."""
         new = self._done - self._before
         if new <= 0:
@@ -82,7 +82,7 @@ class _Lines:
         return (time.monotonic() - self._clock) / new * (self._total - self._done)
 
     def _line(self, now: float) -> str:
-        left, spent = self._left, duration(now - self._begin)
+        left, spent = self._time_left, duration(now - self._begin)
         if left is None:
             return f"{self._what}: still at work after {spent}"
         return f"{self._what}: {self._done} of {self._total} after {spent}, about {duration(left)} left"

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, TypedDict
 import typer
 
 from reliab.app import questions
-from reliab.app.cli.commands import Asked, takes
+from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import console, say, show_rows, write_json
 from reliab.app.declaration import argument
 from reliab.app.options import OUTPUT, TEST
@@ -36,7 +36,7 @@ class _Files(TypedDict, total=False):
 
 
 @takes(questions.RecordedTest, _Files)
-def record(asked: Asked) -> None:
+def record(asked: Request) -> None:
     """Recognise the channels of your file and save them as one open record."""
     if asked.check:
         _check(asked)
@@ -53,7 +53,7 @@ def record(asked: Asked) -> None:
             _show(answer)
 
 
-def _require_own_names(asked: Asked) -> None:
+def _require_own_names(asked: Request) -> None:
     """Refuse files of which one would be written over the record of another."""
     stems = [source.stem for source in asked.sources]
     twice = next((stem for stem in stems if stems.count(stem) > 1), None)
@@ -65,7 +65,7 @@ def _require_own_names(asked: Asked) -> None:
         )
 
 
-def _record(source: Path, asked: Asked) -> "Record":
+def _record(source: Path, asked: Request) -> "Record":
     from reliab.app.api.records import record as api_record
 
     out = asked.out
@@ -90,7 +90,7 @@ def _attribute(text: str) -> tuple[str, str]:
     return name, value
 
 
-def _check(asked: Asked) -> None:
+def _check(asked: Request) -> None:
     from reliab.app.api.records import check_records
 
     asked.refuse_all_but(("sources", "check", "json_target"), "together with `check`")

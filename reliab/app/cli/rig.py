@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypedDict
 import typer
 
 from reliab.app import outputs, questions
-from reliab.app.cli.commands import Asked, Command, takes
+from reliab.app.cli.commands import Command, Request, takes
 from reliab.app.cli.output import console, progress_bar, say, show_rows, write_json, write_line
 from reliab.app.declaration import argument
 from reliab.app.options import OUTPUT
@@ -27,25 +27,25 @@ class _Rig(TypedDict, total=False):
     rig: Annotated[Path, _RIG]
 
 
-class _Added(_Rig, total=False):
+class _AddRequest(_Rig, total=False):
     tests: Annotated[list[Path], argument("FILE...", "Tests, in any format that `reliab assess` reads.")]
 
 
-class _Shown(_Rig, total=False):
+class _ShowRequest(_Rig, total=False):
     test: Annotated[str, argument("TEST", "Name of the test, or first digits of its checksum.")]
 
 
-class _Removed(_Rig, total=False):
+class _RemoveRequest(_Rig, total=False):
     tests: Annotated[Names, argument("TEST...", "Names, or first digits of checksums.")]
 
 
-class _Exported(_Rig, total=False):
+class _ExportRequest(_Rig, total=False):
     out: Annotated[Path, OUTPUT.option("FILE.csv", "The table as CSV.", is_required=True, endings=(".csv",))]
 
 
 @app.command("add", cls=Command)
-@takes(questions.AddedTest, _Added)
-def add(asked: Asked) -> None:
+@takes(questions.AddedTest, _AddRequest)
+def add(asked: Request) -> None:
     """Judge tests and keep them: record, verdict and indices."""
     from reliab.app.api.rigs import add_to_rig
 
@@ -64,7 +64,7 @@ def add(asked: Asked) -> None:
 
 @app.command("list", cls=Command)
 @takes(_Rig)
-def list_tests(asked: Asked) -> None:
+def list_tests(asked: Request) -> None:
     """List the tests of a rig, and where it has changed."""
     from reliab.app.api.rigs import list_rig
 
@@ -72,8 +72,8 @@ def list_tests(asked: Asked) -> None:
 
 
 @app.command("show", cls=Command)
-@takes(_Shown)
-def show(asked: Asked) -> None:
+@takes(_ShowRequest)
+def show(asked: Request) -> None:
     """Show all that is kept of a test."""
     from reliab.app.api.rigs import show_rig_test
 
@@ -81,8 +81,8 @@ def show(asked: Asked) -> None:
 
 
 @app.command("remove", cls=Command)
-@takes(_Removed)
-def remove(asked: Asked) -> None:
+@takes(_RemoveRequest)
+def remove(asked: Request) -> None:
     """Remove tests from a rig."""
     from reliab.app.api.rigs import remove_from_rig
 
@@ -94,8 +94,8 @@ def remove(asked: Asked) -> None:
 
 
 @app.command("export", cls=Command)
-@takes(_Exported)
-def export(asked: Asked) -> None:
+@takes(_ExportRequest)
+def export(asked: Request) -> None:
     """Write the table of a rig's tests as CSV."""
     from reliab.app.api.rigs import export_rig
 
@@ -108,20 +108,20 @@ def export(asked: Asked) -> None:
 
 @app.command("predict", cls=Command)
 @takes(questions.NextTest, _Rig)
-def predict(asked: Asked) -> None:
+def predict(asked: Request) -> None:
     """Predict the next test: A, d and error with their intervals, and the probability that it is good."""
     from reliab.app.api.rig_answers import predict_rig
 
     asked.answer(predict_rig, show_prediction)
 
 
-class _Reported(_Rig, total=False):
+class _ReportRequest(_Rig, total=False):
     out: Annotated[Path, OUTPUT.option("FILE.pdf", "The report.", is_required=True, endings=(".pdf",))]
 
 
 @app.command("report", cls=Command)
-@takes(questions.RigReport, outputs.Cover, _Reported)
-def report(asked: Asked) -> None:
+@takes(questions.RigReport, outputs.Cover, _ReportRequest)
+def report(asked: Request) -> None:
     """Write two pages on what the rig does and what to expect of its next test, and an appendix.
 
     What is not stated of the next test is as in the last one.

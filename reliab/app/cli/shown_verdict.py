@@ -25,7 +25,7 @@ def show_details(
     from reliab.report.terminal import print_blocks, print_document
 
     if isinstance(assessment, Assessment):
-        notes = tuple(_by_index(assessment))
+        notes = tuple(_describe_index_verdict(assessment))
         print_document(assessment_report(assessment, provenance={}, notes=notes), console())
     else:
         print_document(frame_assessment_report(assessment, provenance={}), console())
@@ -41,7 +41,7 @@ def _column(channel: dict[str, Any]) -> str:
     return f"{channel['column']!r} ({unit}; {channel['reason']})"
 
 
-def _by_index(assessment: "Assessment") -> Iterator[str]:
+def _describe_index_verdict(assessment: "Assessment") -> Iterator[str]:
     """Say what follows from A and d alone."""
     from reliab.assessment.verdict import probability_text
 
@@ -67,7 +67,7 @@ def show_several(contents: list[dict[str, Any]]) -> None:
     title = f"Verdicts on {counted(len(contents), 'test')}{asked}"
     show_rows(title, Assessments.shown, contents)
     for content in contents:
-        say(*(f"{content['file']}: {sentence}" for sentence in _why(content)))
+        say(*(f"{content['file']}: {sentence}" for sentence in _explain_verdict(content)))
 
 
 def show_same_test(runs: "SameTest") -> None:
@@ -78,7 +78,7 @@ def show_same_test(runs: "SameTest") -> None:
     say(*runs.sentences)
 
 
-def _why(content: dict[str, Any]) -> list[str]:
+def _explain_verdict(content: dict[str, Any]) -> list[str]:
     """Say below the table why a test is not reliable or not judged."""
     if "fault" in content:
         return [content["fault"].removeprefix(f"{Path(content['file']).name}: ")]

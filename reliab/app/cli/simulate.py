@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Annotated, TypedDict
 
 from reliab.app import questions
-from reliab.app.cli.commands import Asked, takes
+from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import progress_bar, say
 from reliab.app.options import OUTPUT
 from reliab.core.significant_digits import counted
@@ -15,7 +15,7 @@ class _Store(TypedDict):
 
 
 @takes(questions.Simulation, _Store)
-def simulate(asked: Asked) -> None:
+def simulate(asked: Request) -> None:
     """Simulate motions for all structures and actuators and store the results.
 
     With --model the structure and the effects are the model's, and gain, delay and the index (A, d) of the

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from reliab.app import completion, options, outputs
-from reliab.app.cli.commands import Asked, takes
+from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import progress_bar, say, show_table
 from reliab.app.declaration import argument
 
@@ -28,7 +28,7 @@ class _Study(options.MotionSource, outputs.Folder, outputs.Listing, outputs.Cove
 
 
 @takes(_Study)
-def run(asked: Asked) -> None:
+def run(asked: Request) -> None:
     """Run a study: simulate, fit, derive, validate, report."""
     from reliab.app.api.studies import PerformedStudy, list_studies, run_study
 
@@ -56,7 +56,7 @@ class _Run(outputs.Cover, total=False):
 
 
 @takes(_Run)
-def report(asked: Asked) -> None:
+def report(asked: Request) -> None:
     """Rebuild the PDF of a finished run."""
     from reliab.app.api.studies import report_run
 

@@ -3,7 +3,7 @@
 from typing import Annotated, Any, TypedDict
 
 from reliab.app import questions
-from reliab.app.cli.commands import Asked, takes
+from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import progress_bar, say, show_rows
 from reliab.app.options import METHOD
 from reliab.core.significant_digits import percent
@@ -17,7 +17,7 @@ class _Ways(TypedDict, total=False):
 
 
 @takes(questions.Validation, _Ways)
-def validate(asked: Asked) -> None:
+def validate(asked: Request) -> None:
     """Test criteria on earthquakes that they have not seen."""
     from reliab.app.api.validation import calibrate_probabilities, validate_criteria
 

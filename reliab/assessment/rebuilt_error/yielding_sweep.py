@@ -25,7 +25,7 @@ from reliab.assessment.rebuilt_error.interval import (
 from reliab.assessment.rebuilt_error.recursion import Recursion, advance
 from reliab.core.arrays import Array, read_only
 from reliab.core.compiled import compiled
-from reliab.core.threads import in_two_shares
+from reliab.core.threads import run_in_two_shares
 from reliab.effects.effect import Setting, SteppedEffect
 from reliab.effects.hysteresis import Hysteresis
 from reliab.effects.kernel import call_kernel, pointer_to
@@ -120,7 +120,7 @@ def _swept(
         _sweep(*arguments, share.start, share.stop, answer, band)
         return band
 
-    return answer, np.sum(in_two_shares(len(specimens), sweep), axis=0)
+    return answer, np.sum(run_in_two_shares(len(specimens), sweep), axis=0)
 
 
 @compiled

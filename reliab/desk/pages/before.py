@@ -28,7 +28,7 @@ _SLIDERS: Final[Mapping[str, tuple[str | float, ...]]] = {
 }
 
 
-class BeforePage(Page):
+class DesignPage(Page):
     """The tolerable region."""
 
     name = "before"

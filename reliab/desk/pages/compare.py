@@ -3,7 +3,7 @@
 from reliab.core.errors import InputError
 from reliab.desk.elements import KNOWING, button, copyable, dropper, field, html
 from reliab.desk.filed_page import FiledPage
-from reliab.desk.questions import command_line, filled
+from reliab.desk.questions import command_line, select_filled
 from reliab.desk.work import compare
 
 _ARGUMENTS = ("f", "xi", "alpha", "threshold")
@@ -36,7 +36,7 @@ class ComparePage(FiledPage):
             raise InputError(
                 "A comparison needs two tests or more", value=len(self.memory.files), remedy="Drop another"
             )
-        arguments = filled(self.memory.values, _ARGUMENTS)
+        arguments = select_filled(self.memory.values, _ARGUMENTS)
         names = [path.name for path in self.memory.files]
         self.ask(compare, tests=list(map(str, self.memory.files)), arguments=arguments)
         self.lines[:] = [copyable("command", command_line("compare", names, arguments))]

@@ -6,7 +6,7 @@ from pathlib import Path
 from reliab.core.errors import InputError
 from reliab.desk.elements import button, choice, dropper
 from reliab.desk.filed_page import FiledPage
-from reliab.desk.folder import unpacked
+from reliab.desk.folder import unpack_archive
 from reliab.desk.jobs import Job
 from reliab.desk.work import diagnose
 
@@ -29,7 +29,7 @@ class DiagnosePage(FiledPage):
         """Lay out the form and the report."""
         self.lay_out_answer()
         options = {"the files that I dropped": ""}
-        options |= {name: name for name in self.desk.folder.offered(holding="campaign.toml")}
+        options |= {name: name for name in self.desk.folder.list_files(holding="campaign.toml")}
         options |= {f"{name}, which comes with reliab": name for name in _SHIPPED}
         self.form[:] = [
             dropper("Drop the zip of a campaign, or all its files", self.take_files, multiple=True),
@@ -47,7 +47,7 @@ class DiagnosePage(FiledPage):
         if not files:
             raise InputError("A campaign is needed", value="none", remedy="Drop its zip, or choose one")
         archives = [path for path in files if path.suffix.lower() == ".zip"]
-        return str(unpacked(archives[-1]) if archives else Path(files[0]).parent)
+        return str(unpack_archive(archives[-1]) if archives else Path(files[0]).parent)
 
     def _diagnose(self) -> None:
         self.ask(diagnose, campaign=self._campaign())

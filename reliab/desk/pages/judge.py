@@ -20,14 +20,14 @@ from reliab.desk.elements import (
     copyable,
     dropper,
     field,
-    folded,
+    fold_card,
     html,
-    listed,
     refusal,
+    write_list,
 )
 from reliab.desk.jobs import Job
 from reliab.desk.page import Page
-from reliab.desk.questions import channels_toml, command_line, filled, number, python_line
+from reliab.desk.questions import channels_toml, command_line, number, python_line, select_filled
 from reliab.desk.verdict_view import VerdictView
 from reliab.desk.work import Look, judge, look_at
 
@@ -57,7 +57,7 @@ def corrections_of(values: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     corrections = {}
     for channel in PARTS:
         chosen = {name: values.get(f"{name}_{channel}") for name in ("column", "unit")}
-        table = filled(chosen, chosen)
+        table = select_filled(chosen, chosen)
         if values.get(f"sign_{channel}") == "-1":
             table["sign"] = -1
         if table:
@@ -104,7 +104,7 @@ class JudgePage(Page):
             ),
             button("Judge this test", lambda: self.attempt(self._judge), "primary"),
             self.stop,
-            folded(
+            fold_card(
                 "More about the laboratory",
                 *further, dropper("A frame instead of f and ξ (TOML)", self._take_frame),
             ),
@@ -150,7 +150,7 @@ class JudgePage(Page):
         values = self.memory.values
         rate = number(values["rate"], "rate") if values.get("rate") else None
         text = channels_toml(corrections_of(values), rate)
-        reading = filled(values, ("test_name",))
+        reading = select_filled(values, ("test_name",))
         if text:
             place = self.memory.files[0].parent / "channels"
             place.mkdir(exist_ok=True)
@@ -161,10 +161,10 @@ class JudgePage(Page):
 
     def _arguments(self) -> dict[str, Any]:
         values = self.memory.values
-        arguments = filled(values, ARGUMENTS)
+        arguments = select_filled(values, ARGUMENTS)
         if arguments.get("metric") == "rms":
             del arguments["metric"]
-        frame = filled(values, ("structure",))
+        frame = select_filled(values, ("structure",))
         for name in _OF_STRUCTURE if frame else ():
             arguments.pop(name, None)
         return {**arguments, **frame, **self._reading()}
@@ -205,7 +205,7 @@ class JudgePage(Page):
         channels = refusal(self.desk.in_options(look.refusal)) if look.refusal else channels_html(look)
         self._looked[:] = [
             html(f"<h2>What was recognised in {escape(self.memory.files[0].name)}</h2>{channels}"),
-            html(listed(look.notes)),
+            html(write_list(look.notes)),
             draw_traces(look.traces),
         ]
         values = self.memory.values
@@ -222,7 +222,9 @@ class JudgePage(Page):
             widget.param.watch(lambda _event: self.attempt(self._look), "value")
         opened = bool(look.refusal or text or values.get("rate") or look.tests)
         hint = html("<p class='hint'>Choose what a column is; the drawing follows.</p>")
-        self._channels[:] = [folded("Correct what was recognised", hint, *widgets, self._file, opened=opened)]
+        self._channels[:] = [
+            fold_card("Correct what was recognised", hint, *widgets, self._file, opened=opened)
+        ]
 
     def _corrections(self, look: Look) -> list[Any]:
         """Menus for the test, the column, unit and sign of each channel, and the rate."""

@@ -9,10 +9,10 @@ import panel as pn
 from reliab.core.errors import InputError
 from reliab.core.significant_digits import percent, percent_with_interval
 from reliab.desk.drawings import LiveDrawing
-from reliab.desk.elements import KNOWING, button, choice, field, html, listed
+from reliab.desk.elements import KNOWING, button, choice, field, html, write_list
 from reliab.desk.jobs import Job
 from reliab.desk.page import Page
-from reliab.desk.questions import filled, number
+from reliab.desk.questions import number, select_filled
 from reliab.desk.verdict_view import VerdictView
 from reliab.desk.work import Judgement, follow
 
@@ -34,7 +34,7 @@ def moment_html(message: Mapping[str, Any]) -> str:
         else f"RMS error so far {percent(message['rms'], 2)}."
     )
     alarms = message.get("sentences") or ()
-    shown_alarms = f'<div class="refusal" role="alert">{listed(alarms)}</div>' if alarms else ""
+    shown_alarms = f'<div class="refusal" role="alert">{write_list(alarms)}</div>' if alarms else ""
     return f'<p class="verdict"><b>{message["time_s"]:.1f} s</b> {escape(so_far)}</p>{shown_alarms}'
 
 
@@ -52,7 +52,7 @@ class LivePage(Page):
         """Lay out the form, the drawing and the verdict."""
         self._moment, self._drawing, self._verdict = html(), LiveDrawing(), VerdictView()
         self._live = pn.Column(self._moment, self._drawing.column, sizing_mode="stretch_width", visible=False)
-        files = {name: name for name in self.desk.folder.offered(*_TEXTS)}
+        files = {name: name for name in self.desk.folder.list_files(*_TEXTS)}
         self.form[:] = [
             choice(
                 self.memory, "file", "File in the folder of the desk", {"": "", **files, _SAMPLE: _SAMPLE}
@@ -74,7 +74,7 @@ class LivePage(Page):
                 "A file to follow is needed", value="none", remedy="Choose it, or name the coming one"
             )
         source = "sample_test" if file == _SAMPLE else str(self.desk.folder.within(file))
-        arguments = filled(values, (*_ARGUMENTS, "threshold", "wait"))
+        arguments = select_filled(values, (*_ARGUMENTS, "threshold", "wait"))
         self.forget(("live",))
         self._verdict.clear()
         self.start("live", follow, source=source, folder=str(self.new_place()), arguments=arguments)

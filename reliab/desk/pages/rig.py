@@ -6,7 +6,7 @@ from reliab.core.shipped import shipped
 from reliab.desk.elements import button, choice, field, html
 from reliab.desk.filed_page import FiledPage
 from reliab.desk.page import Page
-from reliab.desk.questions import filled
+from reliab.desk.questions import select_filled
 from reliab.desk.work import show_rig
 
 _SAMPLE = "the rig that comes with reliab"
@@ -17,7 +17,7 @@ def offer_rigs(page: Page, label: str, *, none: str = "") -> pn.widgets.Select:
     """Offer the rigs of the desk's folder, and the one that ships."""
     options = {
         **({none: ""} if none else {}),
-        **{name: name for name in page.desk.folder.offered(holding="tests/*.json")},
+        **{name: name for name in page.desk.folder.list_files(holding="tests/*.json")},
     }
     return choice(page.memory, "rig", label, {**options, _SAMPLE: _SAMPLE})
 
@@ -57,5 +57,5 @@ class RigPage(FiledPage):
         self.lay_out_answer()
 
     def _show(self) -> None:
-        arguments = filled(self.memory.values, _ARGUMENTS)
+        arguments = select_filled(self.memory.values, _ARGUMENTS)
         self.ask(show_rig, rig=path_of_rig(self), arguments=arguments)

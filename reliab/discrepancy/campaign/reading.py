@@ -32,11 +32,11 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError
 
-from reliab.core.described_files import described_text, faults_in_words, keys_of, parse_toml
+from reliab.core.described_files import faults_in_words, keys_of, parse_toml, read_description
 from reliab.core.errors import InputError
 from reliab.core.physical_range import Physical
 from reliab.core.shipped import is_own_data, shipped
-from reliab.core.untrusted_files import named_within
+from reliab.core.untrusted_files import resolve_within
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.recordings.channels_file import ChannelTables, read_declarations
 from reliab.recordings.reading import Histories, histories_of, read_test
@@ -257,7 +257,7 @@ def read_campaign(folder: Path | str) -> Campaign:
         what to do.
     """
     folder = campaign_folder(folder)
-    description = _read_description(named_within(folder, CAMPAIGN_FILE, where=str(folder)))
+    description = _read_description(resolve_within(folder, CAMPAIGN_FILE, where=str(folder)))
     _check_files(folder, description.tests)
     held_out = _flag_held_out(description.tests)
     rate = description.sampling.rate_hz
@@ -288,7 +288,7 @@ def _check_files(folder: Path, tests: list[TestTable]) -> None:
     """Refuse files outside the folder, and a test named twice: data that fit a model cannot verify it."""
     files: list[tuple[str, str]] = []
     for place, test in enumerate(tests, start=1):
-        path = named_within(folder, test.file, where=f"{CAMPAIGN_FILE}, test {place}")
+        path = resolve_within(folder, test.file, where=f"{CAMPAIGN_FILE}, test {place}")
         files.append((os.path.realpath(path), test.test))
         if files[-1] in files[:-1]:
             raise InputError(
@@ -359,7 +359,7 @@ def _read_description(path: Path) -> CampaignDescription:
         f"A campaign must be a folder with a readable {CAMPAIGN_FILE}",
         "Correct the file, or name another folder",
     )
-    text = described_text(path, rule=rule, remedy=remedy)
+    text = read_description(path, rule=rule, remedy=remedy)
     try:
         return CampaignDescription.model_validate(parse_toml(text, rule=rule, remedy=remedy, where=str(path)))
     except ValidationError as error:

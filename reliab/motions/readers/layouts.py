@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reliab.core.text_tables import printed_number
+from reliab.core.text_tables import parse_number
 from reliab.motions.faults import Report
 from reliab.motions.readers.samples import split_line
 from reliab.motions.readers.source import HEAD, Header, Line, Source, Statement
@@ -140,7 +140,7 @@ def read_volume(source: Source, begin: int, header: Header, report: Report) -> H
         return header
     stops = [line.stop for line in source.lines(header.start, header.stop)]
     tokens = [split_line(line, header) for line in source.lines(header.start, header.stop)]
-    values = [printed_number(token) for line in tokens[:_PAIRS] for token in line]
+    values = [parse_number(token) for line in tokens[:_PAIRS] for token in line]
     times = [math.nan if time is None else time for time in values[: 2 * _PAIRS : 2]]
     is_paired = len(times) >= _FEWEST_PAIRS and bool((np.diff(times) > 0).all())
     numbers = np.cumsum([len(line) for line in tokens])
@@ -187,7 +187,7 @@ def read_cosmos(source: Source, begin: int, header: Header, report: Report) -> H
         fields.extend(_fields(line, int(matches[-1][2])))
         if len(fields) >= _STEP_POSITION:
             text = fields[_STEP_POSITION - 1]
-            is_open = printed_number(text) in missing
+            is_open = parse_number(text) in missing
             step = None if is_open else state_time_step(text, line.number, report, unit=_MILLISECOND)
             return replace(header, missing=missing, time_step=step)
     state_time_step("", source.line_number(header.start), report, unit=_MILLISECOND)
@@ -205,7 +205,7 @@ def read_smc(source: Source, begin: int, header: Header, report: Report) -> Head
     integers = [field for line in lines[:_SMC_INTEGERS] for field in _fields(line, 10)]
     reals = [field for line in lines[_SMC_INTEGERS:][:_SMC_REALS] for field in _fields(line, 15)]
     values = [
-        printed_number(field) for field in (*integers[_SMC_COMMENTS - 1 : _SMC_COUNT], *reals[:_SMC_RATE])
+        parse_number(field) for field in (*integers[_SMC_COMMENTS - 1 : _SMC_COUNT], *reals[:_SMC_RATE])
     ]
     if len(values) < 2 + _SMC_RATE or None in values or not 0 <= (values[0] or 0) < len(lines):
         report.add(

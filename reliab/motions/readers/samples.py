@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from reliab.core.arrays import Array
-from reliab.core.text_tables import is_number, printed_number
+from reliab.core.text_tables import is_number, parse_number
 from reliab.motions.faults import Report
 from reliab.motions.readers.source import Header, Line, Source
 
@@ -95,7 +95,7 @@ def _parse_lines(source: Source, header: Header, report: Report) -> Array | None
     bad: list[_BadToken] = []
     for line in source.lines(header.start, header.stop):
         for token in split_line(line, header):
-            value = printed_number(token)
+            value = parse_number(token)
             if value is None or not math.isfinite(value):
                 is_too_large = value is not None or _NOT_FINITE.fullmatch(token)
                 rule = _MUST_BE_FINITE if is_too_large else _MUST_BE_NUMBER

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Generic, TypeVar
 
 from reliab.core.arrays import Array
-from reliab.core.encodings import as_utf8, decoded
+from reliab.core.encodings import as_utf8, decode_text
 from reliab.core.files import ordinary
 from reliab.motions.faults import Report
 from reliab.motions.units import AccelerationUnit, ClockUnit
@@ -145,7 +145,7 @@ def is_folder(path: Path) -> bool:
 
 def decode(raw: bytes) -> str:
     """Decode a piece of a header: UTF-8 where it is, Latin-1 otherwise, without the line's end."""
-    return decoded(raw).rstrip("\r\n")
+    return decode_text(raw).rstrip("\r\n")
 
 
 def open_source(

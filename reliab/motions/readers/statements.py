@@ -14,7 +14,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from reliab.core.text_tables import NUMBER, last_place, printed_number
+from reliab.core.text_tables import NUMBER, last_place, parse_number
 from reliab.motions.faults import Report
 from reliab.motions.readers.source import LONGEST_LINE, Line, Statement
 from reliab.motions.units import CLOCK_UNIT, AccelerationUnit, ClockUnit, find_clock_unit, find_unit
@@ -154,7 +154,7 @@ def readable(lines: list[Line]) -> list[Line]:
 
 
 def _are_values(cells: list[str]) -> bool:
-    return all(printed_number(cell) is not None or re.fullmatch(r"[\d/:. -]{8,}", cell) for cell in cells)
+    return all(parse_number(cell) is not None or re.fullmatch(r"[\d/:. -]{8,}", cell) for cell in cells)
 
 
 def counts(lines: list[Line], report: Report) -> Iterator[Statement[int]]:
@@ -181,7 +181,7 @@ def _has_value(match: re.Match[str]) -> bool:
     """Tell whether a value follows a label: anything after a sign, only a number without one."""
     groups = match.groupdict()
     value = groups["value"] or ""
-    if printed_number(_plain(value)) is None:
+    if parse_number(_plain(value)) is None:
         return groups.get("sign", "") is not None and ":" not in value  # a time of day is no time step
     return True
 
@@ -285,7 +285,7 @@ def scales(lines: list[Line], report: Report) -> Iterator[Scale]:
         match = _FACTOR.search(line.text)
         if match is None or _APPLIED_WORDS.search(line.text):
             continue
-        value, divisor = printed_number(match["value"] or ""), printed_number(match["divisor"] or "1")
+        value, divisor = parse_number(match["value"] or ""), parse_number(match["divisor"] or "1")
         factor = value / divisor if value and divisor else 0.0
         if not 0 < abs(factor) < float("inf"):
             report.add(
@@ -311,7 +311,7 @@ def offsets(lines: list[Line]) -> dict[str, Statement[float]]:
     statement_of_column: dict[str, Statement[float]] = {}
     for line in lines:
         match = _OFFSET.search(line.text)
-        value = printed_number(match["value"]) if match else None
+        value = parse_number(match["value"]) if match else None
         if match and value and not _REMOVED_WORDS.search(line.text):
             statement_of_column[match["column"].strip()] = Statement(value=value, line=line.number)
     return statement_of_column
@@ -322,7 +322,7 @@ def missing_marks(lines: list[Line]) -> tuple[float, ...]:
     marks = []
     for line in lines:
         match = _MISSING.search(line.text)
-        mark = printed_number(match["value"]) if match else None
+        mark = parse_number(match["value"]) if match else None
         if match and mark is not None and (match["mark"] or abs(mark) >= _LEAST_MARK):
             marks.append(mark)
     return tuple(marks)
@@ -366,7 +366,7 @@ def state_count(text: str, line: int, report: Report) -> Statement[int] | None:
 
 def state_time_step(text: str, line: int, report: Report, *, unit: ClockUnit) -> Statement[float] | None:
     """Read a time step or a rate in a unit, or report that the text is not one."""
-    value = printed_number(text)
+    value = parse_number(text)
     if value is not None and value > 0:
         step = unit.convert_to_seconds(value)
         if 0 < step < float("inf"):

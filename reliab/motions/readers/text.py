@@ -22,7 +22,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from reliab.core.text_tables import printed_number
+from reliab.core.text_tables import parse_number
 from reliab.motions.faults import Report
 from reliab.motions.readers import statements
 from reliab.motions.readers.layouts import PLAIN, Layout
@@ -179,7 +179,7 @@ def _columns(lines: list[Line], count: int, *, has_times: bool) -> list[Column]:
 @np.errstate(over="ignore", invalid="ignore")
 def _begins_with_times(source: Source, header: Header) -> bool:
     rows = itertools.islice(source.lines(header.start, header.stop), _ROWS)
-    times = [printed_number(tokens[0]) for line in rows if (tokens := split_line(line, header))]
+    times = [parse_number(tokens[0]) for line in rows if (tokens := split_line(line, header))]
     steps = np.diff([math.nan if time is None else time for time in times])
     return bool(len(steps) > 1 and (steps > 0).all() and np.ptp(steps) <= _LARGEST_SPREAD * steps.mean())
 
@@ -306,7 +306,7 @@ def _is_data(line: Line) -> bool:
     """Tell whether every token of a line is a number; NaN and infinity count as numbers."""
     tokens = re.split(r"[\s,;]+", clocks_in_seconds(line.text).strip(" \t\r\f,;"))
     return all(
-        printed_number(token) is not None or re.fullmatch(r"[-+]?(nan|inf|infinity)", token, re.IGNORECASE)
+        parse_number(token) is not None or re.fullmatch(r"[-+]?(nan|inf|infinity)", token, re.IGNORECASE)
         for token in tokens
     )
 
@@ -394,12 +394,12 @@ def _agree(precise: Statement[Any], coarse: Statement[Any]) -> bool:
 def _complete_by_duration(header: Header, lines: list[Line], report: Report) -> Header:
     """Derive the count or the step, whichever is missing, from the duration that a header states."""
     durations = sorted(
-        statements.durations(lines), key=lambda first_duration: printed_number(first_duration.value) is None
+        statements.durations(lines), key=lambda first_duration: parse_number(first_duration.value) is None
     )
     if not durations or (header.count and header.time_step):
         return header
     first_duration = durations[0]
-    duration = printed_number(first_duration.value) or 0.0
+    duration = parse_number(first_duration.value) or 0.0
     count = round(duration / header.time_step.value) if header.time_step and duration < _LONGEST else 2
     if not 0 < duration < _LONGEST or count < 2:  # noqa: PLR2004 - two samples make a record
         report.add(
@@ -440,7 +440,7 @@ def _read_leading_sizes(source: Source, header: Header, report: Report) -> Heade
     for last, sizes in ((lines[1], tokens[0] + tokens[1]), (lines[0], tokens[0])):
         counts = [int(text.rstrip(".")) for text in sizes if _WHOLE_NUMBER.fullmatch(text)]
         steps = [
-            value for text in sizes if not _WHOLE_NUMBER.fullmatch(text) and (value := printed_number(text))
+            value for text in sizes if not _WHOLE_NUMBER.fullmatch(text) and (value := parse_number(text))
         ]
         is_count = len(counts) == 1 and len(sizes) == 1 + len(steps) <= 2  # noqa: PLR2004 - count and step
         if is_count and counts[0] > 1 and _holds(source, last.stop, header, counts[0]):

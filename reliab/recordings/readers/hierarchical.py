@@ -9,7 +9,7 @@ import scipy
 
 from reliab.core.errors import InputError
 from reliab.core.significant_digits import counted
-from reliab.core.untrusted_files import lists_of_scales, objects_of, opened_hdf5
+from reliab.core.untrusted_files import lists_of_scales, objects_of, open_hdf5
 from reliab.recordings.readers.attributes import plain, series_of
 from reliab.recordings.readers.columns import Columns, Series
 from reliab.recordings.readers.layouts import Tree, tests_of_tree
@@ -95,7 +95,7 @@ def recognises_classic(head: bytes) -> bool:
 
 def read_hierarchical(path: Path, _delimiter: str | None = None) -> list[Columns]:
     """Read the tests of an HDF5 file: its datasets in all groups, or the variables of MATLAB 7.3."""
-    with opened_hdf5(path) as file:
+    with open_hdf5(path) as file:
         if is_record(file):
             return [columns_of_record(file, path)]
         if any("MATLAB_object_decode" in item.attrs for _, item in objects_of(file)):

@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from reliab.core.arrays import Array
-from reliab.core.encodings import as_utf8, decoded
+from reliab.core.encodings import as_utf8, decode_text
 from reliab.core.errors import InputError
 from reliab.core.files import require_small
 from reliab.core.text_tables import cells_of, lines_of, number_of
@@ -35,7 +35,7 @@ def recognises(head: bytes) -> bool:
 def read_lvm(path: Path, delimiter: str | None = None) -> list[Columns]:
     """Read the tests of a file, each of one segment or of several that go on one another."""
     require_small(path, _MOST_BYTES, remedy=f"{TOO_LARGE}, or export it as TDMS")
-    lines = lines_of(decoded(path.read_bytes()))
+    lines = lines_of(decode_text(path.read_bytes()))
     ends = [place for place, line in enumerate(lines) if line.strip().startswith(_END)]
     header_end = lines[: ends[0] if ends else 0]
     separator = delimiter or next(

@@ -16,7 +16,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.core.encodings import decoded, encoding_of
+from reliab.core.encodings import decode_text, encoding_of
 from reliab.core.errors import InputError
 from reliab.core.files import require_small
 from reliab.core.text_tables import (
@@ -112,7 +112,7 @@ def recognises(head: bytes) -> bool:
 def read_text(path: Path, delimiter: str | None = None) -> list[Columns]:
     """Read all tables of a text."""
     require_small(path, _MOST_BYTES, remedy=f"{TOO_LARGE}, or export it as HDF5")
-    return tables_of(lines_of(decoded(path.read_bytes())), path, delimiter)
+    return tables_of(lines_of(decode_text(path.read_bytes())), path, delimiter)
 
 
 def tables_of(
@@ -305,7 +305,7 @@ class _Text:
             end = len(self.lines)
         rows = np.array(values).reshape(-1, len(names))
         for k in texts:
-            rows[:, k] = TimesOfDay().counted(rows[:, k])
+            rows[:, k] = TimesOfDay().count_seconds(rows[:, k])
         return rows, np.array(numbers, dtype=np.int64), end
 
     def _begins_header(self, place: int, cells: Sequence[str], names: Sequence[str]) -> bool:

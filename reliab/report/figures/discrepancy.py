@@ -17,8 +17,19 @@ from scipy.stats import binned_statistic_2d
 from reliab.core.arrays import Array
 from reliab.core.vocabulary import MILLI, PERCENT, Block
 from reliab.report.axes import TIME, legend_below, name_axes, plain
-from reliab.report.numbers import Significant, in_line
-from reliab.report.style import BLUE, GREY, INK, PALE, SEQUENTIAL, VERMILION, blank, letters, panels, styled
+from reliab.report.numbers import Significant, write_in_line
+from reliab.report.style import (
+    BLUE,
+    GREY,
+    INK,
+    PALE,
+    SEQUENTIAL,
+    VERMILION,
+    apply_style,
+    blank,
+    letters,
+    panels,
+)
 
 _PANEL_HEIGHT, _MARGIN = 37.0, 12.0
 _COLOUR_OF: Final = {"before": VERMILION, "linear": PALE, "rival": GREY, "after": BLUE, "noise": INK}
@@ -79,7 +90,7 @@ class GapPanel:
     errors: Mapping[str, float]
 
 
-@styled
+@apply_style
 def discrepancy_gap(channels: Sequence[GapPanel]) -> Figure:
     """Draw residuals over time, and their size beside the noise's, channel by channel.
 
@@ -124,11 +135,11 @@ def _bars(place: Axes, channel: GapPanel) -> None:
     high = max(errors)
     place.set_xlim(0.0, 1.3 * high or 1.0)
     for rank, value in enumerate(errors):
-        place.text(value + 0.02 * high, rank, in_line(Significant()(value)), va="center", fontsize=8.0)
+        place.text(value + 0.02 * high, rank, write_in_line(Significant()(value)), va="center", fontsize=8.0)
     name_axes(place, "RMS over signal's RMS [%]", "")
 
 
-@styled
+@apply_style
 def discrepancy_blocks(*, lacking: Mapping[Block, str], observed: Collection[Block]) -> Figure:
     """Draw the loop and colour what is missing in which block.
 
@@ -204,7 +215,7 @@ class ModelledHistory:
     residual_label: str
 
 
-@styled
+@apply_style
 def discrepancy_histories(history: ModelledHistory) -> Figure:
     """Draw a measured channel, and the residuals before and after effects were added.
 
@@ -226,7 +237,7 @@ def discrepancy_histories(history: ModelledHistory) -> Figure:
     return figure
 
 
-@styled
+@apply_style
 def discrepancy_posterior(names: Sequence[str], draws: NDArray[np.float64]) -> Figure:
     """Draw every parameter and every pair of them.
 
@@ -242,14 +253,14 @@ def discrepancy_posterior(names: Sequence[str], draws: NDArray[np.float64]) -> F
                 place.set_axis_off()
                 continue
             if row == column:
-                _alone(place, draws[:, row])
+                _draw_histogram(place, draws[:, row])
             else:
                 _pair(place, draws[:, column], draws[:, row])
-            _labelled(place, names, row, column)
+            _label_axes(place, names, row, column)
     return figure
 
 
-def _alone(place: Axes, values: NDArray[np.float64]) -> None:
+def _draw_histogram(place: Axes, values: NDArray[np.float64]) -> None:
     place.hist(values, bins=_BINS, density=True, histtype="stepfilled", facecolor=PALE, edgecolor=BLUE)
     for end in np.quantile(values, _INTERVAL):
         place.axvline(end, color=INK, linewidth=0.8, linestyle=(0, (4, 2)))
@@ -266,23 +277,23 @@ def _pair(place: Axes, x: NDArray[np.float64], y: NDArray[np.float64]) -> None:
     place.contour(*centres, counts.T, levels=levels, colors=INK, linewidths=0.8)
 
 
-def _labelled(place: Axes, names: Sequence[str], row: int, column: int) -> None:
+def _label_axes(place: Axes, names: Sequence[str], row: int, column: int) -> None:
     last = row == len(names) - 1
     place.tick_params(labelbottom=last, labelleft=column == 0 and row > 0)
     place.locator_params(axis="x", nbins=3)
     place.ticklabel_format(useOffset=False, axis="x")
     if last:
-        place.set_xlabel(_wrapped(names[column]))
+        place.set_xlabel(_wrap_name(names[column]))
         place.tick_params(axis="x", rotation=30.0)
     if column == 0 and row > 0:
-        place.set_ylabel(_wrapped(names[row]))
+        place.set_ylabel(_wrap_name(names[row]))
 
 
-def _wrapped(name: str) -> str:
+def _wrap_name(name: str) -> str:
     return "\n".join(plain(piece) for piece in textwrap.wrap(name, _LONGEST_LINE))
 
 
-@styled
+@apply_style
 def discrepancy_state_plane(
     displacement: NDArray[np.float64],
     velocity: NDArray[np.float64],
@@ -340,7 +351,7 @@ def _draw_field(place: Axes, field: NDArray[np.float64], ends: list[float], limi
     )
 
 
-@styled
+@apply_style
 def discrepancy_time_frequency(
     before: NDArray[np.float64],
     after: NDArray[np.float64],

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from reliab.assessment.tracking_index import TrackingIndex, Windows
 from reliab.core.vocabulary import MILLI, PERCENT
 from reliab.report.axes import TIME, legend_below, name_axes, plain
-from reliab.report.style import BLUE, GREY, INK, PALE, blank, line, panels, styled
+from reliab.report.style import BLUE, GREY, INK, PALE, apply_style, blank, line, panels
 
 _MARGIN = 1.12
 _POINTS = 241
@@ -19,7 +19,7 @@ _MOST_SAMPLES = 4000
 _TWO = 2.0  # standard deviations
 
 
-@styled
+@apply_style
 def tracking_overview(
     tracking: TrackingIndex, *, boundaries: Mapping[str, tuple[float, float]], windows: Windows | None
 ) -> Figure:
@@ -82,7 +82,7 @@ def _draw_windows(above: Axes, below: Axes, windows: Windows) -> None:
     below.set_xlabel(TIME)
 
 
-@styled
+@apply_style
 def error_over_time(
     *,
     times: NDArray[np.float64],

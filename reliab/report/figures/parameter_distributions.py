@@ -34,7 +34,19 @@ from reliab.report.axes import (
     plain,
     scientific,
 )
-from reliab.report.style import BLUE, GREEN, GREY, INK, PALE, VERMILION, blank, letters, line, panels, styled
+from reliab.report.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    INK,
+    PALE,
+    VERMILION,
+    apply_style,
+    blank,
+    letters,
+    line,
+    panels,
+)
 from reliab.sampling.normal_inverse_chi_squared import NormalInverseChiSquared
 from reliab.sampling.posterior_sample import PosteriorSample, walkers_in_turn
 
@@ -46,7 +58,7 @@ _DRAWS = 1000
 """Draws of an ensemble that are drawn; all of them would make large files and no other picture."""
 
 
-@styled
+@apply_style
 def traces(posterior: PosteriorSample, parameters: Sequence[str] = ()) -> Figure:
     """Draw the density and the course of the draws of each ensemble.
 
@@ -54,7 +66,7 @@ def traces(posterior: PosteriorSample, parameters: Sequence[str] = ()) -> Figure
     """
     names = list(parameters or posterior.names)
     figure, axes = panels(len(names), 2, height=14.0 + _ROW * len(names), ratios=(1.0, 2.0))
-    number, chains = _thinned(posterior)
+    number, chains = _thin_draws(posterior)
     for (density, course), name in zip(axes, names, strict=True):
         for rank, values in enumerate(chains[..., posterior.names.index(name)]):
             colour = line(rank)["color"]
@@ -68,7 +80,7 @@ def traces(posterior: PosteriorSample, parameters: Sequence[str] = ()) -> Figure
     return figure
 
 
-@styled
+@apply_style
 def ranks(posterior: PosteriorSample, parameters: Sequence[str] = ()) -> Figure:
     """Draw how the draws of each ensemble rank among all draws.
 
@@ -91,13 +103,13 @@ def ranks(posterior: PosteriorSample, parameters: Sequence[str] = ()) -> Figure:
     return figure
 
 
-@styled
+@apply_style
 def pairs(posterior: PosteriorSample, parameters: Sequence[str]) -> Figure:
     """Draw the joint distributions of a few parameters."""
     count = len(parameters)
     figure = blank(height=min(160.0, 10.0 + _CELL * count))
     axes = figure.subplots(count, count, squeeze=False)
-    draws = _thinned(posterior)[1].reshape(-1, len(posterior.names))
+    draws = _thin_draws(posterior)[1].reshape(-1, len(posterior.names))
     values = [draws[:, posterior.names.index(name)] for name in parameters]
     for (row, column), place in np.ndenumerate(axes):
         if column > row:
@@ -130,7 +142,7 @@ def _rank_histograms(values: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.array([np.histogram(chain, _RANK_BINS, range=ends)[0] / expected for chain in ranks])
 
 
-def _thinned(posterior: PosteriorSample) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+def _thin_draws(posterior: PosteriorSample) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Take a thousand draws of each ensemble: their numbers, and shape (ensembles, draws, parameters)."""
     chains = walkers_in_turn(posterior.draws)
     number = np.unique(np.linspace(0, chains.shape[1] - 1, _DRAWS).astype(int))
@@ -160,7 +172,7 @@ _PREDICTIVE_POINTS = 241
 _TAIL = 1e-3
 
 
-@styled
+@apply_style
 def parameter_distributions(
     sample: EllipseSample,
     fits: Mapping[str, tuple[Distribution, Distribution]],
@@ -221,7 +233,7 @@ def _draw(axes: Axes, values: NDArray[np.float64], fits: Mapping[str, Distributi
         )
 
 
-@styled
+@apply_style
 def quantile_quantile(sample: EllipseSample) -> Figure:
     """Draw a and b of the motions over the quantiles of a distribution that is fitted to them.
 
@@ -251,7 +263,7 @@ def _draw_quantiles(axes: Axes, points: QuantilePlot) -> None:
     label_logarithmic(axes.xaxis, axes.yaxis)
 
 
-@styled
+@apply_style
 def parameter_correlation(sample: EllipseSample) -> Figure:
     """Draw b against a, on linear scales with the fitted line and on logarithmic ones.
 
@@ -293,7 +305,7 @@ def _line(axes: Axes, sample: EllipseSample) -> None:
     axes.legend(loc="upper left")
 
 
-@styled
+@apply_style
 def posterior_and_predictive(
     sample: EllipseSample, *, limits: tuple[float, float], confidence: float
 ) -> Figure:
@@ -361,7 +373,7 @@ def _predictive(
 _WIDEST = 0.98
 
 
-@styled
+@apply_style
 def ellipses_and_criterion(sample: EllipseSample, criteria: Mapping[str, tuple[float, float]]) -> Figure:
     """Draw the boundary of every motion and the criteria that should lie inside of nearly all.
 
@@ -394,13 +406,13 @@ class ParameterSeries:
     law: bool = False  # Whether it is a law, drawn as a line, rather than values, drawn as points
 
 
-@styled
+@apply_style
 def parameters_over_frequency(series: Sequence[ParameterSeries]) -> Figure:
     """Draw a and b over the natural frequency, b on a logarithmic scale."""
     return _draw_series(series, FREQUENCY, logarithmic=False)
 
 
-@styled
+@apply_style
 def parameters_over_damping_ratio(series: Sequence[ParameterSeries]) -> Figure:
     """Draw a and b over the damping ratio on logarithmic scales, on which a power law is straight."""
     return _draw_series(series, DAMPING_RATIO, logarithmic=True)

@@ -12,12 +12,12 @@ from reliab.assessment.design import Tolerance
 from reliab.core.significant_digits import percent, share_in_words
 from reliab.core.vocabulary import MILLI, PERCENT, Metric
 from reliab.report.axes import AMPLITUDE_LIMIT, DELAY_LIMIT, FREQUENCY, legend_below, name_axes, plain
-from reliab.report.style import BLUE, VERMILION, letters, line, panels, styled
+from reliab.report.style import BLUE, VERMILION, apply_style, letters, line, panels
 
 _HEIGHT = 76.0
 
 
-@styled
+@apply_style
 def tolerable_errors_over_frequency(tolerances: Sequence[Tolerance]) -> Figure:
     """Draw how much amplitude error and delay a rig may have.
 
@@ -62,8 +62,8 @@ _LONGEST: Final = 32  # characters of the name of a test
 _NAMES: Final = {Metric.RMS: "RMS", Metric.MTE: "MTE"}
 
 
-@styled
-def ranked_tests(comparison: Comparison) -> Figure:
+@apply_style
+def draw_ranked_tests(comparison: Comparison) -> Figure:
     """Draw the error of each test with its 90 % interval, the smallest above, and the threshold."""
     tests = comparison.tests
     figure, axes = panels(1, 1, height=min(_MARGIN + _ROW * len(tests), _TALLEST))

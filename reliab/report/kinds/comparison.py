@@ -1,7 +1,7 @@
 """Report of tests that are ranked by their errors."""
 
 from reliab.assessment.comparison import Comparison
-from reliab.core.columns import side, written_cells
+from reliab.core.columns import side, write_cells
 from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import Metric
 from reliab.report.document import Document, Figure, Points, text_table
@@ -11,7 +11,7 @@ def comparison_report(comparison: Comparison, *, drawn: bool = True) -> Document
     """Report the ranking, drawn or as a table alone, and below it what limits it."""
     other = Metric.MTE if comparison.metric is Metric.RMS else Metric.RMS
     columns = {heading: column for heading, column in comparison.shown.items() if column[0] != other}
-    rows = written_cells(columns, comparison.plain_rows())
+    rows = write_cells(columns, comparison.plain_rows())
     headings = {heading: side(column) for heading, column in columns.items()}
     caption = f"Ranked by error; the threshold is {percent(comparison.threshold)}."
     faults = (f"{file}: {why}" for file, why in comparison.faults.items())
@@ -29,6 +29,6 @@ def comparison_report(comparison: Comparison, *, drawn: bool = True) -> Document
 
 
 def _figure(comparison: Comparison) -> Figure:
-    from reliab.report.figures.tests_by_error import ranked_tests
+    from reliab.report.figures.tests_by_error import draw_ranked_tests
 
-    return Figure(drawing=ranked_tests(comparison), caption="Errors with their 90 % intervals.")
+    return Figure(drawing=draw_ranked_tests(comparison), caption="Errors with their 90 % intervals.")

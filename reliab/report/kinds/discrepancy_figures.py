@@ -25,7 +25,7 @@ from reliab.report.figures.discrepancy import (
     discrepancy_time_frequency,
 )
 from reliab.report.prose import prose
-from reliab.report.wording import spelled_out
+from reliab.report.wording import spell_out
 
 _STRETCHES, _SHORTEST_STRETCH = 5, 4.0  # of a test; s
 _UNITS = {
@@ -48,7 +48,7 @@ def block_figure(diagnosis: Diagnosis) -> Figure:
     for effect in (*diagnosis.effects, *diagnosis.doubtful):
         block = effect.effect.block
         names = [lacking[block]] if block in lacking else []
-        lacking[block] = "\n".join([*names, spelled_out(effect.name)])
+        lacking[block] = "\n".join([*names, spell_out(effect.name)])
     if diagnosis.unknown is not None:
         lacking[Block(diagnosis.unknown.block)] = "unknown effect"
     observed = {diagnosed.block.block for diagnosed in diagnosis.blocks}
@@ -66,7 +66,9 @@ def _place(diagnosed: BlockDiagnosis, file: str) -> int:
     return next(k for k, test in enumerate(diagnosed.block.tests) if test.file == file)
 
 
-def _held_out(diagnosed: BlockDiagnosis) -> tuple[str, NDArray[np.float64], NDArray[np.float64]]:
+def _residuals_of_held_out_test(
+    diagnosed: BlockDiagnosis,
+) -> tuple[str, NDArray[np.float64], NDArray[np.float64]]:
     """File and residuals of the held-out test in which the calibrated model fails most."""
     file = max(diagnosed.residuals_before, key=lambda name: float(np.std(diagnosed.residuals_before[name])))
     return file, diagnosed.residuals_before[file], diagnosed.residuals_after[file]
@@ -100,7 +102,7 @@ def _density(diagnosed: BlockDiagnosis) -> NDArray[np.float64]:
     return plain.noise_of(diagnosed.best.space, diagnosed.best.coordinates).density(frequency)
 
 
-def _shown_up_to(residual: NDArray[np.float64], rate: float) -> float:
+def _highest_shown_frequency(residual: NDArray[np.float64], rate: float) -> float:
     """Frequency [Hz] of twice the band that holds nearly all of a residual, no fewer than some pixels."""
     frequency, power = signal.periodogram(residual, fs=rate, window="hann")
     summed = np.cumsum(power)
@@ -110,14 +112,14 @@ def _shown_up_to(residual: NDArray[np.float64], rate: float) -> float:
 
 def time_frequency_figure(diagnosed: BlockDiagnosis) -> Figure:
     """Draw residuals of a block over time and frequency."""
-    file, before, after = _held_out(diagnosed)
+    file, before, after = _residuals_of_held_out_test(diagnosed)
     rate = diagnosed.block.rate
     drawing = discrepancy_time_frequency(
         before,
         after,
         density=_density(diagnosed),
         rate=rate,
-        highest=min(_shown_up_to(before, rate), _HIGHEST, 0.5 * rate),
+        highest=min(_highest_shown_frequency(before, rate), _HIGHEST, 0.5 * rate),
     )
     caption = prose(
         "Power of the residual of {channel} over that of the noise, {test}.",
@@ -129,7 +131,7 @@ def time_frequency_figure(diagnosed: BlockDiagnosis) -> Figure:
 
 def state_plane_figure(diagnosed: BlockDiagnosis) -> Figure:
     """Draw residuals of a block over the state of the specimen."""
-    file, before, after = _held_out(diagnosed)
+    file, before, after = _residuals_of_held_out_test(diagnosed)
     test = _place(diagnosed, file)
     motion = diagnosed.block.motions[test].values
     unit, factor = _unit(diagnosed)
@@ -144,7 +146,7 @@ def state_plane_figure(diagnosed: BlockDiagnosis) -> Figure:
 
 def histories_figure(diagnosed: BlockDiagnosis) -> Figure:
     """Draw the channel of a held-out test where it moves most, and what the models leave of it."""
-    file, before, after = _held_out(diagnosed)
+    file, before, after = _residuals_of_held_out_test(diagnosed)
     test = _place(diagnosed, file)
     measured, driven = (
         diagnosed.block.measured(test),
@@ -185,7 +187,7 @@ def _strongest(values: NDArray[np.float64], rate: float) -> slice:
     return slice(begin, begin + length)
 
 
-def drawn(what: str, draw: Callable[[], Figure | None]) -> tuple[DocumentBlock, ...]:
+def draw_or_skip(what: str, draw: Callable[[], Figure | None]) -> tuple[DocumentBlock, ...]:
     """Return a figure as a block, or a line that says why it could not be drawn; the report goes on."""
     try:
         figure = draw()
@@ -211,7 +213,7 @@ def gap_figure(diagnosis: Diagnosis) -> Figure:
 
 
 def _panel(diagnosed: BlockDiagnosis) -> GapPanel:
-    file, before, after = _held_out(diagnosed)
+    file, before, after = _residuals_of_held_out_test(diagnosed)
     unit, factor = _unit(diagnosed)
     noise = _noise(diagnosed)
     return GapPanel(

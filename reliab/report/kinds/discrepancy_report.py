@@ -20,17 +20,17 @@ from reliab.discrepancy.result.missing_effect import MissingEffect, Unknown
 from reliab.report.document import Block, Column, Document, Paragraph, Points, Section, Table
 from reliab.report.kinds.discrepancy_figures import (
     block_figure,
-    drawn,
+    draw_or_skip,
     gap_figure,
     histories_figure,
     posterior_figure,
     state_plane_figure,
     time_frequency_figure,
 )
-from reliab.report.numbers import Fixed, Significant, in_line
+from reliab.report.numbers import Fixed, Significant, write_in_line
 from reliab.report.prose import Math, Prose, prose
 from reliab.report.sources import provenance_of
-from reliab.report.wording import number, probability, spelled_out
+from reliab.report.wording import number, probability, spell_out
 
 _SIZE, _SHARE = Significant(digits=3, factor=PERCENT), Fixed(decimals=1, factor=PERCENT)
 """How sizes of errors, and shares, stand in tables and sentences."""
@@ -88,12 +88,14 @@ def _next(diagnosis: Diagnosis) -> str:
 
 
 def _verdict(diagnosis: Diagnosis) -> Prose:
-    names = ", ".join(spelled_out(effect.name) for effect in diagnosis.effects)
+    names = ", ".join(spell_out(effect.name) for effect in diagnosis.effects)
     match diagnosis.verdict:
         case Verdict.NO_MISSING_EFFECT:
             return prose("{statement}", statement=diagnosis.statement)
         case Verdict.NAMED:
-            return prose("The model lacks *{names}*. {closed}", names=names, closed=_closed(diagnosis))
+            return prose(
+                "The model lacks *{names}*. {closed}", names=names, closed=_describe_closed_gap(diagnosis)
+            )
         case Verdict.UNKNOWN_EFFECT:
             unknown = diagnosis.unknown
             first = "The model lacks *{names}*, and the" if names else "The"
@@ -104,21 +106,22 @@ def _verdict(diagnosis: Diagnosis) -> Prose:
                 description="" if unknown is None else unknown.description,
             )
         case Verdict.NOT_IDENTIFIABLE:
-            doubtful = " or ".join(spelled_out(effect.name) for effect in diagnosis.doubtful)
+            doubtful = " or ".join(spell_out(effect.name) for effect in diagnosis.doubtful)
             return prose(
                 "The model lacks an effect, but these tests do not show which one: *{names}*.",
                 names=doubtful,
             )
 
 
-def _closed(diagnosis: Diagnosis) -> str:
+def _describe_closed_gap(diagnosis: Diagnosis) -> str:
     """Say how much is explained, in the block of those with an effect of which least is."""
     gaps = [block.gap for block in diagnosis.blocks if block.effects] or [diagnosis.gap]
     gap = max(gaps, key=lambda one: one.worst_unexplained_share or 0.0)
     with_effects = "With it" if len(diagnosis.effects) == 1 else "With them"
     of_all = (
-        f"{with_effects} the error in {gap.channel} on held-out tests falls from {_of_signal(gap.before)} to "
-        f"{_of_signal(gap.after)} of the signal{_of_others(gap)}: {gap.conclusion}."
+        f"{with_effects} the error in {gap.channel} on held-out tests falls from "
+        f"{_write_share_of_signal(gap.before)} to {_write_share_of_signal(gap.after)} of the "
+        f"signal{_describe_other_gaps(gap)}: {gap.conclusion}."
     )
     worst = next(iter(gap.by_kind), None)
     if worst is None or len(gap.by_kind) == 1 or not worst.unexplained_share:
@@ -127,20 +130,20 @@ def _closed(diagnosis: Diagnosis) -> str:
     return f"{of_all} Least is explained of {worst.kind}: {share} of the gap's energy remains."
 
 
-def _of_others(gap: Gap) -> str:
+def _describe_other_gaps(gap: Gap) -> str:
     """Say what the best linear model and the best rival leave."""
     others = []
     if gap.linear is not None and gap.linear != gap.before:
-        others.append(f"the best linear model leaves {_of_signal(gap.linear)}")
+        others.append(f"the best linear model leaves {_write_share_of_signal(gap.linear)}")
     if gap.rival is not None:
-        rival = " + ".join(map(spelled_out, gap.rival_effects)) or "the model without effects"
-        others.append(f"the best rival ({rival}) {_of_signal(gap.rival)}")
+        rival = " + ".join(map(spell_out, gap.rival_effects)) or "the model without effects"
+        others.append(f"the best rival ({rival}) {_write_share_of_signal(gap.rival)}")
     return f" ({', '.join(others)})" if others else ""
 
 
-def _of_signal(size: float) -> str:
+def _write_share_of_signal(size: float) -> str:
     """Write an error [-] in per cent of the signal, as the tables do."""
-    return f"{in_line(_SIZE(size))} %"
+    return f"{write_in_line(_SIZE(size))} %"
 
 
 def _facts(diagnosis: Diagnosis) -> dict[str, Prose]:
@@ -205,11 +208,11 @@ def _method(remarks: Sequence[Prose]) -> Section:
 
 def location_section(diagnosis: Diagnosis) -> Section:
     """Show the block that fails, what its residuals vary with, and residuals over frequency and state."""
-    blocks: list[Block] = [*drawn("the loop", partial(block_figure, diagnosis)), _places(diagnosis)]
+    blocks: list[Block] = [*draw_or_skip("the loop", partial(block_figure, diagnosis)), _places(diagnosis)]
     for diagnosed in diagnosis.blocks:
         if diagnosed.findings:
-            blocks += drawn("residuals over frequency", partial(time_frequency_figure, diagnosed))
-            blocks += drawn("residuals over the state plane", partial(state_plane_figure, diagnosed))
+            blocks += draw_or_skip("residuals over frequency", partial(time_frequency_figure, diagnosed))
+            blocks += draw_or_skip("residuals over the state plane", partial(state_plane_figure, diagnosed))
     return Section(title=_WHERE, blocks=tuple(blocks))
 
 
@@ -248,7 +251,7 @@ def _places(diagnosis: Diagnosis) -> Table | Paragraph:
             Column(key="time", heading="Time", unit="s"),
             Column(key="begin", heading="Begins at"),
         )
-        frame = pd.DataFrame(rows).assign(kind=lambda table: table["kind"].map(spelled_out))
+        frame = pd.DataFrame(rows).assign(kind=lambda table: table["kind"].map(spell_out))
         caption = "What the residual of the calibrated model varies with; p is corrected for all trials."
         return Table(frame=frame, columns=columns, caption=caption, label="tab:where")
     noise = "The residual of the calibrated model does not differ from noise."
@@ -269,7 +272,7 @@ def missing_effects_section(diagnosis: Diagnosis, sampled: Mapping[str, Posterio
         blocks.append(_parameters(diagnosis))
         blocks += [Paragraph(text=_sentence(effect)) for effect in effects]
         for name, posterior in sampled.items():
-            blocks += drawn("the posterior", partial(posterior_figure, diagnosis, name, posterior))
+            blocks += draw_or_skip("the posterior", partial(posterior_figure, diagnosis, name, posterior))
     blocks += [
         Paragraph(text=_unknown(diagnosed.unknown))
         for diagnosed in diagnosis.blocks
@@ -284,7 +287,7 @@ def _parameters(diagnosis: Diagnosis) -> Table:
     """Tabulate the effects, each in one row with all its parameters."""
     rows = [
         {
-            "effect": spelled_out(effect.name),
+            "effect": spell_out(effect.name),
             "probability": effect.probability,
             "parameters": effect.parameters,
         }
@@ -303,10 +306,10 @@ def _parameters(diagnosis: Diagnosis) -> Table:
 
 
 def _sentence(effect: MissingEffect) -> Prose:
-    name, description = spelled_out(effect.name), effect.effect.description
+    name, description = spell_out(effect.name), effect.effect.description
     listed = "; ".join(
-        f"{spelled_out(rival.name)} (probability {probability(rival.probability)}, error "
-        f"{_of_signal(rival.held_out_nrmse)})"
+        f"{spell_out(rival.name)} (probability {probability(rival.probability)}, error "
+        f"{_write_share_of_signal(rival.held_out_nrmse)})"
         for rival in effect.rivals
     )
     alternatives = f"Alternatives, with their errors on held-out tests: {listed}."
@@ -317,8 +320,8 @@ def _sentence(effect: MissingEffect) -> Prose:
         name=name,
         position=f" ({effect.effect.position})" if effect.effect.position else "",
         description=description,
-        after=_of_signal(effect.error_with),
-        before=_of_signal(effect.error_without),
+        after=_write_share_of_signal(effect.error_with),
+        before=_write_share_of_signal(effect.error_without),
         others=others,
     )
 
@@ -336,7 +339,7 @@ def _unknown(unknown: Unknown) -> Prose:
         block=unknown.block,
         description=unknown.description,
         expression=unknown.expression,
-        error=_of_signal(unknown.held_out_nrmse),
+        error=_write_share_of_signal(unknown.held_out_nrmse),
     )
 
 
@@ -360,10 +363,10 @@ def _calibration(diagnosis: Diagnosis) -> Table:
 
 def proof_section(diagnosis: Diagnosis) -> Section:
     """Show how much of the gap between model and measurement closes on held-out tests."""
-    blocks: list[Block] = [*_proof(diagnosis), *drawn("the gap", partial(gap_figure, diagnosis))]
+    blocks: list[Block] = [*_proof(diagnosis), *draw_or_skip("the gap", partial(gap_figure, diagnosis))]
     for diagnosed in diagnosis.blocks:
         if diagnosed.gap.missing:
-            blocks += drawn("histories and loops", partial(histories_figure, diagnosed))
+            blocks += draw_or_skip("histories and loops", partial(histories_figure, diagnosed))
     return Section(title=_PROOF, blocks=tuple(blocks))
 
 
@@ -396,7 +399,7 @@ def _candidates(diagnosis: Diagnosis) -> tuple[Table, ...]:
     rows = [
         {
             "block": str(diagnosed.block.block),
-            "model": " + ".join(map(spelled_out, row.names)) or "calibration alone",
+            "model": " + ".join(map(spell_out, row.names)) or "calibration alone",
             "believed": "yes" if row.fit is diagnosed.best else "",
             "left_out": row.left_out,
             "held_out": row.held_out,
@@ -444,10 +447,10 @@ def _floor(diagnosed: BlockDiagnosis) -> Prose:
     return prose(
         text,
         where=f"{str(diagnosed.block.block).capitalize()}, {gap.channel}",
-        after=_of_signal(gap.after),
-        floor="" if gap.floor is None else _of_signal(gap.floor),
+        after=_write_share_of_signal(gap.after),
+        floor="" if gap.floor is None else _write_share_of_signal(gap.floor),
         source=gap.source or "",
-        left=_of_signal(gap.model_error),
+        left=_write_share_of_signal(gap.model_error),
         others=", ".join(gap.floors),
         conclusion=gap.conclusion,
     )

@@ -15,10 +15,10 @@ from reliab.core.significant_digits import counted, percent
 from reliab.core.vocabulary import PERCENT
 from reliab.report.axes import legend_below
 from reliab.report.document import Block, Document, Figure, Paragraph, Points, Section, Table, text_table
-from reliab.report.numbers import Significant, in_line
+from reliab.report.numbers import Significant, write_in_line
 from reliab.report.prose import Prose, prose
 from reliab.report.sources import provenance_of
-from reliab.report.style import BLUE, GREY, INK, PALE, VERMILION, letters, panels, styled
+from reliab.report.style import BLUE, GREY, INK, PALE, VERMILION, apply_style, letters, panels
 from reliab.rig.prediction import Prediction
 from reliab.rig.rig_table import RigTable
 from reliab.rig.watching import FALSE_ALARMS, DriftChart, drift_chart, read_effects, watch
@@ -56,7 +56,7 @@ def rig_report(
         verdict=_verdict(table, prediction),
         facts=_facts(table, prediction, structure),
         blocks=(
-            Section(title="What the rig does", blocks=_what_it_does(table, chart, prediction)),
+            Section(title="What the rig does", blocks=_behaviour_blocks(table, chart, prediction)),
             Section(title="What to expect of the next test", blocks=next_test_blocks(prediction)),
             Section(title="Appendix: diagnostics", blocks=diagnostics_blocks(prediction)),
         ),
@@ -100,7 +100,7 @@ def _facts(table: RigTable, prediction: Prediction, structure: Structure | None)
     return facts
 
 
-def _what_it_does(
+def _behaviour_blocks(
     table: RigTable, chart: DriftChart, prediction: Prediction
 ) -> tuple[Table | Points | Figure, ...]:
     rows = []
@@ -108,7 +108,7 @@ def _what_it_does(
         values = table.numbers(name)
         values = values[np.isfinite(values)]
         ends = (*np.quantile(values, [0.05, 0.5, 0.95]), np.median(values[-_LAST:]))
-        rows.append((_QUANTITIES[name], *(_written(name, float(value)) for value in ends)))
+        rows.append((_QUANTITIES[name], *(_write_value(name, float(value)) for value in ends)))
     summary = text_table(
         rows,
         ("Quantity", "5 %", "Median", "95 %", f"Median of the last {min(_LAST, len(table))}"),
@@ -124,10 +124,10 @@ def _what_it_does(
         ),
         label="fig:time",
     )
-    return summary, Points(items=_noticed(table, chart)), figure
+    return summary, Points(items=_list_noticed_changes(table, chart)), figure
 
 
-def _noticed(table: RigTable, chart: DriftChart) -> tuple[Prose, ...]:
+def _list_noticed_changes(table: RigTable, chart: DriftChart) -> tuple[Prose, ...]:
     latest = chart.changes[-_MOST_CHANGES:]
     if not latest:
         return ("No change of gain, delay or noise was noticed.",)
@@ -140,7 +140,7 @@ def _noticed(table: RigTable, chart: DriftChart) -> tuple[Prose, ...]:
     return (f"Noticed: {words}{f'; and {more} before' if more else ''}.",)
 
 
-def _written(name: str, value: float) -> str:
+def _write_value(name: str, value: float) -> str:
     if name in _IN_PERCENT:
         return f"{PERCENT * value:.2f}"
     return f"{value:.4f}" if name == "A" else f"{value:.2f}"
@@ -149,7 +149,7 @@ def _written(name: str, value: float) -> str:
 def next_test_blocks(prediction: Prediction) -> tuple[Block, ...]:
     """Tabulate what the next test will be, and say from what its error comes."""
     rows = [
-        (_QUANTITIES[name], *(_written(name, interval[end]) for end in ("low", "median", "high")))
+        (_QUANTITIES[name], *(_write_value(name, interval[end]) for end in ("low", "median", "high")))
         for name, interval in prediction.intervals.items()
     ]
     intervals = text_table(
@@ -200,14 +200,14 @@ def diagnostics_blocks(prediction: Prediction) -> tuple[Block, ...]:
 
 
 def _score(value: float | None) -> str:
-    return "unknown" if value is None else in_line(Significant()(value))
+    return "unknown" if value is None else write_in_line(Significant()(value))
 
 
 _HEIGHT: Final = 136.0
 _AHEAD: Final = 0.035  # of the number of tests, by which the next one stands to the right
 
 
-@styled
+@apply_style
 def rig_over_time(
     table: RigTable, chart: DriftChart, coming: Mapping[str, Mapping[str, float]], threshold: float
 ) -> Drawing:

@@ -7,7 +7,7 @@ from reliab.core.vocabulary import CurveName
 from reliab.criterion.criterion import Criterion
 from reliab.report.document import Equation, Paragraph, Points, Section
 from reliab.report.prose import Prose, prose
-from reliab.report.wording import listed, meaning_of_confidence, window_in_words
+from reliab.report.wording import join_words, meaning_of_confidence, window_in_words
 from reliab.validation.yielding import HARDENING, read_yielding
 
 _FITTED = (
@@ -207,7 +207,7 @@ def limits_section(sentences: Sequence[Prose]) -> Section:
 def _yielding() -> str:
     """Say what was measured on specimens that yield."""
     measured = read_yielding()
-    shares = listed(
+    shares = join_words(
         [
             f"{percent(measurement.exceeding, 2)} of {measurement.tests} tests at $R = "
             f"{measurement.reduction:g}$ (up to "

@@ -18,7 +18,7 @@ from reliab.report.axes import FREQUENCY, legend_below, name_axes, plain
 from reliab.report.document import Column, Figure, Paragraph, Section, Table
 from reliab.report.numbers import Fixed, Shortest
 from reliab.report.prose import prose
-from reliab.report.style import GREY, INK, line, panels, styled
+from reliab.report.style import GREY, INK, apply_style, line, panels
 from reliab.report.wording import law_in_words
 from reliab.validation.cross_validation.counts import CrossValidation, tabulate
 
@@ -151,7 +151,7 @@ _SHIFT = 0.006
 _FAR = 0.8  # of what is stated; a criterion that contains less everywhere has axes of its own
 
 
-@styled
+@apply_style
 def calibration_curve(rates: pd.DataFrame) -> Drawing:
     """Draw the observed share of motions that a criterion contains over the stated confidence.
 
@@ -170,7 +170,7 @@ def calibration_curve(rates: pd.DataFrame) -> Drawing:
     return figure
 
 
-@styled
+@apply_style
 def coverage_by_frequency(rates: pd.DataFrame, *, confidence: float) -> Drawing:
     """Draw the observed containment over the natural frequency at one stated confidence.
 

@@ -98,7 +98,7 @@ from typing import Any
 import numpy as np
 
 from reliab.core.arrays import Array
-from reliab.core.described_files import described, read_toml
+from reliab.core.described_files import read_toml, validate_description
 from reliab.core.errors import InputError
 from reliab.simulation.frames.frame_tables import FrameDescription
 from reliab.simulation.frames.matrix_files import read_matrices
@@ -194,7 +194,7 @@ def frame_of_tables(content: dict[str, Any], location: str) -> FrameUnderTest:
     """Build a tested frame from the tables of a file, with one actuator or several."""
     folder = Path(location).parent
     with _finite_products(location):
-        description = described(
+        description = validate_description(
             FrameDescription,
             read_matrices(content, folder),
             rule="A frame must be described by known keys with allowed values",

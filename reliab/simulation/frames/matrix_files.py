@@ -9,7 +9,7 @@ import numpy as np
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.files import LIMITS
-from reliab.core.untrusted_files import named_within
+from reliab.core.untrusted_files import resolve_within
 
 Row = tuple[float, ...]
 
@@ -42,7 +42,7 @@ def _read(key: str, value: Any, folder: Path) -> Any:  # noqa: ANN401 - TOML hol
 
 
 def _rows(name: str, folder: Path) -> list[list[float]]:
-    path = named_within(folder, name, where="")
+    path = resolve_within(folder, name, where="")
     LIMITS["matrix"].require_small(path)
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()

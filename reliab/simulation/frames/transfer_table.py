@@ -14,7 +14,7 @@ from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.files import decoding, ordinary
 from reliab.core.physical_range import Physical
-from reliab.core.untrusted_files import named_within
+from reliab.core.untrusted_files import resolve_within
 from reliab.core.vocabulary import MILLI
 from reliab.simulation.frames.tolerances_table import DescribedTable, require
 from reliab.simulation.transfer_systems.matlab_structure import require_sound_structure
@@ -302,7 +302,7 @@ class TransferTable(DescribedTable):
                     value=self.file,
                     remedy="Save num and den with scipy.io.savemat, or give numerator and denominator here",
                 )
-            return read_matlab(named_within(folder, self.file, where=""), self.variable, delay)
+            return read_matlab(resolve_within(folder, self.file, where=""), self.variable, delay)
         if self.poles_per_s is not None:
             zeros, poles = _roots(self.zeros_per_s), _roots(self.poles_per_s)
             return TransferFunction.from_poles(zeros, poles, gain, static=True, delay=delay)

@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict
 
-from reliab.core.described_files import described, read_toml
+from reliab.core.described_files import read_toml, validate_description
 from reliab.core.errors import InputError
 from reliab.core.files import refuse_unwritable, written_whole
 from reliab.core.physical_range import Physical, require_physical
@@ -131,7 +131,7 @@ def _describe(path: Path) -> _ModelFile:
     remedy = f"Compare with a {MODEL_FILE} that `reliab diagnose --out` writes"
     content = read_toml(path, rule="A model must be a readable TOML file", remedy=remedy)
     rule = "A model must be described by known keys with allowed values"
-    return described(_ModelFile, content, rule=rule, remedy=remedy, where=path.name)
+    return validate_description(_ModelFile, content, rule=rule, remedy=remedy, where=path.name)
 
 
 def _effect(entry: _Effect, location: str) -> Effect:

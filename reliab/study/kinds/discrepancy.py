@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 from reliab.core.files import written_whole
 from reliab.core.progress import Show
 from reliab.core.shipped import shipped
-from reliab.report.content import save_content, saved_content
+from reliab.report.content import read_content, save_content
 from reliab.report.document import Document
 from reliab.study.description import Study, Table
 from reliab.study.folders import Kind
@@ -61,7 +61,7 @@ def stages(study: DiscrepancyStudy, show: Show) -> Sequence[Stage]:
 def report(study: DiscrepancyStudy, folder: Path) -> Mapping[str, bytes]:
     """Report the diagnosis from what was drawn; the campaign need not be there any more."""
     del study
-    return saved_content(folder / CONTENT)
+    return read_content(folder / CONTENT)
 
 
 def _document(study: DiscrepancyStudy, campaign: Path, folder: Path) -> Document:

@@ -17,7 +17,7 @@ from reliab.core.vocabulary import MILLI, PERCENT
 from reliab.report.axes import DISPLACEMENT, TIME, legend_below, mark, plain
 from reliab.report.document import Figure as RpFigure
 from reliab.report.prose import Prose
-from reliab.report.style import BLUE, INK, PALE, VERMILION, letters, panels as rp_panels, styled
+from reliab.report.style import BLUE, INK, PALE, VERMILION, apply_style, letters, panels as rp_panels
 
 _PANEL_HEIGHT, _MARGIN = 32.0, 16.0
 _HEADROOM = 1.45
@@ -40,7 +40,7 @@ class HistoryPanel:
     note: str = ""
 
 
-@styled
+@apply_style
 def displacement_histories(histories: Sequence[HistoryPanel], *, columns: int = 1) -> Figure:
     """Draw exact response and measured displacement of several tests on one scale of time.
 

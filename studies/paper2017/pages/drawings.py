@@ -5,12 +5,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyBboxPatch, Rectangle
 
-from reliab.report.style import BLUE, INK, PALE, VERMILION, blank, styled
+from reliab.report.style import BLUE, INK, PALE, VERMILION, apply_style, blank
 
 _LINE = 1.0
 
 
-@styled
+@apply_style
 def block_diagram() -> Figure:
     """Draw the loop: structure without its tested stiffness, actuator, specimen, feedback."""
     figure = blank(height=52.0)
@@ -61,7 +61,7 @@ def _arrow(axes: Axes, points: list[tuple[float, float]]) -> None:
 _COILS = 7
 
 
-@styled
+@apply_style
 def frame() -> Figure:
     """Draw the frame (numerical substructure) and the spring (experimental substructure)."""
     figure = blank(height=48.0)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from reliab.core.significant_digits import significant
 from reliab.core.vocabulary import MILLI, PERCENT, Metric
 from reliab.report.axes import AMPLITUDE, DELAY, ERRORS, label_logarithmic, legend_below, mark, name_axes
-from reliab.report.style import GREY, INK, SEQUENTIAL, blank, letters, line, panels, styled
+from reliab.report.style import GREY, INK, SEQUENTIAL, apply_style, blank, letters, line, panels
 from reliab.tracking.boundary.contour import Contour
 from reliab.tracking.boundary.curves import Curve
 
@@ -25,7 +25,7 @@ Curves = tuple[NDArray[np.float64], Mapping[Metric, NDArray[np.float64]]]
 """Abscissae, shape (n,), with the errors MTE^R and RMS^R [-] there."""
 
 
-@styled
+@apply_style
 def error_curves(
     over_delay: Curves, over_amplitude: Curves, *, critical_delay: float, threshold: float
 ) -> Figure:
@@ -77,7 +77,7 @@ def _share_of(axes: Axes, x: float) -> float:
 _HEADROOM = 1.18
 
 
-@styled
+@apply_style
 def error_contours(contours: Mapping[Metric, Mapping[float, Contour]]) -> Figure:
     """Draw contours of equal error, MTE^R and RMS^R side by side on the same scales.
 
@@ -112,7 +112,7 @@ _LEVELS = 8
 _VIEW = {"elev": 27.0, "azim": -58.0}
 
 
-@styled
+@apply_style
 def error_maps(
     amplitudes: NDArray[np.float64],
     delays: NDArray[np.float64],
@@ -189,7 +189,7 @@ def _draw_plan(
 _POINTS = 201
 
 
-@styled
+@apply_style
 def curve_fits(contour: Contour, curves: Sequence[Curve]) -> Figure:
     """Draw a contour of equal error with the curves fitted to it.
 

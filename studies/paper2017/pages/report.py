@@ -10,7 +10,7 @@ from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import PERCENT
 from reliab.criterion.provenance import records_checksum
 from reliab.report.document import Column, Document, Paragraph, Section, Table
-from reliab.report.numbers import Fixed, Shortest, Significant, in_line
+from reliab.report.numbers import Fixed, Shortest, Significant, write_in_line
 from reliab.report.prose import Prose, prose
 from reliab.report.sections.method import limits_section, method_section
 from reliab.report.sources import SOURCES, provenance_of
@@ -155,7 +155,7 @@ def _set(numbers: pd.DataFrame) -> pd.DataFrame:
         unit=numbers["unit"].replace(_UNITS).where(~without, ""),
         quantity=numbers["quantity"].str.replace("^R", "ᴿ"),
         finding=numbers["finding"].str.replace("^R", "ᴿ"),
-        **{name: [in_line(Significant()(value)) for value in numbers[name]] for name in columns},
+        **{name: [write_in_line(Significant()(value)) for value in numbers[name]] for name in columns},
     )
 
 

@@ -164,7 +164,7 @@ def stubbed(monkeypatch, tmp_path):
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sources.EllipseSource, "dataset", lambda *_: traced)
-    monkeypatch.setattr(derived_criteria, "_kept_by", lambda *_: {})
+    monkeypatch.setattr(derived_criteria, "_describe_kept_share", lambda *_: {})
     monkeypatch.setattr(validation, "true_errors", lambda *_: "truth")
     monkeypatch.setattr(validation, "cross_validate", asked)
     monkeypatch.setattr(validation.Validation, "to_dict", lambda self: {"asked": self.division.name})

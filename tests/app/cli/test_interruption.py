@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from reliab.app.cli import run
-from reliab.app.cli.interruption import interruption, noticed_interruption
+from reliab.app.cli.interruption import interruption, notice_interruption
 from reliab.core.errors import INTERRUPTED
 
 CHAINS = ("--method", "hierarchical", "--joint", "--chains", "chains.h5")
@@ -120,7 +120,7 @@ def press():
 
 @pytest.mark.usefixtures("heeded")
 def test_an_error_that_a_library_makes_of_ctrl_c_is_an_interruption():
-    with pytest.raises(SystemExit) as end, noticed_interruption():  # noqa: PT012 - what a compiler does
+    with pytest.raises(SystemExit) as end, notice_interruption():  # noqa: PT012 - what a compiler does
         try:
             press()
         except KeyboardInterrupt:
@@ -131,7 +131,7 @@ def test_an_error_that_a_library_makes_of_ctrl_c_is_an_interruption():
 @pytest.mark.usefixtures("heeded")
 def test_a_ctrl_c_that_is_lost_in_a_callback_is_repeated():
     callback = ctypes.CFUNCTYPE(None)(press)
-    with pytest.raises(KeyboardInterrupt), noticed_interruption():  # noqa: PT012 - what a compiler does
+    with pytest.raises(KeyboardInterrupt), notice_interruption():  # noqa: PT012 - what a compiler does
         callback()  # what is raised there is lost
         for _ in range(500):
             time.sleep(0.01)
@@ -139,6 +139,6 @@ def test_a_ctrl_c_that_is_lost_in_a_callback_is_repeated():
 
 @pytest.mark.usefixtures("heeded")
 def test_without_ctrl_c_errors_are_what_they_were():
-    with pytest.raises(RuntimeError, match="as it was"), noticed_interruption():
+    with pytest.raises(RuntimeError, match="as it was"), notice_interruption():
         raise RuntimeError("as it was")
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler

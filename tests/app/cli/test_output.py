@@ -15,7 +15,7 @@ from parsed import nodes
 
 import reliab
 from reliab.app.cli import main, take_help_literally
-from reliab.app.cli.output import write_what_can_be_written
+from reliab.app.cli.output import replace_unwritable_characters
 from reliab.app.cli.printable import printable
 from reliab.version import __version__
 
@@ -166,7 +166,7 @@ def test_no_character_of_ours_becomes_a_question_mark():
     shown = characters_that_are_shown()
     assert {"ξ", "█", "±", "²", "−"} <= shown
     stream = io.TextIOWrapper(io.BytesIO(), encoding="ascii")
-    write_what_can_be_written(stream)
+    replace_unwritable_characters(stream)
     lost = set()
     for character in sorted(shown - {"?"}):
         stream.write(character)

@@ -12,7 +12,7 @@ from parsed import nodes
 
 import reliab
 from reliab.app.cli import run
-from reliab.app.cli.output import console, show_table, write_what_can_be_written
+from reliab.app.cli.output import console, replace_unwritable_characters, show_table
 from reliab.report.document import text_table
 from reliab.report.terminal import rich_table
 
@@ -28,7 +28,7 @@ def test_a_command_in_this_process_that_nobody_reads_ends_with_141(arguments, mo
     reading, writing = os.pipe()
     os.close(reading)
     with io.TextIOWrapper(io.FileIO(writing, "wb"), encoding="utf-8") as pipe, io.StringIO() as errors:
-        monkeypatch.setattr(sys, "stdout", write_what_can_be_written(pipe))
+        monkeypatch.setattr(sys, "stdout", replace_unwritable_characters(pipe))
         monkeypatch.setattr(sys, "stderr", errors)
         with pytest.raises(SystemExit) as end:
             raise SystemExit(run(arguments))
@@ -69,7 +69,7 @@ def test_what_is_held_back_until_the_end_shows_a_closed_pipe_once():
     reading, writing = os.pipe()
     os.close(reading)
     with io.TextIOWrapper(io.FileIO(writing, "wb")) as pipe:
-        stream = write_what_can_be_written(pipe)
+        stream = replace_unwritable_characters(pipe)
         stream.write("a few words")
         with pytest.raises(SystemExit) as end:
             stream.flush()

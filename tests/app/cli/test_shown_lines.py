@@ -6,7 +6,7 @@ import pytest
 
 from reliab.app.cli.calibrate import _cells
 from reliab.app.cli.criterion import show_criteria
-from reliab.app.cli.motions import _show_faults, _show_notes, _within
+from reliab.app.cli.motions import _path_within_sources, _show_faults, _show_notes
 from reliab.core.stated_value import StatedValue
 from reliab.motions.faults import Fault
 
@@ -92,7 +92,7 @@ def test_every_fault_has_its_file_line_rule_value_and_remedy(capsys):
 
 
 def test_files_elsewhere_keep_their_whole_path():
-    assert _within("/elsewhere/a.at2", ["/records"]) == "/elsewhere/a.at2"
+    assert _path_within_sources("/elsewhere/a.at2", ["/records"]) == "/elsewhere/a.at2"
 
 
 def test_cells_of_a_calibration():

@@ -6,7 +6,7 @@ import pytest
 import typer
 from typer.testing import CliRunner, Result
 
-from reliab.app.api.judged_motions import kept_shares
+from reliab.app.api.judged_motions import list_kept_shares
 from reliab.app.cli.validate import validate
 from reliab.core.errors import InputError
 from reliab.core.shipped import shipped
@@ -85,7 +85,7 @@ def test_every_method_and_law_is_told_whether_its_share_is_kept():
     ]
     unjudged = {"candidate": "few", "confidence": 0.95, "containment": dict.fromkeys(("rate", "low", "high"))}
     beside = [{**row, "confidence": 0.3} for row in rows]
-    sentences = list(kept_shares([*rows, unjudged, *beside]))
+    sentences = list(list_kept_shares([*rows, unjudged, *beside]))
     for sentence, (name, verb) in zip(
         sentences,
         (("kept", "keeps"), ("scattered", "may keep"), ("one", "may keep"), ("broken", "does not keep")),

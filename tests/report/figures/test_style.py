@@ -17,7 +17,7 @@ from reliab.motions.motion import Motion
 from reliab.report.document import Figure, Section
 from reliab.report.figures.measured_test import tracking_overview
 from reliab.report.kinds.criterion.report import criterion_report
-from reliab.report.style import RC, FigureWarning, line, panels, styled, svg
+from reliab.report.style import RC, FigureWarning, apply_style, line, panels, svg
 
 UNIT = re.compile(r"\[[^\]]+\]$")
 
@@ -168,7 +168,7 @@ def test_the_first_colours_differ_in_lightness():
 
 
 def test_a_drawing_depends_on_nothing_else():
-    @styled
+    @apply_style
     def draw():
         figure, axes = panels()
         axes[0, 0].plot([1.0, 2.0], [3.0, 4.0], label="$x^2$")
@@ -181,7 +181,7 @@ def test_a_drawing_depends_on_nothing_else():
 
 
 def test_a_figure_that_fails_leaves_a_note_and_a_warning():
-    @styled
+    @apply_style
     def rows_of_nothing():
         return panels(0, 1)
 
@@ -192,7 +192,7 @@ def test_a_figure_that_fails_leaves_a_note_and_a_warning():
 
 
 def test_bad_input_to_a_figure_is_no_failure_of_the_figure():
-    @styled
+    @apply_style
     def refuse():
         raise InputError("A rule", value=1, remedy="None")
 

@@ -13,7 +13,7 @@ from reliab.criterion.derivation import derive_criterion
 from reliab.criterion.methods.registry import method_of
 from reliab.recordings.recording import Recording
 from reliab.report.kinds.assessment.report import assessment_report
-from reliab.report.wording import with_options
+from reliab.report.wording import replace_arguments_by_options
 from reliab.structures.structure import Structure
 
 
@@ -67,4 +67,4 @@ def test_a_test_is_reported_on_two_pages(
     assert f"RMS error {sizes.get(word, f'{value} (90 % interval {interval})')}, " in read
     assert "likely to be below 5 %" in read
     assert f"RMS error {value} {interval} ".replace(" %", "") in read  # as the table has them
-    assert all(with_options(remedy) in read for remedy in found.would_decide)
+    assert all(replace_arguments_by_options(remedy) in read for remedy in found.would_decide)

@@ -31,7 +31,7 @@ from reliab.report.figures.measured_test import error_over_time
 from reliab.report.numbers import MISSING
 from reliab.report.prose import Prose, prose
 from reliab.report.sources import SOURCES
-from reliab.report.wording import spelled_out, with_options
+from reliab.report.wording import replace_arguments_by_options, spell_out
 
 TONES: Final[Mapping[Word, Literal["plain", "good", "bad"]]] = {
     Word.RELIABLE: "good",
@@ -76,7 +76,7 @@ def remarks(assessment: JudgedTest, *further: str) -> list[Prose]:
         *assessment.recording.notes,
         *further,
     )
-    return [with_options(sentence) for sentence in sentences]
+    return [replace_arguments_by_options(sentence) for sentence in sentences]
 
 
 _STRETCHES, _PARTS_DRAWN = 40, 4
@@ -86,7 +86,7 @@ def errors_table(error: ErrorOfTest, recording: Recording) -> Table:
     """Tabulate the error with its interval, and its parts."""
     decimals = decimals_of_error(error.estimate(Metric.RMS))
     rows = [
-        (f"{name[:1].upper()}{name[1:]}", *with_interval(error.estimate(metric)), "")
+        (f"{name[:1].upper()}{name[1:]}", *write_interval(error.estimate(metric)), "")
         for metric, name in ERROR_NAMES.items()
     ]
     for name, share in error.parts.by_name.items():
@@ -109,7 +109,7 @@ def decimals_of_error(size: Estimate) -> int:
     return decimals_of_interval(*(PERCENT * end for end in (size.value, size.low, size.high)))
 
 
-def with_interval(size: Estimate) -> tuple[str, str]:
+def write_interval(size: Estimate) -> tuple[str, str]:
     """Write an error and its 90 % interval [%]."""
     value, interval = percent_and_interval(size.value, size.low, size.high)
     return value.removesuffix(" %"), interval.removesuffix(" %")
@@ -133,7 +133,7 @@ def budget_table(budget: tuple[BudgetItem, ...], narrowing: tuple[str, ...]) -> 
         ("Not known exactly", "Std. deviation", "Source", "Effect on the error [%]"),
         caption=(
             "What is not known exactly, and the standard deviation of the error that each alone causes. "
-            f"To narrow the interval: {with_options(' '.join(narrowing))}"
+            f"To narrow the interval: {replace_arguments_by_options(' '.join(narrowing))}"
             if budget
             else "Nothing widens the interval."
         ),
@@ -219,10 +219,10 @@ def error_sentence(error: ErrorWithThreshold, word: Word) -> Prose:
     """State the verdict on a test, its error, and the probability that it is small enough."""
     size = error.estimate(error.metric)
     if np.isnan(size.value):
-        return f"The test is {spelled_out(word)}: no displacement stands out of the noise of its sensors."
+        return f"The test is {spell_out(word)}: no displacement stands out of the noise of its sensors."
     name = f"{ERROR_NAMES[error.metric]}{error.of_which}"
     how_large = error_in_words(name, size, error.threshold, error.probability, with_interval=True)
-    return prose("The test is *{word}*: {how_large}.", word=spelled_out(word), how_large=how_large)
+    return prose("The test is *{word}*: {how_large}.", word=spell_out(word), how_large=how_large)
 
 
 def advice(assessment: Assessment) -> Prose:

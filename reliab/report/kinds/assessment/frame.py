@@ -23,12 +23,12 @@ from reliab.report.kinds.assessment.error import (
     improve_first,
     remarks,
     responses_table,
-    with_interval,
+    write_interval,
 )
 from reliab.report.numbers import MISSING
 from reliab.report.prose import Prose, prose
 from reliab.report.sources import SOURCES, provenance_of
-from reliab.report.style import BLUE, GREY, PALE, VERMILION, panels, styled
+from reliab.report.style import BLUE, GREY, PALE, VERMILION, apply_style, panels
 from reliab.tracking.indices.frequency_evaluation import TrackingOverFrequency
 
 _KILO = 1e3
@@ -40,10 +40,10 @@ def frame_assessment_report(
     """Report the verdict on a test of a frame, with one actuator or with several."""
     if isinstance(assessment, CoupledAssessment):
         several, criterion = True, None
-        of_error, of_tracking = _of_displacements(assessment)
+        of_error, of_tracking = _displacement_blocks(assessment)
     else:
         several, criterion = False, assessment.criterion
-        of_error, of_tracking = _of_interface(assessment)
+        of_error, of_tracking = _interface_blocks(assessment)
     sections = (
         Section(title="The error of this test", blocks=of_error),
         Section(title="Floors and storeys", blocks=(responses_table(assessment.responses),)),
@@ -61,7 +61,7 @@ def frame_assessment_report(
     )
 
 
-def _of_interface(assessment: FrameAssessment) -> tuple[tuple[Block, ...], Section]:
+def _interface_blocks(assessment: FrameAssessment) -> tuple[tuple[Block, ...], Section]:
     """Error of the one interface displacement, and how its actuator tracked."""
     error, recording = assessment.error, assessment.recording
     of_error = (
@@ -69,10 +69,10 @@ def _of_interface(assessment: FrameAssessment) -> tuple[tuple[Block, ...], Secti
         budget_table(error.budget, error.would_decide),
         histories_figure(error.rebuilt, error.parts, recording),
     )
-    return of_error, Section(title="Amplitude and delay over frequency", blocks=_over_frequency(assessment))
+    return of_error, Section(title="Amplitude and delay over frequency", blocks=_frequency_blocks(assessment))
 
 
-def _of_displacements(assessment: CoupledAssessment) -> tuple[tuple[Block, ...], Section]:
+def _displacement_blocks(assessment: CoupledAssessment) -> tuple[tuple[Block, ...], Section]:
     """Errors of several interface displacements, and what each actuator did."""
     error, governing = assessment.error, assessment.error.governing
     drawn: tuple[Block, ...] = ()
@@ -141,7 +141,7 @@ def _cautions(assessment: JudgedFrame) -> list[Prose]:
     return [*remarks(assessment), f"The error is that of {of_what}, whatever the actuator did."]
 
 
-def _over_frequency(assessment: FrameAssessment) -> tuple[Block, ...]:
+def _frequency_blocks(assessment: FrameAssessment) -> tuple[Block, ...]:
     resolved, tracked = assessment.over_frequency, assessment.resolved
     if resolved is None or tracked is None:
         return (_indices(assessment), modes_table(assessment))
@@ -194,7 +194,7 @@ def _indices(assessment: FrameAssessment) -> Table:
 
 def modes_table(assessment: JudgedFrame) -> Table:
     """Tabulate the modes of the structure, and how the actuator tracked at their frequencies."""
-    rows = [(str(place), *_of_mode(mode)) for place, mode in enumerate(assessment.modes, start=1)]
+    rows = [(str(place), *_mode_row(mode)) for place, mode in enumerate(assessment.modes, start=1)]
     return text_table(
         rows,
         ("Mode", "f [Hz]", "ξ [%]", "Specimen's share [%]", "A(f)", "d(f) [ms]"),
@@ -204,7 +204,7 @@ def modes_table(assessment: JudgedFrame) -> Table:
     )
 
 
-def _of_mode(mode: ModeOfTest) -> tuple[str, ...]:
+def _mode_row(mode: ModeOfTest) -> tuple[str, ...]:
     return (
         f"{mode.frequency:.3f}",
         f"{PERCENT * mode.damping_ratio:.2f}",
@@ -254,7 +254,7 @@ def _errors(assessment: CoupledAssessment) -> Table:
             rows.append((degree.name, "not judged", "", "", "", ""))
             continue
         below = probability_text(assessment.error.probability_of(degree))
-        rows.append((degree.name, *with_interval(degree.rms), *with_interval(degree.mte), below))
+        rows.append((degree.name, *write_interval(degree.rms), *write_interval(degree.mte), below))
     return text_table(
         rows,
         ("Displacement", "RMS error [%]", "90 % interval", "Largest error [%]", "90 % interval", "Below"),
@@ -319,7 +319,7 @@ _NINETY = 1.645  # standard deviations
 _MARGIN = 0.25  # of the range of the values
 
 
-@styled
+@apply_style
 def amplitude_and_delay_over_frequency(
     resolved: TrackingOverFrequency,
     *,

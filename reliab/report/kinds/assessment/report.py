@@ -18,10 +18,10 @@ from reliab.report.kinds.assessment.error import (
     histories_figure,
     remarks,
 )
-from reliab.report.numbers import MISSING, Fixed, Significant, Written, in_line
+from reliab.report.numbers import MISSING, Fixed, Significant, WrittenNumber, write_in_line
 from reliab.report.prose import Prose, prose
 from reliab.report.sources import provenance_of
-from reliab.report.wording import meaning_of_confidence, spelled_out
+from reliab.report.wording import meaning_of_confidence, spell_out
 
 
 def assessment_report(
@@ -61,7 +61,7 @@ def _facts(assessment: Assessment) -> dict[str, Prose]:
     basis = (
         f"the boundary of its own ground motion, {assessment.placement.motion}"
         if assessment.placement
-        else _of_ground_motions(assessment)
+        else _describe_population(assessment)
     )
     window = (
         assessment.criterion.provenance.window
@@ -71,22 +71,22 @@ def _facts(assessment: Assessment) -> dict[str, Prose]:
     return {
         "Structure": prose(
             "$f =$ {f} Hz, $xi =$ {xi}, share of the stiffness in the laboratory $alpha =$ {alpha}",
-            f=_with_deviation(assessment, "f", structure.frequency),
-            xi=_with_deviation(assessment, "xi", structure.damping_ratio),
-            alpha=_with_deviation(assessment, "alpha", structure.experimental_fraction),
+            f=_write_stated_value(assessment, "f", structure.frequency),
+            xi=_write_stated_value(assessment, "xi", structure.damping_ratio),
+            alpha=_write_stated_value(assessment, "alpha", structure.experimental_fraction),
         ),
         "Threshold and window": (
             f"{percent(assessment.error.threshold)}, over the test's own {recording.duration:.4g} s"
         ),
         "Check by A and d": (
-            f"{spelled_out(assessment.verdict_by_index.word).capitalize()}. "
+            f"{spell_out(assessment.verdict_by_index.word).capitalize()}. "
             f"{assessment.verdict_by_index.reasons[-1]} "
             f"Limits of {basis}; window of the error: {window}"
         ),
     }
 
 
-def _of_ground_motions(assessment: Assessment) -> str:
+def _describe_population(assessment: Assessment) -> str:
     """Say for which ground motions the criterion speaks, and where the test lies among them."""
     population, position = assessment.criterion.provenance.population, assessment.scope.position
     share = share_in_words(assessment.promise)
@@ -95,7 +95,7 @@ def _of_ground_motions(assessment: Assessment) -> str:
     return f"{share} of motions like these, with the test {position} of them: {population}"
 
 
-def _with_deviation(assessment: Assessment, name: str, value: float) -> str:
+def _write_stated_value(assessment: Assessment, name: str, value: float) -> str:
     return str(assessment.stated.get(name, f"{value:g}"))
 
 
@@ -116,7 +116,7 @@ def _numbers(assessment: Assessment) -> Table:
             *_index(assessment),
             "1",
         ),
-        *_on_own_boundary(assessment),
+        *_own_boundary_rows(assessment),
         *_tracking(assessment),
         (
             "Delay that makes the loop unstable [ms], free share of it [%]",
@@ -150,7 +150,7 @@ def _milliseconds(value: float, low: float, high: float) -> tuple[str, str]:
     return value_and_interval(MILLI * value, MILLI * low, MILLI * high)
 
 
-def _on_own_boundary(assessment: Assessment) -> list[tuple[str, str, str, str]]:
+def _own_boundary_rows(assessment: Assessment) -> list[tuple[str, str, str, str]]:
     if assessment.placement is None:
         return []
     low, high = (PERCENT * limit for limit in assessment.placement.error_interval)
@@ -190,8 +190,8 @@ def _tracking(assessment: Assessment) -> list[tuple[str, str, str, str]]:
     ]
 
 
-def _both(first: Written, second: Written) -> str:
-    return f"{in_line(first)}, {in_line(second)}"
+def _both(first: WrittenNumber, second: WrittenNumber) -> str:
+    return f"{write_in_line(first)}, {write_in_line(second)}"
 
 
 def _plane(assessment: Assessment) -> Figure:

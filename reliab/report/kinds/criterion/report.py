@@ -29,7 +29,7 @@ from reliab.report.prose import Piece, Prose, prose
 from reliab.report.sections.method import limits_section, method_section
 from reliab.report.sections.rates import rates_section
 from reliab.report.sources import SOURCES, provenance_of
-from reliab.report.style import BLUE, GREY, INK, VERMILION, letters, panels, styled
+from reliab.report.style import BLUE, GREY, INK, VERMILION, apply_style, letters, panels
 from reliab.report.wording import (
     ERRORS,
     MEANINGS_OF_ERRORS,
@@ -160,7 +160,7 @@ def appendix_section(reported: ReportedCriteria) -> Section:
         frame=listed_motions,
         columns=(
             Column(key="motion", heading="Motion"),
-            *([] if _named_after_events(listed_motions) else [Column(key="event", heading="Earthquake")]),
+            *([] if _has_event_names(listed_motions) else [Column(key="event", heading="Earthquake")]),
             *(column for name, column in optional.items() if name in listed_motions),
             Column(key="a", heading=prose("$a$"), unit="-", number=Scientific()),
             Column(key="b", heading=prose("$b$"), unit="ms²", number=Significant()),
@@ -171,7 +171,7 @@ def appendix_section(reported: ReportedCriteria) -> Section:
     return Section(title="Ellipses of the motions", blocks=(table,), appendix=True)
 
 
-def _named_after_events(motions: pd.DataFrame) -> bool:
+def _has_event_names(motions: pd.DataFrame) -> bool:
     """Tell whether every name begins with its earthquake, "KOBE/KJM000", which then needs no column."""
     return all(
         str(name).startswith(f"{event}/")
@@ -185,7 +185,7 @@ _NORMAL_95 = 1.96
 _LONGEST = 24  # characters of the name of an earthquake
 
 
-@styled
+@apply_style
 def event_forest(sample: EllipseSample, *, limits: tuple[float, float]) -> Drawing:
     """Draw every motion in the row of its earthquake, with the mean of the earthquake.
 
@@ -344,11 +344,11 @@ def _facts(reported: ReportedCriteria, coverage: pd.DataFrame | None) -> dict[st
         "Confidence": f"{share_in_words(criterion.promise)}, {together}: {meaning}",
     }
     if coverage is not None and len(coverage):
-        facts["Put to the test"] = _tested(coverage, criterion.confidence)
+        facts["Put to the test"] = _describe_coverage(coverage, criterion.confidence)
     return facts
 
 
-def _tested(coverage: pd.DataFrame, confidence: float) -> Prose:
+def _describe_coverage(coverage: pd.DataFrame, confidence: float) -> Prose:
     overall = coverage[coverage["f"].isna() & np.isclose(coverage["confidence"], confidence)]
     if overall.empty:
         return prose("see @sec:coverage")

@@ -29,7 +29,7 @@ from reliab.report.figures.parameter_distributions import (
 )
 from reliab.report.numbers import Fixed, Scientific, Shortest, Significant
 from reliab.report.prose import prose
-from reliab.report.style import INK, SEQUENTIAL, letters, panels, styled
+from reliab.report.style import INK, SEQUENTIAL, apply_style, letters, panels
 
 _PAPER_STRUCTURE = (1.0, 0.02)
 
@@ -87,7 +87,7 @@ class ReportedCriteria:
         )
 
     @property
-    def inscribed(self) -> bool:
+    def is_inscribed(self) -> bool:
         """Whether the criterion of the verdict rests on ellipses that lie inside the boundaries."""
         return self.criterion.provenance.curve == CurveName.INSCRIBED
 
@@ -98,7 +98,7 @@ class ReportedCriteria:
         _, b = criterion.limits(*self.structure, side=Side.LEAD)
         return float(np.sqrt(b))
 
-    def over_grid(self, criterion: Criterion) -> tuple[np.ndarray, np.ndarray]:
+    def evaluate_on_grid(self, criterion: Criterion) -> tuple[np.ndarray, np.ndarray]:
         """Limits a [-] and b [ms²] of late actuators over all structures, shape (F, X)."""
         return criterion.limits(self.frequencies[:, None], self.damping_ratios[None, :])
 
@@ -133,7 +133,7 @@ def result_section(reported: ReportedCriteria, population: str = "ground motions
         ),
         _criteria_table(reported),
         Figure(
-            drawing=ellipses_and_criterion(reported.sample, _named_limits(reported)),
+            drawing=ellipses_and_criterion(reported.sample, _name_limits(reported)),
             caption=prose(
                 "Ellipses {how} the boundaries of all ground motions at {f:g} Hz and $xi = {xi:g}$ (grey; "
                 "late actuators) and the criterion, which lies inside {inside} of these {drawn}: where the "
@@ -141,16 +141,16 @@ def result_section(reported: ReportedCriteria, population: str = "ground motions
                 "motion, as far as the ellipse represents the boundary.",
                 inside=_containing(reported),
                 drawn=reported.sample.n_motions,
-                how="inscribed in" if reported.inscribed else "fitted by least squares to",
+                how="inscribed in" if reported.is_inscribed else "fitted by least squares to",
                 f=f,
                 xi=xi,
             ),
             label="fig:criterion",
             leads=True,
         ),
-        *_over_structures(reported),
+        *_structure_blocks(reported),
     ]
-    zero = _without_promise(reported)
+    zero = _criteria_without_promise(reported)
     if zero:
         blocks.insert(1, Remark(text=zero))
     if any(criterion.provenance.settings.get("converged") is False for criterion in reported.criteria):
@@ -165,12 +165,12 @@ def _containing(reported: ReportedCriteria) -> int:
     return int(((reported.sample.a >= a) & (reported.sample.b >= b)).sum())
 
 
-def _without_promise(reported: ReportedCriteria) -> str:
+def _criteria_without_promise(reported: ReportedCriteria) -> str:
     """Say for which criteria the motions are too few."""
     few = [
         criterion
         for criterion in reported.criteria
-        if not all(np.min(limit) > 0.0 for limit in reported.over_grid(criterion))
+        if not all(np.min(limit) > 0.0 for limit in reported.evaluate_on_grid(criterion))
     ]
     if not few:
         return ""
@@ -230,7 +230,7 @@ def _limits_of_criteria(reported: ReportedCriteria) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def _named_limits(reported: ReportedCriteria) -> dict[str, tuple[float, float]]:
+def _name_limits(reported: ReportedCriteria) -> dict[str, tuple[float, float]]:
     main_criterion = reported.criterion
     alike = [
         criterion
@@ -245,16 +245,16 @@ def _named_limits(reported: ReportedCriteria) -> dict[str, tuple[float, float]]:
     return limits
 
 
-def _over_structures(reported: ReportedCriteria) -> Iterator[Block]:
-    a, b = reported.over_grid(reported.criterion)
+def _structure_blocks(reported: ReportedCriteria) -> Iterator[Block]:
+    a, b = reported.evaluate_on_grid(reported.criterion)
     several_f, several_xi = a.shape[0] > 1, a.shape[1] > 1
     if several_f and several_xi:
-        yield from _over_both_properties(reported, PERCENT * np.sqrt(a), np.sqrt(b))
+        yield from _blocks_over_both_properties(reported, PERCENT * np.sqrt(a), np.sqrt(b))
     elif several_f or several_xi:
-        yield _over_frequency_or_damping(reported, along_f=several_f)
+        yield _figure_over_one_property(reported, along_f=several_f)
 
 
-def _over_both_properties(
+def _blocks_over_both_properties(
     reported: ReportedCriteria, amplitude: np.ndarray, delay: np.ndarray
 ) -> Iterator[Block]:
     yield Figure(
@@ -309,11 +309,11 @@ def _spread_places(count: int, most: int) -> list[int]:
     return sorted({int(k) for k in np.linspace(0, count - 1, min(count, most)).round()})
 
 
-def _over_frequency_or_damping(reported: ReportedCriteria, *, along_f: bool) -> Figure:
+def _figure_over_one_property(reported: ReportedCriteria, *, along_f: bool) -> Figure:
     nodes = reported.frequencies if along_f else reported.damping_ratios
     series = []
     for criterion in reported.criteria:
-        a, b = (limit.ravel() for limit in reported.over_grid(criterion))
+        a, b = (limit.ravel() for limit in reported.evaluate_on_grid(criterion))
         error = f"{percent(criterion.threshold)} {ERROR_NAMES[Metric(criterion.metric)]}"
         name = f"{error}, {share_in_words(criterion.promise)} of motions"
         series.append(ParameterSeries(name=name, x=nodes, a=a, b=b, law=True))
@@ -335,7 +335,7 @@ _PALENESS = 0.42
 _LEAST_SPACE = 0.085
 
 
-@styled
+@apply_style
 def criterion_surfaces(
     frequencies: NDArray[np.float64],
     damping_ratios: NDArray[np.float64],
