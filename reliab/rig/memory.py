@@ -1,6 +1,6 @@
 """What a rig's tests teach together: amplitude, delay, remainder and error, under given circumstances."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
@@ -172,18 +172,16 @@ class Memory:
         """Logarithm of the error that this rig's usual test has by the ellipse of a structure."""
         return float(np.log(self.explain_error(typical_ellipse(structure))))
 
-    def log_scales(self, table: RigTable | None = None) -> Array:
-        """Return the same for the structure of each test, of this rig or of another table."""
-        table_rows = self.table if table is None else table
-        rows = list(zip(*(table_rows.numbers(name).tolist() for name in ("f", "xi", "alpha")), strict=True))
-        scales = {row: self._log_scale(row) for row in set(rows)}
+    def log_scales(self) -> Array:
+        """Return the same for the structure of each test."""
+        rows = list(zip(*(self.table.numbers(name).tolist() for name in ("f", "xi", "alpha")), strict=True))
+        scales = {
+            (f, xi, alpha): self.log_scale(
+                Structure(frequency=f, damping_ratio=xi, experimental_fraction=alpha)
+            )
+            for f, xi, alpha in set(rows)
+        }
         return np.array([scales[row] for row in rows])
-
-    def _log_scale(self, row: Sequence[float]) -> float:
-        frequency, damping, share = row
-        return self.log_scale(
-            Structure(frequency=frequency, damping_ratio=damping, experimental_fraction=share)
-        )
 
     def explain_error(self, ellipse: tuple[float, float]) -> float:
         """Error of this rig's usual test by the parameters of an ellipse, over the squared error."""

@@ -336,10 +336,6 @@ class Partition:
             influence=np.asarray(influence, dtype=np.float64),
         )
 
-    def truncate_modes(self, highest: float) -> "Partition":
-        """Reduce the structure by modes above a frequency [Hz], which follow by statics and inertia."""
-        return self.reduce_to_modes(int(np.count_nonzero(self.natural_frequencies <= highest)))
-
     def reduce_to_modes(self, count: int) -> "Partition":
         """Reduce the structure to its lowest modes; those above follow by statics and inertia.
 

@@ -162,7 +162,7 @@ def test_an_ensemble_has_more_than_twice_as_many_walkers_as_parameters():
 @SHORT
 def test_a_file_of_other_data_is_refused(tmp_path):
     sample(MODEL, QUICK, file=tmp_path / "run.h5")
-    with pytest.raises(InputError, match="began with"):
+    with pytest.raises(InputError, match="belong to another model"):
         sample(NormalValues(values=MODEL.values + 1.0), QUICK, file=tmp_path / "run.h5")
 
 

@@ -171,7 +171,7 @@ def test_pole_engine_refuses_delays_outside_its_range(random_record):
         structure=Structure(frequency=1.0, damping_ratio=0.1),
         engine=Engine.POLE,
     )
-    with pytest.raises(InputError, match="engine pole would change"):
+    with pytest.raises(InputError, match="engine 'pole' would change"):
         loop.deviation(loop.cells(gain=1.0, delay=0.2))
 
 

@@ -29,7 +29,7 @@ def tall(stories=60):
 def test_modes_below_a_frequency_and_statics_at_the_interface_are_kept():
     complete = tall()
     highest = 0.5 * (complete.natural_frequencies[6] + complete.natural_frequencies[7])
-    smaller = complete.truncate_modes(highest)
+    smaller = complete.reduce_to_modes(7)
     assert 7 + 2 < smaller.size <= 7 + 2 * 2  # a static shape may nearly be one of the modes
     np.testing.assert_allclose(smaller.mass, np.eye(smaller.size), atol=1e-5)
     np.testing.assert_allclose(smaller.natural_frequencies[:7], complete.natural_frequencies[:7], rtol=1e-8)
@@ -45,16 +45,16 @@ def test_modes_below_a_frequency_and_statics_at_the_interface_are_kept():
 
 def test_small_structure_is_not_reduced():
     small, complete = tall(41), tall()
-    assert complete.truncate_modes(2.0 * complete.natural_frequencies[-1]) is complete
-    small_sample = Partition(
+    assert complete.reduce_to_modes(complete.size) is complete
+    three_floors = Partition(
         mass=np.diag([4.0, 3.0, 2.0]),
         damping=0.1 * np.eye(3),
         stiffness=np.diag([90.0, 80.0, 70.0]),
         interface=np.eye(3)[:, :2],
         specimen_stiffness=np.eye(2),
     )
-    assert small_sample.truncate_modes(0.1) is small_sample
-    assert small.truncate_modes(small.natural_frequencies[1] * 1.01).size == 2 + 4
+    assert three_floors.reduce_to_modes(0) is three_floors
+    assert small.reduce_to_modes(2).size == 2 + 4
 
 
 def test_a_structure_scaled_has_frequencies_damping_and_specimen_of_its_own():

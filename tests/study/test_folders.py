@@ -104,14 +104,14 @@ def test_a_study_runs_twice_into_a_folder_of_its_own_name(tmp_path, monkeypatch)
     assert (set(first.values()), set(second.values())) == ({True}, {False})
 
 
-def test_only_the_running_study_is_imported():
-    code = (
-        "import sys; from reliab.study.running import list_shipped, open_study; list_shipped(); "
-        "open_study('table2_audit'); "
-        "print(*sorted({name.split('.')[1] for name in sys.modules if name.startswith('reliab_studies.')}))"
-    )
-    answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)  # noqa: S603 - the lines above
-    assert answer.stdout.split() == ["table2_audit"]
+def test_only_the_running_study_is_imported(monkeypatch):
+    for name in [name for name in sys.modules if name.startswith("reliab_studies.")]:
+        monkeypatch.delitem(sys.modules, name)
+    list_shipped()
+    open_study("table2_audit")
+    assert {name.split(".")[1] for name in sys.modules if name.startswith("reliab_studies.")} == {
+        "table2_audit"
+    }
 
 
 @pytest.mark.parametrize("name", ["quick", "thresholds"])

@@ -184,7 +184,7 @@ def test_explicit_grid_of_the_paper_resolves_its_own_boundaries(tmp_path, suite)
     small_sample = suite[:3]
     results = open_results(run_sweep(small_sample, request, tmp_path / "paper.zarr"))
     assert results.reliab.sides == (Side.LAG,)
-    with pytest.raises(InputError, match="results with leads"):
+    with pytest.raises(InputError, match="no early actuators"):
         results.reliab.ellipses(sides=(Side.LEAD,))
     archive = results.reliab.ellipses((0.02,)).sel(curve="ellipse").squeeze()
     for k, motion in enumerate(small_sample):

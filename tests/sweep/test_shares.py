@@ -272,7 +272,7 @@ def test_file_of_several_windows_gives_the_requested_one(tmp_path, boundary):
 def test_model_with_effects_has_delays_only(suite):
     lag = find_effect("first_order_lag")(time_constant_s=1e-4)
     model = HybridTest(structure=Structure(frequency=0.5, damping_ratio=0.1), effects=(lag,))
-    with pytest.raises(InputError, match="lags only"):
+    with pytest.raises(InputError, match="late actuators only"):
         EllipseRequest(frequencies=(0.5,), damping_ratios=(0.1,), model=model)
     with pytest.raises(InputError, match="without leads"):
         SweepRequest(frequencies=(0.5,), damping_ratios=(0.1,), model=model)
