@@ -137,7 +137,7 @@ class InferredError:
         said: dict[str, tuple[Described, Source]] = {_NOISE: (describe(_NOISE), Source.LEARNED)}
         for unknown, _, spread in self._unknowns():
             shown = spread < _NARROWED or not unknown.quantity.option
-            said[unknown.name] = unknown.quantity, Source.LEARNED if shown else unknown.prior.source
+            said[unknown.name] = unknown.described, Source.LEARNED if shown else unknown.prior.source
         return tuple(BudgetItem.of_widening(part, *said[part.name]) for part in widenings)
 
 

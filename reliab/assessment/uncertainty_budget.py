@@ -1,7 +1,7 @@
 """The budget of a test's uncertainty: sizes, what each contributes, and what would reduce it."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from reliab.assessment.budget.sizes import Size, Source
 from reliab.assessment.inference.quantities import QUANTITIES, part_of_structure
@@ -85,7 +85,7 @@ def _item(widening: Widening, sizes: Mapping[str, Size]) -> BudgetItem:
     alike = begin if number.isdecimal() and not is_part(name) else name
     described = describe(alike)
     if alike != name:
-        described = replace(described, words=f"{described.words} of actuator {number}")
+        described = described.describe_for_actuator(int(number))
     size = sizes.get(name, sizes.get(alike))
     return BudgetItem.of_widening(widening, described, Source.LEARNED if size is None else size.source)
 

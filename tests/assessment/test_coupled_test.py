@@ -374,6 +374,13 @@ def test_a_recorded_ground_motion_agrees_with_the_structure(recorded, with_groun
 
 
 @pytest.mark.slow
+def test_an_inferred_budget_names_the_actuator_of_each_channel(recorded, with_ground):
+    budget = reliab.assess(with_ground, recorded[1]).to_dict()["budget"]
+    words = {item["name"]: item["quantity"] for item in budget}
+    assert words["sensor_scale_2"] == "scale of the displacement sensor of actuator 2"
+    assert words["damping_ratio"] == "damping ratio"
+
+
 def test_a_recorded_ground_motion_contradicts_another_structure(recorded, with_ground):
     """Frequencies 8 % too high; what they are off by within ordinary equipment is learned and used."""
     doubted = reliab.assess(with_ground, off(recorded[1], 1.08))

@@ -7,7 +7,7 @@ from functools import cache
 
 from reliab.assessment.budget.sizes import DEVIATION_OF_HYSTERESIS, Equipment, Source
 from reliab.assessment.inference.experiment import Experiment
-from reliab.assessment.inference.uncertain_quantity import Circumstances, Prior, Quantity, Shape
+from reliab.assessment.inference.uncertain_quantity import Circumstances, Described, Prior, Quantity, Shape
 from reliab.core.vocabulary import MILLI
 from reliab.structures.parts_of_structure import PARTS, is_part, part_and_number
 
@@ -348,6 +348,15 @@ class Unknown:
     prior: Prior
     actuator: int = 0
     name: str = ""  # Key in JSON
+
+    @property
+    def described(self) -> Described:
+        """The quantity for readers, with its actuator if there are several."""
+        return (
+            self.quantity
+            if self.name == self.quantity.name
+            else self.quantity.describe_for_actuator(self.actuator + 1)
+        )
 
 
 def list_unknowns(circumstances: Circumstances) -> tuple[Unknown, ...]:

@@ -97,6 +97,10 @@ class Described:
     unit: str  # In which its size is shown; empty where none is
     remedy: str  # What would reduce its uncertainty, a sentence
 
+    def describe_for_actuator(self, number: int) -> "Described":
+        """Describe the same of one of several actuators."""
+        return Described(words=f"{self.words} of actuator {number}", unit=self.unit, remedy=self.remedy)
+
     @property
     def factor(self) -> float:
         """Factor from the unit in which it is drawn to `unit`."""
