@@ -426,7 +426,7 @@ class Explorer(OneStructure, EllipseFile, Threshold, ErrorMetric, Confidence, to
     ]
 
 
-def only_those_of(question: type, asked: Mapping[str, Any]) -> dict[str, Any]:
+def only_those_of(question: type, request: Mapping[str, Any]) -> dict[str, Any]:
     """Take what another question is asked among what is stated."""
     known = collect_options(question)
-    return {name: value for name, value in asked.items() if name in known and value is not None}
+    return {name: value for name, value in request.items() if name in known and value is not None}

@@ -85,19 +85,19 @@ def ordinary(path: str | Path) -> Path:
     return path
 
 
-def require_small(path: str | Path, most: int, *, remedy: str) -> None:
+def require_small(path: str | Path, largest: int, *, remedy: str) -> None:
     """Refuse a file that would not fit in memory, before it is read.
 
-    `most` [bytes].
+    `largest` [bytes].
 
     >>> import tempfile
     >>> with tempfile.NamedTemporaryFile() as file:
     ...     require_small(file.name, 1_000_000, remedy="Cut it")
     """
     size = Path(path).stat().st_size
-    if size > most:
+    if size > largest:
         raise InputError(
-            f"The file is larger than {most / _MEGABYTE:,.6g} MB",
+            f"The file is larger than {largest / _MEGABYTE:,.6g} MB",
             value=f"{size / _MEGABYTE:,.6g} MB",
             remedy=remedy,
             where=str(path),

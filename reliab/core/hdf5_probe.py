@@ -27,13 +27,13 @@ def _read(path: str) -> None:
     import h5py
 
     with contextlib.suppress(Exception), h5py.File(path, "r") as file:
-        met = set()
+        visited = set()
         waiting: list[h5py.HLObject] = [file]
         while waiting:
             item = waiting.pop()
-            if (place := h5py.h5o.get_info(item.id).addr) in met:
+            if (place := h5py.h5o.get_info(item.id).addr) in visited:
                 continue
-            met.add(place)
+            visited.add(place)
             for name in item.attrs:
                 with contextlib.suppress(Exception):
                     item.attrs[name]

@@ -33,7 +33,7 @@ def to_steps(values: Array, step: float, axes: Sequence[int]) -> NDArray[np.uint
 
 
 def from_steps(
-    stored: NDArray[np.uint32], step: float, axes: Sequence[int], last: Sequence[int] = ()
+    stored_steps: NDArray[np.uint32], step: float, axes: Sequence[int], last: Sequence[int] = ()
 ) -> NDArray[np.float32]:
     """Read numbers that :func:`to_steps` wrote; `last`: those of the axes along which only the last is asked.
 
@@ -42,7 +42,7 @@ def from_steps(
     """
     if not 0.0 < step < 1.0:
         raise ValueError(f"a step of {step} of the logarithm")
-    steps = ((stored >> 1) ^ -(stored & 1)).view(np.int32)
+    steps = ((stored_steps >> 1) ^ -(stored_steps & 1)).view(np.int32)
     for axis in last:
         steps = np.sum(steps, axis=axis, dtype=np.int32, keepdims=True)
     for axis in set(axes) - set(last):
@@ -52,7 +52,7 @@ def from_steps(
 
 
 def numbers_of(
-    stored: NDArray[np.uint32],
+    stored_steps: NDArray[np.uint32],
     attributes: Mapping[str, Any],
     dimensions: Sequence[str],
     last: Sequence[str] = (),
@@ -69,7 +69,7 @@ def numbers_of(
     axes, ends = (
         [dimensions.index(name) for name in neighbours if name in some] for some in (dimensions, last)
     )
-    return from_steps(stored, float(np.ravel(attributes[STEP])[0]), axes, ends)
+    return from_steps(stored_steps, float(np.ravel(attributes[STEP])[0]), axes, ends)
 
 
 def _fill_gaps(values: Array, axis: int) -> Array:

@@ -127,13 +127,13 @@ def require_physical(
     *,
     zero: bool = False,
     signed: bool = False,
-    called: str = "",
+    label: str = "",
     remedy: str = "",
     where: str = "",
 ) -> None:
     """Refuse a number that no quantity of this kind can have.
 
-    `zero`, `signed`: whether it may be zero, and negative; `called`: its name, where it has one of its own.
+    `zero`, `signed`: whether it may be zero, and negative; `label`: its name, where it has one of its own.
 
     >>> require_physical("mass", 1e-320, called="mass of the specimen", where="frame.toml")
     Traceback (most recent call last):
@@ -145,7 +145,7 @@ def require_physical(
     if limits.includes(abs(value) if signed else value) or (zero and value == 0.0):
         return
     raise InputError(
-        f"The {called or quantity} must be {_demand(limits, value, zero=zero, signed=signed)}",
+        f"The {label or quantity} must be {_demand(limits, value, zero=zero, signed=signed)}",
         value=limits.text(value),
         remedy=remedy or limits.remedy,
         where=where,

@@ -67,12 +67,12 @@ class PlainResult:
         """
         from matplotlib import pyplot as plt
 
-        drawn = axes if axes is not None else plt.figure(layout="constrained").gca()
+        plot_axes = axes if axes is not None else plt.figure(layout="constrained").gca()
         numbers = self.to_dataframe().select_dtypes("number").iloc[0]
-        drawn.plot(numbers.to_numpy(), numbers.index.to_numpy(), "o")
-        drawn.set_xscale("symlog")
-        drawn.invert_yaxis()
-        return drawn
+        plot_axes.plot(numbers.to_numpy(), numbers.index.to_numpy(), "o")
+        plot_axes.set_xscale("symlog")
+        plot_axes.invert_yaxis()
+        return plot_axes
 
     def _repr_html_(self) -> str:
         """Table for notebooks."""
@@ -162,13 +162,13 @@ class ResultWithRows(PlainResult):
         """
         from matplotlib import pyplot as plt
 
-        drawn = axes if axes is not None else plt.figure().gca()
+        plot_axes = axes if axes is not None else plt.figure().gca()
         table = self.to_dataframe()
         across, up = self.plotted
         numbers = table.select_dtypes("number").columns
-        drawn.plot(table[across] if across else table.index, table[up or numbers[0]], "o")
-        drawn.set(xlabel=across or "row", ylabel=up or numbers[0])
-        return drawn
+        plot_axes.plot(table[across] if across else table.index, table[up or numbers[0]], "o")
+        plot_axes.set(xlabel=across or "row", ylabel=up or numbers[0])
+        return plot_axes
 
 
 def write_table(table: "pd.DataFrame", path: str | Path, *, index: bool = False) -> None:

@@ -214,12 +214,12 @@ def objects_of(file: "h5py.File") -> "Iterator[tuple[str, h5py.HLObject]]":
     import h5py
 
     waiting: list[tuple[str, h5py.HLObject]] = [("", file)]
-    met = set()
+    visited = set()
     while waiting:
         path, item = waiting.pop()
-        if (place := h5py.h5o.get_info(item.id).addr) in met:
+        if (place := h5py.h5o.get_info(item.id).addr) in visited:
             continue
-        met.add(place)
+        visited.add(place)
         if path:
             yield path, item
         if not isinstance(item, h5py.Group):

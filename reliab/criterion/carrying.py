@@ -169,7 +169,7 @@ def carry_to_length(ellipses: _Ellipses, duration: float) -> _Ellipses:
     >>> medians[0] < medians[1]
     True
     """
-    require_physical("number", duration, called="length of a record", remedy="Give seconds")
+    require_physical("number", duration, label="length of a record", remedy="Give seconds")
     table = as_table(ellipses)
     if table.cut_records is None:
         raise InputError(

@@ -32,7 +32,7 @@ class _Desk(TypedDict, total=False):
 
 
 @takes(_Desk)
-def desk(asked: Request) -> None:
+def desk(request: Request) -> None:
     """Judge, follow, compare and diagnose tests in the browser; nothing leaves this computer."""
     try:
         from reliab.desk.server import serve_desk
@@ -44,9 +44,13 @@ def desk(asked: Request) -> None:
         ) from error
 
     def tell(address: str) -> None:
-        if not write_json({"address": address}, asked.json_target):
+        if not write_json({"address": address}, request.json_target):
             say(f"The desk answers at {address}", "Press Ctrl+C to end it.")
 
     serve_desk(
-        asked.folder, port=asked.port, browser=not asked.no_browser, say=tell, in_options=asked.in_options
+        request.folder,
+        port=request.port,
+        browser=not request.no_browser,
+        say=tell,
+        name_options=request.in_options,
     )

@@ -95,11 +95,11 @@ def _table(block: Mapping[str, Any]) -> str:
     )
     top = "".join(map(_heading, block["headings"]))
     rows = "".join(f"<tr>{''.join(map(_cell, row))}</tr>" for row in block["rows"])
-    above = f"<tr>{groups}</tr>" if groups else ""
+    error_figure = f"<tr>{groups}</tr>" if groups else ""
     return (
         f'<div class="wide" tabindex="0" role="group" aria-label="Table"><table>'
         f"<caption>{_prose(block['caption'])}</caption>"
-        f"<thead>{above}<tr>{top}</tr></thead><tbody>{rows}</tbody></table></div>"
+        f"<thead>{error_figure}<tr>{top}</tr></thead><tbody>{rows}</tbody></table></div>"
     )
 
 

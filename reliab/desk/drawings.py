@@ -32,11 +32,11 @@ def _blank(height: int, x_label: str, y_label: str, **more: Any) -> Any:  # noqa
 
 def draw_traces(traces: Sequence[Trace]) -> pn.Column:
     """Draw the recognised channels over one scale of time; displacements together."""
-    by_unit: dict[str, list[Trace]] = {}
+    traces_by_unit: dict[str, list[Trace]] = {}
     for trace in traces:
-        by_unit.setdefault(trace.unit, []).append(trace)
+        traces_by_unit.setdefault(trace.unit, []).append(trace)
     places: list[Any] = []
-    for unit, together in by_unit.items():
+    for unit, together in traces_by_unit.items():
         shared = {"x_range": places[0].x_range} if places else {}
         place = _blank(190, "Time [s]", f"[{unit}]" if unit else "", **shared)
         for rank, trace in enumerate(together):
@@ -134,19 +134,25 @@ class LiveDrawing:
         self._error = ColumnDataSource({name: [] for name in ("time", "value", "low", "high")})
         self._damping = ColumnDataSource({"time": [], "ratio": []})
         self._bound = Span(location=0.0, dimension="width", line_dash="dashed", line_color=RED, line_width=2)
-        above = _blank(240, "Time [s]", "RMS error so far [%]", x_range=(0.0, 10.0), y_range=(0.0, 10.0))
-        below = _blank(190, "Time [s]", "Net damping ratio [%]", x_range=above.x_range, y_range=(0.0, 5.0))
-        self._above, self._below = above, below
-        above.varea(
+        error_figure = _blank(
+            240, "Time [s]", "RMS error so far [%]", x_range=(0.0, 10.0), y_range=(0.0, 10.0)
+        )
+        damping_figure = _blank(
+            190, "Time [s]", "Net damping ratio [%]", x_range=error_figure.x_range, y_range=(0.0, 5.0)
+        )
+        self._above, self._below = error_figure, damping_figure
+        error_figure.varea(
             "time", "low", "high", source=self._error, color=BLUE, alpha=0.25, legend_label="90 % interval"
         )
-        above.line("time", "value", source=self._error, color=BLUE, line_width=2, legend_label="error so far")
-        above.add_layout(self._bound)
-        above.legend.location = "top_left"
-        below.line("time", "ratio", source=self._damping, color="#1b6e3c", line_width=2)
-        below.add_layout(Span(location=0.0, dimension="width", line_color=RED, line_dash="dashed"))
+        error_figure.line(
+            "time", "value", source=self._error, color=BLUE, line_width=2, legend_label="error so far"
+        )
+        error_figure.add_layout(self._bound)
+        error_figure.legend.location = "top_left"
+        damping_figure.line("time", "ratio", source=self._damping, color="#1b6e3c", line_width=2)
+        damping_figure.add_layout(Span(location=0.0, dimension="width", line_color=RED, line_dash="dashed"))
         self.column = pn.Column(
-            *(pn.pane.Bokeh(place, sizing_mode="stretch_width") for place in (above, below)),
+            *(pn.pane.Bokeh(place, sizing_mode="stretch_width") for place in (error_figure, damping_figure)),
             sizing_mode="stretch_width",
         )
 

@@ -109,7 +109,7 @@ def button(name: str, pressed: Callable[[], None], kind: str = "default") -> pn.
 
 
 def dropper(
-    name: str, dropped: Callable[[dict[str, bytes | str]], None], *, multiple: bool = False
+    name: str, dropped_files: Callable[[dict[str, bytes | str]], None], *, multiple: bool = False
 ) -> pn.Column:
     """Take files that are dropped or chosen; they are handed on and forgotten."""
     limit = int(LIMITS["test"].bytes / _MEGABYTE)
@@ -123,18 +123,18 @@ def dropper(
             content = dict(event.new)
             with param.parameterized.discard_events(widget):
                 widget.value, widget.mime_type = {}, {}
-            dropped(content)
+            dropped_files(content)
 
     widget.param.watch(take, "value")
     return pn.Column(html(f"<h2>{escape(name)}</h2>"), widget, sizing_mode="stretch_width")
 
 
-def fold_card(title: str, *parts: Any, opened: bool = False) -> pn.Card:  # noqa: ANN401 - of Panel
+def fold_card(title: str, *parts: Any, is_open: bool = False) -> pn.Card:  # noqa: ANN401 - of Panel
     """Fold parts away below a title."""
     return pn.Card(
         *parts,
         header=html(f"<h2>{escape(title)}</h2>"),
-        collapsed=not opened,
+        collapsed=not is_open,
         sizing_mode="stretch_width",
         margin=(6, 0),
     )

@@ -29,13 +29,13 @@ class FiledPage(Page):
         items = "".join(f"<li>{escape(path.name)}</li>" for path in self.memory.files)
         self.names.object = f"<ul>{items}</ul>" if items else "<p class='hint'>No file yet.</p>"
 
-    def take_files(self, dropped: Mapping[str, bytes | str]) -> None:
+    def take_files(self, dropped_files: Mapping[str, bytes | str]) -> None:
         """Keep dropped files together in one folder; one of a name that is there takes its place."""
 
         def keep() -> None:
             files = self.memory.files
             place = files[0].parent if files else self.desk.folder.new_place()
-            for name, content in dropped.items():
+            for name, content in dropped_files.items():
                 path = self.desk.folder.keep(name, content, place=place)
                 if path not in files:
                     files.append(path)

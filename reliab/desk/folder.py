@@ -70,9 +70,9 @@ class DeskFolder:
             file.write_bytes(raw)
         return path
 
-    def keep_last(self, dropped: Mapping[str, bytes | str]) -> Path:
+    def keep_last(self, dropped_files: Mapping[str, bytes | str]) -> Path:
         """Keep the last of the files that were dropped."""
-        return self.keep(*list(dropped.items())[-1])
+        return self.keep(*list(dropped_files.items())[-1])
 
     def within(self, name: str) -> Path:
         """Return the path of a file or folder that the user names, which must lie in the desk's folder."""
@@ -89,7 +89,7 @@ class DeskFolder:
 
     def list_files(self, *endings: str, holding: str = "") -> list[str]:
         """List files by their endings, or folders by what they hold, the latest first."""
-        below = len(Path(holding).parts)  # parts of a match that lie in the folder that is offered
+        damping_figure = len(Path(holding).parts)  # parts of a match that lie in the folder that is offered
         matches = (
             match
             for depth in range(_DEPTH + 1)
@@ -97,7 +97,7 @@ class DeskFolder:
             if self.work not in match.parents and not match.name.startswith(".")
         )
         paths = {
-            match.parents[below - 1] if holding else match
+            match.parents[damping_figure - 1] if holding else match
             for match in matches
             if holding or (match.suffix.lower() in endings and match.is_file())
         }

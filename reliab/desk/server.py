@@ -74,20 +74,20 @@ def serve_desk(
     port: int = 0,
     browser: bool = True,
     say: Callable[[str], None] = print,
-    in_options: Callable[[str], str] = str,
+    name_options: Callable[[str], str] = str,
 ) -> None:
     """Serve the desk until it is interrupted.
 
     `folder`: whose tests, rigs and campaigns are offered; all that the desk writes lies in it. `port`: any
-    that is free by default. `say` takes the address, once the desk answers; `in_options` writes the arguments
-    that a message names as whoever started the desk calls them. Raises InputError if the folder is not there
-    or not writable, or the port is taken.
+    that is free by default. `say` takes the address, once the desk answers; `name_options` writes the
+    arguments that a message names as whoever started the desk calls them. Raises InputError if the folder is not
+    there or not writable, or the port is taken.
     """
     place = DeskFolder.open_folder(folder)
     jobs = Jobs(str(place.work))
     try:
         token, port = new_token(), port or _free_port()
-        server = _server(Desk(folder=place, jobs=jobs, in_options=in_options), token, port)
+        server = _server(Desk(folder=place, jobs=jobs, in_options=name_options), token, port)
         address = f"http://{ADDRESS}:{port}/{token}/"
         server.start()
         say(address)
@@ -141,10 +141,10 @@ def _open_page(page: type[Page], desk: Desk, memories: Memories, host: str) -> p
     """Make a page for one tab, which its address names; a tab without a name gets one."""
     tab = pn.state.session_args.get("desk", [b""])[0].decode("utf-8", "replace")
     key, pages = memories.find_tab(tab)
-    opened = page(desk, pages.setdefault(page.name, PageMemory()))
+    is_open = page(desk, pages.setdefault(page.name, PageMemory()))
     template = pn.Template((WEB / "page.html").read_text(encoding="utf-8"))
-    template.add_panel("form", opened.form)
-    template.add_panel("result", opened.result)
+    template.add_panel("form", is_open.form)
+    template.add_panel("result", is_open.result)
     variables = {
         "host": host,
         "style": (WEB / "page.css").read_text(encoding="utf-8"),
@@ -157,5 +157,5 @@ def _open_page(page: type[Page], desk: Desk, memories: Memories, host: str) -> p
     }
     for name, value in variables.items():
         template.add_variable(name, value)
-    pn.state.add_periodic_callback(opened.refresh, period=REFRESH)
+    pn.state.add_periodic_callback(is_open.refresh, period=REFRESH)
     return template

@@ -93,10 +93,10 @@ _UNITS: Final = {"command": "mm", "measured": "mm", "force": "N", "ground accele
 
 
 def _trace(name: str, unit: str, values: Array, time_step: float) -> Trace:
-    time, drawn = thin_histories(
+    time, histories_drawn = thin_histories(
         time_step * np.arange(values.size, dtype=np.float64), values * (MILLI if unit == "mm" else 1.0)
     )
-    return Trace(name=name, unit=unit, time=time, values=drawn)
+    return Trace(name=name, unit=unit, time=time, values=histories_drawn)
 
 
 def thin_histories(time: Array, *values: Array) -> tuple[Array, ...]:
@@ -160,10 +160,10 @@ def judgement_of(assessment: "AnyAssessment") -> Judgement:
     rebuilt = assessment.error.rebuilt
     time = rebuilt.time_step * np.arange(rebuilt.error.size, dtype=np.float64)
     histories = (rebuilt.smooth_error, rebuilt.low, rebuilt.high)
-    drawn = thin_histories(time, *(MILLI * history for history in histories))
+    histories_drawn = thin_histories(time, *(MILLI * history for history in histories))
     return replace(
         plain,
-        histories=(drawn[0], drawn[1], drawn[2], drawn[3]),
+        histories=(histories_drawn[0], histories_drawn[1], histories_drawn[2], histories_drawn[3]),
         bound=MILLI * assessment.error.threshold * float(np.abs(rebuilt.reference).max()),
         marks=tuple(_marks(assessment)),
     )

@@ -58,10 +58,10 @@ def answer(channel: Channel, work: Callable[..., Any], arguments: Mapping[str, A
     def tell(news: Any) -> None:  # noqa: ANN401 - what a page takes
         channel.send(("news", news))
 
-    further = {"tell": tell} if "tell" in work.__annotations__ else {}
+    further_fields = {"tell": tell} if "tell" in work.__annotations__ else {}
     try:
         with shows_tasks(show):
-            return "finished", work(**arguments, **further)
+            return "finished", work(**arguments, **further_fields)
     except ReliabError as error:
         return "refused", str(error)
     except Exception as error:  # noqa: BLE001 - the desk goes on, and says what happened

@@ -240,7 +240,7 @@ class Effect(ABC):
                 value,
                 zero=parameter.signed,
                 signed=parameter.signed,
-                called=f"parameter {parameter.name} of {self.name}",
+                label=f"parameter {parameter.name} of {self.name}",
                 remedy=f"Give {parameter.meaning} in {parameter.units}",
             )
 

@@ -126,12 +126,12 @@ def _checksum(text: str) -> str:
     return f"sha256-{base64.b64encode(hashlib.sha256(text.encode('utf-8')).digest()).decode('ascii')}"
 
 
-def _opening(packed: Mapping[str, Any], settings: Settings) -> dict[str, Any]:
+def _opening(data: Mapping[str, Any], settings: Settings) -> dict[str, Any]:
     """Return the checked settings by the page's names, with defaults for those not given."""
     for name, value in (("share", settings.experimental_fraction), ("confidence", settings.confidence)):
         if not 0.0 < value <= 1.0:
             raise InputError(f"The {name} must lie between 0 and 1", value=value)
-    metrics = packed["metrics"]
+    metrics = data["metrics"]
     if settings.metric not in (None, *metrics):
         raise InputError(
             "The ellipses are not of this metric",
@@ -139,18 +139,18 @@ def _opening(packed: Mapping[str, Any], settings: Settings) -> dict[str, Any]:
             remedy=f"Choose among {', '.join(metrics)}",
         )
     return {
-        "frequency": _clamp("natural frequency", settings.frequency, packed["frequencies"], 1.0),
-        "dampingRatio": _clamp("damping ratio", settings.damping_ratio, packed["dampingRatios"], 0.02),
-        "threshold": _clamp("error threshold", settings.threshold, packed["thresholds"], 0.05),
+        "frequency": _clamp("natural frequency", settings.frequency, data["frequencies"], 1.0),
+        "dampingRatio": _clamp("damping ratio", settings.damping_ratio, data["dampingRatios"], 0.02),
+        "threshold": _clamp("error threshold", settings.threshold, data["thresholds"], 0.05),
         "share": settings.experimental_fraction,
         "confidence": settings.confidence,
         "metric": settings.metric or metrics[0],
     }
 
 
-def _clamp(name: str, value: float | None, held: list[float], usual: float) -> float:
+def _clamp(name: str, value: float | None, stored_values: list[float], usual: float) -> float:
     """Return a value within the range of the ellipses; by default the one nearest to a usual value."""
-    low, high = min(held), max(held)
+    low, high = min(stored_values), max(stored_values)
     if value is None:
         return min(max(usual, low), high)
     if not low * (1.0 - _ROUNDING) <= value <= high * (1.0 + _ROUNDING):
@@ -213,8 +213,8 @@ def _select_inscribed_ellipses(ellipses: xr.Dataset) -> xr.Dataset:
     ellipses = select_share(ellipses)
     curves = names_along(ellipses, "curve")
     if "curve" in ellipses.dims:
-        chosen = CurveName.INSCRIBED if CurveName.INSCRIBED in curves else curves[0]
-        ellipses = ellipses.sel(curve=str(chosen))
+        curve = CurveName.INSCRIBED if CurveName.INSCRIBED in curves else curves[0]
+        ellipses = ellipses.sel(curve=str(curve))
     if "side" not in ellipses.dims:
         ellipses = ellipses.expand_dims("side")
     return ellipses.sortby(["f", "xi", "threshold"]).transpose(*_ORDER, ...)
@@ -225,8 +225,8 @@ def _meaningless(ellipses: xr.Dataset) -> list[list[list[float]]] | None:
     if REST not in ellipses:
         return None
     errors = np.sort(ellipses[REST].transpose("motion", "metric", "f", "xi").values.astype(float), axis=0)
-    known = np.maximum(np.isfinite(errors).sum(axis=0), 1)
-    place = np.floor(MOST_AT_REST * known).astype(int)
+    n_known = np.maximum(np.isfinite(errors).sum(axis=0), 1)
+    place = np.floor(MOST_AT_REST * n_known).astype(int)
     least = np.take_along_axis(errors, place[np.newaxis], axis=0)[0]
     listed: list[list[list[float]]] = np.nan_to_num(least, nan=_NEVER, posinf=_NEVER).tolist()
     return listed

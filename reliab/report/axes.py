@@ -100,16 +100,16 @@ def scientific(value: float) -> str:
     return rf"${mantissa}\times10^{{{int(exponent)}}}$"
 
 
-def label_logarithmic(*axes: Axis, most: int = 5) -> None:
+def label_logarithmic(*axes: Axis, largest_count: int = 5) -> None:
     """Label a logarithmic axis with a few round numbers."""
     for axis in axes:
         low, high = axis.get_view_interval()
-        axis.set_major_locator(FixedLocator(round_numbers(low, high, most).tolist()))
+        axis.set_major_locator(FixedLocator(round_numbers(low, high, largest_count).tolist()))
         axis.set_major_formatter(FuncFormatter(_write_tick))
         axis.set_minor_formatter(NullFormatter())
 
 
-def round_numbers(low: float, high: float, most: int) -> NDArray[np.float64]:
+def round_numbers(low: float, high: float, largest_count: int) -> NDArray[np.float64]:
     """Round numbers that lie about evenly on a logarithmic scale.
 
     >>> round_numbers(0.8, 40.0, 6).tolist(), round_numbers(2.9e-5, 7.1e-5, 5).round(6).tolist()
@@ -120,9 +120,9 @@ def round_numbers(low: float, high: float, most: int) -> NDArray[np.float64]:
     for steps in _STEPS:
         candidates = (10.0 ** decades[:, None] * np.asarray(steps)).ravel()
         inside = candidates[(candidates >= low) & (candidates <= high)]
-        if inside.size <= most:
+        if inside.size <= largest_count:
             break
-    return np.asarray(inside[:: -(-inside.size // most) if inside.size else 1])
+    return np.asarray(inside[:: -(-inside.size // largest_count) if inside.size else 1])
 
 
 def _write_tick(value: float, _: int | None = None) -> str:
@@ -133,6 +133,6 @@ def _write_tick(value: float, _: int | None = None) -> str:
     return rf"${factor}10^{{{int(exponent)}}}$"
 
 
-def mark(axes: Axes, text: str, at: tuple[float, float], **look: Any) -> None:  # noqa: ANN401 - matplotlib's
+def mark(axes: Axes, text: str, position: tuple[float, float], **look: Any) -> None:  # noqa: ANN401 - matplotlib's
     """Write a short note at a place inside the axes, in shares of their width and height."""
-    axes.text(*at, text, transform=axes.transAxes, **{"fontsize": 8.0, "va": "top", **look})
+    axes.text(*position, text, transform=axes.transAxes, **{"fontsize": 8.0, "va": "top", **look})

@@ -131,9 +131,10 @@ def cells(values: Sequence[Any], number: Number | None) -> list[str | tuple[Writ
     if number is None:
         return [_write_word(value) for value in values]
     written = [number(float("nan") if value is None else float(value)) for value in values]
-    most = max((one.decimals for one in written), default=0)
+    largest_count = max((one.decimals for one in written), default=0)
     return [
-        (one, ("." if most and not one.decimals else "") + "0" * (most - one.decimals)) for one in written
+        (one, ("." if largest_count and not one.decimals else "") + "0" * (largest_count - one.decimals))
+        for one in written
     ]
 
 

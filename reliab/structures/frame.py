@@ -130,7 +130,7 @@ def square_matrix(values: ArrayLike, name: str) -> Array:
         )
     quantity = next((_QUANTITIES[word] for word in _QUANTITIES if word in name), "number")
     largest = float(np.abs(matrix).max())
-    require_physical(quantity, largest, zero=True, called=f"largest entry of the {name}")
+    require_physical(quantity, largest, zero=True, label=f"largest entry of the {name}")
     difference = np.abs(matrix - matrix.T)
     if difference.max() > _SYMMETRY * np.abs(matrix).max():
         row, column = np.unravel_index(int(np.argmax(difference)), matrix.shape)

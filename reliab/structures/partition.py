@@ -213,7 +213,7 @@ class Partition:
     @classmethod
     def from_structure(cls, structure: Structure, mass: float = 1.0) -> "Partition":
         """Take one degree of freedom of a mass [kg]: M = m, C = 2ξω₀m, K = ω₀²m, K_e = αω₀²m."""
-        require_physical("mass", mass, called="mass of the structure")
+        require_physical("mass", mass, label="mass of the structure")
         w0 = structure.circular_frequency
         return cls._construct(
             mass=np.array([[mass]]),

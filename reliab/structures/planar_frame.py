@@ -29,8 +29,8 @@ def shear_frame(masses: Sequence[float], storey_stiffnesses: Sequence[float]) ->
             remedy="Give one mass and one stiffness for each storey, from the ground up",
         )
     for place, (mass, stiffness) in enumerate(zip(m.tolist(), k.tolist(), strict=True), start=1):
-        require_physical("mass", mass, called=f"mass of floor {place}")
-        require_physical("stiffness", stiffness, called=f"stiffness of storey {place}")
+        require_physical("mass", mass, label=f"mass of floor {place}")
+        require_physical("stiffness", stiffness, label=f"stiffness of storey {place}")
     upper_stiffness = np.append(k[1:], 0.0)
     return np.diag(m), np.diag(k + upper_stiffness) - np.diag(k[1:], 1) - np.diag(k[1:], -1)
 
@@ -71,8 +71,8 @@ class PlanarFrame:
             ("a column", self.column_inertia, self.storey_height),
             ("a beam", self.beam_inertia, self.bay_width),
         ):
-            require_physical("second moment of area", inertia, called=f"second moment of area of {member}")
-            require_physical("length", length, called=f"length of {member}")
+            require_physical("second moment of area", inertia, label=f"second moment of area of {member}")
+            require_physical("length", length, label=f"length of {member}")
         if self.storeys * (self.bays + 2) > _MOST_UNKNOWNS:
             raise InputError(
                 f"A planar frame may have {_MOST_UNKNOWNS:,} displacements and rotations at most",

@@ -24,15 +24,15 @@ class Specimen:
     mass: float = 0.0  # Moving mass m [kg], not negative
 
     def __post_init__(self) -> None:
-        require_physical("stiffness", self.stiffness, zero=True, called="stiffness of the specimen")
+        require_physical("stiffness", self.stiffness, zero=True, label="stiffness of the specimen")
         require_physical(
             "damping coefficient",
             self.damping,
             zero=True,
             signed=True,
-            called="damping coefficient of the specimen",
+            label="damping coefficient of the specimen",
         )
-        require_physical("mass", self.mass, zero=True, called="mass of the specimen")
+        require_physical("mass", self.mass, zero=True, label="mass of the specimen")
 
 
 def floor_interface(frame: Frame, name: str | int) -> Array:

@@ -221,7 +221,7 @@ def tolerance_over_level(levels: pd.DataFrame) -> Figure:
         name_axes(place, _LEVELS.get(kind, "Level [-]"), "Tolerance over linear [-]" if first else "")
     for place in axes.ravel()[len(kinds) :]:
         place.set_axis_off()
-    label_logarithmic(axes[0, 0].yaxis, most=7)
+    label_logarithmic(axes[0, 0].yaxis, largest_count=7)
     legend_below(figure, axes[0, 0], columns=3)
     return figure
 

@@ -264,7 +264,7 @@ def suite_measures(suites: Mapping[str, pd.DataFrame]) -> Figure:
             look = line(rank)
             place.ecdf(table[column].dropna().to_numpy(), label=plain(suite), **look)
         place.set_xscale("log")
-        label_logarithmic(place.xaxis, most=4)
+        label_logarithmic(place.xaxis, largest_count=4)
         name_axes(place, name, "Share below [-]" if number % _COLUMNS == 0 else "")
     legend_below(figure, axes[0, 0])
     return figure
@@ -284,7 +284,7 @@ def suite_spectra(suites: Mapping[str, xr.DataArray]) -> Figure:
         _band(place, spectra, plain(name), rank)
     periods = np.concatenate([spectra["period"].values for spectra in suites.values()])
     place.set_xlim(periods.min(), periods.max())
-    label_logarithmic(place.xaxis, place.yaxis, most=7)
+    label_logarithmic(place.xaxis, place.yaxis, largest_count=7)
     name_axes(place, "Period [s]", "Spectral acceleration [m/s²]")
     legend_below(figure, place, columns=3)
     return figure

@@ -69,13 +69,13 @@ def require_sound(stated: Mapping[str, StatedValue]) -> None:
     for name, quantity in _QUANTITIES.items():
         if name in stated:
             none_found = name == "hysteresis" and stated[name].deviation > 0.0
-            require_physical(quantity, stated[name].value, zero=none_found, called=f"value of `{name}`")
+            require_physical(quantity, stated[name].value, zero=none_found, label=f"value of `{name}`")
 
 
 def parse_threshold(threshold: float | None) -> float:
     """Read the error that a test may have, 0.05 by default."""
     limit = 0.05 if threshold is None else float(threshold)
-    require_physical("error threshold", limit, called="value of `threshold`")
+    require_physical("error threshold", limit, label="value of `threshold`")
     return limit
 
 
@@ -133,12 +133,12 @@ def parse_filters(texts: Iterable[str]) -> "dict[str, LowPass]":
     return filters
 
 
-def refuse_unused(name: str, why: str) -> InputError:
+def refuse_unused(name: str, reason: str) -> InputError:
     """Describe an argument that would have no effect.
 
-    `why`: beside or without what it has no effect.
+    `reason`: beside or without what it has no effect.
     """
-    return InputError(f"`{name}` has no effect {why}", remedy="Leave it out")
+    return InputError(f"`{name}` has no effect {reason}", remedy="Leave it out")
 
 
 _SAME: Final = 0.01  # relative difference up to which a stated structure is that of a model

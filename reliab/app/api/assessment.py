@@ -57,7 +57,7 @@ def assess(  # type: ignore[overload-overlap]  # a text is one file
     structure: Structure | None = None,
     *,
     progress: Progress = ...,
-    **stated: Unpack[questions.StatedOfTest],
+    **options: Unpack[questions.StatedOfTest],
 ) -> Assessment: ...
 @overload
 def assess(  # type: ignore[overload-overlap]
@@ -65,7 +65,7 @@ def assess(  # type: ignore[overload-overlap]
     structure: "FrameUnderTest | str | Path",
     *,
     progress: Progress = ...,
-    **stated: Unpack[questions.StatedOfTest],
+    **options: Unpack[questions.StatedOfTest],
 ) -> "FrameAssessment": ...  # with several actuators a CoupledAssessment
 @overload
 def assess(
@@ -73,7 +73,7 @@ def assess(
     structure: "Structure | FrameUnderTest | str | Path | None" = None,
     *,
     progress: Progress = ...,
-    **stated: Unpack[questions.StatedOfTest],
+    **options: Unpack[questions.StatedOfTest],
 ) -> "Assessments": ...
 
 
@@ -83,7 +83,7 @@ def assess(
     structure: "Structure | FrameUnderTest | str | Path | None" = None,
     *,
     progress: Progress = silent,
-    **stated: Unpack[questions.StatedOfTest],
+    **options: Unpack[questions.StatedOfTest],
 ) -> "Assessment | FrameAssessment | CoupledAssessment | Assessments":
     """Judge a test, or several, by the error computed from command and measured displacement.
 
@@ -127,8 +127,8 @@ def assess(
     >>> str(verdict.verdict), round(verdict.error.rms.value, 3)
     ('reliable', 0.022)
     """
-    judge = _Terms(structure, stated).judge()
-    reading = Channels.from_question(stated)
+    judge = _Terms(structure, options).judge()
+    reading = Channels.from_question(options)
     if isinstance(test, str | Path) and reading.test_name == _ALL_TESTS:
         named = ((name, channels, test) for name, channels in reading.split_by_test(test).items())
         return assess_each(named, judge, progress)
@@ -281,7 +281,7 @@ class _Terms:
 def compare(
     tests: Iterable[Test],
     structure: "Structure | FrameUnderTest | str | None" = None,
-    **stated: Unpack[questions.StatedOfTest],
+    **options: Unpack[questions.StatedOfTest],
 ) -> "Comparison":
     """Rank tests of one structure and rig by their errors, such as one motion with each compensator.
 
@@ -317,7 +317,7 @@ def compare(
     >>> [test.file for test in compare(tests, f=1, xi=0.05).tests]
     ['data frame 2', 'data frame 1']
     """
-    return compare_assessments(assess(tests, structure, **stated))
+    return compare_assessments(assess(tests, structure, **options))
 
 
 def compare_assessments(assessments: "Assessments") -> "Comparison":

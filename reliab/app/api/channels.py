@@ -144,7 +144,7 @@ class Channels:
     def _require_sound(self, test: Test) -> None:
         """Refuse a rate that is none, and what a data frame does not have."""
         if self.rate is not None:
-            require_physical("sampling rate", float(self.rate), called="value of `rate`")
+            require_physical("sampling rate", float(self.rate), label="value of `rate`")
         for name in ("delimiter", "test_name") if is_frame(test) else ():
             if getattr(self, name) is not None:
                 raise refuse_unused(name, "together with a data frame")

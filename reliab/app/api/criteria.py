@@ -114,12 +114,12 @@ class Case:
         records = EllipseSource(
             motions=self.motion, f=f, xi=xi, threshold=source.threshold, metric=source.metric
         )
-        traced = records.dataset(show).isel(motion=0).sel(curve=str(CurveName.INSCRIBED))
-        rows = traced[["a", "b"]].stack(cell=("f", "xi", "threshold", "metric"))
+        ellipses = records.dataset(show).isel(motion=0).sel(curve=str(CurveName.INSCRIBED))
+        rows = ellipses[["a", "b"]].stack(cell=("f", "xi", "threshold", "metric"))
         return {
             "own_boundary": [
                 {
-                    "motion": str(traced["motion"].item()),
+                    "motion": str(ellipses["motion"].item()),
                     **{name: float(cell[name]) for name in ("f", "xi", "threshold")},
                     **{
                         f"{name}{'' if side == Side.LAG else '_lead'}": float(cell[name].sel(side=str(side)))
@@ -166,7 +166,7 @@ _NINETY_FIVE = 0.95
 
 
 @asks(questions.CriterionQuestion)
-def derive_criteria(*, show: Show = quietly, **asked: Unpack[questions.CriterionQuestion]) -> Criteria:
+def derive_criteria(*, show: Show = quietly, **request: Unpack[questions.CriterionQuestion]) -> Criteria:
     """Derive criteria from ground motions, stored results or ellipses, or take those of a printed law.
 
     :func:`reliab.derive_criterion` derives one from ellipses; this function also traces them, serves several
@@ -179,7 +179,7 @@ def derive_criteria(*, show: Show = quietly, **asked: Unpack[questions.Criterion
     >>> [round(row["b"], 2) for row in derived.rows]
     [1.48, 1.2]
     """
-    return _Question(asked, show).answer()
+    return _Question(request, show).answer()
 
 
 _Derived = tuple[tuple[Criterion, ...], xr.Dataset | None, tuple[Derivation, ...]]
@@ -193,21 +193,21 @@ _OF_METHODS = ("assurance", "distribution", "steps")
 class _Question:
     """What is asked of a criterion; see :func:`derive_criteria`."""
 
-    def __init__(self, asked: Mapping[str, Any], show: Show) -> None:
-        self.asked, self.show = asked, show
+    def __init__(self, request: Mapping[str, Any], show: Show) -> None:
+        self.asked, self.show = request, show
         self.law, self.method, self.joint, self.compare = (
-            asked[name] for name in ("law", "method", "joint", "compare")
+            request[name] for name in ("law", "method", "joint", "compare")
         )
-        self.case = Case(**{name: asked[name] for name in _OF_EARTHQUAKES})
-        self.structures = asked["f"], asked["xi"]
-        self.of_source = {name: asked[name] for name in _OF_RECORDS}
-        self.settings = {name: asked[name] for name in _OF_METHODS}
-        self.errors, self.confidences = as_list(asked["threshold"]), as_list(asked["confidence"])
-        self.metric, self.out = str(asked["metric"] or Metric.RMS), asked["out"]
+        self.case = Case(**{name: request[name] for name in _OF_EARTHQUAKES})
+        self.structures = request["f"], request["xi"]
+        self.of_source = {name: request[name] for name in _OF_RECORDS}
+        self.settings = {name: request[name] for name in _OF_METHODS}
+        self.errors, self.confidences = as_list(request["threshold"]), as_list(request["confidence"])
+        self.metric, self.out = str(request["metric"] or Metric.RMS), request["out"]
         self.chains, self.figures = (
-            None if asked[name] is None else Path(asked[name]) for name in ("chains", "figures")
+            None if request[name] is None else Path(request[name]) for name in ("chains", "figures")
         )
-        self.origin = {name: asked[name] for name in ("motions", "results", "ellipses")}
+        self.origin = {name: request[name] for name in ("motions", "results", "ellipses")}
         if not self.has_source and self._is_of_the_population():
             self.origin["ellipses"] = POPULATION
         require_thresholds(self.errors)
@@ -359,7 +359,7 @@ class _Question:
             ellipses=dataset,
             derivations=derivations,
         )
-        beside = self.case.own_boundaries(self.source(), f, xi, self.show) if self.case.stated else {}
+        neighbours = self.case.own_boundaries(self.source(), f, xi, self.show) if self.case.stated else {}
         converged = all(posterior["converged"] for posterior in derived.posteriors)
         # Rows refuse structures for which a law is not valid.
         if derived.rows and converged and self.out is not None:
@@ -373,13 +373,13 @@ class _Question:
                 derived.derivations,
                 self.show,
             )
-            beside |= {"figures": drawn} if drawn else {}
+            neighbours |= {"figures": drawn} if drawn else {}
         if self.compare:
-            beside["comparison"] = compare_candidates(
+            neighbours["comparison"] = compare_candidates(
                 derived.ellipses, derived.structures, derived.criteria, self.show
             )
-        beside |= {**_frame(dataset), **self._limits_of_actuators(), **_share_law(derived)}
-        return replace(derived, beside=beside)
+        neighbours |= {**_frame(dataset), **self._limits_of_actuators(), **_share_law(derived)}
+        return replace(derived, beside=neighbours)
 
     def _limits_of_actuators(self) -> dict[str, Any]:
         """Compute what the motions allow and do to the actuators that a frame's description states."""
@@ -424,8 +424,8 @@ def _frame(dataset: xr.Dataset | None) -> dict[str, Any]:
     """Say which frame the ellipses are of, whose error counts, and which of its actuators err."""
     if dataset is None or "frame" not in dataset.attrs:
         return {}
-    beside = {name: dataset.attrs[name] for name in ("error_of", "erring_actuator")}
-    return {"frame": {"name": dataset.attrs["frame"], **beside}}
+    neighbours = {name: dataset.attrs[name] for name in ("error_of", "erring_actuator")}
+    return {"frame": {"name": dataset.attrs["frame"], **neighbours}}
 
 
 def _coupling(limits: Array, threshold: float, share: float) -> dict[str, Any]:

@@ -42,7 +42,7 @@ class Design(ResultWithRows):
 
 
 @asks(questions.Design)
-def design_test(**asked: Unpack[questions.Design]) -> Design:
+def design_test(**request: Unpack[questions.Design]) -> Design:
     """State how much delay and amplitude error a rig may have, before a test.
 
     Limits of structures with all stiffness in the laboratory are transferred to a smaller share `alpha` by a
@@ -65,18 +65,18 @@ def design_test(**asked: Unpack[questions.Design]) -> Design:
     >>> [(tolerance.frequency, tolerance.confidence) for tolerance in design.tolerances]
     [(1.0, 0.95)]
     """
-    if asked["structure"] is not None:
+    if request["structure"] is not None:
         raise InputError(
             "Tolerable errors before a test are computed for structures of one mass, not for frames",
-            value=f"`structure={asked['structure']}`",
+            value=f"`structure={request['structure']}`",
             remedy="Judge a trial test of the frame with `reliab assess TEST --structure FRAME`, or predict "
             "the next one from earlier tests of it with `reliab rig predict RIG --structure FRAME`",
         )
-    criterion, confidence = asked["criterion"], asked["confidence"]
-    stated = exact_values(xi=asked["xi"], alpha=asked["alpha"])
+    criterion, confidence = request["criterion"], request["confidence"]
+    stated = exact_values(xi=request["xi"], alpha=request["alpha"])
     share = stated.get("alpha", 1.0)
     if criterion is not None:
-        given: dict[str, Any] = {**asked, "alpha": None if share == 1.0 else share}
+        given: dict[str, Any] = {**request, "alpha": None if share == 1.0 else share}
         for name in ("threshold", "confidence", "metric", "alpha"):
             if given[name] is not None:
                 raise refuse_unused(name, "together with `criterion`, which states its own")
@@ -87,15 +87,15 @@ def design_test(**asked: Unpack[questions.Design]) -> Design:
             tolerable_errors(
                 frequencies,
                 stated.get("xi", 0.02),
-                threshold=parse_threshold(asked["threshold"]),
+                threshold=parse_threshold(request["threshold"]),
                 confidences=CONFIDENCES if confidence is None else as_names(confidence),
-                metric=str(asked["metric"] or Metric.RMS),
+                metric=str(request["metric"] or Metric.RMS),
                 criterion=read,
                 experimental_fraction=share,
             )
         )
 
-    f: Any = 1.0 if asked["f"] is None else asked["f"]
+    f: Any = 1.0 if request["f"] is None else request["f"]
     several_f = [f] if isinstance(f, int | Quantity) else f
     frequencies = [exact_values(f=frequency)["f"] for frequency in several_f]
     return Design(tolerances=tolerances(frequencies), chart=tolerances(chart_frequencies(read)))
@@ -126,7 +126,7 @@ class ExplorerPage(PlainResult):
 
 
 @asks(questions.Explorer)
-def write_explorer(**asked: Unpack[questions.Explorer]) -> ExplorerPage:
+def write_explorer(**request: Unpack[questions.Explorer]) -> ExplorerPage:
     """Write a web page, for use without a network, of tolerable errors before a test.
 
     Returns
@@ -142,17 +142,17 @@ def write_explorer(**asked: Unpack[questions.Explorer]) -> ExplorerPage:
     from reliab.explore.page import Settings, sort_by_length, write_page
     from reliab.sweep.ellipse_dataset import open_windows
 
-    out, ellipses = Path(asked["out"]), Path(asked["ellipses"] or REAL)
+    out, ellipses = Path(request["out"]), Path(request["ellipses"] or REAL)
     windows = open_windows(or_shipped(ellipses, "datasets", "ellipses.nc"))
     lengths = sort_by_length(windows)
-    stated = exact_values(f=asked["f"], xi=asked["xi"], alpha=asked["alpha"])
+    stated = exact_values(f=request["f"], xi=request["xi"], alpha=request["alpha"])
     settings = Settings(
         frequency=stated.get("f"),
         damping_ratio=stated.get("xi"),
         experimental_fraction=stated.get("alpha", 1.0),
-        threshold=asked["threshold"],
-        confidence=_NINETY_FIVE if asked["confidence"] is None else asked["confidence"],
-        metric=asked["metric"],
+        threshold=request["threshold"],
+        confidence=_NINETY_FIVE if request["confidence"] is None else request["confidence"],
+        metric=request["metric"],
     )
     name = ellipses.name
     write_page(out, lengths, settings, source=f"the ellipses of {name}")

@@ -270,10 +270,10 @@ class FollowedTest:
             yield self._message(monitor, "alarm")
 
     def _update(self, monitor: AnyMonitor) -> Message:
-        asked = monitor.ask() if monitor.due and "sign" not in self.alarms else None
-        if asked is None or monitor.result is None:
+        request = monitor.ask() if monitor.due and "sign" not in self.alarms else None
+        if request is None or monitor.result is None:
             return self._message(monitor, "update")
-        return self._message(monitor, "update", error=self._intervals(asked, monitor))
+        return self._message(monitor, "update", error=self._intervals(request, monitor))
 
     def _end(self, monitor: AnyMonitor) -> Message:
         """Judge the whole test: as it is assessed where it was kept, else by the running intervals."""
@@ -282,12 +282,12 @@ class FollowedTest:
             found = None if file is None else self.judge(file)
         if found is not None and isinstance(monitor, MeasuredMonitor):
             return self._assessed(monitor, found)
-        asked = monitor.ask(draws=DRAWS) if isinstance(monitor, Monitor) else monitor.ask(at_end=True)
+        request = monitor.ask(draws=DRAWS) if isinstance(monitor, Monitor) else monitor.ask(at_end=True)
         if found is not None:
             return self._assessed(monitor, found)
         if monitor.result is None:
             return self._message(monitor, "end", **self._told(Word.UNDECIDED, [_NOT_KNOWN], []))
-        error, size = self._intervals(asked, monitor), monitor.result.estimate(self.metric)
+        error, size = self._intervals(request, monitor), monitor.result.estimate(self.metric)
         reason = error_in_words(ERROR_NAMES[self.metric], size, self.threshold, error["probability"])
         told = self._told(word_of_probability(error["probability"]), [f"{reason}."], [])
         return self._message(monitor, "end", error=error, **told)
@@ -349,11 +349,11 @@ class FollowedTest:
         }
         return Message(kind=kind, content=content, monitor=monitor, alarms=self.alarms)
 
-    def _intervals(self, asked: object, monitor: AnyMonitor) -> dict[str, Any]:
+    def _intervals(self, request: object, monitor: AnyMonitor) -> dict[str, Any]:
         """Give intervals of the error that was asked for, of several actuators those of each displacement."""
         by_degree: dict[str, Any] = {}
-        if isinstance(asked, CoupledError):
-            governing = asked.governing(self.metric)
+        if isinstance(request, CoupledError):
+            governing = request.governing(self.metric)
             by_degree = {
                 "governing": None if governing is None else governing.name,
                 "degrees_of_freedom": {
@@ -362,7 +362,7 @@ class FollowedTest:
                         **({} if degree.judged else {"why_not": degree.why_not_judged}),
                         **self._errors(degree if degree.judged else None),
                     }
-                    for degree in asked.displacements
+                    for degree in request.displacements
                 },
             }
         return {

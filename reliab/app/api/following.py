@@ -39,7 +39,7 @@ def follow_test(
     source: str | Path,
     *,
     say: Callable[[str], None] = lambda _sentence: None,
-    **asked: Unpack[questions.FollowedTest],
+    **request: Unpack[questions.FollowedTest],
 ) -> Iterator[Message]:
     """Follow the error of a test while its file is written.
 
@@ -76,27 +76,27 @@ def follow_test(
     >>> end.kind, end.to_dict()["verdict"]
     ('end', 'reliable')
     """
-    model, structure, specimen = asked["model"], asked["structure"], asked["specimen"]
-    force_channel = None if asked["force_channel"] is None else list(asked["force_channel"])
-    _require_clock(asked["rate"], **{name: asked[name] for name in ("every", "wait", "start_within")})
+    model, structure, specimen = request["model"], request["structure"], request["specimen"]
+    force_channel = None if request["force_channel"] is None else list(request["force_channel"])
+    _require_clock(request["rate"], **{name: request[name] for name in ("every", "wait", "start_within")})
     path = str(source) if str(source) == "-" else str(or_shipped(Path(source), "datasets", "test.csv"))
-    laboratory = Channels.from_question(asked).laboratory()
-    updated = None if model is None else model_of(model, asked)
+    laboratory = Channels.from_question(request).laboratory()
+    updated = None if model is None else model_of(model, request)
     frame = None
     if structure is not None:
-        refuse_beside("structure", asked, "f", "xi", "alpha", "model")
+        refuse_beside("structure", request, "f", "xi", "alpha", "model")
         frame = frame_of(structure, measured=require_known_specimen(specimen))
-    of_force = _channel_of_force(specimen, asked["mass"], force_channel, updated, frame)
-    of_test = _collect_stated_values(asked, _mode(updated, frame))
+    of_force = _channel_of_force(specimen, request["mass"], force_channel, updated, frame)
+    of_test = _collect_stated_values(request, _mode(updated, frame))
     text = WholeText("standard input" if path == "-" else Path(path).name)
     rows = rows_as_written(
-        text.kept(chunks_of_text(path, asked["wait"], asked["start_within"], say)),
+        text.kept(chunks_of_text(path, request["wait"], request["start_within"], say)),
         name=text.name,
         declarations=laboratory.declarations,
         also=() if of_force is None else (Part.FORCE,),
         has_several=frame is not None and frame.has_several,
     )
-    as_assessed = questions.only_those_of(questions.StatedOfTest, {**asked, "force_channel": force_channel})
+    as_assessed = questions.only_those_of(questions.StatedOfTest, {**request, "force_channel": force_channel})
     watch = FollowedTest(
         text=text,
         judge=lambda file: assess(file, structure, **as_assessed),
@@ -105,10 +105,10 @@ def follow_test(
         model=updated,
         frame=frame,
         of_force=of_force,
-        equipment=read_equipment(asked["equipment"], exact=asked["exact"]),
-        threshold=parse_threshold(asked["threshold"]),
-        metric=Metric.parse(asked["metric"] or Metric.RMS),
-        every=asked["every"],
+        equipment=read_equipment(request["equipment"], exact=request["exact"]),
+        threshold=parse_threshold(request["threshold"]),
+        metric=Metric.parse(request["metric"] or Metric.RMS),
+        every=request["every"],
     )
     return watch.follow(rows, laboratory.rate_hz)
 
@@ -116,14 +116,14 @@ def follow_test(
 def _require_clock(rate: float | None, **seconds: float) -> None:
     """Refuse a rate or a time that no test has."""
     if rate is not None:
-        require_physical("sampling rate", rate, called="value of `rate`")
+        require_physical("sampling rate", rate, label="value of `rate`")
     for name, value in seconds.items():
-        require_physical("number", value, called=f"value of `{name}`", remedy="Give it in seconds")
+        require_physical("number", value, label=f"value of `{name}`", remedy="Give it in seconds")
 
 
-def model_of(model: str | Path | UpdatedModel, asked: questions.Followed) -> UpdatedModel:
+def model_of(model: str | Path | UpdatedModel, request: questions.Followed) -> UpdatedModel:
     """Read the model of a test that is followed, beside which its structure must not be stated again."""
-    stated: Mapping[str, Any] = {**asked}
+    stated: Mapping[str, Any] = {**request}
     for name in ("f", "xi", "alpha", "feedback_lag"):
         if stated[name] is not None and not _is_usual(name, stated[name]):
             raise refuse_unused(
@@ -175,9 +175,9 @@ def frame_of(structure: str | Path | FrameUnderTest, *, measured: bool = False) 
     return frame
 
 
-def refuse_beside(name: str, asked: questions.Followed, *others: str) -> None:
+def refuse_beside(name: str, request: questions.Followed, *others: str) -> None:
     """Refuse what a frame or a model states itself."""
-    stated: Mapping[str, Any] = {**asked}
+    stated: Mapping[str, Any] = {**request}
     for other in others:
         if stated[other] is not None and not _is_usual(other, stated[other]):
             raise refuse_unused(other, f"together with `{name}`, which describes the test")
@@ -190,12 +190,12 @@ def _mode(model: UpdatedModel | None, frame: FrameUnderTest | None) -> Structure
     return None if model is None else model.test.structure
 
 
-def _collect_stated_values(asked: questions.FollowedTest, mode: Structure | None) -> dict[str, StatedValue]:
+def _collect_stated_values(request: questions.FollowedTest, mode: Structure | None) -> dict[str, StatedValue]:
     """Read what is stated of structure, sensor and feedback, which must be complete.
 
     `mode` stands for the structure of a model or a frame.
     """
-    of_structure: dict[str, Quantity | None] = {name: asked[name] for name in ("f", "xi", "alpha")}
+    of_structure: dict[str, Quantity | None] = {name: request[name] for name in ("f", "xi", "alpha")}
     if mode is not None:
         of_structure = {
             "f": mode.frequency,
@@ -208,7 +208,9 @@ def _collect_stated_values(asked: questions.FollowedTest, mode: Structure | None
     ):
         if of_structure[name] is None:
             raise InputError(f"A test needs `{name}`, the structure's {what}", remedy=remedy)
-    lag = 0.0 if asked["feedback_lag"] is None else asked["feedback_lag"]
-    stated = parse_stated_values(**of_structure, scale=asked["scale"], feedback_lag=lag, mass=asked["mass"])
+    lag = 0.0 if request["feedback_lag"] is None else request["feedback_lag"]
+    stated = parse_stated_values(
+        **of_structure, scale=request["scale"], feedback_lag=lag, mass=request["mass"]
+    )
     require_sound(stated)
     return stated

@@ -38,7 +38,7 @@ class WrittenMonitor(PlainResult):
 
 @asks(questions.MonitorInLoop)
 def export_monitor(
-    export: tuple[str, str | Path], **asked: Unpack[questions.MonitorInLoop]
+    export: tuple[str, str | Path], **request: Unpack[questions.MonitorInLoop]
 ) -> WrittenMonitor:
     """Write the running error for the loop of a test, as C or as an FMU.
 
@@ -74,7 +74,7 @@ def export_monitor(
             value=kind,
             remedy="Name c, fmu or fmu3, and the folder or file to write",
         )
-    monitor = _monitor(asked)
+    monitor = _monitor(request)
     if kind in _FMUS:
         content = {place: pack_fmu(monitor, _FMUS[kind])}
     else:
@@ -84,17 +84,17 @@ def export_monitor(
     return WrittenMonitor(path=place, files=names, degrees_of_freedom=monitor.degrees_of_freedom)
 
 
-def _monitor(asked: questions.MonitorInLoop) -> LoopMonitor:
+def _monitor(request: questions.MonitorInLoop) -> LoopMonitor:
     """Read what the monitor is made for."""
-    rate = asked["rate"]
+    rate = request["rate"]
     if rate is None:
         raise InputError("The monitor needs `rate`, the rate of the loop", remedy="Give it in hertz")
-    threshold = parse_threshold(asked["threshold"])
-    require_physical("sampling rate", rate, called="value of `rate`")
+    threshold = parse_threshold(request["threshold"])
+    require_physical("sampling rate", rate, label="value of `rate`")
     stated = {
         "scale": StatedValue(1.0),
         "feedback_lag": StatedValue(0.0),
-        **parse_stated_values(scale=asked["scale"], feedback_lag=asked["feedback_lag"]),
+        **parse_stated_values(scale=request["scale"], feedback_lag=request["feedback_lag"]),
     }
     require_sound(stated)
     lag = stated["feedback_lag"].value
@@ -104,7 +104,7 @@ def _monitor(asked: questions.MonitorInLoop) -> LoopMonitor:
             value=f"{lag:g} ms",
             remedy="State it in milliseconds",
         )
-    tested, to_interface = _structure(asked)
+    tested, to_interface = _structure(request)
     return LoopMonitor(
         structure=tested,
         to_interface=to_interface,
@@ -112,29 +112,29 @@ def _monitor(asked: questions.MonitorInLoop) -> LoopMonitor:
         feedback_lag=lag * _MILLISECONDS,
         sensor_scale=stated["scale"].value,
         threshold=threshold,
-        metric=Metric.parse(asked["metric"] or Metric.RMS),
+        metric=Metric.parse(request["metric"] or Metric.RMS),
     )
 
 
-def _structure(asked: questions.MonitorInLoop) -> tuple[Partition | HybridTest, Array | None]:
+def _structure(request: questions.MonitorInLoop) -> tuple[Partition | HybridTest, Array | None]:
     """Return the structure, and interface displacements per unit of each channel of several."""
-    frame, model = asked["structure"], asked["model"]
+    frame, model = request["structure"], request["model"]
     if frame is not None and model is not None:
         raise InputError(
             "A monitor in a loop needs either a `structure` or a `model`", remedy="Leave one out"
         )
     if frame is not None:
-        refuse_beside("structure", asked, "f", "xi", "alpha")
+        refuse_beside("structure", request, "f", "xi", "alpha")
         return _partition_of_frame(read_structure(frame), str(frame))
     if model is not None:
-        return model_of(model, asked).test, None
-    for name, value in {"f": asked["f"], "xi": asked["xi"]}.items():
+        return model_of(model, request).test, None
+    for name, value in {"f": request["f"], "xi": request["xi"]}.items():
         if value is None:
             raise InputError(
                 f"A monitor in a loop needs `{name}`, or the `structure` of a frame, or a `model`",
                 remedy="State one of them",
             )
-    stated = parse_stated_values(f=asked["f"], xi=asked["xi"], alpha=asked["alpha"])
+    stated = parse_stated_values(f=request["f"], xi=request["xi"], alpha=request["alpha"])
     require_sound(stated)
     return Partition.from_structure(structure_of(stated)), None
 

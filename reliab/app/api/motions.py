@@ -154,7 +154,7 @@ def _reading(read: questions.MotionFiles) -> dict[str, Any]:
 
 @asks(questions.ImportedMotions)
 def import_motions(
-    sources: Files, *, out: str | Path, **asked: Unpack[questions.ImportedMotions]
+    sources: Files, *, out: str | Path, **request: Unpack[questions.ImportedMotions]
 ) -> WrittenSuite:
     """Rewrite motions as a suite: one text format in m/s² and a catalogue.
 
@@ -175,8 +175,8 @@ def import_motions(
     InputError
         If a record is bad or the folder is neither new nor empty.
     """
-    named, event = paths(sources), asked["event"]
-    suite = load_motions(*named, **_reading(asked))
+    named, event = paths(sources), request["event"]
+    suite = load_motions(*named, **_reading(request))
     written = _write_suite(
         suite, write_suite(suite, out, event=event), suite.events if event is None else [event]
     )
@@ -184,7 +184,7 @@ def import_motions(
 
 
 @asks(questions.SyntheticSuite)
-def synthesize_motions(*, out: str | Path, **asked: Unpack[questions.SyntheticSuite]) -> WrittenSuite:
+def synthesize_motions(*, out: str | Path, **request: Unpack[questions.SyntheticSuite]) -> WrittenSuite:
     """Write the synthetic suite, which needs no record.
 
     Parameters
@@ -202,8 +202,8 @@ def synthesize_motions(*, out: str | Path, **asked: Unpack[questions.SyntheticSu
     InputError
         If the folder is neither new nor empty.
     """
-    seed = {} if asked["seed"] is None else {"seed": asked["seed"]}
-    suite = synthetic_suite(count=asked["count"], **seed)
+    seed = {} if request["seed"] is None else {"seed": request["seed"]}
+    suite = synthetic_suite(count=request["count"], **seed)
     return _write_suite(suite, write_suite(suite, out), suite.events)
 
 

@@ -73,7 +73,7 @@ def record(
     out: str | Path | None = None,
     *,
     attributes: Mapping[str, str] | None = None,
-    **stated: Unpack[questions.RecordedTest],
+    **options: Unpack[questions.RecordedTest],
 ) -> Record:
     """Recognise the channels of a test, and write them as one open record.
 
@@ -96,24 +96,24 @@ def record(
     InputError
         If the file cannot be read, its channels cannot be told from each other, or a file cannot be written.
     """
-    csv = stated["csv"]
+    csv = options["csv"]
     if out is not None:
         require_ending(out, ".nc")
     path = or_shipped(Path(source), "datasets", "test.csv")
     structure = parse_stated_values(
-        f=stated["f"], xi=stated["xi"], alpha=stated["alpha"], mass=stated["mass"]
+        f=options["f"], xi=options["xi"], alpha=options["alpha"], mass=options["mass"]
     )
     require_sound(structure)
     structure_of(structure, **_USUAL)  # refuses values that no structure has
     about = About(
         **{name: str(value) for name, value in structure.items()},
-        specimen=stated["specimen"] or "",
-        rig=stated["rig"] or "",
-        operator=stated["operator"] or "",
-        date=stated["date"] or "",
+        specimen=options["specimen"] or "",
+        rig=options["rig"] or "",
+        operator=options["operator"] or "",
+        date=options["date"] or "",
         further=dict(attributes or {}),
     )
-    reading = Channels.from_question(stated)
+    reading = Channels.from_question(options)
     dataset, histories = record_test(
         path,
         laboratory=reading.laboratory(),
@@ -156,7 +156,7 @@ def check_records(sources: list[Path]) -> dict[str, list[str]]:
 
 @asks(questions.CalibrationTest)
 def calibrate(
-    test: str | Path | pd.DataFrame, **stated: Unpack[questions.CalibrationTest]
+    test: str | Path | pd.DataFrame, **options: Unpack[questions.CalibrationTest]
 ) -> ChannelCalibration:
     """Measure skew, scale, hysteresis, noise and resolution of the two channels from a test made for it.
 
@@ -189,9 +189,9 @@ def calibrate(
     >>> round(measured.skew_ms.value, 3), round(measured.scale.value, 4)
     (0.4, 1.01)
     """
-    reading, out = Channels.from_question(stated), stated["out"]
+    reading, out = Channels.from_question(options), options["out"]
     recording = reading.read(test)
-    delay = parse_stated_values(actuator_delay=stated["actuator_delay"]).get("actuator_delay")
+    delay = parse_stated_values(actuator_delay=options["actuator_delay"]).get("actuator_delay")
     calibration = calibrate_channels(recording, actuator_delay_ms=delay)
     if out is not None:
         former = None if reading.channels is None else Path(reading.channels)

@@ -60,7 +60,7 @@ class RigPrediction(PlainResult):
 
 
 @asks(questions.NextTest)
-def predict_rig(rig: str | Path, **asked: Unpack[questions.NextTest]) -> RigPrediction:
+def predict_rig(rig: str | Path, **request: Unpack[questions.NextTest]) -> RigPrediction:
     """Predict the next test of a rig from all that it has done.
 
     Without a ground motion the error follows from those of the rig's own tests; with one the loop is
@@ -82,19 +82,19 @@ def predict_rig(rig: str | Path, **asked: Unpack[questions.NextTest]) -> RigPred
     InputError
         If there are fewer than three tests, or an argument cannot be used.
     """
-    table, date = RigFolder.open(rig).table(), asked["date"]
+    table, date = RigFolder.open(rig).table(), request["date"]
     following = NextTest(
         date=require_date(date) if date else "",
-        specimen=asked["specimen"] or "",
-        covariates=parse_covariates(asked["covariate"] or (), MEASURED_COVARIATES),
+        specimen=request["specimen"] or "",
+        covariates=parse_covariates(request["covariate"] or (), MEASURED_COVARIATES),
     )
-    limit = parse_threshold(asked["threshold"])
-    predict = _predict_for_structure if asked["structure"] is None else _predict_for_frame
-    return RigPrediction(rig=Path(rig), prediction=predict(table, following, limit, asked))
+    limit = parse_threshold(request["threshold"])
+    predict = _predict_for_structure if request["structure"] is None else _predict_for_frame
+    return RigPrediction(rig=Path(rig), prediction=predict(table, following, limit, request))
 
 
-def _structure(asked: questions.NextTest) -> Structure:
-    stated = parse_stated_values(f=asked["f"], xi=asked["xi"], alpha=asked["alpha"])
+def _structure(request: questions.NextTest) -> Structure:
+    stated = parse_stated_values(f=request["f"], xi=request["xi"], alpha=request["alpha"])
     if "f" not in stated:
         raise InputError(
             "The natural frequency of the structure is missing",
@@ -104,9 +104,9 @@ def _structure(asked: questions.NextTest) -> Structure:
 
 
 def _predict_for_frame(
-    table: RigTable, following: NextTest, limit: float, asked: questions.NextTest
+    table: RigTable, following: NextTest, limit: float, request: questions.NextTest
 ) -> Prediction:
-    stated: Mapping[str, Any] = {**asked}
+    stated: Mapping[str, Any] = {**request}
     for name in ("f", "xi", "alpha", "motion", "suite"):
         if stated[name] is not None:
             raise refuse_unused(name, "together with the `structure` of a frame")
@@ -115,9 +115,9 @@ def _predict_for_frame(
 
 
 def _predict_for_structure(
-    table: RigTable, following: NextTest, limit: float, asked: questions.NextTest
+    table: RigTable, following: NextTest, limit: float, request: questions.NextTest
 ) -> Prediction:
-    structure, motion, suite = _structure(asked), asked["motion"], asked["suite"]
+    structure, motion, suite = _structure(request), request["motion"], request["suite"]
     if motion is not None:
         if suite is not None:
             raise refuse_unused("suite", "together with `motion`")
@@ -148,7 +148,7 @@ def report_rig(
     out: str | Path,
     *,
     setting: "Setting | None" = None,
-    **asked: Unpack[questions.RigReport],
+    **request: Unpack[questions.RigReport],
 ) -> Path:
     """Write the report of a rig: two pages for the head of the laboratory, and an appendix.
 
@@ -176,13 +176,13 @@ def report_rig(
     require_ending(out, ".pdf")
     from reliab.report.pdf import write_pdf
 
-    document = document_of_rig(rig, **asked)
+    document = document_of_rig(rig, **request)
     write_pdf(document, Path(out), date=datetime.now(tz=UTC).date(), setting=setting)
     return Path(out)
 
 
 @asks(questions.RigReport)
-def document_of_rig(rig: str | Path, **asked: Unpack[questions.RigReport]) -> "Document":
+def document_of_rig(rig: str | Path, **request: Unpack[questions.RigReport]) -> "Document":
     """Make the document that :func:`report_rig` sets as a PDF; arguments and errors are the same."""
     from reliab.report.kinds.rig_report import rig_report
 
@@ -190,12 +190,14 @@ def document_of_rig(rig: str | Path, **asked: Unpack[questions.RigReport]) -> "D
     if not table.rows:
         raise InputError("The rig has no tests", remedy="Add some with `reliab rig add`")
     last = table.rows[-1]
-    limit = parse_threshold(float(last["threshold"]) if asked["threshold"] is None else asked["threshold"])
+    limit = parse_threshold(
+        float(last["threshold"]) if request["threshold"] is None else request["threshold"]
+    )
     structure: Structure | None = None
-    if asked["f"] is None and last["structure"]:
+    if request["f"] is None and last["structure"]:
         prediction = predict_next(table, None, NextTest(), threshold=limit, frame=last["structure"])
     else:
-        structure = _structure_of_next(last, asked)
+        structure = _structure_of_next(last, request)
         prediction = predict_next(table, structure, NextTest(), threshold=limit)
     digest = hashlib.sha256("\n".join(table.texts("sha256")).encode()).hexdigest()
     return rig_report(
@@ -207,8 +209,8 @@ def document_of_rig(rig: str | Path, **asked: Unpack[questions.RigReport]) -> "D
     )
 
 
-def _structure_of_next(last: Mapping[str, Any], asked: questions.RigReport) -> Structure:
+def _structure_of_next(last: Mapping[str, Any], request: questions.RigReport) -> Structure:
     """Return what is stated of the next structure, and the rest as in the last test."""
-    stated = parse_stated_values(f=asked["f"], xi=asked["xi"], alpha=asked["alpha"])
+    stated = parse_stated_values(f=request["f"], xi=request["xi"], alpha=request["alpha"])
     of_last = {name: float(last[name]) for name in ("f", "xi", "alpha") if last[name] is not None}
     return structure_of(stated, **{**_USUAL, **of_last})

@@ -180,7 +180,7 @@ def add_to_rig(
     tests: str | Path | Iterable[str | Path],
     *,
     show: Progress = silent,
-    **asked: Unpack[questions.AddedTest],
+    **request: Unpack[questions.AddedTest],
 ) -> AddedTests:
     """Judge tests and keep them in the folder of their rig.
 
@@ -209,17 +209,17 @@ def add_to_rig(
     files = [tests] if isinstance(tests, str | Path) else list(tests)
     if not files:
         raise InputError("No test given", remedy="Name its file")
-    stated: Mapping[str, Any] = {**asked}
-    moment = require_date(asked["date"]) if asked["date"] else None
+    stated: Mapping[str, Any] = {**request}
+    moment = require_date(request["date"]) if request["date"] else None
     labels = {"date": moment, **{name: stated[name] for name in ("event", "specimen", "note")}}
     keeper = _Keeper(
         folder=RigFolder(Path(rig)),
-        reading=Channels.from_question(asked),
+        reading=Channels.from_question(request),
         terms={
             name: stated[name] for name in _TERMS if stated[name] is not None and stated[name] is not False
         },
         labels={name: as_text(value) for name, value in labels.items() if value},
-        covariates=parse_covariates(asked["covariate"] or ()),
+        covariates=parse_covariates(request["covariate"] or ()),
     )
     return keeper.keep(files, show)
 

@@ -23,7 +23,7 @@ _STATED = ("grid", "windows", "engine", "tolerance", "experimental_fraction", "m
 
 @asks(questions.Sweep)
 def simulate(
-    motions: Motions, *, out: str | Path, progress: Progress = silent, **asked: Unpack[questions.Sweep]
+    motions: Motions, *, out: str | Path, progress: Progress = silent, **request: Unpack[questions.Sweep]
 ) -> xr.Dataset:
     """Simulate motions for all structures and actuators and store the results.
 
@@ -63,23 +63,25 @@ def simulate(
     >>> results["rms"].dims, results["rms"].shape
     (('motion', 'f', 'xi', 'kp', 'tau'), (2, 1, 1, 41, 57))
     """
-    return open_results(run_sweep(suite_of(motions), _request(asked), out, **_run(asked), progress=progress))
-
-
-def _request(asked: questions.Sweep) -> SweepRequest:
-    return sweep_request(
-        f=asked["f"],
-        xi=asked["xi"],
-        grid=asked["grid"],
-        window=asked["window"] or "record",
-        alpha=WHOLLY_EXPERIMENTAL if asked["alpha"] is None else asked["alpha"],
-        model=asked["model"],
-        engine=asked["engine"],
+    return open_results(
+        run_sweep(suite_of(motions), _request(request), out, **_run(request), progress=progress)
     )
 
 
-def _run(asked: questions.Sweep) -> dict[str, Any]:
-    return {"resume": asked["resume"], "workers": asked["workers"], "scheduler": asked["scheduler"]}
+def _request(request: questions.Sweep) -> SweepRequest:
+    return sweep_request(
+        f=request["f"],
+        xi=request["xi"],
+        grid=request["grid"],
+        window=request["window"] or "record",
+        alpha=WHOLLY_EXPERIMENTAL if request["alpha"] is None else request["alpha"],
+        model=request["model"],
+        engine=request["engine"],
+    )
+
+
+def _run(request: questions.Sweep) -> dict[str, Any]:
+    return {"resume": request["resume"], "workers": request["workers"], "scheduler": request["scheduler"]}
 
 
 @dataclass(frozen=True, kw_only=True)

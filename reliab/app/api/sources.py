@@ -269,10 +269,10 @@ class EllipseSource:
             find_results(path, as_list(self.f), as_list(self.xi)), window=self.window or _RECORD
         )
         with show("Tracing boundaries") as progress:
-            traced: xr.Dataset = select_structures(stored, self.f, self.xi).reliab.ellipses(
+            ellipses: xr.Dataset = select_structures(stored, self.f, self.xi).reliab.ellipses(
                 self._thresholds, (Metric(self.metric),), progress=progress
             )
-        return traced
+        return ellipses
 
     def _trace_frame(self, path: str | Path, show: Show) -> xr.Dataset:
         """Trace the boundaries of a frame under records."""

@@ -44,7 +44,7 @@ def run_study(
     setting: Setting | None = None,
     show: Show = quietly,
     tell: Callable[[str, bool], None] = lambda _name, _done: None,
-    **asked: Unpack[options.MotionSource],
+    **request: Unpack[options.MotionSource],
 ) -> PerformedStudy:
     """Run a study: simulate, fit, derive, validate, report.
 
@@ -72,8 +72,8 @@ def run_study(
         If there is no such study, it asks for what is not there, or the folder holds something else.
     """
     described = open_study(study)
-    if asked["motions"] or asked["sets"]:
-        described = described.replace_motions(as_list(asked["motions"]), as_list(asked["sets"]))
+    if request["motions"] or request["sets"]:
+        described = described.replace_motions(as_list(request["motions"]), as_list(request["sets"]))
     place = Path(study).resolve()
     name = place.parent.name if place.name == "study.toml" else place.stem
     folder = _OUT / name if out is None else Path(out)

@@ -104,17 +104,17 @@ class Boundaries(ResultWithRows):
 
 
 @asks(questions.Boundaries)
-def trace_boundaries(*, show: Show = quietly, **asked: Unpack[questions.Boundaries]) -> Boundaries:
+def trace_boundaries(*, show: Show = quietly, **request: Unpack[questions.Boundaries]) -> Boundaries:
     """Trace the boundary of equal error of each motion, for late and early actuators, as ellipses.
 
     >>> traced = trace_boundaries(results="real_suite", f=1, xi=0.02)
     >>> len(traced), round(next(traced.rows())["b"], 2)
     (100, 1.35)
     """
-    traced = EllipseSource.from_question(asked).dataset(show)
-    if asked["out"] is not None:
-        write_ellipses(traced, Path(asked["out"]))
-    return Boundaries(ellipses=traced)
+    ellipses = EllipseSource.from_question(request).dataset(show)
+    if request["out"] is not None:
+        write_ellipses(ellipses, Path(request["out"]))
+    return Boundaries(ellipses=ellipses)
 
 
 def _plain(name: str, value: Any) -> float | int | str | None:  # noqa: ANN401 - of many types

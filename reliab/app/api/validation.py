@@ -108,7 +108,7 @@ class Validation(ResultWithRows):
 
 
 @asks(questions.Validation)
-def validate_criteria(*, show: Show = quietly, **asked: Unpack[questions.Validation]) -> Validation:
+def validate_criteria(*, show: Show = quietly, **request: Unpack[questions.Validation]) -> Validation:
     """Test criteria on earthquakes from which they were not learned.
 
     Parameters
@@ -126,17 +126,21 @@ def validate_criteria(*, show: Show = quietly, **asked: Unpack[questions.Validat
     InputError
         If the source cannot serve what is asked for, or an argument would have no effect.
     """
-    require_one_share(asked["alpha"])
-    learn, judge, scheme = as_list(asked["learn"]), as_list(asked["judge"]), asked["scheme"]
+    require_one_share(request["alpha"])
+    learn, judge, scheme = as_list(request["learn"]), as_list(request["judge"]), request["scheme"]
     require_one_division(scheme, learn, judge)
-    confidences = list(dict.fromkeys(as_list(asked["confidence"]) or _CONFIDENCES))
-    threshold, metric = _error_of(asked)
+    confidences = list(dict.fromkeys(as_list(request["confidence"]) or _CONFIDENCES))
+    threshold, metric = _error_of(request)
     question = _Candidates(error=threshold, metric=metric, confidences=confidences)
-    candidates = question.from_question(as_list(asked["law"]), as_list(asked["method"]), joint=asked["joint"])
-    source = EllipseSource.from_question(asked, threshold=[threshold])
+    candidates = question.from_question(
+        as_list(request["law"]), as_list(request["method"]), joint=request["joint"]
+    )
+    source = EllipseSource.from_question(request, threshold=[threshold])
     dataset = open_judged_ellipses(source, show)
     truth = true_errors(source, dataset)
-    division = divide(dataset, source, scheme=scheme, leave_out=asked["leave_out"], learn=learn, judge=judge)
+    division = divide(
+        dataset, source, scheme=scheme, leave_out=request["leave_out"], learn=learn, judge=judge
+    )
     with show("Cross-validating") as progress:
         counts = cross_validate(
             dataset,
@@ -147,16 +151,16 @@ def validate_criteria(*, show: Show = quietly, **asked: Unpack[questions.Validat
             threshold=threshold,
             metric=metric,
             truth=truth,
-            trials=asked["trials"] or _TRIALS,
+            trials=request["trials"] or _TRIALS,
             learn_from=division.learn_from,
             progress=progress,
         )
     return Validation(counts=counts, ellipses=dataset, division=division)
 
 
-def _error_of(asked: questions.JudgedCriteria) -> tuple[float, str]:
+def _error_of(request: questions.JudgedCriteria) -> tuple[float, str]:
     """Threshold [-] and metric of the error that is asked for."""
-    threshold, metric = asked["threshold"], asked["metric"]
+    threshold, metric = request["threshold"], request["metric"]
     return FIVE_PERCENT if threshold is None else threshold, str(metric or Metric.RMS)
 
 
@@ -177,7 +181,7 @@ class _Candidates:
         candidates: list[Candidate] = []
         for name in names:
             if name in MANY_MOTION_LAWS:
-                candidates.append(self._make_published(name, MANY_MOTION_LAWS[name], asked=bool(laws)))
+                candidates.append(self._make_published(name, MANY_MOTION_LAWS[name], request=bool(laws)))
                 continue
             fitted = find_law(FITTED_LAWS, name)
             for method in methods or [RECOMMENDED_METHOD]:
@@ -194,11 +198,11 @@ class _Candidates:
             )
         return candidates
 
-    def _make_published(self, name: str, law: Law, *, asked: bool) -> Candidate:
+    def _make_published(self, name: str, law: Law, *, request: bool) -> Candidate:
         """Take a printed law, which states one confidence for one error."""
         law.validity.require_error(self.error, self.metric)
         candidate = PrintedCandidate(name=name, law=law)
-        if asked and not any(candidate.promises(confidence) for confidence in self.confidences):
+        if request and not any(candidate.promises(confidence) for confidence in self.confidences):
             raise InputError(
                 f"The law {name} has a confidence of {percent(candidate.confidence, decimals=0)}",
                 value=", ".join(f"{confidence:g}" for confidence in self.confidences),
@@ -297,7 +301,7 @@ class Calibration(ResultWithRows):
 
 @asks(questions.JudgedCriteria)
 def calibrate_probabilities(
-    *, show: Show = quietly, **asked: Unpack[questions.JudgedCriteria]
+    *, show: Show = quietly, **request: Unpack[questions.JudgedCriteria]
 ) -> Calibration:
     """Compare the probabilities that are stated for tests with how many of the tests are good.
 
@@ -316,9 +320,9 @@ def calibrate_probabilities(
     InputError
         If the source cannot serve what is asked for.
     """
-    require_one_share(asked["alpha"])
-    scheme, (threshold, metric) = asked["scheme"] or DEFAULT_SCHEME, _error_of(asked)
-    source = EllipseSource.from_question(asked, threshold=[threshold])
+    require_one_share(request["alpha"])
+    scheme, (threshold, metric) = request["scheme"] or DEFAULT_SCHEME, _error_of(request)
+    source = EllipseSource.from_question(request, threshold=[threshold])
     dataset = open_judged_ellipses(source, show)
     truth = true_errors(source, dataset)
     with show("Comparing probabilities") as progress:
@@ -328,7 +332,7 @@ def calibrate_probabilities(
             threshold=threshold,
             metric=metric,
             truth=truth,
-            trials=asked["trials"] or _TRIALS,
+            trials=request["trials"] or _TRIALS,
             progress=progress,
         )
     return Calibration(scheme=scheme, truth=truth.name, bins=bins)

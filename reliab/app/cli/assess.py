@@ -49,28 +49,28 @@ class _OneTest(outputs.Tests, outputs.Check, outputs.Cover, total=False):
     _OneTest,
     needs=dict.fromkeys(outputs.Cover.__annotations__, "report"),
 )
-def assess(asked: Request) -> None:
+def assess(request: Request) -> None:
     """Judge a test by its error, from command and measured displacement."""
-    if not _answer_tests(asked) and asked.check:
+    if not _answer_tests(request) and request.check:
         raise typer.Exit(1)
 
 
 @takes(questions.Design, outputs.Chart)
-def design(asked: Request) -> None:
+def design(request: Request) -> None:
     """Print how much amplitude error and delay are tolerable, before a test."""
     from reliab.app.api.assessment_files import draw_chart
     from reliab.app.api.design import design_test
     from reliab.app.cli.output import write_json
 
-    found = asked.ask(design_test, "figure", "json_target")
-    if asked.figure is not None:
-        draw_chart(found, asked.figure)
-    if not write_json(found.to_dict(), asked.json_target):
+    found = request.ask(design_test, "figure", "json_target")
+    if request.figure is not None:
+        draw_chart(found, request.figure)
+    if not write_json(found.to_dict(), request.json_target):
         show_design(found)
 
 
 @takes(questions.StatedOfTest, outputs.Tests, outputs.Check)
-def extrapolate(asked: Request) -> None:
+def extrapolate(request: Request) -> None:
     """Extrapolate runs of one test with different delays or gains to zero error.
 
     The extrapolation itself uses neither structure nor specimen.
@@ -79,27 +79,27 @@ def extrapolate(asked: Request) -> None:
     from reliab.app.cli.output import write_json
     from reliab.app.cli.shown_verdict import show_same_test
 
-    files = files_of(asked.tests, asked.out)
-    if len(files) == 1 and asked.test_name != "all":
+    files = files_of(request.tests, request.out)
+    if len(files) == 1 and request.test_name != "all":
         raise InputError("`reliab extrapolate` needs two tests or more", remedy="Name every run of the test")
-    runs = _verdicts(asked, files)
+    runs = _verdicts(request, files)
     together = runs.same_test()
-    if asked.out is not None:
-        write_tests([{"file": file, **found} for file, found in runs.to_dict().items()], asked.out)
-    if not write_json(together.to_dict(), asked.json_target):
+    if request.out is not None:
+        write_tests([{"file": file, **found} for file, found in runs.to_dict().items()], request.out)
+    if not write_json(together.to_dict(), request.json_target):
         show_same_test(together)
-    if asked.check and not together.reliable:
+    if request.check and not together.reliable:
         raise typer.Exit(1)
 
 
-def _verdicts(asked: Request, files: Sequence[Path], *uses: str) -> Any:  # noqa: ANN401 - of one test or several
+def _verdicts(request: Request, files: Sequence[Path], *uses: str) -> Any:  # noqa: ANN401 - of one test or several
     """Judge tests."""
     from reliab.app.api.assessment import assess as api_assess
     from reliab.app.cli.output import progress_bar
 
-    several = len(files) != 1 or asked.test_name == "all"
+    several = len(files) != 1 or request.test_name == "all"
     with progress_bar("tests") if several else nullcontext(silent) as progress:
-        return asked.ask(
+        return request.ask(
             api_assess,
             *_USED,
             *uses,
@@ -108,64 +108,66 @@ def _verdicts(asked: Request, files: Sequence[Path], *uses: str) -> Any:  # noqa
         )
 
 
-def _answer_tests(asked: Request) -> bool:
+def _answer_tests(request: Request) -> bool:
     """Judge tests; write and print what is found; return whether all are reliable."""
     from reliab.app.api.arguments import refuse_unused
     from reliab.app.api.assessment_files import file_report
 
-    files = files_of(asked.tests, asked.out)
-    several = len(files) != 1 or asked.test_name == "all"
-    if asked.report is not None and several and files:
+    files = files_of(request.tests, request.out)
+    several = len(files) != 1 or request.test_name == "all"
+    if request.report is not None and several and files:
         raise refuse_unused("report", "together with several tests, since a report is of one test")
-    if asked.corrected is not None and several and files:
+    if request.corrected is not None and several and files:
         raise refuse_unused(
             "corrected", "together with several tests, since the response is that of one test"
         )
-    cover = outputs.Cover.__annotations__ if asked.report is not None else ()
-    verdicts = _verdicts(asked, files, "corrected", "details", "report", *cover)
+    cover = outputs.Cover.__annotations__ if request.report is not None else ()
+    verdicts = _verdicts(request, files, "corrected", "details", "report", *cover)
     if several:
-        _write_several(verdicts, asked)
+        _write_several(verdicts, request)
         return bool(verdicts.reliable)
-    _write_one(verdicts, files[0], asked)
-    if asked.report is not None:
-        file_report(verdicts, asked.report, test=files[0], structure=asked.structure, setting=asked.setting())
+    _write_one(verdicts, files[0], request)
+    if request.report is not None:
+        file_report(
+            verdicts, request.report, test=files[0], structure=request.structure, setting=request.setting()
+        )
     return bool(verdicts.reliable)
 
 
 def _write_one(
-    assessment: "Assessment | FrameAssessment | CoupledAssessment", test: Path, asked: Request
+    assessment: "Assessment | FrameAssessment | CoupledAssessment", test: Path, request: Request
 ) -> None:
     from reliab.app.api.assessment_files import write_corrected, write_tests
     from reliab.app.cli.output import say, write_json
     from reliab.app.cli.shown_verdict import show_briefly, show_degrees, show_details
 
     content = assessment.to_dict()
-    if asked.out is not None:
-        write_tests([{"file": str(test), **content}], asked.out)
-    note = None if asked.corrected is None else write_corrected(assessment, asked.corrected)
-    if write_json(content, asked.json_target):
+    if request.out is not None:
+        write_tests([{"file": str(test), **content}], request.out)
+    note = None if request.corrected is None else write_corrected(assessment, request.corrected)
+    if write_json(content, request.json_target):
         return
-    show_briefly(content, without_details=not asked.details)
-    if asked.details:
+    show_briefly(content, without_details=not request.details)
+    if request.details:
         show_details(assessment, content["recording"]["channels"])
     else:
         show_degrees(content)
     if note is not None:
-        say(f"{asked.corrected}: {note}")
+        say(f"{request.corrected}: {note}")
 
 
-def _write_several(assessments: "Assessments", asked: Request) -> None:
+def _write_several(assessments: "Assessments", request: Request) -> None:
     from reliab.app.api.assessment_files import write_tests
     from reliab.app.cli.output import write_json
     from reliab.app.cli.shown_verdict import show_several
 
     contents = [
-        {"file": file, **({"fault": asked.in_options(content["fault"])} if "fault" in content else content)}
+        {"file": file, **({"fault": request.in_options(content["fault"])} if "fault" in content else content)}
         for file, content in assessments.to_dict().items()
     ]
-    if asked.out is not None:
-        write_tests(contents, asked.out)
-    if not write_json(contents, asked.json_target):
+    if request.out is not None:
+        write_tests(contents, request.out)
+    if not write_json(contents, request.json_target):
         show_several(contents)
     if assessments.faults:
         raise InputError(

@@ -26,11 +26,11 @@ class _File(TypedDict):
 
 
 @takes(questions.CalibrationTest, _File)
-def calibrate(asked: Request) -> None:
+def calibrate(request: Request) -> None:
     """Measure skew, scale, hysteresis, noise and resolution of the two displacement channels."""
     from reliab.app.api.records import calibrate as api_calibrate
 
-    asked.answer(api_calibrate, _show)
+    request.answer(api_calibrate, _show)
 
 
 def _show(calibration: "ChannelCalibration") -> None:

@@ -95,15 +95,15 @@ class Request:
         self,
         service: Callable[..., _Answer],
         *uses: str,
-        why: str = "",
+        reason: str = "",
         **arguments: Any,  # noqa: ANN401 - whatever the service takes
     ) -> _Answer:
         """Ask a service with the options that it takes by name; refuse others, but what the command uses.
 
-        `why`: beside or without what the others have no meaning; `arguments`: what else the service is told.
+        `reason`: beside or without what the others have no meaning; `arguments`: what else it is told.
         """
         taken = [name for name in inspect.signature(service).parameters if name in self._values]
-        self.refuse_all_but({*taken, *uses}, why)
+        self.refuse_all_but({*taken, *uses}, reason)
         stated = {**{name: self._values[name] for name in taken}, **arguments}
         used = (name for name, value in stated.items() if value is not None and not self._is_idle(name))
         return service(**{name: stated[name] for name in used})
@@ -142,8 +142,8 @@ class Request:
 
     def _is_idle(self, name: str) -> bool:
         """Tell whether a laboratory's default has no effect beside what is stated."""
-        beside = self._options[name].idle_beside if name in self._options else ()
-        return name not in self.given and any(self._values.get(other) is not None for other in beside)
+        neighbours = self._options[name].idle_beside if name in self._options else ()
+        return name not in self.given and any(self._values.get(other) is not None for other in neighbours)
 
     def refuse_to_overwrite(self) -> None:
         """Refuse to write over a file that the command reads, such as the only recording of a test."""
@@ -167,11 +167,11 @@ class Request:
                 named = value if isinstance(value, list) else [value]
                 yield from (Path(one) for one in named if isinstance(one, str | Path))
 
-    def refuse_all_but(self, names: Collection[str], why: str = "") -> None:
+    def refuse_all_but(self, names: Collection[str], reason: str = "") -> None:
         """Refuse what the command line states and nothing would use."""
         for name in self.given:
             if name not in names:
-                raise refuse_unused(name, why or f"without `{self._belongs_to[name]}`")
+                raise refuse_unused(name, reason or f"without `{self._belongs_to[name]}`")
 
 
 def takes(
@@ -193,12 +193,12 @@ def takes(
         def run(context: typer.Context, **values: Any) -> None:  # noqa: ANN401 - of many types
             given = tuple(name for name in values if _is_given(context, name))
             say = partial(_name_options, root=context.find_root())
-            asked = Request(values, options=options, given=given, in_options=say, belongs_to=needs)
-            asked.refuse_to_overwrite()
+            request = Request(values, options=options, given=given, in_options=say, belongs_to=needs)
+            request.refuse_to_overwrite()
             from reliab.app.cli.output import progress_bar, speaking
 
             with speaking(say), shows_tasks(progress_bar):
-                command(asked)
+                command(request)
 
         context = inspect.Parameter("context", inspect.Parameter.KEYWORD_ONLY, annotation=typer.Context)
         shown = sorted(declared.items(), key=lambda item: _place(item[1][1]))

@@ -9,7 +9,7 @@ from reliab.app.cli.output import console, progress_bar, write_json
 
 
 @takes(questions.StatedOfTest, outputs.Tests, outputs.Chart)
-def compare(asked: Request) -> None:
+def compare(request: Request) -> None:
     """Rank tests by error and say how certain the ranking is.
 
     The tests are of one structure and rig, such as one motion with each compensator.
@@ -19,21 +19,21 @@ def compare(asked: Request) -> None:
     from reliab.report.kinds.comparison import comparison_report
     from reliab.report.terminal import print_document
 
-    files = files_of(asked.tests, asked.out)
+    files = files_of(request.tests, request.out)
     with progress_bar("tests") as progress:
-        verdicts: Any = asked.ask(
+        verdicts: Any = request.ask(
             assess,
             *("tests", "out", "figure", "json_target"),
-            test=files[0] if len(files) == 1 and asked.test_name == "all" else files,
+            test=files[0] if len(files) == 1 and request.test_name == "all" else files,
             progress=progress,
         )
     comparison = compare_assessments(verdicts)
-    if asked.out is not None:
-        write_tests(comparison, asked.out)
+    if request.out is not None:
+        write_tests(comparison, request.out)
     content = comparison.to_dict()
-    content["faults"] = {file: asked.in_options(fault) for file, fault in content["faults"].items()}
-    if not write_json(content, asked.json_target):
+    content["faults"] = {file: request.in_options(fault) for file, fault in content["faults"].items()}
+    if not write_json(content, request.json_target):
         document = comparison_report(replace(comparison, faults=content["faults"]), drawn=False)
         print_document(document, console())
-    if asked.figure is not None:
-        draw_chart(comparison, asked.figure)
+    if request.figure is not None:
+        draw_chart(comparison, request.figure)

@@ -19,21 +19,21 @@ from reliab.core.vocabulary import ERROR_NAMES, PERCENT, Metric
 
 
 @takes(questions.CriterionQuestion, outputs.Listing)
-def criterion(asked: Request) -> None:
+def criterion(request: Request) -> None:
     """Derive how much amplitude error and delay a test may have.
 
     Without a source it is derived from real_suite, 100 real ground motions whose ellipses come with reliab.
     """
-    if asked.list_all:
-        asked.refuse_all_but({"list_all"}, "together with `list_all`")
+    if request.list_all:
+        request.refuse_all_but({"list_all"}, "together with `list_all`")
         show_choices()
         return
     from reliab.app.api.criteria import derive_criteria
 
-    derived = asked.answer(
+    derived = request.answer(
         derive_criteria, lambda criteria: show_criteria(criteria.to_dict()), show=progress_bar
     )
-    derived.require_converged(asked.chains)
+    derived.require_converged(request.chains)
 
 
 _DIAGNOSTICS: Columns = {

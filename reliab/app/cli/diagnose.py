@@ -24,25 +24,25 @@ class _Campaign(outputs.Folder, outputs.Cover, total=False):
 
 
 @takes(_Campaign, needs=dict.fromkeys(outputs.Cover.__annotations__, "out"))
-def diagnose(asked: Request) -> None:
+def diagnose(request: Request) -> None:
     """Find where model and test disagree, name what is missing, verify it on held-out tests."""
     from reliab.app.api.diagnosis import diagnose_campaign, report_diagnosis
     from reliab.report.kinds.discrepancy_report import findings_in_words
     from reliab.report.terminal import print_blocks
 
-    setting = asked.setting()  # refused before the long search, not after it
+    setting = request.setting()  # refused before the long search, not after it
 
     def tell(diagnosis: "Diagnosis") -> None:
-        if asked.json_target != "-":
+        if request.json_target != "-":
             console().print(f"{diagnosis.campaign.name}: {diagnosis.verdict}. {diagnosis.statement}")
 
-    addition = asked.ask(
+    addition = request.ask(
         diagnose_campaign,
-        *("json_target", *(outputs.Cover.__annotations__ if asked.out is not None else ())),
+        *("json_target", *(outputs.Cover.__annotations__ if request.out is not None else ())),
         show=progress_bar,
         tell=tell,
     )
-    if not write_json(addition.to_dict(), asked.json_target):
+    if not write_json(addition.to_dict(), request.json_target):
         print_blocks(findings_in_words(addition.diagnosis), console())
-    if asked.out is not None:
-        report_diagnosis(addition, asked.campaign, asked.out, setting=setting)
+    if request.out is not None:
+        report_diagnosis(addition, request.campaign, request.out, setting=setting)

@@ -15,20 +15,20 @@ _PAGE = 1000  # rows
 
 
 @takes(questions.Boundaries)
-def ellipses(asked: Request) -> None:
+def ellipses(request: Request) -> None:
     """Trace the boundary of equal error of each motion, for late and early actuators, as ellipses."""
     from reliab.app.api.tracing import trace_boundaries
 
-    metric = asked.metric or Metric.RMS
-    asked.answer(trace_boundaries, lambda traced: _show(traced, metric), show=progress_bar)
+    metric = request.metric or Metric.RMS
+    request.answer(trace_boundaries, lambda ellipses: _show(ellipses, metric), show=progress_bar)
 
 
-def _show(traced: "Boundaries", metric: str) -> None:
+def _show(ellipses: "Boundaries", metric: str) -> None:
     """Print one row for each boundary, page by page: a single table of very many would fill the memory."""
-    title = f"{len(traced)} boundaries of the {ERROR_NAMES[Metric(metric)]}"
-    rows = traced.rows()
+    title = f"{len(ellipses)} boundaries of the {ERROR_NAMES[Metric(metric)]}"
+    rows = ellipses.rows()
     while page := list(itertools.islice(rows, _PAGE)):
-        show_rows(title, traced.shown, page)
+        show_rows(title, ellipses.shown, page)
         title = ""
-    if traced.caution:
-        say(f"Note: {traced.caution}")
+    if ellipses.caution:
+        say(f"Note: {ellipses.caution}")

@@ -8,11 +8,11 @@ _MEGABYTE = 1e6
 
 
 @takes(questions.Explorer)
-def explore(asked: Request) -> None:
+def explore(request: Request) -> None:
     """Write an offline web page with sliders that show tolerable errors before a test."""
     from reliab.app.api.design import ExplorerPage, write_explorer
 
     def show(written: ExplorerPage) -> None:
         say(f"{written.page}: {written.size / _MEGABYTE:.1f} MB, open it in any browser.")
 
-    asked.answer(write_explorer, show)
+    request.answer(write_explorer, show)

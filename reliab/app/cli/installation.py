@@ -15,11 +15,11 @@ class _Source(TypedDict):
 
 
 @takes(_Source)
-def fetch(asked: Request) -> None:
+def fetch(request: Request) -> None:
     """Fetch the data that are too large for the package: results.nc of real_suite."""
     from reliab.app.api.installation import fetch_dataset
 
-    asked.answer(
+    request.answer(
         fetch_dataset,
         lambda fetched: write_line(f"{fetched}: the checksum is as listed"),
         content=lambda fetched: {"file": str(fetched)},
@@ -33,11 +33,11 @@ class _Folder(TypedDict):
 
 
 @takes(_Folder)
-def samples(asked: Request) -> None:
+def samples(request: Request) -> None:
     """Write sample files into a folder; files that you changed are kept."""
     from reliab.app.api.installation import copy_samples
 
-    asked.answer(
+    request.answer(
         copy_samples,
         lambda copied: write_line("\n".join(map(str, copied))),
         content=lambda copied: {"samples": [*map(str, copied)]},
@@ -45,11 +45,11 @@ def samples(asked: Request) -> None:
 
 
 @takes()
-def info(asked: Request) -> None:
+def info(request: Request) -> None:
     """Print versions, shipped data and where compiled code is kept, for a bug report."""
     from reliab.app.api.installation import describe_installation
 
-    asked.answer(describe_installation, _show, content=dict)
+    request.answer(describe_installation, _show, content=dict)
 
 
 def _show(facts: dict[str, Any]) -> None:

@@ -48,52 +48,52 @@ class _Source(outputs.Check, total=False):
 
 
 @takes(questions.FollowedTest, _Source)
-def monitor(asked: Request) -> None:
+def monitor(request: Request) -> None:
     """Follow the error of a test while it runs, and judge the whole test at its end.
 
     Alarms appear immediately and do not change the exit code. At the end the exit code is 1 if the test is
     not reliable, with --check also if it is undecided. --json writes one object per line.
     """
-    if asked.export is not None:
-        _export(asked)
+    if request.export is not None:
+        _export(request)
     else:
-        _follow(asked)
+        _follow(request)
 
 
-def _export(asked: Request) -> None:
+def _export(request: Request) -> None:
     from reliab.app.api.in_loop import export_monitor
 
-    written = asked.ask(export_monitor, "json_target", why="together with `export`")
-    if asked.json_target is not None:
-        write_json(written.to_dict(), asked.json_target)
-    if asked.json_target != "-":
+    written = request.ask(export_monitor, "json_target", reason="together with `export`")
+    if request.json_target is not None:
+        write_json(written.to_dict(), request.json_target)
+    if request.json_target != "-":
         say(f"Written to {written.path}: {', '.join(written.files)}")
 
 
-def _follow(asked: Request) -> None:
+def _follow(request: Request) -> None:
     from reliab.app.api.arguments import parse_threshold
     from reliab.app.api.following import follow_test
 
-    if asked.source is None:
+    if request.source is None:
         raise InputError("No file to follow", remedy="Name it, or - for standard input")
-    messages = asked.ask(
+    messages = request.ask(
         follow_test, "json_target", "check", say=lambda text: typer.echo(printable(text), file=sys.stderr)
     )
-    quiet = asked.json_target == "-"
+    quiet = request.json_target == "-"
     screen = Screen(
-        metric=asked.metric or Metric.RMS, threshold=parse_threshold(asked.threshold), quiet=quiet
+        metric=request.metric or Metric.RMS, threshold=parse_threshold(request.threshold), quiet=quiet
     )
     verdict = ""
-    with _open_log(asked.json_target) as lines, screen:
+    with _open_log(request.json_target) as lines, screen:
         for message in messages:
             if lines is not None:
                 lines.write(json.dumps(message.to_dict(), allow_nan=False) + "\n")
                 lines.flush()
             screen.show(message)
             verdict = message.to_dict().get("verdict", verdict)
-    if asked.source != "-" and not quiet:
-        say(f"No new rows for {asked.wait:g} s: test considered finished.")
-    if verdict == "not_reliable" or (asked.check and verdict != "reliable"):
+    if request.source != "-" and not quiet:
+        say(f"No new rows for {request.wait:g} s: test considered finished.")
+    if verdict == "not_reliable" or (request.check and verdict != "reliable"):
         raise typer.Exit(_NO)
 
 

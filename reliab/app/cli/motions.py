@@ -31,7 +31,7 @@ class _Suite(TypedDict, total=False):
 
 @app.command("list", cls=Command)
 @takes(questions.MotionFiles, _Sources)
-def list_motions(asked: Request) -> None:
+def list_motions(request: Request) -> None:
     """List motions with their events and measures of intensity."""
     from reliab.app.api.motions import MotionList, list_motions as api_list_motions
 
@@ -42,44 +42,44 @@ def list_motions(asked: Request) -> None:
         for fault in listed.faults:
             line = "" if fault.line is None else f", line {fault.line}"
             value = f"; found {fault.value}" if fault.value else ""
-            place = f"{_path_within_sources(fault.file, asked.sources)}{line}"
+            place = f"{_path_within_sources(fault.file, request.sources)}{line}"
             say(f"Left out: {place}: {fault.rule}{value}. {fault.remedy}.", style="yellow", soft_wrap=True)
-        _show_notes(listed.skipped, asked.sources)
+        _show_notes(listed.skipped, request.sources)
 
-    asked.answer(api_list_motions, show)
+    request.answer(api_list_motions, show)
 
 
 @app.command("check", cls=Command)
 @takes(questions.MotionFiles, _Sources)
-def check(asked: Request) -> None:
+def check(request: Request) -> None:
     """Read every record; report all faults (exit code 2), and note what deserves a look."""
     from reliab.app.api.motions import MotionCheck, check_motions
 
     def show(checked: MotionCheck) -> None:
-        faults = [replace(fault, remedy=asked.in_options(fault.remedy)) for fault in checked.faults]
-        _show_faults(faults, checked.records, asked.sources)
-        _show_notes(checked.notes, asked.sources)
+        faults = [replace(fault, remedy=request.in_options(fault.remedy)) for fault in checked.faults]
+        _show_faults(faults, checked.records, request.sources)
+        _show_notes(checked.notes, request.sources)
 
-    if asked.answer(check_motions, show).faults:
+    if request.answer(check_motions, show).faults:
         raise typer.Exit(2)
 
 
 @app.command("import", cls=Command)
 @takes(questions.ImportedMotions, _Sources, _Suite)
-def import_motions(asked: Request) -> None:
+def import_motions(request: Request) -> None:
     """Rewrite motions as a suite: one text format in m/s² and a catalogue."""
     from reliab.app.api.motions import import_motions as api_import_motions
 
-    asked.answer(api_import_motions, _show_written)
+    request.answer(api_import_motions, _show_written)
 
 
 @app.command("synthesize", cls=Command)
 @takes(questions.SyntheticSuite, _Suite)
-def synthesize(asked: Request) -> None:
+def synthesize(request: Request) -> None:
     """Write the synthetic suite, which needs no record."""
     from reliab.app.api.motions import synthesize_motions
 
-    asked.answer(synthesize_motions, _show_written)
+    request.answer(synthesize_motions, _show_written)
 
 
 def _show_written(written: "WrittenSuite") -> None:

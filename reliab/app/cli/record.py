@@ -36,28 +36,28 @@ class _Files(TypedDict, total=False):
 
 
 @takes(questions.RecordedTest, _Files)
-def record(asked: Request) -> None:
+def record(request: Request) -> None:
     """Recognise the channels of your file and save them as one open record."""
-    if asked.check:
-        _check(asked)
+    if request.check:
+        _check(request)
         return
-    if asked.csv is not None and len(asked.sources) > 1:
+    if request.csv is not None and len(request.sources) > 1:
         raise InputError(
-            "A CSV file holds one test only", value=f"{len(asked.sources)} files", remedy="Name one file"
+            "A CSV file holds one test only", value=f"{len(request.sources)} files", remedy="Name one file"
         )
-    _require_own_names(asked)
-    records = [_record(source, asked) for source in asked.sources]
+    _require_own_names(request)
+    records = [_record(source, request) for source in request.sources]
     contents = [record.to_dict() for record in records]
-    if not write_json(contents[0] if len(contents) == 1 else contents, asked.json_target):
+    if not write_json(contents[0] if len(contents) == 1 else contents, request.json_target):
         for answer in records:
             _show(answer)
 
 
-def _require_own_names(asked: Request) -> None:
+def _require_own_names(request: Request) -> None:
     """Refuse files of which one would be written over the record of another."""
-    stems = [source.stem for source in asked.sources]
+    stems = [source.stem for source in request.sources]
     twice = next((stem for stem in stems if stems.count(stem) > 1), None)
-    if asked.out is not None and twice is not None:
+    if request.out is not None and twice is not None:
         raise InputError(
             "Several files have the same name",
             value=twice,
@@ -65,19 +65,19 @@ def _require_own_names(asked: Request) -> None:
         )
 
 
-def _record(source: Path, asked: Request) -> "Record":
+def _record(source: Path, request: Request) -> "Record":
     from reliab.app.api.records import record as api_record
 
-    out = asked.out
-    if out is not None and len(asked.sources) > 1:
+    out = request.out
+    if out is not None and len(request.sources) > 1:
         out.mkdir(parents=True, exist_ok=True)
         out = out / f"{source.stem}.nc"
-    return asked.ask(
+    return request.ask(
         api_record,
         *("sources", "attribute", "json_target"),
         source=source,
         out=out,
-        attributes=dict(map(_attribute, asked.attribute or [])),
+        attributes=dict(map(_attribute, request.attribute or [])),
     )
 
 
@@ -90,12 +90,12 @@ def _attribute(text: str) -> tuple[str, str]:
     return name, value
 
 
-def _check(asked: Request) -> None:
+def _check(request: Request) -> None:
     from reliab.app.api.records import check_records
 
-    asked.refuse_all_but(("sources", "check", "json_target"), "together with `check`")
-    faults = check_records(asked.sources)
-    if not write_json(faults, asked.json_target):
+    request.refuse_all_but(("sources", "check", "json_target"), "together with `check`")
+    faults = check_records(request.sources)
+    if not write_json(faults, request.json_target):
         for file, sentences in faults.items():
             console().print(
                 f"{file}: {'a valid record' if not sentences else 'not a valid record'}", markup=False

@@ -45,15 +45,15 @@ class _ExportRequest(_Rig, total=False):
 
 @app.command("add", cls=Command)
 @takes(questions.AddedTest, _AddRequest)
-def add(asked: Request) -> None:
+def add(request: Request) -> None:
     """Judge tests and keep them: record, verdict and indices."""
     from reliab.app.api.rigs import add_to_rig
 
     with progress_bar("tests") as progress:
-        outcome = asked.ask(add_to_rig, "json_target", show=progress)
+        outcome = request.ask(add_to_rig, "json_target", show=progress)
     content = outcome.to_dict()
-    content["faults"] = {file: asked.in_options(fault) for file, fault in content["faults"].items()}
-    if not write_json(content, asked.json_target):
+    content["faults"] = {file: request.in_options(fault) for file, fault in content["faults"].items()}
+    if not write_json(content, request.json_target):
         show_added(content)
     if outcome.faults:
         raise InputError(
@@ -64,29 +64,29 @@ def add(asked: Request) -> None:
 
 @app.command("list", cls=Command)
 @takes(_Rig)
-def list_tests(asked: Request) -> None:
+def list_tests(request: Request) -> None:
     """List the tests of a rig, and where it has changed."""
     from reliab.app.api.rigs import list_rig
 
-    asked.answer(list_rig, lambda listed: show_list(listed.to_dict()))
+    request.answer(list_rig, lambda listed: show_list(listed.to_dict()))
 
 
 @app.command("show", cls=Command)
 @takes(_ShowRequest)
-def show(asked: Request) -> None:
+def show(request: Request) -> None:
     """Show all that is kept of a test."""
     from reliab.app.api.rigs import show_rig_test
 
-    asked.answer(show_rig_test, show_test, content=dict)
+    request.answer(show_rig_test, show_test, content=dict)
 
 
 @app.command("remove", cls=Command)
 @takes(_RemoveRequest)
-def remove(asked: Request) -> None:
+def remove(request: Request) -> None:
     """Remove tests from a rig."""
     from reliab.app.api.rigs import remove_from_rig
 
-    asked.answer(
+    request.answer(
         remove_from_rig,
         lambda removed: write_line(f"Removed: {', '.join(removed)}."),
         content=lambda removed: {"removed": list(removed)},
@@ -95,24 +95,24 @@ def remove(asked: Request) -> None:
 
 @app.command("export", cls=Command)
 @takes(_ExportRequest)
-def export(asked: Request) -> None:
+def export(request: Request) -> None:
     """Write the table of a rig's tests as CSV."""
     from reliab.app.api.rigs import export_rig
 
-    asked.answer(
+    request.answer(
         export_rig,
-        lambda tests: write_line(f"{tests} tests written to {asked.out}"),
-        content=lambda tests: {"out": str(asked.out), "tests": tests},
+        lambda tests: write_line(f"{tests} tests written to {request.out}"),
+        content=lambda tests: {"out": str(request.out), "tests": tests},
     )
 
 
 @app.command("predict", cls=Command)
 @takes(questions.NextTest, _Rig)
-def predict(asked: Request) -> None:
+def predict(request: Request) -> None:
     """Predict the next test: A, d and error with their intervals, and the probability that it is good."""
     from reliab.app.api.rig_answers import predict_rig
 
-    asked.answer(predict_rig, show_prediction)
+    request.answer(predict_rig, show_prediction)
 
 
 class _ReportRequest(_Rig, total=False):
@@ -121,19 +121,19 @@ class _ReportRequest(_Rig, total=False):
 
 @app.command("report", cls=Command)
 @takes(questions.RigReport, outputs.Cover, _ReportRequest)
-def report(asked: Request) -> None:
+def report(request: Request) -> None:
     """Write two pages on what the rig does and what to expect of its next test, and an appendix.
 
     What is not stated of the next test is as in the last one.
     """
     from reliab.app.api.rig_answers import report_rig
 
-    asked.answer(
+    request.answer(
         report_rig,
         lambda written: write_line(f"Report: {written}"),
         *outputs.Cover.__annotations__,
         content=lambda written: {"report": str(written)},
-        setting=asked.setting(),
+        setting=request.setting(),
     )
 
 

@@ -59,12 +59,12 @@ def show_several(contents: list[dict[str, Any]]) -> None:
     from reliab.assessment.several import Assessments
 
     judged = [content for content in contents if "fault" not in content]
-    asked = (
+    request = (
         f", {ERROR_NAMES[Metric(judged[0]['metric'])]} against {percent(judged[0]['threshold'])}"
         if judged
         else ""
     )
-    title = f"Verdicts on {counted(len(contents), 'test')}{asked}"
+    title = f"Verdicts on {counted(len(contents), 'test')}{request}"
     show_rows(title, Assessments.shown, contents)
     for content in contents:
         say(*(f"{content['file']}: {sentence}" for sentence in _explain_verdict(content)))
@@ -72,8 +72,8 @@ def show_several(contents: list[dict[str, Any]]) -> None:
 
 def show_same_test(runs: "SameTest") -> None:
     """Print the verdicts on runs of one test."""
-    asked = f"{ERROR_NAMES[runs.metric]} against {percent(runs.threshold)}"
-    title = f"{len(runs.runs)} runs of one test, {asked}"
+    request = f"{ERROR_NAMES[runs.metric]} against {percent(runs.threshold)}"
+    title = f"{len(runs.runs)} runs of one test, {request}"
     show_rows(title, runs.shown, runs.plain_rows())
     say(*runs.sentences)
 

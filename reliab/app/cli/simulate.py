@@ -15,7 +15,7 @@ class _Store(TypedDict):
 
 
 @takes(questions.Simulation, _Store)
-def simulate(asked: Request) -> None:
+def simulate(request: Request) -> None:
     """Simulate motions for all structures and actuators and store the results.
 
     With --model the structure and the effects are the model's, and gain, delay and the index (A, d) of the
@@ -27,4 +27,4 @@ def simulate(asked: Request) -> None:
         structures = counted(len(simulation.request.structures), "structure")
         say(f"{counted(simulation.motions, 'motion')} × {structures} stored in {simulation.store}")
 
-    asked.answer(simulate_suite, show, show=progress_bar)
+    request.answer(simulate_suite, show, show=progress_bar)

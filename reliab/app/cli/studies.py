@@ -28,23 +28,23 @@ class _Study(options.MotionSource, outputs.Folder, outputs.Listing, outputs.Cove
 
 
 @takes(_Study)
-def run(asked: Request) -> None:
+def run(request: Request) -> None:
     """Run a study: simulate, fit, derive, validate, report."""
     from reliab.app.api.studies import PerformedStudy, list_studies, run_study
 
-    if asked.list_all:
-        why = "together with `list_all`"
-        asked.answer(list_studies, _show_studies, "list_all", why=why)
+    if request.list_all:
+        reason = "together with `list_all`"
+        request.answer(list_studies, _show_studies, "list_all", why=reason)
         return
 
     def tell(name: str, done: bool) -> None:  # noqa: FBT001 - called by position
-        if asked.json_target != "-":
+        if request.json_target != "-":
             say(f"{'done' if done else 'kept':>5}  {name}")
 
     def show(performed: PerformedStudy) -> None:
         say(*filter(None, (performed.answer, f"Report: {performed.report}")))
 
-    asked.answer(run_study, show, *_COVER, setting=asked.setting(), show=progress_bar, tell=tell)
+    request.answer(run_study, show, *_COVER, setting=request.setting(), show=progress_bar, tell=tell)
 
 
 def _show_studies(studies: "StudyList") -> None:
@@ -56,8 +56,8 @@ class _Run(outputs.Cover, total=False):
 
 
 @takes(_Run)
-def report(asked: Request) -> None:
+def report(request: Request) -> None:
     """Rebuild the PDF of a finished run."""
     from reliab.app.api.studies import report_run
 
-    asked.answer(report_run, lambda run: say(f"Report: {run.report}"), *_COVER, setting=asked.setting())
+    request.answer(report_run, lambda run: say(f"Report: {run.report}"), *_COVER, setting=request.setting())

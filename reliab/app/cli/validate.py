@@ -17,12 +17,12 @@ class _Ways(TypedDict, total=False):
 
 
 @takes(questions.Validation, _Ways)
-def validate(asked: Request) -> None:
+def validate(request: Request) -> None:
     """Test criteria on earthquakes that they have not seen."""
     from reliab.app.api.validation import calibrate_probabilities, validate_criteria
 
-    if asked.calibration:
-        asked.answer(
+    if request.calibration:
+        request.answer(
             calibrate_probabilities,
             lambda found: show_probabilities(found.to_dict()),
             "calibration",
@@ -30,7 +30,7 @@ def validate(asked: Request) -> None:
             show=progress_bar,
         )
     else:
-        asked.answer(validate_criteria, lambda found: show_criteria(found.to_dict()), show=progress_bar)
+        request.answer(validate_criteria, lambda found: show_criteria(found.to_dict()), show=progress_bar)
 
 
 _ELLIPSE_NOTE = (

@@ -74,7 +74,7 @@ class Equipment:
     def __post_init__(self) -> None:
         for size in fields(self):
             if (value := getattr(self, size.name)) is not None:
-                require_physical(_QUANTITIES[size.name], value, zero=True, called=f"size {size.name}")
+                require_physical(_QUANTITIES[size.name], value, zero=True, label=f"size {size.name}")
 
     @property
     def is_exact(self) -> bool:

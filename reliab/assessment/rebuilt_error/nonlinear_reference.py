@@ -133,7 +133,7 @@ def tangent_structure(test: HybridTest) -> Partition:
     require_physical(
         "natural frequency",
         math.sqrt((numerical.stiffness + k) / (1.0 + m)) / (2.0 * math.pi),
-        called="natural frequency of the model with its linear specimen",
+        label="natural frequency of the model with its linear specimen",
         remedy="Give the specimen of the model its stiffness, or the computer a part of it",
     )
     return Partition.from_structure(test.structure).replace_values(

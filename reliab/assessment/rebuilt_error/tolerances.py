@@ -44,7 +44,7 @@ class Tolerances:
     def __post_init__(self) -> None:
         for name, value in self.items():
             quantity = "relative standard deviation" if name in _RELATIVE else "number"
-            require_physical(quantity, value, zero=True, signed=name in _SIGNED, called=_spoken(name))
+            require_physical(quantity, value, zero=True, signed=name in _SIGNED, label=_spoken(name))
 
     def items(self) -> list[tuple[str, float]]:
         """Names and values in order, without those of parts and of single sensors."""

@@ -100,9 +100,9 @@ class DesignPage(Page):
     def _mark_rig(self) -> None:
         self._drawing.mark_tests(points_of_rig(path_of_rig(self)) if self.memory.values.get("rig") else [])
 
-    def _take_motion(self, dropped: Mapping[str, bytes | str]) -> None:
+    def _take_motion(self, dropped_files: Mapping[str, bytes | str]) -> None:
         def keep() -> None:
-            self.memory.files = [self.desk.folder.keep_last(dropped)]
+            self.memory.files = [self.desk.folder.keep_last(dropped_files)]
             self.memory.values["traced"] = None
 
         self.attempt(keep)

@@ -92,7 +92,7 @@ class JudgePage(Page):
         self._looked = pn.Column(sizing_mode="stretch_width")
         self._lines = pn.Column(sizing_mode="stretch_width")
         self._verdict = VerdictView()
-        further = [field(memory, name) for name in ("mass", "scale", "skew", "feedback_lag")]
+        further_fields = [field(memory, name) for name in ("mass", "scale", "skew", "feedback_lag")]
         self.form[:] = [
             dropper("1. Drop a test", self._take_test),
             html("<h2>2. State the structure</h2>" + KNOWING),
@@ -106,7 +106,7 @@ class JudgePage(Page):
             self.stop,
             fold_card(
                 "More about the laboratory",
-                *further, dropper("A frame instead of f and ξ (TOML)", self._take_frame),
+                *further_fields, dropper("A frame instead of f and ξ (TOML)", self._take_frame),
             ),
             self._channels,
         ]  # fmt: skip
@@ -123,18 +123,18 @@ class JudgePage(Page):
         self.build()
         self._take_test({path.name: path.read_bytes()})
 
-    def _take_test(self, dropped: Mapping[str, bytes | str]) -> None:
+    def _take_test(self, dropped_files: Mapping[str, bytes | str]) -> None:
         def keep() -> None:
-            self.memory.files = [self.desk.folder.keep_last(dropped)]
+            self.memory.files = [self.desk.folder.keep_last(dropped_files)]
             about_structure = {*ARGUMENTS, "structure"} & self.memory.values.keys()
             self.memory.values = {name: self.memory.values[name] for name in about_structure}
             self._look()
 
         self.attempt(keep)
 
-    def _take_frame(self, dropped: Mapping[str, bytes | str]) -> None:
+    def _take_frame(self, dropped_files: Mapping[str, bytes | str]) -> None:
         def keep() -> None:
-            self.memory.values["structure"] = str(self.desk.folder.keep_last(dropped))
+            self.memory.values["structure"] = str(self.desk.folder.keep_last(dropped_files))
 
         self.attempt(keep)
 
@@ -220,10 +220,10 @@ class JudgePage(Page):
         widgets = self._corrections(look)
         for widget in widgets:
             widget.param.watch(lambda _event: self.attempt(self._look), "value")
-        opened = bool(look.refusal or text or values.get("rate") or look.tests)
+        is_open = bool(look.refusal or text or values.get("rate") or look.tests)
         hint = html("<p class='hint'>Choose what a column is; the drawing follows.</p>")
         self._channels[:] = [
-            fold_card("Correct what was recognised", hint, *widgets, self._file, opened=opened)
+            fold_card("Correct what was recognised", hint, *widgets, self._file, is_open=is_open)
         ]
 
     def _corrections(self, look: Look) -> list[Any]:

@@ -329,9 +329,9 @@ def _field(
 ) -> NDArray[np.float64]:
     """Mean over fields of the state plane, shape (displacement, velocity)."""
     limits = [[-ends[0], ends[0]], [-ends[1], ends[1]]]
-    at = (MILLI * displacement, MILLI * velocity)
+    position = (MILLI * displacement, MILLI * velocity)
     mean, count = (
-        binned_statistic_2d(*at, values, statistic, bins=_FIELD_BINS, range=limits).statistic
+        binned_statistic_2d(*position, values, statistic, bins=_FIELD_BINS, range=limits).statistic
         for statistic in ("mean", "count")
     )
     return np.where(count >= _FEWEST_SAMPLES, mean, np.nan)

@@ -50,12 +50,12 @@ def _draw_plane(place: Axes, tracking: TrackingIndex, boundaries: Mapping[str, t
             place.plot(x, y, label=plain(name), **{**line(rank), "linewidth": 1.8})
     cloud = PERCENT * (draws[0] - 1.0), MILLI * draws[1]
     place.plot(*cloud, ".", color=GREY, markersize=1.2, alpha=0.35, zorder=1.0)
-    at = np.array([[PERCENT * (tracking.amplitude - 1.0)], [MILLI * delay]])
+    position = np.array([[PERCENT * (tracking.amplitude - 1.0)], [MILLI * delay]])
     ends = np.quantile(np.stack(cloud), [0.025, 0.975], axis=1)
-    reach = np.maximum(np.stack([at[:, 0] - ends[0], ends[1] - at[:, 0]]), 0.0)
+    reach = np.maximum(np.stack([position[:, 0] - ends[0], ends[1] - position[:, 0]]), 0.0)
     place.errorbar(
-        at[0],
-        at[1],
+        position[0],
+        position[1],
         xerr=reach[:, :1],
         yerr=reach[:, 1:],
         fmt="D",

@@ -51,9 +51,11 @@ def block_figure(diagnosis: Diagnosis) -> Figure:
         lacking[block] = "\n".join([*names, spell_out(effect.name)])
     if diagnosis.unknown is not None:
         lacking[Block(diagnosis.unknown.block)] = "unknown effect"
-    observed = {diagnosed.block.block for diagnosed in diagnosis.blocks}
+    observed = {block_diagnosis.block.block for block_diagnosis in diagnosis.blocks}
     observed |= {
-        candidate.block for diagnosed in diagnosis.blocks for candidate in diagnosed.block.candidates
+        candidate.block
+        for block_diagnosis in diagnosis.blocks
+        for candidate in block_diagnosis.block.candidates
     }
     caption = "The loop of the test; blocks that no recorded channel shows are dashed."
     return Figure(
@@ -61,45 +63,54 @@ def block_figure(diagnosis: Diagnosis) -> Figure:
     )
 
 
-def _place(diagnosed: BlockDiagnosis, file: str) -> int:
+def _place(block_diagnosis: BlockDiagnosis, file: str) -> int:
     """Place of a test among those of a block."""
-    return next(k for k, test in enumerate(diagnosed.block.tests) if test.file == file)
+    return next(k for k, test in enumerate(block_diagnosis.block.tests) if test.file == file)
 
 
 def _residuals_of_held_out_test(
-    diagnosed: BlockDiagnosis,
+    block_diagnosis: BlockDiagnosis,
 ) -> tuple[str, NDArray[np.float64], NDArray[np.float64]]:
     """File and residuals of the held-out test in which the calibrated model fails most."""
-    file = max(diagnosed.residuals_before, key=lambda name: float(np.std(diagnosed.residuals_before[name])))
-    return file, diagnosed.residuals_before[file], diagnosed.residuals_after[file]
+    file = max(
+        block_diagnosis.residuals_before,
+        key=lambda name: float(np.std(block_diagnosis.residuals_before[name])),
+    )
+    return file, block_diagnosis.residuals_before[file], block_diagnosis.residuals_after[file]
 
 
-def _test_in_words(diagnosed: BlockDiagnosis, file: str) -> str:
+def _test_in_words(block_diagnosis: BlockDiagnosis, file: str) -> str:
     """Name the test that a figure shows whole, and what of it is held out."""
-    third = diagnosed.held_out.partition(" of ")[0]
-    return f"held-out test {file}" if len(diagnosed.block.tests) > 1 else f"{file}, {third} held out"
+    third = block_diagnosis.held_out.partition(" of ")[0]
+    return f"held-out test {file}" if len(block_diagnosis.block.tests) > 1 else f"{file}, {third} held out"
 
 
-def _unit(diagnosed: BlockDiagnosis) -> tuple[str, float]:
+def _unit(block_diagnosis: BlockDiagnosis) -> tuple[str, float]:
     """Return the unit in which the channel of a block is shown, and the factor to it."""
-    unit, factor = _UNITS[diagnosed.block.channel]
-    largest = max(float(np.abs(diagnosed.block.measured(s.test)).max()) for s in diagnosed.proof.segments)
+    unit, factor = _UNITS[block_diagnosis.block.channel]
+    largest = max(
+        float(np.abs(block_diagnosis.block.measured(s.test)).max()) for s in block_diagnosis.proof.segments
+    )
     return ("kN", 1e-3) if unit == "N" and largest > _KILO else (unit, factor)
 
 
-def _noise(diagnosed: BlockDiagnosis) -> float | None:
+def _noise(block_diagnosis: BlockDiagnosis) -> float | None:
     """RMS of what the recordings do not repeat, in the unit of the channel; None where it is not known."""
-    residuals = np.concatenate(list(diagnosed.residuals_before.values()))
-    if diagnosed.gap.floor is None:
+    residuals = np.concatenate(list(block_diagnosis.residuals_before.values()))
+    if block_diagnosis.gap.floor is None:
         return None
-    return float(np.sqrt(np.mean(residuals**2))) * diagnosed.gap.floor / max(diagnosed.gap.before, 1e-300)
+    return (
+        float(np.sqrt(np.mean(residuals**2)))
+        * block_diagnosis.gap.floor
+        / max(block_diagnosis.gap.before, 1e-300)
+    )
 
 
-def _density(diagnosed: BlockDiagnosis) -> NDArray[np.float64]:
+def _density(block_diagnosis: BlockDiagnosis) -> NDArray[np.float64]:
     """Smooth spectrum of what the best model leaves of the tests that it was fitted to."""
-    frequency = np.linspace(0.0, 0.5 * diagnosed.block.rate, _DENSITY_POINTS)
-    plain = replace(diagnosed.problem, tempering=(), powers=(), conversion={})
-    return plain.noise_of(diagnosed.best.space, diagnosed.best.coordinates).density(frequency)
+    frequency = np.linspace(0.0, 0.5 * block_diagnosis.block.rate, _DENSITY_POINTS)
+    plain = replace(block_diagnosis.problem, tempering=(), powers=(), conversion={})
+    return plain.noise_of(block_diagnosis.best.space, block_diagnosis.best.coordinates).density(frequency)
 
 
 def _highest_shown_frequency(residual: NDArray[np.float64], rate: float) -> float:
@@ -110,72 +121,72 @@ def _highest_shown_frequency(residual: NDArray[np.float64], rate: float) -> floa
     return max(2.0 * band, _FEWEST_ROWS * STRETCHES * rate / residual.size)
 
 
-def time_frequency_figure(diagnosed: BlockDiagnosis) -> Figure:
+def time_frequency_figure(block_diagnosis: BlockDiagnosis) -> Figure:
     """Draw residuals of a block over time and frequency."""
-    file, before, after = _residuals_of_held_out_test(diagnosed)
-    rate = diagnosed.block.rate
+    file, before, after = _residuals_of_held_out_test(block_diagnosis)
+    rate = block_diagnosis.block.rate
     drawing = discrepancy_time_frequency(
         before,
         after,
-        density=_density(diagnosed),
+        density=_density(block_diagnosis),
         rate=rate,
         highest=min(_highest_shown_frequency(before, rate), _HIGHEST, 0.5 * rate),
     )
     caption = prose(
         "Power of the residual of {channel} over that of the noise, {test}.",
-        channel=str(diagnosed.block.channel),
-        test=_test_in_words(diagnosed, file),
+        channel=str(block_diagnosis.block.channel),
+        test=_test_in_words(block_diagnosis, file),
     )
-    return Figure(drawing=drawing, caption=caption, label=f"fig:time-{diagnosed.block.block}")
+    return Figure(drawing=drawing, caption=caption, label=f"fig:time-{block_diagnosis.block.block}")
 
 
-def state_plane_figure(diagnosed: BlockDiagnosis) -> Figure:
+def state_plane_figure(block_diagnosis: BlockDiagnosis) -> Figure:
     """Draw residuals of a block over the state of the specimen."""
-    file, before, after = _residuals_of_held_out_test(diagnosed)
-    test = _place(diagnosed, file)
-    motion = diagnosed.block.motions[test].values
-    unit, factor = _unit(diagnosed)
+    file, before, after = _residuals_of_held_out_test(block_diagnosis)
+    test = _place(block_diagnosis, file)
+    motion = block_diagnosis.block.motions[test].values
+    unit, factor = _unit(block_diagnosis)
     drawing = discrepancy_state_plane(motion[0], motion[1], before, after, unit=unit, factor=factor)
     caption = prose(
         "Mean residual of {channel} over displacement and velocity, {test}.",
-        channel=str(diagnosed.block.channel),
-        test=_test_in_words(diagnosed, file),
+        channel=str(block_diagnosis.block.channel),
+        test=_test_in_words(block_diagnosis, file),
     )
-    return Figure(drawing=drawing, caption=caption, label=f"fig:state-{diagnosed.block.block}")
+    return Figure(drawing=drawing, caption=caption, label=f"fig:state-{block_diagnosis.block.block}")
 
 
-def histories_figure(diagnosed: BlockDiagnosis) -> Figure:
+def histories_figure(block_diagnosis: BlockDiagnosis) -> Figure:
     """Draw the channel of a held-out test where it moves most, and what the models leave of it."""
-    file, before, after = _residuals_of_held_out_test(diagnosed)
-    test = _place(diagnosed, file)
+    file, before, after = _residuals_of_held_out_test(block_diagnosis)
+    test = _place(block_diagnosis, file)
     measured, driven = (
-        diagnosed.block.measured(test),
-        diagnosed.block.tests[test].channels[diagnosed.block.inputs[-1]],
+        block_diagnosis.block.measured(test),
+        block_diagnosis.block.tests[test].channels[block_diagnosis.block.inputs[-1]],
     )
-    cut = _strongest(measured, diagnosed.block.rate)
-    unit, factor = _unit(diagnosed)
-    input_unit, input_factor = _UNITS[diagnosed.block.inputs[-1]]
+    cut = _strongest(measured, block_diagnosis.block.rate)
+    unit, factor = _unit(block_diagnosis)
+    input_unit, input_factor = _UNITS[block_diagnosis.block.inputs[-1]]
     history = ModelledHistory(
-        time=np.arange(measured.size)[cut] / diagnosed.block.rate,
+        time=np.arange(measured.size)[cut] / block_diagnosis.block.rate,
         driven=input_factor * driven[cut],
         measured=factor * measured[cut],
         before=factor * before[cut],
         after=factor * after[cut],
-        input_label=f"{diagnosed.block.inputs[-1]} [{input_unit}]",
-        label=f"{diagnosed.block.channel} [{unit}]",
+        input_label=f"{block_diagnosis.block.inputs[-1]} [{input_unit}]",
+        label=f"{block_diagnosis.block.channel} [{unit}]",
         residual_label=f"Residual [{unit}]",
     )
     caption = prose(
         "Measured {channel} of {test} in the stretch in which it is strongest, and its residual below: "
         "over time, and over {driven}.",
-        channel=str(diagnosed.block.channel),
-        test=_test_in_words(diagnosed, file),
-        driven=str(diagnosed.block.inputs[-1]),
+        channel=str(block_diagnosis.block.channel),
+        test=_test_in_words(block_diagnosis, file),
+        driven=str(block_diagnosis.block.inputs[-1]),
     )
     return Figure(
         drawing=discrepancy_histories(history),
         caption=caption,
-        label=f"fig:histories-{diagnosed.block.block}",
+        label=f"fig:histories-{block_diagnosis.block.block}",
     )
 
 
@@ -208,31 +219,31 @@ def gap_figure(diagnosis: Diagnosis) -> Figure:
         "held-out tests: of the calibrated model (before), the best linear one, the best rival that lacks "
         "one of the effects, the model with the effects (after), and the noise, where they are known."
     )
-    drawing = discrepancy_gap([_panel(diagnosed) for diagnosed in diagnosis.blocks])
+    drawing = discrepancy_gap([_panel(block_diagnosis) for block_diagnosis in diagnosis.blocks])
     return Figure(drawing=drawing, caption=caption, label="fig:gap", leads=True)
 
 
-def _panel(diagnosed: BlockDiagnosis) -> GapPanel:
-    file, before, after = _residuals_of_held_out_test(diagnosed)
-    unit, factor = _unit(diagnosed)
-    noise = _noise(diagnosed)
+def _panel(block_diagnosis: BlockDiagnosis) -> GapPanel:
+    file, before, after = _residuals_of_held_out_test(block_diagnosis)
+    unit, factor = _unit(block_diagnosis)
+    noise = _noise(block_diagnosis)
     return GapPanel(
-        title=f"{diagnosed.block.block}: {diagnosed.block.channel}, {file}",
+        title=f"{block_diagnosis.block.block}: {block_diagnosis.block.channel}, {file}",
         label=f"Residual [{unit}]",
-        rate=diagnosed.block.rate,
+        rate=block_diagnosis.block.rate,
         before=factor * before,
         after=factor * after,
         noise=None if noise is None else factor * noise,
-        errors=_errors(diagnosed),
+        errors=_errors(block_diagnosis),
     )
 
 
-def _errors(diagnosed: BlockDiagnosis) -> dict[str, float]:
+def _errors(block_diagnosis: BlockDiagnosis) -> dict[str, float]:
     """Errors on held-out tests of the models that are compared, and of the noise, where it is known."""
-    gap = diagnosed.gap
+    gap = block_diagnosis.gap
     errors = {
         "before": gap.before,
-        "linear": gap.linear if diagnosed.linear else None,
+        "linear": gap.linear if block_diagnosis.linear else None,
         "rival": gap.rival,
         "after": gap.after,
         "noise": gap.floor,
@@ -242,8 +253,8 @@ def _errors(diagnosed: BlockDiagnosis) -> dict[str, float]:
 
 def posterior_figure(diagnosis: Diagnosis, block: str, posterior: Posterior) -> Figure | None:
     """Draw the posterior of the effects that are named in a block, None where it has not converged."""
-    diagnosed = next(one for one in diagnosis.blocks if str(one.block.block) == block)
-    effects = {str(effect.effect.name) for effect in diagnosed.effects}
+    block_diagnosis = next(one for one in diagnosis.blocks if str(one.block.block) == block)
+    effects = {str(effect.effect.name) for effect in block_diagnosis.effects}
     places = [k for k, name in enumerate(posterior.names) if name.rpartition(".")[0] in effects][
         :_MOST_PARAMETERS
     ]

@@ -151,7 +151,9 @@ def _facts(diagnosis: Diagnosis) -> dict[str, Prose]:
     facts: dict[str, Prose] = {
         "Tests": f"{len(campaign.tests)} at {campaign.rate:g} Hz, held out: {campaign.held_out}",
         "Channels": ", ".join(sorted(campaign.channels)),
-        "Blocks observed": ", ".join(str(diagnosed.block.block) for diagnosed in diagnosis.blocks),
+        "Blocks observed": ", ".join(
+            str(block_diagnosis.block.block) for block_diagnosis in diagnosis.blocks
+        ),
     }
     if campaign.structure is not None:
         facts["Structure"] = prose(
@@ -209,10 +211,14 @@ def _method(remarks: Sequence[Prose]) -> Section:
 def location_section(diagnosis: Diagnosis) -> Section:
     """Show the block that fails, what its residuals vary with, and residuals over frequency and state."""
     blocks: list[Block] = [*draw_or_skip("the loop", partial(block_figure, diagnosis)), _places(diagnosis)]
-    for diagnosed in diagnosis.blocks:
-        if diagnosed.findings:
-            blocks += draw_or_skip("residuals over frequency", partial(time_frequency_figure, diagnosed))
-            blocks += draw_or_skip("residuals over the state plane", partial(state_plane_figure, diagnosed))
+    for block_diagnosis in diagnosis.blocks:
+        if block_diagnosis.findings:
+            blocks += draw_or_skip(
+                "residuals over frequency", partial(time_frequency_figure, block_diagnosis)
+            )
+            blocks += draw_or_skip(
+                "residuals over the state plane", partial(state_plane_figure, block_diagnosis)
+            )
     return Section(title=_WHERE, blocks=tuple(blocks))
 
 
@@ -274,11 +280,11 @@ def missing_effects_section(diagnosis: Diagnosis, sampled: Mapping[str, Posterio
         for name, posterior in sampled.items():
             blocks += draw_or_skip("the posterior", partial(posterior_figure, diagnosis, name, posterior))
     blocks += [
-        Paragraph(text=_unknown(diagnosed.unknown))
-        for diagnosed in diagnosis.blocks
-        if diagnosed.unknown is not None
+        Paragraph(text=_unknown(block_diagnosis.unknown))
+        for block_diagnosis in diagnosis.blocks
+        if block_diagnosis.unknown is not None
     ]
-    if any(diagnosed.calibration for diagnosed in diagnosis.blocks):
+    if any(block_diagnosis.calibration for block_diagnosis in diagnosis.blocks):
         blocks.append(_calibration(diagnosis))
     return Section(title="What is missing", blocks=tuple(blocks) or (Paragraph(text="Nothing."),))
 
@@ -345,9 +351,9 @@ def _unknown(unknown: Unknown) -> Prose:
 
 def _calibration(diagnosis: Diagnosis) -> Table:
     rows = [
-        (str(diagnosed.block.block), e.meaning, e.size)
-        for diagnosed in diagnosis.blocks
-        for e in diagnosed.calibration
+        (str(block_diagnosis.block.block), e.meaning, e.size)
+        for block_diagnosis in diagnosis.blocks
+        for e in block_diagnosis.calibration
     ]
     columns = (
         Column(key="block", heading="Block"),
@@ -364,21 +370,23 @@ def _calibration(diagnosis: Diagnosis) -> Table:
 def proof_section(diagnosis: Diagnosis) -> Section:
     """Show how much of the gap between model and measurement closes on held-out tests."""
     blocks: list[Block] = [*_proof(diagnosis), *draw_or_skip("the gap", partial(gap_figure, diagnosis))]
-    for diagnosed in diagnosis.blocks:
-        if diagnosed.gap.missing:
-            blocks += draw_or_skip("histories and loops", partial(histories_figure, diagnosed))
+    for block_diagnosis in diagnosis.blocks:
+        if block_diagnosis.gap.missing:
+            blocks += draw_or_skip("histories and loops", partial(histories_figure, block_diagnosis))
     return Section(title=_PROOF, blocks=tuple(blocks))
 
 
 def _proof(diagnosis: Diagnosis) -> tuple[Block, ...]:
     rows = [
         {
-            **diagnosed.gap.to_dict(),
-            "block": str(diagnosed.block.block),
-            "closed": np.nan if diagnosed.gap.stated_share is None else diagnosed.gap.stated_share,
-            "noise_floor": np.nan if diagnosed.gap.floor is None else diagnosed.gap.floor,
+            **block_diagnosis.gap.to_dict(),
+            "block": str(block_diagnosis.block.block),
+            "closed": np.nan
+            if block_diagnosis.gap.stated_share is None
+            else block_diagnosis.gap.stated_share,
+            "noise_floor": np.nan if block_diagnosis.gap.floor is None else block_diagnosis.gap.floor,
         }
-        for diagnosed in diagnosis.blocks
+        for block_diagnosis in diagnosis.blocks
     ]
     columns = (
         Column(key="block", heading="Block"),
@@ -390,7 +398,7 @@ def _proof(diagnosis: Diagnosis) -> tuple[Block, ...]:
     )
     caption = "Difference between model and measurement on held-out tests, RMS over that of the signal."
     table = Table(frame=pd.DataFrame(rows), columns=columns, caption=caption)
-    floors = (Paragraph(text=_floor(diagnosed)) for diagnosed in diagnosis.blocks)
+    floors = (Paragraph(text=_floor(block_diagnosis)) for block_diagnosis in diagnosis.blocks)
     return *floors, table, _errors_by_test(diagnosis), *_candidates(diagnosis)
 
 
@@ -398,15 +406,15 @@ def _candidates(diagnosis: Diagnosis) -> tuple[Table, ...]:
     """Tabulate the models that were tried, the believed one marked."""
     rows = [
         {
-            "block": str(diagnosed.block.block),
+            "block": str(block_diagnosis.block.block),
             "model": " + ".join(map(spell_out, row.names)) or "calibration alone",
-            "believed": "yes" if row.fit is diagnosed.best else "",
+            "believed": "yes" if row.fit is block_diagnosis.best else "",
             "left_out": row.left_out,
             "held_out": row.held_out,
         }
-        for diagnosed in diagnosis.blocks
-        if len(diagnosed.candidates) > 1
-        for row in diagnosed.candidates
+        for block_diagnosis in diagnosis.blocks
+        if len(block_diagnosis.candidates) > 1
+        for row in block_diagnosis.candidates
     ]
     columns = (
         Column(key="block", heading="Block"),
@@ -422,9 +430,9 @@ def _candidates(diagnosis: Diagnosis) -> tuple[Table, ...]:
     return (Table(frame=pd.DataFrame(rows), columns=columns, caption=caption),) if rows else ()
 
 
-def _floor(diagnosed: BlockDiagnosis) -> Prose:
+def _floor(block_diagnosis: BlockDiagnosis) -> Prose:
     """Sentence on what no model could explain, and what is the model's own error."""
-    gap = diagnosed.gap
+    gap = block_diagnosis.gap
     match gap.remainder:
         case Remainder.AT_NOISE:
             text = "{where}: {after} of the signal remains, and {floor} is noise ({source}); {conclusion}."
@@ -446,7 +454,7 @@ def _floor(diagnosed: BlockDiagnosis) -> Prose:
             )
     return prose(
         text,
-        where=f"{str(diagnosed.block.block).capitalize()}, {gap.channel}",
+        where=f"{str(block_diagnosis.block.block).capitalize()}, {gap.channel}",
         after=_write_share_of_signal(gap.after),
         floor="" if gap.floor is None else _write_share_of_signal(gap.floor),
         source=gap.source or "",
@@ -459,16 +467,16 @@ def _floor(diagnosed: BlockDiagnosis) -> Prose:
 def _errors_by_test(diagnosis: Diagnosis) -> Table:
     rows = [
         {
-            "block": str(diagnosed.block.block),
-            "channel": diagnosed.gap.channel,
-            "test": describe_held_out(diagnosed.block.tests, gap.files),
+            "block": str(block_diagnosis.block.block),
+            "channel": block_diagnosis.gap.channel,
+            "test": describe_held_out(block_diagnosis.block.tests, gap.files),
             "kind": gap.kind,
             "before": gap.before,
             "after": gap.after,
             "left": np.nan if gap.unexplained_share is None else gap.unexplained_share,
         }
-        for diagnosed in diagnosis.blocks
-        for gap in diagnosed.gap.by_test
+        for block_diagnosis in diagnosis.blocks
+        for gap in block_diagnosis.gap.by_test
     ]
     columns = (
         Column(key="block", heading="Block"),

@@ -266,9 +266,11 @@ def _draw(axes: Axes, values: Array, band: tuple[Array, Array], good: NDArray[np
 
 
 def _draw_next(axes: Axes, interval: Mapping[str, float], count: int) -> None:
-    at = count + max(1.0, _AHEAD * count)
-    axes.vlines(at, interval["low"], interval["high"], color=BLUE, linewidth=2.2, label="next test, 90 %")
-    axes.plot([at], [interval["median"]], "s", color=BLUE, markersize=4.0)
+    position = count + max(1.0, _AHEAD * count)
+    axes.vlines(
+        position, interval["low"], interval["high"], color=BLUE, linewidth=2.2, label="next test, 90 %"
+    )
+    axes.plot([position], [interval["median"]], "s", color=BLUE, markersize=4.0)
 
 
 def _draw_changes(axes: Axes, chart: DriftChart) -> None:

@@ -45,7 +45,7 @@ class HybridTest:
     moved_before: float = 0.0  # Largest displacement of the specimen in earlier tests [m]
 
     def __post_init__(self) -> None:
-        require_physical("mass", self.mass, called="mass of the structure")
+        require_physical("mass", self.mass, label="mass of the structure")
         if self.specimen is None and self.structure is not None:
             w0, alpha = self.structure.circular_frequency, self.structure.experimental_fraction
             object.__setattr__(self, "specimen", Specimen(stiffness=alpha * w0**2 * self.mass))

@@ -46,7 +46,7 @@ class UpdatedModel:
 
     def __post_init__(self) -> None:
         for parameter, value in self.deviations.items():
-            require_physical("number", value, zero=True, called="standard deviation", where=parameter)
+            require_physical("number", value, zero=True, label="standard deviation", where=parameter)
 
 
 def write_model(path: Path | str, model: UpdatedModel) -> None:

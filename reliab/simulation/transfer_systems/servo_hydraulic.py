@@ -42,7 +42,7 @@ class ServoHydraulic(TransferSystem):
             *("leakage", "valve_damping", "valve_stiffness"),
         ):
             label = f"{name.replace('_', ' ')} of a servo-hydraulic actuator"
-            require_physical("number", getattr(self, name), called=label)
+            require_physical("number", getattr(self, name), label=label)
 
     def perturb(self, deviations: Array) -> Self:
         """Return the actuator with leakage, valve damping and stiffness off by deviations [SI], (3,)."""

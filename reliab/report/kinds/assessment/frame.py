@@ -40,16 +40,16 @@ def frame_assessment_report(
     """Report the verdict on a test of a frame, with one actuator or with several."""
     if isinstance(assessment, CoupledAssessment):
         several, criterion = True, None
-        of_error, of_tracking = _displacement_blocks(assessment)
+        error_blocks, tracking_blocks = _displacement_blocks(assessment)
     else:
         several, criterion = False, assessment.criterion
-        of_error, of_tracking = _interface_blocks(assessment)
+        error_blocks, tracking_blocks = _interface_blocks(assessment)
     sections = (
-        Section(title="The error of this test", blocks=of_error),
+        Section(title="The error of this test", blocks=error_blocks),
         Section(title="Floors and storeys", blocks=(responses_table(assessment.responses),)),
         Section(title="What to know", blocks=(Points(items=tuple(_cautions(assessment))),)),
         Section(title="What to improve", blocks=(Paragraph(text=improve_first(assessment.error)),)),
-        of_tracking,
+        tracking_blocks,
         Section(title="How it was judged", blocks=(Paragraph(text=_method(several=several)),)),
     )
     return document_of_test(
@@ -64,12 +64,14 @@ def frame_assessment_report(
 def _interface_blocks(assessment: FrameAssessment) -> tuple[tuple[Block, ...], Section]:
     """Error of the one interface displacement, and how its actuator tracked."""
     error, recording = assessment.error, assessment.recording
-    of_error = (
+    error_blocks = (
         errors_table(error, recording),
         budget_table(error.budget, error.would_decide),
         histories_figure(error.rebuilt, error.parts, recording),
     )
-    return of_error, Section(title="Amplitude and delay over frequency", blocks=_frequency_blocks(assessment))
+    return error_blocks, Section(
+        title="Amplitude and delay over frequency", blocks=_frequency_blocks(assessment)
+    )
 
 
 def _displacement_blocks(assessment: CoupledAssessment) -> tuple[tuple[Block, ...], Section]:
@@ -78,9 +80,13 @@ def _displacement_blocks(assessment: CoupledAssessment) -> tuple[tuple[Block, ..
     drawn: tuple[Block, ...] = ()
     if governing is not None:
         drawn = (histories_figure(governing, error.parts, assessment.recording, name=governing.name),)
-    of_error = (_errors(assessment), budget_table(assessment.budget, assessment.error.would_decide), *drawn)
+    error_blocks = (
+        _errors(assessment),
+        budget_table(assessment.budget, assessment.error.would_decide),
+        *drawn,
+    )
     blocks = (_parts(error), _tracking(assessment))
-    return of_error, Section(title="Where the error comes from", blocks=blocks)
+    return error_blocks, Section(title="Where the error comes from", blocks=blocks)
 
 
 def _facts(assessment: FrameAssessment | CoupledAssessment) -> dict[str, Prose]:
@@ -98,9 +104,9 @@ def _facts(assessment: FrameAssessment | CoupledAssessment) -> dict[str, Prose]:
 
 
 def _facts_of_several(assessment: CoupledAssessment) -> dict[str, Prose]:
-    at = "of the interface" if assessment.frame.channels_at_interface else "of the actuators"
+    position = "of the interface" if assessment.frame.channels_at_interface else "of the actuators"
     return {
-        "Driven": f"{', '.join(assessment.frame.partition.names)}; channels are displacements {at}",
+        "Driven": f"{', '.join(assessment.frame.partition.names)}; channels are displacements {position}",
         "Stability": _stability(assessment),
     }
 

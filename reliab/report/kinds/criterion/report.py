@@ -46,9 +46,9 @@ _MOST_EVENTS = 40
 _LONG_TABLE = 160
 
 
-def motions_section(reported: ReportedCriteria) -> Section:
+def motions_section(result: ReportedCriteria) -> Section:
     """Show the motions behind the criterion and the uncertainty that remains."""
-    sample, (f, xi) = reported.sample, reported.structure
+    sample, (f, xi) = result.sample, result.structure
     opening = Paragraph(
         text=prose(
             "{n} motions of {events} earthquakes have an ellipse at {f:g} Hz and $xi = {xi:g}$; their "
@@ -59,13 +59,13 @@ def motions_section(reported: ReportedCriteria) -> Section:
             xi=xi,
         )
     )
-    figures = (_correlation(reported), *_distributions(reported), _predictive(reported), *_forest(reported))
+    figures = (_correlation(result), *_distributions(result), _predictive(result), *_forest(result))
     return Section(title="The motions behind it", blocks=(opening, *figures), label="sec:motions")
 
 
-def _correlation(reported: ReportedCriteria) -> Figure:
+def _correlation(result: ReportedCriteria) -> Figure:
     return Figure(
-        drawing=parameter_correlation(reported.sample),
+        drawing=parameter_correlation(result.sample),
         caption=prose(
             "Every motion has its own ellipse. $a$ and $b$ rise together: a motion that tolerates "
             "amplitude errors also tolerates delays, since near resonance both are one complex error. "
@@ -75,16 +75,16 @@ def _correlation(reported: ReportedCriteria) -> Figure:
     )
 
 
-def _distributions(reported: ReportedCriteria) -> tuple[Figure, Figure]:
-    sample = reported.sample
+def _distributions(result: ReportedCriteria) -> tuple[Figure, Figure]:
+    sample = result.sample
     fitted = {
         "lognormal": (Lognormal.fit(sample.a), Lognormal.fit(sample.b)),
         "log-skew-normal": (LogSkewNormal.fit(sample.a), LogSkewNormal.fit(sample.b)),
     }
-    confidence = reported.criterion.confidence
+    confidence = result.criterion.confidence
     return (
         Figure(
-            drawing=parameter_distributions(sample, fitted, limits=reported.limits, confidence=confidence),
+            drawing=parameter_distributions(sample, fitted, limits=result.limits, confidence=confidence),
             caption=(
                 "Distribution of the ellipse parameters over the motions; the criterion lies in the "
                 "lower tail."
@@ -102,10 +102,10 @@ def _distributions(reported: ReportedCriteria) -> tuple[Figure, Figure]:
     )
 
 
-def _predictive(reported: ReportedCriteria) -> Figure:
-    confidence = reported.criterion.confidence
+def _predictive(result: ReportedCriteria) -> Figure:
+    confidence = result.criterion.confidence
     return Figure(
-        drawing=posterior_and_predictive(reported.sample, limits=reported.limits, confidence=confidence),
+        drawing=posterior_and_predictive(result.sample, limits=result.limits, confidence=confidence),
         caption=prose(
             "Uncertainty that remains with these motions. Above: how well the quantile is known, if "
             "motions were independent and lognormal (bar: 95 %). Below: the chance that a further motion "
@@ -117,13 +117,13 @@ def _predictive(reported: ReportedCriteria) -> Figure:
     )
 
 
-def _forest(reported: ReportedCriteria) -> tuple[Figure, ...]:
+def _forest(result: ReportedCriteria) -> tuple[Figure, ...]:
     """Draw the motions by earthquake, where some earthquakes have several and there are not too many."""
-    sample = reported.sample
+    sample = result.sample
     if not 1 < sample.n_events < min(sample.n_motions, _MOST_EVENTS):
         return ()
     figure = Figure(
-        drawing=event_forest(sample, limits=reported.limits),
+        drawing=event_forest(sample, limits=result.limits),
         caption=prose(
             "Motions of one earthquake are alike @searle1992; this many motions are therefore worth "
             "fewer independent ones, and whole earthquakes are held out when the criterion is put to"
@@ -134,13 +134,13 @@ def _forest(reported: ReportedCriteria) -> tuple[Figure, ...]:
     return (figure,)
 
 
-def appendix_section(reported: ReportedCriteria) -> Section:
+def appendix_section(result: ReportedCriteria) -> Section:
     """List the ellipses of the motions."""
-    sample, (f, xi) = reported.sample, reported.structure
+    sample, (f, xi) = result.sample, result.structure
     frame = pd.DataFrame({"motion": sample.motions, "event": sample.events, "a": sample.a, "b": sample.b})
     for name in ("duration", "pga"):
-        if name in reported.ellipses.coords:
-            frame[name] = reported.ellipses[name].sel(motion=sample.motions).values
+        if name in result.ellipses.coords:
+            frame[name] = result.ellipses[name].sel(motion=sample.motions).values
     listed_motions = frame.sort_values("a").head(_LONG_TABLE) if len(frame) > _LONG_TABLE else frame
     optional = {
         "duration": Column(key="duration", heading="Duration", unit="s", number=Fixed(decimals=1)),
@@ -267,23 +267,23 @@ def criterion_report(
 
     `real_motions` [-].
     """
-    reported = ReportedCriteria(ellipses=ellipses, criteria=tuple(criteria))
-    criterion = reported.criterion
+    result = ReportedCriteria(ellipses=ellipses, criteria=tuple(criteria))
+    criterion = result.criterion
     fraction = share_of(ellipses)
-    blocks: list[Block] = [result_section(reported, population), motions_section(reported)]
+    blocks: list[Block] = [result_section(result, population), motions_section(result)]
     if coverage is not None and len(coverage):
         blocks.append(rates_section(coverage, confidence=criterion.confidence))
     blocks += [
         limits_section((*criterion.provenance.warnings, *notes)),
         method_section(criterion, experimental_fraction=fraction, window=criterion.provenance.window),
-        appendix_section(reported),
+        appendix_section(result),
     ]
     return Document(
         kind="Reliability criterion",
         title=title,
-        verdict=_verdict(reported, population),
+        verdict=_verdict(result, population),
         facts={
-            **_facts(reported, coverage),
+            **_facts(result, coverage),
             **_real(real_motions),
             "Purpose": purpose,
             "To do next": _NEXT,
@@ -294,9 +294,9 @@ def criterion_report(
     )
 
 
-def _verdict(reported: ReportedCriteria, population: str) -> Prose:
-    criterion, (f, xi), (a, b) = reported.criterion, reported.structure, reported.limits
-    early = reported.lead(criterion)
+def _verdict(result: ReportedCriteria, population: str) -> Prose:
+    criterion, (f, xi), (a, b) = result.criterion, result.structure, result.limits
+    early = result.lead(criterion)
     return (
         *prose("At {f:g} Hz and $xi = {xi:g}$, a test keeps ", f=f, xi=xi),
         *error_below(criterion.metric, criterion.threshold),
@@ -325,16 +325,16 @@ def _real(share: Mapping[str, float] | None) -> dict[str, Prose]:
     return {"On real motions": sentence}
 
 
-def _facts(reported: ReportedCriteria, coverage: pd.DataFrame | None) -> dict[str, Prose]:
-    criterion, source = reported.criterion, reported.criterion.provenance
+def _facts(result: ReportedCriteria, coverage: pd.DataFrame | None) -> dict[str, Prose]:
+    criterion, source = result.criterion, result.criterion.provenance
     together = "for both limits together" if criterion.joint else "for each limit separately"
     meaning = meaning_of_confidence(criterion.method)
     facts: dict[str, Prose] = {
         "Ground motions": source.population or f"{source.n_motions} of {source.n_events} earthquakes",
         "Structures": prose(
             "$f$ = {f}, $xi$ = {xi}, $alpha$ = {alpha:g} of the stiffness in the laboratory",
-            f=values(reported.frequencies.tolist(), "Hz"),
-            xi=values(reported.damping_ratios.tolist()),
+            f=values(result.frequencies.tolist(), "Hz"),
+            xi=values(result.damping_ratios.tolist()),
             alpha=source.experimental_fraction,
         ),
         "Error": (
@@ -384,9 +384,9 @@ def no_criterion_report(
 
 def _ellipses_table(ellipses: xr.Dataset) -> Table:
     first = {name: 0 for name in ellipses["a"].dims if name != "motion"}
-    at = ellipses.isel(first)
-    f, xi, threshold = (float(at[name]) for name in ("f", "xi", "threshold"))
-    frame = at[["a", "b"]].reset_coords("event").to_dataframe().reset_index()
+    position = ellipses.isel(first)
+    f, xi, threshold = (float(position[name]) for name in ("f", "xi", "threshold"))
+    frame = position[["a", "b"]].reset_coords("event").to_dataframe().reset_index()
     positive = frame[["a", "b"]].where(frame[["a", "b"]] > 0.0)
     frame = frame.assign(amplitude=np.sqrt(positive["a"]), delay=np.sqrt(positive["b"]))
     columns: tuple[tuple[str, Prose, str, Number], ...] = (

@@ -117,10 +117,10 @@ _UNCONVERGED = (
 )
 
 
-def result_section(reported: ReportedCriteria, population: str = "ground motions") -> Section:
+def result_section(result: ReportedCriteria, population: str = "ground motions") -> Section:
     """State the criterion at one structure, then over all."""
-    main_criterion = reported.criterion
-    f, xi = reported.structure
+    main_criterion = result.criterion
+    f, xi = result.structure
     blocks: list[Block] = [
         Paragraph(
             text=prose(
@@ -131,46 +131,46 @@ def result_section(reported: ReportedCriteria, population: str = "ground motions
                 "both share the same budget."
             )
         ),
-        _criteria_table(reported),
+        _criteria_table(result),
         Figure(
-            drawing=ellipses_and_criterion(reported.sample, _name_limits(reported)),
+            drawing=ellipses_and_criterion(result.sample, _name_limits(result)),
             caption=prose(
                 "Ellipses {how} the boundaries of all ground motions at {f:g} Hz and $xi = {xi:g}$ (grey; "
                 "late actuators) and the criterion, which lies inside {inside} of these {drawn}: where the "
                 "coloured ellipse crosses a grey one, a test on its edge would exceed the error under that "
                 "motion, as far as the ellipse represents the boundary.",
-                inside=_containing(reported),
-                drawn=reported.sample.n_motions,
-                how="inscribed in" if reported.is_inscribed else "fitted by least squares to",
+                inside=_containing(result),
+                drawn=result.sample.n_motions,
+                how="inscribed in" if result.is_inscribed else "fitted by least squares to",
                 f=f,
                 xi=xi,
             ),
             label="fig:criterion",
             leads=True,
         ),
-        *_structure_blocks(reported),
+        *_structure_blocks(result),
     ]
-    zero = _criteria_without_promise(reported)
+    zero = _criteria_without_promise(result)
     if zero:
         blocks.insert(1, Remark(text=zero))
-    if any(criterion.provenance.settings.get("converged") is False for criterion in reported.criteria):
+    if any(criterion.provenance.settings.get("converged") is False for criterion in result.criteria):
         blocks.insert(0, Remark(text=_UNCONVERGED))
     title = f"Criterion for {share_in_words(main_criterion.promise)} of {population} like those behind it"
     return Section(title=title, blocks=tuple(blocks), label="sec:result")
 
 
-def _containing(reported: ReportedCriteria) -> int:
+def _containing(result: ReportedCriteria) -> int:
     """Count the motions whose ellipse at the structure contains that of the criterion."""
-    a, b = reported.limits
-    return int(((reported.sample.a >= a) & (reported.sample.b >= b)).sum())
+    a, b = result.limits
+    return int(((result.sample.a >= a) & (result.sample.b >= b)).sum())
 
 
-def _criteria_without_promise(reported: ReportedCriteria) -> str:
+def _criteria_without_promise(result: ReportedCriteria) -> str:
     """Say for which criteria the motions are too few."""
     few = [
         criterion
-        for criterion in reported.criteria
-        if not all(np.min(limit) > 0.0 for limit in reported.evaluate_on_grid(criterion))
+        for criterion in result.criteria
+        if not all(np.min(limit) > 0.0 for limit in result.evaluate_on_grid(criterion))
     ]
     if not few:
         return ""
@@ -181,9 +181,9 @@ def _criteria_without_promise(reported: ReportedCriteria) -> str:
     )
 
 
-def _criteria_table(reported: ReportedCriteria) -> Table:
-    f, xi = reported.structure
-    frame = _limits_of_criteria(reported)
+def _criteria_table(result: ReportedCriteria) -> Table:
+    f, xi = result.structure
+    frame = _limits_of_criteria(result)
     lead = Column(key="lead", heading=prose("early: $-d <=$"), unit="ms", number=Fixed(), group=_ALONE)
     early = (lead,) if frame["lead"].notna().any() else ()
     amplitude, delay = prose("$|A - 1| <= sqrt(a)$"), prose("late: $d <= sqrt(b)$")
@@ -210,11 +210,11 @@ def _criteria_table(reported: ReportedCriteria) -> Table:
     )
 
 
-def _limits_of_criteria(reported: ReportedCriteria) -> pd.DataFrame:
+def _limits_of_criteria(result: ReportedCriteria) -> pd.DataFrame:
     """One row for each criterion: what it promises, and its limits at the structure."""
     rows = []
-    for criterion in reported.criteria:
-        a, b = (float(limit) for limit in criterion.limits(*reported.structure))
+    for criterion in result.criteria:
+        a, b = (float(limit) for limit in criterion.limits(*result.structure))
         rows.append(
             {
                 "metric": ERROR_NAMES[Metric(criterion.metric)],
@@ -224,41 +224,41 @@ def _limits_of_criteria(reported: ReportedCriteria) -> pd.DataFrame:
                 "b": b,
                 "amplitude": np.sqrt(a),
                 "delay": np.sqrt(b),
-                "lead": reported.lead(criterion),
+                "lead": result.lead(criterion),
             }
         )
     return pd.DataFrame(rows)
 
 
-def _name_limits(reported: ReportedCriteria) -> dict[str, tuple[float, float]]:
-    main_criterion = reported.criterion
+def _name_limits(result: ReportedCriteria) -> dict[str, tuple[float, float]]:
+    main_criterion = result.criterion
     alike = [
         criterion
-        for criterion in reported.criteria
+        for criterion in result.criteria
         if (criterion.threshold, criterion.metric) == (main_criterion.threshold, main_criterion.metric)
     ]
     limits = {}
     for criterion in alike:
-        a, b = (float(limit) for limit in criterion.limits(*reported.structure))
+        a, b = (float(limit) for limit in criterion.limits(*result.structure))
         if a > 0.0 and b > 0.0:
             limits[f"{share_in_words(criterion.promise)} of motions"] = (a, b)
     return limits
 
 
-def _structure_blocks(reported: ReportedCriteria) -> Iterator[Block]:
-    a, b = reported.evaluate_on_grid(reported.criterion)
+def _structure_blocks(result: ReportedCriteria) -> Iterator[Block]:
+    a, b = result.evaluate_on_grid(result.criterion)
     several_f, several_xi = a.shape[0] > 1, a.shape[1] > 1
     if several_f and several_xi:
-        yield from _blocks_over_both_properties(reported, PERCENT * np.sqrt(a), np.sqrt(b))
+        yield from _blocks_over_both_properties(result, PERCENT * np.sqrt(a), np.sqrt(b))
     elif several_f or several_xi:
-        yield _figure_over_one_property(reported, along_f=several_f)
+        yield _figure_over_one_property(result, along_f=several_f)
 
 
 def _blocks_over_both_properties(
-    reported: ReportedCriteria, amplitude: np.ndarray, delay: np.ndarray
+    result: ReportedCriteria, amplitude: np.ndarray, delay: np.ndarray
 ) -> Iterator[Block]:
     yield Figure(
-        drawing=_surfaces(reported),
+        drawing=_surfaces(result),
         caption=prose(
             "Limits over natural frequency and damping ratio: the room for amplitude error hardly depends on"
             " the frequency and grows with damping; the room for delay shrinks as the frequency grows."
@@ -266,34 +266,34 @@ def _blocks_over_both_properties(
         label="fig:surfaces",
     )
     yield _pivot(
-        reported,
+        result,
         delay,
         Fixed(),
         "Greatest delay $sqrt(b)$ [ms] of a test without amplitude error",
         "tab:delay",
     )
     text = "Greatest amplitude error $sqrt(a)$ [%] of a test without delay"
-    yield _pivot(reported, amplitude, Fixed(), text, "tab:amplitude")
+    yield _pivot(result, amplitude, Fixed(), text, "tab:amplitude")
 
 
-def _surfaces(reported: ReportedCriteria) -> Drawing:
+def _surfaces(result: ReportedCriteria) -> Drawing:
     """Draw the limits between the simulated structures too, as the law has them."""
     f, xi = (
         np.geomspace(nodes[0], nodes[-1], _FINE).clip(nodes[0], nodes[-1])
-        for nodes in (reported.frequencies, reported.damping_ratios)
+        for nodes in (result.frequencies, result.damping_ratios)
     )
-    a, b = reported.criterion.limits(f[:, None], xi[None, :])
-    simulated = (reported.frequencies, reported.damping_ratios)
+    a, b = result.criterion.limits(f[:, None], xi[None, :])
+    simulated = (result.frequencies, result.damping_ratios)
     return criterion_surfaces(f, xi, PERCENT * np.sqrt(a), np.sqrt(b), simulated=simulated)
 
 
-def _pivot(reported: ReportedCriteria, limit: np.ndarray, number: Fixed, text: str, label: str) -> Table:
-    rows = _spread_places(reported.damping_ratios.size, _MOST_ROWS)
-    across = _spread_places(reported.frequencies.size, _MOST_COLUMNS)
+def _pivot(result: ReportedCriteria, limit: np.ndarray, number: Fixed, text: str, label: str) -> Table:
+    rows = _spread_places(result.damping_ratios.size, _MOST_ROWS)
+    across = _spread_places(result.frequencies.size, _MOST_COLUMNS)
     frame = pd.DataFrame(limit[np.ix_(across, rows)].T, columns=[str(k) for k in across])
-    frame.insert(0, "xi", reported.damping_ratios[rows])
+    frame.insert(0, "xi", result.damping_ratios[rows])
     columns = tuple(
-        Column(key=str(k), heading=f"{reported.frequencies[k]:g}", number=number, group=prose("$f$ [Hz]"))
+        Column(key=str(k), heading=f"{result.frequencies[k]:g}", number=number, group=prose("$f$ [Hz]"))
         for k in across
     )
     return Table(
@@ -304,16 +304,16 @@ def _pivot(reported: ReportedCriteria, limit: np.ndarray, number: Fixed, text: s
     )
 
 
-def _spread_places(count: int, most: int) -> list[int]:
+def _spread_places(count: int, largest_count: int) -> list[int]:
     """Positions spread evenly over those that there are."""
-    return sorted({int(k) for k in np.linspace(0, count - 1, min(count, most)).round()})
+    return sorted({int(k) for k in np.linspace(0, count - 1, min(count, largest_count)).round()})
 
 
-def _figure_over_one_property(reported: ReportedCriteria, *, along_f: bool) -> Figure:
-    nodes = reported.frequencies if along_f else reported.damping_ratios
+def _figure_over_one_property(result: ReportedCriteria, *, along_f: bool) -> Figure:
+    nodes = result.frequencies if along_f else result.damping_ratios
     series = []
-    for criterion in reported.criteria:
-        a, b = (limit.ravel() for limit in reported.evaluate_on_grid(criterion))
+    for criterion in result.criteria:
+        a, b = (limit.ravel() for limit in result.evaluate_on_grid(criterion))
         error = f"{percent(criterion.threshold)} {ERROR_NAMES[Metric(criterion.metric)]}"
         name = f"{error}, {share_in_words(criterion.promise)} of motions"
         series.append(ParameterSeries(name=name, x=nodes, a=a, b=b, law=True))
