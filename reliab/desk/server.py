@@ -80,8 +80,8 @@ def serve_desk(
 
     `folder`: whose tests, rigs and campaigns are offered; all that the desk writes lies in it. `port`: any
     that is free by default. `say` takes the address, once the desk answers; `name_options` writes the
-    arguments that a message names as whoever started the desk calls them. Raises InputError if the folder is not
-    there or not writable, or the port is taken.
+    arguments that a message names as whoever started the desk calls them. Raises InputError if the folder
+    is not there or not writable, or the port is taken.
     """
     place = DeskFolder.open_folder(folder)
     jobs = Jobs(str(place.work))
