@@ -1,13 +1,14 @@
 """A ladder of independent fits beside the diagnosis of a specimen: which error is left on held-out tests.
 
-python tests/benchmarks/ladder.py CAMPAIGN... [--table FILE.csv] [--without-answers]
+python tests/benchmarks/ladder.py CAMPAIGN... [--table FILE.csv] [--without-answers] [--passive]
 
 Each CAMPAIGN is a folder with a campaign.toml whose tests hold measured_m and force_n. The ladder shares
 nothing with the product: it reads the files itself and fits the force by least squares, linear (stiffness,
 damping, mass, offset) and with dry friction, a power of the velocity, a square and a cubic spring, a Bouc–Wen
 element, a relaxing branch, and pairs of them. Numbers that enter linearly are solved for exactly, the others
-by a bounded search from several starts. The rung of the smallest error on the fitted tests is the ladder's
-answer. `reliab diagnose CAMPAIGN --json -` is then asked for its own.
+by a bounded search from several starts. With `--passive` mass, dampers and elements that dissipate are not
+negative, as in a specimen whose force has its sign right. The rung of the smallest error on the fitted
+tests is the ladder's answer. `reliab diagnose CAMPAIGN --json -` is then asked for its own.
 
 The table has one row for each rung and one for the answer of the product: errors on fitted and on held-out
 tests, RMS over that of the force.
@@ -78,6 +79,8 @@ class Rung:
     columns: Callable
     starts: Sequence[Sequence[float]] = ((),)
     bounds: Sequence[tuple[float, float]] = ()
+    elastic: bool = False  # Whether it only stores energy, so that its factors may have either sign
+    count: int = 1  # How many columns it has
 
 
 def rungs(length: float, speed: float) -> dict[str, Rung]:
@@ -94,7 +97,9 @@ def rungs(length: float, speed: float) -> dict[str, Rung]:
             starts=[[0.3], [1.6]],
             bounds=[(0.02, 4.0)],
         ),
-        "cubic": Rung(columns=lambda _p, x, _v, _step: [(x / length) ** 2, (x / length) ** 3]),
+        "cubic": Rung(
+            columns=lambda _p, x, _v, _step: [(x / length) ** 2, (x / length) ** 3], elastic=True, count=2
+        ),
         "bouc_wen": Rung(
             columns=lambda p, x, v, step: hysteretic(p, x, v, step, length),
             starts=[[log(0.05), 0.0, 0.5], [log(0.2), 0.0, 0.5], [log(0.6), 0.0, 0.5], [log(0.1), -0.7, 0.2]],
@@ -135,8 +140,10 @@ def read(folder: Path) -> tuple[list[Cycles], float]:
 class Regression:
     """Least squares of the force on fitted samples, for some rungs of the ladder."""
 
-    def __init__(self, tests: Sequence[Cycles], step: float, chosen: Sequence[Rung]) -> None:
-        self.tests, self.step, self.chosen = tests, step, chosen
+    def __init__(
+        self, tests: Sequence[Cycles], step: float, chosen: Sequence[Rung], *, passive: bool = False
+    ) -> None:
+        self.tests, self.step, self.chosen, self.passive = tests, step, chosen, passive
         self.force = np.concatenate([test.force for test in tests])
         self.out = np.concatenate([test.held_out for test in tests])
 
@@ -157,7 +164,20 @@ class Regression:
         columns = self.columns(p)
         fitted = columns[~self.out]
         size = np.linalg.norm(fitted, axis=0) + 1e-300
-        factors = np.linalg.lstsq(fitted / size, self.force[~self.out], rcond=1e-10)[0] / size
+        if self.passive:
+            elastic = [
+                False,
+                False,
+                False,
+                True,
+                *(rung.elastic for rung in self.chosen for _ in range(rung.count)),
+            ]
+            lower = np.where(elastic, -np.inf, 0.0)
+            factors = (
+                optimize.lsq_linear(fitted / size, self.force[~self.out], bounds=(lower, np.inf)).x / size
+            )
+        else:
+            factors = np.linalg.lstsq(fitted / size, self.force[~self.out], rcond=1e-10)[0] / size
         return self.force - columns @ factors
 
     def solved(self, starts):
@@ -186,7 +206,7 @@ class Regression:
         ]
 
 
-def climb(folder: Path) -> list[dict[str, object]]:
+def climb(folder: Path, *, passive: bool = False) -> list[dict[str, object]]:
     """Fit every rung, and pairs of them from where each came to rest."""
     tests, step = read(folder)
     length = max(float(np.abs(test.x[~test.held_out]).max(initial=0.0)) for test in tests)
@@ -194,7 +214,7 @@ def climb(folder: Path) -> list[dict[str, object]]:
     known, rest, rows = rungs(length, speed), {}, []
     names = [(), *((name,) for name in known), *itertools.combinations(known, 2)]
     for chosen in names:
-        fitted = Regression(tests, step, [known[name] for name in chosen])
+        fitted = Regression(tests, step, [known[name] for name in chosen], passive=passive)
         starts = list(itertools.product(*(known[name].starts for name in chosen)))
         if len(chosen) > 1:
             starts = [[rest[name] for name in chosen], *starts[:1]]
@@ -234,10 +254,11 @@ def main() -> None:
     parser.add_argument("campaigns", type=Path, nargs="+")
     parser.add_argument("--table", type=Path)
     parser.add_argument("--without-answers", action="store_true")
+    parser.add_argument("--passive", action="store_true")
     given = parser.parse_args()
     rows = []
     for folder in given.campaigns:
-        climbed = climb(folder)
+        climbed = climb(folder, passive=given.passive)
         best = min(climbed, key=lambda row: row["fitted"])
         print(f"{folder.name}: ladder {best['held_out']:.4f} ({best['model']})", flush=True)
         rows += climbed

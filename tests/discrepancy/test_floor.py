@@ -127,6 +127,11 @@ def test_of_noise_nothing_is_unexplained(before, after, floors, noise_like, left
     assert gap.to_dict()["conclusion"] == gap.conclusion
 
 
+def test_effects_that_close_a_small_gap_are_not_told_to_explain_nothing():
+    gap = quiet(0.0502, 0.0451, floors={"band above the motion": 0.0452}, noise_like=())
+    assert gap.conclusion == "what remains is at the level of the noise"
+
+
 def test_where_nothing_is_missing_no_share_is_unexplained():
     gap = dataclasses.replace(quiet(0.0087, 0.0087, noise_like=()), missing=False)
     assert gap.unexplained_share is gap.worst_unexplained_share is gap.by_test[0].unexplained_share is None

@@ -67,9 +67,13 @@ def find_unexplained(
             return None
         explanation = "", f"the remainder follows the motion: {comparison}{_looks(remaining or ())}"
     expression, description = explanation
-    block = general_terms[0].block if explanation is terms else problem.block.block
+    is_term = explanation is terms
     return Unknown(
-        block=str(block), expression=expression, description=description, held_out_nrmse=proof_gap.after
+        block=str(general_terms[0].block if is_term else problem.block.block),
+        expression=expression,
+        description=description,
+        held_out_nrmse=proof_gap.after,
+        formula=_formula(general_terms, best) if is_term else "",
     )
 
 
@@ -114,6 +118,15 @@ def _terms(general_terms: Sequence[type[GeneralTerm]], best: Fit) -> tuple[str, 
         values = ", ".join(f"{e.name} = {e.value:.4g} {e.units}" for e in estimates(effect, best))
         terms.append(f"{effect.expression} ({values})")
     return " + ".join(terms), "; ".join(effect.description for effect in general_terms)
+
+
+def _formula(general_terms: Sequence[type[GeneralTerm]], best: Fit) -> str:
+    """Write terms outside the library, each with its parameters in words."""
+    parameters = (
+        ", ".join(f"{one.meaning} {one.size}" for one in estimates(effect, best)) for effect in general_terms
+    )
+    terms = zip(general_terms, parameters, strict=True)
+    return "; and ".join(f"{effect.expression}, with {values}" for effect, values in terms)
 
 
 def line_above(problem: Problem, best: Fit) -> tuple[str, str] | None:

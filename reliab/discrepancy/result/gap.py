@@ -17,6 +17,8 @@ FLOOR_EXCESS = 2.0
 """Times the noise floor from which a remainder is called an effect: three quarters of its energy are then no
 noise."""
 
+_NO_CHANGE = 0.98  # of an error: effects that leave more of it change nothing
+
 _MOST_CLOSED = 0.999
 """Largest share of a gap that is said to be closed where what remains stands above the noise."""
 
@@ -130,7 +132,7 @@ class Gap:
     @property
     def conclusion(self) -> str:
         """What the sizes mean, a clause that is the same on the screen, in the JSON and in the report."""
-        if self.is_noise_before:
+        if self.is_noise_before and not (self.missing and self.after < _NO_CHANGE * self.before):
             return (
                 "the error of the calibrated model is at the level of the noise: there is nothing to explain"
             )

@@ -1,9 +1,9 @@
 """A missing effect: one of the library with its parameters and rivals, or a term outside the library."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -47,22 +47,23 @@ NORMAL_REACH_90 = 1.645
 """Standard deviations to either end of a central 90 % interval."""
 
 
-def _readable_unit(unit: str, size: float) -> tuple[float, str]:
+def readable_unit(unit: str, size: float) -> tuple[float, str]:
     """Return a power of ten and its unit in which a size is readable.
 
     Forces are shown in N, kN, …, lengths and times in m, mm, … and s, ms, …
 
-    >>> _readable_unit("m/s", 0.004), _readable_unit("N·s/m", 4.6e7), _readable_unit("-", 3e-5)
+    >>> readable_unit("m/s", 0.004), readable_unit("N·s/m", 4.6e7), readable_unit("-", 3e-5)
     ((0.001, 'mm/s'), (1000000.0, 'MN·s/m'), (1e-06, '·10⁻⁶'))
     """
     exponent = 3 * math.floor(math.log10(size) / 3.0) if size > 0.0 else 0
     plain_unit = "" if unit == "-" else unit
-    if exponent < 0 and unit in ("m", "s", "m/s") and exponent in _PREFIXES:
+    has_prefix = exponent in _PREFIXES and (
+        unit.startswith("N") or (exponent < 0 and unit in ("m", "s", "m/s"))
+    )
+    if has_prefix and not (unit.startswith("N") and _READABLE[0] <= size < _READABLE[1]):
         return 10.0**exponent, _PREFIXES[exponent] + unit
     if _READABLE[0] <= size < _READABLE[1] or not exponent:
         return 1.0, plain_unit
-    if exponent > 0 and unit.startswith("N") and exponent in _PREFIXES:
-        return 10.0**exponent, _PREFIXES[exponent] + unit
     superscript = str(exponent).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
     return 10.0**exponent, f"·10{superscript} {plain_unit}".rstrip()
 
@@ -93,7 +94,7 @@ class Estimate:
         """Value with its 90 % interval and unit, as they are shown.
 
         >>> Estimate(name="force_n", value=237_500.0, sd=73_000.0, units="N").size
-        '240 kN (120 to 360)'
+        '238 kN (117 to 358)'
         """
         if not self.determined:
             return "not determined"
@@ -101,10 +102,11 @@ class Estimate:
         low, high = self.interval or (self.value - reach, self.value + reach)
         if not self.signed:
             low = max(low, 0.0)
-        largest = max(abs(self.value), abs(low), abs(high))
-        scale, unit = _readable_unit(self.units, largest)
+        scale, unit = readable_unit(self.units, max(abs(self.value), abs(low), abs(high)))
         value, interval = value_and_interval(self.value / scale, low / scale, high / scale)
-        return f"{value} {unit} ({interval})".replace(" ·", "·").replace("  ", " ").replace("-", "−")
+        is_power = unit.startswith("·")
+        text = f"{value} ({interval}){unit}" if is_power else f"{value} {unit} ({interval})"
+        return text.replace("  ", " ").replace("-", "−")
 
     def to_dict(self) -> dict[str, Any]:
         """Return the entry of `parameters`."""
@@ -214,6 +216,11 @@ class Unknown(PlainResult):
     expression: str
     description: str  # The same in words
     held_out_nrmse: float  # What the model with the expression leaves on held-out tests
+    formula: str = ""  # The expression with its coefficients in words
+
+    keys: ClassVar[Mapping[str, str]] = {
+        key: key for key in ("block", "expression", "description", "held_out_nrmse")
+    }
 
 
 def telling_test(effect: str, rival: str) -> str:

@@ -12,6 +12,7 @@ from reliab.discrepancy.adding.posterior import Posterior
 from reliab.discrepancy.campaign.campaign import Channel
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
 from reliab.discrepancy.result.diagnosis import Diagnosis
+from reliab.discrepancy.result.missing_effect import readable_unit
 from reliab.report.document import Block as DocumentBlock, Figure, Paragraph
 from reliab.report.figures.discrepancy import (
     STRETCHES,
@@ -38,7 +39,6 @@ _HIGHEST = 45.0  # Hz
 _DENSITY_POINTS = 1025
 _MOST_PARAMETERS = 5
 _NEARLY_ALL, _FEWEST_ROWS = 0.99, 6.0  # of a residual's power; rows of a spectrogram
-_SMALL, _LARGE = 1e-3, 1e5  # largest values of a parameter that are shown as they are
 _KILO = 1e4  # N, of the force from which it is shown in kN
 
 
@@ -260,21 +260,18 @@ def posterior_figure(diagnosis: Diagnosis, block: str, posterior: Posterior) -> 
     ]
     if not (places and posterior.converged):
         return None
-    scales = [_power_of_ten(posterior.draws[:, k]) for k in places]
-    units = [
-        posterior.units[k] if scale == 1.0 else f"{scale:g} {posterior.units[k]}"
-        for k, scale in zip(places, scales, strict=True)
+    readable = [
+        readable_unit(posterior.units[k], float(np.abs(posterior.draws[:, k]).max(initial=0.0)))
+        for k in places
     ]
-    names = [f"{posterior.meanings[k]} [{unit}]" for k, unit in zip(places, units, strict=True)]
+    scales = [scale for scale, _ in readable]
+    names = [
+        f"{posterior.meanings[k]} [{unit.removeprefix('·') or '-'}]"
+        for k, (_, unit) in zip(places, readable, strict=True)
+    ]
     caption = prose(
         "Posterior of the effects in the {block}: 90 % intervals, and contours around 50 and 90 % of draws.",
         block=block,
     )
     drawing = discrepancy_posterior(names, posterior.draws[:, places] / scales)
     return Figure(drawing=drawing, caption=caption, label=f"fig:posterior-{block}")
-
-
-def _power_of_ten(values: NDArray[np.float64]) -> float:
-    """Power of ten in which values are shown, one unless they are very large or small."""
-    largest = float(np.abs(values).max(initial=0.0))
-    return 1.0 if _SMALL < largest < _LARGE or not largest else float(10.0 ** np.floor(np.log10(largest)))

@@ -344,7 +344,7 @@ def _unknown(unknown: Unknown) -> Prose:
         text,
         block=unknown.block,
         description=unknown.description,
-        expression=unknown.expression,
+        expression=unknown.formula or unknown.expression,
         error=_write_share_of_signal(unknown.held_out_nrmse),
     )
 
