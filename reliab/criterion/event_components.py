@@ -49,28 +49,22 @@ def event_components(values: Array, events: NDArray[np.str_]) -> EventComponents
     squares = SumsOfSquares.from_values(values, events)
     n = values.shape[0]
     if not squares.separate:
-        within_variance = np.asarray(squares.total / (n - 1))
+        inner = np.asarray(squares.total / (n - 1))
         return EventComponents(
-            between=np.zeros_like(within_variance),
-            within=within_variance,
-            effective_number=np.full_like(within_variance, n),
+            between=np.zeros_like(inner),
+            within=inner,
+            effective_number=np.full_like(inner, n),
         )
-    within_variance = squares.within / squares.degrees_within
-    between_variance = np.maximum(
-        (squares.between / squares.degrees_between - within_variance) / squares.mean_size, 0.0
-    )
-    within_variance = np.where(between_variance > 0.0, within_variance, squares.total / (n - 1))
-    variance_of_mean = between_variance * squares.concentration + within_variance / n
-    is_variable = variance_of_mean > 0.0  # equal values are worth as many motions as there are
-    effective = np.where(
-        is_variable,
-        (between_variance + within_variance) / np.where(is_variable, variance_of_mean, 1.0),
-        float(n),
-    )
+    inner = squares.within / squares.degrees_within
+    outer = np.maximum((squares.between / squares.degrees_between - inner) / squares.mean_size, 0.0)
+    inner = np.where(outer > 0.0, inner, squares.total / (n - 1))
+    variance_of_mean = outer * squares.concentration + inner / n
+    varies = variance_of_mean > 0.0  # equal values are worth as many motions as there are
+    effective = np.where(varies, (outer + inner) / np.where(varies, variance_of_mean, 1.0), float(n))
     effective = np.maximum(effective, _FEWEST_EFFECTIVE)
     return EventComponents(
-        between=np.asarray(between_variance),
-        within=np.asarray(within_variance),
+        between=np.asarray(outer),
+        within=np.asarray(inner),
         effective_number=np.asarray(effective),
     )
 

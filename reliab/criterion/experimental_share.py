@@ -246,11 +246,9 @@ def _fits(ratios: Sequence[ShareRatio]) -> dict[str, Any]:
     }
     for name in ("a", "b"):
         pairs = [(ratio.alpha, getattr(ratio, f"{name}_ratio")) for ratio in ratios]
-        known_pairs = np.array([pair for pair in pairs if pair[1] is not None], dtype=np.float64)
+        points = np.array([pair for pair in pairs if pair[1] is not None], dtype=np.float64)
         strength, deviation = (
-            fit_strength(known_pairs[:, 0], known_pairs[:, 1], first.reference)
-            if len(known_pairs) > 1
-            else (None, None)
+            fit_strength(points[:, 0], points[:, 1], first.reference) if len(points) > 1 else (None, None)
         )
         fits |= {f"{name}_strength": strength, f"{name}_largest_deviation": deviation}
     return fits

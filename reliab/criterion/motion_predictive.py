@@ -45,31 +45,23 @@ def roots_of_increasing(function: Callable[[Array], Array], low: Array, high: Ar
     """
     low, high = _bracket(function, low, high)
     newest, opposite, last = low.copy(), high.copy(), high.copy()
-    newest_value, opposite_value = function(newest), function(opposite)
-    last_value, share = opposite_value.copy(), np.full(low.shape, 0.5)
+    f_newest, f_opposite = function(newest), function(opposite)
+    f_last, share = f_opposite.copy(), np.full(low.shape, 0.5)
     for _ in range(_MOST_STEPS):
         trial = newest + share * (opposite - newest)
-        trial_value = function(trial)
-        has_same_sign = np.sign(trial_value) == np.sign(newest_value)
-        last, last_value = (
-            np.where(has_same_sign, newest, opposite),
-            np.where(has_same_sign, newest_value, opposite_value),
-        )
-        opposite, opposite_value = (
-            np.where(has_same_sign, opposite, newest),
-            np.where(has_same_sign, opposite_value, newest_value),
-        )
-        newest, newest_value = trial, trial_value
-        best = np.where(np.abs(newest_value) < np.abs(opposite_value), newest, opposite)
+        f_trial = function(trial)
+        agrees = np.sign(f_trial) == np.sign(f_newest)
+        last, f_last = (np.where(agrees, newest, opposite), np.where(agrees, f_newest, f_opposite))
+        opposite, f_opposite = (np.where(agrees, opposite, newest), np.where(agrees, f_opposite, f_newest))
+        newest, f_newest = trial, f_trial
+        best = np.where(np.abs(f_newest) < np.abs(f_opposite), newest, opposite)
         width = np.abs(opposite - newest)
         least = 0.5 * _RESOLUTION * np.abs(best) / np.where(width > 0.0, width, 1.0)
-        has_converged = (
-            (width <= _RESOLUTION * np.abs(best)) | (newest_value == 0.0) | (opposite_value == 0.0)
-        )
-        if (has_converged | ~np.isfinite(width)).all():
+        is_final = (width <= _RESOLUTION * np.abs(best)) | (f_newest == 0.0) | (f_opposite == 0.0)
+        if (is_final | ~np.isfinite(width)).all():
             break
         share = np.clip(
-            _interpolate_root(newest, opposite, last, newest_value, opposite_value, last_value),
+            _interpolate_root(newest, opposite, last, f_newest, f_opposite, f_last),
             least,
             1.0 - least,
         )
@@ -189,18 +181,16 @@ class MotionPredictive:
     def _empirical(self, x: Array, base: Array, upper_base: Array) -> Array:
         """Ranks over n + 1, linear between motions and in proportion to the base beyond them."""
         n = self.sorted_values.shape[0]
-        count_below = (self.sorted_values <= x).sum(axis=0)
+        smaller = (self.sorted_values <= x).sum(axis=0)
         left_value, right = (
             np.take_along_axis(self.sorted_values, np.clip(rank, 0, n - 1)[None], axis=0)[0]
-            for rank in (count_below - 1, count_below)
+            for rank in (smaller - 1, smaller)
         )
         gap = np.where(right > left_value, right - left_value, 1.0)
-        inner = count_below + np.clip((x - left_value) / gap, 0.0, 1.0)
+        inner = smaller + np.clip((x - left_value) / gap, 0.0, 1.0)
         least, upper_tail = self._tails
         lower, upper = np.minimum(base / least, 1.0), n + 1.0 - np.minimum(upper_base / upper_tail, 1.0)
-        return np.asarray(
-            np.where(count_below == 0, lower, np.where(count_below == n, upper, inner)) / (n + 1.0)
-        )
+        return np.asarray(np.where(smaller == 0, lower, np.where(smaller == n, upper, inner)) / (n + 1.0))
 
 
 def _normal_score(x: Array, shape: Array) -> Array:

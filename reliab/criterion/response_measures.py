@@ -43,21 +43,15 @@ class BoundaryScales:
         if angle is None:
             scale = self.least[..., side_index]
         else:
-            lower_index, weights = directions_about(angle)
-            near = slice(lower_index - self.first_direction, lower_index - self.first_direction + 2)
+            lower, weights = directions_about(angle)
+            near = slice(lower - self.first_direction, lower - self.first_direction + 2)
             scale = np.exp(np.log(self.towards[..., side_index, near]) @ weights)
         logarithms, errors = np.log(scale), np.log(self.thresholds)
-        upper_index = int(np.clip(np.searchsorted(errors, np.log(threshold) - 1e-9), 1, errors.size - 1))
-        share = float(
-            np.clip(
-                (np.log(threshold) - errors[upper_index - 1]) / np.diff(errors)[upper_index - 1], 0.0, 1.0
-            )
-        )
+        upper = int(np.clip(np.searchsorted(errors, np.log(threshold) - 1e-9), 1, errors.size - 1))
+        share = float(np.clip((np.log(threshold) - errors[upper - 1]) / np.diff(errors)[upper - 1], 0.0, 1.0))
         if share in (0.0, 1.0):  # NaN at the other error says nothing of this one
-            return np.asarray(logarithms[..., upper_index - 1 + int(share)])
-        return np.asarray(
-            (1.0 - share) * logarithms[..., upper_index - 1] + share * logarithms[..., upper_index]
-        )
+            return np.asarray(logarithms[..., upper - 1 + int(share)])
+        return np.asarray((1.0 - share) * logarithms[..., upper - 1] + share * logarithms[..., upper])
 
 
 def directions_about(angle: float) -> tuple[int, Array]:
@@ -83,19 +77,17 @@ class ResponseMeasures:
     @classmethod
     def from_dataset(cls, measures: "xr.Dataset") -> Self:
         """Take the arrays of what `measure_responses` or `compare_boundaries` of `reliab.sweep` returned."""
-        dimensions = ("motion", "f", "xi")
+        axes = ("motion", "f", "xi")
         scales_of = None
         if "scale" in measures:
             scales_of = BoundaryScales(
-                least=measures["scale"].transpose(*dimensions, "threshold", "side").values,
-                towards=measures["scale_towards"]
-                .transpose(*dimensions, "threshold", "side", "direction")
-                .values,
+                least=measures["scale"].transpose(*axes, "threshold", "side").values,
+                towards=measures["scale_towards"].transpose(*axes, "threshold", "side", "direction").values,
                 thresholds=measures["threshold"].values.astype(np.float64),
                 sides=[str(side) for side in measures["side"].values],
             )
         return cls(
-            **{name: measures[name].transpose(*dimensions).values for name in _STRUCTURE_VARIABLES},
+            **{name: measures[name].transpose(*axes).values for name in _STRUCTURE_VARIABLES},
             motions=measures["motion"].values,
             duration=measures["duration"].values,
             frequencies=measures["f"].values.astype(np.float64),

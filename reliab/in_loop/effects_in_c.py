@@ -80,11 +80,11 @@ class _Function:
         self._arguments = [argument.arg for argument in tree.args.args]
         self._locals: dict[str, None] = {}
         body = [line for statement in tree.body for line in self._statement(statement, 1)]
-        declarations = [f"    double {', '.join(f'{local} = 0.0' for local in self._locals)};"] * bool(
+        variables = [f"    double {', '.join(f'{local} = 0.0' for local in self._locals)};"] * bool(
             self._locals
         )
         void_uses = [f"    (void){argument};" for argument in self._arguments]
-        self.text = "\n".join([self._head(name), "{", *declarations, *void_uses, *body, "}"])
+        self.text = "\n".join([self._head(name), "{", *variables, *void_uses, *body, "}"])
 
     def _head(self, name: str) -> str:
         kinds = ("double *", "double ", "double ", "const double *", "double *")

@@ -94,12 +94,12 @@ def list_variables(actuators: int) -> list[Variable]:
         Variable(
             name=f"{name}{place[k]}",
             number=2 * k + channel,
-            description=description,
+            description=text,
             unit="m",
             causality="input",
         )
         for k in place
-        for channel, (name, description) in enumerate(channels)
+        for channel, (name, text) in enumerate(channels)
     ]
     errors = (
         ("error", "Measured displacement minus exact response", "m"),
@@ -107,8 +107,8 @@ def list_variables(actuators: int) -> list[Variable]:
         ("mte", "MTE^R so far", ""),
     )
     outputs = [
-        Variable(name=f"{name}{place[k]}", number=block * actuators + k, description=description, unit=unit)
-        for block, (name, description, unit) in enumerate(errors, 2)
+        Variable(name=f"{name}{place[k]}", number=block * actuators + k, description=text, unit=unit)
+        for block, (name, text, unit) in enumerate(errors, 2)
         for k in place
     ]
     damping = "Net damping ratio of the loop; NaN before it is known"
@@ -133,11 +133,11 @@ def _parameters(place: dict[int, str]) -> list[Variable]:
         Variable(
             name=f"{name}{place[k]}",
             number=(5 + block) * actuators + 4 + k,
-            description=description,
+            description=text,
             unit="m",
             causality="parameter",
         )
-        for block, (name, description) in enumerate(quantities)
+        for block, (name, text) in enumerate(quantities)
         for k in place
     ]
     whether = Variable(

@@ -97,10 +97,7 @@ class LoopCoefficients:
     def from_structure(cls, structure: Partition, carry: Array, step: float) -> "LoopCoefficients":
         """Take a structure with interface displacements that the channels are carried to; `step` [s]."""
         regular = structure.nonsingular_form
-        recursion, force_recursion = (
-            Recursion.of_displacement(regular, step),
-            Recursion.of_force(regular, step),
-        )
+        recursion, forced = (Recursion.of_displacement(regular, step), Recursion.of_force(regular, step))
         return cls(
             decay=recursion.transition,
             early=recursion.early,
@@ -111,7 +108,7 @@ class LoopCoefficients:
             equilibrium=recursion.static @ carry,
             share=structure.shares_at_sensors(carry),
             modes=watched_modes(regular, step),
-            force_loads=(force_recursion.early, force_recursion.late),
+            force_loads=(forced.early, forced.late),
         )
 
 

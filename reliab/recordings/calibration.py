@@ -114,25 +114,23 @@ def calibrate_channels(
         return calibration
     _require_one_motion(recording)
     rests = _rests(recording, command_noise)
-    rest_estimate = _estimate_at_rest(recording, rests) if rests else None
-    channels = _Channels(recording, rests, None if rest_estimate is None else rest_estimate.weights)
+    estimate = _estimate_at_rest(recording, rests) if rests else None
+    channels = _Channels(recording, rests, None if estimate is None else estimate.weights)
     white = float(np.linalg.norm([noise, command_noise, resolution / np.sqrt(12.0)]))
     skew, scale, hysteresis, remainder = channels.estimate()
     if remainder > _MODEL_MARGIN * channels.noise_gain * white + _ALWAYS_LEFT * channels.half_range:
-        if rest_estimate is None:
+        if estimate is None:
             raise _never_rests(recording, remainder / channels.half_range)
-        unsure = StatedValue(rest_estimate.hysteresis.value, _unsure(rest_estimate.hysteresis))
-        return replace(calibration, scale=rest_estimate.scale, hysteresis=unsure, notes=(_ACTUATOR_MOVES,))
+        unsure = StatedValue(estimate.hysteresis.value, _unsure(estimate.hysteresis))
+        return replace(calibration, scale=estimate.scale, hysteresis=unsure, notes=(_ACTUATOR_MOVES,))
     deviations = channels.deviations(skew, scale, hysteresis)
     delay = actuator_delay_ms or StatedValue(0.0)
     deviation = float(np.hypot(MILLI * deviations[0], delay.deviation))
     return replace(
         calibration,
         skew_ms=StatedValue(MILLI * skew - delay.value, deviation),
-        scale=rest_estimate.scale if rest_estimate else StatedValue(scale, float(deviations[1])),
-        hysteresis=rest_estimate.hysteresis
-        if rest_estimate
-        else StatedValue(hysteresis, float(deviations[2])),
+        scale=estimate.scale if estimate else StatedValue(scale, float(deviations[1])),
+        hysteresis=estimate.hysteresis if estimate else StatedValue(hysteresis, float(deviations[2])),
         notes=() if actuator_delay_ms else (_HOLDS_DELAY,),
     )
 
@@ -207,13 +205,13 @@ class _Channels:
         # near its ends the filtered motion is a guess, and the plays have not turned yet
         full_overlap = slice(coefficients.size // 2, motion.size - coefficients.size // 2)
         thinning = max(int(rate / (_SAMPLES_OF_EDGE * edge)), 1)
-        filtered_rows = np.stack(
+        rows = np.stack(
             [filter_symmetrically(values, coefficients) for values in (recording.measured, *stops)]
         )
         self.time_step = recording.time_step
         self.times = np.float64(recording.time_step) * np.arange(motion.size)[full_overlap][::thinning]
-        self.measured = filtered_rows[0][full_overlap][::thinning]
-        basis = np.vstack([motion, filtered_rows[1:]]).T[full_overlap][::thinning]
+        self.measured = rows[0][full_overlap][::thinning]
+        basis = np.vstack([motion, rows[1:]]).T[full_overlap][::thinning]
         self.path = scipy.interpolate.make_interp_spline(self.times, basis)
 
     def estimate(self) -> tuple[float, float, float, float]:
@@ -296,10 +294,8 @@ def _estimate_at_rest(recording: Recording, rests: list[NDArray[np.intp]]) -> _R
     stops = _stops(path, half_range)[:, [stretch[-1] for stretch in rests]].T
     times = np.array([stretch.mean() for stretch in rests])
 
-    def estimate(is_used: NDArray[np.bool_]) -> tuple[float, Array]:
-        return _fit_plays(
-            times[is_used], command[is_used], stops[is_used], reading[is_used], half_range * _RADII
-        )[:2]
+    def estimate(mask: NDArray[np.bool_]) -> tuple[float, Array]:
+        return _fit_plays(times[mask], command[mask], stops[mask], reading[mask], half_range * _RADII)[:2]
 
     places = np.arange(len(rests)) % _STRETCHES
     leave_one_out = [estimate(places != place) for place in range(_STRETCHES)]

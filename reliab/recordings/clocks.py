@@ -287,20 +287,18 @@ def _from_one_date(
     columns: Columns, clocks: Mapping[str, Clock], channels: Mapping[str, Channel]
 ) -> dict[str, Clock]:
     """Count the times of all channels from the earliest date that one of them states."""
-    dated_clocks = {key: clock for key, clock in clocks.items() if clock.start is not None}
-    if not dated_clocks:
+    dates = {key: clock for key, clock in clocks.items() if clock.start is not None}
+    if not dates:
         return dict(clocks)
-    if bare := [key for key in clocks if key not in dated_clocks]:
+    if bare := [key for key in clocks if key not in dates]:
         raise InputError(
-            f"{channels[next(iter(dated_clocks))].column!r} states when it begins, but "
+            f"{channels[next(iter(dates))].column!r} states when it begins, but "
             f"{channels[bare[0]].column!r} does not",
             remedy="Export them with one clock, or from the program that recorded both",
             where=columns.location,
         )
-    first = min(clock.start for clock in dated_clocks.values() if clock.start is not None)
-    return {
-        key: clock.later(seconds_between(first, clock.start or first)) for key, clock in dated_clocks.items()
-    }
+    first = min(clock.start for clock in dates.values() if clock.start is not None)
+    return {key: clock.later(seconds_between(first, clock.start or first)) for key, clock in dates.items()}
 
 
 def _interpolate(
@@ -325,14 +323,11 @@ def _interpolate(
             begin = place - round(shift)
             histories[key] = values[key][begin : begin + count]
         else:
-            nodes, values_of_channel = clock.sample_times(values[key].size), values[key]
+            nodes, samples = clock.sample_times(values[key].size), values[key]
             clipped_instants = np.clip(instants, nodes[0], nodes[-1])
             if hold is not None:
-                nodes, values_of_channel = (
-                    nodes[hold.places] - hold.lateness * clock.step,
-                    values_of_channel[hold.places],
-                )
-            histories[key] = CubicPath.interpolate(nodes, values_of_channel)(clipped_instants)
+                nodes, samples = (nodes[hold.places] - hold.lateness * clock.step, samples[hold.places])
+            histories[key] = CubicPath.interpolate(nodes, samples)(clipped_instants)
         has_own_clock = not is_cut and (lead.times is None or clock.times is not lead.times)
         corrections[key] = tuple(
             _describe_changes(clock, lead, hold, channels[first].column, is_interpolated=has_own_clock)

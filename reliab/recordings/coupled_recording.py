@@ -125,7 +125,7 @@ def build_coupled_recording(histories: Histories) -> CoupledRecording:
     numbers = numbers_of_pairs((channel.part, channel.actuator) for channel in histories.channels.values())
     columns, channels = histories.columns, histories.channels.values()
     grounds = (key for key, channel in histories.channels.items() if channel.part is Part.GROUND)
-    renamed_channels = (
+    renamings = (
         replace(channel, reason=channel.reason.replace(_RECORD_REASON, "its name")) for channel in channels
     )
     return CoupledRecording(
@@ -135,7 +135,7 @@ def build_coupled_recording(histories: Histories) -> CoupledRecording:
         actuators=tuple(number or "1" for number in numbers),
         name=f"{columns.path.name}, {columns.test}" if columns.test else columns.path.name,
         notes=tuple(dict.fromkeys(histories.notes)),
-        channels=tuple(renamed_channels),
+        channels=tuple(renamings),
         ground=next((histories.values[key] for key in grounds), None),
     )
 
@@ -151,10 +151,6 @@ def number_pairs(columns: Columns) -> Columns:
 
 def numbers_of_pairs(channels: Iterable[tuple[Part, str]]) -> tuple[str, ...]:
     """Numbers of actuators with both channels, in their order."""
-    pair_keys = set(channels)
-    numbers = {
-        number
-        for part, number in pair_keys
-        if all((displacement, number) in pair_keys for displacement in DISPLACEMENTS)
-    }
+    keys = set(channels)
+    numbers = {number for part, number in keys if all((part, number) in keys for part in DISPLACEMENTS)}
     return tuple(sorted(numbers, key=lambda number: (len(number), number)))

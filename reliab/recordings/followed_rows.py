@@ -67,12 +67,8 @@ def _cubic(place: float) -> Array:
 
 def _join(first: Rows, second: Rows) -> Rows:
     def follow(name: str) -> Any:  # noqa: ANN401 - arrays, or none
-        joined_fields = getattr(first, name), getattr(second, name)
-        return (
-            None
-            if joined_fields[0] is None or joined_fields[1] is None
-            else np.concatenate(joined_fields, axis=-1)
-        )
+        pair = getattr(first, name), getattr(second, name)
+        return None if pair[0] is None or pair[1] is None else np.concatenate(pair, axis=-1)
 
     names = ("time", "command", "measured", "force", "lines")
     return replace(second, **{name: follow(name) for name in names})

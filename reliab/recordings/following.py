@@ -207,21 +207,19 @@ def _has_number(line: str, delimiter: str) -> bool:
 
 
 def _detect_layout(
-    waiting: list[tuple[int, str]], request: _Request, layout_above: _Layout | None
+    waiting: list[tuple[int, str]], request: _Request, layout: _Layout | None
 ) -> tuple[_Layout | None, list[tuple[int, str]]]:
     """Layout of a text, as soon as a row stands below names, or two rows do, and the lines from there."""
     lines = [line for _, line in waiting]
-    delimiter = delimiter_of(lines) if layout_above is None else layout_above.delimiter
+    delimiter = delimiter_of(lines) if layout is None else layout.delimiter
     for place, line in enumerate(lines):
         if is_comment(line):
             continue
         if begins_table(lines, delimiter, place) or _stands_below_names(lines[: place + 1], delimiter):
-            header_lines = lines[:place]
-            has_names = any(text.strip() for text in header_lines)
+            header = lines[:place]
+            has_names = any(text.strip() for text in header)
             name_lines = (
-                layout_above
-                if layout_above is not None and not has_names
-                else _layout(header_lines, line, delimiter, request)
+                layout if layout is not None and not has_names else _layout(header, line, delimiter, request)
             )
             return name_lines, waiting[place:]
     if len(lines) > _LONGEST_PREAMBLE:

@@ -408,14 +408,12 @@ class _Search:
         velocity and an acceleration do not, and it has another size, which a second sensor has not.
         """
         motion = {channel.part: self._columns.values[channel.column] for channel in pairs}
-        used_columns = {channel.column for channel in (*pairs, *((time,) if time else ()))}
-        other_columns = [
-            name for name in self._columns.values if name not in used_columns and self._moves(name)
-        ]
+        used_names = {channel.column for channel in (*pairs, *((time,) if time else ()))}
+        names = [name for name in self._columns.values if name not in used_names and self._moves(name)]
         nameless = not self._columns.named and self._histories
-        if not nameless or len(other_columns) != 1 or set(motion) != set(DISPLACEMENTS) or len(pairs) != 2:  # noqa: PLR2004
+        if not nameless or len(names) != 1 or set(motion) != set(DISPLACEMENTS) or len(pairs) != 2:  # noqa: PLR2004
             return []
-        (name,), displacement = other_columns, motion[Part.MEASURED]
+        (name,), displacement = names, motion[Part.MEASURED]
         values, meaning = self._columns.values[name], self._part_name[name]
         if meaning.quantity is not None or values.size != displacement.size:
             return []
@@ -485,11 +483,9 @@ class _Search:
         )
 
     def _suggestion(self, part: Part) -> str:
-        name_of_word = {
-            word: name for name in self._columns.values for word in {plain(name), *words_of(name)}
-        }
-        if close := get_close_matches(str(part), name_of_word, n=1, cutoff=_SIMILAR):
-            name = name_of_word[close[0]]
+        names = {word: name for name in self._columns.values for word in {plain(name), *words_of(name)}}
+        if close := get_close_matches(str(part), names, n=1, cutoff=_SIMILAR):
+            name = names[close[0]]
             return f"Did you mean {name!r}? Then rename it to {part}, or give `{part}={name}`"
         return f"Name the column {part}, or say which it is with `{part}`"
 

@@ -99,11 +99,9 @@ def write_csv(record: "xr.Dataset", histories: Histories, path: str | Path) -> N
         if key in histories.values:
             names.append(f"{key.replace(' ', '_')}_{endings[channel.part]}")
             values.append(histories.values[key])
-    comment_lines = [
-        f"# {name} = {record.attrs[name]}\n" for name in STATED_ATTRIBUTES if name in record.attrs
-    ]
+    comments = [f"# {name} = {record.attrs[name]}\n" for name in STATED_ATTRIBUTES if name in record.attrs]
     with written_whole(path) as place, place.open("w", encoding="utf-8", newline="\n") as file:
-        file.write("".join(comment_lines) + ",".join(names) + "\n")
+        file.write("".join(comments) + ",".join(names) + "\n")
         np.savetxt(file, np.column_stack(values), fmt="%.17g", delimiter=",")
 
 
@@ -181,12 +179,12 @@ def _remaining_channels(histories: Histories, taken_names: set[str]) -> dict[str
     """Channels of the source that were not needed, as they stand there, where they have the test's clock."""
     import re
 
-    columns, used_columns = histories.columns, {channel.column for channel in histories.channels.values()}
+    columns, columns_used = histories.columns, {channel.column for channel in histories.channels.values()}
     lead = columns.series[next(iter(histories.channels[key].column for key in histories.values))]
     variables: dict[str, Any] = {}
     for column, series in columns.series.items() if histories.has_rows else ():
         if (
-            column in used_columns
+            column in columns_used
             or series.values.size != lead.values.size
             or not _have_one_clock(series, lead)
         ):

@@ -200,12 +200,10 @@ class Memory:
 def _too_few(table: RigTable, frame: str, count: int) -> InputError:
     """Refuse fewer than three tests of a kind of structure; tests of others are named beside them."""
     kind = f"tests of the frame {frame!r}" if frame else "tests of single-degree-of-freedom structures"
-    other_structures = sorted(
-        {repr(row["structure"]) for row in table.rows if row["structure"] not in ("", frame)}
-    )
-    other_text = f" in addition to those of {', '.join(other_structures)}" if other_structures else ""
+    names = sorted({repr(row["structure"]) for row in table.rows if row["structure"] not in ("", frame)})
+    other_text = f" in addition to those of {', '.join(names)}" if names else ""
     remedy = "Add tests with `reliab rig add`"
-    if other_structures and not frame:
+    if names and not frame:
         remedy += (
             ", or predict the next one of the frame with `reliab rig predict RIG --structure FRAME`; "
             "plans are for single-degree-of-freedom structures"

@@ -232,11 +232,9 @@ class _Watch:
         """Note a change that was noticed."""
         if self._pending is None:
             return
-        began, detection_place, _ = self._pending
+        began, place, _ = self._pending
         self._watched.changes.append(
-            DetectedChange(
-                since=self._since, began=began, detection_place=detection_place, is_confirmed=is_confirmed
-            )
+            DetectedChange(since=self._since, began=began, detection_place=place, is_confirmed=is_confirmed)
         )
         self._pending = None
 
@@ -310,11 +308,9 @@ class _Prediction:
         factor = (8.0 * degrees + 1.0) / (8.0 * degrees + 3.0)
         normal = math.copysign(factor * math.sqrt(degrees * math.log1p(student**2 / degrees)), student)
         side = -math.copysign(1.0, normal)
-        known_scores, ordinary = (
-            np.array(history[-_MEMORY_LENGTH:]) for history in (self._scores, self._ordinary)
-        )
-        tail_weight = float(ordinary @ scipy.special.ndtr(side * (normal - known_scores) / _SMOOTH))
-        share = (tail_weight + _PRIOR_SCORES * float(scipy.special.ndtr(side * normal))) / (
+        scores, ordinary = (np.array(history[-_MEMORY_LENGTH:]) for history in (self._scores, self._ordinary))
+        tail = float(ordinary @ scipy.special.ndtr(side * (normal - scores) / _SMOOTH))
+        share = (tail + _PRIOR_SCORES * float(scipy.special.ndtr(side * normal))) / (
             ordinary.sum() + _PRIOR_SCORES
         )
         return side * float(scipy.special.ndtri(max(share, 1e-12)))

@@ -53,19 +53,15 @@ class ChainFile:
     ) -> "Iterator[tuple[ChainFile, list[Backend]]]":
         """Read the chains of an earlier run, or begin with empty ones; at the end all are written."""
         with decoding(_RULE, remedy=_REMEDY, where=path):
-            stored_chains = _read(path, names, shape)
-        if any(
-            stored_signature != signature
-            for stored_signature, _ in stored_chains.values()
-            if stored_signature is not None
-        ):
+            stored_runs = _read(path, names, shape)
+        if any(origin != signature for origin, _ in stored_runs.values() if origin is not None):
             raise InputError(
                 "The stored chains belong to another model, other data or other settings",
                 value=f"another run of {model}",
                 remedy="Name another file; only the number of steps may grow",
                 where=str(path),
             )
-        file = cls(path, signature, {name: chain for name, (_, chain) in stored_chains.items()})
+        file = cls(path, signature, {name: chain for name, (_, chain) in stored_runs.items()})
         with decoding(_RULE, remedy=_REMEDY, where=path):
             file._write()
         try:

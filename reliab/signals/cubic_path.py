@@ -81,19 +81,17 @@ class CubicPath:
 
 def _slopes(times: _Numbers, steps: _Numbers, rises: _Numbers) -> Array:
     """Slopes at the samples, at which the second derivative is continuous."""
-    diagonal, upper_diagonal, lower_diagonal = (
-        np.empty(size) for size in (times.size, times.size - 1, times.size - 1)
-    )
+    diagonal, upper, lower = (np.empty(size) for size in (times.size, times.size - 1, times.size - 1))
     right = np.empty(times.size)
     diagonal[1:-1] = 2.0 * (steps[:-1] + steps[1:])
-    upper_diagonal[1:], lower_diagonal[:-1] = steps[:-1], steps[1:]
+    upper[1:], lower[:-1] = steps[:-1], steps[1:]
     right[1:-1] = 3.0 * (steps[1:] * rises[:-1] + steps[:-1] * rises[1:])
     begin, end = times[2] - times[0], times[-1] - times[-3]
-    diagonal[0], upper_diagonal[0] = steps[1], begin
+    diagonal[0], upper[0] = steps[1], begin
     right[0] = ((steps[0] + 2.0 * begin) * steps[1] * rises[0] + steps[0] ** 2 * rises[1]) / begin
-    diagonal[-1], lower_diagonal[-1] = steps[-2], end
+    diagonal[-1], lower[-1] = steps[-2], end
     right[-1] = (steps[-1] ** 2 * rises[-2] + (2.0 * end + steps[-1]) * steps[-2] * rises[-1]) / end
-    *_, slopes, lapack_status = scipy.linalg.lapack.dgtsv(lower_diagonal, diagonal, upper_diagonal, right)
+    *_, slopes, lapack_status = scipy.linalg.lapack.dgtsv(lower, diagonal, upper, right)
     if lapack_status:
         raise ArithmeticError("No cubic path through these samples.")
     return np.asarray(slopes)

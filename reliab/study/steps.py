@@ -219,16 +219,14 @@ def derivation(errors: ErrorsTable, criterion: CriterionTable, show: Show) -> St
 
     def work(folder: Path) -> None:
         ellipses = drop_copies(open_ellipses(folder / ELLIPSES))
-        derivations = [
+        results = [
             _derive(ellipses, threshold, metric, criterion, show)
             for metric in errors.metrics
             for threshold in errors.thresholds
         ]
         content = {
-            "criteria": [
-                json.loads(item.to_json()) for criteria in derivations for item in criteria.criteria
-            ],
-            "refusals": [sentence for criteria in derivations for sentence in criteria.refusals],
+            "criteria": [json.loads(item.to_json()) for criteria in results for item in criteria.criteria],
+            "refusals": [sentence for criteria in results for sentence in criteria.refusals],
         }
         text = json.dumps(content, ensure_ascii=False, allow_nan=False)
         with written_whole(folder / CRITERIA) as file:

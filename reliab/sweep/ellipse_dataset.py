@@ -282,11 +282,9 @@ def add_sides(dataset: xr.Dataset) -> xr.Dataset:
     """Add the dimensions curve and side to ellipses without them: least squares, and delays."""
     for name, value in ((Dimension.CURVE, CurveName.ELLIPSE), (Dimension.SIDE, Side.LAG)):
         if name not in dataset.dims:
-            threshold_variables = [
-                str(variable) for variable in dataset if Dimension.THRESHOLD in dataset[variable].dims
-            ]
-            wider = dataset[threshold_variables].expand_dims({str(name): [str(value)]}, axis=-1)
-            dataset = dataset.drop_vars([*threshold_variables, str(name)], errors="ignore").merge(wider)
+            names = [str(variable) for variable in dataset if Dimension.THRESHOLD in dataset[variable].dims]
+            wider = dataset[names].expand_dims({str(name): [str(value)]}, axis=-1)
+            dataset = dataset.drop_vars([*names, str(name)], errors="ignore").merge(wider)
     return label_variables(dataset)
 
 

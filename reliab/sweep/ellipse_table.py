@@ -97,9 +97,7 @@ def trace_ellipses(
     by which a and b change when a record is cut to a length [s]. Of several shares of the stiffness all have
     the dimension `alpha` after `xi`; of one it is the attribute `experimental_fraction`.
     """
-    return request.each_share(
-        lambda share_request, advance: _trace_share(motions, share_request, advance), progress
-    )
+    return request.each_share(lambda part, advance: _trace_share(motions, part, advance), progress)
 
 
 def _trace_share(motions: Sequence[Motion], request: EllipseRequest, progress: Progress) -> xr.Dataset:
@@ -107,11 +105,9 @@ def _trace_share(motions: Sequence[Motion], request: EllipseRequest, progress: P
     tables, errors_at_rest, headers = [], [], []
     for begin in range(0, len(motions), _MOTIONS_AT_A_TIME):
         batch = [motions[place] for place in range(begin, min(begin + _MOTIONS_AT_A_TIME, len(motions)))]
-        table, rest_errors = _tables(
-            batch, request, partial(_advance, progress, begin, len(batch), len(motions))
-        )
+        table, errors = _tables(batch, request, partial(_advance, progress, begin, len(batch), len(motions)))
         tables.append(table)
-        errors_at_rest.append(rest_errors)
+        errors_at_rest.append(errors)
         headers.append(motion_coordinates(batch))
     ellipses = label_curves(
         np.concatenate(tables), headers, request, error_at_rest=np.concatenate(errors_at_rest)
@@ -225,9 +221,7 @@ def predict_ellipses(
     array([4.])
     """
     _check_predictable(request)
-    return request.each_share(
-        lambda share_request, advance: _predict_share(motions, share_request, advance), progress
-    )
+    return request.each_share(lambda part, advance: _predict_share(motions, part, advance), progress)
 
 
 def _predict_share(motions: Sequence[Motion], request: EllipseRequest, progress: Progress) -> xr.Dataset:

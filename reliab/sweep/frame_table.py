@@ -225,14 +225,12 @@ def _simulate_rig(frame: FrameUnderTest, excitation: Excitation) -> tuple[float,
     """RMS^R, MTE^R and A [-], d [ms] of the rig under one motion."""
     loop = FrameLoop(excitation=excitation, partition=frame.partition, output=frame.output)
     test = loop.response(_rig(frame))
-    output_indices = np.flatnonzero(loop.is_output)
+    outputs = np.flatnonzero(loop.is_output)
     rms, mte = (
-        np.array(
-            [response_error(test.response[place], test.ideal[place], metric) for place in output_indices]
-        )
+        np.array([response_error(test.response[place], test.ideal[place], metric) for place in outputs])
         for metric in (Metric.RMS, Metric.MTE)
     )
-    worst = output_indices[np.argmax(rms)]
+    worst = outputs[np.argmax(rms)]
     index = frequency_evaluation(test.command[worst], test.measured[worst], test.step)
     return float(rms.max()), float(mte.max()), index.amplitude, MILLI * index.equivalent_delay
 

@@ -63,11 +63,7 @@ def select_share(dataset: xr.Dataset, share: float | None = None) -> xr.Dataset:
     """
     shares = shares_of(dataset)
     requested_share = share_of(dataset) if share is None else share
-    near = [
-        place
-        for place, stored_share in enumerate(shares)
-        if np.isclose(requested_share, stored_share, rtol=1e-9)
-    ]
+    near = [place for place, value in enumerate(shares) if np.isclose(requested_share, value, rtol=1e-9)]
     if not near:
         raise InputError(
             "The dataset has no such share of the stiffness",

@@ -217,18 +217,16 @@ def _judge(
     score = np.empty(values.shape[:3])
     log_limits = np.empty(values.shape)
     for held_out in leave_one_event_out(events):
-        training_motions = _Motions(
-            values=values[~held_out], frequencies=frequencies, damping_ratios=damping_ratios
-        )
-        location = training_motions.location(law)
-        covariance = training_motions.covariance(law, location)
+        training = _Motions(values=values[~held_out], frequencies=frequencies, damping_ratios=damping_ratios)
+        location = training.location(law)
+        covariance = training.covariance(law, location)
         residual = values[held_out] - location
         score[held_out] = (
             scipy.stats.multivariate_normal([0.0, 0.0], covariance)
             .logpdf(residual)
             .reshape(residual.shape[:3])
         )
-        log_limits[held_out] = training_motions.limits(law, confidence)
+        log_limits[held_out] = training.limits(law, confidence)
     room = (values - log_limits).min(axis=-1)  # by which the limits could grow, in logarithms
     size = log_limits.mean(axis=-1)  # ln √(ab) of the stated limits
     factor = np.quantile(room, 1.0 - confidence, method="lower")

@@ -70,12 +70,10 @@ class Tolerance(AssuredBound):
             factor = tolerance_factor(logarithms.size, confidence, self.assurance)
             return float(logarithms.mean() - factor * logarithms.std(ddof=1))
         rng = np.random.default_rng(_SEED)
-        within_variance = squares.within / rng.chisquare(squares.degrees_within, _DRAWS)
+        inner = squares.within / rng.chisquare(squares.degrees_within, _DRAWS)
         event_variance = squares.between / rng.chisquare(squares.degrees_between, _DRAWS)
-        between_variance = np.maximum((event_variance - within_variance) / squares.mean_size, 0.0)
-        variance_of_mean = between_variance * squares.concentration + within_variance / logarithms.size
+        outer = np.maximum((event_variance - inner) / squares.mean_size, 0.0)
+        variance_of_mean = outer * squares.concentration + inner / logarithms.size
         means = logarithms.mean() + np.sqrt(variance_of_mean) * rng.standard_normal(_DRAWS)
-        quantiles = means + scipy.special.ndtri(1.0 - confidence) * np.sqrt(
-            between_variance + within_variance
-        )
+        quantiles = means + scipy.special.ndtri(1.0 - confidence) * np.sqrt(outer + inner)
         return float(np.quantile(quantiles, 1.0 - self.assurance))

@@ -106,11 +106,9 @@ class Source:
         number = self.line_number(start)
         while start < end:
             newline = self.content.find(b"\n", start, end)
-            next_start = end if newline < 0 else newline + 1
-            yield Line(
-                number=number, start=start, stop=next_start, text=decode(self.content[start:next_start])
-            )
-            start, number = next_start, number + 1
+            following = end if newline < 0 else newline + 1
+            yield Line(number=number, start=start, stop=following, text=decode(self.content[start:following]))
+            start, number = following, number + 1
 
     def channels(
         self, announcement: re.Pattern[bytes], end: re.Pattern[bytes]

@@ -393,30 +393,26 @@ def _agree(precise: Statement[Any], coarse: Statement[Any]) -> bool:
 
 def _complete_by_duration(header: Header, lines: list[Line], report: Report) -> Header:
     """Derive the count or the step, whichever is missing, from the duration that a header states."""
-    durations = sorted(
-        statements.durations(lines), key=lambda first_duration: parse_number(first_duration.value) is None
-    )
+    durations = sorted(statements.durations(lines), key=lambda claim: parse_number(claim.value) is None)
     if not durations or (header.count and header.time_step):
         return header
-    first_duration = durations[0]
-    duration = parse_number(first_duration.value) or 0.0
+    claim = durations[0]
+    duration = parse_number(claim.value) or 0.0
     count = round(duration / header.time_step.value) if header.time_step and duration < _LONGEST else 2
     if not 0 < duration < _LONGEST or count < 2:  # noqa: PLR2004 - two samples make a record
         report.add(
             "The header's duration is not a positive number of seconds",
-            line=first_duration.line,
-            value=first_duration.value or "nothing",
+            line=claim.line,
+            value=claim.value or "nothing",
             remedy="Correct the header",
         )
     elif header.time_step:
-        return replace(header, count=Statement(value=count, line=first_duration.line))
+        return replace(header, count=Statement(value=count, line=claim.line))
     elif header.count:
         steps = [duration / header.count.value, duration / (header.count.value - 1)]
         steps.sort(key=lambda step: abs(1 / step - round(1 / step)) * step)  # rates are whole numbers
         tolerance = abs(steps[1] - steps[0])
-        return replace(
-            header, time_step=Statement(value=steps[0], line=first_duration.line, tolerance=tolerance)
-        )
+        return replace(header, time_step=Statement(value=steps[0], line=claim.line, tolerance=tolerance))
     return header
 
 

@@ -106,10 +106,8 @@ def draw_scenario(earthquake: Earthquake, stream: RandomStream) -> Scenario:
     rule.
     """
     distance = _draw_distance(max(_SHORTEST_DISTANCE, earthquake.depth_to_top), stream)
-    strike_distance, normal_distance = _draw_site(
-        earthquake.length, sqrt(distance**2 - earthquake.depth_to_top**2), stream
-    )
-    nearest = min(max(strike_distance, 0.0), earthquake.length)
+    parallel, normal = _draw_site(earthquake.length, sqrt(distance**2 - earthquake.depth_to_top**2), stream)
+    nearest = min(max(parallel, 0.0), earthquake.length)
     shortest, longest, _ = VALID_RANGES["directivity_length"]
     return Scenario(
         magnitude=earthquake.magnitude,
@@ -118,7 +116,7 @@ def draw_scenario(earthquake: Earthquake, stream: RandomStream) -> Scenario:
         rupture_distance=distance,
         shear_wave_velocity=_draw_velocity(stream),
         directivity_length=min(max(abs(nearest - earthquake.hypocentre), shortest), longest),
-        directivity_angle=degrees(atan2(normal_distance, abs(strike_distance - earthquake.hypocentre))),
+        directivity_angle=degrees(atan2(normal, abs(parallel - earthquake.hypocentre))),
     )
 
 

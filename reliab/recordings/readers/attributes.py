@@ -64,13 +64,12 @@ def series_of(
 
     `marks`: further stored numbers that stand for missing samples, which become NaN.
     """
-    attribute_values = {plain(name): _single(value) for name, value in attributes.items()}
+    texts = {plain(name): _single(value) for name, value in attributes.items()}
     names = {plain(name): name for name in attributes}
     numbers = {
-        name: _numbers(attribute_values[name], names[name], location)
-        for name in _APPLIED_ATTRIBUTES & attribute_values.keys()
+        name: _numbers(texts[name], names[name], location) for name in _APPLIED_ATTRIBUTES & texts.keys()
     }
-    if str(attribute_values.get("unsigned")).lower() == "true" and values.dtype.kind == "i":
+    if str(texts.get("unsigned")).lower() == "true" and values.dtype.kind == "i":
         values = values.view(values.dtype.str.replace("i", "u"))
     counts, raw = values.dtype.kind in "iu", values.astype(np.float64)
     scale, offset = (
@@ -81,20 +80,16 @@ def series_of(
     corrections = []
     if scaled is not raw:
         corrections.append(f"scale_factor {scale[0]:.9g} and add_offset {offset[0]:.9g}")
-    fill_values = _as_stored(
-        [*marks, *(mark for name in _MARKS for mark in numbers.get(name, ()))], values.dtype
-    )
-    missing = np.isin(raw, fill_values) if fill_values.size else np.zeros(raw.shape, dtype=np.bool_)
+    fills = _as_stored([*marks, *(mark for name in _MARKS for mark in numbers.get(name, ()))], values.dtype)
+    missing = np.isin(raw, fills) if fills.size else np.zeros(raw.shape, dtype=np.bool_)
     for name, place, sign in _RANGES:
         if name in numbers:  # of stored numbers, unless a real number stands beside packed whole ones
-            values_in_range = (
-                scaled if counts and np.asarray(attribute_values[name]).dtype.kind == "f" else raw
-            )
+            values_in_range = scaled if counts and np.asarray(texts[name]).dtype.kind == "f" else raw
             missing |= sign * values_in_range < sign * numbers[name][place]
     if missing.any():
         scaled = np.where(missing, np.nan, scaled)
         corrections.append(f"{counted(int(missing.sum()), 'sample')} marked as missing")
-    unit = next((text for name in _UNITS if isinstance(text := attribute_values.get(name), str) and text), "")
+    unit = next((text for name in _UNITS if isinstance(text := texts.get(name), str) and text), "")
     series = Series(
         values=scaled,
         unit=unit,
@@ -132,10 +127,7 @@ def add_clock(series: Series, attributes: Mapping[str, object], *, has_times: bo
     if has_times or series.times is not None or not step:
         return replace(series, start=start)
     begins = (attribute_values[name] for name in _BEGINS if name in attribute_values)
-    begin = next(
-        (float(begin_value) for begin_value in begins if isinstance(begin_value, int | float | np.number)),
-        0.0,
-    )
+    begin = next((float(start) for start in begins if isinstance(start, int | float | np.number)), 0.0)
     return replace(
         series,
         times=begin + step * np.arange(len(series.values), dtype=np.float64),

@@ -105,12 +105,10 @@ def _telling(cells: Sequence[str]) -> int:
 
 def _is_units(cells: Sequence[str]) -> bool:
     """Whether a line states units: half of its cells are some that are no mere letter, or all are some."""
-    filled_cells = [cell for cell in cells if cell]
-    unit_cells = [cell for cell in filled_cells if unit_of(cell) is not None and not cell[0].isdigit()]
+    texts = [cell for cell in cells if cell]
+    unit_cells = [cell for cell in texts if unit_of(cell) is not None and not cell[0].isdigit()]
     clear = [cell for cell in unit_cells if cell.strip("[]()").lower() not in _LETTERS]
-    return 2 * len(clear) >= max(len(filled_cells), 1) or (
-        bool(clear) and len(unit_cells) == len(filled_cells)
-    )
+    return 2 * len(clear) >= max(len(texts), 1) or (bool(clear) and len(unit_cells) == len(texts))
 
 
 def _statements(lines: Sequence[str]) -> Iterator[tuple[str, str]]:
@@ -125,11 +123,9 @@ def _scales(
     lines: Sequence[str], statements: Mapping[str, str], names: Sequence[str], delimiter: str
 ) -> list[str]:
     """Name scales and offsets that a comment states of all channels, or a row of numbers of each column."""
-    statements_text = " and ".join(
-        f"{name} = {text}" for name, text in statements.items() if _SCALES.fullmatch(name)
-    )
+    clause = " and ".join(f"{name} = {text}" for name, text in statements.items() if _SCALES.fullmatch(name))
     meanings = describe(names, {})
-    unclear = ["" if meanings[name].quantity is Quantity.TIME else statements_text for name in names]
+    unclear = ["" if meanings[name].quantity is Quantity.TIME else clause for name in names]
     for line in lines:
         label, *cells = cells_of(_strip_mark(line), delimiter) or ("",)
         first = len(names) - len(cells)  # the label may stand in the first column

@@ -217,13 +217,11 @@ class _Contents:
 
     def _apply_attributes(self, item: "h5py.Dataset", values: np.ndarray) -> Tree:
         """Apply what stands beside a vector, or beside a matrix with names and units of its columns."""
-        attributes = dict(item.attrs)
-        texts = {name: _texts(value) for name, value in attributes.items()}
-        units = next(
-            (texts[name] for name in attributes if plain(name) in {"unit", "units"} and texts[name]), []
-        )
+        items = dict(item.attrs)
+        texts = {name: _texts(value) for name, value in items.items()}
+        units = next((texts[name] for name in items if plain(name) in {"unit", "units"} and texts[name]), [])
         location = f"{self._path.name}, {_name_of(item)}"
-        series = _mark_gaps(series_of(values, attributes, marks=_marks(item), location=location), item)
+        series = _mark_gaps(series_of(values, items, marks=_marks(item), location=location), item)
         scales = [self._scales_of(axis) for axis in lists_of_scales(item)]
         if values.squeeze().ndim == 1:
             times = [_name_of(scale) for scale in scales[int(np.argmax(values.shape))]] if scales else []

@@ -116,10 +116,8 @@ class _Segment:
         for place in channels:
             x = max((x for x in xs if x < place), default=None) if layout != "no" else None
             owner = channels[0] if layout == "one" else place
-            time_values = None if x is None else table.values[f"X_Value {x}"]
-            series[self.names[place]] = self._channel(
-                place, table.values[self.names[place]], time_values, owner
-            )
+            times = None if x is None else table.values[f"X_Value {x}"]
+            series[self.names[place]] = self._channel(place, table.values[self.names[place]], times, owner)
         return series
 
     def _channel(self, place: int, values: Array, x: Array | None, owner: int) -> Series:

@@ -41,17 +41,13 @@ _HALF: Final = 0.5
 
 def join_tables(tables: Sequence[Columns]) -> list[Columns]:
     """Join tables in which all channels go on one step after the last time of each; number what remains."""
-    tables_joined = [tables[0]]
+    result = [tables[0]]
     for table in tables[1:]:
-        if _goes_on(tables_joined[-1], table):
-            tables_joined[-1] = _append(tables_joined[-1], table)
+        if _goes_on(result[-1], table):
+            result[-1] = _append(result[-1], table)
         else:
-            tables_joined.append(table)
-    return (
-        tables_joined
-        if len(tables_joined) == 1
-        else [replace(table, test=str(k)) for k, table in enumerate(tables_joined, 1)]
-    )
+            result.append(table)
+    return result if len(result) == 1 else [replace(table, test=str(k)) for k, table in enumerate(result, 1)]
 
 
 def _goes_on(first: Columns, second: Columns) -> bool:
@@ -76,22 +72,20 @@ def _goes_on(first: Columns, second: Columns) -> bool:
 def _append(first: Columns, second: Columns) -> Columns:
     series = {}
     for name, first_series in first.series.items():
-        second_series = second.series[name]
-        series[name] = replace(
-            first_series, values=np.concatenate([first_series.values, second_series.values])
-        )
-        if first_series.times is not None and second_series.times is not None:
-            later = second_series.times + _lateness(first_series, second_series)
+        addition = second.series[name]
+        series[name] = replace(first_series, values=np.concatenate([first_series.values, addition.values]))
+        if first_series.times is not None and addition.times is not None:
+            later = addition.times + _lateness(first_series, addition)
             series[name] = replace(series[name], times=np.concatenate([first_series.times, later]))
     lines = [part.lines for part in (first, second) if part.lines is not None]
     return replace(first, series=series, lines=np.concatenate(lines))
 
 
-def _lateness(series: Series, second_series: Series) -> float:
+def _lateness(series: Series, addition: Series) -> float:
     """Time by which the clock of a series begins after that of another [s]."""
-    if series.start is None or second_series.start is None:
-        return 0.0 if series.start is second_series.start else np.inf
-    return seconds_between(series.start, second_series.start)
+    if series.start is None or addition.start is None:
+        return 0.0 if series.start is addition.start else np.inf
+    return seconds_between(series.start, addition.start)
 
 
 TOO_LARGE: Final = "Leave columns out, resample the test, or cut it where everything stands still"
@@ -219,12 +213,10 @@ class _Text:
         rows, numbers, end = self._quick_rows(place, cells, decimal_comma=comma) or self._rows(
             place, header.names
         )
-        filled_columns = [
-            k for k, name in enumerate(header.names) if _holds_anything(rows[:, k], name, cells[k])
-        ]
+        columns = [k for k, name in enumerate(header.names) if _holds_anything(rows[:, k], name, cells[k])]
         series = {
             header.names[k]: Series(values=rows[:, k].copy(), unit=header.units[k], unclear=header.unclear[k])
-            for k in filled_columns
+            for k in columns
         }
         table = Columns(
             path=self.path,

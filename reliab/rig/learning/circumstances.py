@@ -69,11 +69,9 @@ class Likeness:
 
     def prior_variances(self, targets: Circumstances) -> list[Array]:
         """Likeness of each other test to itself, shape (others,) for each respect."""
-        unit_variances = np.ones(len(targets))
+        units = np.ones(len(targets))
         return [
-            1.0 + self._standard(respect, targets) ** 2
-            if respect.startswith("covariate ")
-            else unit_variances
+            1.0 + self._standard(respect, targets) ** 2 if respect.startswith("covariate ") else units
             for respect in self.respects
         ]
 

@@ -279,10 +279,7 @@ class FittedQuantity:
         The spread is that of an ordinary test; :attr:`scatter` says how far a test may stray.
         """
         standard = (self.values - self.centre) / self.spread
-        covariances, prior_variances = (
-            self.likeness.covariances(targets),
-            self.likeness.prior_variances(targets),
-        )
+        covariances, priors = (self.likeness.covariances(targets), self.likeness.prior_variances(targets))
         among = self.likeness.among_learned()
         noise = np.exp(2.0 * self.variances.mode[-1])
         mean, variance = self._conditional_moments(self.variances.mode, standard, among, covariances)
@@ -294,7 +291,7 @@ class FittedQuantity:
         prior = sum(
             (
                 np.exp(2.0 * log_spread) * likeness
-                for likeness, log_spread in zip(prior_variances, self.variances.mode, strict=False)
+                for likeness, log_spread in zip(priors, self.variances.mode, strict=False)
             ),
             np.full(len(targets), LEVEL + noise),
         )

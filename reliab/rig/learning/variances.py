@@ -98,13 +98,9 @@ class _Problem:
         factor, lapack_status = scipy.linalg.lapack.dpotrf(self._covariance(theta).T, overwrite_a=True)
         if lapack_status:
             raise np.linalg.LinAlgError("The covariance of the tests is not positive definite.")
-        whitened_values, _ = scipy.linalg.lapack.dtrtrs(factor, self.values, trans=1)
+        white, _ = scipy.linalg.lapack.dtrtrs(factor, self.values, trans=1)
         standard = (theta - self.priors[:, 0]) / self.priors[:, 1]
-        return float(
-            0.5 * whitened_values @ whitened_values
-            + np.log(np.diag(factor)).sum()
-            + 0.5 * standard @ standard
-        )
+        return float(0.5 * white @ white + np.log(np.diag(factor)).sum() + 0.5 * standard @ standard)
 
     def loss_with_gradient(self, theta: Array) -> tuple[float, Array]:
         """Return the same with its gradient."""
@@ -197,9 +193,7 @@ def _spread_about(problem: _Problem, mode: Array) -> Array:
     curvature = np.empty((size, size))
     for index in range(size):
         shift = step * np.eye(size)[index]
-        ahead, backward_gradient = (
-            problem.loss_with_gradient(mode + sign * shift)[1] for sign in (1.0, -1.0)
-        )
-        curvature[index] = (ahead - backward_gradient) / (2.0 * step)
+        ahead, backward = (problem.loss_with_gradient(mode + sign * shift)[1] for sign in (1.0, -1.0))
+        curvature[index] = (ahead - backward) / (2.0 * step)
     eigenvalues, axes = np.linalg.eigh(0.5 * (curvature + curvature.T))
     return np.asarray(axes / np.sqrt(np.maximum(eigenvalues, 0.5)))

@@ -222,11 +222,11 @@ def _finite_products(location: str) -> Iterator[None]:
 
 def _build(description: FrameDescription, folder: Path) -> FrameUnderTest:
     partition, has_several = _partition(description), description.has_several_actuators
-    error_table = description.error
-    if has_several and error_table.of != "interface":
+    error = description.error
+    if has_several and error.of != "interface":
         raise InputError(
             "Only errors of the measured interface displacements can be computed from a test",
-            value=error_table.of,
+            value=error.of,
             remedy="Leave [error] out",
         )
     matrix, geometry, is_interface = np.eye(partition.degrees), None, True
@@ -236,13 +236,13 @@ def _build(description: FrameDescription, folder: Path) -> FrameUnderTest:
     kinematics, table = _kinematics(matrix, partition.degrees), description.transfer_system
     words = {
         "interface": "the measured interface displacement",
-        "drift": f"the drift between {error_table.between}",
+        "drift": f"the drift between {error.between}",
     }
     return FrameUnderTest(
         name=description.name,
         partition=partition,
-        output=None if has_several else error_table.output(partition.frame),
-        error_of=words.get(error_table.of, f"degree of freedom {error_table.of}"),
+        output=None if has_several else error.output(partition.frame),
+        error_of=words.get(error.of, f"degree of freedom {error.of}"),
         transfer_system=rig_of_table(table, kinematics if has_several else None, folder),
         tolerances=description.tolerances.check_structure(
             partition.degrees_of_freedom, partition.mass, partition.damping, partition.stiffness

@@ -172,13 +172,11 @@ class FrameLoop:
         deviation = self.reduced_loop.deviation(poles)
         if self.engine is Engine.POLE:
             return deviation
-        is_repeated = self.reduced_loop.error(poles, cells.gain, cells.delay) > REDUCTION_TOLERANCE
-        if is_repeated.any():
-            is_repeated &= self.reduced_loop.stable(cells.gain, cells.delay)
-        if is_repeated.any():
-            deviation.put(
-                is_repeated, self.exact.deviation(cells.gain[is_repeated], cells.delay[is_repeated])
-            )
+        inexact = self.reduced_loop.error(poles, cells.gain, cells.delay) > REDUCTION_TOLERANCE
+        if inexact.any():
+            inexact &= self.reduced_loop.stable(cells.gain, cells.delay)
+        if inexact.any():
+            deviation.put(inexact, self.exact.deviation(cells.gain[inexact], cells.delay[inexact]))
         return deviation
 
     def rest_deviation(self) -> Deviation:

@@ -87,10 +87,8 @@ class PlanarGeometry:
         with suppress(np.linalg.LinAlgError), np.errstate(all="ignore"):
             estimate: Array = np.asarray(np.linalg.solve(self.matrix, extensions), dtype=np.float64)
             for _ in range(_STEPS):
-                extensions_at_estimate, slopes = self._extend(estimate)
-                step = np.linalg.solve(slopes, (extensions - extensions_at_estimate).T[..., np.newaxis])[
-                    ..., 0
-                ].T
+                reached_extensions, slopes = self._extend(estimate)
+                step = np.linalg.solve(slopes, (extensions - reached_extensions).T[..., np.newaxis])[..., 0].T
                 estimate = estimate + step
                 if np.abs(step).max() <= _CONVERGENCE_TOLERANCE * max(np.abs(estimate).max(), 1.0):
                     return estimate
@@ -106,15 +104,13 @@ class PlanarGeometry:
 
     def _extend(self, displacements: Array) -> tuple[Array, Array]:
         """Extensions, shape (p, n), and their slopes over the motions, shape (n, p, p)."""
-        displacement_of_motion = dict(zip(self.motions, displacements, strict=True))
+        motion = dict(zip(self.motions, displacements, strict=True))
         still = np.zeros(displacements.shape[1])
-        angle = displacement_of_motion.get("rotation", still)[:, np.newaxis, np.newaxis]
+        angle = motion.get("rotation", still)[:, np.newaxis, np.newaxis]
         normal_pins = self.pins @ _TURN.T
-        pin_positions = np.cos(angle) * self.pins + np.sin(angle) * normal_pins  # (n, p, 2)
-        shift = np.stack(
-            [displacement_of_motion.get("x", still), displacement_of_motion.get("y", still)], axis=1
-        )[:, np.newaxis]
-        w = shift + pin_positions - self.pins
+        pins = np.cos(angle) * self.pins + np.sin(angle) * normal_pins  # (n, p, 2)
+        shift = np.stack([motion.get("x", still), motion.get("y", still)], axis=1)[:, np.newaxis]
+        w = shift + pins - self.pins
         shortness = 1.0 / np.asarray(self.lengths)[:, np.newaxis]
         axis = self.directions + shortness * w
         ratio = np.linalg.norm(axis, axis=2, keepdims=True)
@@ -124,7 +120,7 @@ class PlanarGeometry:
         rates = {
             "x": unit[..., 0],
             "y": unit[..., 1],
-            "rotation": (unit * (pin_positions @ _TURN.T)).sum(axis=2),
+            "rotation": (unit * (pins @ _TURN.T)).sum(axis=2),
         }
         slopes = np.stack([rates[motion] for motion in self.motions], axis=2)
         return np.ascontiguousarray(extension[..., 0].T), slopes

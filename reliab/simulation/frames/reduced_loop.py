@@ -122,13 +122,8 @@ def _receptance(partition: Partition, pole: complex) -> tuple[complex, Spectrum,
     driven = np.concatenate([np.zeros(n), np.linalg.solve(partition.frame.mass, partition.direction)])
     residues = (partition.direction @ right[:n]) * np.linalg.solve(right, driven.astype(complex))
     place = int(np.argmin(np.abs(eigenvalues - pole)))
-    other_indices = np.arange(2 * n) != place
-    return (
-        complex(eigenvalues[place]),
-        eigenvalues[other_indices],
-        complex(residues[place]),
-        residues[other_indices],
-    )
+    rows = np.arange(2 * n) != place
+    return (complex(eigenvalues[place]), eigenvalues[rows], complex(residues[place]), residues[rows])
 
 
 def _residues(
@@ -143,13 +138,9 @@ def _residues(
     force = partition.impedance(s)[..., 0, 0] * (sigma - 1.0)
     force_slope = (c + 2.0 * s * m) * (sigma - 1.0) - (k + s * (c + s * m)) * delay * sigma
     s_matrix = s[..., np.newaxis, np.newaxis]
-    interface_product = np.outer(gamma, gamma)
-    matrix = frame.dynamic_stiffness(s) + force[..., np.newaxis, np.newaxis] * interface_product
-    slope = (
-        2.0 * s_matrix * frame.mass
-        + frame.damping
-        + force_slope[..., np.newaxis, np.newaxis] * interface_product
-    )
+    outer = np.outer(gamma, gamma)
+    matrix = frame.dynamic_stiffness(s) + force[..., np.newaxis, np.newaxis] * outer
+    slope = 2.0 * s_matrix * frame.mass + frame.damping + force_slope[..., np.newaxis, np.newaxis] * outer
     shapes = np.linalg.svd(matrix)[2][..., -1, :].conj()
     scale = np.einsum("...i,...ij,...j->...", shapes, slope, shapes)
     response = (shapes @ load) / scale
@@ -188,10 +179,10 @@ def transfer(
     """
     frame, gamma = partition.frame, partition.direction
     loads = np.column_stack([frame.mass @ frame.influence, gamma]).astype(complex)
-    responses = np.linalg.solve(frame.dynamic_stiffness(s), loads[np.newaxis])
+    solution = np.linalg.solve(frame.dynamic_stiffness(s), loads[np.newaxis])
     command_transfer, receptance = (
-        (responses[..., 0] @ gamma)[:, np.newaxis],
-        (responses[..., 1] @ gamma)[:, np.newaxis],
+        (solution[..., 0] @ gamma)[:, np.newaxis],
+        (solution[..., 1] @ gamma)[:, np.newaxis],
     )
     sigma = gain * np.exp(-np.asarray(s)[:, np.newaxis] * delay)
     force = partition.impedance(s)[..., 0] * (sigma - 1.0)
@@ -199,8 +190,8 @@ def transfer(
     if output is None:
         return np.asarray(sigma * command)
     ideal, force_transfer = (
-        (responses[..., 0] @ output)[:, np.newaxis],
-        (responses[..., 1] @ output)[:, np.newaxis],
+        (solution[..., 0] @ output)[:, np.newaxis],
+        (solution[..., 1] @ output)[:, np.newaxis],
     )
     return np.asarray(ideal - force_transfer * force * command)
 

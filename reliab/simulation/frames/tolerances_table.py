@@ -47,12 +47,10 @@ class EntriesTable(DescribedTable):
     def part_deviations(self) -> dict[str, float]:
         """Deviations of all together and of each by itself, by name; places are numbers."""
         places = [(int(row) - 1, int(column) - 1) for row, column in self.places]
-        common_share = math.sqrt(self.correlation) if len(places) > 1 else 0.0
-        own_deviation = self.deviation * math.sqrt(1.0 - common_share**2)
+        common = math.sqrt(self.correlation) if len(places) > 1 else 0.0
+        own_deviation = self.deviation * math.sqrt(1.0 - common**2)
         parts = {name_of_entries(self.matrix, [place]): own_deviation for place in places}
-        return parts | (
-            {name_of_entries(self.matrix, places): self.deviation * common_share} if common_share else {}
-        )
+        return parts | ({name_of_entries(self.matrix, places): self.deviation * common} if common else {})
 
     def check_structure(self, names: tuple[str, ...], matrix: Array) -> Self:
         """Return the table with numbers for names; the entries must be those of a structure."""
@@ -199,13 +197,11 @@ class TolerancesTable(DescribedTable):
         return {name: deviation for name, deviation in deviations.items() if deviation}
 
 
-def _number_deviations(name: str, values: Deviations, common_share: float, size: int) -> dict[str, float]:
+def _number_deviations(name: str, values: Deviations, common: float, size: int) -> dict[str, float]:
     """Deviations of all alike, without a number, and of floors, storeys or modes by theirs."""
     if isinstance(values, float):
-        own_deviations = values * math.sqrt(1.0 - common_share**2)
-        return {name: common_share * values} | {
-            f"{name}_{place + 1}": own_deviations for place in range(size)
-        }
+        own = values * math.sqrt(1.0 - common**2)
+        return {name: common * values} | {f"{name}_{place + 1}": own for place in range(size)}
     if len(values) not in (0, size):
         raise InputError(
             f"Tolerances of parts are one number, or one for each of {size} floors, storeys or modes",

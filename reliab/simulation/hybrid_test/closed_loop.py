@@ -228,15 +228,13 @@ def _resample(
             force=broken[0],
         )
     rows = np.vstack([histories.command.values, histories.piston.values, histories.force])
-    resampled_rows = np.ascontiguousarray(
-        scipy.interpolate.make_interp_spline(instants, rows, axis=-1)(samples)
-    )
-    piston = Motion3(values=resampled_rows[3:6], step=step)
+    result = np.ascontiguousarray(scipy.interpolate.make_interp_spline(instants, rows, axis=-1)(samples))
+    piston = Motion3(values=result[3:6], step=step)
     return Histories(
-        command=Motion3(values=resampled_rows[:3], step=step),
+        command=Motion3(values=result[:3], step=step),
         piston=piston,
         measured=read_displacement(test, piston),
-        force=resampled_rows[6],
+        force=result[6],
     )
 
 

@@ -149,14 +149,11 @@ def cut_records(
     left, right = np.empty((number, total)), np.empty((number, total))
     ideal = np.empty((number, total + poles.size))
     place, ways = np.empty(longest + 1, dtype=np.int64), np.empty((longest + 1, 6))
-    position = 0
+    i = 0
     for n in range(poles.size):
         sample_weights, longer = weights[0][n], weights[1][n]
         both = (sample_weights[0], sample_weights[1], sample_weights[2]), (longer[0], longer[1], longer[2])
-        blocks, edges = (
-            slice(position, position + counts[n]),
-            slice(position + n, position + n + counts[n] + 1),
-        )
+        blocks, edges = (slice(i, i + counts[n]), slice(i + n, i + n + counts[n] + 1))
         sample_way = offset_way = _way(0.0, h, poles[n])
         last_start = 0.0
         for k in range(counts[n] + 1):
@@ -170,7 +167,7 @@ def cut_records(
         for m in range(number):
             lines = left[m, blocks], right[m, blocks], ideal[m, edges]
             _cut_record(records[m], poles[n], both, (place, ways), lines)
-        position += counts[n]
+        i += counts[n]
     return left, right, ideal
 
 

@@ -132,7 +132,7 @@ class Cells:
         if len(parts) == 1:
             return parts[0]
         order = np.argsort(np.concatenate([place for place, _ in self.reduced_loops]))
-        neglected_power, total = (
+        lost_power, total = (
             np.concatenate(columns, axis=1)[:, order] for columns in zip(*parts, strict=True)
         )
-        return neglected_power, total
+        return lost_power, total

@@ -23,7 +23,7 @@ LANES = 48
 """Cells that advance side by side; their state fits the first-level cache."""
 
 _COEFFICIENTS = 25
-_LEAST_POLE_DISTANCE = 1e-5  # of ω₀, least distance of the oscillator's poles
+_POLE_GAP = 1e-5  # of ω₀, least distance of the oscillator's poles
 _GAUSS_NODES, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 
@@ -67,11 +67,7 @@ def coefficients(structure: Structure, gain: Array, delay: Array, step: float) -
     coupling = alpha * gain * w0**2
     # Both poles p and q, conjugate or real; equal ones are parted by little.
     discriminant = (1.0 - alpha) * w0**2 + coupling - (xi * w0) ** 2
-    discriminant = np.where(
-        np.abs(discriminant) < (_LEAST_POLE_DISTANCE * w0) ** 2,
-        (_LEAST_POLE_DISTANCE * w0) ** 2,
-        discriminant,
-    )
+    discriminant = np.where(np.abs(discriminant) < (_POLE_GAP * w0) ** 2, (_POLE_GAP * w0) ** 2, discriminant)
     poles = -xi * w0 + np.multiply.outer([1.0, -1.0], np.sqrt(-discriminant + 0j))
     early, late, decay = ramp_weights(poles, step)
     fraction = np.floor(delay / step) + 1.0 - delay / step
@@ -167,10 +163,8 @@ def deviation(blocks: Blocks, structure: Structure, gain: Array, delay: Array) -
         equal_delays = np.flatnonzero(reach == span)
         for first in range(0, equal_delays.size, LANES):
             lanes = equal_delays[first : first + LANES]
-            lane_indices = np.append(lanes, np.repeat(lanes[-1], LANES - lanes.size))
-            tracks[:, lanes] = _run(blocks, cells[:, lane_indices], int(span), np.empty((2, 0)))[
-                :, : lanes.size
-            ]
+            indices = np.append(lanes, np.repeat(lanes[-1], LANES - lanes.size))
+            tracks[:, lanes] = _run(blocks, cells[:, indices], int(span), np.empty((2, 0)))[:, : lanes.size]
     return summary(tracks, blocks.intervals, blocks.ideal_peak)
 
 

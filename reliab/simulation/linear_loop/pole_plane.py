@@ -200,17 +200,15 @@ class _Stepping:
     def __init__(self, basis: PoleBasis, step: float) -> None:
         self._basis, self._step = basis, step
         count = basis.poles.size
-        lane_count = -(-count // _LANES) * _LANES
+        lanes = -(-count // _LANES) * _LANES
         early, late, decay = ramp_weights(basis.poles, step)
-        self._weights = np.zeros((6, lane_count))
+        self._weights = np.zeros((6, lanes))
         self._weights[:, :count] = [
             component for weight in (decay, early, late) for component in (weight.real, weight.imag)
         ]
-        self._state = np.zeros((3, lane_count))
-        self._mixture = np.zeros((2 * lane_count, 2 * count))
-        self._mixture[:count], self._mixture[lane_count : lane_count + count] = np.split(
-            basis.orthogonal.T, 2
-        )
+        self._state = np.zeros((3, lanes))
+        self._mixture = np.zeros((2 * lanes, 2 * count))
+        self._mixture[:count], self._mixture[lanes : lanes + count] = np.split(basis.orthogonal.T, 2)
         self._pair_weights = pair_recursion(basis.fast.fast_poles, basis.fast.fast_residues, step)
         self._pair_state = np.zeros((4, self._pair_weights.shape[1]))
 

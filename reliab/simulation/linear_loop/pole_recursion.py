@@ -78,10 +78,8 @@ def leading_recursion(loop: LeadingLoop, step: float) -> tuple[NDArray[np.int64]
     pole, residue = loop.pole, loop.residue
     ahead = np.ceil(loop.lead / step).astype(np.int64)
     back = ahead * step - loop.lead
-    decayed_residue = residue * np.exp(-pole * back)
-    slow = pair_recursion(
-        np.stack([pole, pole.conj()]), np.stack([decayed_residue, decayed_residue.conj()]), step
-    )
+    decaying = residue * np.exp(-pole * back)
+    slow = pair_recursion(np.stack([pole, pole.conj()]), np.stack([decaying, decaying.conj()]), step)
     # ∫₀^θ e^(−p(θ−u))a(u) du of the record's straight line, from its right end backwards
     constant_part = -np.expm1(-pole * back) / pole
     falling = (back - constant_part) / (pole * step)

@@ -80,12 +80,10 @@ def shared_drives(structure: Structure, step: float) -> SharedDrives:
     targets = _drives(candidates, exact, back)
     sizes = _sizes(_parts(targets))
     rows = np.sqrt(np.mean((sizes / sizes.max(axis=0)) ** 2, axis=1, keepdims=True))
-    scaled_parts = _parts(targets / rows)
-    _, _, order = scipy.linalg.qr(
-        scaled_parts / np.linalg.norm(scaled_parts, axis=0), mode="economic", pivoting=True
-    )
+    parts = _parts(targets / rows)
+    _, _, order = scipy.linalg.qr(parts / np.linalg.norm(parts, axis=0), mode="economic", pivoting=True)
     drive_rows = order[:DRIVES]
-    orthonormal, triangle = np.linalg.qr(scaled_parts[:, drive_rows])
+    orthonormal, triangle = np.linalg.qr(parts[:, drive_rows])
     return SharedDrives(
         back=back,
         exact=exact,

@@ -96,11 +96,9 @@ class TrackedCells:
         pairs: list[tuple[Recursion, _Lanes]] = []
         if late.size:
             cells = self.structure, self.gain[late], self.delay[late]
-            (measured_recursion,) = recursions(modal_loop(*cells), self.step, late)
+            (sensor,) = recursions(modal_loop(*cells), self.step, late)
             command = recursion(modal_loop(*cells, has_measured_output=False), self.step)
-            pairs.append(
-                (measured_recursion, _fill_coefficient_lanes(command, measured_recursion.coefficients))
-            )
+            pairs.append((sensor, _fill_coefficient_lanes(command, sensor.coefficients)))
         if early.size:
             loop = leading_loop(self.structure, self.gain[early], -self.delay[early])
             _, command = leading_recursion(loop.command(self.gain[early]), self.step)

@@ -135,17 +135,14 @@ def _results(study: CriterionStudy) -> Path:
 
 def _judge_on_real_motions(criterion: Criterion, folder: Path, results: Path) -> CrossValidation | None:
     """Judge a criterion on the real motions of earthquakes that it was not learned from."""
-    simulated_results = open_results(results)
-    training_ellipses = open_ellipses(folder / ELLIPSES)
+    stored_results = open_results(results)
+    training = open_ellipses(folder / ELLIPSES)
     real = open_ellipses(shipped("datasets", f"{REAL}/ellipses.nc"))
     nodes = [
-        np.intersect1d(np.round(training_ellipses[name], 9), np.round(simulated_results[name], 9))
-        for name in ("f", "xi")
+        np.intersect1d(np.round(training[name], 9), np.round(stored_results[name], 9)) for name in ("f", "xi")
     ]
     learned_events = {
-        *earthquakes_among(
-            training_ellipses["event"].values.tolist(), training_ellipses["checksum"].values.tolist(), real
-        )
+        *earthquakes_among(training["event"].values.tolist(), training["checksum"].values.tolist(), real)
     } - {None}
     unseen = ~np.isin(real["event"].values, [name for name in learned_events if name])
     if not (nodes[0].size and nodes[1].size and unseen.any()):
@@ -169,7 +166,7 @@ def _judge_on_real_motions(criterion: Criterion, folder: Path, results: Path) ->
             confidences=(criterion.confidence,),
             threshold=criterion.threshold,
             metric=criterion.metric,
-            truth=StoredTruth(simulated_results),
+            truth=StoredTruth(stored_results),
             trials=64,
         )
     except InputError:

@@ -79,13 +79,11 @@ def first_order_ellipse(excitation: Excitation, structure: Structure) -> FirstOr
         return np.asarray(dynamic(s, numerical_fraction) / dynamic(s, 1.0) ** 2)
 
     exact, step = respond(excitation, lambda s: 1.0 / dynamic(s, 1.0))
-    gain_response, _ = respond(excitation, to_gain)
-    delay_response, _ = respond(excitation, lambda s: -s * to_gain(s))
+    gain_error, _ = respond(excitation, to_gain)
+    delay_error, _ = respond(excitation, lambda s: -s * to_gain(s))
     peak = peak_of_history(exact)
     duration = excitation.window_duration
-    squares = [
-        float(np.trapezoid(response**2, dx=step)) for response in (exact, gain_response, delay_response)
-    ]
+    squares = [float(np.trapezoid(response**2, dx=step)) for response in (exact, gain_error, delay_error)]
     return _ellipse_from_integrals(squares, peak, duration)
 
 

@@ -198,11 +198,9 @@ def tracking_over_frequency(
     points = min(int(_LONGEST / time_step), 2 * command.size // (_LEAST_STRETCHES + 1))
     rate = 1.0 / time_step
     frequency, cross = scipy.signal.csd(command, aligned_displacement, fs=rate, nperseg=points)
-    _, command_power = scipy.signal.welch(command, fs=rate, nperseg=points)
-    _, measured_power = scipy.signal.welch(aligned_displacement, fs=rate, nperseg=points)
-    coherent = (np.abs(cross) ** 2 > _COHERENT * command_power * measured_power) & (
-        command_power > _LEAST_POWER * command_power.max()
-    )
+    _, power = scipy.signal.welch(command, fs=rate, nperseg=points)
+    _, output_power = scipy.signal.welch(aligned_displacement, fs=rate, nperseg=points)
+    coherent = (np.abs(cross) ** 2 > _COHERENT * power * output_power) & (power > _LEAST_POWER * power.max())
     coherent[0] = False
     if int(coherent.sum()) < _FEWEST:
         raise InputError(
@@ -210,10 +208,8 @@ def tracking_over_frequency(
             value=f"coherent at {int(coherent.sum())} frequencies",
             remedy="Record longer, or with less noise",
         )
-    frequency, ratio = frequency[coherent], cross[coherent] / command_power[coherent]
-    coherence = np.minimum(
-        np.abs(cross[coherent]) ** 2 / (command_power[coherent] * measured_power[coherent]), 1.0
-    )
+    frequency, ratio = frequency[coherent], cross[coherent] / power[coherent]
+    coherence = np.minimum(np.abs(cross[coherent]) ** 2 / (power[coherent] * output_power[coherent]), 1.0)
     stretches = (2.0 * command.size / points - 1.0) / _OVERLAP_LOSS
     relative = np.sqrt((1.0 - coherence) / (2.0 * coherence * stretches))
     turn = 2.0 * np.pi * frequency

@@ -149,11 +149,11 @@ def event_bootstrap(
     with np.errstate(invalid="ignore", divide="ignore"):  # nothing accepted in a drawing
         rates = np.tensordot(event_counts, top, axes=1) / np.tensordot(event_counts, bottom, axes=1)
     ends = np.full((2, *rates.shape[1:]), np.nan)
-    has_denominator = bottom.sum(axis=0) > 0.0
-    ends[:, has_denominator] = np.nanquantile(
-        rates[:, has_denominator], [0.5 * (1.0 - level), 0.5 * (1.0 + level)], axis=0
+    countable = bottom.sum(axis=0) > 0.0
+    ends[:, countable] = np.nanquantile(
+        rates[:, countable], [0.5 * (1.0 - level), 0.5 * (1.0 + level)], axis=0
     )
     is_zero, is_one = top.sum(axis=0) == 0.0, top.sum(axis=0) == bottom.sum(axis=0)
     least = (0.5 * (1.0 - level)) ** (1.0 / np.maximum((bottom > 0.0).sum(axis=0), 1))
-    low = np.where(has_denominator & is_one, least, ends[0])
-    return low, np.where(has_denominator & is_zero, 1.0 - least, ends[1])
+    low = np.where(countable & is_one, least, ends[0])
+    return low, np.where(countable & is_zero, 1.0 - least, ends[1])

@@ -241,13 +241,11 @@ class _Entry(NamedTuple):
 
 def _training_ellipses(ellipses: xr.Dataset, fold: Fold) -> xr.Dataset:
     """Ellipses that a fold learns from."""
-    ellipses_of_motions = ellipses.isel(motion=fold.learned)
+    training = ellipses.isel(motion=fold.learned)
     if fold.left_out is None:
-        return ellipses_of_motions
+        return training
     dimension, value = fold.left_out
-    return ellipses_of_motions.sel(
-        {dimension: ellipses_of_motions[dimension].values[ellipses_of_motions[dimension].values != value]}
-    )
+    return training.sel({dimension: training[dimension].values[training[dimension].values != value]})
 
 
 def _judge(
@@ -277,18 +275,15 @@ def _judge(
     axes = np.stack(cell.parameters(ellipses, side=side), axis=-1)
     limits = np.array([(region.a, region.b) for _, region in judging])
     for motion in range(is_judged.shape[1]):
-        region_indices = np.flatnonzero(is_judged[:, motion])
-        if not region_indices.size:
+        rows = np.flatnonzero(is_judged[:, motion])
+        if not rows.size:
             continue
-        errors = truth.errors(cell, motion, *_concatenate([tests, *(edges[k] for k in region_indices)]))
-        trial_errors, edge_errors = errors[:trials], errors[trials:].reshape(region_indices.size, -1)
+        errors = truth.errors(cell, motion, *_concatenate([tests, *(edges[k] for k in rows)]))
+        trial_errors, edge_errors = errors[:trials], errors[trials:].reshape(rows.size, -1)
         outcomes = np.concatenate(
-            [
-                _containment(edge_errors, axes[motion], limits[region_indices]),
-                _fates(trial_errors, is_accepted[region_indices]),
-            ]
+            [_containment(edge_errors, axes[motion], limits[rows]), _fates(trial_errors, is_accepted[rows])]
         )
-        np.add.at(counts[..., motion].transpose(1, 2, 0), tuple(places[region_indices].T), outcomes.T)
+        np.add.at(counts[..., motion].transpose(1, 2, 0), tuple(places[rows].T), outcomes.T)
 
 
 def _concatenate(parts: Sequence[Actuators]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

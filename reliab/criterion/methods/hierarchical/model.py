@@ -85,7 +85,7 @@ class MotionMeans:
         self,
         centre: Array,
         between_covariance: Array,
-        within_covariance: Array,
+        inner: Array,
         degrees: Array,
     ) -> Array:
         """Log-likelihood with normal event effects and bivariate Student-t motions about them.
@@ -96,7 +96,7 @@ class MotionMeans:
         `degrees` (vectors,); returns (vectors,).
         """
         # In coordinates in which the scale is the identity, distances are Euclidean.
-        whitening = _inverse_of_triangle(_cholesky(_matrix(within_covariance)))
+        whitening = _inverse_of_triangle(_cholesky(_matrix(inner)))
         whitened_residuals = np.einsum("wij,wmj->wmi", whitening, self.means - centre[:, None, :])
         prior = whitening @ _matrix(between_covariance) @ whitening.swapaxes(-1, -2)
         mode, precision = self._conditional(whitened_residuals, _inverse(prior), degrees)
@@ -107,10 +107,8 @@ class MotionMeans:
         integrand = self._integrand(whitened_residuals, effects, prior, degrees) + log_weights
         peak = integrand.max(axis=2)
         area = np.log(np.exp(integrand - peak[..., None]).sum(axis=2))
-        event_densities = (peak + area - 0.5 * np.log(_determinant(precision))).sum(axis=1)
-        return np.asarray(
-            event_densities - 0.5 * self.groups.size * np.log(_determinant(_matrix(within_covariance)))
-        )
+        densities = (peak + area - 0.5 * np.log(_determinant(precision))).sum(axis=1)
+        return np.asarray(densities - 0.5 * self.groups.size * np.log(_determinant(_matrix(inner))))
 
     @cached_property
     def _event_statistics(self) -> tuple[NDArray[np.int64], Array, Array]:
@@ -323,13 +321,13 @@ class Hierarchical(Model):
         """Likelihood of all strata; event and motion effects are integrated out."""
         coefficients, covariances = self.coefficients(theta), self.covariances(theta)
         centre = np.einsum("wtq,t->wq", coefficients, self.terms.mean(axis=(0, 1)))
-        mean_covariance = np.einsum("k,wkc->wc", self._weights_of_mean, covariances)
+        scatter = np.einsum("k,wkc->wc", self._weights_of_mean, covariances)
         strata_density = self._strata.log_likelihood(coefficients, covariances)
         if self.robust:
             return strata_density + self._means.robust(
-                centre, covariances[:, 0], mean_covariance, np.exp(theta[:, -1])
+                centre, covariances[:, 0], scatter, np.exp(theta[:, -1])
             )
-        return strata_density + self._means.normal(centre, covariances[:, 0], mean_covariance)
+        return strata_density + self._means.normal(centre, covariances[:, 0], scatter)
 
     def simulate(self, theta: Array, rng: np.random.Generator) -> Self:
         """Draw as many motions of as many earthquakes at the same structures."""

@@ -152,10 +152,10 @@ def divide(grid: Grid, values: Array, terms: Array) -> Strata:
 
     `values` (motions, F, X, 2); `terms` (F, X, terms).
     """
-    f_basis, xi_basis = grid.bases
-    y = np.einsum("mfxq,fi,xj->mijq", values, f_basis, xi_basis)
+    basis_f, basis_xi = grid.bases
+    y = np.einsum("mfxq,fi,xj->mijq", values, basis_f, basis_xi)
     t = np.broadcast_to(
-        np.einsum("fxk,fi,xj->ijk", terms, f_basis, xi_basis), (*y.shape[:3], terms.shape[-1])
+        np.einsum("fxk,fi,xj->ijk", terms, basis_f, basis_xi), (*y.shape[:3], terms.shape[-1])
     )
     both = np.concatenate([t, y], axis=-1)
     damping = float((grid.eta**2).sum())
@@ -172,7 +172,7 @@ def divide(grid: Grid, values: Array, terms: Array) -> Strata:
         (slice(None), bends, {REMAINDER: 1.0}),
     )
     pairs_of_strata = [
-        (both[:, f_basis, xi_basis].reshape(-1, both.shape[-1]), w) for f_basis, xi_basis, w in places
+        (both[:, basis_f, basis_xi].reshape(-1, both.shape[-1]), w) for basis_f, basis_xi, w in places
     ]
     present = [(pairs, weights) for pairs, weights in pairs_of_strata if pairs.size]
     return Strata(
