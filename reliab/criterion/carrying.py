@@ -225,7 +225,9 @@ def carry_to_suite(ellipses: "xr.Dataset", suite: "xr.Dataset") -> "xr.Dataset":
     events = np.unique(suite["event"].values).size
     words = f"pooled with {suite.sizes['motion']} motions of {events} earthquakes of the suite"
     f, xi = (table.coordinates[name].astype(np.float64) for name in ("f", "xi"))
-    carried_table = _assemble(table, f, xi, _separately(carry_cell))
+    carried_table = _assemble(
+        table, f, xi, lambda cell, a, b: (carry_cell("a", cell, a), carry_cell("b", cell, b))
+    )
     return _stating(carried_table, words, scope_of(ellipses), case).to_dataset(near)
 
 
@@ -342,13 +344,6 @@ def _assemble(
         a[index], b[index] = carry_cell(cell, *(np.where(values > 0.0, values, np.nan) for values in pair))
     grid = {**table.coordinates, "f": f, "xi": xi}
     return replace(table, a=a, b=b, coordinates=grid, error_at_rest=None, cut_records=None)
-
-
-def _separately(
-    carry: Callable[[str, Labels, Array], Array],
-) -> Callable[[Labels, Array, Array], tuple[Array, Array]]:
-    """Carry a and b separately."""
-    return lambda cell, a, b: (carry("a", cell, a), carry("b", cell, b))
 
 
 def _stating(
