@@ -165,7 +165,7 @@ def test_its_report_holds_each_degree_and_the_parts(assessed):
     assert list(errors.frame["0"]) == ["x", "theta"]
     parts = document.blocks[4].blocks[0]
     assert "delay of actuator 2" in parts.frame["0"]
-    assert " of theta is 13" in document.verdict[-1]
+    assert " of theta 13" in document.verdict[-1]
 
 
 @pytest.mark.slow

@@ -34,7 +34,7 @@ def run(request: Request) -> None:
 
     if request.list_all:
         reason = "together with `list_all`"
-        request.answer(list_studies, _show_studies, "list_all", why=reason)
+        request.answer(list_studies, _show_studies, "list_all", reason=reason)
         return
 
     def tell(name: str, done: bool) -> None:  # noqa: FBT001 - called by position

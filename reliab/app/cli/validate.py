@@ -26,7 +26,7 @@ def validate(request: Request) -> None:
             calibrate_probabilities,
             lambda found: show_probabilities(found.to_dict()),
             "calibration",
-            why="together with `calibration`",
+            reason="together with `calibration`",
             show=progress_bar,
         )
     else:
