@@ -30,7 +30,7 @@ def error(
 def test_one_structure_with_too_large_an_error_leaves_the_test_undecided():
     doubted = doubted_by_entries(RELIABLE, error())
     assert doubted.word is Word.UNDECIDED
-    assert "6.00 %" in doubted.reasons[0]
+    assert "6 %" in doubted.reasons[0]
     assert "natural frequencies" in doubted.would_decide[0]
     assert doubted_by_entries(RELIABLE, error(evidence=())).word is Word.UNDECIDED
 

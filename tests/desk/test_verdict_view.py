@@ -7,6 +7,7 @@ import pytest
 
 import reliab
 from reliab.core.shipped import shipped
+from reliab.core.significant_digits import percent, percent_with_interval
 from reliab.desk.verdict_view import interval_html, knowing_html, verdict_html
 from reliab.desk.work import judgement_of, thin_histories
 
@@ -27,7 +28,7 @@ def test_the_bar_has_interval_and_threshold_in_proportion(content):
     scale = (threshold - 20.0) / content["threshold"]
     assert left - 20.0 == pytest.approx(scale * size["low"], abs=0.2)
     assert width == pytest.approx(scale * (size["high"] - size["low"]), abs=0.2)
-    assert 'aria-label="RMS error 2.29 % (0.75 to 4.36 %); the threshold is 5 %"' in html
+    assert f'aria-label="RMS error {percent_with_interval(**size)}; the threshold is 5 %"' in html
 
 
 def test_the_verdict_has_the_reasons_of_the_answer(content):
@@ -40,7 +41,8 @@ def test_knowing_a_quantity_says_how_wide_the_interval_would_be_and_what_to_do(c
     item = content["budget"][0]
     entry = next(entry for entry in content["error"]["widest"] if entry["name"] == item["name"])
     html = knowing_html(item, content)
-    assert f"{100 * entry['width_without']:.2f} % wide instead of {100 * entry['width']:.2f} %" in html
+    without, width = (percent(entry[key], 2) for key in ("width_without", "width"))
+    assert f"{without} wide instead of {width}" in html
     assert item["remedy"] in html
 
 

@@ -9,6 +9,7 @@ import pytest
 import reliab
 from reliab.app import cli
 from reliab.core.shipped import shipped
+from reliab.core.significant_digits import percent_and_interval
 
 PLAIN = ("--f", "1", "--xi", "0.02")
 LINES = 3000  # of the shipped test, enough for a verdict
@@ -47,7 +48,8 @@ def test_a_faulty_file_costs_its_row_only(ask, folder):
     assert rows["fault"].isna().tolist() == [True, False, True]
     assert pd.isna(rows.loc["faulty.csv", "verdict"])
     assert "not judged" in out
-    assert f"{100 * rows['rms']['good.csv']:.2f} %" in out
+    good = rows.loc["good.csv"]
+    assert percent_and_interval(good["rms"], good["rms_low"], good["rms_high"])[0] in out
     assert rows.loc["faulty.csv", "fault"].removeprefix("faulty.csv: ")[:40] in out
 
 
@@ -127,7 +129,7 @@ def test_runs_of_the_same_test_are_judged_together(ask, runs):
     assert "third run" in content["warnings"][0]
     _, out, _ = ask(*runs, command="extrapolate")
     assert "2 runs of one test, RMS error against 5 %" in out
-    assert f"{100 * content['runs'][0]['error']['value']:.2f} %" in out
+    assert percent_and_interval(**content["runs"][0]["error"])[0] in out
 
 
 def test_one_run_or_a_faulty_one_is_no_same_test(ask):

@@ -184,7 +184,7 @@ def test_the_end_decides_and_an_alarm_is_told(tmp_path, capsys):
     assert run([*on_screen, "--threshold", "0.002", "--exact"]) == 1
     printed = " ".join(capsys.readouterr().out.split())
     assert printed.count("Alarm at") == 1
-    assert "s: the error is above twice 0.20 %" in printed
+    assert "s: the error is above twice 0.2 %" in printed
     assert printed.index("Alarm at") < printed.index("NOT RELIABLE: RMS error")
     assert "No new row came for 0.1 s: the test counts as finished." in printed
 
