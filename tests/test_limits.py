@@ -10,7 +10,7 @@ from scipy.io import savemat
 from reliab.assessment.assess import assess
 from reliab.assessment.rebuilt_error.rebuild import rebuild
 from reliab.assessment.rebuilt_error.running_error import Monitor
-from reliab.assessment.rebuilt_error.size import MOST_DRAWN
+from reliab.assessment.rebuilt_error.size import LARGEST_DRAW_SIZE
 from reliab.core.errors import InputError
 from reliab.core.files import LIMITS, require_small
 from reliab.criterion.ellipse_reading import read_ellipses
@@ -35,7 +35,7 @@ STEP = 1.0 / 256.0
 @pytest.fixture(scope="module")
 def histories():
     """A test that is one sample too long for a structure of 4 Hz; 18 MB."""
-    command = np.sin(0.05 * np.arange(MOST_DRAWN + 1))
+    command = np.sin(0.05 * np.arange(LARGEST_DRAW_SIZE + 1))
     return command, 0.99 * command
 
 
@@ -191,7 +191,7 @@ def test_a_running_test_of_any_length_takes_the_memory_of_two_stretches(rest):
     monitor = Monitor(FOUR_HERTZ, STEP, stretch=stretch)
     for first in range(0, command.size, 3000):
         monitor.feed(command[first : first + 3000], 0.99 * command[first : first + 3000])
-        assert monitor._running.kept <= 2 * stretch  # noqa: SLF001
+        assert monitor._running.kept_samples <= 2 * stretch  # noqa: SLF001
         assert monitor._running._table.shape[1] <= 4 * stretch  # noqa: SLF001
     assert monitor.now.samples == command.size
 

@@ -7,7 +7,7 @@ from reliab.assessment.contradictions import Contradiction
 from reliab.assessment.inference.posterior import TestPosterior
 from reliab.assessment.inference.quantities import Unknown
 from reliab.assessment.inference.uncertain_quantity import Shape
-from reliab.assessment.rebuilt_error.identification import Identification, Identified
+from reliab.assessment.rebuilt_error.identification import Identification, IdentifiedParameter
 from reliab.core.significant_digits import significant
 from reliab.core.stated_value import StatedValue
 from reliab.structures.structure import Structure
@@ -76,18 +76,18 @@ def identify_structure(
 ) -> Identification:
     """Put what the channels show of the structure into an identification; `feedback_lag` [s]."""
 
-    def identified(name: str, stated: float, size: float) -> Identified | None:
+    def identified(name: str, stated: float, size: float) -> IdentifiedParameter | None:
         if name not in posterior.means:
             return None
         value = stated + size * posterior.means[name]
-        return Identified(value=value, deviation=size * posterior.deviations[name], stated=stated)
+        return IdentifiedParameter(value=value, deviation=size * posterior.deviations[name], stated=stated)
 
     f, ratio = structure.frequency, structure.damping_ratio
     share = structure.experimental_fraction
     return Identification(
-        frequency=identified("frequency", f, f) or Identified(value=f, deviation=0.0, stated=f),
+        frequency=identified("frequency", f, f) or IdentifiedParameter(value=f, deviation=0.0, stated=f),
         damping_ratio=identified("damping_ratio", ratio, ratio)
-        or Identified(value=ratio, deviation=0.0, stated=ratio),
+        or IdentifiedParameter(value=ratio, deviation=0.0, stated=ratio),
         experimental_fraction=identified("experimental_fraction", share, share),
         feedback_lag=identified("feedback_lag", feedback_lag, 1.0),
         misfit=misfit,

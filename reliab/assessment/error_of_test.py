@@ -166,7 +166,7 @@ class ErrorOfTest(ErrorWithThreshold):
     @cached_property
     def parts(self) -> Parts:
         """Parts of the error: amplitude, delay, neither, and a late force."""
-        return (self.specimen or self.rebuilt).parts().without_noise(self.estimate(Metric.RMS).value)
+        return (self.specimen or self.rebuilt).parts().subtract_noise(self.estimate(Metric.RMS).value)
 
     def part_of_tracking(self, followed: Array) -> Part:
         """Part of the error that an actuator with this displacement [m] accounts for, shape (n,)."""

@@ -186,7 +186,7 @@ class ErrorOfSeveral(ErrorWithThreshold):
     def parts_of(self, degree: "DegreeError") -> Parts:
         """Parts of the error of one displacement."""
         parts = self.rebuilt.division.of_degree(self.displacements.index(degree))
-        return parts.without_noise(degree.rms.value)
+        return parts.subtract_noise(degree.rms.value)
 
     @property
     def of_which(self) -> str:

@@ -22,7 +22,7 @@ from reliab.assessment.inference.posterior import (
 from reliab.assessment.inference.quantities import Unknown as UncertainQuantity
 from reliab.assessment.inference.rebuilt import rebuild
 from reliab.assessment.inference.uncertain_quantity import Circumstances, Described
-from reliab.assessment.rebuilt_error.initial import Start, checked_histories, stated_start
+from reliab.assessment.rebuilt_error.initial import Start, check_histories, start_of_test
 from reliab.assessment.rebuilt_error.interval import EXACT, Histories, samples_in_step
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
 from reliab.assessment.rebuilt_error.readings import require_lag
@@ -30,7 +30,7 @@ from reliab.assessment.rebuilt_error.rebuild import RebuiltError
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.spread import Spread
 from reliab.assessment.rebuilt_error.widenings import Widening
-from reliab.assessment.rebuilt_error.yielding_sweep import added_displacement
+from reliab.assessment.rebuilt_error.yielding_sweep import additional_displacement
 from reliab.assessment.uncertainty_budget import BudgetItem, describe
 from reliab.core.arrays import Array
 from reliab.core.stated_value import StatedValue
@@ -85,7 +85,7 @@ class InferredError:
 
         `histories`: of the displacement that it was moved by.
         """
-        lost = -added_displacement(specimen, histories.measured, histories.time_step)
+        lost = -additional_displacement(specimen, histories.measured, histories.time_step)
         slip = self.posterior.circumstances.channels.band.spectrum(lost)
         return log_evidence_ratio(self.posterior, slip[np.newaxis])
 
@@ -237,11 +237,11 @@ class _Readings:
     ) -> "_Readings":
         """Check the channels, and transform them; arguments as of `infer_error`."""
         step, force = recording.time_step, recording.force
-        command, measured = checked_histories(recording.command, measured, step, whole)
+        command, measured = check_histories(recording.command, measured, step, whole)
         every = samples_in_step_of_structure(whole, step)
         require_fitting(command.size, every, step)
         noise = replace(estimate_noise(command, measured, step), resolution=resolution)
-        start = stated_start(command, measured, step, whole, noise, sensor_offset)
+        start = start_of_test(command, measured, step, whole, noise, sensor_offset)
         read = measured - start.offset
         answered = float(whole.static_transfer[0, 0]) * start.standing  # by the command, before the record
         stood = start.standing - answered

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from reliab.assessment.contradictions import Contradiction
-from reliab.assessment.rebuilt_error.identification import Identification, Identified, fit_spring
+from reliab.assessment.rebuilt_error.identification import Identification, IdentifiedParameter, fit_spring
 from reliab.assessment.rebuilt_error.kernel import Kernel
 from reliab.assessment.rebuilt_error.noise import estimate_noise
 from reliab.assessment.rebuilt_error.specimen_check import examine_specimen
@@ -103,7 +103,7 @@ def _skew_of_force(recording: Recording, structure: Structure, tolerated: float)
     force = _force_of_specimen(recording, structure)
     if force is None:
         return ""
-    kernel = Kernel.of_frequency(structure.frequency, recording.time_step)
+    kernel = Kernel.from_frequency(structure.frequency, recording.time_step)
     spring = fit_spring(recording.measured, force, kernel)
     late, deviation = MILLI * spring.late, MILLI * spring.late_deviation
     if abs(late) <= max(_SIGNIFICANT * deviation, _AGREES * tolerated, _LEAST_SKEW):
@@ -115,12 +115,12 @@ def _skew_of_force(recording: Recording, structure: Structure, tolerated: float)
     )
 
 
-def _within(estimate: Identified, stated: StatedValue | None, factor: float) -> bool:
+def _within(estimate: IdentifiedParameter, stated: StatedValue | None, factor: float) -> bool:
     deviation = 0.0 if stated is None else stated.deviation
     return abs(factor * (estimate.value - estimate.stated)) <= _AGREES * deviation
 
 
-def _sentence(name: str, estimate: Identified) -> str:
+def _sentence(name: str, estimate: IdentifiedParameter) -> str:
     _, words, unit, factor = _QUANTITIES[name]
     value, deviation, stated = (
         factor * number for number in (estimate.value, estimate.deviation, estimate.stated)

@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from reliab.assessment.rebuilt_error.kernel import Kernel
-from reliab.assessment.rebuilt_error.specimen_check import slipped
+from reliab.assessment.rebuilt_error.specimen_check import slider_elongation
 from reliab.assessment.tracking_index import is_noisier
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
@@ -165,7 +165,7 @@ def doubts_of_sign(measured: Array, force: Array, time_step: float) -> Iterator[
 
 def _takes_work(measured: Array, force: Array, kernel: Kernel) -> bool:
     """Whether the motion does work on the specimen, on average over the test, as on one that buckles."""
-    moved, resisted = (kernel.seen(history, 0) for history in (measured, force))
+    moved, resisted = (kernel.smooth_derivative(history, 0) for history in (measured, force))
     resisted = resisted - resisted.mean()
     work = np.cumsum(0.5 * (resisted[1:] + resisted[:-1]) * np.diff(moved))
     return bool(work.mean() > 0.0)
@@ -203,14 +203,18 @@ def _follows_command(command: Array, measured: Array, force: Array, kernel: Kern
     """
     by_command, by_measured = (_left_over(moved, (force,), kernel)[0] for moved in (command, measured))
     lead = _lead(measured, command, kernel)
-    of_lead = lead**2 * _power(kernel.seen(measured, 1)) / _power(kernel.seen(measured, 0))
+    of_lead = (
+        lead**2
+        * _power(kernel.smooth_derivative(measured, 1))
+        / _power(kernel.smooth_derivative(measured, 0))
+    )
     misses = lead > _SKEWED * kernel.time_step and by_measured > _OF_LEAD * of_lead
     return misses and by_command < _EXCHANGED * by_measured
 
 
 def _lead(first: Array, second: Array, kernel: Kernel) -> float:
     """Time by which one history is ahead of another, to first order [s]."""
-    ahead, rate = _without_line(kernel.seen(first, 0)), kernel.seen(second, 1)
+    ahead, rate = _without_line(kernel.smooth_derivative(first, 0)), kernel.smooth_derivative(second, 1)
     return float(ahead @ rate) / float(rate @ rate)
 
 
@@ -261,7 +265,10 @@ def remark_on_force(recording: Recording, structure: Structure, stated: Mapping[
 
 def _stiffness(measured: Array, force: Array, kernel: Kernel, least: float = _SPRING) -> float | None:
     """Stiffness where force and displacement are correlated at least so much; else None."""
-    moved, resisted = (row - row.mean() for row in (kernel.seen(measured, 0), kernel.seen(force, 0)))
+    moved, resisted = (
+        row - row.mean()
+        for row in (kernel.smooth_derivative(measured, 0), kernel.smooth_derivative(force, 0))
+    )
     slope = float(moved @ resisted) / float(moved @ moved)
     of_spring = slope * float(np.linalg.norm(moved) / np.linalg.norm(resisted))
     return slope if of_spring >= least else None
@@ -323,7 +330,7 @@ def _kernel(measured: Array, force: Array, time_step: float) -> Kernel | None:
     common = np.abs(np.fft.rfft(force - force.mean()) * np.fft.rfft(measured - measured.mean()))
     number = np.arange(common.size)
     frequency = float(number[np.argmax(number * common)]) / (measured.size * time_step)
-    kernel = Kernel.of_frequency(frequency, time_step)
+    kernel = Kernel.from_frequency(frequency, time_step)
     samples = (measured.size - kernel.values[0].size) // kernel.every
     return kernel if samples >= _FEWEST_SAMPLES else None
 
@@ -331,11 +338,16 @@ def _kernel(measured: Array, force: Array, time_step: float) -> Kernel | None:
 def _left_over(moved: Array, forces: Sequence[Array], kernel: Kernel) -> list[float]:
     """Power that the elements of a passive specimen leave over of each force, over that of the force [-]."""
     shape = moved / float(np.abs(moved).max())
-    bent = [shape**3, *(slipped(shape, limit) for limit in _YIELDS)]
-    rows = [*(kernel.seen(moved, order) for order in range(3)), *(kernel.seen(row, 0) for row in bent)]
+    bent = [shape**3, *(slider_elongation(shape, limit) for limit in _YIELDS)]
+    rows = [
+        *(kernel.smooth_derivative(moved, order) for order in range(3)),
+        *(kernel.smooth_derivative(row, 0) for row in bent),
+    ]
     terms = np.stack([row - row.mean() for row in rows], axis=1)
     terms /= np.linalg.norm(terms, axis=0)
-    targets = [resisted - resisted.mean() for resisted in (kernel.seen(force, 0) for force in forces)]
+    targets = [
+        resisted - resisted.mean() for resisted in (kernel.smooth_derivative(force, 0) for force in forces)
+    ]
     return [_nonnegative_remainder(terms, target / float(np.linalg.norm(target))) for target in targets]
 
 

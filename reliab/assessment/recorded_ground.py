@@ -124,14 +124,16 @@ def require_unit_of_force(
     """
     if recording.ground is None or recording.force is None:
         return
-    kernel, w0 = Kernel.of_frequency(structure.frequency, recording.time_step), structure.circular_frequency
-    x, v, a = (kernel.seen(recording.command, order) for order in range(3))
+    kernel, w0 = Kernel.from_frequency(structure.frequency, recording.time_step), structure.circular_frequency
+    x, v, a = (kernel.smooth_derivative(recording.command, order) for order in range(3))
     computed = (
         a + 2.0 * structure.damping_ratio * w0 * v + (1.0 - structure.experimental_fraction) * w0**2 * x
     )
-    late = kernel.seen(recording.force, 0) - feedback_lag * kernel.seen(recording.force, 1)
+    late = kernel.smooth_derivative(recording.force, 0) - feedback_lag * kernel.smooth_derivative(
+        recording.force, 1
+    )
     columns = np.stack([late / mass, np.ones(late.size)])
-    shaken = kernel.seen(recording.ground, 0)
+    shaken = kernel.smooth_derivative(recording.ground, 0)
     for needed in (-computed - shaken, -computed + shaken):  # also where the ground acceleration is reversed
         (factor, _), _, left = fit_equation(columns, needed, kernel)
         if np.linalg.norm(left) <= _LARGEST_MISFIT * np.linalg.norm(needed) and factor > 0.0:

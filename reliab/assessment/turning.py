@@ -184,7 +184,7 @@ def _errors_if_filtered(error: ErrorOfTest) -> dict[float, float]:
     """
     rebuilt, histories = error.rebuilt, error.rebuilt.histories
     rate = np.gradient(histories.measured, histories.time_step)
-    recursion = Recursion.of_displacement(rebuilt.structure, histories.time_step)
+    recursion = Recursion.from_displacement(rebuilt.structure, histories.time_step)
     moved = respond(recursion, rate)[0]
     nearer = max if error.estimate(error.metric).value < error.threshold else min
 

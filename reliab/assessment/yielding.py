@@ -64,7 +64,7 @@ def largest_displacement(rebuilt: RebuiltError) -> float:
 
 
 def _thinned(rebuilt: RebuiltError) -> Histories:
-    return rebuilt.histories.thinned(samples_in_step_of_structure(rebuilt.structure, rebuilt.time_step))
+    return rebuilt.histories.thin(samples_in_step_of_structure(rebuilt.structure, rebuilt.time_step))
 
 
 def _largest(histories: Histories) -> float:

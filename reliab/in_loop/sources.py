@@ -25,11 +25,11 @@ from reliab.assessment.rebuilt_error.loop_energy import (
     SLOWEST_POLE,
     SMALLEST_FOLLOWING,
     WatchedMode,
-    watched_modes,
+    select_modes,
 )
 from reliab.assessment.rebuilt_error.noise import LOST_IN_NOISE
 from reliab.assessment.rebuilt_error.nonlinear_reference import tangent_structure
-from reliab.assessment.rebuilt_error.readings import delayed
+from reliab.assessment.rebuilt_error.readings import delay_history
 from reliab.assessment.rebuilt_error.recursion import Recursion
 from reliab.assessment.rebuilt_error.running_specimen import (
     EQUATION_TOLERANCE,
@@ -97,7 +97,7 @@ class LoopCoefficients:
     def from_structure(cls, structure: Partition, carry: Array, step: float) -> "LoopCoefficients":
         """Take a structure with interface displacements that the channels are carried to; `step` [s]."""
         regular = structure.nonsingular_form
-        recursion, forced = (Recursion.of_displacement(regular, step), Recursion.of_force(regular, step))
+        recursion, forced = (Recursion.from_displacement(regular, step), Recursion.from_force(regular, step))
         return cls(
             decay=recursion.transition,
             early=recursion.early,
@@ -107,7 +107,7 @@ class LoopCoefficients:
             carry=carry,
             equilibrium=recursion.static @ carry,
             share=structure.shares_at_sensors(carry),
-            modes=watched_modes(regular, step),
+            modes=select_modes(regular, step),
             force_loads=(forced.early, forced.late),
         )
 
@@ -333,7 +333,7 @@ def _weights(monitor: LoopMonitor) -> Array:
     lag_steps = int(monitor.feedback_lag / monitor.time_step)
     impulse = np.zeros(2 * lag_steps + 16)
     impulse[lag_steps + 8] = 1.0
-    late = delayed(impulse, monitor.feedback_lag, monitor.time_step)
+    late = delay_history(impulse, monitor.feedback_lag, monitor.time_step)
     return np.asarray(late[2 * lag_steps + 8 : 2 * lag_steps + 12])
 
 

@@ -226,7 +226,7 @@ def test_without_an_actuators_error_the_response_is_the_command() -> None:
     growing = _SINE * (1.0 + _TIMES / 30.0)  # a peak that is met again exactly is a jump of some elements
     felt = coefficients @ elements.along(growing, _STEP, _STILL)
     computed = Partition.from_structure(Structure(frequency=0.4, damping_ratio=0.04))
-    numerical = Recursion.of_force(computed, _STEP)
+    numerical = Recursion.from_force(computed, _STEP)
     response = elements.respond(coefficients, growing, felt, _STEP, _STILL, numerical)
     assert response == pytest.approx(growing, abs=1e-9)
 
@@ -238,16 +238,16 @@ def test_a_spring_has_the_exact_response_of_the_linear_equation() -> None:
     late = np.interp(_TIMES - 0.01, _TIMES, _SINE)
     stiffness = whole.specimen_stiffness[0]
     felt = stiffness @ spring.along(late, _STEP, _STILL)
-    numerical = Recursion.of_force(whole.numerical_substructure, _STEP)
+    numerical = Recursion.from_force(whole.numerical_substructure, _STEP)
     response = spring.respond(stiffness, _SINE, felt, _STEP, _STILL, numerical)
-    expected = _SINE - respond(Recursion.of_displacement(whole, _STEP), _SINE - late)[0]
+    expected = _SINE - respond(Recursion.from_displacement(whole, _STEP), _SINE - late)[0]
     assert response == pytest.approx(expected, abs=1e-4 * np.abs(expected - _SINE).max())
 
 
 def test_a_response_that_diverges_ends_at_once() -> None:
     """Smooth hysteresis goes on in parts of its yield displacement, of which there would be no end."""
     whole = Partition.from_structure(Structure(frequency=0.7, damping_ratio=0.05))
-    late, numerical = 0.9 * _SINE, Recursion.of_force(whole.numerical_substructure, _STEP)
+    late, numerical = 0.9 * _SINE, Recursion.from_force(whole.numerical_substructure, _STEP)
     law = _law(Kind.SMOOTH_PINCHED, SMOOTH_TRAITS)
     response = law.respond(np.array([-1e9]), _SINE, late, _STEP, _STILL, numerical)
     assert np.isnan(response[-1])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from reliab.assessment.rebuilt_error.nonlinear_reference import tangent_structure
-from reliab.assessment.rebuilt_error.readings import delayed
+from reliab.assessment.rebuilt_error.readings import delay_history
 from reliab.assessment.rebuilt_error.running_error import Monitor
 from reliab.core.errors import InputError
 from reliab.simulation.hybrid_test.model import HybridTest
@@ -17,9 +17,9 @@ STRUCTURE = Structure(frequency=1.0, damping_ratio=0.05)
 @pytest.mark.parametrize(
     ("make", "rule"),
     [
-        (lambda: delayed(np.ones(8), -0.1, 1.0), "finite and not negative; found -0.1 s"),
-        (lambda: delayed(np.ones(8), np.inf, 1.0), "finite and not negative; found inf s"),
-        (lambda: delayed(np.ones(8), 4.5, 0.5), "must be shorter than the test; found 4.5 s"),
+        (lambda: delay_history(np.ones(8), -0.1, 1.0), "finite and not negative; found -0.1 s"),
+        (lambda: delay_history(np.ones(8), np.inf, 1.0), "finite and not negative; found inf s"),
+        (lambda: delay_history(np.ones(8), 4.5, 0.5), "must be shorter than the test; found 4.5 s"),
         (lambda: Monitor(STRUCTURE, 0.0), "time step must be between .* found 0 s"),
         (lambda: Monitor(STRUCTURE, np.inf), "time step must be between .* found inf s"),
         (
@@ -35,7 +35,7 @@ def test_what_cannot_be_is_refused_by_its_own_rule(make, rule):
 
 def test_a_force_that_is_not_late_is_fed_back_as_it_is():
     values = np.arange(8.0)
-    assert delayed(values, 0.0, 1.0) is values
+    assert delay_history(values, 0.0, 1.0) is values
 
 
 @pytest.mark.parametrize("mass", [1.0, 50.0])

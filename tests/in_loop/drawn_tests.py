@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reliab.assessment.rebuilt_error.readings import delayed
+from reliab.assessment.rebuilt_error.readings import delay_history
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.assessment.rebuilt_error.running_error import Monitor
 from reliab.effects.effect import Role
@@ -159,8 +159,8 @@ def errors_of_assess(partition, carry, command, reading, rate, lag=0.0, standing
 
     In a loop the next sample is not known, and readings are joined by straight lines.
     """
-    recursion = Recursion.of_displacement(partition.nonsingular_form, 1.0 / rate)
-    input_motion = np.stack([delayed(row, lag, 1.0 / rate) for row in reading])
+    recursion = Recursion.from_displacement(partition.nonsingular_form, 1.0 / rate)
+    input_motion = np.stack([delay_history(row, lag, 1.0 / rate) for row in reading])
     state = None if standing is None else recursion.static @ carry @ standing
     return respond(recursion, carry @ (command - input_motion), state) - carry @ (command - reading)
 

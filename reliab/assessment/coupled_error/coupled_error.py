@@ -58,7 +58,7 @@ def divide(histories: Histories, recursion: Recursion) -> CoupledParts:
     gain, delay = _followed(command, velocity, measured)
     differences = _differences(histories, velocity, gain, delay)
     pieces = pieces_of(histories, recursion, differences, remainder="actuator_1_rest")
-    reference = histories.at_interface(command) - histories.respond(recursion)
+    reference = histories.carry_to_interface(command) - histories.respond(recursion)
     return CoupledParts(gain=gain, delay=delay, histories=pieces, reference=reference)
 
 
@@ -96,7 +96,7 @@ def _differences(histories: Histories, velocity: Array, gain: Array, delay: Arra
         }
         rows["rest"] = difference[place] - np.sum(list(rows.values()), axis=0)
         parts |= {
-            f"actuator_{place + 1}_{cause}": histories.of_sensor(place, rows[cause]) for cause in CAUSES
+            f"actuator_{place + 1}_{cause}": histories.carry_sensor(place, rows[cause]) for cause in CAUSES
         }
     return parts
 
@@ -146,7 +146,7 @@ class CoupledError:
     @property
     def command(self) -> Array:
         """x_c at the interface [m], shape (p, n)."""
-        return self.histories.at_interface(self.histories.command)
+        return self.histories.carry_to_interface(self.histories.command)
 
     @property
     def judged(self) -> tuple[DegreeError, ...]:
@@ -200,8 +200,8 @@ def errors_of_displacements(
 
     `raw`: x_m as read [m], shape (p, n); `loose`: deviation that noise leaves x_c − x_m [m], shape (p,).
     """
-    reference = histories.at_interface(histories.command) - histories.respond(recursion)
-    strayed, smooth = (histories.at_interface(read) - reference for read in (raw, histories.measured))
+    reference = histories.carry_to_interface(histories.command) - histories.respond(recursion)
+    strayed, smooth = (histories.carry_to_interface(read) - reference for read in (raw, histories.measured))
     peaks = np.abs(reference).max(axis=1)
     moves = peaks > np.finfo(float).eps * peaks.max()
     return tuple(

@@ -122,7 +122,7 @@ class _Fit:
             yield history / self._sizes
         for history in (measured, np.gradient(measured, step, axis=1)):
             for place, row in enumerate(history):
-                yield -respond(recursion, self.histories.of_sensor(place, row)) / self._sizes
+                yield -respond(recursion, self.histories.carry_sensor(place, row)) / self._sizes
 
     def _solved(self, columns: Array, rest: Array) -> tuple[Array, float]:
         """Return changes by penalised least squares, and the standard deviation of the first.
@@ -141,7 +141,7 @@ class _Fit:
 
     @property
     def _command(self) -> Array:
-        return self.histories.at_interface(self.histories.command)
+        return self.histories.carry_to_interface(self.histories.command)
 
     @property
     def _sizes(self) -> Array:

@@ -19,7 +19,7 @@ import numpy as np
 import scipy
 
 from reliab.assessment.rebuilt_error.difference_draws import coarse_step, draw_differences
-from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise, followed
+from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise, follow_commands
 from reliab.core.arrays import Array
 
 _LEAST_NOISE = 1e-9  # of the motion: channels with less are taken to be without noise
@@ -70,7 +70,7 @@ def _mixing(command: Array, measured: Array, noises: Sequence[SensorNoise]) -> A
     """B, the identity where channels are rounded so coarsely that their noise is not white."""
     if len(command) == 1 or any(map(coarse_step, measured, noises)):
         return np.eye(len(command))
-    rest = measured - followed(command, measured, noises[0].time_step)
+    rest = measured - follow_commands(command, measured, noises[0].time_step)
     within = np.stack([noise.smooth(row) for noise, row in zip(noises, rest, strict=True)])
     _, vectors = scipy.linalg.eigh(np.cov(within), _noise_covariance(rest, measured))
     return np.asarray(vectors.T)

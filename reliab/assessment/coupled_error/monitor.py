@@ -12,7 +12,7 @@ import numpy as np
 
 from reliab.assessment.coupled_error.coupled_error import CoupledError
 from reliab.assessment.coupled_error.rebuild import DRAWS, rebuild_coupled
-from reliab.assessment.rebuilt_error.readings import delayed_on
+from reliab.assessment.rebuilt_error.readings import delay_from_sample
 from reliab.assessment.rebuilt_error.recursion import Recursion
 from reliab.assessment.rebuilt_error.running_test import (
     Now,
@@ -66,7 +66,7 @@ class CoupledMonitor(RunningTest):
         self._partition, self._lag, self._metric, self._seed = structure, feedback_lag, metric, seed
         self._carry = np.eye(structure.degrees) if to_interface is None else np.asarray(to_interface)
         self._tolerances, self._stated_recursion = tolerances, recursion
-        self._recursion = recursion or Recursion.of_displacement(self.structure, time_step)
+        self._recursion = recursion or Recursion.from_displacement(self.structure, time_step)
         self._parts = [np.zeros((2, structure.degrees, 0))]
         self._lows: dict[str, dict[Metric, float]] = {}
         self._judged: tuple[str, ...] = structure.names
@@ -103,7 +103,7 @@ class CoupledMonitor(RunningTest):
         before = self._latest.shape[2]
         rows = np.concatenate([self._latest, np.stack([command, measured - self._offsets])], axis=2)
         self._latest = rows[:, :, -(int(self._lag / self.time_step) + _BEFORE) :]
-        felt = np.stack([delayed_on(row, before, self._lag, self.time_step) for row in rows[1]])
+        felt = np.stack([delay_from_sample(row, before, self._lag, self.time_step) for row in rows[1]])
         ideal = self._carry @ command - self._response.follow(self._carry @ (command - felt))
         errors = self._carry @ rows[1, :, before:] - ideal
         for sums, error, exact in zip(self._sums.values(), errors, ideal, strict=True):

@@ -58,7 +58,7 @@ def infer_coupled(
     inferred = infer_errors(circumstances, as_stated.every, seed=0)
     full = channels.band.full_history
     references, errors = full(inferred.errors.exact_spectrum), full(inferred.errors.error_spectrum)
-    raw = as_stated.histories.at_interface(measured - offsets[:, np.newaxis])
+    raw = as_stated.histories.carry_to_interface(measured - offsets[:, np.newaxis])
     displacements = tuple(
         _judged_by(inferred, place, degree, references[place], errors[place], raw[place])
         for place, degree in enumerate(as_stated.displacements)

@@ -17,7 +17,7 @@ from reliab.assessment.coupled_error.coupled_error import (
     errors_of_displacements,
 )
 from reliab.assessment.coupled_error.joint_draws import draw_jointly
-from reliab.assessment.rebuilt_error.initial import Start, checked_histories, examine_start
+from reliab.assessment.rebuilt_error.initial import Start, check_histories, examine_start
 from reliab.assessment.rebuilt_error.interval import (
     EXACT_DRAWS,
     Histories,
@@ -28,7 +28,7 @@ from reliab.assessment.rebuilt_error.interval import (
 )
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
 from reliab.assessment.rebuilt_error.own_frequency import EntriesOfStructure, learn_frequency
-from reliab.assessment.rebuilt_error.readings import delayed
+from reliab.assessment.rebuilt_error.readings import delay_history
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.assessment.rebuilt_error.size import require_fitting
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
@@ -91,7 +91,7 @@ def rebuild_coupled(
     >>> round(error.displacements[0].rms.value, 2), error.displacements[1].rms.value < 1e-6
     (0.07, True)
     """
-    command, measured = checked_histories(command, measured, time_step, partition, several=True)
+    command, measured = check_histories(command, measured, time_step, partition, has_actuators=True)
     carry = np.eye(partition.degrees) if to_interface is None else np.asarray(to_interface, dtype=float)
     channels = _examined(command, measured, time_step, partition, carry, sensor_offsets)
     band, frequencies = channels.noises[0].band, partition.natural_frequencies
@@ -105,7 +105,9 @@ def rebuild_coupled(
     differences = _draw(channels, histories, structure, every, draws, seed)
     recursion = recursion or histories.recursion(structure)
     unknown = _what_is_unknown(channels, histories, partition, structure, tolerances or Tolerances())
-    drawn = partial(sweep, histories, partition, every=every, seed=seed, modes=modes, stepped=recursion)
+    drawn = partial(
+        sweep, histories, partition, stride=every, seed=seed, modes=modes, stepped_recursion=recursion
+    )
     none = np.zeros(partition.degrees)
     noisy = Unknown(tolerances=Tolerances(), offset=none, error_at_start=none)
     as_stated = drawn(noisy, differences[::2], draws=len(differences[::2]))
@@ -135,7 +137,7 @@ def _smoothed(channels: Channels, carry: Array, feedback_lag: float) -> Historie
     step = channels.noises[0].time_step
     rows = zip(channels.noises, channels.command, channels.measured, strict=True)
     measured = np.stack([command - noise.smooth(command - read) for noise, command, read in rows])
-    felt = np.stack([delayed(row, feedback_lag, step) for row in measured])
+    felt = np.stack([delay_history(row, feedback_lag, step) for row in measured])
     return Histories(
         command=channels.command,
         measured=measured,
@@ -156,7 +158,7 @@ def _what_is_unknown(
 ) -> Unknown:
     """Collect what is uncertain, with what the test shows of a natural frequency that is not exact."""
     learned = learn_frequency(
-        histories.at_interface(histories.command),
+        histories.carry_to_interface(histories.command),
         histories.fed_back,
         histories.difference,
         histories.time_step,
@@ -164,7 +166,7 @@ def _what_is_unknown(
         tolerances.frequency,
         standing=np.atleast_1d(histories.standing),
         smooth=True,
-        entries=EntriesOfStructure.of_parts(partition, tolerances.of_parts),
+        entries=EntriesOfStructure.from_parts(partition, tolerances.of_parts),
     )
     offset, at_start = _of_starts(channels, structure, histories)
     return Unknown(tolerances=tolerances, offset=offset, error_at_start=at_start, own_frequency=learned)
@@ -232,10 +234,10 @@ def _of_starts(channels: Channels, structure: Partition, histories: Histories) -
     offsets = np.array([start.offset_deviation for start in channels.starts])
     if all(start.at_rest for start in channels.starts):
         return np.stack([offsets, np.zeros_like(offsets)])
-    strayed = histories.at_interface(channels.command - channels.measured)
+    strayed = histories.carry_to_interface(channels.command - channels.measured)
     response = respond(histories.recursion(structure), strayed)
-    command = histories.at_interface(channels.command)
-    moved = histories.at_interface(np.array([start.amplitude for start in channels.starts]))
+    command = histories.carry_to_interface(channels.command)
+    moved = histories.carry_to_interface(np.array([start.amplitude for start in channels.starts]))
     spread = np.sqrt(np.mean(response**2, axis=1) / np.maximum(np.mean(command**2, axis=1), 1e-300))
     return np.stack([offsets, spread * np.abs(moved)])
 

@@ -151,7 +151,7 @@ class LearnedTest:
 
     def _recursion(self, relative: list[float]) -> Recursion:
         """Recursion of the numerical substructure, relative changes of each stated value given."""
-        return Recursion.of_force(self._scaled(relative).numerical_substructure, self.thin.time_step)
+        return Recursion.from_force(self._scaled(relative).numerical_substructure, self.thin.time_step)
 
     def _scaled(self, relative: list[float]) -> Partition:
         """Structure with relative changes of each stated value."""

@@ -22,7 +22,7 @@ from reliab.assessment.measured_specimen.learning import late_by, learn_specimen
 from reliab.assessment.measured_specimen.path import MeasuredPath
 from reliab.assessment.rebuilt_error.difference_draws import draw_differences
 from reliab.assessment.rebuilt_error.error_statistics import relative_errors
-from reliab.assessment.rebuilt_error.initial import Start, checked_histories, stated_start
+from reliab.assessment.rebuilt_error.initial import Start, check_histories, start_of_test
 from reliab.assessment.rebuilt_error.interval import EXACT, Histories, Unknown, draw_unknown
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise, white_floor
 from reliab.assessment.rebuilt_error.parts import (
@@ -177,18 +177,18 @@ def rebuild_with_force(
     specimen, all of which was fed back.
     """
     with one_thread():
-        command, measured = checked_histories(command, measured, time_step, whole)
+        command, measured = check_histories(command, measured, time_step, whole)
         force = _checked_force(force, measured)
         every = _samples_in_step(whole, time_step)
         require_fitting(command.size, every, time_step)
         noise = replace(estimate_noise(command, measured, time_step), resolution=resolution)
-        start = stated_start(command, measured, time_step, whole, noise, sensor_offset)
+        start = start_of_test(command, measured, time_step, whole, noise, sensor_offset)
         read = measured - start.offset
         smooth = noise.smooth(command - read)
         histories = Histories(
             command=command, measured=command - smooth, fed_back=smooth, time_step=time_step
         )
-        thin = histories.thinned(every)
+        thin = histories.thin(every)
         channel = force_channel or ForceChannel()
         recorded = np.ascontiguousarray(noise.smooth(force)[::every])
         added = columns_of_channel(recorded, thin.measured, thin.time_step)
@@ -211,9 +211,11 @@ def rebuild_with_force(
 def _samples_in_step(whole: Partition, time_step: float) -> int:
     """Give the number of samples of which one is simulated: the specimen's force is foreseen for a step."""
     lowest = float(whole.natural_frequencies[0])
-    every = samples_in_step_of_simulation(lowest, time_step, least_rate=_LEAST_RATE, per_period=_PER_PERIOD)
+    every = samples_in_step_of_simulation(
+        lowest, time_step, least_rate=_LEAST_RATE, samples_per_period=_PER_PERIOD
+    )
     while every > 1:
-        recursion = Recursion.of_force(whole.numerical_substructure, every * time_step)
+        recursion = Recursion.from_force(whole.numerical_substructure, every * time_step)
         moved = recursion.output @ recursion.late  # by a unit force at the end of the step
         if float((whole.specimen_stiffness @ moved)[0, 0]) <= _FORESEEN:
             break
@@ -230,7 +232,7 @@ def _path(
     whole: Partition,
 ) -> MeasuredPath:
     """Put together what the test shows of the specimen; `force` as recorded, `of_specimen` thinned [N]."""
-    thin = histories.thinned(every)
+    thin = histories.thin(every)
     shares = white_floor(force) / np.var(force) + noise.white**2 / np.var(histories.measured)
     return MeasuredPath(
         displacement=thin.measured,
@@ -273,10 +275,10 @@ def _concluded(
             command - np.interp(places, known, thin.command - reference),
             structure=test.whole,
             noise=noise,
-            as_stated=test.spread(few, EXACT, places, seed),
+            nominal_spread=test.spread(few, EXACT, places, seed),
             spread=test.spread(differences, unknown, places, seed, carried=OF_FORCE),
             differences=differences,
-            every=every,
+            stride=every,
             unknown=unknown,
             start=start,
             seed=seed,

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reliab.assessment.rebuilt_error.recursion import Recursion, joined, march, respond
+from reliab.assessment.rebuilt_error.recursion import Recursion, march, respond, straighten_history
 from reliab.core.arrays import Array
 from reliab.core.compiled import compiled
 from reliab.core.vocabulary import Metric
@@ -22,15 +22,15 @@ def mean_square(values: Array) -> float:
     return (inner - 0.5 * float(values[0] ** 2 + values[-1] ** 2)) / (values.size - 1)
 
 
-def relative_errors(strayed: Array, reference: Array) -> tuple[float, float]:
+def relative_errors(error: Array, reference: Array) -> tuple[float, float]:
     """RMS^R and MTE^R [-] of x_m − x_I and x_I [m], both shape (n,)."""
     peak = np.abs(reference).max()
-    return float(np.sqrt(mean_square(strayed)) / peak), float(np.abs(strayed).max() / peak)
+    return float(np.sqrt(mean_square(error)) / peak), float(np.abs(error).max() / peak)
 
 
-def relative_error(strayed: Array, reference: Array, metric: Metric) -> float:
+def relative_error(error: Array, reference: Array, metric: Metric) -> float:
     """RMS^R or MTE^R [-] of the same."""
-    rms, mte = relative_errors(strayed, reference)
+    rms, mte = relative_errors(error, reference)
     return rms if metric is Metric.RMS else mte
 
 
@@ -42,12 +42,12 @@ def mean_and_deviation(band: Array, draws: int) -> tuple[Array, Array]:
 
 @compiled
 def tally(
-    sums: tuple[float, float, float], strayed: float, exact: float, weight: float, band: Array, sample: int
+    sums: tuple[float, float, float], error: float, exact: float, weight: float, band: Array, sample: int
 ) -> tuple[float, float, float]:
     """Add a sample to the weighted squares of x_m − x_I, its peak and that of x_I, and to the band."""
-    band[0, sample] += strayed
-    band[1, sample] += strayed * strayed
-    return sums[0] + weight * strayed * strayed, max(sums[1], abs(strayed)), max(sums[2], abs(exact))
+    band[0, sample] += error
+    band[1, sample] += error * error
+    return sums[0] + weight * error * error, max(sums[1], abs(error)), max(sums[2], abs(exact))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -90,9 +90,9 @@ class DrivenDraws:
     def exact(self, differences: Array) -> Iterator[Array]:
         """Responses of the interface without actuator errors [m], shape (p, m), draw by draw."""
         for draw, (state, shift, lag) in enumerate(zip(self.states, self.shifts, self.lags, strict=True)):
-            strayed = differences[draw % len(differences)] + np.tensordot(shift, self.inputs, 1)
-            fed_back = strayed + self.late + lag * self.velocity
-            yield self.command - respond(self.recursion.of_draw(draw), fed_back, state)
+            difference = differences[draw % len(differences)] + np.tensordot(shift, self.inputs, 1)
+            fed_back = difference + self.late + lag * self.velocity
+            yield self.command - respond(self.recursion.select_draw(draw), fed_back, state)
 
 
 @compiled
@@ -123,7 +123,7 @@ def _sweep(
             for i in range(size):
                 late = fed_back_late[j, i] + feedback_lag[draw] * velocity[j, i]
                 fed_back[j, i] = strayed[j, i] + late
-        driving = joined(fed_back) if smooth else fed_back
+        driving = straighten_history(fed_back) if smooth else fed_back
         errors = march(
             transition[draw],
             early[draw],

@@ -55,21 +55,26 @@ class Spring:
     late_deviation: float
 
 
-def fit_spring(measured: Array, force: Array, kernel: Kernel) -> Spring:
+def fit_spring(measured_displacement: Array, force: Array, kernel: Kernel) -> Spring:
     """Fit k and c to a recorded force.
 
-    `measured` [m].
+    `measured_displacement` [m].
 
     >>> time = np.arange(0.0, 30.0, 0.005)
     >>> force = 40.0 * np.sin(6.0 * time) * np.sin(0.1 * time)
     >>> recorded = np.sin(6.0 * (time - 0.002)) * np.sin(0.1 * (time - 0.002))
-    >>> spring = fit_spring(recorded, force, Kernel.of_frequency(1.0, 0.005))
+    >>> spring = fit_spring(recorded, force, Kernel.from_frequency(1.0, 0.005))
     >>> round(spring.stiffness, 2), round(1e3 * spring.late, 3)
     (40.0, 2.0)
     """
-    columns = np.stack([kernel.seen(measured, 0), kernel.seen(measured, 1)])
+    columns = np.stack(
+        [
+            kernel.smooth_derivative(measured_displacement, 0),
+            kernel.smooth_derivative(measured_displacement, 1),
+        ]
+    )
     columns = np.vstack([columns, np.ones(columns.shape[1])])
-    (stiffness, damping, _), covariance, _ = fit_equation(columns, kernel.seen(force, 0), kernel)
+    (stiffness, damping, _), covariance, _ = fit_equation(columns, kernel.smooth_derivative(force, 0), kernel)
     follows = stiffness > _CLEAR * np.sqrt(covariance[0, 0])
     return Spring(
         stiffness=float(stiffness),
@@ -80,7 +85,7 @@ def fit_spring(measured: Array, force: Array, kernel: Kernel) -> Spring:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Identified:
+class IdentifiedParameter:
     """A parameter estimated from the test, together with its stated value."""
 
     value: float  # value, deviation: Value and standard error, in the parameter's own unit (Hz, -, s)
@@ -98,12 +103,12 @@ class Identification:
     """Parameters of the structure by the loop's equation of motion."""
 
     # frequency, damping_ratio: f [Hz], and ξ [-] if the stated lag of the fed-back force is right
-    frequency: Identified
-    damping_ratio: Identified
+    frequency: IdentifiedParameter
+    damping_ratio: IdentifiedParameter
     # experimental_fraction, feedback_lag: α [-], and the lag of the fed-back force [s] if the stated damping
     # ratio is right; None without a recorded force
-    experimental_fraction: Identified | None
-    feedback_lag: Identified | None
+    experimental_fraction: IdentifiedParameter | None
+    feedback_lag: IdentifiedParameter | None
     # RMS of the equation's residual over the RMS of the ground acceleration, both seen through the kernel [-]
     misfit: float
 
@@ -119,7 +124,7 @@ class Identification:
 
 def identify(
     command: Array,
-    measured: Array,
+    measured_displacement: Array,
     ground_acceleration: Array,
     time_step: float,
     structure: Structure,
@@ -130,8 +135,8 @@ def identify(
 ) -> Identification:
     """Estimate frequency, damping ratio, share in the laboratory and feedback lag.
 
-    `command`, `measured` [m]; `ground_acceleration` [m/s²]; `time_step` [s]; `force` [m/s²]; `feedback_lag`
-    [s]; `absolute`: whether the acceleration is that of ground and response together.
+    `command`, `measured_displacement` [m]; `ground_acceleration` [m/s²]; `time_step` [s]; `force` [m/s²];
+    `feedback_lag` [s]; `absolute`: whether the acceleration is that of ground and response together.
 
     >>> from reliab.simulation.hybrid_test.model import HybridTest
 
@@ -145,66 +150,76 @@ def identify(
     >>> round(found.frequency.value, 3), found.disagreements()
     (1.0, ('frequency',))
     """
-    _check(command, measured, ground_acceleration, force, time_step, structure)
-    kernel = Kernel.of_frequency(structure.frequency, time_step)
-    moved = [kernel.seen(command, order) for order in range(3)]
-    shaken = kernel.seen(ground_acceleration, 0) - (moved[2] if absolute else 0.0)
+    _check(command, measured_displacement, ground_acceleration, force, time_step, structure)
+    kernel = Kernel.from_frequency(structure.frequency, time_step)
+    command_derivatives = [kernel.smooth_derivative(command, order) for order in range(3)]
+    shaken = kernel.smooth_derivative(ground_acceleration, 0) - (command_derivatives[2] if absolute else 0.0)
     if force is None:
-        return _without_force(moved, shaken, kernel, structure, feedback_lag, measured)
-    return _with_force(moved, shaken, kernel, structure, feedback_lag, force, measured)
+        return _identify_without_force(
+            command_derivatives, shaken, kernel, structure, feedback_lag, measured_displacement
+        )
+    return _identify_with_force(
+        command_derivatives, shaken, kernel, structure, feedback_lag, force, measured_displacement
+    )
 
 
-def _with_force(
-    moved: list[Array],
+def _identify_with_force(
+    command_derivatives: list[Array],
     shaken: Array,
     kernel: Kernel,
     structure: Structure,
     stated_lag: float,
     force: Array,
-    measured: Array,
+    measured_displacement: Array,
 ) -> Identification:
-    resisted, changed = kernel.seen(force, 0), kernel.seen(force, 1)
-    target = -(shaken + moved[2] + resisted - stated_lag * changed)
+    force_seen, force_rate = kernel.smooth_derivative(force, 0), kernel.smooth_derivative(force, 1)
+    target = -(shaken + command_derivatives[2] + force_seen - stated_lag * force_rate)
     constant = np.ones(target.size)
-    values, covariance, residual = fit_equation(np.stack([moved[1], moved[0], constant]), target, kernel)
-    spring = fit_spring(measured, force, kernel)
+    values, covariance, residual = fit_equation(
+        np.stack([command_derivatives[1], command_derivatives[0], constant]), target, kernel
+    )
+    spring = fit_spring(measured_displacement, force, kernel)
     square, spread = values[1] + spring.stiffness, spring.stiffness_deviation**2
     square_variance = covariance[1, 1] + spread
     square = max(square, _LEAST_STIFFNESS * structure.circular_frequency**2)
     w0 = float(np.sqrt(square))
     share = spring.stiffness / square
-    damped = target - 2.0 * structure.damping_ratio * w0 * moved[1]
-    late, late_spread, _ = fit_equation(np.stack([-changed, moved[0], constant]), damped, kernel)
+    damping_target = target - 2.0 * structure.damping_ratio * w0 * command_derivatives[1]
+    late, late_spread, _ = fit_equation(
+        np.stack([-force_rate, command_derivatives[0], constant]), damping_target, kernel
+    )
     share_variance = (spread * (1.0 - share) ** 2 + covariance[1, 1] * share**2) / square**2
     return Identification(
         frequency=_frequency(w0, square_variance, structure),
         damping_ratio=_damping_ratio(values[0], covariance[0, 0], w0, square_variance, structure),
-        experimental_fraction=Identified(
+        experimental_fraction=IdentifiedParameter(
             value=float(share),
             deviation=float(np.sqrt(share_variance)),
             stated=structure.experimental_fraction,
         ),
-        feedback_lag=Identified(
+        feedback_lag=IdentifiedParameter(
             value=stated_lag + float(late[0]), deviation=float(np.sqrt(late_spread[0, 0])), stated=stated_lag
         ),
         misfit=_misfit(residual, shaken),
     )
 
 
-def _without_force(
-    moved: list[Array],
+def _identify_without_force(
+    command_derivatives: list[Array],
     shaken: Array,
     kernel: Kernel,
     structure: Structure,
     stated_lag: float,
-    measured: Array,
+    measured_displacement: Array,
 ) -> Identification:
     # αω₀²x_m(t − τ) = ω₀²(α x_m − ατ x_m'), and (1 − α)ω₀²x_c
     share = structure.experimental_fraction
-    late = kernel.seen(measured, 0) - stated_lag * kernel.seen(measured, 1)
-    sprung = share * late + (1.0 - share) * moved[0]
-    columns = np.stack([moved[1], sprung, np.ones(sprung.size)])
-    values, covariance, residual = fit_equation(columns, -(shaken + moved[2]), kernel)
+    late = kernel.smooth_derivative(measured_displacement, 0) - stated_lag * kernel.smooth_derivative(
+        measured_displacement, 1
+    )
+    sprung = share * late + (1.0 - share) * command_derivatives[0]
+    columns = np.stack([command_derivatives[1], sprung, np.ones(sprung.size)])
+    values, covariance, residual = fit_equation(columns, -(shaken + command_derivatives[2]), kernel)
     w0 = float(np.sqrt(max(values[1], _LEAST_STIFFNESS * structure.circular_frequency**2)))
     return Identification(
         frequency=_frequency(w0, covariance[1, 1], structure),
@@ -215,20 +230,20 @@ def _without_force(
     )
 
 
-def _frequency(w0: float, square_variance: float, structure: Structure) -> Identified:
+def _frequency(w0: float, square_variance: float, structure: Structure) -> IdentifiedParameter:
     frequency = w0 / (2.0 * np.pi)
-    return Identified(
+    return IdentifiedParameter(
         value=frequency, deviation=frequency * _relative(square_variance, w0), stated=structure.frequency
     )
 
 
 def _damping_ratio(
     damping: float, variance: float, w0: float, square_variance: float, structure: Structure
-) -> Identified:
+) -> IdentifiedParameter:
     """Damping ratio from c = 2ξω₀ and its variance."""
     ratio = damping / (2.0 * w0)
     deviation = np.hypot(np.sqrt(variance) / (2.0 * w0), ratio * _relative(square_variance, w0))
-    return Identified(value=float(ratio), deviation=float(deviation), stated=structure.damping_ratio)
+    return IdentifiedParameter(value=float(ratio), deviation=float(deviation), stated=structure.damping_ratio)
 
 
 def _relative(square_variance: float, w0: float) -> float:
@@ -243,13 +258,13 @@ def _misfit(residual: Array, shaken: Array) -> float:
 
 def _check(
     command: Array,
-    measured: Array,
+    measured_displacement: Array,
     ground: Array,
     force: Array | None,
     step: float,
     structure: Structure,
 ) -> None:
-    sizes = {values.size for values in (command, measured, ground, force) if values is not None}
+    sizes = {values.size for values in (command, measured_displacement, ground, force) if values is not None}
     if len(sizes) > 1:
         raise InputError(
             "Recorded histories must have the same length",

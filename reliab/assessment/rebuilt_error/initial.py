@@ -23,7 +23,7 @@ from reliab.core.physical_range import require_physical
 from reliab.core.significant_digits import significant
 from reliab.structures.partition import Partition
 
-_AT_REST = 1e-3  # share of the largest displacement up to which the first motion counts as rest
+_REST_SHARE = 1e-3  # share of the largest displacement up to which the first motion counts as rest
 _STILL = 2e-3  # share up to which the command still counts as standing
 _LONGEST_REST = 0.25  # of the record
 SIGNIFICANT_OFFSET = 4.0  # standard deviations
@@ -62,7 +62,7 @@ class Start:
 
 def examine_start(
     command: Array,
-    measured: Array,
+    measured_displacement: Array,
     time_step: float,
     frequency: float,
     white: float,
@@ -71,7 +71,8 @@ def examine_start(
 ) -> Start:
     """Find the sensor's offset and the state of motion at the start of a recording.
 
-    `command`, `measured` [m]; `time_step` [s]; `frequency` [Hz]; `white`, `slow` [m]; `share` [-].
+    `command`, `measured_displacement` [m]; `time_step` [s]; `frequency` [Hz]; `white`, `slow` [m]; `share`
+    [-].
 
     >>> time = np.arange(0.0, 10.0, 0.01)
     >>> command = np.where(time > 1.0, np.sin(6.0 * (time - 1.0)), 0.0)
@@ -84,52 +85,57 @@ def examine_start(
     0.0
     """
     peak = float(np.abs(command - command[0]).max())
-    moved = np.abs(command - command[0]) > _STILL * peak
-    still = int(np.argmax(moved)) if moved.any() else command.size
+    is_moving = np.abs(command - command[0]) > _STILL * peak
+    still = int(np.argmax(is_moving)) if is_moving.any() else command.size
     still = max(min(still, int(_LONGEST_REST * command.size)), FEWEST_AT_REST)
-    offset = float(np.mean(measured[:still] - command[:still]))
+    offset = float(np.mean(measured_displacement[:still] - command[:still]))
     deviation = float(np.hypot(white / np.sqrt(still), slow))
     stands = _stands(command[:still], offset, deviation, share)
     amplitude = _amplitude(command + share * offset if stands else command, time_step, frequency)
     largest = max(peak, float(np.abs(command).max()))
-    if amplitude > (SHIFT_OF_COMMAND * share * abs(offset) if stands else _AT_REST * largest):
-        known = float(np.hypot(white / np.sqrt(command.size), slow))
-        return _in_motion(command, measured, time_step, share, amplitude, known)
+    if amplitude > (SHIFT_OF_COMMAND * share * abs(offset) if stands else _REST_SHARE * largest):
+        mean_deviation = float(np.hypot(white / np.sqrt(command.size), slow))
+        return _start_in_motion(command, measured_displacement, time_step, share, amplitude, mean_deviation)
     if stands:
         return Start(at_rest=True, amplitude=0.0, offset=0.0, offset_deviation=deviation, standing=offset)
     motion = float(np.abs(command[:still] - command[0]).max())
     if abs(offset) <= SIGNIFICANT_OFFSET * deviation + motion:
         return Start(at_rest=True, amplitude=0.0, offset=0.0, offset_deviation=deviation)
-    turned = 2.0 * np.pi * frequency * still * time_step
-    answer = share * abs(offset) * (1.0 - np.cos(min(turned, np.pi)))
+    phase = 2.0 * np.pi * frequency * still * time_step
+    answer = share * abs(offset) * (1.0 - np.cos(min(phase, np.pi)))
     smallest = max(motion, _STILL * peak)
     if answer > SIGNIFICANT_OFFSET * smallest:  # a structure that felt it would not have stood still
         return Start(at_rest=True, amplitude=0.0, offset=offset, offset_deviation=deviation)
-    told = _felt(command, measured, offset, share)
-    if told is _Answer.FELT:
+    loop_response = _loop_response(command, measured_displacement, offset, share)
+    if loop_response is _Answer.FELT:
         return Start(at_rest=True, amplitude=0.0, offset=0.0, offset_deviation=deviation)
-    open_offset = deviation if told is _Answer.NOT_FELT else float(np.hypot(deviation, offset))
+    open_offset = deviation if loop_response is _Answer.NOT_FELT else float(np.hypot(deviation, offset))
     return Start(at_rest=True, amplitude=0.0, offset=offset, offset_deviation=open_offset)
 
 
 def _stands(command: Array, offset: float, deviation: float, share: float) -> bool:
     """Whether a command that is still at rest has the shift that an offset in the loop would cause."""
     place = float(np.mean(command)) + share * offset
-    beyond_noise = abs(offset) > SIGNIFICANT_OFFSET * deviation
-    return beyond_noise and abs(place) <= SHIFT_OF_COMMAND * share * abs(offset)
+    is_significant = abs(offset) > SIGNIFICANT_OFFSET * deviation
+    return is_significant and abs(place) <= SHIFT_OF_COMMAND * share * abs(offset)
 
 
-def _in_motion(
-    command: Array, measured: Array, time_step: float, share: float, amplitude: float, known: float
+def _start_in_motion(
+    command: Array,
+    measured_displacement: Array,
+    time_step: float,
+    share: float,
+    amplitude: float,
+    mean_deviation: float,
 ) -> Start:
-    """Return the beginning of a test that is moving already; `known` is how well a mean is known [m]."""
-    constant = _constant(command, measured, time_step)
-    felt = _felt(command, measured, constant, share) is _Answer.FELT
+    """Return the beginning of a test that is moving already; `mean_deviation` of a mean [m]."""
+    constant = _constant(command, measured_displacement, time_step)
+    is_felt = _loop_response(command, measured_displacement, constant, share) is _Answer.FELT
     return Start(
         at_rest=False,
         amplitude=amplitude,
         offset=0.0,
-        offset_deviation=known if felt else float(np.hypot(constant, known)),
+        offset_deviation=mean_deviation if is_felt else float(np.hypot(constant, mean_deviation)),
     )
 
 
@@ -141,15 +147,15 @@ def _amplitude(command: Array, time_step: float, frequency: float) -> float:
     return float(np.hypot(begin, slope / (2.0 * np.pi * frequency * time_step)))
 
 
-def _constant(command: Array, measured: Array, time_step: float) -> float:
+def _constant(command: Array, measured_displacement: Array, time_step: float) -> float:
     """Return measured minus command [m] after a gain and a delay are fitted."""
     rows = np.stack([command, np.gradient(command, time_step), np.ones(command.size)])
     rows = rows / np.abs(rows).max(axis=1, keepdims=True)
-    found = np.linalg.lstsq(rows @ rows.T, rows @ (measured - command), rcond=1e-12)[0]
-    return float(found[2])
+    coefficients = np.linalg.lstsq(rows @ rows.T, rows @ (measured_displacement - command), rcond=1e-12)[0]
+    return float(coefficients[2])
 
 
-def _felt(command: Array, measured: Array, offset: float, share: float) -> _Answer:
+def _loop_response(command: Array, measured_displacement: Array, offset: float, share: float) -> _Answer:
     """Whether the loop felt an offset, by the place about which the command moved.
 
     The tapered mean of x_c + share (x_m − x_c) is zero where the offset acted in the loop, and share times
@@ -157,7 +163,7 @@ def _felt(command: Array, measured: Array, offset: float, share: float) -> _Answ
     of the spectrum.
     """
     taper = np.hanning(command.size)
-    spectrum = np.fft.rfft(taper * (command + share * (measured - command))) / taper.sum()
+    spectrum = np.fft.rfft(taper * (command + share * (measured_displacement - command))) / taper.sum()
     power = float(np.mean(np.abs(spectrum[_NEIGHBOURS]) ** 2))
     mean = float(spectrum[0].real)
     ratio = 0.5 * ((mean - share * offset) ** 2 - mean**2)
@@ -166,29 +172,36 @@ def _felt(command: Array, measured: Array, offset: float, share: float) -> _Answ
     return _Answer.FELT if ratio > 0.0 else _Answer.NOT_FELT
 
 
-def checked_histories(
-    command: Array, measured: Array, step: float, structure: Partition, *, several: bool = False
+def check_histories(
+    command: Array,
+    measured_displacement: Array,
+    step: float,
+    structure: Partition,
+    *,
+    has_actuators: bool = False,
 ) -> tuple[Array, Array]:
     """Check command and measured displacement.
 
-    `command`, `measured` [m], shape (n,), or (p, n) of `several` actuators; `step` [s].
+    `command`, `measured_displacement` [m], shape (n,), or (p, n) of `has_actuators` actuators; `step` [s].
     """
-    command, measured = (np.ascontiguousarray(values, dtype=np.float64) for values in (command, measured))
+    command, measured_displacement = (
+        np.ascontiguousarray(values, dtype=np.float64) for values in (command, measured_displacement)
+    )
     shape = command.shape
-    if len(shape) != 1 + several or shape != measured.shape or shape[-1] < FEWEST_SAMPLES:
+    if len(shape) != 1 + has_actuators or shape != measured_displacement.shape or shape[-1] < FEWEST_SAMPLES:
         raise InputError(
             f"Command and measured displacement must have the same length, at least {FEWEST_SAMPLES} samples",
-            value=f"shapes {shape} and {measured.shape}",
+            value=f"shapes {shape} and {measured_displacement.shape}",
             remedy="Give the histories of the whole test, of every actuator if there are several",
         )
-    if several and shape[0] != structure.degrees:
+    if has_actuators and shape[0] != structure.degrees:
         raise InputError(
             "A test must have a command and a measured displacement for each degree of freedom of the "
             "specimen",
             value=f"{shape[0]} of {structure.degrees}",
             remedy="Record all of them, or describe the part that was driven",
         )
-    for name, values in (("command", command), ("measured displacement", measured)):
+    for name, values in (("command", command), ("measured displacement", measured_displacement)):
         if not np.isfinite(values).all():
             raise InputError(f"The {name} must be finite throughout", remedy="Repair the recording")
     if not np.ptp(command, axis=-1).any():
@@ -201,12 +214,12 @@ def checked_histories(
             value=significant(1.0 / (lowest * step)),
             remedy="Record at a higher rate: the error between samples is unknown",
         )
-    return command, measured
+    return command, measured_displacement
 
 
-def stated_start(
+def start_of_test(
     command: Array,
-    measured: Array,
+    measured_displacement: Array,
     time_step: float,
     structure: Partition,
     noise: SensorNoise,
@@ -214,9 +227,9 @@ def stated_start(
 ) -> Start:
     """Examine how a test begins; a stated sensor offset is used as given.
 
-    `command`, `measured` [m]; `time_step` [s]; `sensor_offset` [m].
+    `command`, `measured_displacement` [m]; `time_step` [s]; `sensor_offset` [m].
     """
     lowest = float(structure.natural_frequencies[0]) or 1.0
     share = float(structure.static_transfer[0, 0])
-    start = examine_start(command, measured, time_step, lowest, noise.white, noise.slow, share)
+    start = examine_start(command, measured_displacement, time_step, lowest, noise.white, noise.slow, share)
     return start if sensor_offset is None else replace(start, offset=sensor_offset, offset_deviation=0.0)

@@ -19,7 +19,7 @@ from reliab.assessment.rebuilt_error.readings import lag_of_reading
 from reliab.assessment.rebuilt_error.recursion import (
     Recursion,
     respond,
-    stacked,
+    stack_structures,
     states_in_motion,
     structure_of_draw,
 )
@@ -30,14 +30,14 @@ from reliab.core.arrays import Array
 from reliab.structures.partition import Partition
 from reliab.structures.parts_of_structure import is_part
 
-_OF_STRUCTURE = ("frequency", "damping_ratio", "experimental_fraction", "feedback_lag")
+_STRUCTURE_QUANTITIES = ("frequency", "damping_ratio", "experimental_fraction", "feedback_lag")
 _OPEN = ("open_offset", "open_drift", "open_filter")
 _LAST = ("filter_delay", "hysteresis", "lagging_hysteresis", "sensor_drift", *_OPEN)
 _FREEDOM = 4.0  # degrees of freedom of a deviation that is known by its order of magnitude
-_AT_START = 1.4  # error at the first sample over what later ones show: it has the command's phase
+_START_ERROR_FACTOR = 1.4  # error at the first sample over what later ones show: it has the command's phase
 _LEAST = 0.05  # of a stated value: a draw goes no lower
 ACCURACY = 0.004  # of an error whose structure and channels are exact: 0.994 to 1.007 of the true one
-_IN_PERIOD_OF_BAND = 0.25  # of the period of the highest frequency of the motion that a step may be
+_BAND_PERIOD_SHARE = 0.25  # of the period of the highest frequency of the motion that a step may be
 
 EXACT_DRAWS = 64
 """Number of draws of the response that perfect actuators would have given."""
@@ -57,7 +57,7 @@ class Swept:
     deviation: Array
     places: Array  # Of all samples of that stretch, numbered by those that were swept, shape (n,)
     states: Array  # States of the draws' structures at the last sample, shape (draws, 2n)
-    as_stated: tuple[Array, Array]  # The same as stated, by swept samples and by all, each shape (1, 2n)
+    nominal_states: tuple[Array, Array]  # The same as stated, by swept samples and by all, each shape (1, 2n)
     drawn: Mapping[str, Array]  # What was drawn by name, each shape (draws,)
 
     @cached_property
@@ -72,19 +72,19 @@ class Swept:
         (spread,) = self.spreads
         return spread
 
-    def after_rest(self, steps: int) -> "Swept":
+    def prepend_rest(self, steps: int) -> "Swept":
         """Errors of the same test with so many further steps of rest before it."""
-        whole = self.steps + steps
+        total_steps = self.steps + steps
         statistics = self.statistics.copy()
-        statistics[:, 0] *= self.steps / whole
-        return replace(self, steps=whole, statistics=statistics)
+        statistics[:, 0] *= self.steps / total_steps
+        return replace(self, steps=total_steps, statistics=statistics)
 
-    def joined(self, later: "Swept") -> "Swept":
+    def join(self, later: "Swept") -> "Swept":
         """Errors over this stretch and a later one of as many draws or fewer, which begins at its end."""
-        steps, before = self.steps + later.steps, self.statistics[: len(later.statistics)]
-        statistics = np.maximum(before, later.statistics)
+        steps, earlier = self.steps + later.steps, self.statistics[: len(later.statistics)]
+        statistics = np.maximum(earlier, later.statistics)
         shares = self.steps / steps, later.steps / steps
-        statistics[:, 0] = shares[0] * before[:, 0] + shares[1] * later.statistics[:, 0]
+        statistics[:, 0] = shares[0] * earlier[:, 0] + shares[1] * later.statistics[:, 0]
         return replace(later, steps=steps, statistics=statistics)
 
 
@@ -106,21 +106,24 @@ class Unknown:
             sizes["frequency"] = self.own_frequency.deviation
         # last and only where they are not zero, so that the draws of all others stay the same without them
         last = {name: sizes.pop(name) for name in _LAST}
-        added = {**self._by_sensor(last), **self.tolerances.of_parts}
-        return self._by_sensor({**sizes, "initial_state": 0.0}) | {k: v for k, v in added.items() if v}
+        added = {**self._expand_sensors(last), **self.tolerances.of_parts}
+        return self._expand_sensors({**sizes, "initial_state": 0.0}) | {k: v for k, v in added.items() if v}
 
-    def _by_sensor(self, sizes: Mapping[str, float]) -> dict[str, float]:
+    def _expand_sensors(self, sizes: Mapping[str, float]) -> dict[str, float]:
         """Give what each sensor has of its own as often as there are sensors."""
-        several, deviations = np.ndim(self.offset) > 0, {}
+        has_sensors, deviations = np.ndim(self.offset) > 0, {}
         for name, value in sizes.items():
-            if name in _OF_STRUCTURE:
+            if name in _STRUCTURE_QUANTITIES:
                 deviations[name] = value
                 continue
-            own = {"sensor_offset": self.offset, "initial_state": self.error_at_start}.get(name)
-            each = np.broadcast_to(value if own is None else np.hypot(value, own), np.shape(self.offset))
-            for place, size in enumerate(np.atleast_1d(each).tolist()):
-                numbered = f"{name}_{place + 1}" if several else name
-                deviations[numbered] = size + self.tolerances.of_sensors.get(numbered, 0.0)
+            sensor_deviation = {"sensor_offset": self.offset, "initial_state": self.error_at_start}.get(name)
+            values = np.broadcast_to(
+                value if sensor_deviation is None else np.hypot(value, sensor_deviation),
+                np.shape(self.offset),
+            )
+            for place, size in enumerate(np.atleast_1d(values).tolist()):
+                sensor_name = f"{name}_{place + 1}" if has_sensors else name
+                deviations[sensor_name] = size + self.tolerances.of_sensors.get(sensor_name, 0.0)
         return deviations
 
 
@@ -144,38 +147,38 @@ class Histories:
     carry: Array | None = None
     smooth: bool = False  # Whether histories are smooth between samples; else they are straight lines
 
-    def at_interface(self, displacements: Array) -> Array:
+    def carry_to_interface(self, displacements: Array) -> Array:
         """Displacements of the interface by those at the sensors [m], shape (…, n)."""
         return displacements if self.carry is None else np.asarray(self.carry @ displacements)
 
-    def of_sensor(self, place: int, displacement: Array) -> Array:
+    def carry_sensor(self, place: int, displacement: Array) -> Array:
         """Carry the displacement of one sensor, shape (…, n), to the interface [m], shape (…, p, n)."""
-        across = displacement[..., np.newaxis, :]
-        return across if self.carry is None else np.asarray(self.carry[:, place, np.newaxis] * across)
+        row = displacement[..., np.newaxis, :]
+        return row if self.carry is None else np.asarray(self.carry[:, place, np.newaxis] * row)
 
     @cached_property
     def difference(self) -> Array:
         """x_c − x_m at the interface [m], shape (n,) or (p, n)."""
-        return self.at_interface(self.command - self.measured)
+        return self.carry_to_interface(self.command - self.measured)
 
     @property
     def late(self) -> Array:
         """What a force that was fed back late adds to x_c − x_m at the interface [m], shape (p, n)."""
         return np.atleast_2d(self.fed_back - self.difference)
 
-    def thinned(self, every: int) -> "Histories":
-        """Each `every`-th sample."""
+    def thin(self, stride: int) -> "Histories":
+        """Each `stride`-th sample."""
         return replace(
             self,
-            command=np.ascontiguousarray(self.command[..., ::every]),
-            measured=np.ascontiguousarray(self.measured[..., ::every]),
-            fed_back=np.ascontiguousarray(self.fed_back[..., ::every]),
-            time_step=every * self.time_step,
+            command=np.ascontiguousarray(self.command[..., ::stride]),
+            measured=np.ascontiguousarray(self.measured[..., ::stride]),
+            fed_back=np.ascontiguousarray(self.fed_back[..., ::stride]),
+            time_step=stride * self.time_step,
         )
 
     def recursion(self, structure: Partition) -> Recursion:
         """Recursion from x_c − x_m at these samples to the error of a structure, or of draws of it."""
-        return Recursion.of_displacement(structure, self.time_step, smooth=self.smooth)
+        return Recursion.from_displacement(structure, self.time_step, smooth=self.smooth)
 
     def standing_in(self, recursion: Recursion) -> Array:
         """State in which the structure stood before the first sample, shape (2n,)."""
@@ -191,54 +194,67 @@ def sweep(
     structure: Partition,
     unknown: Unknown,
     differences: Array,
-    every: int,
+    stride: int,
     *,
     draws: int,
     seed: int,
     modes: int | None = None,
-    stepped: Recursion | None = None,
+    stepped_recursion: Recursion | None = None,
     accuracy: float = 0.0,
-    before: Swept | None = None,
+    earlier: Swept | None = None,
 ) -> Swept:
     """Rebuild the error for draws of everything that is not known.
 
-    `differences`: draws of x_c − x_m at the sensors, at each `every`-th sample [m]; `modes`: number of the
-    lowest ones that move, while others follow by statics, all by default; `stepped`: recursion of the ideal
-    test as the computer steps it, exact by default; `accuracy` of an error whose structure is exact [-].
+    `differences`: draws of x_c − x_m at the sensors, at each `stride`-th sample [m]; `modes`: number of the
+    lowest ones that move, while others follow by statics, all by default; `stepped_recursion`: recursion of
+    the ideal test as the computer steps it, exact by default; `accuracy` of an error whose structure is exact
+    [-].
     """
-    thin, reduced = histories.thinned(every), reduced_to(structure, modes)
-    drawn, moving = draw_unknown(unknown, draws, seed)
-    changed = structures_of_draws(structure, drawn, modes)
-    recursion = thin.recursion(changed).of_draws(draws)
-    coarse, fine = thin.recursion(reduced), stepped or histories.recursion(reduced)
-    if before is None:
+    thin, reduced_structure = histories.thin(stride), reduce_structure(structure, modes)
+    quantities, moving = draw_unknown(unknown, draws, seed)
+    structures = structures_of_draws(structure, quantities, modes)
+    recursion = thin.recursion(structures).expand_draws(draws)
+    coarse, fine = (
+        thin.recursion(reduced_structure),
+        stepped_recursion or histories.recursion(reduced_structure),
+    )
+    if earlier is None:
         # draws of a reduced structure have shapes of their own
-        states = _begun(thin, structure if modes is None else changed, recursion, drawn, moving)
-        swept, stood = (histories.standing_in(one)[np.newaxis] for one in (coarse, fine))
+        states = _initial_states(
+            thin, structure if modes is None else structures, recursion, quantities, moving
+        )
+        swept, stood = (histories.standing_in(recursion_)[np.newaxis] for recursion_ in (coarse, fine))
     else:
-        states = before.states[:draws].copy()
-        swept, stood = (state.copy() for state in before.as_stated)
-    statistics, band = driven_draws(thin, recursion, drawn, states).errors(_at_interface(thin, differences))
-    few, every_one = (_errors_as_stated(thin, coarse, swept), _errors_as_stated(histories, fine, stood))
+        states = earlier.states[:draws].copy()
+        swept, stood = (state.copy() for state in earlier.nominal_states)
+    statistics, band = driven_draws(thin, recursion, quantities, states).errors(
+        _carry_to_interface(thin, differences)
+    )
+    swept_errors, all_errors = (
+        _errors_as_stated(thin, coarse, swept),
+        _errors_as_stated(histories, fine, stood),
+    )
     # what lies between the swept samples
-    statistics *= np.divide(every_one, few, out=np.ones_like(few), where=few > 0.0)
+    statistics *= np.divide(
+        all_errors, swept_errors, out=np.ones_like(swept_errors), where=swept_errors > 0.0
+    )
     if unknown.own_frequency is not None:  # whose error is the largest: what the computation adds shows there
         accuracy = ACCURACY
-    computed = 1.0 + accuracy * np.random.default_rng(seed).standard_normal((draws, 1))
-    statistics[:, 0] *= computed**2
-    statistics[:, 1] *= computed
+    numerical_factor = 1.0 + accuracy * np.random.default_rng(seed).standard_normal((draws, 1))
+    statistics[:, 0] *= numerical_factor**2
+    statistics[:, 1] *= numerical_factor
     mean, deviation = mean_and_deviation(band, draws)
     stretch = Swept(
         steps=histories.command.shape[-1] - 1,
         statistics=statistics,
         mean=mean,
         deviation=deviation,
-        places=np.arange(histories.command.shape[-1]) / every,
+        places=np.arange(histories.command.shape[-1]) / stride,
         states=states,
-        as_stated=(swept, stood),
-        drawn=drawn,
+        nominal_states=(swept, stood),
+        drawn=quantities,
     )
-    return stretch if before is None else before.joined(stretch)
+    return stretch if earlier is None else earlier.join(stretch)
 
 
 def exact_of_draws(
@@ -246,7 +262,7 @@ def exact_of_draws(
     structure: Partition,
     unknown: Unknown,
     differences: Array,
-    every: int,
+    stride: int,
     *,
     seed: int,
     modes: int | None = None,
@@ -255,32 +271,36 @@ def exact_of_draws(
 
     Arguments as those of `sweep`.
     """
-    thin = histories.thinned(every)
-    drawn, moving = draw_unknown(unknown, EXACT_DRAWS, seed)
-    changed = structures_of_draws(structure, drawn, modes)
-    recursion = thin.recursion(changed).of_draws(EXACT_DRAWS)
-    states = _begun(thin, structure if modes is None else changed, recursion, drawn, moving)
-    responses = driven_draws(thin, recursion, drawn, states).exact(_at_interface(thin, differences))
-    whole = changed if modes is None else structures_of_draws(structure, drawn)
-    if whole.size != structure.size:  # degrees without mass, which have no modes that could be off
-        whole = structures_of_draws(structure, {k: v for k, v in drawn.items() if not is_part(k)})
+    thin = histories.thin(stride)
+    quantities, moving = draw_unknown(unknown, EXACT_DRAWS, seed)
+    structures = structures_of_draws(structure, quantities, modes)
+    recursion = thin.recursion(structures).expand_draws(EXACT_DRAWS)
+    states = _initial_states(thin, structure if modes is None else structures, recursion, quantities, moving)
+    responses = driven_draws(thin, recursion, quantities, states).exact(
+        _carry_to_interface(thin, differences)
+    )
+    full_structures = structures if modes is None else structures_of_draws(structure, quantities)
+    if full_structures.size != structure.size:  # degrees without mass, which have no modes that could be off
+        full_structures = structures_of_draws(
+            structure, {k: v for k, v in quantities.items() if not is_part(k)}
+        )
     for draw, response in enumerate(responses):
-        yield structure_of_draw(whole, draw), response
+        yield structure_of_draw(full_structures, draw), response
 
 
-def _at_interface(thin: Histories, differences: Array) -> Array:
+def _carry_to_interface(thin: Histories, differences: Array) -> Array:
     """Draws of x_c − x_m at the interface [m], shape (draws, p, m), by those at the sensors."""
-    carried = thin.at_interface(differences)
-    return carried.reshape(len(carried), -1, carried.shape[-1])
+    interface_differences = thin.carry_to_interface(differences)
+    return interface_differences.reshape(len(interface_differences), -1, interface_differences.shape[-1])
 
 
-def samples_in_step(of_structure: int, noise: SensorNoise, samples: int) -> int:
+def samples_in_step(structure_stride: int, noise: SensorNoise, samples: int) -> int:
     """Return the number of samples of which one is enough while draws are swept.
 
-    `of_structure`: the number of which one resolves the structure's modes.
+    `structure_stride`: the number of which one resolves the structure's modes.
     """
-    of_band = max(int(_IN_PERIOD_OF_BAND / (noise.band * noise.time_step)), 1)
-    return min(of_structure, max(of_band, -(-samples // FEWEST_SWEPT)))
+    band_stride = max(int(_BAND_PERIOD_SHARE / (noise.band * noise.time_step)), 1)
+    return min(structure_stride, max(band_stride, -(-samples // FEWEST_SWEPT)))
 
 
 def draw_unknown(unknown: Unknown, draws: int, seed: int) -> tuple[dict[str, Array], Array]:
@@ -290,30 +310,32 @@ def draw_unknown(unknown: Unknown, draws: int, seed: int) -> tuple[dict[str, Arr
     """
     deviations, sensors = unknown.deviations(), np.size(unknown.offset)
     points = normal_points(len(deviations) + sensors, draws, seed)
-    at_once = _at_first_sample(points[-sensors:].T.reshape(draws, *np.shape(unknown.offset)))
-    return drawn_at(points[:-sensors], deviations, unknown.own_frequency), at_once * unknown.error_at_start
+    start_points = _start_points(points[-sensors:].T.reshape(draws, *np.shape(unknown.offset)))
+    return quantities_at_points(
+        points[:-sensors], deviations, unknown.own_frequency
+    ), start_points * unknown.error_at_start
 
 
-def drawn_at(
+def quantities_at_points(
     points: Array, deviations: Mapping[str, float], own_frequency: OwnFrequency | None
 ) -> dict[str, Array]:
     """Quantities by name at standard normal points, shape (quantities, draws)."""
-    drawn = {
-        name: deviations[name] * (_at_first_sample(row) if name.startswith("initial") else row)
+    quantities = {
+        name: deviations[name] * (_start_points(row) if name.startswith("initial") else row)
         for name, row in zip(deviations, points, strict=True)
     }
     if own_frequency is not None:
-        drawn["frequency"] = own_frequency.drawn(points[list(deviations).index("frequency")])
-    for name, values in drawn.items():
+        quantities["frequency"] = own_frequency.offsets_at_points(points[list(deviations).index("frequency")])
+    for name, values in quantities.items():
         if name == "damping_ratio" or (is_part(name) and "damping" in name):
-            drawn[name] = relative_ratios(values, deviations[name])
+            quantities[name] = relative_ratios(values, deviations[name])
         elif name.startswith("lagging_hysteresis"):
-            drawn[name] = np.maximum(values, 0.0)
+            quantities[name] = np.maximum(values, 0.0)
         elif name.startswith(_OPEN):
-            drawn[name] = np.where(values > 0.0, deviations[name], 0.0)
+            quantities[name] = np.where(values > 0.0, deviations[name], 0.0)
     if own_frequency is not None and own_frequency.entries is not None:
-        return own_frequency.entries.matched(drawn)
-    return drawn
+        return own_frequency.entries.match_frequencies(quantities)
+    return quantities
 
 
 def relative_ratios(drawn: Array, deviation: float) -> Array:
@@ -322,26 +344,26 @@ def relative_ratios(drawn: Array, deviation: float) -> Array:
     A damping ratio is known by a factor, and its deviation to a third of itself: Student's t with four
     degrees of freedom (JCGM 100:2008, G.4.2).
     """
-    return np.asarray(np.expm1(deviation * _of_larger_tails(drawn / deviation))) if deviation else drawn
+    return np.asarray(np.expm1(deviation * _student_points(drawn / deviation))) if deviation else drawn
 
 
-def _at_first_sample(points: Array) -> Array:
+def _start_points(points: Array) -> Array:
     """Turn standard normal points into errors at the first sample over their deviation."""
-    return _AT_START * _of_larger_tails(points)
+    return _START_ERROR_FACTOR * _student_points(points)
 
 
-def _of_larger_tails(points: Array) -> Array:
+def _student_points(points: Array) -> Array:
     """Turn standard normal points into Student's t with few degrees of freedom."""
     return np.asarray(scipy.special.stdtrit(_FREEDOM, scipy.special.ndtr(points)))
 
 
 def _errors_as_stated(histories: Histories, recursion: Recursion, state: Array) -> Array:
     """Statistics with nothing drawn, shape (3, p); the state, shape (1, 2n), moves to the last sample."""
-    driven = driven_draws(histories, recursion.of_draws(1), {"feedback_lag": np.zeros(1)}, state)
+    driven = driven_draws(histories, recursion.expand_draws(1), {"feedback_lag": np.zeros(1)}, state)
     return np.asarray(driven.errors(np.atleast_2d(histories.difference)[np.newaxis])[0][0])
 
 
-def _begun(
+def _initial_states(
     thin: Histories, structure: Partition, recursion: Recursion, drawn: Mapping[str, Array], moving: Array
 ) -> Array:
     """States of draws of a test at its first sample, shape (draws, 2n)."""
@@ -369,15 +391,15 @@ def states_at_first_sample(
         return np.array(np.broadcast_to(still, (draws, recursion.order)))
     displaced, moving = displaced.reshape(draws, -1), moving.reshape(draws, -1)
     if structure.stiffness.ndim == 2:  # noqa: PLR2004 - one structure for all draws
-        return np.asarray(still + _along_interface(structure, displaced, moving))
+        return np.asarray(still + _states_along_interface(structure, displaced, moving))
     each = (
-        _along_interface(structure_of_draw(structure, draw), displaced[draw], moving[draw])
+        _states_along_interface(structure_of_draw(structure, draw), displaced[draw], moving[draw])
         for draw in range(draws)
     )
     return np.asarray(still + np.stack(list(each)))
 
 
-def _along_interface(structure: Partition, displaced: Array, moving: Array) -> Array:
+def _states_along_interface(structure: Partition, displaced: Array, moving: Array) -> Array:
     """States of a structure that is displaced and moves as its interface does, shape (…, 2n)."""
     w0 = 2.0 * np.pi * float(structure.natural_frequencies[0])
     by_displacement, by_velocity = states_in_motion(structure, structure.shapes_of_interface)
@@ -395,23 +417,24 @@ def _inputs_of_sensors(thin: Histories, drawn: Mapping[str, Array]) -> tuple[Arr
     for place, rows in enumerate(zip(np.atleast_2d(thin.command), np.atleast_2d(thin.measured), strict=True)):
         number = "" if thin.carry is None else f"_{place + 1}"
         columns, shifts = columns_of_sensor(*rows, thin.time_step, drawn, number)
-        inputs.append(thin.of_sensor(place, columns))
+        inputs.append(thin.carry_sensor(place, columns))
         sizes.append(shifts)
     return np.concatenate(inputs), np.concatenate(sizes, axis=1)
 
 
 def columns_of_sensor(
-    command: Array, measured: Array, step: float, drawn: Mapping[str, Array], number: str = ""
+    command: Array, measured_displacement: Array, step: float, drawn: Mapping[str, Array], number: str = ""
 ) -> tuple[Array, Array]:
     """Columns that a unit of what is drawn of a sensor adds to x_c − x_m, and how much each draw has of them.
 
-    `command`, `measured` [m], shape (n,); `step` [s]; `number` ends the names of one of several sensors.
+    `command`, `measured_displacement` [m], shape (n,); `step` [s]; `number` ends the names of one of several
+    sensors.
     Returns shapes (columns, n) and (draws, columns).
     """
-    rate = np.gradient(measured, step)
+    rate = np.gradient(measured_displacement, step)
     place = np.linspace(-0.5, 0.5, rate.size)
-    every = {
-        "sensor_scale": measured,
+    stride = {
+        "sensor_scale": measured_displacement,
         "time_shift": rate,
         "sensor_offset": np.ones(rate.size),
         "filter_delay": rate,
@@ -420,7 +443,7 @@ def columns_of_sensor(
         "open_drift": place,
         "open_filter": -rate,
     }
-    columns = {f"{name}{number}": column for name, column in every.items()}
+    columns = {f"{name}{number}": column for name, column in stride.items()}
     for name in {f"hysteresis{number}", f"lagging_hysteresis{number}"} & drawn.keys():
         columns[name] = -lag_of_reading(command, float(np.std(drawn[name])))
     names = [name for name in columns if name in drawn and drawn[name].any()]
@@ -437,11 +460,11 @@ def driven_draws(
     return DrivenDraws(
         recursion=recursion,
         states=states,
-        command=np.atleast_2d(thin.at_interface(thin.command)),
+        command=np.atleast_2d(thin.carry_to_interface(thin.command)),
         inputs=inputs,
         shifts=shifts,
         late=thin.late,
-        velocity=np.atleast_2d(thin.at_interface(np.gradient(thin.measured, thin.time_step, axis=-1))),
+        velocity=np.atleast_2d(thin.carry_to_interface(np.gradient(thin.measured, thin.time_step, axis=-1))),
         lags=drawn["feedback_lag"],
     )
 
@@ -455,7 +478,7 @@ def _factors_of_draws(drawn: Mapping[str, Array]) -> list[Array]:
     return [f, ratio / f if "damping" in drawn else ratio, share]
 
 
-def reduced_to(structure: Partition, modes: int | None) -> Partition:
+def reduce_structure(structure: Partition, modes: int | None) -> Partition:
     """Structure of which so many of the lowest modes move, or all, and others follow by statics."""
     return structure if modes is None else structure.reduce_to_modes(modes)
 
@@ -471,9 +494,9 @@ def structures_of_draws(
             structure.change_parts({name: float(values[draw]) for name, values in parts.items()})
             for draw in range(f.size)
         ]
-        structure = stacked([reduced_to(one, modes) for one in changed])
+        structure = stack_structures([reduce_structure(one, modes) for one in changed])
     else:
-        structure = reduced_to(structure, modes)
+        structure = reduce_structure(structure, modes)
     if not (np.concatenate([f, ratio, share]) != 1.0).any():
         return structure
     return structure.scale(frequency=f, damping_ratio=ratio, share=share)

@@ -12,7 +12,7 @@ from reliab.core.arrays import Array
 from reliab.signals.spectra import convolve_valid
 
 _PERIODS_OF_KERNEL = 0.5
-_PER_PERIOD = 24.0  # samples of the equation in a period
+_SAMPLES_PER_PERIOD = 24.0  # samples of the equation in a period
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -24,7 +24,7 @@ class Kernel:
     every: int
 
     @classmethod
-    def of_frequency(cls, frequency: float, step: float) -> "Kernel":
+    def from_frequency(cls, frequency: float, step: float) -> "Kernel":
         """Make the kernel of half a period of a natural frequency [Hz] for a step [s]."""
         reach = max(round(_PERIODS_OF_KERNEL / (frequency * step)), 8)
         u = np.arange(-reach, reach + 1) / reach
@@ -32,14 +32,14 @@ class Kernel:
         flank = 1.0 - u**2
         first = -12.0 * u * flank**5
         second = -12.0 * flank**5 + 120.0 * u**2 * flank**4
-        per_time = 1.0 / (reach * step)
+        rate = 1.0 / (reach * step)
         return cls(
-            values=(flank**6 / reach, first * per_time / reach, second * per_time**2 / reach),
+            values=(flank**6 / reach, first * rate / reach, second * rate**2 / reach),
             time_step=step,
-            every=max(int(1.0 / (_PER_PERIOD * frequency * step)), 1),
+            every=max(int(1.0 / (_SAMPLES_PER_PERIOD * frequency * step)), 1),
         )
 
-    def seen(self, history: Array, order: int) -> Array:
+    def smooth_derivative(self, history: Array, order: int) -> Array:
         """Convolve a history with φ⁽ᵏ⁾, which gives its smoothed k-th derivative."""
         return convolve_valid(history, self.values[order])[:: self.every]
 

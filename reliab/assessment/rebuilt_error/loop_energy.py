@@ -59,7 +59,7 @@ _TAKES_PART = 1e-6  # of the largest share of the specimen in a mode: a mode wit
 _ROUNDING = 1e-24  # of the mode's own stiffness squared, that rounding leaves of no exchange
 _FEWEST_SAMPLES = 5.0  # in a period of a mode: fewer do not show its motion
 
-SETTLED = 1.0
+SETTLING = 1.0
 """Periods of motion before the indicator is trusted."""
 
 FALSE_ALARMS = 0.01
@@ -99,7 +99,7 @@ class WatchedMode:
     skew: float = 0.0  # Standard deviation of the skew of the displacements [s]
 
     @property
-    def of_skew(self) -> float:
+    def skew_deviation(self) -> float:
         """Standard deviation of the net damping that the skew leaves open [-]."""
         return 0.5 * self.skew * self.stiffness / self.circular_frequency
 
@@ -153,12 +153,12 @@ class WatchedMode:
     def band(self) -> Array:
         """Coefficients b₀, a₁ and a₂ of the band-pass y = b₀(x − x₋₂) − a₁y₋₁ − a₂y₋₂, shape (3,)."""
         tangent = np.tan(0.5 * self.circular_frequency * self.time_step)
-        whole = 1.0 + tangent / WIDTH + tangent**2
+        scale = 1.0 + tangent / WIDTH + tangent**2
         last = 1.0 - tangent / WIDTH + tangent**2
-        return np.asarray(np.array([tangent / WIDTH, 2.0 * (tangent**2 - 1.0), last]) / whole)
+        return np.asarray(np.array([tangent / WIDTH, 2.0 * (tangent**2 - 1.0), last]) / scale)
 
 
-def watched_modes(structure: Partition, time_step: float, skew: float = 0.0) -> tuple[WatchedMode, ...]:
+def select_modes(structure: Partition, time_step: float, skew: float = 0.0) -> tuple[WatchedMode, ...]:
     """Return the modes to watch, the one with the shortest critical delay first.
 
     `time_step`, `skew` [s]: the standard deviation of the skew of the displacements.
@@ -166,18 +166,18 @@ def watched_modes(structure: Partition, time_step: float, skew: float = 0.0) -> 
     interface, specimen = structure.interface, structure.specimen_stiffness
     squares, shapes = scipy.linalg.eigh(structure.stiffness, structure.mass)
     omega = np.sqrt(np.maximum(squares, np.finfo(float).tiny))
-    moved = interface.T @ shapes
+    interface_shapes = interface.T @ shapes
     modes = Modes(
         circular_frequencies=omega,
         ratios=np.einsum("di,de,ei->i", shapes, structure.damping, shapes) / (2.0 * omega),
-        coupling=moved.T @ specimen @ moved,
-        loads=specimen @ moved,
+        coupling=interface_shapes.T @ specimen @ interface_shapes,
+        loads=specimen @ interface_shapes,
     )
-    own = np.diag(modes.coupling)
-    shares = own / omega**2
+    own_coupling = np.diag(modes.coupling)
+    shares = own_coupling / omega**2
     takes_part = (shares > _TAKES_PART * shares.max()) & (omega * time_step * _FEWEST_SAMPLES < 2.0 * np.pi)
     delays = np.full(omega.size, np.inf)
-    delays[takes_part] = 2.0 * modes.ratios[takes_part] * omega[takes_part] / own[takes_part]
+    delays[takes_part] = 2.0 * modes.ratios[takes_part] * omega[takes_part] / own_coupling[takes_part]
     count = min(_MODES_FOR_EACH_ACTUATOR * interface.shape[1], max(int(takes_part.sum()), 1))
     places = np.argsort(delays, kind="stable")[:count]
     return tuple(
@@ -198,13 +198,13 @@ class NetDamping:
     follows: bool  # Whether the piston follows its command, and does not rest within some play
     play: float  # Half width of the play that would make the actuator's error [m]
     amplitude: float  # Of the motion [m]
-    of_play: float  # Damping ratio that play takes away at most [-]
+    play_damping: float  # Damping ratio that play takes away at most [-]
     near: bool  # Whether the loop has lost most of the mode's damping, also where chance took some
 
-    def granted(self, play: float) -> float:
+    def damping_loss(self, play: float) -> float:
         """Damping ratio that play of a half width [m], largely granted, takes away."""
         share = min(PLAY_FACTOR * play / self.amplitude, 0.5)
-        return PLAY_FACTOR * 4.0 * self.of_play * share * (1.0 - share)
+        return PLAY_FACTOR * 4.0 * self.play_damping * share * (1.0 - share)
 
 
 @dataclass(kw_only=True)
@@ -222,7 +222,7 @@ class EnergyAlarm:
         if self.following > 1:  # not while it only begins to move
             self.smallest = min(self.smallest, net.play)
         diverges = net.large and net.known and np.isfinite(self.smallest)
-        return bool(diverges and net.high + net.granted(self.smallest) < 0.0)
+        return bool(diverges and net.high + net.damping_loss(self.smallest) < 0.0)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -238,33 +238,33 @@ class Sums:
 def net_damping(mode: WatchedMode, sums: Sums, modes: int) -> NetDamping | None:
     """Return the net damping in one of so many watched modes; None before enough motion."""
     power = float(sums.moments[0, 1, 1])
-    if sums.moved < SETTLED * mode.samples or not power > 0.0:
+    if sums.moved < SETTLING * mode.samples or not power > 0.0:
         return None
     scale = np.sqrt(np.maximum(np.diag(sums.moments[0]), np.finfo(float).tiny))
     joint, steps = sums.moments / np.outer(scale, scale)
     inverse = _inverse(float(joint[0, 1]))
     residual = np.append(-inverse @ joint[:2, 2], 1.0)
-    rest = max(float(residual @ joint @ residual), 0.0)
-    rough = min(float(residual @ steps @ residual) / rest, _WHITE) if rest > 0.0 else 0.0
+    residual_power = max(float(residual @ joint @ residual), 0.0)
+    rough = min(float(residual @ steps @ residual) / residual_power, _WHITE) if residual_power > 0.0 else 0.0
     independent = max(sums.weight * max(rough / (4.0 - rough), INDEPENDENT_SAMPLES / mode.samples), 1.0)
-    chance = np.sqrt(inverse[0, 0] * rest / independent)
+    chance = np.sqrt(inverse[0, 0] * residual_power / independent)
     units = scale[2] / scale[:2]
     ratio, deviation = _pole(mode, -residual[:2] * units, chance * units)
     window = np.ceil(sums.moved / (MEMORY * mode.samples))
-    needed = -float(scipy.special.ndtri(FALSE_ALARMS / modes / (window * (window + 1.0))))
+    quantile = -float(scipy.special.ndtri(FALSE_ALARMS / modes / (window * (window + 1.0))))
     amplitude = float(np.sqrt(2.0 / sums.weight) * scale[0])
-    high = ratio + needed * deviation + _LARGEST_SKEW * mode.of_skew
-    deviation = float(np.hypot(deviation, mode.of_skew))
+    high = ratio + quantile * deviation + _LARGEST_SKEW * mode.skew_deviation
+    deviation = float(np.hypot(deviation, mode.skew_deviation))
     return NetDamping(
         ratio=ratio,
         deviation=deviation,
         high=high,
         large=power > LARGE_MOTION * sums.power,
-        known=bool(needed * chance * units[0] < LARGEST_UNCERTAINTY),
-        follows=_follows(scale, residual, needed * chance),
+        known=bool(quantile * chance * units[0] < LARGEST_UNCERTAINTY),
+        follows=_follows(scale, residual, quantile * chance),
         play=_play(float(units[0] * np.sqrt(max(1.0 - joint[0, 2] ** 2, 0.0))), amplitude),
         amplitude=amplitude,
-        of_play=mode.stiffness / (2.0 * np.pi * mode.circular_frequency**2),
+        play_damping=mode.stiffness / (2.0 * np.pi * mode.circular_frequency**2),
         near=bool(ratio + LIKELY * deviation < CRITICAL * mode.ratio),
     )
 
@@ -282,9 +282,9 @@ def _play(error: float, amplitude: float) -> float:
 
 def _follows(scale: Array, residual: Array, chance: float) -> bool:
     """Whether the measured motion, as far as it is no chance, is half of the command or more at any phase."""
-    in_phase = max(abs(scale[0] - residual[0] * scale[2]) - chance * scale[2], 0.0)
-    across = max((abs(residual[1]) - chance) * scale[2], 0.0)
-    return bool(np.hypot(in_phase, across) > SMALLEST_FOLLOWING * scale[0])
+    in_phase_part = max(abs(scale[0] - residual[0] * scale[2]) - chance * scale[2], 0.0)
+    quadrature_part = max((abs(residual[1]) - chance) * scale[2], 0.0)
+    return bool(np.hypot(in_phase_part, quadrature_part) > SMALLEST_FOLLOWING * scale[0])
 
 
 def _pole(mode: WatchedMode, law: Array, chance: Array) -> tuple[float, float]:
@@ -300,8 +300,8 @@ def _pole(mode: WatchedMode, law: Array, chance: Array) -> tuple[float, float]:
         square = omega**2 + force.real - slope * pole.real
         half = -0.5 * (twice + slope)
         pole = complex(half, float(np.sqrt(max(square - half**2, (SLOWEST_POLE * omega) ** 2))))
-    _, by_law, by_pole = _force(mode, law, pole)
-    moves = -by_law / (2.0 * pole + twice + by_pole + by_law * law[1])
+    _, law_derivative, pole_derivative = _force(mode, law, pole)
+    moves = -law_derivative / (2.0 * pole + twice + pole_derivative + law_derivative * law[1])
     deviation = float(np.hypot(moves.real * chance[0], (moves * pole).real * chance[1]))
     return -pole.real / omega, deviation / omega
 
@@ -309,17 +309,17 @@ def _pole(mode: WatchedMode, law: Array, chance: Array) -> tuple[float, float]:
 def _force(mode: WatchedMode, law: Array, pole: complex) -> tuple[complex, complex, complex]:
     """Return the modal force of the error per displacement, and its derivatives by a + b s and by s."""
     modes, error = mode.modes, law[0] + law[1] * pole
-    twice, own = 2.0 * modes.ratios * modes.circular_frequencies, np.diag(modes.coupling)
-    dynamic = pole**2 + twice * pole + modes.circular_frequencies**2 + error * own
-    others = np.arange(own.size) != mode.place
-    taking = others & (mode.exchange != 0.0)
-    shares, turned = np.zeros((2, own.size), dtype=np.complex128)
+    twice, own_coupling = 2.0 * modes.ratios * modes.circular_frequencies, np.diag(modes.coupling)
+    dynamic = pole**2 + twice * pole + modes.circular_frequencies**2 + error * own_coupling
+    is_other = np.arange(own_coupling.size) != mode.place
+    taking = is_other & (mode.exchange != 0.0)
+    shares, weighted_shares = np.zeros((2, own_coupling.size), dtype=np.complex128)
     shares[taking] = mode.exchange[taking] / dynamic[taking]
-    turned[taking] = error**2 * shares[taking] / dynamic[taking]
+    weighted_shares[taking] = error**2 * shares[taking] / dynamic[taking]
     return (
         complex(error * mode.stiffness - error**2 * shares.sum()),
-        complex(mode.stiffness - 2.0 * error * shares.sum() + turned @ own),
-        complex(turned @ (2.0 * pole + twice)),
+        complex(mode.stiffness - 2.0 * error * shares.sum() + weighted_shares @ own_coupling),
+        complex(weighted_shares @ (2.0 * pole + twice)),
     )
 
 
@@ -344,25 +344,25 @@ class LoopEnergy:
     @property
     def net(self) -> NetDamping | None:
         """Smallest net damping of those that are known; None where none is."""
-        return min(self._known, key=lambda net: net.ratio, default=None)
+        return min(self._known_dampings, key=lambda net: net.ratio, default=None)
 
     @property
     def near_instability(self) -> bool:
         """Whether a mode has lost most of its damping."""
-        return any(net.near for net in self._known)
+        return any(net.near for net in self._known_dampings)
 
     @property
-    def _known(self) -> list[NetDamping]:
+    def _known_dampings(self) -> list[NetDamping]:
         return [net for motion in self._motions if (net := motion.net) is not None and net.known]
 
-    def feed(self, command: Array, measured: Array) -> None:
+    def feed(self, command: Array, measured_displacement: Array) -> None:
         """Add the next samples at the interface [m], shape (n,) or (p, n)."""
-        command, measured = np.atleast_2d(command), np.atleast_2d(measured)
-        alarms = [motion.feed(command, measured, self._size) for motion in self._motions]
-        raised = [(at, place) for place, at in enumerate(alarms) if at is not None]
+        command, measured_displacement = np.atleast_2d(command), np.atleast_2d(measured_displacement)
+        alarms = [motion.feed(command, measured_displacement, self._size) for motion in self._motions]
+        raised_alarms = [(sample, place) for place, sample in enumerate(alarms) if sample is not None]
         self._size += command.shape[1]
-        if raised and self.since is None:
-            self.since, place = min(raised)
+        if raised_alarms and self.since is None:
+            self.since, place = min(raised_alarms)
             self.gaining = self._motions[place].mode
 
 
@@ -378,22 +378,25 @@ class _Motion:
     @property
     def net(self) -> NetDamping | None:
         """Net damping at the last sample."""
-        weight, moved, power = self.totals
+        weight, moving_samples, power = self.totals
         return net_damping(
             self.mode,
-            Sums(moments=self._moments, weight=weight, moved=moved, power=power),
+            Sums(moments=self._moments, weight=weight, moved=moving_samples, power=power),
             self._modes,
         )
 
-    def feed(self, command: Array, measured: Array, first: int) -> int | None:
+    def feed(self, command: Array, measured_displacement: Array, first: int) -> int | None:
         """Add samples, `first` the number of the first of them; return the one of the alarm."""
-        mode, begin, raised = self.mode, 0, None
-        moved, strayed = mode.projection @ command, mode.projection @ (measured - command)
-        while begin < moved.size:
-            end = min(begin + mode.look - (first + begin) % mode.look, moved.size)
+        mode, begin, alarm_sample = self.mode, 0, None
+        modal_command, modal_error = (
+            mode.projection @ command,
+            mode.projection @ (measured_displacement - command),
+        )
+        while begin < modal_command.size:
+            end = min(begin + mode.look - (first + begin) % mode.look, modal_command.size)
             _follow(
-                moved[begin:end],
-                strayed[begin:end],
+                modal_command[begin:end],
+                modal_error[begin:end],
                 first + begin == 0,
                 mode.band,
                 mode.forgetting,
@@ -403,10 +406,10 @@ class _Motion:
                 self._moments,
                 self.totals,
             )
-            if (first + end) % mode.look == 0 and self._alarm.look(self.net) and raised is None:
-                raised = first + end - 1
+            if (first + end) % mode.look == 0 and self._alarm.look(self.net) and alarm_sample is None:
+                alarm_sample = first + end - 1
             begin = end
-        return raised
+        return alarm_sample
 
 
 @compiled
@@ -418,7 +421,7 @@ def _follow(
     forgetting: float,
     time_step: float,
     signals: Array,
-    between: Array,
+    midpoints: Array,
     moments: Array,
     totals: Array,
 ) -> None:
@@ -427,7 +430,7 @@ def _follow(
     `signals`: first value, two states of the band-pass and last value of each of both; `totals`: sum of the
     weights, samples that moved, and the largest power.
     """
-    now, stepped = np.empty(2), np.empty(3)
+    now, increments = np.empty(2), np.empty(3)
     for i in range(command.size):
         now[0], now[1] = command[i], error[i]
         for row in range(2):
@@ -439,19 +442,19 @@ def _follow(
             signals[row, 2] = -band[0] * change - band[2] * now[row]
         if not (begins and i == 0):
             for row in range(3):
-                stepped[row] = -between[row]
-            between[0] = 0.5 * (now[0] + signals[0, 3])
-            between[1] = (now[0] - signals[0, 3]) / time_step
-            between[2] = 0.5 * (now[1] + signals[1, 3])
+                increments[row] = -midpoints[row]
+            midpoints[0] = 0.5 * (now[0] + signals[0, 3])
+            midpoints[1] = (now[0] - signals[0, 3]) / time_step
+            midpoints[2] = 0.5 * (now[1] + signals[1, 3])
             for row in range(3):
-                stepped[row] += between[row]
+                increments[row] += midpoints[row]
             for row in range(3):
                 for column in range(3):
-                    product = between[row] * between[column]
+                    product = midpoints[row] * midpoints[column]
                     moments[0, row, column] = forgetting * moments[0, row, column] + product
-                    product = stepped[row] * stepped[column]
+                    product = increments[row] * increments[column]
                     moments[1, row, column] = forgetting * moments[1, row, column] + product
             totals[0] = forgetting * totals[0] + 1.0
-            totals[1] += 1.0 if between[1] != 0.0 else 0.0
+            totals[1] += 1.0 if midpoints[1] != 0.0 else 0.0
             totals[2] = max(totals[2], moments[0, 1, 1])
         signals[0, 3], signals[1, 3] = now[0], now[1]

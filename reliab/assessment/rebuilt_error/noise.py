@@ -33,13 +33,13 @@ CORNERS = (0.3, 1.0, 3.0, 10.0, 30.0)
 
 _BINS = 100
 _UPDATES = 400
-_ABOVE_NOISE = 4.0  # times the noise that the difference must exceed to be motion
+_MOTION_FACTOR = 4.0  # times the noise that the difference must exceed to be motion
 _MOTION_LEFT = 0.1  # share of the residual that the actuator's motion may make up where noise is read
 _MARGIN = 1.3
-_BEYOND = 1e-5  # of the power of a command, that need not be followed
+_NEGLIGIBLE_SHARE = 1e-5  # of the power of a command, that need not be followed
 
 _ORDERS = (2, 4, 8)
-_TRIED = 32  # corners
+_CORNERS_TRIED = 32  # corners
 _ROOM = 0.8  # of the Nyquist frequency: highest corner that is looked for
 _INNER = 0.99
 _PLATEAU = 3.0  # times the lowest frequency of the noise: lowest corner
@@ -106,7 +106,7 @@ class SensorNoise:
         """Return histories, shape (…, n), without what lies above the band, and without delay."""
         return filter_symmetrically(values, self.filter)
 
-    def passed(self, frequency: Array) -> Array:
+    def filtered_density(self, frequency: Array) -> Array:
         """Return the density [m²] of the noise that the filter lets pass at frequencies [Hz]."""
         reach = self.filter.size // 2
         if reach == 0:
@@ -118,12 +118,12 @@ class SensorNoise:
 
 
 def estimate_noise(
-    command: Array, measured: Array, time_step: float, others: Array | None = None
+    command: Array, measured_displacement: Array, time_step: float, other_commands: Array | None = None
 ) -> SensorNoise:
     """Estimate the noise of the displacement sensor.
 
-    `command`, `measured` [m]; `time_step` [s]; `others`: commands of further actuators, which may move this
-    one too, shape (others, n).
+    `command`, `measured_displacement` [m]; `time_step` [s]; `other_commands`: commands of further actuators,
+    which may move this one too, shape (others, n).
 
     >>> time = np.arange(0.0, 40.0, 0.002)
     >>> command = np.sin(6.0 * time) * np.sin(0.08 * time) ** 2
@@ -132,15 +132,15 @@ def estimate_noise(
     >>> round(found.white, 3)
     0.01
     """
-    commands = command[np.newaxis] if others is None else np.vstack([command, others])
-    powers = [_periodogram(one) for one in commands]
-    (centre, mean, count), quiet, floor = _residual(commands, powers, measured, time_step)
+    commands = command[np.newaxis] if other_commands is None else np.vstack([command, other_commands])
+    powers = [_periodogram(command_) for command_ in commands]
+    (centre, mean, count), quiet, floor = _residual(commands, powers, measured_displacement, time_step)
     weights = np.zeros(1 + len(CORNERS))
     if quiet.sum() > len(CORNERS):
-        weights = _fitted(_shapes(centre[quiet], time_step), mean[quiet], count[quiet])
+        weights = _fit_shapes(_shapes(centre[quiet], time_step), mean[quiet], count[quiet])
     else:
         weights[0] = floor
-    moving = (_periodogram(command - measured), powers[0])
+    moving = (_periodogram(command - measured_displacement), powers[0])
     return SensorNoise(
         time_step=time_step,
         weights=weights,
@@ -148,30 +148,34 @@ def estimate_noise(
     )
 
 
-def level_of_residual(command: Array, measured: Array, time_step: float) -> tuple[Array, Array, Array]:
+def level_of_residual(
+    command: Array, measured_displacement: Array, time_step: float
+) -> tuple[Array, Array, Array]:
     """Frequency [Hz], level [m²] and number of frequencies of bins where the residual is noise.
 
-    `command`, `measured` [m]; `time_step` [s].
+    `command`, `measured_displacement` [m]; `time_step` [s].
     """
-    bins, quiet, _ = _residual(command[np.newaxis], [_periodogram(command)], measured, time_step)
+    bins, quiet, _ = _residual(command[np.newaxis], [_periodogram(command)], measured_displacement, time_step)
     first = int(np.argmin(quiet[::-1])) if not quiet.all() else quiet.size  # of those above all motion
     centre, mean, count = (values[values.size - first :] for values in bins)
     return centre, mean, count
 
 
 def _residual(
-    commands: Array, powers: list[Array], measured: Array, time_step: float
+    commands: Array, powers: list[Array], measured_displacement: Array, time_step: float
 ) -> tuple[tuple[Array, Array, Array], NDArray[np.bool_], float]:
     """Bins of what the commands do not explain, which of them are noise, and the white floor [m²].
 
     `powers`: periodograms of the commands.
     """
-    frequency: Array = np.fft.rfftfreq(measured.size, time_step)[1:].astype(np.float64)
-    power = _periodogram(measured - followed(commands, measured, time_step, powers))
-    moved, floor = _together(powers), upper_level(power)
-    power = np.minimum(power, _without_lines(power))
+    frequency: Array = np.fft.rfftfreq(measured_displacement.size, time_step)[1:].astype(np.float64)
+    power = _periodogram(
+        measured_displacement - follow_commands(commands, measured_displacement, time_step, powers)
+    )
+    motion_power, floor = _sum_powers(powers), upper_level(power)
+    power = np.minimum(power, _surrounding_level(power))
     bins = average_over_bins(frequency, power, _BINS)
-    motion = average_over_bins(frequency, moved, _BINS)[1]
+    motion = average_over_bins(frequency, motion_power, _BINS)[1]
     ratio = float(bins[1][np.argmax(motion)] / motion.max())
     return bins, ratio * motion < _MOTION_LEFT * np.maximum(bins[1], floor), floor
 
@@ -181,20 +185,23 @@ def white_floor(values: Array) -> float:
     return upper_level(_periodogram(values))
 
 
-def _together(powers: list[Array]) -> Array:
+def _sum_powers(powers: list[Array]) -> Array:
     """Power of several commands, each over its largest value, in place of that of one."""
     if len(powers) == 1:
         return powers[0]
     largest = (max(float(power.max()), np.finfo(float).tiny) for power in powers)
-    return np.asarray(np.sum([power / most for power, most in zip(powers, largest, strict=True)], axis=0))
+    return np.asarray(np.sum([power / peak for power, peak in zip(powers, largest, strict=True)], axis=0))
 
 
-def followed(commands: Array, measured: Array, step: float, powers: list[Array] | None = None) -> Array:
+def follow_commands(
+    commands: Array, measured_displacement: Array, step: float, powers: list[Array] | None = None
+) -> Array:
     """Commands as an actuator of slowly changing gains and delays follows them, by least squares.
 
-    The first command may lag, too. `commands` [m], shape (p, n); `measured` [m], shape (n,) or (rows, n);
-    `step` [s]; `powers`: periodograms of the commands, where they are known. Commands of several actuators
-    may answer the noise that the loop feels, which they must not explain: what counts is the motion.
+    The first command may lag, too. `commands` [m], shape (p, n); `measured_displacement` [m], shape (n,) or
+    (rows, n); `step` [s]; `powers`: periodograms of the commands, where they are known. Commands of several
+    actuators may answer the noise that the loop feels, which they must not explain: what counts is the
+    motion.
     """
     size = commands.shape[1]
     place = np.linspace(-1.0, 1.0, size)
@@ -203,19 +210,23 @@ def followed(commands: Array, measured: Array, step: float, powers: list[Array] 
     lag = np.gradient(velocity[0], step)[np.newaxis]
     rows = np.concatenate([basis, lag, basis * place, np.ones((1, size))])
     rows /= np.maximum(np.abs(rows).max(axis=1, keepdims=True), np.finfo(float).tiny)
-    left, right = rows, measured
+    smooth_rows, smooth_measured = rows, measured_displacement
     if len(commands) > 1:
         powers = powers or [_periodogram(command) for command in commands]
         filter_ = low_pass(_MARGIN * _highest(powers, commands.shape[1] * step), 1.0 / step)
-        left, right = (filter_symmetrically(one, filter_) for one in (rows, measured))
-    coefficients = np.linalg.lstsq(left @ left.T, left @ right.T, rcond=1e-12)[0]
-    return np.asarray(coefficients.T @ left)
+        smooth_rows, smooth_measured = (
+            filter_symmetrically(history, filter_) for history in (rows, measured_displacement)
+        )
+    coefficients = np.linalg.lstsq(smooth_rows @ smooth_rows.T, smooth_rows @ smooth_measured.T, rcond=1e-12)[
+        0
+    ]
+    return np.asarray(coefficients.T @ smooth_rows)
 
 
 def _highest(powers: list[Array], duration: float) -> float:
     """Frequency [Hz] below which nearly all of each command's power lies; `duration` [s]."""
-    below = np.cumsum(powers, axis=1)
-    places = (below < (1.0 - _BEYOND) * below[:, -1:]).sum(axis=1)
+    cumulative = np.cumsum(powers, axis=1)
+    places = (cumulative < (1.0 - _NEGLIGIBLE_SHARE) * cumulative[:, -1:]).sum(axis=1)
     return float((places.max() + 1) / duration)
 
 
@@ -228,11 +239,11 @@ def _taper(size: int) -> Array:
     return read_only(np.hanning(size))
 
 
-def _without_lines(power: Array) -> Array:
+def _surrounding_level(power: Array) -> Array:
     """Level of the surroundings of each bin, so that a narrow line does not count as noise of the band."""
     width = max(power.size // 400, 8)
-    trimmed = power[: power.size // width * width].reshape(-1, width)
-    level = np.repeat(np.median(trimmed, axis=1), width)
+    blocks = power[: power.size // width * width].reshape(-1, width)
+    level = np.repeat(np.median(blocks, axis=1), width)
     level = np.concatenate([level, np.full(power.size - level.size, level[-1])])
     high = np.arange(power.size) > power.size // 50
     return np.asarray(np.where(high, 8.0 * level, np.inf))
@@ -242,7 +253,7 @@ def _shapes(frequency: Array, step: float) -> Array:
     return noise_shapes(frequency, 1.0 / step, CORNERS)
 
 
-def _fitted(shapes: Array, mean: Array, count: Array) -> Array:
+def _fit_shapes(shapes: Array, mean: Array, count: Array) -> Array:
     tiny = 1e-12 * float(mean.max()) + np.finfo(float).tiny
     start = float(np.average(mean, weights=count)) / shapes.shape[0] + tiny
     (levels,) = fit_levels(shapes[np.newaxis], mean, count, start=start, floor=tiny, updates=_UPDATES)
@@ -253,18 +264,18 @@ def _band(power: Array, white: float, samples: int, step: float) -> float:
     """Highest frequency [Hz] at which a periodogram rises above the white noise."""
     frequency: Array = np.fft.rfftfreq(samples, step)[1:].astype(np.float64)
     centre, mean, count = average_over_bins(frequency, power, _BINS)
-    limit = (1.0 + _ABOVE_NOISE * np.maximum(1.0 / np.sqrt(count), 0.25)) * white
+    limit = (1.0 + _MOTION_FACTOR * np.maximum(1.0 / np.sqrt(count), 0.25)) * white
     # a single bin above the noise is a line, not motion
-    above = mean > limit
-    motion = above & (np.roll(above, 1) | np.roll(above, -1))
+    is_above = mean > limit
+    motion = is_above & (np.roll(is_above, 1) | np.roll(is_above, -1))
     centres = centre[motion & (np.arange(centre.size) < centre.size - 1)]
     return float(centres.max()) if centres.size else float(centre[0])
 
 
-def filter_of_noise(command: Array, measured: Array, time_step: float) -> LowPass | None:
+def filter_of_noise(command: Array, measured_displacement: Array, time_step: float) -> LowPass | None:
     """Find the filter through which the measured displacement was read; None where its noise shows none.
 
-    `command`, `measured` [m]; `time_step` [s].
+    `command`, `measured_displacement` [m]; `time_step` [s].
 
     >>> time = np.arange(0.0, 40.0, 0.001)
     >>> command = np.sin(6.0 * time) * np.sin(0.08 * time) ** 2
@@ -277,12 +288,12 @@ def filter_of_noise(command: Array, measured: Array, time_step: float) -> LowPas
     >>> 60.0 < filter_of_noise(command, read, 0.001).corner < 100.0
     True
     """
-    if np.mean(np.diff(measured) == 0.0) > _STANDING:
+    if np.mean(np.diff(measured_displacement) == 0.0) > _STANDING:
         return None
-    frequency, level, count = level_of_residual(command, measured, time_step)
+    frequency, level, count = level_of_residual(command, measured_displacement, time_step)
     highest = _ROOM * 0.5 / time_step
-    inside = frequency < highest / _ROOM
-    frequency, level, count = frequency[inside], level[inside], count[inside]
+    is_inside = frequency < highest / _ROOM
+    frequency, level, count = frequency[is_inside], level[is_inside], count[is_inside]
     if frequency.size < _FEWEST or not level.max() > 0.0 or not _PLATEAU * frequency[0] < highest:
         return None
     shapes = noise_shapes(frequency, 1.0 / time_step, CORNERS)
@@ -291,19 +302,21 @@ def filter_of_noise(command: Array, measured: Array, time_step: float) -> LowPas
         start = float(np.average(level, weights=count)) / parts.shape[1]
         floor = 1e-9 * float(level.min()) + np.finfo(float).tiny
         weights = fit_levels(parts, level, count, start=start, floor=floor, updates=_UPDATES_OF_FILTER)
-        expected = (weights[:, np.newaxis] @ parts)[:, 0] + floor
-        return np.asarray(-0.5 * np.sum(count * (np.log(expected) + level / expected), axis=1))
+        mean_level = (weights[:, np.newaxis] @ parts)[:, 0] + floor
+        return np.asarray(-0.5 * np.sum(count * (np.log(mean_level) + level / mean_level), axis=1))
 
-    def warped(f: Array) -> Array:  # by the bilinear transform, as a digital filter is
+    def warp(f: Array) -> Array:  # by the bilinear transform, as a digital filter is
         return np.asarray(np.tan(np.pi * f * time_step) / (np.pi * time_step))
 
-    tried, passed = [], []
+    filters, powers = [], []
     for order in _ORDERS:
-        for corner in np.geomspace(_PLATEAU * frequency[0], highest, _TRIED).tolist():
-            digital = LowPass(corner=float(warped(np.asarray(corner))), order=order)
-            tried.append(LowPass(corner=corner, order=order))
-            passed += [tried[-1].power(frequency), digital.power(warped(frequency))]
-    *filtered, plain = likelihood(shapes * np.array([*passed, np.ones_like(frequency)])[:, np.newaxis])
-    best = int(np.argmax(filtered))
-    inner = tried[best // 2].corner < _INNER * highest  # noise that falls at the highest only: none
-    return tried[best // 2] if inner and filtered[best] - plain > _CLEAR else None
+        for corner in np.geomspace(_PLATEAU * frequency[0], highest, _CORNERS_TRIED).tolist():
+            digital = LowPass(corner=float(warp(np.asarray(corner))), order=order)
+            filters.append(LowPass(corner=corner, order=order))
+            powers += [filters[-1].power(frequency), digital.power(warp(frequency))]
+    *filter_likelihoods, plain = likelihood(
+        shapes * np.array([*powers, np.ones_like(frequency)])[:, np.newaxis]
+    )
+    best = int(np.argmax(filter_likelihoods))
+    inner = filters[best // 2].corner < _INNER * highest  # noise that falls at the highest only: none
+    return filters[best // 2] if inner and filter_likelihoods[best] - plain > _CLEAR else None

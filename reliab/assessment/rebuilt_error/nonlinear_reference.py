@@ -22,7 +22,7 @@ import numpy as np
 
 from reliab.assessment.rebuilt_error.difference_draws import draw_differences
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
-from reliab.assessment.rebuilt_error.initial import checked_histories, stated_start
+from reliab.assessment.rebuilt_error.initial import check_histories, start_of_test
 from reliab.assessment.rebuilt_error.interval import (
     EXACT,
     Histories,
@@ -53,7 +53,7 @@ _LEAST = 0.05  # of a value: a draw of a positive parameter goes no lower
 
 def rebuild_with_specimen(
     command: Array,
-    measured: Array,
+    measured_displacement: Array,
     time_step: float,
     test: HybridTest,
     *,
@@ -65,7 +65,7 @@ def rebuild_with_specimen(
 ) -> RebuiltError:
     """Rebuild the error of a test with a calibrated specimen.
 
-    `command`, `measured` [m]; `time_step` [s]; `sensor_offset` [m].
+    `command`, `measured_displacement` [m]; `time_step` [s]; `sensor_offset` [m].
     Returns as `rebuild` returns; its structure is the tangent one, with which parts are found to first order.
 
     >>> from reliab.simulation.hybrid_test.model import Actuator
@@ -87,13 +87,13 @@ def rebuild_with_specimen(
         structure=test.structure, mass=test.mass, specimen=test.specimen, effects=test.acting(Role.FORCE)
     )
     tangent = tangent_structure(perfect)
-    command, measured = checked_histories(command, measured, time_step, tangent)
+    command, measured_displacement = check_histories(command, measured_displacement, time_step, tangent)
     lowest = float(tangent.natural_frequencies[0])
-    every = samples_in_step_of_simulation(lowest, time_step)
-    require_fitting(command.size, every, time_step)
-    noise = estimate_noise(command, measured, time_step)
-    start = stated_start(command, measured, time_step, tangent, noise, sensor_offset)
-    read = measured - start.offset
+    stride = samples_in_step_of_simulation(lowest, time_step)
+    require_fitting(command.size, stride, time_step)
+    noise = estimate_noise(command, measured_displacement, time_step)
+    start = start_of_test(command, measured_displacement, time_step, tangent, noise, sensor_offset)
+    read = measured_displacement - start.offset
     difference = noise.smooth(command - read)
     histories = Histories(
         command=command, measured=command - difference, fed_back=difference, time_step=time_step
@@ -102,18 +102,18 @@ def rebuild_with_specimen(
     unknown = Unknown(
         tolerances=tolerances or Tolerances(), offset=start.offset_deviation, error_at_start=0.0
     )
-    differences = draw_differences(command, read, noise, lowest, every, draws, seed)
-    few = differences[: 2 * _DRAWS_AS_STATED : 2]
+    differences = draw_differences(command, read, noise, lowest, stride, draws, seed)
+    nominal_differences = differences[: 2 * _DRAWS_AS_STATED : 2]
     return conclude(
         histories,
         read,
         reference,
         structure=tangent,
         noise=noise,
-        as_stated=sweep_model(perfect, histories, {}, EXACT, few, every, seed=seed),
-        spread=sweep_model(perfect, histories, deviations or {}, unknown, differences, every, seed=seed),
+        nominal_spread=sweep_model(perfect, histories, {}, EXACT, nominal_differences, stride, seed=seed),
+        spread=sweep_model(perfect, histories, deviations or {}, unknown, differences, stride, seed=seed),
         differences=differences,
-        every=every,
+        stride=stride,
         unknown=unknown,
         start=start,
         seed=seed,
@@ -152,10 +152,10 @@ def reference_of_model(perfect: HybridTest, histories: Histories, *, command: Mo
     `command`: motion of the command, where it is known already.
     """
     step, numerical = histories.time_step, perfect.substructure
-    moved = (command or Motion3.interpolate(histories.command, step)).values
+    motion = (command or Motion3.interpolate(histories.command, step)).values
     force = load(perfect, Motion3.interpolate(histories.measured, step))
     demand = -(
-        moved[2] + numerical.damping * moved[1] + numerical.stiffness * moved[0] + force / perfect.mass
+        motion[2] + numerical.damping * motion[1] + numerical.stiffness * motion[0] + force / perfect.mass
     )
     reference = run_closed_loop(perfect, demand, step).command.values[0]
     if not np.isfinite(reference).all():
@@ -172,46 +172,46 @@ def sweep_model(
     deviations: Mapping[str, float],
     unknown: Unknown,
     differences: Array,
-    every: int,
+    stride: int,
     *,
     seed: int,
 ) -> Spread:
     """Draw the error with a model of the specimen, with a perfect actuator, for each of the `differences`.
 
-    `differences` [m]: draws of x_c − x_m at each `every`-th sample; `deviations` of the model's parameters.
+    `differences` [m]: draws of x_c − x_m at each `stride`-th sample; `deviations` of the model's parameters.
     """
-    thin = histories.thinned(every)
+    thin = histories.thin(stride)
     command = Motion3.interpolate(thin.command, thin.time_step)
     generator = np.random.default_rng(seed)
     nominal = _statistics(thin.measured, reference_of_model(model, thin, command=command))
     fine = _statistics(histories.measured, reference_of_model(model, histories))
     scale = np.divide(fine, nominal, out=np.ones(3), where=nominal > 0.0)
     rows, errors = [], []
-    drawn, _ = draw_unknown(unknown, len(differences), seed)
-    inputs, shifts = inputs_of_reading(thin, drawn)
+    quantities, _ = draw_unknown(unknown, len(differences), seed)
+    inputs, shifts = inputs_of_reading(thin, quantities)
     for row, difference in enumerate(differences):
-        frequency, ratio = (float(drawn[name][row]) for name in ("frequency", "damping_ratio"))
-        changed = _drawn(model, deviations, frequency, ratio, generator)
-        measured = thin.command - difference - shifts[row] @ inputs
-        moved = Histories(
+        frequency, ratio = (float(quantities[name][row]) for name in ("frequency", "damping_ratio"))
+        model_draw = _draw_model(model, deviations, frequency, ratio, generator)
+        measured_displacement = thin.command - difference - shifts[row] @ inputs
+        histories_ = Histories(
             command=thin.command,
-            measured=measured,
-            fed_back=thin.command - measured,
+            measured=measured_displacement,
+            fed_back=thin.command - measured_displacement,
             time_step=thin.time_step,
         )
-        reference = reference_of_model(changed, moved, command=command)
-        rows.append(_statistics(measured, reference) * scale)
-        errors.append(measured - reference)
-    places = np.arange(histories.command.size) / every
+        reference = reference_of_model(model_draw, histories_, command=command)
+        rows.append(_statistics(measured_displacement, reference) * scale)
+        errors.append(measured_displacement - reference)
+    places = np.arange(histories.command.size) / stride
     return spread_of_draws(np.array(rows), np.mean(errors, axis=0), np.std(errors, axis=0), places)
 
 
-def _statistics(measured: Array, reference: Array) -> Array:
-    strayed = measured - reference
-    return np.array([mean_square(strayed), np.abs(strayed).max(), np.abs(reference).max()])
+def _statistics(measured_displacement: Array, reference: Array) -> Array:
+    error = measured_displacement - reference
+    return np.array([mean_square(error), np.abs(error).max(), np.abs(reference).max()])
 
 
-def _drawn(
+def _draw_model(
     perfect: HybridTest,
     deviations: Mapping[str, float],
     frequency: float,
@@ -231,11 +231,11 @@ def _drawn(
             damping_ratio=min(structure.damping_ratio * max(1.0 + damping_ratio, _LEAST), 0.99),
         ),
         specimen=replace(specimen, stiffness=max(stiffness, 0.0)),
-        effects=tuple(_drawn_effect(effect, deviations, generator) for effect in perfect.effects),
+        effects=tuple(_draw_effect(effect, deviations, generator) for effect in perfect.effects),
     )
 
 
-def _drawn_effect(effect: Effect, deviations: Mapping[str, float], generator: np.random.Generator) -> Effect:
+def _draw_effect(effect: Effect, deviations: Mapping[str, float], generator: np.random.Generator) -> Effect:
     values = effect.values.copy()
     for place, parameter in enumerate(effect.parameters):
         spread = deviations.get(f"{effect.name}.{parameter.name}", 0.0)

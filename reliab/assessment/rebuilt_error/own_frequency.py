@@ -40,22 +40,22 @@ from reliab.structures.parts_of_structure import is_of_entries
 
 _DRAWS = 64
 
-_PER_PERIOD = 48.0  # samples in a period
+_SAMPLES_PER_PERIOD = 48.0  # samples in a period
 _PERIODS_OF_HOP = 4.0
 _FEWEST_PERIODS = 10.0
 _LOWEST, _HIGHEST = 1.0 / 3.0, 3.0  # of the stated frequency: band in which ground motions are looked at
-_BELOW_NEXT = 0.75  # of the next natural frequency that the band reaches
+_NEXT_FREQUENCY_SHARE = 0.75  # of the next natural frequency that the band reaches
 _FRAMES_BETWEEN = 2.0  # points of the broken line
 _REACH, _LARGEST = 5.0, 0.25  # offsets that are tried: in standard deviations, and of the frequency at most
-_TRIED = 31
+_FREQUENCY_COUNT = 31
 _FINE = 401
 _COUNTS = 0.5  # of the likelihood
 _FREEDOM = 4.0  # degrees of freedom of the stated deviation
 _PARTS = 16  # of a coefficient's band over which the resonance is averaged
 _LEFT_OPEN = float(np.exp(-2.0))  # of the largest density: two standard deviations either way
-_GOVERNED = 2  # of sixteen draws
+_GOVERNING_DRAWS = 2  # of sixteen draws
 _CONTRADICTS = 6.63  # twice the log of a likelihood ratio: one in a hundred by chance
-_RIDGE, _CURVATURE, _CONVERGED, _STEPS = 1e-3, 0.3, 1e-4, 30
+_RIDGE, _CURVATURE, _TOLERANCE, _STEPS = 1e-3, 0.3, 1e-4, 30
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -66,7 +66,7 @@ class EntriesOfStructure:
     deviations: Mapping[str, float]  # Of the entries by name, relative [-]
 
     @classmethod
-    def of_parts(cls, structure: Partition, deviations: Mapping[str, float]) -> "EntriesOfStructure | None":
+    def from_parts(cls, structure: Partition, deviations: Mapping[str, float]) -> "EntriesOfStructure | None":
         """Collect those that move frequencies; None where there are none."""
         moving = {
             name: deviation
@@ -79,28 +79,32 @@ class EntriesOfStructure:
     def deviation(self) -> float:
         """Standard deviation of the lowest frequency that they leave open, relative [-]."""
         points = normal_points(len(self.deviations), _DRAWS, seed=0)
-        drawn = {name: row * self.deviations[name] for name, row in zip(self.deviations, points, strict=True)}
-        return float(np.std(self._factors(drawn)))
+        entries = {
+            name: row * self.deviations[name] for name, row in zip(self.deviations, points, strict=True)
+        }
+        return float(np.std(self._factors(entries)))
 
-    def matched(self, drawn: Mapping[str, Array]) -> dict[str, Array]:
+    def match_frequencies(self, quantities: Mapping[str, Array]) -> dict[str, Array]:
         """Give each draw the entries whose lowest frequency is nearest to its own.
 
-        `drawn`: quantities by name, shape (draws,), with "frequency", of which what no entries explain
+        `quantities`: quantities by name, shape (draws,), with "frequency", of which what no entries explain
         remains.
         """
-        factors = self._factors(drawn)
+        factors = self._factors(quantities)
         order = np.argsort(factors)
-        sought = 1.0 + drawn["frequency"]
+        factors_of_draws = 1.0 + quantities["frequency"]
         middles = 0.5 * (factors[order][1:] + factors[order][:-1])
-        places = order[np.searchsorted(middles, sought)]
-        of_entries = {name: drawn[name][places] for name in self.deviations}
-        return {**drawn, **of_entries, "frequency": sought / factors[places] - 1.0}
+        places = order[np.searchsorted(middles, factors_of_draws)]
+        entries = {name: quantities[name][places] for name in self.deviations}
+        return {**quantities, **entries, "frequency": factors_of_draws / factors[places] - 1.0}
 
-    def _factors(self, drawn: Mapping[str, Array]) -> Array:
+    def _factors(self, quantities: Mapping[str, Array]) -> Array:
         """Lowest natural frequency of each draw, over the stated one [-], shape (draws,)."""
-        draws = zip(*(drawn[name].tolist() for name in self.deviations), strict=True)
-        changed = (self.structure.change_parts(dict(zip(self.deviations, one, strict=True))) for one in draws)
-        lowest = np.array([structure.natural_frequencies[0] for structure in changed])
+        draws = zip(*(quantities[name].tolist() for name in self.deviations), strict=True)
+        structures = (
+            self.structure.change_parts(dict(zip(self.deviations, values, strict=True))) for values in draws
+        )
+        lowest = np.array([structure.natural_frequencies[0] for structure in structures])
         return np.asarray(lowest / self.structure.natural_frequencies[0])
 
 
@@ -125,7 +129,7 @@ class OwnFrequency:
     stated_deviation: float  # Standard deviation of the stated frequency, relative [-]
     entries: EntriesOfStructure | None = None  # Entries of matrices that say how far it may be off
 
-    def drawn(self, points: Array) -> Array:
+    def offsets_at_points(self, points: Array) -> Array:
         """Give offsets at standard normal points, by quantiles of what test and statement say.
 
         Two draws of sixteen have the governing offset: any other frequency than that at which the recording
@@ -134,7 +138,7 @@ class OwnFrequency:
         offsets, density = self._density
         places = np.append(0.0, np.cumsum(np.diff(offsets) * (density[1:] + density[:-1]) / 2.0))
         quantiles = np.interp(scipy.special.ndtr(points), places / places[-1], offsets)
-        return np.where(np.arange(points.size) % 16 < _GOVERNED, self.governing, quantiles)
+        return np.where(np.arange(points.size) % 16 < _GOVERNING_DRAWS, self.governing, quantiles)
 
     @cached_property
     def governing(self) -> float:
@@ -159,15 +163,15 @@ class OwnFrequency:
     @property
     def contradicts(self) -> bool:
         """Whether the test alone contradicts the stated frequency, by one chance in a hundred."""
-        stated = float(np.interp(0.0, self.offsets, self.likelihood))
-        return bool(2.0 * (self.likelihood.max() - stated) > _CONTRADICTS)
+        stated_likelihood = float(np.interp(0.0, self.offsets, self.likelihood))
+        return bool(2.0 * (self.likelihood.max() - stated_likelihood) > _CONTRADICTS)
 
     @cached_property
     def _density(self) -> tuple[Array, Array]:
         fine = np.linspace(self.offsets[0], self.offsets[-1], _FINE)
         likelihood = CubicPath.interpolate(self.offsets, self.likelihood)(fine)
-        stated = 0.5 * (_FREEDOM + 1.0) * np.log1p((fine / self.stated_deviation) ** 2 / _FREEDOM)
-        logarithm = likelihood - stated
+        penalty = 0.5 * (_FREEDOM + 1.0) * np.log1p((fine / self.stated_deviation) ** 2 / _FREEDOM)
+        logarithm = likelihood - penalty
         return fine, np.asarray(np.exp(logarithm - logarithm.max()))
 
 
@@ -194,37 +198,39 @@ def learn_frequency(
         deviation = float(np.hypot(deviation, entries.deviation))
     if not deviation:
         return None
-    frequencies, _, moved = structure.modes
-    place = int(np.argmax(np.diag(structure.specimen_stiffness) * moved[:, 0] ** 2))
-    every = samples_to_learn(command.shape[1], time_step, float(frequencies[0]))
-    if every is None:
+    frequencies, _, interface_shapes = structure.modes
+    place = int(np.argmax(np.diag(structure.specimen_stiffness) * interface_shapes[:, 0] ** 2))
+    stride = samples_to_learn(command.shape[1], time_step, float(frequencies[0]))
+    if stride is None:
         return None
-    step = every * time_step
-    short, drive, strayed = (
-        np.ascontiguousarray(history[:, ::every]) for history in (command, fed_back, difference)
+    step = stride * time_step
+    short, drive, thin_difference = (
+        np.ascontiguousarray(history[:, ::stride]) for history in (command, fed_back, difference)
     )
 
     def responses(factors: Array) -> Iterator[tuple[Array, Array]]:
-        scaled = structure.scale(frequency=factors)
-        recursions = Recursion.of_displacement(scaled, step, smooth=smooth)
+        structures = structure.scale(frequency=factors)
+        recursions = Recursion.from_displacement(structures, step, smooth=smooth)
         for draw in range(factors.size):
-            recursion = recursions.of_draw(draw)
+            recursion = recursions.select_draw(draw)
             moving = respond(recursion, drive, recursion.static @ standing)[place]
-            yield short[place] - moving, moving - strayed[place]
+            yield short[place] - moving, moving - thin_difference[place]
 
-    felt = Felt(time_step=step, frequencies=frequencies, first_mode=_lowest(structure), responses=responses)
-    return replace(felt.learn(deviation), entries=entries)
+    trials = FrequencyTrials(
+        time_step=step, frequencies=frequencies, first_mode=_lowest(structure), responses=responses
+    )
+    return replace(trials.learn(deviation), entries=entries)
 
 
 def samples_to_learn(samples: int, time_step: float, lowest: float) -> int | None:
     """Say of how many samples one is enough to learn a frequency; None where the test is too short."""
     if not samples * time_step * lowest > _FEWEST_PERIODS:
         return None
-    return max(int(1.0 / (_PER_PERIOD * lowest * time_step)), 1)
+    return max(int(1.0 / (_SAMPLES_PER_PERIOD * lowest * time_step)), 1)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Felt:
+class FrequencyTrials:
     """What is needed to compute the ground acceleration that was felt, for any frequency."""
 
     time_step: float  # s
@@ -236,39 +242,41 @@ class Felt:
 
     def learn(self, deviation: float) -> OwnFrequency:
         """Learn the natural frequency beside a stated one of a relative standard deviation."""
-        offsets = np.linspace(-1.0, 1.0, _TRIED) * min(_REACH * deviation, _LARGEST)
-        likelihood, errors = self._examined(1.0 + offsets)
+        offsets = np.linspace(-1.0, 1.0, _FREQUENCY_COUNT) * min(_REACH * deviation, _LARGEST)
+        likelihood, errors = self._likelihood_of_factors(1.0 + offsets)
         return OwnFrequency(
             offsets=offsets, likelihood=_COUNTS * likelihood, errors=errors, stated_deviation=deviation
         )
 
-    def _examined(self, factors: Array) -> tuple[Array, Array]:
+    def _likelihood_of_factors(self, factors: Array) -> tuple[Array, Array]:
         """Logarithm of the likelihood of each factor of the frequencies, and RMS^R with it."""
         frequencies = self.frequencies
         lowest = float(frequencies[0])
-        kernel = Kernel.of_frequency(lowest, self.time_step)
+        kernel = Kernel.from_frequency(lowest, self.time_step)
         step = kernel.every * self.time_step
         hop = 2 * round(0.5 * _PERIODS_OF_HOP / (lowest * step))
         places = (np.arange(hop) + 0.5) / (2.0 * hop * step)
-        highest = min([_HIGHEST * lowest, *(_BELOW_NEXT * frequencies[1:2])])
+        highest = min([_HIGHEST * lowest, *(_NEXT_FREQUENCY_SHARE * frequencies[1:2])])
         band = (places > _LOWEST * lowest) & (places < highest)
         gain = _gain(kernel, places[band])
         parts = places[band, np.newaxis] + ((np.arange(_PARTS) + 0.5) / _PARTS - 0.5) / (2.0 * hop * step)
         answer, errors, fit = np.empty(factors.size), np.empty(factors.size), None
-        for place, (response, strayed) in enumerate(self.responses(factors)):
+        for place, (response, error) in enumerate(self.responses(factors)):
             w0, twice = (factors[place] * value for value in self.first_mode)
             ground = analyse(kernel.sum_seen(response, (w0**2, twice, 1.0)), hop)[:, band]
             squares = (ground / gain) ** 2
             fit = fit or _VariancesFit(squares, places[band] / lowest)
             answer[place] = fit.likelihood(squares) + 0.5 * len(ground) * _resonance(w0, twice, parts)
-            errors[place], _ = relative_errors(strayed, response)
+            errors[place], _ = relative_errors(error, response)
         return answer, errors
 
 
 def _resonance(w0: float, twice: float, frequency: Array) -> float:
     """Sum over bands of the mean of ln |ω₀² − ω² + 2iξω₀ω|² at their frequencies [Hz], (bands, parts)."""
-    turned = 2.0 * np.pi * frequency
-    return float(np.log((w0**2 - turned**2) ** 2 + (twice * turned) ** 2).mean(axis=1).sum())
+    circular_frequency = 2.0 * np.pi * frequency
+    return float(
+        np.log((w0**2 - circular_frequency**2) ** 2 + (twice * circular_frequency) ** 2).mean(axis=1).sum()
+    )
 
 
 def _lowest(structure: Partition) -> tuple[float, float]:
@@ -302,24 +310,24 @@ class _VariancesFit:
 
     def likelihood(self, squares: Array) -> float:
         """Largest logarithm of the likelihood −½ Σ (ln v + c²/v), by Newton's method."""
-        design, half, counted = self._design, 0.5 * self._design.T, squares.ravel() / self._scale
+        design, half, scaled_squares = self._design, 0.5 * self._design.T, squares.ravel() / self._scale
         penalty = _RIDGE * np.eye(len(half))
 
-        def tried(found: Array) -> tuple[float, Array]:
+        def cost(coefficients: Array) -> tuple[float, Array]:
             """Cost of coefficients, and c²/v with them."""
-            level = design @ found
-            ratio = counted * np.exp(-level)
-            return 0.5 * float(np.sum(level + ratio) + _RIDGE * (found @ found)), ratio
+            level = design @ coefficients
+            ratio = scaled_squares * np.exp(-level)
+            return 0.5 * float(np.sum(level + ratio) + _RIDGE * (coefficients @ coefficients)), ratio
 
-        least, ratio = tried(self._found)
+        least, ratio = cost(self._found)
         for _ in range(_STEPS):
             slope = half @ (1.0 - ratio) + _RIDGE * self._found
             step = np.linalg.solve((half * np.maximum(ratio, _CURVATURE)) @ design + penalty, slope)
-            while (reached := tried(self._found - step))[0] > least and np.abs(step).max() > _CONVERGED:
+            while (candidate := cost(self._found - step))[0] > least and np.abs(step).max() > _TOLERANCE:
                 step /= 2.0
-            if least - reached[0] < _CONVERGED:
+            if least - candidate[0] < _TOLERANCE:
                 break
-            self._found, (least, ratio) = self._found - step, reached
+            self._found, (least, ratio) = self._found - step, candidate
         return -least
 
 
@@ -328,10 +336,10 @@ def _design(frames: int, logarithm: Array) -> Array:
     points = np.linspace(0.0, frames - 1.0, max(round(frames / _FRAMES_BETWEEN), 1) + 1)
     time = np.arange(float(frames))
     hats = np.maximum(1.0 - np.abs(time[:, np.newaxis] - points) / (points[1] - points[0]), 0.0)
-    along = np.stack([np.ones(frames), np.ones(frames), np.linspace(-1.0, 1.0, frames)], axis=1)
-    across = np.stack([logarithm, logarithm**2, logarithm], axis=1)
+    time_columns = np.stack([np.ones(frames), np.ones(frames), np.linspace(-1.0, 1.0, frames)], axis=1)
+    frequency_columns = np.stack([logarithm, logarithm**2, logarithm], axis=1)
     columns = [
         *(np.repeat(hat, logarithm.size) for hat in hats.T),
-        *(np.outer(t, f).ravel() for t, f in zip(along.T, across.T, strict=True)),
+        *(np.outer(t, f).ravel() for t, f in zip(time_columns.T, frequency_columns.T, strict=True)),
     ]
     return np.stack(columns, axis=1)

@@ -46,9 +46,9 @@ class Part:
         """Put it into plain values, without its history."""
         return {name: finite(value) for name, value in vars(self).items() if name != "history"}
 
-    def without_noise(self, added: float) -> "Part":
+    def subtract_noise(self, noise_square: float) -> "Part":
         """Take off a mean square [-] that noise adds to the error that remains; its peak in proportion."""
-        remaining = float(np.sqrt(max(self.remaining_rms**2 - added, 0.0)))
+        remaining = float(np.sqrt(max(self.remaining_rms**2 - noise_square, 0.0)))
         share = remaining / self.remaining_rms if self.remaining_rms > 0.0 else 1.0
         return replace(self, remaining_rms=remaining, remaining_mte=share * self.remaining_mte)
 
@@ -76,25 +76,25 @@ class Parts:
         first = min(self.by_name, key=lambda name: self.by_name[name].remaining_rms, default=None)
         return first if first is not None and self.by_name[first].remaining_rms < self.rms else None
 
-    def without_noise(self, rms: float) -> "Parts":
+    def subtract_noise(self, rms: float) -> "Parts":
         """Take off what noise of the sensors adds to the errors that would remain, down to an RMS^R [-].
 
         The noise is in what is neither gain nor delay, and no more than that; of several actuators in
         proportion to its mean square.
         """
         noisy = {name: part.rms**2 for name, part in self.by_name.items() if name.endswith(_REMAINDERS)}
-        most = sum(noisy.values())
-        added = min(max(self.rms**2 - rms**2, 0.0), most)
+        noise_limit = sum(noisy.values())
+        noise_square = min(max(self.rms**2 - rms**2, 0.0), noise_limit)
         return replace(
             self,
-            rms=float(np.sqrt(self.rms**2 - added)),
+            rms=float(np.sqrt(self.rms**2 - noise_square)),
             by_name={
-                name: part.without_noise(added * (1.0 - noisy.get(name, 0.0) / (most or 1.0)))
+                name: part.subtract_noise(noise_square * (1.0 - noisy.get(name, 0.0) / (noise_limit or 1.0)))
                 for name, part in self.by_name.items()
             },
         )
 
-    def over_time(self, time_step: float, length: float) -> dict[str, Array]:
+    def rms_over_time(self, time_step: float, length: float) -> dict[str, Array]:
         """RMS of each part in consecutive stretches of the test.
 
         `time_step`, `length` [s]; returns [m].
@@ -102,7 +102,7 @@ class Parts:
         width = max(round(length / time_step), 1)
         return {name: _rms_of_stretches(part.history, width) for name, part in self.by_name.items()}
 
-    def over_frequency(self, time_step: float, edges: Array) -> dict[str, Array]:
+    def power_over_frequency(self, time_step: float, edges: Array) -> dict[str, Array]:
         """Mean square of each part in bands of frequency.
 
         `time_step` [s]; `edges` [Hz]; returns [m²].
@@ -112,12 +112,12 @@ class Parts:
 
 def divide(histories: Histories, structure: Partition) -> Parts:
     """Divide a rebuilt error into its parts."""
-    measured = histories.measured
-    gain, delay, differences = follow(histories.command, measured, histories.time_step)
-    of_interface = pieces_of(histories, histories.recursion(structure), differences, remainder=NEITHER)
-    pieces = {name: piece[0] for name, piece in of_interface.items()}
-    whole = np.sum(list(pieces.values()), axis=0)
-    return parts_of(gain, delay, pieces, float(np.abs(measured - whole).max()))
+    measured_displacement = histories.measured
+    gain, delay, differences = follow(histories.command, measured_displacement, histories.time_step)
+    interface_pieces = pieces_of(histories, histories.recursion(structure), differences, remainder=NEITHER)
+    pieces = {name: piece[0] for name, piece in interface_pieces.items()}
+    error = np.sum(list(pieces.values()), axis=0)
+    return parts_of(gain, delay, pieces, float(np.abs(measured_displacement - error).max()))
 
 
 def pieces_of(
@@ -136,53 +136,55 @@ def pieces_of(
     return pieces
 
 
-def follow(command: Array, measured: Array, step: float) -> tuple[float, float, dict[str, Array]]:
+def follow(
+    command: Array, measured_displacement: Array, step: float
+) -> tuple[float, float, dict[str, Array]]:
     """Fit gain [-] and delay [s] to command and measured displacement [m], and divide their difference."""
     velocity = np.gradient(command, step)
     basis = np.stack([command, -velocity, np.ones(command.size)])  # an offset is neither gain nor delay
     scale = np.abs(basis).max(axis=1)
     rows = basis / scale[:, np.newaxis]
-    gain, delay, _ = np.linalg.lstsq(rows @ rows.T, rows @ measured, rcond=None)[0] / scale
+    gain, delay, _ = np.linalg.lstsq(rows @ rows.T, rows @ measured_displacement, rcond=None)[0] / scale
     differences = {
         AMPLITUDE: (1.0 - gain) * command,
         DELAY: delay * velocity,
-        NEITHER: gain * command - delay * velocity - measured,
+        NEITHER: gain * command - delay * velocity - measured_displacement,
     }
     return float(gain), float(delay), differences
 
 
 def parts_of(gain: float | Array, delay: float | Array, pieces: dict[str, Array], ideal_peak: float) -> Parts:
     """Sizes of pieces [m] that add up to an error; `delay` [s], `ideal_peak` of the exact response [m]."""
-    whole = np.sum(list(pieces.values()), axis=0)
+    error = np.sum(list(pieces.values()), axis=0)
     return Parts(
         gain=gain,
         delay=delay,
-        by_name={name: part_of(piece, whole, ideal_peak) for name, piece in pieces.items()},
-        rms=float(np.sqrt(mean_square(whole))) / ideal_peak,
+        by_name={name: part_of(piece, error, ideal_peak) for name, piece in pieces.items()},
+        rms=float(np.sqrt(mean_square(error))) / ideal_peak,
     )
 
 
-def part_of_tracking(histories: Histories, structure: Partition, followed: Array) -> Part:
+def part_of_tracking(histories: Histories, structure: Partition, followed_command: Array) -> Part:
     """Part of a rebuilt error that a description of the actuator accounts for.
 
-    `followed` [m].
+    `followed_command` [m].
     Returns the error that x_c minus this displacement causes, and what would remain without it.
     """
     recursion = histories.recursion(structure)
-    whole = histories.respond(recursion)[0] - histories.difference
-    strayed = histories.command - followed
-    piece = respond(recursion, strayed)[0] - strayed
-    return part_of(piece, whole, float(np.abs(histories.measured - whole).max()))
+    error = histories.respond(recursion)[0] - histories.difference
+    followed_difference = histories.command - followed_command
+    piece = respond(recursion, followed_difference)[0] - followed_difference
+    return part_of(piece, error, float(np.abs(histories.measured - error).max()))
 
 
-def part_of(piece: Array, whole: Array, ideal_peak: float) -> Part:
+def part_of(piece: Array, error: Array, ideal_peak: float) -> Part:
     """Size of a piece [m] of an error [m], and what would remain without it."""
-    total = float(whole @ whole)
-    remaining = whole - piece
+    total = float(error @ error)
+    remaining = error - piece
     return Part(
         history=piece,
         rms=float(np.sqrt(mean_square(piece))) / ideal_peak,
-        share=float(piece @ whole) / total if total > 0.0 else 0.0,
+        share=float(piece @ error) / total if total > 0.0 else 0.0,
         remaining_rms=float(np.sqrt(mean_square(remaining))) / ideal_peak,
         remaining_mte=float(np.abs(remaining).max()) / ideal_peak,
     )
@@ -199,5 +201,5 @@ def _power_in_bands(values: Array, step: float, edges: Array) -> Array:
     power[0] *= 0.5
     frequency = np.fft.rfftfreq(values.size, step)
     place = np.digitize(frequency, edges) - 1
-    inside = (place >= 0) & (place < edges.size - 1)
-    return np.bincount(place[inside], power[inside], minlength=edges.size - 1).astype(np.float64)
+    is_inside = (place >= 0) & (place < edges.size - 1)
+    return np.bincount(place[is_inside], power[is_inside], minlength=edges.size - 1).astype(np.float64)

@@ -25,12 +25,12 @@ def require_lag(lag: float, duration: float) -> None:
         )
 
 
-def delayed(values: Array, lag: float, time_step: float) -> Array:
+def delay_history(values: Array, lag: float, time_step: float) -> Array:
     """History at t − lag, by the cubic through the last samples: causal, so that a running test can use it.
 
     `lag`, `time_step` [s].
 
-    >>> late = delayed(np.arange(8.0) ** 2, 0.25, 1.0)
+    >>> late = delay_history(np.arange(8.0) ** 2, 0.25, 1.0)
     >>> late[4:].tolist()
     [14.0625, 22.5625, 33.0625, 45.5625]
     """
@@ -38,22 +38,22 @@ def delayed(values: Array, lag: float, time_step: float) -> Array:
     if lag == 0.0:
         return values
     steps = lag / time_step
-    whole = int(steps)
+    whole_steps = int(steps)
     # nodes at −3 … 0 steps before the sample `whole` steps ago; read at −(steps − whole)
-    place = -(steps - whole)
+    place = -(steps - whole_steps)
     nodes = np.arange(-float(_SUPPORT), 1.0)
     weights = [np.prod((place - np.delete(nodes, k)) / (nodes[k] - np.delete(nodes, k))) for k in range(4)]
-    padded = np.concatenate([np.full(whole + _SUPPORT, values[0]), values])
-    shifted = [padded[k : k + values.size] for k in range(_SUPPORT + 1)]
-    return np.asarray(sum(weight * part for weight, part in zip(weights, shifted, strict=True)))
+    extended = np.concatenate([np.full(whole_steps + _SUPPORT, values[0]), values])
+    nodes_of_samples = [extended[k : k + values.size] for k in range(_SUPPORT + 1)]
+    return np.asarray(sum(weight * part for weight, part in zip(weights, nodes_of_samples, strict=True)))
 
 
-def delayed_on(values: Array, first: int, lag: float, time_step: float) -> Array:
+def delay_from_sample(values: Array, first: int, lag: float, time_step: float) -> Array:
     """History at t − lag from its `first` sample on; no more of those before are looked at than it needs."""
     context = int(lag / time_step) + _SUPPORT + 1
-    known = min(first, context)
-    padded = np.pad(values[first - known :], (context - known, 0), mode="edge")
-    return delayed(padded, lag, time_step)[context:]
+    available = min(first, context)
+    extended = np.pad(values[first - available :], (context - available, 0), mode="edge")
+    return delay_history(extended, lag, time_step)[context:]
 
 
 def lag_of_reading(motion: Array, width: float) -> Array:
@@ -75,9 +75,9 @@ def lag_of_reading(motion: Array, width: float) -> Array:
 
 @compiled
 def _play(motion: Array, radius: float) -> Array:
-    held = motion[0]
+    position = motion[0]
     reading = np.empty(motion.size)
     for k in range(motion.size):
-        held = min(max(held, motion[k] - radius), motion[k] + radius)
-        reading[k] = held
+        position = min(max(position, motion[k] - radius), motion[k] + radius)
+        reading[k] = position
     return reading

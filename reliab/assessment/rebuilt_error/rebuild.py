@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reliab.assessment.rebuilt_error.initial import Start, checked_histories, stated_start
+from reliab.assessment.rebuilt_error.initial import Start, check_histories, start_of_test
 from reliab.assessment.rebuilt_error.interval import (
     EXACT,
     Histories,
@@ -28,11 +28,11 @@ from reliab.assessment.rebuilt_error.interval import (
 )
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
 from reliab.assessment.rebuilt_error.parts import Part, Parts, divide, part_of_tracking
-from reliab.assessment.rebuilt_error.readings import delayed
+from reliab.assessment.rebuilt_error.readings import delay_history
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.spread import DisplacementError, Spread
-from reliab.assessment.rebuilt_error.stretches import Stated, draw_error, what_is_unknown
+from reliab.assessment.rebuilt_error.stretches import StatedTest, collect_unknowns, draw_error
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.widenings import Widening, widenings
 from reliab.core.arrays import Array
@@ -40,7 +40,7 @@ from reliab.core.vocabulary import Metric
 from reliab.structures.partition import Partition, whole_structure
 from reliab.structures.structure import Structure
 
-_KEPT = 128
+_KEPT_DRAWS = 128
 
 DRAWS = 256
 """Number of draws of the uncertain quantities, a power of two."""
@@ -68,23 +68,23 @@ class RebuiltError(DisplacementError):
 
     def exact(self) -> Iterator[tuple[Partition, Array]]:
         """Structures, and responses without actuator errors [m], shape (1, m), of the first draws."""
-        drawn = self.histories, self.structure, self.unknown, self.differences, self.every
-        return exact_of_draws(*drawn, seed=self.seed)
+        arguments = self.histories, self.structure, self.unknown, self.differences, self.every
+        return exact_of_draws(*arguments, seed=self.seed)
 
     def parts(self) -> Parts:
         """Divide the error into amplitude, delay, what is neither, and the fed-back force."""
         return divide(self.histories, self.structure)
 
-    def part_of_tracking(self, followed: Array) -> Part:
+    def part_of_tracking(self, followed_command: Array) -> Part:
         """Part of the error that an actuator with this displacement [m] accounts for, shape (n,)."""
-        return part_of_tracking(self.histories, self.structure, followed)
+        return part_of_tracking(self.histories, self.structure, followed_command)
 
     def widenings(self, metric: Metric = Metric.RMS) -> tuple[Widening, ...]:
         """Which unknowns widen the interval most, the widest first."""
-        drawn, _ = draw_unknown(self.unknown, self.draws.rms.size, self.seed)
+        quantities, _ = draw_unknown(self.unknown, self.draws.rms.size, self.seed)
         rows = self.histories, self.structure, EXACT, self.differences, self.every
-        of_noise = sweep(*rows, draws=len(self.differences), seed=self.seed).spread
-        return widenings(self.draws, drawn, self.unknown.deviations(), of_noise, metric)
+        noise_spread = sweep(*rows, draws=len(self.differences), seed=self.seed).spread
+        return widenings(self.draws, quantities, self.unknown.deviations(), noise_spread, metric)
 
 
 def conclude(
@@ -94,10 +94,10 @@ def conclude(
     *,
     structure: Partition,
     noise: SensorNoise,
-    as_stated: Spread,
+    nominal_spread: Spread,
     spread: Spread,
     differences: Array,
-    every: int,
+    stride: int,
     unknown: Unknown,
     start: Start,
     seed: int,
@@ -112,22 +112,22 @@ def conclude(
         error=read - reference,
         smooth_error=histories.measured - reference,
         reference=reference,
-        rms=spread.estimate(Metric.RMS, float(np.median(as_stated.rms))),
-        mte=spread.estimate(Metric.MTE, float(np.median(as_stated.mte))),
+        rms=spread.estimate(Metric.RMS, float(np.median(nominal_spread.rms))),
+        mte=spread.estimate(Metric.MTE, float(np.median(nominal_spread.mte))),
         draws=spread,
         noise=noise,
         start=start,
         unknown=unknown,
         histories=histories,
-        differences=differences[:_KEPT].copy(),  # the others are many times the histories
-        every=every,
+        differences=differences[:_KEPT_DRAWS].copy(),  # the others are many times the histories
+        every=stride,
         seed=seed,
     )
 
 
 def rebuild(
     command: Array,
-    measured: Array,
+    measured_displacement: Array,
     time_step: float,
     structure: Structure | Partition,
     *,
@@ -140,7 +140,8 @@ def rebuild(
 ) -> RebuiltError:
     """Rebuild the error of a test from its command and measured displacement.
 
-    `command`, `measured` [m]; `time_step`, `feedback_lag` [s]; `sensor_offset`, `resolution` [m].
+    `command`, `measured_displacement` [m]; `time_step`, `feedback_lag` [s]; `sensor_offset`, `resolution`
+    [m].
 
     An actuator that moves 1 % too little under a steady sine at resonance:
 
@@ -150,7 +151,7 @@ def rebuild(
     >>> round(error.rms.value, 3)
     0.06
     """
-    test = Stated(
+    test = StatedTest(
         structure=whole_structure(structure),
         time_step=time_step,
         feedback_lag=feedback_lag,
@@ -158,29 +159,31 @@ def rebuild(
         tolerances=tolerances or Tolerances(),
         seed=seed,
     )
-    whole = test.structure
-    command, measured = checked_histories(command, measured, time_step, whole)
-    require_fitting(command.size, samples_in_step_of_structure(whole, time_step), time_step)
-    noise = replace(estimate_noise(command, measured, time_step), resolution=resolution)
-    start = stated_start(command, measured, time_step, whole, noise, sensor_offset)
-    read = measured - start.offset
-    fed_back = command - delayed(read, feedback_lag, time_step)
-    recursion = Recursion.of_displacement(whole, time_step)
+    full_structure = test.structure
+    command, measured_displacement = check_histories(
+        command, measured_displacement, time_step, full_structure
+    )
+    require_fitting(command.size, samples_in_step_of_structure(full_structure, time_step), time_step)
+    noise = replace(estimate_noise(command, measured_displacement, time_step), resolution=resolution)
+    start = start_of_test(command, measured_displacement, time_step, full_structure, noise, sensor_offset)
+    read = measured_displacement - start.offset
+    fed_back = command - delay_history(read, feedback_lag, time_step)
+    recursion = Recursion.from_displacement(full_structure, time_step)
     response = respond(recursion, fed_back, -start.standing * recursion.static[:, 0])[0]
-    unknown = what_is_unknown(test, start, response, command, fed_back)
-    error, drawn = draw_error(
+    unknown = collect_unknowns(test, start, response, command, fed_back)
+    error, stretch_draws = draw_error(
         command, read, fed_back, test, noise=noise, start=start, unknown=unknown, draws=draws
     )
     return conclude(
-        drawn.histories,
+        stretch_draws.histories,
         read,
         command - response,
-        structure=whole,
+        structure=full_structure,
         noise=noise,
-        as_stated=error.stated.spread,
+        nominal_spread=error.stated.spread,
         spread=error.swept.spread,
-        differences=drawn.differences,
-        every=drawn.every,
+        differences=stretch_draws.differences,
+        stride=stretch_draws.every,
         unknown=unknown,
         start=start,
         seed=seed,

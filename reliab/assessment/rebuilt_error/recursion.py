@@ -51,11 +51,11 @@ class Recursion:
     @cached_property
     def matrices(self) -> tuple[Array, Array, Array, Array, Array]:
         """E, F₀, F₁, P and Q, of one type for compiled kernels."""
-        of_output = read_only(self.output), read_only(self.feed_through)
-        return read_only(self.transition), read_only(self.early), read_only(self.late), *of_output
+        output_matrices = read_only(self.output), read_only(self.feed_through)
+        return read_only(self.transition), read_only(self.early), read_only(self.late), *output_matrices
 
     @classmethod
-    def of_displacement(
+    def from_displacement(
         cls,
         structure: Partition,
         time_step: float,
@@ -69,56 +69,61 @@ class Recursion:
         specimen's stiffness has lost are further inputs, as many.
         """
         gamma = structure.interface
-        at_once = np.linalg.solve(structure.mass, gamma @ structure.specimen_mass)
-        by_rate = gamma @ structure.specimen_damping - structure.damping @ at_once
-        by_size = gamma @ structure.specimen_stiffness - structure.stiffness @ at_once
-        feed_through = gamma.T @ at_once
+        direct = np.linalg.solve(structure.mass, gamma @ structure.specimen_mass)
+        rate_loads = gamma @ structure.specimen_damping - structure.damping @ direct
+        displacement_loads = gamma @ structure.specimen_stiffness - structure.stiffness @ direct
+        feed_through = gamma.T @ direct
         if slips:
-            slipped = gamma @ structure.specimen_stiffness
-            by_rate = np.concatenate([by_rate, np.zeros_like(slipped)], axis=-1)
-            by_size = np.concatenate([by_size, slipped], axis=-1)
+            slip_loads = gamma @ structure.specimen_stiffness
+            rate_loads = np.concatenate([rate_loads, np.zeros_like(slip_loads)], axis=-1)
+            displacement_loads = np.concatenate([displacement_loads, slip_loads], axis=-1)
             feed_through = np.concatenate([feed_through, np.zeros_like(feed_through)], axis=-1)
-        return cls._held(structure, by_rate, by_size, time_step, gamma.T, feed_through, smooth=smooth)
+        return cls._discretize(
+            structure, rate_loads, displacement_loads, time_step, gamma.T, feed_through, smooth=smooth
+        )
 
     @classmethod
-    def of_force(cls, structure: Partition, time_step: float) -> "Recursion":
+    def from_force(cls, structure: Partition, time_step: float) -> "Recursion":
         """Recursion from a wrong force at the interface to the error, M e'' + C e' + K e = Γ u.
 
         Parameters and result as for `of_displacement`.
         """
         gamma = structure.interface
-        none = np.zeros((structure.degrees, structure.degrees))
-        return cls._held(structure, np.zeros_like(gamma), gamma, time_step, gamma.T, none)
+        no_feed_through = np.zeros((structure.degrees, structure.degrees))
+        return cls._discretize(structure, np.zeros_like(gamma), gamma, time_step, gamma.T, no_feed_through)
 
     @classmethod
-    def _held(
+    def _discretize(
         cls,
         structure: Partition,
-        by_rate: Array,
-        by_size: Array,
+        rate_loads: Array,
+        displacement_loads: Array,
         step: float,
         rows: Array,
         feed_through: Array,
         *,
         smooth: bool = False,
     ) -> "Recursion":
-        size, inputs = by_size.shape[-2:]
-        joint_rows = _beside(structure.damping, structure.stiffness, by_rate, by_size)
-        solved: Array = np.asarray(np.linalg.solve(structure.mass, joint_rows), dtype=np.float64)
-        viscous, elastic = solved[..., :size], solved[..., size : 2 * size]
-        on_rate, on_size = solved[..., 2 * size : -inputs], solved[..., -inputs:]
+        size, inputs = displacement_loads.shape[-2:]
+        joint_rows = _join_columns(structure.damping, structure.stiffness, rate_loads, displacement_loads)
+        accelerations: Array = np.asarray(np.linalg.solve(structure.mass, joint_rows), dtype=np.float64)
+        viscous, elastic = accelerations[..., :size], accelerations[..., size : 2 * size]
+        rate_inputs, displacement_inputs = (
+            accelerations[..., 2 * size : -inputs],
+            accelerations[..., -inputs:],
+        )
         order = 2 * size
-        joint = np.zeros((*solved.shape[:-2], order + 2 * inputs, order + 2 * inputs))
+        joint = np.zeros((*accelerations.shape[:-2], order + 2 * inputs, order + 2 * inputs))
         joint[..., :size, :size], joint[..., size:order, :size] = -step * viscous, -step * elastic
         joint[..., :size, size:order] = step * np.eye(size)
-        joint[..., :size, order : order + inputs] = step * on_rate
-        joint[..., size:order, order : order + inputs] = step * on_size
+        joint[..., :size, order : order + inputs] = step * rate_inputs
+        joint[..., size:order, order : order + inputs] = step * displacement_inputs
         joint[..., order : order + inputs, order + inputs :] = np.eye(inputs)
         with one_thread():
             exponential = scipy.linalg.expm(joint)
         late = exponential[..., :order, order + inputs :]
-        still = _still(elastic, on_size)
-        draws = solved.shape[:-2]
+        still = _still(elastic, displacement_inputs)
+        draws = accelerations.shape[:-2]
         output = np.concatenate([rows, np.zeros_like(rows)], axis=-1)
         return cls(
             transition=np.ascontiguousarray(exponential[..., :order, :order]),
@@ -128,11 +133,11 @@ class Recursion:
             feed_through=np.ascontiguousarray(
                 np.broadcast_to(feed_through, (*draws, *feed_through.shape[-2:]))
             ),
-            static=np.concatenate([still, viscous @ still - on_rate], axis=-2),
+            static=np.concatenate([still, viscous @ still - rate_inputs], axis=-2),
             smooth=smooth,
         )
 
-    def of_draw(self, draw: int) -> "Recursion":
+    def select_draw(self, draw: int) -> "Recursion":
         """Recursion of one of many draws."""
         return Recursion(
             transition=self.transition[draw],
@@ -144,14 +149,16 @@ class Recursion:
             smooth=self.smooth,
         )
 
-    def of_draws(self, draws: int) -> "Recursion":
+    def expand_draws(self, draws: int) -> "Recursion":
         """Recursions of draws; the same for each where it is that of one structure."""
         if self.transition.ndim > 2:  # noqa: PLR2004 - a first axis of draws
             return self
-        same = (self.transition, self.early, self.late, self.output, self.feed_through, self.static)
-        stacked = [np.ascontiguousarray(np.broadcast_to(one, (draws, *one.shape))) for one in same]
+        matrices = (self.transition, self.early, self.late, self.output, self.feed_through, self.static)
+        expanded = [
+            np.ascontiguousarray(np.broadcast_to(matrix, (draws, *matrix.shape))) for matrix in matrices
+        ]
         names = ("transition", "early", "late", "output", "feed_through", "static")
-        return Recursion(**dict(zip(names, stacked, strict=True)), smooth=self.smooth)
+        return Recursion(**dict(zip(names, expanded, strict=True)), smooth=self.smooth)
 
     @property
     def order(self) -> int:
@@ -164,15 +171,15 @@ _MATRICES = ("mass", "damping", "stiffness", "specimen_stiffness", "specimen_dam
 
 def structure_of_draw(structures: Partition, draw: int) -> Partition:
     """Structure of one of many draws; matrices that are not drawn are those of each."""
-    drawn = {name: getattr(structures, name) for name in _MATRICES}
+    matrices = {name: getattr(structures, name) for name in _MATRICES}
     return structures.replace_values(
-        **{name: matrix[draw] for name, matrix in drawn.items() if matrix.ndim > 2}  # noqa: PLR2004
+        **{name: matrix[draw] for name, matrix in matrices.items() if matrix.ndim > 2}  # noqa: PLR2004
     )
 
 
-def stacked(structures: Sequence[Partition]) -> Partition:
+def stack_structures(structures: Sequence[Partition]) -> Partition:
     """Structures of one size as one whose matrices have a first axis of draws."""
-    matrices = {name: np.stack([getattr(one, name) for one in structures]) for name in _MATRICES}
+    matrices = {name: np.stack([getattr(structure, name) for structure in structures]) for name in _MATRICES}
     return structures[0].replace_values(**matrices)
 
 
@@ -193,10 +200,12 @@ def _still(elastic: Array, loads: Array) -> Array:
         return np.full_like(loads, np.nan)
 
 
-def _beside(*matrices: Array) -> Array:
+def _join_columns(*matrices: Array) -> Array:
     """Matrices of one number of rows side by side, some of which may have a first axis of draws."""
     draws = np.broadcast_shapes(*(matrix.shape[:-2] for matrix in matrices))
-    return np.concatenate([np.broadcast_to(one, (*draws, *one.shape[-2:])) for one in matrices], axis=-1)
+    return np.concatenate(
+        [np.broadcast_to(matrix, (*draws, *matrix.shape[-2:])) for matrix in matrices], axis=-1
+    )
 
 
 def respond(recursion: Recursion, values: Array, state: Array | None = None) -> Array:
@@ -206,13 +215,13 @@ def respond(recursion: Recursion, values: Array, state: Array | None = None) -> 
 
     >>> from reliab.structures.structure import Structure
     >>> half = Structure(frequency=1.0, damping_ratio=0.2, experimental_fraction=0.5)
-    >>> recursion = Recursion.of_displacement(Partition.from_structure(half), 0.01)
+    >>> recursion = Recursion.from_displacement(Partition.from_structure(half), 0.01)
     >>> round(float(respond(recursion, np.ones(2000))[0, -1]), 6)
     0.5
     """
     inputs = np.ascontiguousarray(np.atleast_2d(values), dtype=np.float64)
-    held = np.zeros(recursion.order) if state is None else np.array(state, dtype=np.float64)
-    return run_on(recursion, inputs, held)
+    initial_state = np.zeros(recursion.order) if state is None else np.array(state, dtype=np.float64)
+    return run_on(recursion, inputs, initial_state)
 
 
 def run_on(recursion: Recursion, inputs: Array, state: Array) -> Array:
@@ -222,14 +231,14 @@ def run_on(recursion: Recursion, inputs: Array, state: Array) -> Array:
             *recursion.matrices,
             (0,) * len(inputs),
             inputs,
-            joined(inputs) if recursion.smooth else inputs,
+            straighten_history(inputs) if recursion.smooth else inputs,
             state,
         )
     )
 
 
 @compiled
-def joined(inputs: Array) -> Array:
+def straighten_history(inputs: Array) -> Array:
     """Return samples whose straight connections move a structure as a smooth history does, shape (p, n)."""
     answer = inputs.copy()
     for row in range(inputs.shape[0]):
@@ -253,10 +262,10 @@ def march(
 ) -> Array:
     """Return outputs, shape (outputs, n); `state` belongs to the first and then to the last sample."""
     answer = np.empty((output.shape[0], inputs.shape[1]))
-    moved = np.empty(state.size)
+    scratch = np.empty(state.size)
     for i in range(inputs.shape[1]):
         if i > 0:
-            advance(actuators, transition, early, late, driving, i, state, moved)
+            advance(actuators, transition, early, late, driving, i, state, scratch)
         for row in range(output.shape[0]):
             total = 0.0
             for channel in range(len(actuators)):

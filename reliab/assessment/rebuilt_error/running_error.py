@@ -22,7 +22,7 @@ from reliab.assessment.rebuilt_error.nonlinear_reference import (
     rebuild_with_specimen,
     tangent_structure,
 )
-from reliab.assessment.rebuilt_error.readings import delayed_on
+from reliab.assessment.rebuilt_error.readings import delay_from_sample
 from reliab.assessment.rebuilt_error.rebuild import DRAWS as DRAWS_AT_END, RebuiltError
 from reliab.assessment.rebuilt_error.recursion import Recursion
 from reliab.assessment.rebuilt_error.running_specimen import RunningSpecimen
@@ -35,7 +35,7 @@ from reliab.assessment.rebuilt_error.running_test import (
 )
 from reliab.assessment.rebuilt_error.stretches import (
     ErrorSoFar,
-    Stated,
+    StatedTest,
     error_of_stretch,
     samples_in_stretch,
 )
@@ -75,69 +75,69 @@ class RunningError:
         self.size = self._forgotten = 0
         self.offset, self.standing = offset, 0.0
         self.sums = RunningSums()
-        recursion = Recursion.of_displacement(structure, time_step)
+        recursion = Recursion.from_displacement(structure, time_step)
         self._responses = RunningResponse(recursion), RunningResponse(recursion)  # to the test, to a constant
         self._decay = RunningResponse(recursion, recursion.static[:, 0])
         self._step, self._lag = time_step, feedback_lag
         self._specimen = None
         if test is not None:
             slowest = 2.0 * np.pi * float(structure.natural_frequencies[0])
-            by_force = Recursion.of_force(structure, time_step)
-            self._specimen = RunningSpecimen(test, by_force, slowest, time_step)
+            force_recursion = Recursion.from_force(structure, time_step)
+            self._specimen = RunningSpecimen(test, force_recursion, slowest, time_step)
         self._table = np.zeros((_ROWS, _CAPACITY))
 
     @property
-    def kept(self) -> int:
+    def kept_samples(self) -> int:
         """Number of samples that are kept, the latest ones."""
         return self.size - self._forgotten
 
     @property
     def command(self) -> Array:
         """x_c of the samples that are kept [m], shape (kept,)."""
-        return self._table[0, : self.kept]
+        return self._table[0, : self.kept_samples]
 
     @property
     def measured(self) -> Array:
         """x_m as read of the samples that are kept [m], shape (kept,)."""
-        return self._table[1, : self.kept]
+        return self._table[1, : self.kept_samples]
 
     @property
     def error(self) -> Array:
         """x_m − x_I of the samples that are kept, the sensor's offset taken away [m], shape (kept,)."""
-        return self._error(0, self.kept)
+        return self._error(0, self.kept_samples)
 
     def _error(self, first: int, last: int) -> Array:
         rows = self._table[2:, first:last]
         return np.asarray(rows[0] + self.offset * rows[1] + self.standing * rows[2] + rows[3])
 
-    def feed(self, command: Array, measured: Array) -> None:
+    def feed(self, command: Array, measured_displacement: Array) -> None:
         """Add the next samples.
 
-        `command`, `measured` [m].
+        `command`, `measured_displacement` [m].
         """
-        first, last = self.kept, self.kept + command.size
+        first, last = self.kept_samples, self.kept_samples + command.size
         self._reserve(last)
-        self._table[0, first:last], self._table[1, first:last] = command, measured
+        self._table[0, first:last], self._table[1, first:last] = command, measured_displacement
         self.size += command.size
-        to_test, to_constant = self._responses
-        answer = to_test.follow(self._fed_back(first, last)[np.newaxis])[0]
-        self._table[2, first:last] = answer - (command - measured)
-        self._table[3, first:last] = to_constant.follow(np.ones((1, command.size)))[0] - 1.0
+        test_response, constant_response = self._responses
+        answer = test_response.follow(self._fed_back(first, last)[np.newaxis])[0]
+        self._table[2, first:last] = answer - (command - measured_displacement)
+        self._table[3, first:last] = constant_response.follow(np.ones((1, command.size)))[0] - 1.0
         self._table[4, first:last] = self._decay.follow(np.zeros((1, command.size)))[0]
         self._conclude(first, last)
 
     def _conclude(self, first: int, last: int) -> None:
         """Add samples to the sums, after the share of a nonlinear specimen."""
-        command, measured = self._table[0, first:last], self._table[1, first:last]
+        command, measured_displacement = self._table[0, first:last], self._table[1, first:last]
         if self._specimen is not None:
             self._table[5, first:last] = 0.0
-            linear = measured - self.offset - self._error(first, last)
+            linear = measured_displacement - self.offset - self._error(first, last)
             fed_back = self._fed_back(first, last) + self.offset
             self._table[5, first:last] = self._specimen.follow(
                 command, linear, fed_back, self._forgotten + first
             )
         error = self._error(first, last)
-        self.sums.add(error, measured - self.offset - error)
+        self.sums.add(error, measured_displacement - self.offset - error)
 
     def begin_anew(self, offset: float, standing: float) -> None:
         """Change the offset and the initial equilibrium for all samples so far.
@@ -152,17 +152,17 @@ class RunningError:
         self.sums = RunningSums(self._forgotten)
         if self._specimen is not None:
             self._specimen.begin()
-        self._conclude(0, self.kept)
+        self._conclude(0, self.kept_samples)
 
     def forget(self, count: int) -> None:
         """Forget the earliest of the samples that are kept; the sums go on over all of them."""
-        self._table[:, : self.kept - count] = self._table[:, count : self.kept].copy()
+        self._table[:, : self.kept_samples - count] = self._table[:, count : self.kept_samples].copy()
         self._forgotten += count
 
     def _fed_back(self, first: int, last: int) -> Array:
         """x_c minus the displacement whose force was fed back, for the new samples."""
-        felt = delayed_on(self._table[1, :last], first, self._lag, self._step)
-        return np.asarray(self._table[0, first:last] - felt)
+        felt_displacement = delay_from_sample(self._table[1, :last], first, self._lag, self._step)
+        return np.asarray(self._table[0, first:last] - felt_displacement)
 
     def _reserve(self, size: int) -> None:
         if size > self._table.shape[1]:
@@ -206,7 +206,7 @@ class Monitor(RunningTest):
             time_step,
             (tolerances or Tolerances()).time_shift,
         )
-        self._test = Stated(
+        self._test = StatedTest(
             structure=self.structure,
             time_step=time_step,
             feedback_lag=feedback_lag,
@@ -237,30 +237,30 @@ class Monitor(RunningTest):
     @property
     def is_whole(self) -> bool:
         """Whether no stretch was forgotten yet."""
-        return self._running.kept == self._running.size
+        return self._running.kept_samples == self._running.size
 
     @property
     def error(self) -> Array:
         """x_m − x_I of the stretch that is not yet forgotten, without the sensor's offset [m], shape (k,)."""
         return self._running.error
 
-    def feed(self, command: Array, measured: Array) -> None:
+    def feed(self, command: Array, measured_displacement: Array) -> None:
         """Add the next samples.
 
-        `command`, `measured` [m].
+        `command`, `measured_displacement` [m].
         """
-        if command.shape != measured.shape or command.ndim != 1:
+        if command.shape != measured_displacement.shape or command.ndim != 1:
             raise InputError(
                 "Command and measured displacement must have the same length",
-                value=f"{command.shape} and {measured.shape}",
+                value=f"{command.shape} and {measured_displacement.shape}",
             )
-        require_readings(command, measured)
+        require_readings(command, measured_displacement)
         begin = 0
         while begin < command.size:
             end = min(begin + self._room, command.size)
-            self._running.feed(command[begin:end], measured[begin:end])
-            self._energy.feed(command[begin:end], measured[begin:end])
-            if self._model is None and self._running.kept > 2 * self._stretch:
+            self._running.feed(command[begin:end], measured_displacement[begin:end])
+            self._energy.feed(command[begin:end], measured_displacement[begin:end])
+            if self._model is None and self._running.kept_samples > 2 * self._stretch:
                 self._judge_and_forget()
             begin = end
 
@@ -269,17 +269,17 @@ class Monitor(RunningTest):
         """Samples until a stretch is judged and forgotten."""
         if self._model is not None:
             return sys.maxsize
-        return max(2 * self._stretch + 1 - self._running.kept, 1)
+        return max(2 * self._stretch + 1 - self._running.kept_samples, 1)
 
     def _judge_and_forget(self) -> None:
         """Forget the first stretch of those that are kept, after its error was drawn."""
         if self._before is None and not np.ptp(self._running.command[: self._stretch + 1]) > 0.0:
             self._rest += self._stretch
         else:
-            self._before = self._drawn(self._stretch + 1, DRAWS_AT_END)
+            self._before = self._draw_error(self._stretch + 1, DRAWS_AT_END)
         self._running.forget(self._stretch)
 
-    def _drawn_with_model(self, model: UpdatedModel, draws: int) -> RebuiltError:
+    def _draw_with_model(self, model: UpdatedModel, draws: int) -> RebuiltError:
         """Draw the error of the whole test so far with the model's specimen."""
         running, test = self._running, self._test
         error = rebuild_with_specimen(
@@ -296,22 +296,22 @@ class Monitor(RunningTest):
         running.begin_anew(error.start.offset, -error.start.standing)
         return error
 
-    def _drawn(self, samples: int, draws: int) -> ErrorSoFar:
+    def _draw_error(self, samples: int, draws: int) -> ErrorSoFar:
         """Draw the error up to the first of the samples that are kept."""
         running = self._running
-        last = running.kept if self._before is None else samples
+        last = running.kept_samples if self._before is None else samples
         error = error_of_stretch(
             running.command[:last],
             running.measured[:last],
             self._test,
             draws=draws,
             samples=samples,
-            before=self._before,
+            earlier=self._before,
         )
         if self._before is not None:
             return error
         running.begin_anew(error.start.offset, -error.start.standing)
-        return error.after_rest(self._rest)
+        return error.prepend_rest(self._rest)
 
     @property
     def now(self) -> Now:
@@ -332,11 +332,11 @@ class Monitor(RunningTest):
         if draws > DRAWS_AT_END:
             raise InputError(f"A running test has {DRAWS_AT_END} draws at most", value=draws)
         error = (
-            self._drawn(self._running.kept, draws)
+            self._draw_error(self._running.kept_samples, draws)
             if self._model is None
-            else self._drawn_with_model(self._model, draws)
+            else self._draw_with_model(self._model, draws)
         )
         running = self._running
-        lost = is_lost_in_noise(running.command - running.measured, running.sums.largest)
-        self._conclude(error, lost_in_noise=lost)
+        is_lost = is_lost_in_noise(running.command - running.measured, running.sums.largest)
+        self._conclude(error, lost_in_noise=is_lost)
         return error

@@ -106,10 +106,10 @@ class RunningSpecimen:
 @compiled
 def _motion_of(now: float, past: Array, step: float, motion: Array) -> None:
     """Displacement, velocity and acceleration through the latest samples, the newest of `past` first."""
-    last, before, first = now - past[0], past[0] - past[1], past[1] - past[2]
+    last, previous, first = now - past[0], past[0] - past[1], past[1] - past[2]
     motion[0] = now
-    motion[1] = (3.0 * last - before) / (2.0 * step)
-    motion[2] = (2.0 * last - 3.0 * before + first) / (step * step)
+    motion[1] = (3.0 * last - previous) / (2.0 * step)
+    motion[2] = (2.0 * last - 3.0 * previous + first) / (step * step)
 
 
 @compiled
@@ -124,8 +124,8 @@ def _memory(noise: Array, now: float, past: Array, travel: float, longest: float
     noise[2] = max(noise[2], travel)
     # the velocity of a parabola of memory T has the noise of one sample times (h/T³)^½
     deviation = math.sqrt(noise[0] / (20.0 * noise[1]))
-    needed = deviation * math.sqrt(step) / max(VELOCITY_NOISE * noise[2] / step, SMALLEST_DIVISOR)
-    return math.exp(-step / max(min(math.pow(needed, 2.0 / 3.0), longest), SMALLEST_DIVISOR))
+    samples = deviation * math.sqrt(step) / max(VELOCITY_NOISE * noise[2] / step, SMALLEST_DIVISOR)
+    return math.exp(-step / max(min(math.pow(samples, 2.0 / 3.0), longest), SMALLEST_DIVISOR))
 
 
 @compiled
@@ -135,9 +135,9 @@ def _remember(now: float, past: Array) -> None:
 
 @compiled
 def _solve(
-    unforced: float,
+    unforced_displacement: float,
     gain: float,
-    felt: float,
+    felt_force: float,
     time: float,
     effects: _Effects,
     states: Array,
@@ -146,27 +146,27 @@ def _solve(
     motion: Array,
 ) -> None:
     """Find the force N[x_I] − N[x_m] of x_I = unforced − gain·force, per unit mass, in place."""
-    ideal = unforced - gain * force[0]
-    low, high, before, error_before = -np.inf, np.inf, 0.0, 0.0
+    ideal = unforced_displacement - gain * force[0]
+    low, high, previous, error_before = -np.inf, np.inf, 0.0, 0.0
     for attempt in range(FORCE_TRIALS):
         states[1] = states[2]
         _motion_of(ideal, past, effects.step, motion)
         resists = call_all(effects.addresses, effects.coefficients, states[1], 0, motion, time, effects.step)
-        force[0] = (resists - felt) / effects.mass
-        error = ideal - unforced + gain * force[0]
+        force[0] = (resists - felt_force) / effects.mass
+        error = ideal - unforced_displacement + gain * force[0]
         if error > 0.0:
             high = ideal
         else:
             low = ideal
         slope = 1.0
-        if attempt > 0 and ideal != before:
-            slope = max((error - error_before) / (ideal - before), SMALLEST_SLOPE)
+        if attempt > 0 and ideal != previous:
+            slope = max((error - error_before) / (ideal - previous), SMALLEST_SLOPE)
         better = ideal - error / slope
-        if abs(better - ideal) <= EQUATION_TOLERANCE * abs(unforced):
+        if abs(better - ideal) <= EQUATION_TOLERANCE * abs(unforced_displacement):
             break
         if not low < better < high and high - low < np.inf:
             better = 0.5 * (low + high)
-        before, error_before, ideal = ideal, error, better
+        previous, error_before, ideal = ideal, error, better
 
 
 @compiled
@@ -191,7 +191,7 @@ def _follow(
     `states`: of x_m, of x_I, and of x_I before its sample; `past`: of x_c, x_I and x_c − x_m; `path`: of
     x_c − x_m.
     """
-    step, motion, moved = effects.step, np.empty(3), np.zeros(state.size)
+    step, motion, advanced = effects.step, np.empty(3), np.zeros(state.size)
     shares = np.empty(linear.size)
     for k in range(linear.size):
         begins = first + k == 0
@@ -199,25 +199,25 @@ def _follow(
             past[0, :], past[1, :], past[2, :], path[0] = command[k], linear[k], fed_back[k], fed_back[k]
         else:
             for row in range(state.size):
-                moved[row] = early[row] * force[0]
+                advanced[row] = early[row] * force[0]
                 for column in range(state.size):
-                    moved[row] += transition[row, column] * state[column]
+                    advanced[row] += transition[row, column] * state[column]
             path[0] += step * (path[1] + 0.5 * step * path[2])
             path[1] += step * path[2]
         gain = 0.0 if begins else late[0]
         time = (first + k) * step
-        kept = _memory(noise, fed_back[k], past[2], abs(command[k] - past[0, 0]), effects.longest, step)
-        left, strayed = 1.0 - kept, fed_back[k] - path[0]
-        path[0] += (1.0 - kept * kept * kept) * strayed
-        path[1] += 1.5 * left * left * (1.0 + kept) / step * strayed
-        path[2] += left * left * left / (step * step) * strayed
+        memory = _memory(noise, fed_back[k], past[2], abs(command[k] - past[0, 0]), effects.longest, step)
+        forgetting, deviation = 1.0 - memory, fed_back[k] - path[0]
+        path[0] += (1.0 - memory * memory * memory) * deviation
+        path[1] += 1.5 * forgetting * forgetting * (1.0 + memory) / step * deviation
+        path[2] += forgetting * forgetting * forgetting / (step * step) * deviation
         _motion_of(command[k], past[0], step, motion)
         motion -= path
-        felt = call_all(effects.addresses, effects.coefficients, states[0], 0, motion, time, step)
+        felt_force = call_all(effects.addresses, effects.coefficients, states[0], 0, motion, time, step)
         states[2] = states[1]
-        _solve(linear[k] - moved[0], gain, felt, time, effects, states, force, past[1], motion)
+        _solve(linear[k] - advanced[0], gain, felt_force, time, effects, states, force, past[1], motion)
         for row in range(state.size):
-            state[row] = moved[row] + (0.0 if begins else late[row] * force[0])
+            state[row] = advanced[row] + (0.0 if begins else late[row] * force[0])
         shares[k] = state[0]
         _remember(command[k], past[0])
         _remember(linear[k] - state[0], past[1])

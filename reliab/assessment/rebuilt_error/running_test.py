@@ -17,7 +17,7 @@ from typing import ClassVar, Protocol
 import numpy as np
 
 from reliab.assessment.rebuilt_error.initial import FEWEST_SAMPLES
-from reliab.assessment.rebuilt_error.loop_energy import LoopEnergy, NetDamping, watched_modes
+from reliab.assessment.rebuilt_error.loop_energy import LoopEnergy, NetDamping, select_modes
 from reliab.assessment.rebuilt_error.recursion import Recursion, run_on
 from reliab.assessment.rebuilt_error.spread import Estimate
 from reliab.core.arrays import Array
@@ -43,8 +43,8 @@ class RunningSums:
     it last doubled, and the number of the sample at which it did, shape (7,).
     """
 
-    def __init__(self, rest: int = 0) -> None:
-        self.size, self.values = rest, np.zeros(7)
+    def __init__(self, rest_samples: int = 0) -> None:
+        self.size, self.values = rest_samples, np.zeros(7)
 
     def add(self, error: Array, ideal: Array) -> None:
         """Add the next samples of r and x_I [m], shape (k,) each."""
@@ -114,10 +114,10 @@ class RunningResponse:
 
     def follow(self, inputs: Array) -> Array:
         """Return outputs to the next inputs, shape (p, k), shape (outputs, k)."""
-        before = self._last.shape[1]
+        earlier_size = self._last.shape[1]
         inputs = np.concatenate([self._last, inputs], axis=1)
         self._last = inputs[:, -1:]
-        return run_on(self._recursion, inputs, self._state)[:, before:]
+        return run_on(self._recursion, inputs, self._state)[:, earlier_size:]
 
 
 class ErrorWithInterval(Protocol):
@@ -172,7 +172,7 @@ class RunningTest(ABC):
         require_physical("time step", time_step)
         self.structure, self.time_step = structure, time_step
         self._period = 1.0 / (float(structure.natural_frequencies[0]) or 1.0)
-        self._energy = LoopEnergy(watched_modes(structure, time_step, skew))
+        self._energy = LoopEnergy(select_modes(structure, time_step, skew))
         self._asked = 0
         self._result: ErrorWithInterval | None = None
         self._low = dict.fromkeys(Metric, 0.0)
@@ -251,10 +251,10 @@ class RunningTest(ABC):
     @property
     def due(self) -> bool:
         """Whether the test has grown so much that intervals are worth computing again."""
-        grown = self.samples - self._asked
+        new_samples = self.samples - self._asked
         least = max(FEWEST_SAMPLES, int(self.periods_between * self._period / self.time_step))
         growth = self.growth_in_noise if self._lost else self.growth
-        return self._energy.moves and grown >= max(least, int(growth * self._asked))
+        return self._energy.moves and new_samples >= max(least, int(growth * self._asked))
 
     def _conclude(self, error: ErrorWithInterval | None, *, lost_in_noise: bool = False) -> None:
         """Keep an error that was computed from all samples so far; None where it is not known."""

@@ -52,7 +52,7 @@ def sobol_points(dimensions: int, count: int, seed: int) -> Array:
     powers = np.uint32(1) << np.arange(_BITS, dtype=np.uint32)
     shift = rng.integers(2, size=(dimensions, _BITS), dtype=np.uint32) @ powers
     matrices = np.tril(rng.integers(2, size=(dimensions, _BITS, _BITS), dtype=np.uint32), -1)
-    directions = _scrambled(matrices, _directions()[:dimensions])
+    directions = _scramble(matrices, _directions()[:dimensions])
     lowest_zero = [(~number & (number + 1)).bit_length() - 1 for number in range(count - 1)]
     steps = np.concatenate([shift[np.newaxis], directions.T[lowest_zero]])
     return np.asarray(np.bitwise_xor.accumulate(steps) / 2.0**_BITS)
@@ -66,21 +66,21 @@ def normal_points(dimensions: int, draws: int, seed: int) -> Array:
     return read_only(scipy.special.ndtri(sobol_points(dimensions, draws, seed).T))
 
 
-def _scrambled(matrices: NDArray[np.uint32], directions: NDArray[np.uint32]) -> NDArray[np.uint32]:
+def _scramble(matrices: NDArray[np.uint32], directions: NDArray[np.uint32]) -> NDArray[np.uint32]:
     """Multiply directions (dimensions, bits) by matrices of ones and zeros with ones on the diagonal."""
     falling = np.arange(_BITS - 1, -1, -1, dtype=np.uint32)
     digits = (directions[..., np.newaxis] >> falling) & np.uint32(1)  # (dimensions, direction, digit)
-    turned = (np.einsum("dpk,dvk->dvp", matrices, digits) + digits) & np.uint32(1)
-    return np.asarray(turned @ (np.uint32(1) << falling), dtype=np.uint32)
+    scrambled_bits = (np.einsum("dpk,dvk->dvp", matrices, digits) + digits) & np.uint32(1)
+    return np.asarray(scrambled_bits @ (np.uint32(1) << falling), dtype=np.uint32)
 
 
 @cache
 def _directions() -> NDArray[np.uint32]:
-    rows = [[1] * _BITS, *(_continued(*map(int, entry.split())) for entry in _TABLE.split(";"))]
+    rows = [[1] * _BITS, *(_continue_directions(*map(int, entry.split())) for entry in _TABLE.split(";"))]
     return np.array(rows, dtype=np.uint32) << np.arange(_BITS - 1, -1, -1, dtype=np.uint32)
 
 
-def _continued(polynomial: int, *first: int) -> list[int]:
+def _continue_directions(polynomial: int, *first: int) -> list[int]:
     """Continue direction numbers by the recurrence of their polynomial."""
     numbers, degree = list(first), len(first)
     while len(numbers) < _BITS:

@@ -20,7 +20,7 @@ from reliab.core.errors import InputError
 from reliab.core.significant_digits import significant
 from reliab.signals.spectra import convolve_valid
 
-_PER_PERIOD = 48.0  # samples in a period
+_SAMPLES_PER_PERIOD = 48.0  # samples in a period
 _BAND = 10.0  # natural frequencies that are kept
 _BLOCK = 0.4  # periods
 _RIDGE = 1e-5  # of the mean square of a shape: what the fitted half cannot tell stays small
@@ -44,10 +44,12 @@ class SpecimenCheck:
     linear_residual: float
 
 
-def examine_specimen(measured: Array, force: Array, time_step: float, frequency: float) -> SpecimenCheck:
+def examine_specimen(
+    measured_displacement: Array, force: Array, time_step: float, frequency: float
+) -> SpecimenCheck:
     """Compare a recorded force with that of a linear specimen.
 
-    `measured` [m]; `time_step` [s]; `frequency` [Hz].
+    `measured_displacement` [m]; `time_step` [s]; `frequency` [Hz].
 
     >>> time = np.arange(0.0, 30.0, 0.005)
     >>> moved = np.sin(6.0 * time) * np.sin(0.1 * time)
@@ -56,39 +58,41 @@ def examine_specimen(measured: Array, force: Array, time_step: float, frequency:
     >>> examine_specimen(moved, 40.0 * moved + 6.0 * moved**3, 0.005, 1.0).nonlinear
     True
     """
-    if measured.shape != force.shape:
+    if measured_displacement.shape != force.shape:
         raise InputError(
-            "Displacement and force must have the same length", value=f"{measured.size}, {force.size}"
+            "Displacement and force must have the same length",
+            value=f"{measured_displacement.size}, {force.size}",
         )
-    if measured.size * time_step * frequency < FEWEST_PERIODS:
+    if measured_displacement.size * time_step * frequency < FEWEST_PERIODS:
         raise InputError(
             f"A specimen is examined over at least {FEWEST_PERIODS:.0f} periods",
-            value=significant(measured.size * time_step * frequency, 2),
+            value=significant(measured_displacement.size * time_step * frequency, 2),
             remedy="Give the whole test",
         )
     low_pass = _low_pass(frequency, time_step)
-    every = max(int(1.0 / (_PER_PERIOD * frequency * time_step)), 1)
+    stride = max(int(1.0 / (_SAMPLES_PER_PERIOD * frequency * time_step)), 1)
 
-    def seen(history: Array) -> Array:
-        return convolve_valid(history, low_pass)[::every]
+    def smooth(history: Array) -> Array:
+        return convolve_valid(history, low_pass)[::stride]
 
-    velocity = np.gradient(measured, time_step)
-    linear = [seen(row) for row in (measured, velocity, np.gradient(velocity, time_step))]
+    velocity = np.gradient(measured_displacement, time_step)
+    linear = [smooth(row) for row in (measured_displacement, velocity, np.gradient(velocity, time_step))]
     linear.append(np.ones(linear[0].size))
-    groups = [[seen(row) for row in group] for group in _shapes(measured, velocity)]
-    target = seen(force)
-    block = max(int(_BLOCK * _PER_PERIOD), 1)
+    groups = [[smooth(row) for row in group] for group in _shapes(measured_displacement, velocity)]
+    target = smooth(force)
+    block = max(int(_BLOCK * _SAMPLES_PER_PERIOD), 1)
     half = (np.arange(target.size) // block) % 2 == 0
-    plain = _left_over(np.stack(linear), target, half)
+    plain = _cross_validation_residual(np.stack(linear), target, half)
     rich = min(
-        _left_over(np.stack(linear + shapes), target, half) for shapes in [*groups, list(chain(*groups))]
+        _cross_validation_residual(np.stack(linear + shapes), target, half)
+        for shapes in [*groups, list(chain(*groups))]
     )
     power = float(target @ target)
     if not power > 0.0:
         return SpecimenCheck(nonlinear=False, share=0.0, gain=0.0, linear_residual=0.0)
-    explained = max(plain - rich, 0.0)
-    gain = explained / plain if plain > 0.0 else 0.0
-    share = float(np.sqrt(explained / power))
+    explained_share = max(plain - rich, 0.0)
+    gain = explained_share / plain if plain > 0.0 else 0.0
+    share = float(np.sqrt(explained_share / power))
     return SpecimenCheck(
         nonlinear=bool(gain > _GAIN and share > _LEAST),
         share=share,
@@ -103,38 +107,38 @@ def _low_pass(frequency: float, step: float) -> Array:
     return np.asarray(window / window.sum())
 
 
-def _shapes(measured: Array, velocity: Array) -> list[list[Array]]:
+def _shapes(measured_displacement: Array, velocity: Array) -> list[list[Array]]:
     """Shapes of elastic, dissipating and yielding specimens."""
-    x = measured / max(float(np.abs(measured).max()), np.finfo(float).tiny)
+    x = measured_displacement / max(float(np.abs(measured_displacement).max()), np.finfo(float).tiny)
     v = velocity / max(float(np.abs(velocity).max()), np.finfo(float).tiny)
     return [
         [x * np.abs(x), x**3, x**2],
         [v * np.abs(v), x**2 * v, np.tanh(v / _TURNS_OVER)],
-        [slipped(x, limit) for limit in _YIELDS],
+        [slider_elongation(x, limit) for limit in _YIELDS],
     ]
 
 
 @compiled
-def slipped(displacement: Array, limit: float) -> Array:
+def slider_elongation(displacement: Array, limit: float) -> Array:
     """Elastic elongation of a spring in series with a slider that gives way at `limit`, shape (n,)."""
     answer = np.empty_like(displacement)
-    stretched = 0.0
+    elongation = 0.0
     for i in range(displacement.size):
-        moved = displacement[i] - displacement[i - 1] if i > 0 else displacement[0]
-        stretched = min(max(stretched + moved, -limit), limit)
-        answer[i] = stretched
+        increment = displacement[i] - displacement[i - 1] if i > 0 else displacement[0]
+        elongation = min(max(elongation + increment, -limit), limit)
+        answer[i] = elongation
     return answer
 
 
-def _left_over(rows: Array, target: Array, half: NDArray[np.bool_]) -> float:
+def _cross_validation_residual(rows: Array, target: Array, half: NDArray[np.bool_]) -> float:
     """Sum of squared residuals on each half with the coefficients fitted to the other half."""
     scale = np.maximum(np.sqrt((rows**2).mean(axis=1, keepdims=True)), np.finfo(float).tiny)
-    scaled = rows / scale
+    scaled_rows = rows / scale
     total = 0.0
-    for fitted in (half, ~half):
-        some, rest = scaled[:, fitted], scaled[:, ~fitted]
-        normal = some @ some.T + _RIDGE * fitted.sum() * np.eye(scaled.shape[0])
-        values = np.linalg.solve(normal, some @ target[fitted])
-        residual = target[~fitted] - values @ rest
+    for fitted_half in (half, ~half):
+        training, validation = scaled_rows[:, fitted_half], scaled_rows[:, ~fitted_half]
+        normal = training @ training.T + _RIDGE * fitted_half.sum() * np.eye(scaled_rows.shape[0])
+        values = np.linalg.solve(normal, training @ target[fitted_half])
+        residual = target[~fitted_half] - values @ validation
         total += float(residual @ residual)
     return total

@@ -104,8 +104,8 @@ def spread_of_draws(statistics: Array, mean: Array, deviation: Array, places: Ar
 def weighted_quantiles(values: Array, weights: Array, *shares: float) -> tuple[float, ...]:
     """Return quantiles of draws, each with its weight."""
     order = np.argsort(values)
-    ordered = weights[order]
-    places = (np.cumsum(ordered) - 0.5 * ordered) / ordered.sum()
+    ordered_weights = weights[order]
+    places = (np.cumsum(ordered_weights) - 0.5 * ordered_weights) / ordered_weights.sum()
     return tuple(np.interp(shares, places, values[order]).tolist())
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from reliab.assessment.rebuilt_error.difference_draws import draw_differences
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
-from reliab.assessment.rebuilt_error.initial import Start, checked_histories, stated_start
+from reliab.assessment.rebuilt_error.initial import Start, check_histories, start_of_test
 from reliab.assessment.rebuilt_error.interval import (
     EXACT,
     FEWEST_SWEPT,
@@ -27,7 +27,7 @@ from reliab.assessment.rebuilt_error.interval import (
 )
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
 from reliab.assessment.rebuilt_error.own_frequency import EntriesOfStructure, learn_frequency
-from reliab.assessment.rebuilt_error.readings import delayed
+from reliab.assessment.rebuilt_error.readings import delay_history
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.spread import Estimate
@@ -42,7 +42,7 @@ _SAMPLES = 1 << 19  # of a stretch, before they are thinned
 
 
 @dataclass(frozen=True, kw_only=True)
-class Stated:
+class StatedTest:
     """What is stated of a test."""
 
     structure: Partition  # The whole structure
@@ -84,13 +84,13 @@ class ErrorSoFar:
         """Probability that the error is below a threshold, as `RebuiltError.probability` states it."""
         return self.swept.spread.probability_below(threshold, metric)
 
-    def after_rest(self, steps: int) -> "ErrorSoFar":
+    def prepend_rest(self, steps: int) -> "ErrorSoFar":
         """Return the error of the same test with a longer rest before it, by a number of samples."""
-        return replace(self, stated=self.stated.after_rest(steps), swept=self.swept.after_rest(steps))
+        return replace(self, stated=self.stated.prepend_rest(steps), swept=self.swept.prepend_rest(steps))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Drawn:
+class StretchDraws:
     """What was drawn of a stretch."""
 
     histories: Histories  # Smoothed histories
@@ -102,28 +102,28 @@ def draw_error(
     command: Array,
     read: Array,
     fed_back: Array,
-    test: Stated,
+    test: StatedTest,
     *,
     noise: SensorNoise,
     start: Start,
     unknown: Unknown,
     draws: int,
-    before: ErrorSoFar | None = None,
-) -> tuple[ErrorSoFar, Drawn]:
+    earlier: ErrorSoFar | None = None,
+) -> tuple[ErrorSoFar, StretchDraws]:
     """Draw the error of a test, or of its next stretch.
 
     `command`, `read`, `fed_back` [m].
     Returns the error from the beginning of the test, and what was drawn of these samples.
     """
     structure, seed = test.structure, test.seed
-    every = samples_in_step(samples_in_step_of_structure(structure, test.time_step), noise, command.size)
+    stride = samples_in_step(samples_in_step_of_structure(structure, test.time_step), noise, command.size)
     if np.ptp(command) > 0.0:
         difference, fed_back = noise.smooth(command - read), noise.smooth(fed_back)
         lowest = float(structure.natural_frequencies[0])
-        differences = draw_differences(command, read, noise, lowest, every, draws, seed)
+        differences = draw_differences(command, read, noise, lowest, stride, draws, seed)
     else:  # a piston whose command stands still is where the sensor shows it on average
         difference = fed_back = np.full(command.size, np.mean(command - read))
-        differences = difference[np.newaxis, ::every]
+        differences = difference[np.newaxis, ::stride]
     histories = Histories(
         command=command,
         measured=command - difference,
@@ -132,20 +132,24 @@ def draw_error(
         standing=-start.standing,
     )
 
-    def swept(unknown: Unknown, differences: Array, draws: int, before: Swept | None) -> Swept:
-        return sweep(histories, structure, unknown, differences, every, draws=draws, seed=seed, before=before)
+    def sweep_draws(unknown: Unknown, differences: Array, draws: int, earlier: Swept | None) -> Swept:
+        return sweep(
+            histories, structure, unknown, differences, stride, draws=draws, seed=seed, earlier=earlier
+        )
 
     error = ErrorSoFar(
         noise=noise,
         start=start,
         unknown=unknown,
-        stated=swept(EXACT, differences[::2], draws // 2, None if before is None else before.stated),
-        swept=swept(unknown, differences, draws, None if before is None else before.swept),
+        stated=sweep_draws(EXACT, differences[::2], draws // 2, None if earlier is None else earlier.stated),
+        swept=sweep_draws(unknown, differences, draws, None if earlier is None else earlier.swept),
     )
-    return error, Drawn(histories=histories, differences=differences, every=every)
+    return error, StretchDraws(histories=histories, differences=differences, every=stride)
 
 
-def what_is_unknown(test: Stated, start: Start, response: Array, command: Array, fed_back: Array) -> Unknown:
+def collect_unknowns(
+    test: StatedTest, start: Start, response: Array, command: Array, fed_back: Array
+) -> Unknown:
     """Collect what is uncertain, with what the test shows of a natural frequency that is not exact.
 
     `response`, `command`, `fed_back` [m].
@@ -163,43 +167,43 @@ def what_is_unknown(test: Stated, start: Start, response: Array, command: Array,
             test.structure,
             test.tolerances.frequency,
             standing=np.array([-start.standing]),
-            entries=EntriesOfStructure.of_parts(test.structure, test.tolerances.of_parts),
+            entries=EntriesOfStructure.from_parts(test.structure, test.tolerances.of_parts),
         ),
     )
 
 
 def error_of_stretch(
     command: Array,
-    measured: Array,
-    test: Stated,
+    measured_displacement: Array,
+    test: StatedTest,
     *,
     draws: int,
     samples: int | None = None,
-    before: ErrorSoFar | None = None,
+    earlier: ErrorSoFar | None = None,
 ) -> ErrorSoFar:
     """Draw the error of a test up to the end of its first or next stretch.
 
-    `command`, `measured` [m]. The stretch has the first `samples` of them; with those that follow, the first
-    stretch tells more of the noise, of how the test begins, and of its natural frequency.
+    `command`, `measured_displacement` [m]. The stretch has the first `samples` of them; with those that
+    follow, the first stretch tells more of the noise, of how the test begins, and of its natural frequency.
     """
     structure, step = test.structure, test.time_step
-    if before is None:
-        command, measured = checked_histories(command, measured, step, structure)
-        noise = estimate_noise(command, measured, step)
-        start = stated_start(command, measured, step, structure, noise, test.sensor_offset)
-    elif np.ptp(command) > _STANDS * float(before.stated.statistics[:, 2].max()):
-        noise, start = estimate_noise(command, measured, step), before.start
+    if earlier is None:
+        command, measured_displacement = check_histories(command, measured_displacement, step, structure)
+        noise = estimate_noise(command, measured_displacement, step)
+        start = start_of_test(command, measured_displacement, step, structure, noise, test.sensor_offset)
+    elif np.ptp(command) > _STANDS * float(earlier.stated.statistics[:, 2].max()):
+        noise, start = estimate_noise(command, measured_displacement, step), earlier.start
     else:
         command = np.full(command.size, np.mean(command))
-        noise, start = before.noise, before.start
-    read = measured - start.offset
-    fed_back = command - delayed(read, test.feedback_lag, step)
-    if before is None:
-        recursion = Recursion.of_displacement(structure, step)
+        noise, start = earlier.noise, earlier.start
+    read = measured_displacement - start.offset
+    fed_back = command - delay_history(read, test.feedback_lag, step)
+    if earlier is None:
+        recursion = Recursion.from_displacement(structure, step)
         response = respond(recursion, fed_back, -start.standing * recursion.static[:, 0])[0]
-        unknown = what_is_unknown(test, start, response, command, fed_back)
+        unknown = collect_unknowns(test, start, response, command, fed_back)
     else:
-        unknown = before.unknown
+        unknown = earlier.unknown
     return draw_error(
         command[:samples],
         read[:samples],
@@ -209,7 +213,7 @@ def error_of_stretch(
         start=start,
         unknown=unknown,
         draws=draws,
-        before=before,
+        earlier=earlier,
     )[0]
 
 
@@ -220,5 +224,5 @@ def samples_in_stretch(structure: Partition, time_step: float) -> int:
     Returns so many that a stretch ends with a sample that is swept, and 256 draws of twice as many take half
     a gigabyte.
     """
-    every = samples_in_step_of_structure(structure, time_step)
-    return every * min(max(_SAMPLES // every, FEWEST_SWEPT), _SAMPLES_SWEPT)
+    stride = samples_in_step_of_structure(structure, time_step)
+    return stride * min(max(_SAMPLES // stride, FEWEST_SWEPT), _SAMPLES_SWEPT)

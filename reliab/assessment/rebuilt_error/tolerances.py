@@ -48,7 +48,7 @@ class Tolerances:
 
     def items(self) -> list[tuple[str, float]]:
         """Names and values in order, without those of parts and of single sensors."""
-        names = (one.name for one in fields(self) if not one.name.startswith("of_"))
+        names = (item.name for item in fields(self) if not item.name.startswith("of_"))
         return [(name, float(getattr(self, name))) for name in names]
 
 

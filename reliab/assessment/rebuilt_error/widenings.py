@@ -34,44 +34,45 @@ class Widening:
 
 def widenings(
     spread: Spread,
-    drawn: Mapping[str, Array],
+    quantities: Mapping[str, Array],
     deviations: Mapping[str, float],
-    of_noise: Spread,
+    noise_spread: Spread,
     metric: Metric,
 ) -> tuple[Widening, ...]:
     """Find what each uncertain quantity contributes, the largest first, and what would halve the interval.
 
-    `drawn`: quantities by name, shape (draws,); `of_noise`: draws with all but the sensors' noise as stated.
+    `quantities`: quantities by name, shape (draws,); `noise_spread`: draws with all but the sensors' noise as
+    stated.
     """
-    parts = widenings_of_draws(spread, drawn, deviations, metric)
-    parts.append(widening_alone("sensor_noise", spread, of_noise, metric))
+    parts = widenings_of_draws(spread, quantities, deviations, metric)
+    parts.append(widening_alone("sensor_noise", spread, noise_spread, metric))
     return tuple(sorted(parts, key=lambda part: -part.contribution))
 
 
 def widenings_of_draws(
-    spread: Spread, drawn: Mapping[str, Array], deviations: Mapping[str, float], metric: Metric
+    spread: Spread, quantities: Mapping[str, Array], deviations: Mapping[str, float], metric: Metric
 ) -> list[Widening]:
     """Find what each quantity contributes to draws; those that are not drawn contribute nothing."""
-    effects = _effects(spread.errors(metric) ** 2, {name: u for name, u in drawn.items() if u.any()})
+    effects = _effects(spread.errors(metric) ** 2, {name: u for name, u in quantities.items() if u.any()})
     return [_widening(effect, spread, metric, deviations[name]) for name, effect in effects.items()]
 
 
 def widening_alone(
-    name: str, spread: Spread, alone: Spread, metric: Metric, deviation: float = 0.0
+    name: str, spread: Spread, single_spread: Spread, metric: Metric, deviation: float = 0.0
 ) -> Widening:
     """Say what a quantity contributes of which there are draws that hold nothing else.
 
     Without it the interval is taken to be as much narrower as its share of the variance says.
     """
-    contribution, every_one = (float(np.std(draws.errors(metric))) for draws in (alone, spread))
-    left = max(1.0 - (contribution / every_one) ** 2, 0.0) if every_one > 0.0 else 0.0
-    whole = _width(spread, metric)
+    contribution, total_deviation = (float(np.std(draws.errors(metric))) for draws in (single_spread, spread))
+    remainder = max(1.0 - (contribution / total_deviation) ** 2, 0.0) if total_deviation > 0.0 else 0.0
+    full_width = _width(spread, metric)
     return Widening(
         name=name,
         deviation=deviation,
         contribution=contribution,
-        width=whole,
-        width_without=whole * float(np.sqrt(left)),
+        width=full_width,
+        width_without=full_width * float(np.sqrt(remainder)),
         deviation_for_half=None,
     )
 
@@ -86,55 +87,59 @@ class _Effect:
     joint: Array  # u Σ cᵢuᵢ with what sensors of other actuators have alike, shape (draws,)
     nominal: float  # y₀, the square of the error with everything as stated
 
-    def added(self, factor: float) -> Array:
+    def change(self, factor: float) -> Array:
         """Return what it would add if it were known better by a factor."""
         return factor * (self.linear + self.joint) + factor**2 * self.square
 
 
-def _effects(squares: Array, drawn: dict[str, Array]) -> dict[str, _Effect]:
-    scaled = {name: values / np.std(values) for name, values in drawn.items()}
-    pairs = _alike_at_sensors(scaled)
-    products = [scaled[one] * scaled[other] for one, other in pairs]
-    terms = [*scaled.values(), *(values**2 for values in scaled.values()), *products]
+def _effects(squares: Array, quantities: dict[str, Array]) -> dict[str, _Effect]:
+    normalized = {name: values / np.std(values) for name, values in quantities.items()}
+    pairs = _alike_at_sensors(normalized)
+    products = [normalized[first] * normalized[second] for first, second in pairs]
+    terms = [*normalized.values(), *(values**2 for values in normalized.values()), *products]
     columns = np.stack([np.ones_like(squares), *terms])
     coefficients = np.linalg.lstsq(columns.T, squares, rcond=None)[0]
     rows = coefficients[:, np.newaxis] * columns
-    joint = list(zip(pairs, rows[1 + 2 * len(drawn) :], strict=True))
+    joint = list(zip(pairs, rows[1 + 2 * len(quantities) :], strict=True))
     return {
         name: _Effect(
             name=name,
             linear=rows[1 + k],
-            square=rows[1 + len(drawn) + k],
+            square=rows[1 + len(quantities) + k],
             joint=np.sum([np.zeros_like(squares), *(row for pair, row in joint if name in pair)], axis=0),
             nominal=float(coefficients[0]),
         )
-        for k, name in enumerate(drawn)
+        for k, name in enumerate(quantities)
     }
 
 
 def _alike_at_sensors(names: Iterable[str]) -> list[tuple[str, str]]:
     """Pairs of what sensors of several actuators have alike: a rotation feels the difference of two."""
-    alike = {name: name.rstrip("_0123456789") for name in names if not is_part(name)}
-    return [(one, other) for one, other in combinations(alike, 2) if alike[one] == alike[other]]
+    stems = {name: name.rstrip("_0123456789") for name in names if not is_part(name)}
+    return [(first, second) for first, second in combinations(stems, 2) if stems[first] == stems[second]]
 
 
 def _widening(effect: _Effect, spread: Spread, metric: Metric, deviation: float) -> Widening:
     squares = spread.errors(metric) ** 2
-    as_drawn = replace(spread, counts=spread.weights())  # a draw whose error vanishes would count for all
+    weighted_spread = replace(
+        spread, counts=spread.weights()
+    )  # a draw whose error vanishes would count for all
 
     def width(factor: float) -> float:
-        changed = np.sqrt(np.maximum(squares - effect.added(1.0) + effect.added(factor), 0.0))
-        return _width(replace(as_drawn, **{metric.value: changed}), metric)
+        errors = np.sqrt(np.maximum(squares - effect.change(1.0) + effect.change(factor), 0.0))
+        return _width(replace(weighted_spread, **{metric.value: errors}), metric)
 
-    whole, without = _width(spread, metric), width(0.0)
-    alone = np.sqrt(np.maximum(effect.nominal + effect.linear + effect.square, 0.0))
+    full_width, narrow_width = _width(spread, metric), width(0.0)
+    single_errors = np.sqrt(np.maximum(effect.nominal + effect.linear + effect.square, 0.0))
     return Widening(
         name=effect.name,
         deviation=deviation,
-        contribution=float(np.std(alone)),
-        width=whole,
-        width_without=without,
-        deviation_for_half=_for_half(deviation, 0.5 * whole, width) if without < 0.5 * whole else None,
+        contribution=float(np.std(single_errors)),
+        width=full_width,
+        width_without=narrow_width,
+        deviation_for_half=_deviation_for_half(deviation, 0.5 * full_width, width)
+        if narrow_width < 0.5 * full_width
+        else None,
     )
 
 
@@ -143,7 +148,7 @@ def _width(spread: Spread, metric: Metric) -> float:
     return high - low
 
 
-def _for_half(deviation: float, half: float, width: Callable[[float], float]) -> float | None:
+def _deviation_for_half(deviation: float, half: float, width: Callable[[float], float]) -> float | None:
     """Find the standard deviation at which the interval is half as wide, by bisection."""
     low, high = 0.0, 1.0
     for _ in range(_HALVINGS):

@@ -47,21 +47,21 @@ def yielding_specimen(displacement: float, hardening: float, sharpness: float) -
     )
 
 
-def added_displacement(specimen: SteppedEffect, motion: Array, time_step: float) -> Array:
+def additional_displacement(specimen: SteppedEffect, motion: Array, time_step: float) -> Array:
     """Return what the force of a specimen adds to k_e x under a motion [m], over k_e [m], shape (n,)."""
     answer = np.empty(motion.size)
     setting = Setting(step=time_step)
-    _added(specimen.kernel.address, specimen.coefficients(setting), motion, answer)
+    _run_specimen(specimen.kernel.address, specimen.coefficients(setting), motion, answer)
     return answer
 
 
 @compiled
-def _added(address: int, coefficients: Array, motion: Array, answer: Array) -> None:
-    moved, state = np.zeros(3), np.zeros(4)
+def _run_specimen(address: int, coefficients: Array, motion: Array, answer: Array) -> None:
+    displacement, state = np.zeros(3), np.zeros(4)
     for i in range(motion.size):
-        moved[0] = motion[i]
+        displacement[0] = motion[i]
         answer[i] = call_kernel(
-            address, pointer_to(moved, 0), 0.0, 1.0, pointer_to(coefficients, 0), pointer_to(state, 0)
+            address, pointer_to(displacement, 0), 0.0, 1.0, pointer_to(coefficients, 0), pointer_to(state, 0)
         )
 
 
@@ -83,16 +83,20 @@ def _swept(
     specimens: Sequence[SteppedEffect],
     thin: Histories,
     structure: Partition,
-    drawn: dict[str, Array],
+    quantities: dict[str, Array],
     velocity: Array,
     differences: Array,
     reading: tuple[Array, Array],
 ) -> tuple[Array, Array]:
     """Statistics of the draws, shape (draws, 3), and the band, shape (2, n); see `DrivenDraws`."""
-    changed = structures_of_draws(structure, drawn)
-    recursion = Recursion.of_displacement(changed, thin.time_step, slips=True).of_draws(len(specimens))
+    structures = structures_of_draws(structure, quantities)
+    recursion = Recursion.from_displacement(structures, thin.time_step, slips=True).expand_draws(
+        len(specimens)
+    )
     standing = np.array([thin.standing, 0.0])
-    started = states_at_first_sample(structure, recursion, drawn["initial_state"], velocity, standing)
+    initial_states = states_at_first_sample(
+        structure, recursion, quantities["initial_state"], velocity, standing
+    )
     columns, shifts = reading
     setting = Setting(step=thin.time_step)
     transition, early, late, output, feed_through = recursion.matrices
@@ -104,14 +108,14 @@ def _swept(
         read_only(np.ascontiguousarray(feed_through[:, 0, 0])),
         specimens[0].kernel.address,
         np.stack([specimen.coefficients(setting) for specimen in specimens]),
-        started,
+        initial_states,
         thin.command,
         np.ascontiguousarray(differences),
         columns,
         shifts,
         thin.fed_back - thin.difference,
         np.gradient(thin.measured, thin.time_step),
-        np.ascontiguousarray(drawn["feedback_lag"]),
+        np.ascontiguousarray(quantities["feedback_lag"]),
     )
     answer = np.empty((len(specimens), 3))
 
@@ -153,9 +157,9 @@ def _sweep(
         row = draw % differences.shape[0]
         sums = (0.0, 0.0, 0.0)
         slip = 0.0
-        held = state[draw]
-        of_test, of_response, tried = np.zeros(4), np.zeros(4), np.zeros(4)
-        gain, at = 0.0, draw * coefficients.shape[1]
+        draw_state = state[draw]
+        test_state, response_state, trial_state = np.zeros(4), np.zeros(4), np.zeros(4)
+        gain, offset = 0.0, draw * coefficients.shape[1]
         for i in range(size):
             difference = differences[row, i]
             for k in range(inputs.shape[0]):
@@ -164,21 +168,37 @@ def _sweep(
             now = difference + fed_back_late[i] + feedback_lag[draw] * velocity[i]
             driving[0, 1] = now
             motion[0] = command[i] - now
-            felt = call_kernel(
-                address, pointer_to(motion, 0), 0.0, 1.0, pointer_to(coefficients, at), pointer_to(of_test, 0)
+            test_force = call_kernel(
+                address,
+                pointer_to(motion, 0),
+                0.0,
+                1.0,
+                pointer_to(coefficients, offset),
+                pointer_to(test_state, 0),
             )
             if i > 0:
-                advance((0, 0), transition[draw], early[draw], late[draw], driving, 1, held, scratch)
+                advance((0, 0), transition[draw], early[draw], late[draw], driving, 1, draw_state, scratch)
                 gain = _gain(output[draw], late[draw])
             error = feed_through[draw] * now
-            for column in range(held.size):
-                error += output[draw, column] * held[column]
+            for column in range(draw_state.size):
+                error += output[draw, column] * draw_state[column]
             slip = _slip(
-                address, coefficients, at, motion, command[i] - error, gain, slip, felt, of_response, tried
+                address,
+                coefficients,
+                offset,
+                motion,
+                command[i] - error,
+                gain,
+                slip,
+                test_force,
+                response_state,
+                trial_state,
             )
             error += gain * slip
-            for column in range(held.size):
-                held[column] += late[draw, column, 1] * slip * min(i, 1)  # the first sample begins the test
+            for column in range(draw_state.size):
+                draw_state[column] += (
+                    late[draw, column, 1] * slip * min(i, 1)
+                )  # the first sample begins the test
             weight = 0.5 if i in (0, size - 1) else 1.0
             sums = tally(sums, error - difference, command[i] - error, weight, band, i)
         answer[draw, 0], answer[draw, 1], answer[draw, 2] = sums[0] / (size - 1), sums[1], sums[2]
@@ -197,26 +217,31 @@ def _gain(output: Array, late: Array) -> float:
 def _slip(
     address: int,
     coefficients: Array,
-    at: int,
+    offset: int,
     motion: Array,
-    without: float,
+    linear_displacement: float,
     gain: float,
     slip: float,
-    felt: float,
+    test_force: float,
     state: Array,
-    tried: Array,
+    trial_state: Array,
 ) -> float:
     """s[x_m] − s[x_c − e] at a sample [m], from that before it; moves the state of the response."""
     for _ in range(_CORRECTIONS):
         for place in range(state.size):
-            tried[place] = state[place]
-        motion[0] = without - gain * slip
+            trial_state[place] = state[place]
+        motion[0] = linear_displacement - gain * slip
         slip = (
             call_kernel(
-                address, pointer_to(motion, 0), 0.0, 1.0, pointer_to(coefficients, at), pointer_to(tried, 0)
+                address,
+                pointer_to(motion, 0),
+                0.0,
+                1.0,
+                pointer_to(coefficients, offset),
+                pointer_to(trial_state, 0),
             )
-            - felt
+            - test_force
         )
     for place in range(state.size):
-        state[place] = tried[place]
+        state[place] = trial_state[place]
     return slip

@@ -30,7 +30,7 @@ def simulated(build=two_storeys, seconds=24.0):
 @pytest.mark.parametrize("build", [two_storeys, node])
 def test_errors_are_those_of_the_whole_test_however_samples_come(build, lag):
     partition, command, measured = simulated(build)
-    recursion = Recursion.of_displacement(partition.nonsingular_form, 1.0 / RATE)
+    recursion = Recursion.from_displacement(partition.nonsingular_form, 1.0 / RATE)
     carry = np.eye(partition.degrees) + 0.1
     monitor = CoupledMonitor(partition, 1.0 / RATE, to_interface=carry, feedback_lag=lag, recursion=recursion)
     cuts = [1, 2, 700, 3001]

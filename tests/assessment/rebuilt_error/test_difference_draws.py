@@ -14,7 +14,7 @@ from reliab.assessment.rebuilt_error.difference_draws import (
     _chain,
     _draw,
     _draw_following,
-    _filtered,
+    _filter_forwards,
     _follow,
     _following,
     _least_squares,
@@ -114,7 +114,7 @@ def test_probabilities_by_the_bands_so_far_are_sums_over_all_paths():
     """Forward filtering against the sum over every path of levels and factors, in logarithms."""
     reading = small_reading()
     follows = np.zeros(reading.following.shape[0])
-    found = _filtered(reading, follows)
+    found = _filter_forwards(reading, follows)
     bands, levels, factors = found.shape
     assert factors == 2
     of_level, of_factor = _chain(factors)
@@ -178,7 +178,7 @@ def test_a_draw_without_chance_is_the_mean_given_the_median_level():
 
     several = small_reading()
     reading = replace(several, noise=several.noise[:1], bands=np.zeros_like(several.bands))
-    filtered = _filtered(reading, np.zeros(reading.following.shape[0]))
+    filtered = _filter_forwards(reading, np.zeros(reading.following.shape[0]))
     histories = np.empty((1, 40))
     _draw(reading, filtered, histories, Middle())
     follows = _draw_following(reading, filtered, Middle())[0]

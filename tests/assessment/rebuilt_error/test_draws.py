@@ -23,7 +23,7 @@ from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.sobol import normal_points
 from reliab.assessment.rebuilt_error.spread import Spread
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
-from reliab.assessment.rebuilt_error.widenings import _for_half, widenings, widenings_of_draws
+from reliab.assessment.rebuilt_error.widenings import _deviation_for_half, widenings, widenings_of_draws
 from reliab.core.vocabulary import Metric
 from reliab.structures.partition import Partition
 from reliab.structures.structure import Structure
@@ -227,9 +227,9 @@ def test_tolerances_of_equal_effect_widen_equally_and_half_of_one_halves(histori
 
 def test_half_the_width_is_found_by_halving():
     """Where the width is the deviation's square, half of it is at √½ of the deviation, to 1/4096 below."""
-    found = _for_half(5.0, 0.5, lambda factor: factor**2)
+    found = _deviation_for_half(5.0, 0.5, lambda factor: factor**2)
     assert np.sqrt(0.5) - 1.0 / 4096.0 <= found / 5.0 <= np.sqrt(0.5)
-    assert _for_half(5.0, -1.0, lambda factor: factor**2) is None
+    assert _deviation_for_half(5.0, -1.0, lambda factor: factor**2) is None
 
 
 @pytest.mark.slow
@@ -264,11 +264,11 @@ def test_a_part_over_time_and_frequency_keeps_its_mean_square(histories):
     edges = np.array([0.0, 0.8, 1.6, 20.0, 129.0])
     for name, part in parts.by_name.items():
         square = np.mean(part.history**2)
-        assert parts.over_frequency(STEP, edges)[name].sum() == pytest.approx(square)
-        stretches = parts.over_time(STEP, 2.0)[name]
+        assert parts.power_over_frequency(STEP, edges)[name].sum() == pytest.approx(square)
+        stretches = parts.rms_over_time(STEP, 2.0)[name]
         assert stretches.size == 4
         assert np.mean(stretches**2) == pytest.approx(square)
-    uneven = parts.over_time(STEP, 3.0)["delay"]
+    uneven = parts.rms_over_time(STEP, 3.0)["delay"]
     history = parts.by_name["delay"].history
     assert uneven == pytest.approx([np.sqrt(np.mean(h**2)) for h in np.split(history, [768, 1536])])
 
@@ -277,7 +277,7 @@ def test_a_sine_has_half_its_squared_amplitude_in_its_own_band(histories):
     wave = 3e-3 * np.sin(2.0 * np.pi * 2.0 * TIME) + 1e-3
     part = replace(divide(histories, STRUCTURE).by_name["delay"], history=wave)
     parts = replace(divide(histories, STRUCTURE), by_name={"delay": part})
-    power = parts.over_frequency(STEP, np.array([0.0, 0.01, 1.0, 2.0, 3.0]))["delay"]
+    power = parts.power_over_frequency(STEP, np.array([0.0, 0.01, 1.0, 2.0, 3.0]))["delay"]
     assert power == pytest.approx([1e-6, 0.0, 0.0, 4.5e-6], abs=1e-12)
 
 

@@ -24,10 +24,10 @@ def lowest(change):
 
 
 def test_a_draw_has_the_entries_that_move_its_frequency():
-    entries = EntriesOfStructure.of_parts(STRUCTURE, {ENTRY: 0.02})
+    entries = EntriesOfStructure.from_parts(STRUCTURE, {ENTRY: 0.02})
     tried = np.linspace(-0.04, 0.04, 41)
     sought = np.array([-0.03, 0.0, 0.021])
-    drawn = entries.matched({ENTRY: tried, "frequency": sought, "damping_ratio": np.arange(3.0)})
+    drawn = entries.match_frequencies({ENTRY: tried, "frequency": sought, "damping_ratio": np.arange(3.0)})
     factors = np.array([lowest(change) for change in drawn[ENTRY]])
     assert factors * (1.0 + drawn["frequency"]) == pytest.approx(1.0 + sought)
     assert np.abs(drawn["frequency"]).max() < 0.6 * np.abs(np.diff([lowest(one) for one in tried])).max()
@@ -35,17 +35,17 @@ def test_a_draw_has_the_entries_that_move_its_frequency():
 
 
 def test_what_no_entry_explains_stays_with_the_frequency():
-    entries = EntriesOfStructure.of_parts(STRUCTURE, {ENTRY: 0.02})
-    drawn = entries.matched({ENTRY: np.array([-0.01, 0.01]), "frequency": np.array([0.2, 0.2])})
+    entries = EntriesOfStructure.from_parts(STRUCTURE, {ENTRY: 0.02})
+    drawn = entries.match_frequencies({ENTRY: np.array([-0.01, 0.01]), "frequency": np.array([0.2, 0.2])})
     assert drawn["frequency"] == pytest.approx(np.full(2, 1.2 / lowest(-0.01) - 1.0))
 
 
 def test_the_frequency_is_open_by_what_entries_leave_of_it():
     slope = (lowest(1e-4) - lowest(-1e-4)) / 2e-4
-    deviation = EntriesOfStructure.of_parts(STRUCTURE, {ENTRY: 0.01}).deviation
+    deviation = EntriesOfStructure.from_parts(STRUCTURE, {ENTRY: 0.01}).deviation
     assert deviation == pytest.approx(0.01 * abs(slope), rel=0.05)
 
 
 @pytest.mark.parametrize("parts", [{}, {"damping_entry_1_1": 0.1}, {"floor_mass_1": 0.1}, {ENTRY: 0.0}])
 def test_nothing_else_leaves_it_open(parts):
-    assert EntriesOfStructure.of_parts(STRUCTURE, parts) is None
+    assert EntriesOfStructure.from_parts(STRUCTURE, parts) is None

@@ -86,7 +86,7 @@ def test_recursion_and_transform_agree(mass):
     )
     time = np.arange(0.0, 20.0, STEP)
     difference = np.sin(8.0 * time) * np.sin(0.3 * time) ** 3
-    stepped = respond(Recursion.of_displacement(two, STEP), difference)[0]
+    stepped = respond(Recursion.from_displacement(two, STEP), difference)[0]
     transformed = respond_spectrally(two, difference, STEP)
     assert np.abs(stepped - transformed).max() < 1e-5 * np.abs(stepped).max()
 
@@ -103,7 +103,7 @@ def test_recursion_is_exact_for_straight_lines_between_samples():
     path = solve_ivp(
         slope, (0.0, 2.2), [0.0, 0.0], t_eval=0.2 * np.arange(12), max_step=0.002, rtol=1e-9, atol=1e-12
     )
-    stepped = respond(Recursion.of_displacement(whole, 0.2), nodes)[0]
+    stepped = respond(Recursion.from_displacement(whole, 0.2), nodes)[0]
     assert np.abs(stepped - path.y[0]).max() < 1e-6
 
 
@@ -158,6 +158,6 @@ def test_a_wrong_force_that_stays_bends_the_structure_as_its_stiffness_says():
         interface=np.array([1.0, -1.0]),
         specimen_stiffness=50.0,
     )
-    still = respond(Recursion.of_force(two, 0.05), np.full(2000, 3.0))[..., -1]
+    still = respond(Recursion.from_force(two, 0.05), np.full(2000, 3.0))[..., -1]
     bent = np.linalg.solve(two.stiffness, 3.0 * two.interface)
     np.testing.assert_allclose(still, two.interface.T @ bent[:, 0], rtol=1e-6, atol=1e-12)

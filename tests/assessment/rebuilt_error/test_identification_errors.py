@@ -5,7 +5,7 @@ import pytest
 import scipy
 
 from reliab.assessment.rebuilt_error import identification
-from reliab.assessment.rebuilt_error.identification import Identification, Identified, identify
+from reliab.assessment.rebuilt_error.identification import Identification, IdentifiedParameter, identify
 from reliab.core.errors import InputError
 from reliab.structures.structure import Structure
 
@@ -111,7 +111,7 @@ def test_the_misfit_is_the_share_of_an_acceleration_that_nothing_explains():
     ],
 )
 def test_a_stated_value_is_wrong_by_three_standard_errors_and_more_than_matters(off, deviation, departs):
-    assert Identified(value=1.0 + off, deviation=deviation, stated=1.0).departs(0.02) is departs
+    assert IdentifiedParameter(value=1.0 + off, deviation=deviation, stated=1.0).departs(0.02) is departs
 
 
 def test_what_matters_is_relative_except_for_a_lag():
@@ -119,10 +119,12 @@ def test_what_matters_is_relative_except_for_a_lag():
 
     def identification(factor):
         return Identification(
-            frequency=Identified(value=2.0 * (1.0 + 0.005 * factor), deviation=0.0, stated=2.0),
-            damping_ratio=Identified(value=0.04 * (1.0 - 0.02 * factor), deviation=0.0, stated=0.04),
-            experimental_fraction=Identified(value=0.5 * (1.0 + 0.02 * factor), deviation=0.0, stated=0.5),
-            feedback_lag=Identified(value=1e-3 - 1e-4 * factor, deviation=0.0, stated=1e-3),
+            frequency=IdentifiedParameter(value=2.0 * (1.0 + 0.005 * factor), deviation=0.0, stated=2.0),
+            damping_ratio=IdentifiedParameter(value=0.04 * (1.0 - 0.02 * factor), deviation=0.0, stated=0.04),
+            experimental_fraction=IdentifiedParameter(
+                value=0.5 * (1.0 + 0.02 * factor), deviation=0.0, stated=0.5
+            ),
+            feedback_lag=IdentifiedParameter(value=1e-3 - 1e-4 * factor, deviation=0.0, stated=1e-3),
             misfit=0.0,
         )
 

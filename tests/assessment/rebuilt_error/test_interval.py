@@ -167,7 +167,7 @@ def test_noise_is_no_part_that_could_be_improved(outcome):
     )
     assert noisy.rms > 1.3 * quiet.rms
     assert noisy.first == "neither"
-    freed = noisy.without_noise(quiet.rms)
+    freed = noisy.subtract_noise(quiet.rms)
     assert freed.first == quiet.first == "delay"
     for name in ("amplitude", "delay"):
         missed, missed_with_noise = (
@@ -198,7 +198,7 @@ def test_a_late_force_is_a_part_of_its_own():
 @pytest.mark.parametrize(
     ("change", "rule"),
     [
-        ({"measured": np.zeros(10)}, "the same length"),
+        ({"measured_displacement": np.zeros(10)}, "the same length"),
         ({"command": np.full(20480, np.nan)}, "finite"),
         ({"command": np.zeros(20480)}, "must move"),
         ({"time_step": -1.0}, "time step must be"),
@@ -209,7 +209,7 @@ def test_a_late_force_is_a_part_of_its_own():
 def test_bad_input_is_refused(outcome, change, rule):
     given = {
         "command": outcome.command,
-        "measured": outcome.measured,
+        "measured_displacement": outcome.measured,
         "time_step": STEP,
         "structure": STRUCTURE,
     }

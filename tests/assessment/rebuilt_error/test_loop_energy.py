@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy.signal
 
-from reliab.assessment.rebuilt_error.loop_energy import LoopEnergy, watched_modes
+from reliab.assessment.rebuilt_error.loop_energy import LoopEnergy, select_modes
 from reliab.assessment.rebuilt_error.running_error import Monitor
 from reliab.structures.partition import Partition
 
@@ -20,7 +20,7 @@ FRAME = Partition(
 
 
 def modes():
-    return watched_modes(FRAME, STEP)
+    return select_modes(FRAME, STEP)
 
 
 def loop(delay, seconds=12.0, seed=1):

@@ -8,7 +8,7 @@ from reliab.assessment.rebuilt_error.noise import (
     CORNERS,
     SensorNoise,
     estimate_noise,
-    followed,
+    follow_commands,
     white_floor,
 )
 
@@ -54,7 +54,7 @@ def test_the_filter_keeps_the_band_and_stops_what_lies_above(band):
     assert noise.filter == pytest.approx(noise.filter[::-1])
     between = np.linspace(0.0, 3.0 * band, 50)
     expected = np.abs(scipy.signal.freqz(noise.filter, worN=between, fs=1.0 / STEP)[1]) ** 2
-    assert noise.passed(between) == pytest.approx(expected, abs=3e-3)
+    assert noise.filtered_density(between) == pytest.approx(expected, abs=3e-3)
 
 
 def test_a_band_up_to_the_nyquist_frequency_is_not_filtered():
@@ -65,7 +65,7 @@ def test_a_band_up_to_the_nyquist_frequency_is_not_filtered():
     assert filtering.filter.size > 1
     assert noise.filter.tolist() == [1.0]
     np.testing.assert_array_equal(noise.smooth(history), history)
-    np.testing.assert_array_equal(noise.passed(np.array([1.0, 9.0])), 1.0)
+    np.testing.assert_array_equal(noise.filtered_density(np.array([1.0, 9.0])), 1.0)
 
 
 def test_straight_lines_and_slow_motions_pass_unchanged_up_to_the_ends():
@@ -145,5 +145,5 @@ def test_what_follows_several_commands_is_kept_up_to_the_fastest_of_them():
     hiss = 0.3 * np.sin(2.0 * np.pi * 90.0 * time)
     inside = slice(1024, -1024)
     for disturbed in (measured, measured + hiss):
-        found = followed(commands, disturbed, STEP)
+        found = follow_commands(commands, disturbed, STEP)
         np.testing.assert_allclose(found[inside], measured[inside], atol=0.01)

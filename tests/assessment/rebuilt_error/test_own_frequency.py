@@ -74,7 +74,7 @@ def test_quantiles_are_those_of_statement_and_likelihood():
     flat = OwnFrequency(
         offsets=offsets, likelihood=np.zeros(31), errors=0.05 - offsets**2, stated_deviation=0.02
     )
-    drawn = flat.drawn(points).reshape(3, 16)
+    drawn = flat.offsets_at_points(points).reshape(3, 16)
     assert drawn[:, 2:] == pytest.approx(np.tile([[-0.0422], [0.0], [0.0422]], 14), abs=0.003)
     assert drawn[:, :2] == pytest.approx(np.zeros((3, 2)), abs=1e-12)
     sharp = OwnFrequency(
@@ -83,7 +83,7 @@ def test_quantiles_are_those_of_statement_and_likelihood():
         errors=0.05 + offsets,
         stated_deviation=1.0,
     )
-    drawn = sharp.drawn(points).reshape(3, 16)
+    drawn = sharp.offsets_at_points(points).reshape(3, 16)
     assert drawn[:, 2] == pytest.approx(0.01 + 0.004 * points[::16], abs=2e-4)
     assert drawn[:, 0] == pytest.approx(np.full(3, 0.01 + 2.0 * 0.004), abs=6e-4)
     assert (sharp.value, sharp.deviation) == pytest.approx((0.01, 0.004), abs=2e-4)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy
 
-from reliab.assessment.rebuilt_error.loop_energy import EnergyAlarm, Sums, net_damping, watched_modes
+from reliab.assessment.rebuilt_error.loop_energy import EnergyAlarm, Sums, net_damping, select_modes
 from reliab.assessment.rebuilt_error.rebuild import rebuild
 from reliab.assessment.rebuilt_error.running_error import Monitor
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
@@ -19,7 +19,7 @@ STEP = 1.0 / 128.0
 XI, SHARE, FREQUENCY = 0.04, 0.7, 1.25
 W0 = 2.0 * np.pi * FREQUENCY
 STRUCTURE = Structure(frequency=FREQUENCY, damping_ratio=XI, experimental_fraction=SHARE)
-(MODE,) = watched_modes(Partition.from_structure(STRUCTURE), STEP)
+(MODE,) = select_modes(Partition.from_structure(STRUCTURE), STEP)
 TIME = STEP * np.arange(1500)
 COMMAND = 0.01 * np.sin(W0 * TIME) * (1.0 + 0.3 * np.sin(0.9 * TIME))
 
@@ -100,7 +100,7 @@ def test_an_alarm_needs_an_error_that_noise_does_not_hide():
 def test_an_alarm_grants_more_than_the_play_that_an_error_shows():
     net = net_of(-8.0 * XI / (SHARE * W0) * np.gradient(COMMAND, STEP))
     shares = np.linspace(0.0, 1.0, 101)
-    granted = np.array([net.granted(share * net.amplitude) for share in shares])
+    granted = np.array([net.damping_loss(share * net.amplitude) for share in shares])
     assert np.all(granted >= SHARE / (2.0 * np.pi) * np.where(shares < 0.5, 4.0 * shares * (1 - shares), 1.0))
     enough = net.amplitude * shares[np.argmax(net.high + granted > 0.0)]
     assert 0.0 < enough < 0.5 * net.amplitude
@@ -134,7 +134,7 @@ def test_play_takes_no_more_damping_away_than_is_granted(first, ratio):
 
     smallest, net = of_play(first * half).play, of_play(ratio * half)
     assert net.ratio < XI
-    assert net.ratio + net.granted(smallest) > XI
+    assert net.ratio + net.damping_loss(smallest) > XI
 
 
 def test_damping_waits_for_one_period_of_motion():
@@ -162,7 +162,7 @@ def frame_of(share):
 def test_the_net_damping_of_a_mode_of_a_frame_is_that_of_its_pole(place):
     """The error moves the other mode as well, by whose motion it is changed."""
     frame = frame_of(0.6)
-    mode = next(one for one in watched_modes(frame, STEP) if one.place == place)
+    mode = next(one for one in select_modes(frame, STEP) if one.place == place)
     a, b = -0.1, -0.02
     error = frame.interface @ frame.specimen_stiffness @ frame.interface.T
     whole, coupled = frame.stiffness + a * error, frame.damping + b * error
@@ -185,11 +185,11 @@ def test_the_mode_with_the_shortest_critical_delay_comes_first_and_no_more_than_
         interface=np.eye(8)[0],
         specimen_stiffness=200.0,
     )
-    modes = watched_modes(structure, 1e-3)
+    modes = select_modes(structure, 1e-3)
     delays = [2.0 * mode.ratio * mode.circular_frequency / mode.stiffness for mode in modes]
     assert len(modes) == 3
     assert delays == sorted(delays)
-    coarse = watched_modes(structure, 0.1)
+    coarse = select_modes(structure, 0.1)
     assert [mode.place for mode in coarse] == [0]  # a period of the others has fewer than five samples
 
 

@@ -9,14 +9,18 @@ from rebuilt_error.laboratory import DELAY, RATE, Lab, run, synthetic_ground
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.interval import Unknown
 from reliab.assessment.rebuilt_error.nonlinear_reference import (
-    _drawn,
+    _draw_model,
     rebuild_with_specimen,
     sweep_model,
     tangent_structure,
 )
 from reliab.assessment.rebuilt_error.rebuild import rebuild
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_simulation
-from reliab.assessment.rebuilt_error.specimen_check import _left_over, examine_specimen, slipped
+from reliab.assessment.rebuilt_error.specimen_check import (
+    _cross_validation_residual,
+    examine_specimen,
+    slider_elongation,
+)
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.core.errors import InputError
 from reliab.effects.registry import find_effect
@@ -70,7 +74,7 @@ def test_draws_of_a_model_have_the_stated_deviations():
     deviations = {"stiffness_n_per_m": 1.5, "coulomb_friction.force_n": 0.01}
     rng = np.random.default_rng(1)
     drawn = [
-        _drawn(perfect, deviations, frequency, ratio, rng)
+        _draw_model(perfect, deviations, frequency, ratio, rng)
         for frequency, ratio in rng.standard_normal((400, 2)) * [0.02, 0.1]
     ]
     spread = {
@@ -89,7 +93,7 @@ def test_draws_stay_positive():
     rng = np.random.default_rng(2)
     wild = {"stiffness_n_per_m": 1e3, "coulomb_friction.regularisation_velocity_m_per_s": 10.0}
     drawn = [
-        _drawn(model(effects=(FRICTION,)), wild, frequency, ratio, rng)
+        _draw_model(model(effects=(FRICTION,)), wild, frequency, ratio, rng)
         for frequency, ratio in rng.standard_normal((50, 2)) * [30.0, 90.0]
     ]
     assert min(one.structure.frequency for one in drawn) == pytest.approx(0.05)
@@ -116,7 +120,7 @@ def test_draws_are_simulated_at_200_samples_a_second_and_80_a_period():
 
 def test_a_slider_holds_at_its_limit_and_returns_elastically():
     path = np.array([0.1, 0.3, 0.5, 0.4, 0.0, -0.3, 0.2])
-    assert slipped(path, 0.25) == pytest.approx([0.1, 0.25, 0.25, 0.15, -0.25, -0.25, 0.25])
+    assert slider_elongation(path, 0.25) == pytest.approx([0.1, 0.25, 0.25, 0.15, -0.25, -0.25, 0.25])
 
 
 def test_a_force_of_given_shapes_leaves_what_they_do_not_hold():
@@ -124,11 +128,13 @@ def test_a_force_of_given_shapes_leaves_what_they_do_not_hold():
     rows, noise = rng.standard_normal((3, 4000)), 0.1 * rng.standard_normal(4000)
     half = np.arange(4000) % 40 < 20
     target = np.array([2.0, -1.0, 30.0]) @ rows
-    assert _left_over(rows, target, half) < 1e-6 * (target @ target)
-    assert _left_over(rows, target + noise, half) == pytest.approx(noise @ noise, rel=0.01)
-    assert _left_over(rows[:2], target, half) == pytest.approx(900.0 * rows[2] @ rows[2], rel=0.01)
-    assert _left_over(1e6 * rows, target + noise, half) == pytest.approx(
-        _left_over(rows, target + noise, half)
+    assert _cross_validation_residual(rows, target, half) < 1e-6 * (target @ target)
+    assert _cross_validation_residual(rows, target + noise, half) == pytest.approx(noise @ noise, rel=0.01)
+    assert _cross_validation_residual(rows[:2], target, half) == pytest.approx(
+        900.0 * rows[2] @ rows[2], rel=0.01
+    )
+    assert _cross_validation_residual(1e6 * rows, target + noise, half) == pytest.approx(
+        _cross_validation_residual(rows, target + noise, half)
     )
 
 

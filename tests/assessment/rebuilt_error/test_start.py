@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 
-from reliab.assessment.rebuilt_error.initial import _Answer, _felt, _stands, checked_histories, examine_start
+from reliab.assessment.rebuilt_error.initial import (
+    _Answer,
+    _loop_response,
+    _stands,
+    check_histories,
+    examine_start,
+)
 from reliab.core.errors import InputError
 from reliab.structures.partition import Partition
 
@@ -63,10 +69,10 @@ def test_an_offset_in_the_loop_is_an_error_and_nothing_is_taken_away():
     size, offset = 8192, 2e-4
     taper = np.minimum(STEP * np.arange(size), 1.0)
     command = vibrating(10, size) - SHARE * offset * (1.0 - np.cos(np.pi * taper)) / 2.0
-    assert _felt(command, command + offset, offset, SHARE) is _Answer.FELT
+    assert _loop_response(command, command + offset, offset, SHARE) is _Answer.FELT
     assert examined(command, command + offset).offset == 0.0
     unmoved = vibrating(10, size)
-    assert _felt(unmoved, unmoved + offset, offset, SHARE) is _Answer.NOT_FELT
+    assert _loop_response(unmoved, unmoved + offset, offset, SHARE) is _Answer.NOT_FELT
     start = examined(unmoved, unmoved + offset)
     assert start.offset == pytest.approx(offset, rel=1e-6)
     assert start.offset_deviation < 0.1 * offset
@@ -81,7 +87,7 @@ def test_an_offset_that_the_command_cannot_judge_stays_open():
         * np.minimum(np.arange(size) / 500, 1.0) ** 2
     )
     command = vibrating(10, size) + drift
-    assert _felt(command, command + offset, offset, SHARE) is _Answer.OPEN
+    assert _loop_response(command, command + offset, offset, SHARE) is _Answer.OPEN
     start = examined(command, command + offset)
     assert start.offset == pytest.approx(offset, rel=1e-3)
     assert start.offset_deviation == pytest.approx(np.hypot(offset, SLOW), rel=0.01)
@@ -137,11 +143,11 @@ def test_a_period_of_ten_samples_is_enough():
     )
     assert whole.natural_frequencies[0] == 1.0
     command = np.sin(np.arange(64.0))
-    assert checked_histories(command, command, 0.1, whole)[0].size == 64
+    assert check_histories(command, command, 0.1, whole)[0].size == 64
     with pytest.raises(InputError, match="at least 10 samples"):
-        checked_histories(command, command, 0.1001, whole)
+        check_histories(command, command, 0.1001, whole)
     with pytest.raises(InputError, match="at least 64 samples"):
-        checked_histories(command[1:], command[1:], 0.1, whole)
+        check_histories(command[1:], command[1:], 0.1, whole)
 
 
 @pytest.mark.parametrize(("frequency", "step"), [(1.0, STEP), (0.25, 4.0 * STEP), (8.0, STEP / 8.0)])

@@ -7,7 +7,7 @@ import pytest
 
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.initial import _amplitude, _constant
-from reliab.assessment.rebuilt_error.loop_energy import watched_modes
+from reliab.assessment.rebuilt_error.loop_energy import select_modes
 from reliab.assessment.rebuilt_error.running_error import RunningError
 from reliab.structures.partition import Partition, whole_structure
 from reliab.structures.structure import Structure
@@ -65,7 +65,7 @@ def test_what_is_forgotten_stays_in_the_sums(histories, count):
     for each in (whole, test):
         each.feed(*(history[:1000] for history in histories))
     test.forget(count)
-    assert (test.kept, test.size) == (1000 - count, 1000)
+    assert (test.kept_samples, test.size) == (1000 - count, 1000)
     assert np.array_equal(test.command, histories[0][count:1000])
     for each in (whole, test):
         each.feed(*(history[1000:] for history in histories))
@@ -93,7 +93,7 @@ def heavy(mass, frequency, ratio, share):
 @pytest.mark.parametrize("mass", [1.0, 3.0, 2500.0])
 def test_damping_of_the_first_mode_does_not_depend_on_the_mass(mass):
     """αω₀², and a window that forgets all but 1/e in three periods."""
-    (mode,) = watched_modes(heavy(mass, 1.5, 0.04, 0.6), STEP)
+    (mode,) = select_modes(heavy(mass, 1.5, 0.04, 0.6), STEP)
     assert mode.ratio == pytest.approx(0.04)
     assert mode.stiffness == pytest.approx(0.6 * (2.0 * np.pi * 1.5) ** 2)
     assert mode.samples == pytest.approx(256.0 / 1.5)

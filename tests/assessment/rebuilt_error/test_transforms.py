@@ -8,8 +8,12 @@ import pytest
 import scipy
 
 from reliab.assessment.rebuilt_error.kernel import Kernel
-from reliab.assessment.rebuilt_error.readings import delayed
-from reliab.assessment.rebuilt_error.size import MOST_DRAWN, require_fitting, samples_in_step_of_structure
+from reliab.assessment.rebuilt_error.readings import delay_history
+from reliab.assessment.rebuilt_error.size import (
+    LARGEST_DRAW_SIZE,
+    require_fitting,
+    samples_in_step_of_structure,
+)
 from reliab.core.errors import InputError
 from reliab.signals.lapped_transform import analyse, synthesise
 from reliab.signals.spectra import average_over_bins
@@ -75,12 +79,12 @@ def test_a_delay_is_exact_for_cubics_and_constant_before_the_first_sample(lag):
     step = 0.05
     time = step * np.arange(40)
     values = 1.0 - 2.0 * time + 3.0 * time**2 - 0.7 * time**3
-    late = delayed(values, lag, step)
+    late = delay_history(values, lag, step)
     past = int(np.ceil(lag / step)) + 3
     at = time - lag
     assert late[past:] == pytest.approx((1.0 - 2.0 * at + 3.0 * at**2 - 0.7 * at**3)[past:])
     assert late[0] == pytest.approx(1.0)
-    whole = delayed(values, 3 * step, step)
+    whole = delay_history(values, 3 * step, step)
     assert whole[3:] == pytest.approx(values[:-3])
     assert whole[:3] == pytest.approx(np.full(3, 1.0))
 
@@ -88,29 +92,31 @@ def test_a_delay_is_exact_for_cubics_and_constant_before_the_first_sample(lag):
 @pytest.mark.parametrize("lag", [-1e-3, np.inf, np.nan])
 def test_a_lag_is_finite_and_not_negative(lag):
     with pytest.raises(InputError, match="lag"):
-        delayed(np.zeros(5), lag, 0.01)
+        delay_history(np.zeros(5), lag, 0.01)
 
 
 @pytest.mark.parametrize(("frequency", "step"), [(1.0, 0.005), (2.5, 0.001)])
 def test_a_kernel_gives_the_derivatives_of_polynomials(frequency, step):
     """By parts, ∫φ''(t − s) s² ds = 2∫φ; ∫(1 − u²)⁶ du over (−1, 1) is 2¹³(6!)²/13!."""
-    kernel = Kernel.of_frequency(frequency, step)
+    kernel = Kernel.from_frequency(frequency, step)
     mass = 2.0**13 * factorial(6) ** 2 / factorial(13)
     reach = kernel.values[0].size // 2
     assert reach * step == pytest.approx(0.5 / frequency)
     assert kernel.every == int(1.0 / (24.0 * frequency * step))
     time = step * np.arange(6 * reach)
     seen = time[reach:-reach][:: kernel.every]
-    assert kernel.seen(np.full(time.size, 3.0), 0) == pytest.approx(np.full(seen.size, 3.0 * mass))
-    assert kernel.seen(2.0 * time, 1) == pytest.approx(np.full(seen.size, 2.0 * mass), rel=1e-6)
-    assert kernel.seen(time**2, 2) == pytest.approx(np.full(seen.size, 2.0 * mass), rel=1e-4)
-    assert kernel.seen(time, 0) == pytest.approx(mass * seen)
-    assert kernel.seen(time, 2) == pytest.approx(np.zeros(seen.size), abs=1e-6 / step)
+    assert kernel.smooth_derivative(np.full(time.size, 3.0), 0) == pytest.approx(
+        np.full(seen.size, 3.0 * mass)
+    )
+    assert kernel.smooth_derivative(2.0 * time, 1) == pytest.approx(np.full(seen.size, 2.0 * mass), rel=1e-6)
+    assert kernel.smooth_derivative(time**2, 2) == pytest.approx(np.full(seen.size, 2.0 * mass), rel=1e-4)
+    assert kernel.smooth_derivative(time, 0) == pytest.approx(mass * seen)
+    assert kernel.smooth_derivative(time, 2) == pytest.approx(np.zeros(seen.size), abs=1e-6 / step)
 
 
 def test_a_kernel_reaches_eight_samples_at_least():
-    assert Kernel.of_frequency(10.0, 0.01).values[0].size == 17
-    assert Kernel.of_frequency(10.0, 0.01).every == 1
+    assert Kernel.from_frequency(10.0, 0.01).values[0].size == 17
+    assert Kernel.from_frequency(10.0, 0.01).every == 1
 
 
 def test_the_highest_mode_is_swept_at_64_samples_a_period():
@@ -132,14 +138,14 @@ def test_the_highest_mode_is_swept_at_64_samples_a_period():
 
 
 def test_a_test_fits_up_to_the_last_sample():
-    require_fitting(3 * MOST_DRAWN, 3, 0.01)
+    require_fitting(3 * LARGEST_DRAW_SIZE, 3, 0.01)
     with pytest.raises(InputError, match=r"8\.33 h.*at 1,000,000 samples.*found 8\.33 h"):
-        require_fitting(3 * MOST_DRAWN + 1, 3, 0.01)
+        require_fitting(3 * LARGEST_DRAW_SIZE + 1, 3, 0.01)
 
 
 def test_a_kernel_takes_a_sine_to_its_derivatives():
     """A sine comes out smaller by the kernel's own transform, and its derivatives by ω each."""
-    kernel = Kernel.of_frequency(1.0, 0.002)
+    kernel = Kernel.from_frequency(1.0, 0.002)
     omega = 2.0 * np.pi * 0.8
     time = 0.002 * np.arange(4000)
     reach = kernel.values[0].size // 2
@@ -152,6 +158,6 @@ def test_a_kernel_takes_a_sine_to_its_derivatives():
     for order, expected in enumerate(
         (np.sin(omega * middle), omega * np.cos(omega * middle), -(omega**2) * np.sin(omega * middle))
     ):
-        assert kernel.seen(np.sin(omega * time), order) == pytest.approx(
+        assert kernel.smooth_derivative(np.sin(omega * time), order) == pytest.approx(
             gain * expected, abs=1e-5 * gain * omega**order
         )

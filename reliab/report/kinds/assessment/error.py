@@ -175,7 +175,7 @@ def histories_figure(
 ) -> Figure:
     """Draw exact and measured history of a displacement, the error with its band, and its largest parts."""
     times = np.linspace(0.0, recording.duration, rebuilt.reference.size)
-    over_time = parts.over_time(recording.time_step, recording.duration / _STRETCHES)
+    over_time = parts.rms_over_time(recording.time_step, recording.duration / _STRETCHES)
     largest = sorted(over_time, key=lambda cause: -parts.by_name[cause].rms)[:_PARTS_DRAWN]
     return Figure(
         drawing=error_over_time(
