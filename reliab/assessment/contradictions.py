@@ -159,7 +159,7 @@ def of_ground(
     """Say where the recorded ground motion contradicts the structure, known as `sizes` say."""
     if shown is None:
         return
-    if shown.other:
+    if shown.is_other_motion:
         yield Contradiction(
             finding=f"The recorded ground acceleration leaves {percent(shown.misfit)} of the response "
             "unexplained: it does not belong to this test, or the structure is not as stated.",

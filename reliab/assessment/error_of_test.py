@@ -249,7 +249,7 @@ def _inferred(
     shown = None
     if question.frame is not None and recording.ground is not None:
         shown = _shown_by_ground(recording, measured, question.whole)
-        ground = None if shown is None or shown.other else shown.evidence(recording.ground)
+        ground = None if shown is None or shown.is_other_motion else shown.evidence(recording.ground)
         recording = replace(recording, ground=ground)
     of_equipment = question.sizes(recording.time_step)
     inferred, rebuilt = infer_error(

@@ -185,7 +185,7 @@ class ErrorOfSeveral(ErrorWithThreshold):
 
     def parts_of(self, degree: "DegreeError") -> Parts:
         """Parts of the error of one displacement."""
-        parts = self.rebuilt.division.of_degree(self.displacements.index(degree))
+        parts = self.rebuilt.division.parts_of_degree(self.displacements.index(degree))
         return parts.subtract_noise(degree.rms.value)
 
     @property
@@ -196,7 +196,7 @@ class ErrorOfSeveral(ErrorWithThreshold):
     @property
     def not_judged(self) -> tuple[str, ...]:
         """Why the errors of some displacements are not judged, in sentences."""
-        return tuple(degree.why_not_judged for degree in self.displacements if not degree.judged)
+        return tuple(degree.refusal_reason for degree in self.displacements if not degree.judged)
 
     def to_dict(self) -> dict[str, Any]:
         """Put it into plain values, the governing displacement first."""
@@ -212,7 +212,7 @@ class ErrorOfSeveral(ErrorWithThreshold):
         if not degree.judged:
             return {
                 "judged": False,
-                "why_not": degree.why_not_judged,
+                "why_not": degree.refusal_reason,
                 **plain_errors(None),
                 "probability": None,
                 "parts": {},

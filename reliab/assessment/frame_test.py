@@ -317,7 +317,7 @@ def _error_of_several(
     if test.ground is not None:
         as_stated = rebuild(draws=_DRAWS_AS_STATED)
         shown = compare_with_ground(as_stated.histories, as_stated.reduced, test.ground)
-        if shown is not None and not shown.other:
+        if shown is not None and not shown.is_other_motion:
             found = infer_coupled(
                 as_stated,
                 command,

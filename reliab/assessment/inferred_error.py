@@ -21,7 +21,7 @@ from reliab.assessment.inference.posterior import (
 )
 from reliab.assessment.inference.quantities import Unknown as UncertainQuantity
 from reliab.assessment.inference.rebuilt import rebuild
-from reliab.assessment.inference.uncertain_quantity import Circumstances, Described
+from reliab.assessment.inference.uncertain_quantity import Circumstances, Description
 from reliab.assessment.rebuilt_error.initial import Start, check_histories, start_of_test
 from reliab.assessment.rebuilt_error.interval import EXACT, Histories, samples_in_step
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
@@ -134,7 +134,7 @@ class InferredError:
 
     def budget(self, widenings: Sequence[Widening]) -> tuple[BudgetItem, ...]:
         """Say in words what widens the interval."""
-        said: dict[str, tuple[Described, Source]] = {_NOISE: (describe(_NOISE), Source.LEARNED)}
+        said: dict[str, tuple[Description, Source]] = {_NOISE: (describe(_NOISE), Source.LEARNED)}
         for unknown, _, spread in self._unknowns():
             shown = spread < _NARROWED or not unknown.quantity.option
             said[unknown.name] = unknown.described, Source.LEARNED if shown else unknown.prior.source
@@ -245,7 +245,7 @@ class _Readings:
         read = measured - start.offset
         answered = float(whole.static_transfer[0, 0]) * start.standing  # by the command, before the record
         stood = start.standing - answered
-        channels = ChannelSpectra.of_channels(
+        channels = ChannelSpectra.from_channels(
             (command + answered)[np.newaxis],
             (read - stood)[np.newaxis],
             step,

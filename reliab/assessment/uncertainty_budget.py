@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from reliab.assessment.budget.sizes import Size, Source
 from reliab.assessment.inference.quantities import QUANTITIES, part_of_structure
-from reliab.assessment.inference.uncertain_quantity import Described
+from reliab.assessment.inference.uncertain_quantity import Description
 from reliab.assessment.rebuilt_error.widenings import Widening
 from reliab.core.plain_values import PlainResult
 from reliab.structures.parts_of_structure import is_part
@@ -24,7 +24,7 @@ class BudgetItem(PlainResult):
     remedy: str  # What would reduce it, a sentence
 
     @classmethod
-    def of_widening(cls, widening: Widening, described: Described, source: Source) -> "BudgetItem":
+    def of_widening(cls, widening: Widening, described: Description, source: Source) -> "BudgetItem":
         """Say in words what widens an interval."""
         return cls(
             name=widening.name,
@@ -38,39 +38,39 @@ class BudgetItem(PlainResult):
 
 
 _NOT_INFERRED = {  # with a measured specimen, or where the noise of its sensor is drawn
-    "specimen": Described(
+    "specimen": Description(
         words="what the force shows of the specimen",
         unit="%",
         remedy="Repeat the test with less actuator error or a better force sensor, or calibrate a model "
         "of the specimen with `reliab diagnose`.",
     ),
-    "mass": Described(
+    "mass": Description(
         words="mass of the structure",
         unit="%",
         remedy="Calibrate the load cell, and state mass and force to a smaller deviation.",
     ),
-    "force_lag": Described(
+    "force_lag": Description(
         words="lag of the force behind the displacement",
         unit="ms",
         remedy="Measure by how much the force is recorded late, and state it.",
     ),
-    "attached_mass": Described(
+    "attached_mass": Description(
         words="mass between load cell and specimen",
         unit="kg",
         remedy="Weigh what is mounted between load cell and specimen, and state it.",
     ),
-    "load_path_friction": Described(
+    "load_path_friction": Description(
         words="friction in the load path",
         unit="N",
         remedy="Measure the friction of the load path without a specimen, and state it.",
     ),
-    "sensor_noise": Described(
+    "sensor_noise": Description(
         words="noise of the displacement sensor",
         unit="",
         remedy="Use a displacement sensor with less noise.",
     ),
 }
-_DESCRIBED: Mapping[str, Described] = {**{one.name: one for one in QUANTITIES}, **_NOT_INFERRED}
+_DESCRIBED: Mapping[str, Description] = {**{one.name: one for one in QUANTITIES}, **_NOT_INFERRED}
 
 
 def budget_of_error(widenings: Iterable[Widening], sizes: Mapping[str, Size]) -> tuple[BudgetItem, ...]:
@@ -90,6 +90,6 @@ def _item(widening: Widening, sizes: Mapping[str, Size]) -> BudgetItem:
     return BudgetItem.of_widening(widening, described, Source.LEARNED if size is None else size.source)
 
 
-def describe(name: str) -> Described:
+def describe(name: str) -> Description:
     """Describe what is not known exactly, such as "time_shift" or "storey_stiffness_2"."""
     return part_of_structure(name) if is_part(name) else _DESCRIBED[name.removeprefix("lagging_")]

@@ -12,7 +12,7 @@ import xarray as xr
 from reliab import assess
 from reliab.app.cli import run
 from reliab.assessment.contradictions import of_specimen
-from reliab.assessment.measured_specimen.elements import Elements, Kind, elements_of_family, with_traits
+from reliab.assessment.measured_specimen.elements import Elements, Kind, elements_of_family, law_with_traits
 from reliab.assessment.measured_specimen.force_channel import ForceChannel, columns_of_channel
 from reliab.assessment.measured_specimen.hysteresis import (
     PEAK_TRAITS,
@@ -21,7 +21,7 @@ from reliab.assessment.measured_specimen.hysteresis import (
     STRUT_TRAITS,
 )
 from reliab.assessment.measured_specimen.learned_test import Members
-from reliab.assessment.measured_specimen.learning import LearnedSpecimen, _learned
+from reliab.assessment.measured_specimen.learning import LearnedSpecimen, _learn_family
 from reliab.assessment.measured_specimen.path import MeasuredPath
 from reliab.assessment.measured_specimen.rebuild import MeasuredSpecimen, rebuild_with_force
 from reliab.assessment.rebuilt_error.noise import SensorNoise
@@ -43,7 +43,7 @@ def _one(kind: Kind, size: float, shape: float = 0.0) -> Elements:
 
 
 def _along(elements: Elements, path: np.ndarray) -> np.ndarray:
-    return elements.along(path, _STEP, np.linspace(0.0, 1.0, path.size))[0]
+    return elements.follow_path(path, _STEP, np.linspace(0.0, 1.0, path.size))[0]
 
 
 _SINE = 3.0 * np.sin(2.0 * np.pi * 0.5 * _TIMES)
@@ -116,7 +116,7 @@ def _law(kind: Kind, traits: tuple, **changed: float) -> Elements:
     none = {name: least for name, least, *_ in traits if name.startswith(("strength_lost", "stiffness_lost"))}
     none |= {"slip": 0.0, "unloading": 0.0, "hardening": 1.0, "hardening_negative": 1.0, "softest": 0.0}
     chosen = {name: start for name, _, _, start in traits} | none | changed
-    return with_traits(kind, 1.5, np.array([chosen[name] for name, *_ in traits]), 1.0)
+    return law_with_traits(kind, 1.5, np.array([chosen[name] for name, *_ in traits]), 1.0)
 
 
 def test_smooth_hysteresis_without_slip_is_bouc_and_wens() -> None:
@@ -168,19 +168,19 @@ def test_hysteresis_from_reversals_is_masings_or_bends_at_the_line_of_yielding()
     first = rising / (1.0 + (rising / 1.5) ** 4) ** 0.25
     path = np.concatenate([rising, 3.0 - rising[1:] * 2.0, rising[1:] - 3.0])
     masing = _law(Kind.FROM_REVERSALS, REVERSAL_TRAITS, to_the_line=0.0, **lasting)
-    found = masing.along(path, _STEP, np.zeros(path.size))[0]
+    found = masing.follow_path(path, _STEP, np.zeros(path.size))[0]
     assert found[:1001] == pytest.approx(first, abs=1e-9)
     assert found[1001:2001] == pytest.approx(found[1000] - 2.0 * first[1:], abs=5e-3)
     partly = np.concatenate([rising, 3.0 - 0.2 * rising[1:], 2.4 + 0.5 * rising[1:]])
     bent = _law(Kind.FROM_REVERSALS, REVERSAL_TRAITS, to_the_line=1.0, **lasting)
-    assert np.abs(bent.along(partly, _STEP, np.zeros(partly.size))).max() <= 1.5
-    assert np.abs(bent.along(path, _STEP, np.zeros(path.size))).max() <= 1.5
+    assert np.abs(bent.follow_path(partly, _STEP, np.zeros(partly.size))).max() <= 1.5
+    assert np.abs(bent.follow_path(path, _STEP, np.zeros(path.size))).max() <= 1.5
 
 
 def _strut(**changed: float) -> Elements:
     stated = {name: start for name, _, _, start in STRUT_TRAITS}
     stated |= {"decline": 0.1, "lost": 0.2, "buckling": 0.5, "hardening": 0.0} | changed
-    return with_traits(Kind.STRUT, 1.0, np.array(list(stated.values())), 2.0)
+    return law_with_traits(Kind.STRUT, 1.0, np.array(list(stated.values())), 2.0)
 
 
 def test_a_strut_yields_buckles_and_is_softer_until_it_is_straight() -> None:
@@ -224,7 +224,7 @@ def test_without_an_actuators_error_the_response_is_the_command() -> None:
     elements = elements_of_family("memory", 3.0, 10.0)
     coefficients = np.linspace(0.1, 1.0, elements.kinds.size)
     growing = _SINE * (1.0 + _TIMES / 30.0)  # a peak that is met again exactly is a jump of some elements
-    felt = coefficients @ elements.along(growing, _STEP, _STILL)
+    felt = coefficients @ elements.follow_path(growing, _STEP, _STILL)
     computed = Partition.from_structure(Structure(frequency=0.4, damping_ratio=0.04))
     numerical = Recursion.from_force(computed, _STEP)
     response = elements.respond(coefficients, growing, felt, _STEP, _STILL, numerical)
@@ -237,7 +237,7 @@ def test_a_spring_has_the_exact_response_of_the_linear_equation() -> None:
     spring = _one(Kind.ELASTIC_PLASTIC, 1e9)
     late = np.interp(_TIMES - 0.01, _TIMES, _SINE)
     stiffness = whole.specimen_stiffness[0]
-    felt = stiffness @ spring.along(late, _STEP, _STILL)
+    felt = stiffness @ spring.follow_path(late, _STEP, _STILL)
     numerical = Recursion.from_force(whole.numerical_substructure, _STEP)
     response = spring.respond(stiffness, _SINE, felt, _STEP, _STILL, numerical)
     expected = _SINE - respond(Recursion.from_displacement(whole, _STEP), _SINE - late)[0]
@@ -259,9 +259,9 @@ def test_elements_are_seen_as_the_channels_are() -> None:
     path = MeasuredPath(displacement=_SINE, force=_SINE, time_step=_STEP, noise=noise, block=4.0, noisy=0.01)
     rows = np.stack([_SINE, _SINE**3])
     expected = np.stack([noise.smooth(row) for row in rows])
-    assert path.reach > path.every > 1
-    assert path.seen(rows) == pytest.approx(path.thinned(expected), abs=1e-12)
-    assert path.blocks.size == path.force_seen.size == path.seen(rows).shape[1]
+    assert path.reach > path.stride > 1
+    assert path.filter(rows) == pytest.approx(path.thin(expected), abs=1e-12)
+    assert path.blocks.size == path.force_seen.size == path.filter(rows).shape[1]
 
 
 @pytest.mark.parametrize(("missed", "differ"), [(0.0, None), (0.03, 0.03)])
@@ -280,10 +280,10 @@ def test_members_differ_by_what_their_family_misses(missed: float, differ: float
     members = Members(specimen=specimen, path=path, command=_SINE)
     generator, wanted = np.random.default_rng(3), path.force_seen
     drawn = generator.exponential(size=(200, path.blocks[-1] + 1))
-    forces = [members.member(counts, wanted, members.apart)[1] for counts in drawn]
-    assert members.apart >= 1.0
+    forces = [members.member(counts, wanted, members.spread_factor)[1] for counts in drawn]
+    assert members.spread_factor >= 1.0
     if differ is None:
-        assert members.apart == 1.0
+        assert members.spread_factor == 1.0
     else:
         assert np.sqrt(np.mean(np.var(forces, axis=0))) / force.std() == pytest.approx(differ, rel=0.35)
 
@@ -294,7 +294,7 @@ def test_a_stop_that_was_hardly_touched_is_not_learned() -> None:
     force = _SINE + np.where(_SINE > 2.9999, 1.0, 0.0)
     path = MeasuredPath(displacement=_SINE, force=force, time_step=_STEP, noise=noise, block=4.0, noisy=0.0)
     spring, stop = _one(Kind.ELASTIC_PLASTIC, 1e6), _one(Kind.GAP_ABOVE, 2.9999)
-    both = _learned(path, "gaps", spring.beside(stop), ())
+    both = _learn_family(path, "gaps", spring.append(stop), ())
     assert both.elements.kinds.tolist() == [Kind.ELASTIC_PLASTIC]
 
 

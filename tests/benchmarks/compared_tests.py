@@ -88,7 +88,7 @@ def main() -> None:
     asked = parser.parse_args()
     records = single.read_records(asked.folder)
     seeds = range(asked.seed, asked.seed + asked.count)
-    pairs = pd.DataFrame(compared(seed, records, asked.rate, apart=asked.apart) for seed in seeds)
+    pairs = pd.DataFrame(compared(seed, records, asked.rate, apart=asked.spread_factor) for seed in seeds)
     sure = pairs[pairs["probability"] >= CLASSES[-2]]
     print(
         f"{len(pairs)} pairs at {asked.rate:g} Hz: order right {pairs['right'].mean():.0%}, stated as 95 % "

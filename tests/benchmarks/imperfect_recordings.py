@@ -39,7 +39,7 @@ from blind_campaigns.scoring import wilson_interval  # noqa: E402
 from rebuilt_error import laboratory as lab  # noqa: E402
 
 from reliab.assessment.assess import assess  # noqa: E402
-from reliab.assessment.budget.corrections import corrected  # noqa: E402
+from reliab.assessment.budget.corrections import correct_recording  # noqa: E402
 from reliab.assessment.budget.sizes import Equipment, exact_equipment, ordinary_equipment  # noqa: E402
 from reliab.assessment.error_of_test import ErrorOfTest, Question, error_of_test  # noqa: E402
 from reliab.assessment.rebuilt_error.spread import Estimate  # noqa: E402
@@ -360,7 +360,7 @@ def judge(
     recording = Recording(
         command=told.command[thinned], measured=told.measured[thinned], time_step=1.0 / rate
     )
-    recording = corrected(recording, stated, {})
+    recording = correct_recording(recording, stated, {})
     structure = Structure(frequency=told.f, damping_ratio=told.xi, experimental_fraction=told.alpha)
     row: dict[str, object] = {"f": told.f, "xi": told.xi, "alpha": told.alpha, "true": told.true}
     equipment = exact_equipment() if exact else ordinary_equipment()

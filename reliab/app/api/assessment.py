@@ -23,7 +23,7 @@ from reliab.app.api.channels import Channels, Judge, Test, assess_each, is_test,
 from reliab.app.declaration import asks
 from reliab.assessment.assess import assess as assess_structure
 from reliab.assessment.assessment import Assessment
-from reliab.assessment.budget.corrections import corrected, stated_of_filters
+from reliab.assessment.budget.corrections import correct_recording, delays_of_filters
 from reliab.core.errors import InputError
 from reliab.core.progress import Progress, silent
 from reliab.core.stated_value import StatedValue
@@ -211,7 +211,7 @@ class _Terms:
         def judge(channels: Channels, test: Test) -> Assessment:
             recording = channels.read(test)
             filters = channels.filters(self.filters, recording.stated)
-            of_options = numbers | stated_of_filters(filters)
+            of_options = numbers | delays_of_filters(filters)
             stated = collect_stated_values(
                 recording, of_options, {} if model is None else read_values_of_model(model)
             )
@@ -223,7 +223,7 @@ class _Terms:
                 **stated,
             }
             return assess_structure(
-                corrected(recording, complete, filters),
+                correct_recording(recording, complete, filters),
                 structure_of(complete),
                 stated=complete,
                 threshold=parse_threshold(self.stated["threshold"]),
@@ -267,11 +267,11 @@ class _Terms:
             stated = {**recording.stated, **self.numbers}
             require_sound(stated)
             return assess_frame(
-                corrected(recording, stated, filters),
+                correct_recording(recording, stated, filters),
                 frame,
                 threshold=parse_threshold(self.stated["threshold"]),
                 metric=Metric.parse(self.stated["metric"] or Metric.RMS),
-                stated={**stated, **stated_of_filters(filters)},
+                stated={**stated, **delays_of_filters(filters)},
                 **shared,
             )
 

@@ -359,7 +359,7 @@ class FollowedTest:
                 "degrees_of_freedom": {
                     degree.name: {
                         "judged": degree.judged,
-                        **({} if degree.judged else {"why_not": degree.why_not_judged}),
+                        **({} if degree.judged else {"why_not": degree.refusal_reason}),
                         **self._errors(degree if degree.judged else None),
                     }
                     for degree in request.displacements
@@ -391,6 +391,10 @@ def _values_of_monitor(monitor: AnyMonitor) -> dict[str, Any]:
         return {"governing": monitor.governing, "degrees_of_freedom": errors}
     if isinstance(monitor, MeasuredMonitor):
         held_out = None if monitor.specimen is None else monitor.specimen.held_out
-        learned = {"learning": monitor.now.rms is None, "held_out": held_out, "until_s": monitor.asked_at}
+        learned = {
+            "learning": monitor.now.rms is None,
+            "held_out": held_out,
+            "until_s": monitor.learning_time,
+        }
         return {"specimen": learned}
     return {}

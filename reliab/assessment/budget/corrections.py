@@ -18,14 +18,14 @@ from reliab.signals.filters import LowPass
 CHANNELS: Final = ("command", "measured")
 """Channels that may have a filter."""
 
-_UNFILTERED = ("ground", "force")
-_OfTest = TypeVar("_OfTest", bound=Recording | CoupledRecording)
+_UNFILTERED_CHANNELS = ("ground", "force")
+AnyRecording = TypeVar("AnyRecording", bound=Recording | CoupledRecording)
 _CORNER_TOLERANCE = 0.03  # relative standard deviation of the corner of a filter, ±5 % over √3
 
 
-def corrected(
-    recording: _OfTest, stated: Mapping[str, StatedValue], filters: Mapping[str, LowPass]
-) -> _OfTest:
+def correct_recording(
+    recording: AnyRecording, stated: Mapping[str, StatedValue], filters: Mapping[str, LowPass]
+) -> AnyRecording:
     """Correct a recording for what is stated of its channels, with several actuators of all of them alike.
 
     The filter of each channel is applied to all others as well: the equation of the error holds for histories
@@ -41,13 +41,17 @@ def corrected(
         command = filters["measured"].apply(command, step)
     if "command" in filters:
         measured = filters["command"].apply(measured, step)
-    others = {name: values for name in _UNFILTERED if (values := getattr(recording, name, None)) is not None}
+    other_channels = {
+        name: values
+        for name in _UNFILTERED_CHANNELS
+        if (values := getattr(recording, name, None)) is not None
+    }
     for low_pass in filters.values():
-        others = {name: low_pass.apply(values, step) for name, values in others.items()}
+        other_channels = {name: low_pass.apply(values, step) for name, values in other_channels.items()}
     skew = stated.get("skew", StatedValue(0.0)).value / MILLI
     if skew != 0.0:
         measured = np.apply_along_axis(_earlier, -1, measured, skew, step)
-    return replace(recording, command=command, measured=measured, **others)
+    return replace(recording, command=command, measured=measured, **other_channels)
 
 
 def _earlier(values: Array, time: float, step: float) -> Array:
@@ -55,7 +59,7 @@ def _earlier(values: Array, time: float, step: float) -> Array:
     return CubicPath.interpolate(np.arange(values.size) * step, values).read_delayed(-time)
 
 
-def stated_of_filters(filters: Mapping[str, LowPass]) -> dict[str, StatedValue]:
+def delays_of_filters(filters: Mapping[str, LowPass]) -> dict[str, StatedValue]:
     """Give what stated filters leave unknown: the delay [ms] that deviations of their corners make."""
     if not filters:
         return {}

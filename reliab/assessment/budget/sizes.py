@@ -83,8 +83,8 @@ class Equipment:
 
     def skew(self, time_step: float) -> float:
         """Skew of channels that are recorded at a time step [s], in seconds."""
-        of_samples = self.skew_samples * time_step
-        return of_samples if self.skew_ms is None else min(of_samples, self.skew_ms / MILLI)
+        sample_skew = self.skew_samples * time_step
+        return sample_skew if self.skew_ms is None else min(sample_skew, self.skew_ms / MILLI)
 
     def doubt_of_skew(self, time_step: float) -> str:
         """Say what is assumed of the skew of a recording below 1000 Hz; empty where its largest is stated."""
@@ -166,7 +166,7 @@ DEVIATION_OF_HYSTERESIS = 0.2
 _LARGEST_ASSUMED = 0.99
 
 
-_OF_PARTS = {  # what is not assumed of the whole where parts of the structure are stated
+_WHOLE_QUANTITIES = {  # what is not assumed of the whole where parts of the structure are stated
     "damping": "damping_ratio",
     "floor_mass": "frequency",
     "storey_stiffness": "frequency",
@@ -180,7 +180,7 @@ _OF_PARTS = {  # what is not assumed of the whole where parts of the structure a
 }
 
 
-_OF_STRUCTURE = ("frequency", "damping_ratio", "experimental_fraction")
+_STRUCTURE_QUANTITIES = ("frequency", "damping_ratio", "experimental_fraction")
 
 
 def sizes_of_unknown(
@@ -195,15 +195,17 @@ def sizes_of_unknown(
 
     `time_step` [s]. The structure of a calibrated model is known as well as the model says.
     """
-    sizes = _assumed(structure, equipment, time_step)
-    of_sensor = stated.get("hysteresis", StatedValue(0.0))
+    sizes = _assume_sizes(structure, equipment, time_step)
+    sensor_hysteresis = stated.get("hysteresis", StatedValue(0.0))
     if "hysteresis" in stated:
         sizes.pop(_LAGGING, None)
-    if of_sensor.value and not equipment.is_exact:
-        sizes["hysteresis"] = Size(deviation=DEVIATION_OF_HYSTERESIS * of_sensor.value, source=Source.DEFAULT)
+    if sensor_hysteresis.value and not equipment.is_exact:
+        sizes["hysteresis"] = Size(
+            deviation=DEVIATION_OF_HYSTERESIS * sensor_hysteresis.value, source=Source.DEFAULT
+        )
     if calibrated:
-        sizes = {name: size for name, size in sizes.items() if name not in _OF_STRUCTURE}
-    open_hysteresis = "hysteresis" if of_sensor.value else _LAGGING
+        sizes = {name: size for name, size in sizes.items() if name not in _STRUCTURE_QUANTITIES}
+    open_hysteresis = "hysteresis" if sensor_hysteresis.value else _LAGGING
     for name, key in {**_RELATIVE, **_ABSOLUTE, open_hysteresis: "hysteresis"}.items():
         if key in stated and stated[key].deviation:
             relative = abs(stated[key].value) if name in _RELATIVE else 1.0
@@ -212,8 +214,8 @@ def sizes_of_unknown(
                 deviation = stated[key].deviation / relative / unit
                 sizes[name] = Size(deviation=deviation, source=Source.STATED)
     if (scale := stated.get("command_scale")) is not None and scale.deviation:
-        together = float(np.hypot(_deviation_stated(sizes), scale.deviation / scale.value))
-        sizes["sensor_scale"] = Size(deviation=together, source=Source.STATED)
+        joint_deviation = float(np.hypot(_deviation_stated(sizes), scale.deviation / scale.value))
+        sizes["sensor_scale"] = Size(deviation=joint_deviation, source=Source.STATED)
     return sizes
 
 
@@ -229,11 +231,11 @@ def sizes_of_structure(frame: "FrameUnderTest") -> dict[str, Size]:
         "damping_ratio": tolerances.damping_ratio,
         "experimental_fraction": tolerances.specimen_deviation,
     }
-    stated = {_OF_PARTS[name.rstrip("_0123456789")] for name in parts}
+    replaced_quantities = {_WHOLE_QUANTITIES[name.rstrip("_0123456789")] for name in parts}
     return {
         name: Size(deviation=deviation, source=Source.STATED)
         for name, deviation in {**deviations, **parts}.items()
-        if deviation or name in stated
+        if deviation or name in replaced_quantities
     }
 
 
@@ -246,9 +248,11 @@ def _deviation_stated(sizes: Mapping[str, Size]) -> float:
 def tolerances_of(sizes: Mapping[str, Size]) -> Tolerances:
     """Put sizes into the form in which the error is drawn."""
     deviations = {name: size.deviation for name, size in sizes.items()}
-    of_parts = {name: deviations.pop(name) for name in sizes if is_part(name)}
-    of_sensors = {name: deviations.pop(name) for name in sizes if name[-1].isdecimal() and name in deviations}
-    return Tolerances(**deviations, of_parts=of_parts, of_sensors=of_sensors)
+    part_tolerances = {name: deviations.pop(name) for name in sizes if is_part(name)}
+    sensor_tolerances = {
+        name: deviations.pop(name) for name in sizes if name[-1].isdecimal() and name in deviations
+    }
+    return Tolerances(**deviations, of_parts=part_tolerances, of_sensors=sensor_tolerances)
 
 
 def as_certain_as(sizes: Mapping[str, Size], probability: float) -> float:
@@ -258,7 +262,7 @@ def as_certain_as(sizes: Mapping[str, Size], probability: float) -> float:
     return probability
 
 
-def _assumed(structure: Structure, equipment: Equipment, time_step: float) -> dict[str, Size]:
+def _assume_sizes(structure: Structure, equipment: Equipment, time_step: float) -> dict[str, Size]:
     """Sizes of ordinary equipment."""
     deviations = {
         "frequency": equipment.f,

@@ -29,7 +29,7 @@ from reliab.structures.partition import Partition
 
 CAUSES = ("gain", "delay", "cross_coupling", "rest")
 
-_BY_ITSELF, _OF_OTHERS = (
+_OWN_REMEDY, _OTHERS_REMEDY = (
     1e-3,
     3e-3,
 )  # of a command: errors that large are as dear as what they leave unexplained
@@ -44,7 +44,7 @@ class CoupledParts:
     histories: dict[str, Array]  # Contribution of each part to x_m − x_I [m], shape (p, n)
     reference: Array  # x_I [m], shape (p, n)
 
-    def of_degree(self, place: int) -> Parts:
+    def parts_of_degree(self, place: int) -> Parts:
         """Parts of the error of one interface displacement, such as "actuator_1_gain"."""
         pieces = {name: history[place] for name, history in self.histories.items()}
         peak = max(float(np.abs(self.reference[place]).max()), np.finfo(float).tiny)
@@ -53,16 +53,16 @@ class CoupledParts:
 
 def divide(histories: Histories, recursion: Recursion) -> CoupledParts:
     """Divide a rebuilt error into its parts."""
-    command, measured = histories.command, histories.measured
+    command, measured_displacement = histories.command, histories.measured
     velocity = np.gradient(command, histories.time_step, axis=1)
-    gain, delay = _followed(command, velocity, measured)
+    gain, delay = _fit_followers(command, velocity, measured_displacement)
     differences = _differences(histories, velocity, gain, delay)
     pieces = pieces_of(histories, recursion, differences, remainder="actuator_1_rest")
     reference = histories.carry_to_interface(command) - histories.respond(recursion)
     return CoupledParts(gain=gain, delay=delay, histories=pieces, reference=reference)
 
 
-def _followed(command: Array, velocity: Array, measured: Array) -> tuple[Array, Array]:
+def _fit_followers(command: Array, velocity: Array, measured_displacement: Array) -> tuple[Array, Array]:
     """Gains and delays of least squares, those of actuator i in row i.
 
     Commands that move alike do not tell whose error it is: the smallest errors are taken that explain the
@@ -71,16 +71,16 @@ def _followed(command: Array, velocity: Array, measured: Array) -> tuple[Array, 
     rows = np.vstack([command, -velocity])
     rows = rows - rows.mean(axis=1, keepdims=True)
     scale = np.maximum(np.sqrt(np.mean(rows**2, axis=1)), np.finfo(float).tiny)
-    scaled = rows / scale[:, np.newaxis]
-    normal = scaled @ scaled.T / rows.shape[1]
+    scaled_rows = rows / scale[:, np.newaxis]
+    normal = scaled_rows @ scaled_rows.T / rows.shape[1]
     size = command.shape[0]
-    followed = np.empty((size, 2 * size))
+    coefficients = np.empty((size, 2 * size))
     for place in range(size):
         diagonal = np.arange(2 * size) % size == place
-        penalty = np.where(diagonal, _BY_ITSELF, _OF_OTHERS) ** 2
-        missed = scaled @ (measured[place] - command[place]) / rows.shape[1]
-        followed[place] = np.linalg.solve(normal + np.diag(penalty), missed) / scale
-    return np.eye(size) + followed[:, :size], followed[:, size:]
+        penalty = np.where(diagonal, _OWN_REMEDY, _OTHERS_REMEDY) ** 2
+        residual = scaled_rows @ (measured_displacement[place] - command[place]) / rows.shape[1]
+        coefficients[place] = np.linalg.solve(normal + np.diag(penalty), residual) / scale
+    return np.eye(size) + coefficients[:, :size], coefficients[:, size:]
 
 
 def _differences(histories: Histories, velocity: Array, gain: Array, delay: Array) -> dict[str, Array]:
@@ -88,11 +88,12 @@ def _differences(histories: Histories, velocity: Array, gain: Array, delay: Arra
     command, difference = histories.command, histories.command - histories.measured
     parts: dict[str, Array] = {}
     for place in range(command.shape[0]):
-        apart = np.arange(command.shape[0]) != place
+        is_other = np.arange(command.shape[0]) != place
         rows = {
             "gain": (1.0 - gain[place, place]) * command[place],
             "delay": delay[place, place] * velocity[place],
-            "cross_coupling": delay[place, apart] @ velocity[apart] - gain[place, apart] @ command[apart],
+            "cross_coupling": delay[place, is_other] @ velocity[is_other]
+            - gain[place, is_other] @ command[is_other],
         }
         rows["rest"] = difference[place] - np.sum(list(rows.values()), axis=0)
         parts |= {
@@ -115,7 +116,7 @@ class DegreeError(DisplacementError):
         return bool(self.noise < LOST_IN_NOISE)
 
     @property
-    def why_not_judged(self) -> str:
+    def refusal_reason(self) -> str:
         """Say why the displacement is not judged."""
         if np.isinf(self.noise):
             return f"{self.name} does not move, and its error is not judged."
@@ -192,40 +193,40 @@ def errors_of_displacements(
     recursion: Recursion,
     raw: Array,
     names: tuple[str, ...],
-    as_stated: Swept,
+    nominal: Swept,
     swept: Swept,
     loose: Array,
 ) -> tuple[DegreeError, ...]:
-    """Combine histories and draws, of noise `as_stated`, into the error of every interface displacement.
+    """Combine histories and draws, of noise `nominal`, into the error of every interface displacement.
 
     `raw`: x_m as read [m], shape (p, n); `loose`: deviation that noise leaves x_c − x_m [m], shape (p,).
     """
     reference = histories.carry_to_interface(histories.command) - histories.respond(recursion)
-    strayed, smooth = (histories.carry_to_interface(read) - reference for read in (raw, histories.measured))
+    raw_error, smooth = (histories.carry_to_interface(read) - reference for read in (raw, histories.measured))
     peaks = np.abs(reference).max(axis=1)
     moves = peaks > np.finfo(float).eps * peaks.max()
     return tuple(
         DegreeError(
             name=name,
-            error=strayed[place],
+            error=raw_error[place],
             smooth_error=smooth[place],
             reference=reference[place],
             draws=spread,
-            of_noise=of_noise,
-            rms=_estimate(Metric.RMS, of_noise, spread),
-            mte=_estimate(Metric.MTE, of_noise, spread),
+            of_noise=noise_spread,
+            rms=_estimate(Metric.RMS, noise_spread, spread),
+            mte=_estimate(Metric.MTE, noise_spread, spread),
             noise=float(loose[place] / peaks[place]) if moves[place] else np.inf,
         )
-        for place, (name, of_noise, spread) in enumerate(
-            zip(names, as_stated.spreads, swept.spreads, strict=True)
+        for place, (name, noise_spread, spread) in enumerate(
+            zip(names, nominal.spreads, swept.spreads, strict=True)
         )
     )
 
 
-def _estimate(metric: Metric, of_noise: Spread, drawn: Spread) -> Estimate:
+def _estimate(metric: Metric, noise_spread: Spread, spread: Spread) -> Estimate:
     """Error of what is stated, with an interval that reaches down to what noise alone leaves of it.
 
     An offset that is drawn can only add to the squares of an error, and sensors may have none.
     """
-    estimate = drawn.estimate(metric, float(np.median(of_noise.errors(metric))))
-    return replace(estimate, low=min(estimate.low, of_noise.interval(metric)[0]))
+    estimate = spread.estimate(metric, float(np.median(noise_spread.errors(metric))))
+    return replace(estimate, low=min(estimate.low, noise_spread.interval(metric)[0]))

@@ -23,66 +23,68 @@ from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise, f
 from reliab.core.arrays import Array
 
 _LEAST_NOISE = 1e-9  # of the motion: channels with less are taken to be without noise
-_PASSED = 2.5  # times the band: above, the filter lets nothing pass
+_FILTER_FACTOR = 2.5  # times the band: above, the filter lets nothing pass
 _LINES = 8.0  # times the median of the bins: a line of the mains and no noise
 
 
 def draw_jointly(
     command: Array,
-    measured: Array,
+    measured_displacement: Array,
     noises: Sequence[SensorNoise],
     frequency: float,
-    every: int,
+    stride: int,
     draws: int,
     seed: int,
 ) -> Array:
-    """Draw histories of x_c − x_m at each `every`-th sample [m], shape (draws, p, ceil(n/every)).
+    """Draw histories of x_c − x_m at each `stride`-th sample [m], shape (draws, p, ceil(n/every)).
 
-    `command`, `measured` [m], shape (p, n), of actuators that all move; `noises` of one band, since a mode
-    may ring in one mixture and hardly show in another; `frequency` [Hz]. Rows 0, 2, … assume that there is no
-    slow noise.
+    `command`, `measured_displacement` [m], shape (p, n), of actuators that all move; `noises` of one band,
+    since a mode may ring in one mixture and hardly show in another; `frequency` [Hz]. Rows 0, 2, … assume
+    that there is no slow noise.
     """
-    mixing = _mixing(command, measured, noises)
-    told, read = mixing @ command, mixing @ measured
-    drawn = np.empty((draws, len(told), -(-command.shape[1] // every)))
-    for place, (one, shown) in enumerate(zip(told, read, strict=True)):
-        others = np.delete(told, place, axis=0)
+    mixing = _mixing(command, measured_displacement, noises)
+    mixed_commands, read = mixing @ command, mixing @ measured_displacement
+    differences = np.empty((draws, len(mixed_commands), -(-command.shape[1] // stride)))
+    for place, (mixed_command, mixed_reading) in enumerate(zip(mixed_commands, read, strict=True)):
+        other_commands = np.delete(mixed_commands, place, axis=0)
         noise = replace(
-            estimate_noise(one, shown, noises[place].time_step, others),
+            estimate_noise(mixed_command, mixed_reading, noises[place].time_step, other_commands),
             band=noises[place].band,
             ripple=noises[place].ripple,
         )
-        drawn[:, place] = draw_differences(
-            one,
-            shown,
+        differences[:, place] = draw_differences(
+            mixed_command,
+            mixed_reading,
             noise,
             frequency,
-            every,
+            stride,
             draws,
             seed + 7919 * place,
-            others,
-            highest=_PASSED * noise.band,
+            other_commands,
+            highest=_FILTER_FACTOR * noise.band,
         )
-    return np.asarray(np.linalg.inv(mixing) @ drawn)
+    return np.asarray(np.linalg.inv(mixing) @ differences)
 
 
-def _mixing(command: Array, measured: Array, noises: Sequence[SensorNoise]) -> Array:
+def _mixing(command: Array, measured_displacement: Array, noises: Sequence[SensorNoise]) -> Array:
     """B, the identity where channels are rounded so coarsely that their noise is not white."""
-    if len(command) == 1 or any(map(coarse_step, measured, noises)):
+    if len(command) == 1 or any(map(coarse_step, measured_displacement, noises)):
         return np.eye(len(command))
-    rest = measured - follow_commands(command, measured, noises[0].time_step)
-    within = np.stack([noise.smooth(row) for noise, row in zip(noises, rest, strict=True)])
-    _, vectors = scipy.linalg.eigh(np.cov(within), _noise_covariance(rest, measured))
+    residual = measured_displacement - follow_commands(command, measured_displacement, noises[0].time_step)
+    smooth_residual = np.stack([noise.smooth(row) for noise, row in zip(noises, residual, strict=True)])
+    _, vectors = scipy.linalg.eigh(
+        np.cov(smooth_residual), _noise_covariance(residual, measured_displacement)
+    )
     return np.asarray(vectors.T)
 
 
-def _noise_covariance(rest: Array, measured: Array) -> Array:
+def _noise_covariance(residual: Array, measured_displacement: Array) -> Array:
     """N [m²], from the spectra above half of the Nyquist frequency."""
-    spectra = np.fft.rfft(rest, axis=1)[:, 1:]
-    upper = spectra[:, spectra.shape[1] // 2 :] / np.sqrt(rest.shape[1])
+    spectra = np.fft.rfft(residual, axis=1)[:, 1:]
+    upper = spectra[:, spectra.shape[1] // 2 :] / np.sqrt(residual.shape[1])
     power = np.abs(upper) ** 2
     plain = (power <= _LINES * np.median(power, axis=1, keepdims=True)).all(axis=0)
-    kept = upper[:, plain]
-    covariance = (kept @ kept.conj().T).real / max(kept.shape[1], 1)
-    least = (_LEAST_NOISE * measured.std(axis=1)) ** 2
+    coefficients = upper[:, plain]
+    covariance = (coefficients @ coefficients.conj().T).real / max(coefficients.shape[1], 1)
+    least = (_LEAST_NOISE * measured_displacement.std(axis=1)) ** 2
     return np.asarray(covariance + np.diag(np.maximum(least, np.finfo(float).tiny)))

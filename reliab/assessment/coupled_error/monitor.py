@@ -28,7 +28,7 @@ from reliab.core.vocabulary import Metric
 from reliab.structures.partition import Partition
 
 _RUNNING_DRAWS = 64  # behind the intervals of a running test
-_BEFORE = 4  # samples beyond a lag that its interpolation uses
+_INTERPOLATION_SAMPLES = 4  # samples beyond a lag that its interpolation uses
 
 
 class CoupledMonitor(RunningTest):
@@ -86,26 +86,30 @@ class CoupledMonitor(RunningTest):
         """Samples so far."""
         return sum(part.shape[2] for part in self._parts)
 
-    def feed(self, command: Array, measured: Array) -> None:
-        """Add the next samples of all channels, shape (p, k); `command`, `measured` [m]."""
-        if command.shape != measured.shape or command.shape[:-1] != (self._partition.degrees,):
+    def feed(self, command: Array, measured_displacement: Array) -> None:
+        """Add the next samples of all channels, shape (p, k); `command`, `measured_displacement` [m]."""
+        if command.shape != measured_displacement.shape or command.shape[:-1] != (self._partition.degrees,):
             raise InputError(
                 f"Commands and measured displacements must be those of {self._partition.degrees} actuators",
-                value=f"shapes {command.shape} and {measured.shape}",
+                value=f"shapes {command.shape} and {measured_displacement.shape}",
             )
-        require_readings(command, measured)
-        self._parts.append(np.stack([command, measured]))
-        self._energy.feed(self._carry @ command, self._carry @ measured)
-        self._follow(command, measured)
+        require_readings(command, measured_displacement)
+        self._parts.append(np.stack([command, measured_displacement]))
+        self._energy.feed(self._carry @ command, self._carry @ measured_displacement)
+        self._follow(command, measured_displacement)
 
-    def _follow(self, command: Array, measured: Array) -> None:
+    def _follow(self, command: Array, measured_displacement: Array) -> None:
         """Advance the errors by the next samples."""
-        before = self._latest.shape[2]
-        rows = np.concatenate([self._latest, np.stack([command, measured - self._offsets])], axis=2)
-        self._latest = rows[:, :, -(int(self._lag / self.time_step) + _BEFORE) :]
-        felt = np.stack([delay_from_sample(row, before, self._lag, self.time_step) for row in rows[1]])
-        ideal = self._carry @ command - self._response.follow(self._carry @ (command - felt))
-        errors = self._carry @ rows[1, :, before:] - ideal
+        earlier_samples = self._latest.shape[2]
+        rows = np.concatenate(
+            [self._latest, np.stack([command, measured_displacement - self._offsets])], axis=2
+        )
+        self._latest = rows[:, :, -(int(self._lag / self.time_step) + _INTERPOLATION_SAMPLES) :]
+        delayed_reading = np.stack(
+            [delay_from_sample(row, earlier_samples, self._lag, self.time_step) for row in rows[1]]
+        )
+        ideal = self._carry @ command - self._response.follow(self._carry @ (command - delayed_reading))
+        errors = self._carry @ rows[1, :, earlier_samples:] - ideal
         for sums, error, exact in zip(self._sums.values(), errors, ideal, strict=True):
             sums.add(np.ascontiguousarray(error), np.ascontiguousarray(exact))
 
@@ -149,10 +153,10 @@ class CoupledMonitor(RunningTest):
         At the end it has as many draws as that of a test that is assessed.
         """
         self._parts = [np.concatenate(self._parts, axis=2)]
-        command, measured = self._parts[0]
+        command, measured_displacement = self._parts[0]
         error = rebuild_coupled(
             command,
-            measured,
+            measured_displacement,
             self.time_step,
             self._partition,
             to_interface=self._carry,
@@ -166,7 +170,7 @@ class CoupledMonitor(RunningTest):
         offsets = np.array([start.offset for start in error.starts])
         standing = np.array([-start.standing for start in error.starts])
         self._begin(offsets, standing)
-        self._follow(command, measured)
+        self._follow(command, measured_displacement)
         self._conclude_degrees(error)
         return error
 

@@ -16,9 +16,9 @@ from reliab.core.vocabulary import MILLI, Metric
 
 
 def infer_coupled(
-    as_stated: CoupledError,
+    nominal_error: CoupledError,
     command: Array,
-    measured: Array,
+    measured_displacement: Array,
     ground: Array,
     *,
     stated: Mapping[str, StatedValue],
@@ -28,25 +28,26 @@ def infer_coupled(
 ) -> tuple[CoupledError, InferredError] | None:
     """Infer the errors of all interface displacements; None where the channels determine no posterior.
 
-    `as_stated`: the error with all as stated but for the sensors' noise; `command`, `measured` [m], shape
-    (p, n), at the sensors; `ground`: acceleration [m/s²]; the others as of `infer_error`.
+    `nominal_error`: the error with all as stated but for the sensors' noise; `command`,
+    `measured_displacement` [m], shape (p, n), at the sensors; `ground`: acceleration [m/s²]; the others as of
+    `infer_error`.
     """
-    if any(start.standing or not start.at_rest for start in as_stated.starts):
+    if any(start.standing or not start.at_rest for start in nominal_error.starts):
         return None
-    offsets = np.array([start.offset for start in as_stated.starts])
-    channels = ChannelSpectra.of_channels(
+    offsets = np.array([start.offset for start in nominal_error.starts])
+    channels = ChannelSpectra.from_channels(
         command,
-        measured - offsets[:, np.newaxis],
-        as_stated.time_step,
-        as_stated.structure,
+        measured_displacement - offsets[:, np.newaxis],
+        nominal_error.time_step,
+        nominal_error.structure,
         ground=ground,
-        to_interface=as_stated.histories.carry,
+        interface_matrix=nominal_error.histories.carry,
     )
     circumstances = Circumstances(
-        partition=as_stated.structure,
+        partition=nominal_error.structure,
         channels=replace(
             channels,
-            offset_size=np.array([start.offset_deviation for start in as_stated.starts]),
+            offset_size=np.array([start.offset_deviation for start in nominal_error.starts]),
             initial_size=0.0,
         ),
         stated=stated,
@@ -55,28 +56,31 @@ def infer_coupled(
         feedback_lag=stated.get("feedback_lag", StatedValue(0.0)).value / MILLI,
         left_by_faults=left_by_faults,
     )
-    inferred = infer_errors(circumstances, as_stated.every, seed=0)
+    inferred_error = infer_errors(circumstances, nominal_error.every, seed=0)
     full = channels.band.full_history
-    references, errors = full(inferred.errors.exact_spectrum), full(inferred.errors.error_spectrum)
-    raw = as_stated.histories.carry_to_interface(measured - offsets[:, np.newaxis])
-    displacements = tuple(
-        _judged_by(inferred, place, degree, references[place], errors[place], raw[place])
-        for place, degree in enumerate(as_stated.displacements)
+    references, errors = (
+        full(inferred_error.errors.exact_spectrum),
+        full(inferred_error.errors.error_spectrum),
     )
-    return replace(as_stated, displacements=displacements, exact=inferred.exact), inferred
+    raw = nominal_error.histories.carry_to_interface(measured_displacement - offsets[:, np.newaxis])
+    displacements = tuple(
+        _take_from_posterior(inferred_error, place, degree, references[place], errors[place], raw[place])
+        for place, degree in enumerate(nominal_error.displacements)
+    )
+    return replace(nominal_error, displacements=displacements, exact=inferred_error.exact), inferred_error
 
 
-def _judged_by(
-    inferred: InferredError, place: int, degree: DegreeError, reference: Array, error: Array, raw: Array
+def _take_from_posterior(
+    inferred_error: InferredError, place: int, degree: DegreeError, reference: Array, error: Array, raw: Array
 ) -> DegreeError:
     """Take the error of a displacement from the posterior; what its noise leaves open stays."""
-    of_test = inferred.errors.displacements[place]
+    displacement_errors = inferred_error.errors.displacements[place]
     return replace(
         degree,
         error=raw - reference,
         smooth_error=error,
         reference=reference,
-        rms=of_test.estimate(Metric.RMS),
-        mte=of_test.estimate(Metric.MTE),
-        draws=inferred.spread(place, error),
+        rms=displacement_errors.estimate(Metric.RMS),
+        mte=displacement_errors.estimate(Metric.MTE),
+        draws=inferred_error.spread(place, error),
     )

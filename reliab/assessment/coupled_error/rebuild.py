@@ -38,11 +38,11 @@ from reliab.structures.partition import Partition
 DRAWS = 256
 """Number of draws of the uncertain quantities, a power of two."""
 
-_OF_EXACT = 0.001  # accuracy of an error whose structure is exact
-_PER_PERIOD = 16.0  # samples of the fastest mode that takes part; what lies between is corrected
+_EXACT_ACCURACY = 0.001  # accuracy of an error whose structure is exact
+_SAMPLES_PER_PERIOD = 16.0  # samples of the fastest mode that takes part; what lies between is corrected
 _TAKES_PART = 0.01  # of the answer at rest: a mode with less does not set the step
 _NEAR_BAND = 1.5  # times the band of the motion: modes above follow inputs that are linear between samples
-_ABOVE_BAND = 4.0  # times the band of the motion: modes above follow by statics
+_STATIC_MODE_FACTOR = 4.0  # times the band of the motion: modes above follow by statics
 _PAST_MODE = 1.05  # times its frequency, that the band holds of a mode that may ring
 _HIGHEST = 0.2  # of the rate: above, noise is read, and a mode is seen only where it rises above it
 _RIPPLE = 80.0  # dB: deviations of the filter would be those of errors that noise hardly leaves open
@@ -62,7 +62,7 @@ class Channels:
 
 def rebuild_coupled(
     command: Array,
-    measured: Array,
+    measured_displacement: Array,
     time_step: float,
     partition: Partition,
     *,
@@ -76,8 +76,8 @@ def rebuild_coupled(
 ) -> CoupledError:
     """Rebuild the error of every interface displacement of a test.
 
-    `command`, `measured` [m], shape (p, n); `time_step`, `feedback_lag` [s]; `to_interface`: interface
-    displacements of unit displacements of the actuators [-], shape (p, p), the identity by default;
+    `command`, `measured_displacement` [m], shape (p, n); `time_step`, `feedback_lag` [s]; `to_interface`:
+    interface displacements of unit displacements of the actuators [-], shape (p, p), the identity by default;
     `recursion`: of the ideal test as the computer steps it at the sampling rate, exact by default;
     `sensor_offsets`: of the displacement sensors [m], NaN where they are not known, shape (p,).
 
@@ -91,33 +91,35 @@ def rebuild_coupled(
     >>> round(error.displacements[0].rms.value, 2), error.displacements[1].rms.value < 1e-6
     (0.07, True)
     """
-    command, measured = check_histories(command, measured, time_step, partition, has_actuators=True)
+    command, measured_displacement = check_histories(
+        command, measured_displacement, time_step, partition, has_actuators=True
+    )
     carry = np.eye(partition.degrees) if to_interface is None else np.asarray(to_interface, dtype=float)
-    channels = _examined(command, measured, time_step, partition, carry, sensor_offsets)
+    channels = _examine_channels(command, measured_displacement, time_step, partition, carry, sensor_offsets)
     band, frequencies = channels.noises[0].band, partition.natural_frequencies
-    modes = int(np.count_nonzero(frequencies <= _ABOVE_BAND * max(band, float(frequencies[0]))))
+    modes = int(np.count_nonzero(frequencies <= _STATIC_MODE_FACTOR * max(band, float(frequencies[0]))))
     structure = partition.reduce_to_modes(modes)
     governing = _governing_modes(structure, _NEAR_BAND * band)
     fastest = float(governing.max()) if governing.size else float(frequencies[0])
-    of_structure = max(int(1.0 / (_PER_PERIOD * fastest * time_step)), 1)
-    every = samples_in_step(of_structure, channels.noises[0], command.shape[1])
-    histories = _smoothed(channels, carry, feedback_lag)
-    differences = _draw(channels, histories, structure, every, draws, seed)
+    structure_stride = max(int(1.0 / (_SAMPLES_PER_PERIOD * fastest * time_step)), 1)
+    stride = samples_in_step(structure_stride, channels.noises[0], command.shape[1])
+    histories = _smooth_channels(channels, carry, feedback_lag)
+    differences = _draw(channels, histories, structure, stride, draws, seed)
     recursion = recursion or histories.recursion(structure)
-    unknown = _what_is_unknown(channels, histories, partition, structure, tolerances or Tolerances())
-    drawn = partial(
-        sweep, histories, partition, stride=every, seed=seed, modes=modes, stepped_recursion=recursion
+    unknown = _collect_unknowns(channels, histories, partition, structure, tolerances or Tolerances())
+    sweep_draws = partial(
+        sweep, histories, partition, stride=stride, seed=seed, modes=modes, stepped_recursion=recursion
     )
-    none = np.zeros(partition.degrees)
-    noisy = Unknown(tolerances=Tolerances(), offset=none, error_at_start=none)
-    as_stated = drawn(noisy, differences[::2], draws=len(differences[::2]))
-    swept = drawn(unknown, differences, draws=draws, accuracy=_OF_EXACT)
+    zero_deviations = np.zeros(partition.degrees)
+    noisy = Unknown(tolerances=Tolerances(), offset=zero_deviations, error_at_start=zero_deviations)
+    nominal = sweep_draws(noisy, differences[::2], draws=len(differences[::2]))
+    swept = sweep_draws(unknown, differences, draws=draws, accuracy=_EXACT_ACCURACY)
     loose = _looseness(channels, differences, carry)
-    few = differences[:EXACT_DRAWS].copy()
+    nominal_differences = differences[:EXACT_DRAWS].copy()
     return CoupledError(
         time_step=time_step,
         displacements=errors_of_displacements(
-            histories, recursion, channels.measured, partition.names, as_stated, swept, loose
+            histories, recursion, channels.measured, partition.names, nominal, swept, loose
         ),
         structure=partition,
         reduced=structure,
@@ -127,21 +129,27 @@ def rebuild_coupled(
         drawn=swept.drawn,
         histories=histories,
         recursion=recursion,
-        every=every,
-        exact=partial(exact_of_draws, histories, partition, unknown, few, every, seed=seed, modes=modes),
+        every=stride,
+        exact=partial(
+            exact_of_draws, histories, partition, unknown, nominal_differences, stride, seed=seed, modes=modes
+        ),
     )
 
 
-def _smoothed(channels: Channels, carry: Array, feedback_lag: float) -> Histories:
+def _smooth_channels(channels: Channels, carry: Array, feedback_lag: float) -> Histories:
     """Histories without what lies above the band of the motion."""
     step = channels.noises[0].time_step
     rows = zip(channels.noises, channels.command, channels.measured, strict=True)
-    measured = np.stack([command - noise.smooth(command - read) for noise, command, read in rows])
-    felt = np.stack([delay_history(row, feedback_lag, step) for row in measured])
+    measured_displacement = np.stack(
+        [command - noise.smooth(command - read) for noise, command, read in rows]
+    )
+    delayed_displacements = np.stack(
+        [delay_history(row, feedback_lag, step) for row in measured_displacement]
+    )
     return Histories(
         command=channels.command,
-        measured=measured,
-        fed_back=carry @ (channels.command - felt),
+        measured=measured_displacement,
+        fed_back=carry @ (channels.command - delayed_displacements),
         time_step=step,
         standing=carry @ np.array([-start.standing for start in channels.starts]),
         carry=carry,
@@ -149,7 +157,7 @@ def _smoothed(channels: Channels, carry: Array, feedback_lag: float) -> Historie
     )
 
 
-def _what_is_unknown(
+def _collect_unknowns(
     channels: Channels,
     histories: Histories,
     partition: Partition,
@@ -157,7 +165,7 @@ def _what_is_unknown(
     tolerances: Tolerances,
 ) -> Unknown:
     """Collect what is uncertain, with what the test shows of a natural frequency that is not exact."""
-    learned = learn_frequency(
+    own_frequency = learn_frequency(
         histories.carry_to_interface(histories.command),
         histories.fed_back,
         histories.difference,
@@ -168,13 +176,15 @@ def _what_is_unknown(
         smooth=True,
         entries=EntriesOfStructure.from_parts(partition, tolerances.of_parts),
     )
-    offset, at_start = _of_starts(channels, structure, histories)
-    return Unknown(tolerances=tolerances, offset=offset, error_at_start=at_start, own_frequency=learned)
+    offset, start_error = _start_deviations(channels, structure, histories)
+    return Unknown(
+        tolerances=tolerances, offset=offset, error_at_start=start_error, own_frequency=own_frequency
+    )
 
 
-def _examined(
+def _examine_channels(
     command: Array,
-    measured: Array,
+    measured_displacement: Array,
     step: float,
     partition: Partition,
     carry: Array,
@@ -183,21 +193,21 @@ def _examined(
     """Estimate noise and offset of each sensor, but for stated `offsets` [m]; they are taken away."""
     shares = partition.shares_at_sensors(carry)
     lowest = float(partition.natural_frequencies[0])
-    moves = _moves(command, measured)
+    moves = _moves(command, measured_displacement)
     noises, starts, read = [], [], []
-    for place, (c, m) in enumerate(zip(command, measured, strict=True)):
+    for place, (c, m) in enumerate(zip(command, measured_displacement, strict=True)):
         if not moves[place]:
             noises.append(_noise_at_rest(m, step))
             starts.append(Start(at_rest=True, amplitude=0.0, offset=0.0, offset_deviation=0.0))
         else:
-            others = command[moves & (np.arange(len(moves)) != place)]
-            noises.append(estimate_noise(c, m, step, others))
-            own = float(shares[place])
-            starts.append(examine_start(c, m, step, lowest, noises[-1].white, noises[-1].slow, own))
+            other_commands = command[moves & (np.arange(len(moves)) != place)]
+            noises.append(estimate_noise(c, m, step, other_commands))
+            own_share = float(shares[place])
+            starts.append(examine_start(c, m, step, lowest, noises[-1].white, noises[-1].slow, own_share))
         if offsets is not None and not np.isnan(offsets[place]):
             starts[-1] = replace(starts[-1], offset=float(offsets[place]), offset_deviation=0.0)
         read.append(m - starts[-1].offset)
-    band = _band(noises, measured, partition)
+    band = _band(noises, measured_displacement, partition)
     return Channels(
         command=command,
         measured=np.stack(read),
@@ -206,61 +216,61 @@ def _examined(
     )
 
 
-def _band(noises: Sequence[SensorNoise], measured: Array, partition: Partition) -> float:
+def _band(noises: Sequence[SensorNoise], measured_displacement: Array, partition: Partition) -> float:
     """Band of the motion [Hz], one for all channels, with the modes that may ring below the noise.
 
     A channel without noise shows any band, and tells only where none has noise.
     """
-    least = _NO_NOISE * np.ptp(measured, axis=1)
+    least = _NO_NOISE * np.ptp(measured_displacement, axis=1)
     noisy = [noise.band for noise, small in zip(noises, least, strict=True) if noise.white > small]
     modes = _governing_modes(partition, _HIGHEST / noises[0].time_step)
     return float(max(*(noisy or [noise.band for noise in noises]), *(_PAST_MODE * modes)))
 
 
-def _moves(command: Array, measured: Array) -> NDArray[np.bool_]:
+def _moves(command: Array, measured_displacement: Array) -> NDArray[np.bool_]:
     """Which actuators are told to move, shape (p,)."""
-    return np.asarray(np.ptp(command, axis=1) > _STILL * np.abs(measured).max(axis=1))
+    return np.asarray(np.ptp(command, axis=1) > _STILL * np.abs(measured_displacement).max(axis=1))
 
 
-def _noise_at_rest(measured: Array, step: float) -> SensorNoise:
+def _noise_at_rest(measured_displacement: Array, step: float) -> SensorNoise:
     """Noise of a sensor whose actuator is not told to move."""
-    still = np.zeros(measured.size)
-    still[1] = 1e-9 * max(float(np.ptp(measured)), np.finfo(float).tiny)
-    return estimate_noise(still, measured - measured.mean(), step)
+    still = np.zeros(measured_displacement.size)
+    still[1] = 1e-9 * max(float(np.ptp(measured_displacement)), np.finfo(float).tiny)
+    return estimate_noise(still, measured_displacement - measured_displacement.mean(), step)
 
 
-def _of_starts(channels: Channels, structure: Partition, histories: Histories) -> Array:
+def _start_deviations(channels: Channels, structure: Partition, histories: Histories) -> Array:
     """Deviations of offsets at the sensors and of the errors at the first sample at the interface [m]."""
     offsets = np.array([start.offset_deviation for start in channels.starts])
     if all(start.at_rest for start in channels.starts):
         return np.stack([offsets, np.zeros_like(offsets)])
-    strayed = histories.carry_to_interface(channels.command - channels.measured)
-    response = respond(histories.recursion(structure), strayed)
+    difference = histories.carry_to_interface(channels.command - channels.measured)
+    response = respond(histories.recursion(structure), difference)
     command = histories.carry_to_interface(channels.command)
-    moved = histories.carry_to_interface(np.array([start.amplitude for start in channels.starts]))
+    amplitudes = histories.carry_to_interface(np.array([start.amplitude for start in channels.starts]))
     spread = np.sqrt(np.mean(response**2, axis=1) / np.maximum(np.mean(command**2, axis=1), 1e-300))
-    return np.stack([offsets, spread * np.abs(moved)])
+    return np.stack([offsets, spread * np.abs(amplitudes)])
 
 
 def _draw(
-    channels: Channels, histories: Histories, structure: Partition, every: int, draws: int, seed: int
+    channels: Channels, histories: Histories, structure: Partition, stride: int, draws: int, seed: int
 ) -> Array:
     """Draw histories of x_c − x_m at the sensors that the noise leaves open [m], shape (draws, p, m)."""
     actuators, samples = channels.command.shape
-    require_fitting(actuators * samples, every, channels.noises[0].time_step / actuators)
+    require_fitting(actuators * samples, stride, channels.noises[0].time_step / actuators)
     moves = _moves(channels.command, channels.measured)
     smooth = histories.command - histories.measured
-    drawn = np.tile(smooth[:, ::every], (draws, 1, 1))
-    drawn[:, moves] = draw_jointly(
+    differences = np.tile(smooth[:, ::stride], (draws, 1, 1))
+    differences[:, moves] = draw_jointly(
         channels.command[moves],
         channels.measured[moves],
         [noise for noise, moving in zip(channels.noises, moves, strict=True) if moving],
         float(structure.natural_frequencies[0]),
-        every,
+        stride,
         draws,
         seed,
     )
-    return drawn
+    return differences
 
 
 def _looseness(channels: Channels, differences: Array, carry: Array) -> Array:
@@ -270,12 +280,12 @@ def _looseness(channels: Channels, differences: Array, carry: Array) -> Array:
     """
     spread = np.einsum("ij,djt->dit", carry, differences - differences.mean(axis=0))
     still = ~_moves(channels.command, channels.measured)
-    shown = np.where(still, np.mean((channels.command - channels.measured) ** 2, axis=1), 0.0)
-    return np.asarray(np.sqrt(np.mean(spread**2, axis=(0, 2)) + carry**2 @ shown))
+    mean_squares = np.where(still, np.mean((channels.command - channels.measured) ** 2, axis=1), 0.0)
+    return np.asarray(np.sqrt(np.mean(spread**2, axis=(0, 2)) + carry**2 @ mean_squares))
 
 
 def _governing_modes(partition: Partition, highest: float) -> Array:
     """Natural frequencies [Hz] up to the highest of those with a share in the answer at rest."""
-    frequency, _, moved = partition.modes
-    share = np.diag(partition.specimen_stiffness) @ (moved**2) / (2.0 * np.pi * frequency) ** 2
+    frequency, _, shapes = partition.modes
+    share = np.diag(partition.specimen_stiffness) @ (shapes**2) / (2.0 * np.pi * frequency) ** 2
     return np.asarray(frequency[(share > _TAKES_PART * share.sum()) & (frequency <= highest)])

@@ -26,7 +26,7 @@ _PERIODS = 6.0  # highest frequency of the band over the structure's lowest, at 
 class AnalysisBand:
     """Complex frequencies and coarse time steps of an analysis.
 
-    >>> band = AnalysisBand.of_record(samples=4000, time_step=0.01, lowest=1.0, highest=8.0, decay=0.1)
+    >>> band = AnalysisBand.choose(samples=4000, time_step=0.01, lowest=1.0, highest=8.0, decay=0.1)
     >>> wave = np.sin(2.0 * np.pi * np.arange(4000) * 0.01)
     >>> coarse = band.history(band.spectrum(wave))
     >>> bool(np.allclose(coarse[10:], np.sin(2.0 * np.pi * band.time[10:]), atol=1e-2))
@@ -42,7 +42,7 @@ class AnalysisBand:
     shift: float  # σ [rad/s]
 
     @classmethod
-    def of_record(
+    def choose(
         cls, *, samples: int, time_step: float, lowest: float, highest: float, decay: float
     ) -> "AnalysisBand":
         """Choose the band of a record.
@@ -76,8 +76,8 @@ class AnalysisBand:
     @cached_property
     def _taper(self) -> Array:
         place = np.arange(self.bins) / self.bins
-        inside = np.clip((place - _ROLL_OFF) / (1.0 - _ROLL_OFF), 0.0, 1.0)
-        return np.asarray(0.5 + 0.5 * np.cos(np.pi * inside))
+        position = np.clip((place - _ROLL_OFF) / (1.0 - _ROLL_OFF), 0.0, 1.0)
+        return np.asarray(0.5 + 0.5 * np.cos(np.pi * position))
 
     @property
     def time_step(self) -> float:
@@ -106,15 +106,15 @@ class AnalysisBand:
 
     def spectrum(self, values: Array) -> Spectrum:
         """Transform histories on the record's grid, shape (…, n), to shape (…, K)."""
-        return self._transformed(values, self.record_step, self.points, self.fade)
+        return self._transform(values, self.record_step, self.points, self.fade)
 
     def coarse_spectrum(self, values: Array) -> Spectrum:
         """Transform histories on the coarse grid, shape (…, m), to shape (…, K)."""
         fade = int(self.fade * self.record_step / self.time_step)
-        spectrum = self._transformed(values, self.time_step, self.coarse_points, fade)
+        spectrum = self._transform(values, self.time_step, self.coarse_points, fade)
         return np.asarray(spectrum * (self.points / self.coarse_points))
 
-    def _transformed(self, values: Array, step: float, points: int, fade: int) -> Spectrum:
+    def _transform(self, values: Array, step: float, points: int, fade: int) -> Spectrum:
         """Transform histories that are continued point-symmetrically beyond their end and faded out."""
         size = values.shape[-1]
         full = np.zeros((*values.shape[:-1], points))
@@ -122,14 +122,14 @@ class AnalysisBand:
         reach = min(fade, size - 1)
         weight = 0.5 + 0.5 * np.cos(np.pi * (np.arange(reach) + 0.5) / reach)
         full[..., size : size + reach] = weight * (2.0 * values[..., -1:] - values[..., -2 : -reach - 2 : -1])
-        damped = full * np.exp(-self.shift * step * np.arange(points))
-        return np.asarray(scipy.fft.rfft(damped)[..., : self.bins] * self._taper)
+        damped_values = full * np.exp(-self.shift * step * np.arange(points))
+        return np.asarray(scipy.fft.rfft(damped_values)[..., : self.bins] * self._taper)
 
     def history(self, spectrum: Spectrum) -> Array:
         """Return histories on the coarse grid within the record, shape (…, m)."""
         full = scipy.fft.irfft(spectrum, self.coarse_points) * (self.coarse_points / self.points)
-        grown = np.exp(self.shift * self.time)
-        return np.asarray(full[..., : self.samples] * grown)
+        growth = np.exp(self.shift * self.time)
+        return np.asarray(full[..., : self.samples] * growth)
 
     def full_history(self, spectrum: Spectrum) -> Array:
         """Return histories on the record's own grid, shape (…, n)."""
@@ -145,5 +145,5 @@ def highest_frequency(command: Array, time_step: float, lowest: float) -> float:
     window = np.hanning(command.shape[-1])
     power = np.abs(scipy.fft.rfft((command - command.mean(axis=-1, keepdims=True)) * window)) ** 2
     total = np.cumsum(power / power.sum(axis=-1, keepdims=True), axis=-1).min(axis=0)
-    reached = int(np.searchsorted(total, 1.0 - _POWER)) / (command.shape[-1] * time_step)
-    return float(min(max(1.3 * reached, _PERIODS * lowest) / _ROLL_OFF, _WIDEST / time_step))
+    highest = int(np.searchsorted(total, 1.0 - _POWER)) / (command.shape[-1] * time_step)
+    return float(min(max(1.3 * highest, _PERIODS * lowest) / _ROLL_OFF, _WIDEST / time_step))

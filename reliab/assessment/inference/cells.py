@@ -41,24 +41,29 @@ def fit_variances(power: Array, floor: float | None = None) -> tuple[Array, Arra
     least = _LEAST * mean
     if mean == 0.0:
         return np.full(power.shape, np.finfo(float).tiny), np.zeros(power.shape)
-    rest = smooth_over_frequency(np.quantile(power, _QUIET, axis=0) / _quantile_of_square(_QUIET))
+    surrounding_power = smooth_over_frequency(
+        np.quantile(power, _QUIET, axis=0) / _quantile_of_square(_QUIET)
+    )
     still = (
-        np.full(power.shape, floor) if floor is not None else np.tile(0.5 * rest, (power.shape[0], 1)) + least
+        np.full(power.shape, floor)
+        if floor is not None
+        else np.tile(0.5 * surrounding_power, (power.shape[0], 1)) + least
     )
     strength = power.mean(axis=1) / mean + 1e-3
     shape = smooth_over_frequency(power.mean(axis=0))
     for _ in range(_ITERATIONS):
-        moved = strength[:, np.newaxis] * shape
-        total = still + moved + least
-        share = moved / total
-        expected = share**2 * power + share * still
+        motion_power = strength[:, np.newaxis] * shape
+        total = still + motion_power + least
+        share = motion_power / total
+        mean_power = share**2 * power + share * still
         if floor is None:
-            other = still / total
+            noise_share = still / total
             still = np.tile(
-                smooth_over_frequency((other**2 * power + other * moved).mean(axis=0)), (power.shape[0], 1)
+                smooth_over_frequency((noise_share**2 * power + noise_share * motion_power).mean(axis=0)),
+                (power.shape[0], 1),
             )
-        shape = smooth_over_frequency((expected / strength[:, np.newaxis]).mean(axis=0)) + least
-        strength = smooth_over_time((expected / shape).mean(axis=1)) + _LEAST
+        shape = smooth_over_frequency((mean_power / strength[:, np.newaxis]).mean(axis=0)) + least
+        strength = smooth_over_time((mean_power / shape).mean(axis=1)) + _LEAST
     return still + least, strength[:, np.newaxis] * shape
 
 

@@ -52,26 +52,26 @@ class ChannelSpectra:
     standing: Array | float = 0.0
 
     @classmethod
-    def of_channels(
+    def from_channels(
         cls,
         command: Array,
-        measured: Array,
+        measured_displacement: Array,
         time_step: float,
         partition: Partition,
         *,
         ground: Array | None = None,
         force: Array | None = None,
-        to_interface: Array | None = None,
+        interface_matrix: Array | None = None,
         corner: float | None = None,
     ) -> "ChannelSpectra":
         """Transform channels [m, m/s², N] on the record's grid, shape (p, n).
 
-        `to_interface`: the identity by default; `corner`: of the lowest filter of the measured channels [Hz],
-        above which no noise is left to be read.
+        `interface_matrix`: the identity by default; `corner`: of the lowest filter of the measured channels
+        [Hz], above which no noise is left to be read.
         """
         frequencies, ratios, _ = partition.modes
         lowest = float(frequencies[0])
-        band = AnalysisBand.of_record(
+        band = AnalysisBand.choose(
             samples=command.shape[-1],
             time_step=time_step,
             lowest=lowest,
@@ -79,27 +79,29 @@ class ChannelSpectra:
             decay=float(np.min(2.0 * np.pi * frequencies * ratios)),
         )
         hop = max(2 * round(0.5 * _BLOCK / (lowest * band.time_step)), _SMALLEST_HOP)
-        noise = np.array([white_noise(row, time_step, band.flat, corner) for row in measured])
+        noise = np.array([white_noise(row, time_step, band.flat, corner) for row in measured_displacement])
         places = np.linspace(-0.5, 0.5, command.shape[-1])
-        told, read = band.spectrum(command), band.spectrum(measured)
-        tracked, noise_left, follow_left = _denoised(band, told, read, noise, hop)
-        offset, drift = slow_parts(command, measured, time_step)
+        command_spectrum, read = band.spectrum(command), band.spectrum(measured_displacement)
+        tracked_spectrum, noise_left, follow_left = _remove_noise(band, command_spectrum, read, noise, hop)
+        offset, drift = slow_parts(command, measured_displacement, time_step)
         return cls(
             band=band,
             hop=hop,
-            command=told,
+            command=command_spectrum,
             measured=read,
-            tracked=tracked,
+            tracked=tracked_spectrum,
             noise_left=noise_left,
             follow_left=follow_left,
             noise=noise,
             constant=band.spectrum(np.ones(command.shape[-1])),
             ramp=band.spectrum(places),
-            hysteresis=band.spectrum(np.stack([hysteresis_of_sensor(row) for row in measured])),
-            to_interface=np.eye(partition.degrees) if to_interface is None else np.asarray(to_interface),
+            hysteresis=band.spectrum(np.stack([hysteresis_of_sensor(row) for row in measured_displacement])),
+            to_interface=np.eye(partition.degrees)
+            if interface_matrix is None
+            else np.asarray(interface_matrix),
             offset_size=np.abs(offset) + _MEANS * np.sqrt(noise / command.shape[-1]),
             drift_size=np.abs(drift) + _MEANS * np.sqrt(12.0 * noise / command.shape[-1]),
-            initial_size=initial_error(command, measured, time_step, lowest),
+            initial_size=initial_error(command, measured_displacement, time_step, lowest),
             ground=None if ground is None else band.spectrum(ground),
             force=None if force is None else band.spectrum(force),
         )
@@ -108,8 +110,8 @@ class ChannelSpectra:
         """Draw the noise that may be left in `tracked` [m], shape (p, K)."""
         cells = self.noise_left * generator.standard_normal(self.noise_left.shape)
         follows = generator.standard_normal(self.follow_left.shape[:2])
-        left = np.einsum("pc,pck->pk", follows, self.follow_left)
-        return np.asarray(self.band.coarse_spectrum(synthesise(cells, self.band.samples)) + left)
+        remainder = np.einsum("pc,pck->pk", follows, self.follow_left)
+        return np.asarray(self.band.coarse_spectrum(synthesise(cells, self.band.samples)) + remainder)
 
     @cached_property
     def columns(self) -> int:
@@ -117,7 +119,7 @@ class ChannelSpectra:
         return max(int(2.0 * self.hop * self.band.time_step * self.band.flat), 2)
 
     @cached_property
-    def at_interface(self) -> Spectrum:
+    def interface_command(self) -> Spectrum:
         """Commands of the interface displacements [m]."""
         return np.asarray(self.to_interface @ self.command)
 
@@ -136,7 +138,7 @@ class ChannelSpectra:
 def white_noise(values: Array, time_step: float, edge: float, corner: float | None) -> float:
     """Variance of a sample of white noise, read above the motion.
 
-    `edge`: frequency [Hz] above which there is no motion; `corner`: as of `ChannelSpectra.of_channels`.
+    `edge`: frequency [Hz] above which there is no motion; `corner`: as of `ChannelSpectra.from_channels`.
     """
     taper = np.hanning(values.size)
     power = np.abs(scipy.fft.rfft((values - values.mean()) * taper)) ** 2 / np.sum(taper**2)
@@ -149,8 +151,8 @@ def white_noise(values: Array, time_step: float, edge: float, corner: float | No
     return float(np.median(tail) / np.log(2.0))
 
 
-def _denoised(
-    band: AnalysisBand, command: Spectrum, measured: Spectrum, noise: Array, hop: int
+def _remove_noise(
+    band: AnalysisBand, command: Spectrum, measured_displacement: Spectrum, noise: Array, hop: int
 ) -> tuple[Spectrum, Array, Spectrum]:
     """Free measured displacements of the sensors' noise.
 
@@ -160,44 +162,46 @@ def _denoised(
     Returns also the standard deviation of the noise that is left, and what it leaves open of gain, delay and
     curvature; see `ChannelSpectra`.
     """
-    answer = np.empty_like(measured)
-    left = np.zeros((len(measured), *analyse(np.zeros(band.samples), hop).shape))
-    follow_left = np.zeros((len(measured), 3, band.bins), dtype=np.complex128)
+    answer = np.empty_like(measured_displacement)
+    remainder = np.zeros((len(measured_displacement), *analyse(np.zeros(band.samples), hop).shape))
+    follow_left = np.zeros((len(measured_displacement), 3, band.bins), dtype=np.complex128)
     columns = max(int(2.0 * hop * band.time_step * band.flat), 2)
     for row, variance in enumerate(noise):
         level = variance * band.noise_gain
         if level == 0.0:
-            answer[row] = measured[row]
+            answer[row] = measured_displacement[row]
             continue
-        follows, directions = _follow(command[row], measured[row], band)
+        follows, directions = _follow(command[row], measured_displacement[row], band)
         follow_left[row] = np.sqrt(level) * directions
-        history = band.history(measured[row] - follows)
+        history = band.history(measured_displacement[row] - follows)
         cells = analyse(history, hop)
         power = scipy.ndimage.gaussian_filter(cells[:, :columns] ** 2, (1.5, 0.8), mode="nearest")
         gain = np.zeros_like(cells)
         least = np.finfo(float).tiny
         gain[:, :columns] = np.where(power > _CLEAR * level, 1.0 - level / np.maximum(power, least), 0.0)
-        left[row] = np.sqrt(gain * level)
-        kept = synthesise((cells * gain)[np.newaxis], history.size)[0]
-        answer[row] = follows + band.coarse_spectrum(kept)
-    return answer, left, follow_left
+        remainder[row] = np.sqrt(gain * level)
+        smooth_part = synthesise((cells * gain)[np.newaxis], history.size)[0]
+        answer[row] = follows + band.coarse_spectrum(smooth_part)
+    return answer, remainder, follow_left
 
 
-def _follow(command: Spectrum, measured: Spectrum, band: AnalysisBand) -> tuple[Spectrum, Spectrum]:
+def _follow(
+    command: Spectrum, measured_displacement: Spectrum, band: AnalysisBand
+) -> tuple[Spectrum, Spectrum]:
     """Least squares of a measured displacement on the command and its first two derivatives, over time.
 
     Returns also the directions in which noise of unit variance at the coarse samples moves the result.
     """
     scale = np.sqrt(np.sum(np.abs(band.s * command) ** 2) / np.sum(np.abs(command) ** 2))
     basis = np.stack([command, band.s / scale * command, (band.s / scale) ** 2 * command])
-    shapes, sizes, turned = np.linalg.svd(band.history(basis), full_matrices=False)
+    shapes, sizes, components = np.linalg.svd(band.history(basis), full_matrices=False)
     inverse = np.where(sizes > _COLLINEAR * sizes[0], 1.0 / np.maximum(sizes, np.finfo(float).tiny), 0.0)
     directions = (shapes * inverse).T @ basis  # whose histories are the orthonormal rows of `turned`
-    return np.asarray(turned @ band.history(measured) @ directions), directions
+    return np.asarray(components @ band.history(measured_displacement) @ directions), directions
 
 
 @compiled
-def _followed(values: Array, half: float) -> Array:
+def _read_with_play(values: Array, half: float) -> Array:
     """Read a motion by a sensor with play of a half width, shape (n,)."""
     read, answer = values[0], np.empty(values.size)
     for place in range(values.size):
@@ -212,32 +216,37 @@ _WIDTH = 3e-3  # of the span, at which the effect of hysteresis is taken
 def hysteresis_of_sensor(values: Array) -> Array:
     """Return what hysteresis of width 1 (of the span of the motion) adds to a reading [m], shape (n,)."""
     span = float(np.ptp(values))
-    return np.asarray((_followed(values, 0.5 * _WIDTH * span) - values) / _WIDTH)
+    return np.asarray((_read_with_play(values, 0.5 * _WIDTH * span) - values) / _WIDTH)
 
 
 _FIRST = 8  # samples that show how a record begins
-_AT_REST = 2e-3  # of the largest displacement, up to which a record begins at rest
+_REST_SHARE = 2e-3  # of the largest displacement, up to which a record begins at rest
 _RESONANT = 10.0  # error of a command over the tracking error, at most, that a test may begin with
 _MEANS = 3.0  # standard errors
 
 
-def slow_parts(command: Array, measured: Array, time_step: float) -> tuple[Array, Array]:
+def slow_parts(command: Array, measured_displacement: Array, time_step: float) -> tuple[Array, Array]:
     """Constant part and rise over the test [m] of measured minus command, each shape (p,).
 
     A gain and a delay of each actuator are fitted beside them.
     """
     offset, drift = np.zeros(len(command)), np.zeros(len(command))
     place = np.linspace(-0.5, 0.5, command.shape[-1])
-    for row, (told, read) in enumerate(zip(command, measured, strict=True)):
-        basis = np.stack([told, np.gradient(told, time_step), np.ones_like(place), place])
+    for row, (command_row, read) in enumerate(zip(command, measured_displacement, strict=True)):
+        basis = np.stack([command_row, np.gradient(command_row, time_step), np.ones_like(place), place])
         size = np.abs(basis).max(axis=1, keepdims=True) + np.finfo(float).tiny
-        scaled = basis / size
-        fitted = np.linalg.lstsq(scaled @ scaled.T, scaled @ (read - told), rcond=1e-12)[0] / size[:, 0]
-        offset[row], drift[row] = fitted[2], fitted[3]
+        scaled_basis = basis / size
+        coefficients = (
+            np.linalg.lstsq(scaled_basis @ scaled_basis.T, scaled_basis @ (read - command_row), rcond=1e-12)[
+                0
+            ]
+            / size[:, 0]
+        )
+        offset[row], drift[row] = coefficients[2], coefficients[3]
     return offset, drift
 
 
-def initial_error(command: Array, measured: Array, time_step: float, lowest: float) -> float:
+def initial_error(command: Array, measured_displacement: Array, time_step: float, lowest: float) -> float:
     """Size of the error [m] with which a record may begin; zero if it begins at rest.
 
     `lowest`: natural frequency [Hz]. The error of a command in motion is as much of it as elsewhere in the
@@ -250,7 +259,7 @@ def initial_error(command: Array, measured: Array, time_step: float, lowest: flo
     for row in command:
         _, slope, begin = np.polyfit(place, row[: place.size], 2)
         amplitude = max(amplitude, float(np.hypot(begin, slope / angle)))
-    if amplitude <= _AT_REST * largest:
+    if amplitude <= _REST_SHARE * largest:
         return 0.0
-    tracking = float(np.sqrt(np.mean((measured - command) ** 2) / np.mean(command**2)))
+    tracking = float(np.sqrt(np.mean((measured_displacement - command) ** 2) / np.mean(command**2)))
     return amplitude * min(_RESONANT * tracking, 1.0)

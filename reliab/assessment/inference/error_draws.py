@@ -45,7 +45,7 @@ class ErrorsOfTest:
     @property
     def largest(self) -> int:
         """Place of the displacement with the largest median RMS^R."""
-        medians = [one.estimate(Metric.RMS).value for one in self.displacements]
+        medians = [error.estimate(Metric.RMS).value for error in self.displacements]
         return int(np.argmax(medians))
 
 
@@ -66,8 +66,8 @@ def draw_errors(posterior: TestPosterior, names: Sequence[str], seed: int = 0) -
         both = np.stack([rebuilt.error, rebuilt.exact])
         histories = channels.band.history(both)
         rms[row], mte[row] = relative_errors(histories[0], histories[1])
-        computed = 1.0 + ACCURACY * generator.standard_normal()
-        rms[row], mte[row] = computed * rms[row], computed * mte[row]
+        numerical_factor = 1.0 + ACCURACY * generator.standard_normal()
+        rms[row], mte[row] = numerical_factor * rms[row], numerical_factor * mte[row]
         mean += weights[row] * histories[0]
         square += weights[row] * histories[0] ** 2
         spectra += weights[row] * both
@@ -90,19 +90,19 @@ def typical_world(posterior: TestPosterior, errors: ErrorsOfTest) -> Experiment:
     place = errors.largest
     channels, partition = posterior.circumstances.channels, posterior.circumstances.partition
     draws, values, rms = posterior.draws, posterior.draws.values, errors.displacements[place].rms
-    apart = rms - draws.weights @ rms
-    deviation = float(np.sqrt(draws.weights @ apart**2))
+    deviations = rms - draws.weights @ rms
+    deviation = float(np.sqrt(draws.weights @ deviations**2))
     if not deviation > 0.0:
         return posterior.mode
-    slope = (draws.weights * apart) @ (values - draws.weights @ values) / deviation
+    slope = (draws.weights * deviations) @ (values - draws.weights @ values) / deviation
     median = errors.displacements[place].estimate(Metric.RMS).value
 
-    def missed(along: float) -> float:
-        rebuilt = rebuild(channels, partition, posterior.experiment(posterior.fit.mode + along * slope))
-        found = relative_errors(*channels.band.history(np.stack([rebuilt.error, rebuilt.exact])))
-        return abs(float(found[0][place]) - median)
+    def miss(position: float) -> float:
+        rebuilt = rebuild(channels, partition, posterior.experiment(posterior.fit.mode + position * slope))
+        errors = relative_errors(*channels.band.history(np.stack([rebuilt.error, rebuilt.exact])))
+        return abs(float(errors[0][place]) - median)
 
-    return posterior.experiment(posterior.fit.mode + min(_PLACES, key=missed) * slope)
+    return posterior.experiment(posterior.fit.mode + min(_PLACES, key=miss) * slope)
 
 
 _PLACES = sorted(np.linspace(-2.0, 2.0, 41).tolist(), key=abs)  # standard deviations of the error
@@ -111,11 +111,11 @@ _PLACES = sorted(np.linspace(-2.0, 2.0, 41).tolist(), key=abs)  # standard devia
 def draw_noise_errors(posterior: TestPosterior, draws: int, seed: int = 0) -> tuple[Array, Array]:
     """RMS^R and MTE^R in the most probable world, with the sensors' noise as it may be, each (draws, p)."""
     channels, partition = posterior.circumstances.channels, posterior.circumstances.partition
-    generator, found = np.random.default_rng(seed), []
+    generator, errors = np.random.default_rng(seed), []
     for _ in range(draws):
         experiment = posterior.mode
         experiment.noise = channels.draw_noise(generator)
         rebuilt = rebuild(channels, partition, experiment)
-        found.append(relative_errors(*channels.band.history(np.stack([rebuilt.error, rebuilt.exact]))))
-    rms, mte = np.moveaxis(np.array(found), 1, 0)
+        errors.append(relative_errors(*channels.band.history(np.stack([rebuilt.error, rebuilt.exact]))))
+    rms, mte = np.moveaxis(np.array(errors), 1, 0)
     return rms, mte

@@ -62,8 +62,8 @@ class Evidence(ABC):
     def update(self, experiment: Experiment) -> None:
         """Estimate the variance of the residual anew."""
         cells = self.cells(experiment)
-        found = np.stack([np.sum(fit_variances(row**2), axis=0) for row in cells])
-        self._variance = np.maximum(found, self.noise[:, np.newaxis, np.newaxis])
+        variances = np.stack([np.sum(fit_variances(row**2), axis=0) for row in cells])
+        self._variance = np.maximum(variances, self.noise[:, np.newaxis, np.newaxis])
 
     @property
     def noise(self) -> Array:
@@ -71,7 +71,7 @@ class Evidence(ABC):
         stiffness = self.partition.specimen_stiffness @ self.channels.to_interface
         return np.asarray(stiffness**2 @ self.channels.noise * self.channels.band.noise_gain)
 
-    def whitened(self, experiment: Experiment) -> Array:
+    def whiten(self, experiment: Experiment) -> Array:
         """Residual over its standard deviation, shape (m,)."""
         return np.asarray(np.sqrt(self.weight / self._variance) * self.cells(experiment)).ravel()
 
@@ -89,9 +89,9 @@ class Evidence(ABC):
         again, as far as the noise is that of sensors.
         """
         stiffness = (self.partition.specimen_stiffness @ self.channels.to_interface) ** 2
-        of_sensors = stiffness * self.channels.noise
-        total = np.maximum(of_sensors.sum(axis=1, keepdims=True), np.finfo(float).tiny)
-        softer = np.log(experiment.share * experiment.frequency**2) - of_sensors / total @ np.log(
+        sensor_noise = stiffness * self.channels.noise
+        total = np.maximum(sensor_noise.sum(axis=1, keepdims=True), np.finfo(float).tiny)
+        softer = np.log(experiment.share * experiment.frequency**2) - sensor_noise / total @ np.log(
             experiment.scale
         )
         share = np.sum(self.noise[:, np.newaxis, np.newaxis] / self._variance, axis=(1, 2))
@@ -101,13 +101,13 @@ class Evidence(ABC):
 def residual(channels: ChannelSpectra, partition: Partition, experiment: Experiment) -> Spectrum:
     """Residual of the equation of motion [N], shape (p, K)."""
     response = respond(experiment.structure(partition), channels.band)
-    command = channels.at_interface
+    command = channels.interface_command
     ground = experiment.ground(channels)
     driven = command if ground is None else command + response.ground.T * ground
     difference = command - experiment.late(experiment.reading(channels), channels)
     if experiment.integration:
-        turned = (channels.band.s * channels.band.record_step) ** 2
-        difference = difference - experiment.integration * turned * command
+        square = (channels.band.s * channels.band.record_step) ** 2
+        difference = difference - experiment.integration * square * command
     acting = _times(response.impedance, difference)
     if experiment.slip is not None:
         acting = acting + _times(response.impedance, experiment.slip)
@@ -134,7 +134,7 @@ class _Grid:
     s: Spectrum  # [rad/s]
 
 
-_AT_REST = _Grid(np.zeros(1, dtype=np.complex128))
+_STATIC_GRID = _Grid(np.zeros(1, dtype=np.complex128))
 
 
 @dataclass(kw_only=True, eq=False)
@@ -151,26 +151,26 @@ class ImpliedGroundMotion(Evidence):
     def highest(self) -> float:
         """Highest frequency that is weighed [Hz], below what the interface does not see between two modes."""
         natural = self.partition.natural_frequencies
-        between = [float(np.sqrt(natural[0] * natural[1]))] if natural.size > 1 else []
-        return min([_REACH_OF_GROUND * float(natural[0]), *between])
+        mean_frequency = [float(np.sqrt(natural[0] * natural[1]))] if natural.size > 1 else []
+        return min([_REACH_OF_GROUND * float(natural[0]), *mean_frequency])
 
     def spectrum(self, experiment: Experiment) -> Spectrum:
         """Return the implied ground acceleration times the mass that it moves at rest [N]."""
-        at_interface = residual(self.channels, self.partition, experiment)
+        interface_residual = residual(self.channels, self.partition, experiment)
         if self.partition.size == 1:
-            return at_interface
+            return interface_residual
         structure = experiment.structure(self.partition)
-        moved = respond(structure, self.channels.band).moved_mass
-        return np.asarray(_mass_at_rest(structure) / moved[:, 0] * at_interface)
+        moved_mass = respond(structure, self.channels.band).ground_load
+        return np.asarray(_mass_at_rest(structure) / moved_mass[:, 0] * interface_residual)
 
     @cached_property
     def tracking(self) -> tuple[float, float]:
         """Gain [-] and delay [s] of the measured displacement."""
-        command, tracked = self.channels.command[0], self.channels.tracked[0]
+        command, tracked_command = self.channels.command[0], self.channels.tracked[0]
         angular, power = self.channels.band.s.imag, np.abs(command) ** 2
-        gain = float(np.vdot(command, tracked).real / power.sum())
-        turned = np.imag(tracked * np.conj(command))
-        return gain, -float(np.sum(angular * turned) / np.sum(angular**2 * power))
+        gain = float(np.vdot(command, tracked_command).real / power.sum())
+        quadrature = np.imag(tracked_command * np.conj(command))
+        return gain, -float(np.sum(angular * quadrature) / np.sum(angular**2 * power))
 
     @cached_property
     def _grid(self) -> _Grid:
@@ -182,14 +182,14 @@ class ImpliedGroundMotion(Evidence):
         structure, angular = experiment.structure(self.partition), self._grid.s.imag
         gain, delay = self.tracking
         lag = delay - float(experiment.skew[0]) + experiment.feedback_lag
-        followed = gain / float(experiment.scale[0]) * np.exp(-1j * angular * lag)
+        actuator_transfer = gain / float(experiment.scale[0]) * np.exp(-1j * angular * lag)
         response = respond(structure, self._grid)
-        loop = np.abs(response.stiffness[:, 0, 0] - response.impedance[:, 0, 0] * (1.0 - followed))
+        loop = np.abs(response.stiffness[:, 0, 0] - response.impedance[:, 0, 0] * (1.0 - actuator_transfer))
         if self.partition.size > 1:
-            loop *= _mass_at_rest(structure) / np.abs(response.moved_mass[:, 0])
-        of_frequencies = float(np.mean(np.log(loop)) * angular[-1])
+            loop *= _mass_at_rest(structure) / np.abs(response.ground_load[:, 0])
+        log_determinant = float(np.mean(np.log(loop)) * angular[-1])
         blocks, hop = self._variance.shape[1], self.channels.hop * self.channels.band.time_step
-        return float(-self.weight * blocks * hop / np.pi * of_frequencies)
+        return float(-self.weight * blocks * hop / np.pi * log_determinant)
 
     def concentration(self, experiment: Experiment) -> float:
         """Share of the implied motion's power that three neighbouring frequencies hold, whitened [-]."""
@@ -201,15 +201,15 @@ class ImpliedGroundMotion(Evidence):
         step = 1.0 / (history.size * self.channels.band.time_step)
         frequency = np.arange(power.size) * step
         natural = float(self.partition.natural_frequencies[0])
-        inside = (frequency > 0.3 * natural) & (frequency < self.highest)
-        ratio = power[inside] / _smooth(power[inside], frequency[inside])
+        is_inside = (frequency > 0.3 * natural) & (frequency < self.highest)
+        ratio = power[is_inside] / _smooth(power[is_inside], frequency[is_inside])
         largest = int(np.argmax(ratio))
         return float(ratio[max(largest - 1, 0) : largest + 2].sum() / ratio.sum())
 
 
 def _mass_at_rest(structure: Partition) -> float:
     """Return the force that holds the interface against a steady unit ground acceleration [kg]."""
-    return float(respond(structure, _AT_REST).moved_mass[0, 0].real)
+    return float(respond(structure, _STATIC_GRID).ground_load[0, 0].real)
 
 
 def _smooth(power: Array, frequency: Array) -> Array:
@@ -221,7 +221,7 @@ def _smooth(power: Array, frequency: Array) -> Array:
 
 def main_frequency(channels: ChannelSpectra) -> float:
     """Frequency [Hz] below which most of the commands' power lies."""
-    power = np.abs(channels.at_interface) ** 2
+    power = np.abs(channels.interface_command) ** 2
     total = np.cumsum(power / power.sum(axis=-1, keepdims=True), axis=-1).min(axis=0)
     place = int(np.searchsorted(total, _MAIN_POWER))
     return float(channels.band.s.imag[min(place, total.size - 1)] / (2.0 * np.pi))
@@ -237,5 +237,5 @@ class SpecimenForce(Evidence):
         if force is None:
             raise AssertionError  # evidence of a force needs one
         impedance = experiment.structure(self.partition).impedance(self.channels.band.s)
-        expected = np.einsum("kpq,qk->pk", impedance, experiment.reading(self.channels))
-        return np.asarray(force - expected)
+        specimen_force = np.einsum("kpq,qk->pk", impedance, experiment.reading(self.channels))
+        return np.asarray(force - specimen_force)

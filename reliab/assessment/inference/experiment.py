@@ -36,7 +36,7 @@ class Experiment:
     slip: Spectrum | None = None  # Displacement that a yielding specimen's spring has lost [m], shape (p, K)
 
     @classmethod
-    def of_actuators(cls, actuators: int) -> "Experiment":
+    def as_stated(cls, actuators: int) -> "Experiment":
         """Start from values that leave everything as stated."""
         skew, hysteresis, offset, drift = np.zeros((4, actuators))
         return cls(scale=np.ones(actuators), skew=skew, hysteresis=hysteresis, offset=offset, drift=drift)
@@ -44,7 +44,7 @@ class Experiment:
     def structure(self, partition: Partition) -> Partition:
         """Structure of this world."""
         factors = self.frequency, self.damping_ratio, self.share
-        return _scaled_structure(partition, *factors, tuple(self.parts.items()))
+        return _scale_structure(partition, *factors, tuple(self.parts.items()))
 
     def displacement(self, channels: ChannelSpectra) -> Spectrum:
         """Return the true displacement of the interface [m], freed of the sensors' noise, shape (p, K)."""
@@ -55,14 +55,14 @@ class Experiment:
         return self._displacement(channels, channels.measured)
 
     def _displacement(self, channels: ChannelSpectra, read: Spectrum) -> Spectrum:
-        added = (
+        additions = (
             self.offset[:, np.newaxis] * channels.constant
             + self.drift[:, np.newaxis] * channels.ramp
             + self.hysteresis[:, np.newaxis] * channels.hysteresis
         )
         earlier = np.exp(self.skew[:, np.newaxis] * channels.band.s)
-        at_actuators = (read - added) / self.scale[:, np.newaxis] * earlier
-        return np.asarray(channels.to_interface @ at_actuators)
+        actuator_displacements = (read - additions) / self.scale[:, np.newaxis] * earlier
+        return np.asarray(channels.to_interface @ actuator_displacements)
 
     def late(self, displacement: Spectrum, channels: ChannelSpectra) -> Spectrum:
         """Displacement whose force the loop received [m], shape (p, K)."""
@@ -84,12 +84,12 @@ class Experiment:
 
 
 @lru_cache(maxsize=8)
-def _scaled_structure(
+def _scale_structure(
     partition: Partition,
     frequency: float,
     damping_ratio: float,
     share: float,
     parts: tuple[tuple[str, float], ...],
 ) -> Partition:
-    changed = partition.change_parts(dict(parts)) if parts else partition
-    return changed.scale(frequency=frequency, damping_ratio=damping_ratio, share=share)
+    structure = partition.change_parts(dict(parts)) if parts else partition
+    return structure.scale(frequency=frequency, damping_ratio=damping_ratio, share=share)

@@ -22,7 +22,7 @@ from reliab.core.arrays import Array, Spectrum
 DRAWS = 256
 """Draws of a posterior."""
 
-_CONCENTRATED = 0.6  # of the power in three neighbouring frequencies: not broad-band
+_CONCENTRATION = 0.6  # of the power in three neighbouring frequencies: not broad-band
 _FAR = 3.0  # standard deviations of the stated frequency: no ground motion that nobody recorded shows so much
 
 
@@ -59,7 +59,7 @@ class TestPosterior:
         """Differences of the quantities from their stated values, shape (draws, d)."""
         return np.array(
             [
-                [one.prior.value(float(z)) for one, z in zip(self.unknowns, row, strict=True)]
+                [unknown.prior.value(float(z)) for unknown, z in zip(self.unknowns, row, strict=True)]
                 for row in self.draws.values
             ]
         )
@@ -68,14 +68,14 @@ class TestPosterior:
     def means(self) -> dict[str, float]:
         """Mean difference of each quantity from its stated value."""
         mean = self.draws.weights @ self.values
-        return dict(zip((one.name for one in self.unknowns), mean.tolist(), strict=True))
+        return dict(zip((unknown.name for unknown in self.unknowns), mean.tolist(), strict=True))
 
     @cached_property
     def deviations(self) -> dict[str, float]:
         """Standard deviation of each quantity."""
         spread = self.values - self.draws.weights @ self.values
         deviation = np.sqrt(self.draws.weights @ spread**2)
-        return dict(zip((one.name for one in self.unknowns), deviation.tolist(), strict=True))
+        return dict(zip((unknown.name for unknown in self.unknowns), deviation.tolist(), strict=True))
 
     @cached_property
     def conflicts(self) -> dict[str, float]:
@@ -85,22 +85,22 @@ class TestPosterior:
         variables. A quantity of which the channels show nothing has no conflict.
         """
         shrunk = 1.0 - np.diag(self.fit.covariance)
-        informed = shrunk > _INFORMED
-        score = np.where(informed, self.fit.mode / np.sqrt(np.where(informed, shrunk, 1.0)), 0.0)
-        return dict(zip((one.name for one in self.unknowns), score.tolist(), strict=True))
+        is_informed = shrunk > _INFORMED_SHARE
+        score = np.where(is_informed, self.fit.mode / np.sqrt(np.where(is_informed, shrunk, 1.0)), 0.0)
+        return dict(zip((unknown.name for unknown in self.unknowns), score.tolist(), strict=True))
 
 
-_INFORMED = 0.25  # of the variance a priori, that the channels take away
+_INFORMED_SHARE = 0.25  # of the variance a priori, that the channels take away
 
 
 def infer(circumstances: Circumstances, *, draws: int = DRAWS, seed: int = 0) -> TestPosterior:
     """Infer what is uncertain about a test from all of its channels."""
     unknowns, evidence = list_unknowns(circumstances), collect_evidence(circumstances)
-    fit = _fitted(circumstances, unknowns, evidence)
-    implied = next((one for one in evidence if isinstance(one, ImpliedGroundMotion)), None)
-    if implied is not None and not _is_broad_band(circumstances, unknowns, fit, implied):
-        evidence = tuple(one for one in evidence if one is not implied)
-        fit = _fitted(circumstances, unknowns, evidence)
+    fit = _fit_posterior(circumstances, unknowns, evidence)
+    implied_motion = next((item for item in evidence if isinstance(item, ImpliedGroundMotion)), None)
+    if implied_motion is not None and not _is_broad_band(circumstances, unknowns, fit, implied_motion):
+        evidence = tuple(item for item in evidence if item is not implied_motion)
+        fit = _fit_posterior(circumstances, unknowns, evidence)
     return TestPosterior(
         circumstances=circumstances,
         unknowns=unknowns,
@@ -112,14 +112,14 @@ def infer(circumstances: Circumstances, *, draws: int = DRAWS, seed: int = 0) ->
 
 def favours_frequency(posterior: TestPosterior, frequency: float) -> bool:
     """Return whether the channels are likelier with natural frequencies that are a factor of those stated."""
-    uncertain = next((one for one in posterior.unknowns if one.name == "frequency"), None)
+    uncertain = next((unknown for unknown in posterior.unknowns if unknown.name == "frequency"), None)
     if uncertain is None or not posterior.evidence:
         return True
-    other = replace(uncertain.prior, mean=uncertain.prior.mean + math.log(frequency))
-    circumstances = replace(posterior.circumstances, learned={"frequency": other})
+    shifted_prior = replace(uncertain.prior, mean=uncertain.prior.mean + math.log(frequency))
+    circumstances = replace(posterior.circumstances, learned={"frequency": shifted_prior})
     unknowns = list_unknowns(circumstances)
-    evidence = tuple(replace(one) for one in posterior.evidence)
-    fit = _fitted(circumstances, unknowns, evidence)
+    evidence = tuple(replace(unknown) for unknown in posterior.evidence)
+    fit = _fit_posterior(circumstances, unknowns, evidence)
     return _log_evidence(circumstances, unknowns, evidence, fit) > posterior.log_evidence
 
 
@@ -129,7 +129,7 @@ def log_evidence_ratio(posterior: TestPosterior, slip: Spectrum) -> float:
     `slip`: what it lost [m], shape (p, K).
     """
     circumstances = replace(posterior.circumstances, slip=slip)
-    evidence = tuple(replace(one) for one in posterior.evidence)
+    evidence = tuple(replace(item) for item in posterior.evidence)
     fit = _least_squares(circumstances, posterior.unknowns, evidence, posterior.fit.mode)
     fit.fit(updates=_UPDATES_OF_RATIO, iterations=_STEPS_OF_RATIO)
     return _log_evidence(circumstances, posterior.unknowns, evidence, fit) - posterior.log_evidence
@@ -141,26 +141,26 @@ _UPDATES_OF_RATIO, _STEPS_OF_RATIO = 3, 2
 def collect_evidence(circumstances: Circumstances) -> tuple[Evidence, ...]:
     """Collect the evidence that the channels hold."""
     channels, partition = circumstances.channels, circumstances.partition
-    found: list[Evidence] = []
+    evidence: list[Evidence] = []
     if channels.ground is not None:
-        found.append(EquationOfMotion(channels=channels, partition=partition))
+        evidence.append(EquationOfMotion(channels=channels, partition=partition))
     elif partition.degrees == 1:
-        found.append(ImpliedGroundMotion(channels=channels, partition=partition))
+        evidence.append(ImpliedGroundMotion(channels=channels, partition=partition))
     if circumstances.specimen_force:
-        found.append(SpecimenForce(channels=channels, partition=partition))
-    return tuple(found)
+        evidence.append(SpecimenForce(channels=channels, partition=partition))
+    return tuple(evidence)
 
 
 def experiment_at(circumstances: Circumstances, unknowns: tuple[Unknown, ...], z: Array) -> Experiment:
     """Possible world at standard normal values z, shape (d,)."""
-    experiment = Experiment.of_actuators(circumstances.partition.degrees)
+    experiment = Experiment.as_stated(circumstances.partition.degrees)
     experiment.feedback_lag, experiment.slip = circumstances.feedback_lag, circumstances.slip
-    for one, normal in zip(unknowns, z.tolist(), strict=True):
-        one.quantity.change(experiment, one.prior.value(normal), one.actuator)
+    for unknown, normal in zip(unknowns, z.tolist(), strict=True):
+        unknown.quantity.change(experiment, unknown.prior.value(normal), unknown.actuator)
     return experiment
 
 
-def _fitted(
+def _fit_posterior(
     circumstances: Circumstances, unknowns: tuple[Unknown, ...], evidence: tuple[Evidence, ...]
 ) -> LeastSquares:
     fit = _least_squares(circumstances, unknowns, evidence, np.zeros(len(unknowns)))
@@ -175,7 +175,7 @@ def _log_evidence(
     fit: LeastSquares,
 ) -> float:
     mode = experiment_at(circumstances, unknowns, fit.mode)
-    return sum(one.log_likelihood(mode) for one in evidence) + fit.log_volume
+    return sum(item.log_likelihood(mode) for item in evidence) + fit.log_volume
 
 
 def _least_squares(
@@ -186,16 +186,16 @@ def _least_squares(
 
     def residuals(z: Array) -> Array:
         experiment = world(z)
-        return np.concatenate([np.zeros(0), *(one.whitened(experiment) for one in evidence)])
+        return np.concatenate([np.zeros(0), *(item.whiten(experiment) for item in evidence)])
 
     def update(z: Array) -> None:
         experiment = world(z)
-        for one in evidence:
-            one.update(experiment)
+        for item in evidence:
+            item.update(experiment)
 
     def determinant(z: Array) -> float:
         experiment = world(z)
-        return sum(one.determinant(experiment) for one in evidence)
+        return sum(item.determinant(experiment) for item in evidence)
 
     return LeastSquares(residuals=residuals, update=update, determinant=determinant, start=start)
 
@@ -204,10 +204,10 @@ def _is_broad_band(
     circumstances: Circumstances,
     unknowns: tuple[Unknown, ...],
     fit: LeastSquares,
-    implied: ImpliedGroundMotion,
+    implied_motion: ImpliedGroundMotion,
 ) -> bool:
     """Return whether the implied ground motion is that of an earthquake, which shows a frequency."""
-    for one, z in zip(unknowns, fit.mode, strict=True):
-        if one.name == "frequency" and abs(z) > _FAR:
+    for unknown, z in zip(unknowns, fit.mode, strict=True):
+        if unknown.name == "frequency" and abs(z) > _FAR:
             return False
-    return implied.concentration(experiment_at(circumstances, unknowns, fit.mode)) < _CONCENTRATED
+    return implied_motion.concentration(experiment_at(circumstances, unknowns, fit.mode)) < _CONCENTRATION

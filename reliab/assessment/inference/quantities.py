@@ -7,18 +7,18 @@ from functools import cache
 
 from reliab.assessment.budget.sizes import DEVIATION_OF_HYSTERESIS, Equipment, Source
 from reliab.assessment.inference.experiment import Experiment
-from reliab.assessment.inference.uncertain_quantity import Circumstances, Described, Prior, Quantity, Shape
+from reliab.assessment.inference.uncertain_quantity import Circumstances, Description, Prior, Quantity, Shape
 from reliab.core.vocabulary import MILLI
 from reliab.structures.parts_of_structure import PARTS, is_part, part_and_number
 
-_NONE = 1e-9  # of the stiffness, below which nothing is computed
+_NEGLIGIBLE_STIFFNESS = 1e-9  # of the stiffness, below which nothing is computed
 _MOVING_START = "Record from rest: the error at the first sample is not known."
 _FILTERS = "State the filters of both channels, or use the same on both."
 _FREE_VIBRATION = "Measure the damping ratios by a free vibration, and state their deviations."
-_FELT = "Find out whether the controller used this sensor, and correct the recording if it did not."
+_SENSOR_REMEDY = "Find out whether the controller used this sensor, and correct the recording if it did not."
 
 
-def _added(name: str) -> Callable[[Experiment, float, int], None]:
+def _add_difference(name: str) -> Callable[[Experiment, float, int], None]:
     """Add the difference to a value of the experiment."""
 
     def change(experiment: Experiment, value: float, actuator: int) -> None:  # noqa: ARG001
@@ -27,7 +27,7 @@ def _added(name: str) -> Callable[[Experiment, float, int], None]:
     return change
 
 
-def _added_to_sensor(name: str) -> Callable[[Experiment, float, int], None]:
+def _add_to_sensor(name: str) -> Callable[[Experiment, float, int], None]:
     """Add the difference to the value of an actuator's sensor."""
 
     def change(experiment: Experiment, value: float, actuator: int) -> None:
@@ -36,7 +36,7 @@ def _added_to_sensor(name: str) -> Callable[[Experiment, float, int], None]:
     return change
 
 
-def _multiplied(name: str) -> Callable[[Experiment, float, int], None]:
+def _scale_value(name: str) -> Callable[[Experiment, float, int], None]:
     """Change a value of the experiment by a relative difference."""
 
     def change(experiment: Experiment, value: float, actuator: int) -> None:  # noqa: ARG001
@@ -58,46 +58,51 @@ def _lag_of_further_channel(circumstances: Circumstances, equipment: Equipment) 
     return math.hypot(_skew(circumstances, equipment), equipment.filter_delay_ms / MILLI)
 
 
-def _if_ground(
+def _size_with_ground(
     size: Callable[[Circumstances, Equipment], float],
 ) -> Callable[[Circumstances, Equipment], float]:
-    return lambda known, equipment: 0.0 if known.channels.ground is None else size(known, equipment)
+    return lambda circumstances, equipment: (
+        0.0 if circumstances.channels.ground is None else size(circumstances, equipment)
+    )
 
 
-def _if_force(
+def _size_with_force(
     size: Callable[[Circumstances, Equipment], float],
 ) -> Callable[[Circumstances, Equipment], float]:
-    return lambda known, equipment: size(known, equipment) if known.specimen_force else 0.0
+    return lambda circumstances, equipment: (
+        size(circumstances, equipment) if circumstances.specimen_force else 0.0
+    )
 
 
 def _share(circumstances: Circumstances, equipment: Equipment) -> float:
     """Return the deviation of the share, which can be wrong where part of the stiffness is computed."""
     partition = circumstances.partition
-    shared = abs(partition.numerical_stiffness).max() > _NONE * abs(partition.stiffness).max()
+    shared = abs(partition.numerical_stiffness).max() > _NEGLIGIBLE_STIFFNESS * abs(partition.stiffness).max()
     return equipment.alpha if shared else 0.0
 
 
 def _hysteresis(quantity: Quantity, circumstances: Circumstances) -> Prior | None:
     """Prior of the width: positive where none was corrected, since no reading leads."""
-    stated = circumstances.stated.get(quantity.option)
-    if stated is not None and stated.value:
+    stated_value = circumstances.stated.get(quantity.option)
+    if stated_value is not None and stated_value.value:
         return Prior(
-            deviation=stated.deviation or DEVIATION_OF_HYSTERESIS * stated.value, source=Source.STATED
+            deviation=stated_value.deviation or DEVIATION_OF_HYSTERESIS * stated_value.value,
+            source=Source.STATED,
         )
-    if stated is not None and not stated.deviation:
+    if stated_value is not None and not stated_value.deviation:
         return None  # a calibration found none
-    found = quantity.usual_prior(circumstances)
-    return None if found is None else replace(found, shape=Shape.POSITIVE)
+    prior = quantity.usual_prior(circumstances)
+    return None if prior is None else replace(prior, shape=Shape.POSITIVE)
 
 
 def _scale(quantity: Quantity, circumstances: Circumstances) -> Prior | None:
     """Prior of the sensor's scale, with the deviation that is stated of the command's scale."""
-    found = quantity.usual_prior(circumstances)
-    of_command = circumstances.stated.get("command_scale")
-    if of_command is None or not of_command.deviation:
-        return found
-    of_sensor = found.deviation if found is not None and found.source is Source.STATED else 0.0
-    deviation = math.hypot(of_sensor, of_command.deviation / of_command.value)
+    prior = quantity.usual_prior(circumstances)
+    command_scale = circumstances.stated.get("command_scale")
+    if command_scale is None or not command_scale.deviation:
+        return prior
+    sensor_deviation = prior.deviation if prior is not None and prior.source is Source.STATED else 0.0
+    deviation = math.hypot(sensor_deviation, command_scale.deviation / command_scale.value)
     return Prior(deviation=deviation, source=Source.STATED)
 
 
@@ -107,9 +112,9 @@ QUANTITIES = (
         words="filters of the channels",
         unit="ms",
         remedy=_FILTERS,
-        change=_added_to_sensor("skew"),
+        change=_add_to_sensor("skew"),
         ordinary=lambda _, equipment: equipment.filter_delay_ms / MILLI,
-        per_actuator=True,
+        actuator_specific=True,
         option="filter_delay",
     ),
     Quantity(
@@ -117,9 +122,9 @@ QUANTITIES = (
         words="skew of the channels",
         unit="ms",
         remedy="Feed one signal to both channels (`reliab calibrate`) and give the `skew`.",
-        change=_added_to_sensor("skew"),
+        change=_add_to_sensor("skew"),
         ordinary=_skew,
-        per_actuator=True,
+        actuator_specific=True,
         option="skew",
     ),
     Quantity(
@@ -127,7 +132,7 @@ QUANTITIES = (
         words="damping ratio",
         unit="%",
         remedy="Measure the damping ratio in a free vibration, and state its standard deviation.",
-        change=_multiplied("damping_ratio"),
+        change=_scale_value("damping_ratio"),
         ordinary=lambda _, equipment: equipment.xi,
         shape=Shape.LOGNORMAL,
         option="xi",
@@ -138,7 +143,7 @@ QUANTITIES = (
         words="lag of the fed-back force",
         unit="ms",
         remedy="Measure by how much the force is fed back late, and state it.",
-        change=_added("feedback_lag"),
+        change=_add_difference("feedback_lag"),
         ordinary=lambda _, equipment: equipment.feedback_lag_ms / MILLI,
         option="feedback_lag",
     ),
@@ -147,8 +152,8 @@ QUANTITIES = (
         words="mass of the structure and scale of the load cell",
         unit="%",
         remedy="Calibrate the load cell, and state mass and force to a smaller deviation.",
-        change=_multiplied("force_scale"),
-        ordinary=_if_force(lambda _, equipment: equipment.force_scale),
+        change=_scale_value("force_scale"),
+        ordinary=_size_with_force(lambda _, equipment: equipment.force_scale),
         option="mass",
         relative=True,
     ),
@@ -157,8 +162,8 @@ QUANTITIES = (
         words="lag of the recorded force",
         unit="ms",
         remedy="Measure by how much the force is recorded late, and state it.",
-        change=_added("force_skew"),
-        ordinary=_if_force(_lag_of_further_channel),
+        change=_add_difference("force_skew"),
+        ordinary=_size_with_force(_lag_of_further_channel),
         option="force_lag",
     ),
     Quantity(
@@ -166,23 +171,23 @@ QUANTITIES = (
         words="scale of the ground acceleration",
         unit="%",
         remedy="Record the ground acceleration that the computer applied.",
-        change=_multiplied("ground_scale"),
-        ordinary=_if_ground(lambda _, equipment: equipment.ground_scale),
+        change=_scale_value("ground_scale"),
+        ordinary=_size_with_ground(lambda _, equipment: equipment.ground_scale),
     ),
     Quantity(
         name="ground_skew",  # by which it was recorded later than the command
         words="skew of the ground acceleration",
         unit="ms",
         remedy="Record the ground acceleration at the same instants as the command.",
-        change=_added("ground_skew"),
-        ordinary=_if_ground(_lag_of_further_channel),
+        change=_add_difference("ground_skew"),
+        ordinary=_size_with_ground(_lag_of_further_channel),
     ),
     Quantity(
         name="initial_state",  # error of the command at the first sample
         words="motion before the record",
         unit="mm",
         remedy=_MOVING_START,
-        change=_added("initial_displacement"),
+        change=_add_difference("initial_displacement"),
         ordinary=lambda known, _: known.channels.initial_size,
     ),
     Quantity(
@@ -190,7 +195,7 @@ QUANTITIES = (
         words="motion before the record",
         unit="mm",
         remedy=_MOVING_START,
-        change=_added("initial_velocity"),
+        change=_add_difference("initial_velocity"),
         ordinary=lambda known, _: known.channels.initial_size,
     ),
     Quantity(
@@ -198,15 +203,15 @@ QUANTITIES = (
         words="numerical integration",
         unit="",
         remedy="Compute the numerical part in smaller steps.",
-        change=_added("integration"),
-        ordinary=_if_ground(lambda _, equipment: equipment.integration),
+        change=_add_difference("integration"),
+        ordinary=_size_with_ground(lambda _, equipment: equipment.integration),
     ),
     Quantity(
         name="frequency",  # common factor of all
         words="natural frequency",
         unit="%",
         remedy="Measure the natural frequency in a free vibration, and state its standard deviation.",
-        change=_multiplied("frequency"),
+        change=_scale_value("frequency"),
         ordinary=lambda _, equipment: equipment.f,
         shape=Shape.LOGNORMAL,
         option="f",
@@ -216,9 +221,9 @@ QUANTITIES = (
         name="open_drift",
         words="whether the loop felt the sensor's drift",
         unit="mm",
-        remedy=_FELT,
-        change=_added_to_sensor("drift"),
-        per_actuator=True,
+        remedy=_SENSOR_REMEDY,
+        change=_add_to_sensor("drift"),
+        actuator_specific=True,
         shape=Shape.EITHER,
     ),
     Quantity(
@@ -226,17 +231,17 @@ QUANTITIES = (
         words="whether the command passed the filter of the measured displacement",
         unit="ms",
         remedy=_FILTERS,
-        change=_added_to_sensor("skew"),
-        per_actuator=True,
+        change=_add_to_sensor("skew"),
+        actuator_specific=True,
         shape=Shape.EITHER,
     ),
     Quantity(
         name="open_offset",
         words="whether the loop felt the sensor's offset",
         unit="mm",
-        remedy=_FELT,
-        change=_added_to_sensor("offset"),
-        per_actuator=True,
+        remedy=_SENSOR_REMEDY,
+        change=_add_to_sensor("offset"),
+        actuator_specific=True,
         shape=Shape.EITHER,
     ),
     Quantity(
@@ -244,18 +249,18 @@ QUANTITIES = (
         words="drift of the displacement sensor",
         unit="mm",
         remedy="Record rest before and after the test, which shows the sensor's drift.",
-        change=_added_to_sensor("drift"),
+        change=_add_to_sensor("drift"),
         ordinary=lambda known, _: float(known.channels.drift_size[known.actuator]),
-        per_actuator=True,
+        actuator_specific=True,
     ),
     Quantity(
         name="hysteresis",  # width of the sensor's loop over the span of its motion
         words="hysteresis of the displacement sensor",
         unit="%",
         remedy="Measure the sensor's hysteresis by a slow cycle, and state it.",
-        change=_added_to_sensor("hysteresis"),
+        change=_add_to_sensor("hysteresis"),
         ordinary=lambda _, equipment: equipment.hysteresis,
-        per_actuator=True,
+        actuator_specific=True,
         option="hysteresis",
         special=_hysteresis,
     ),
@@ -264,9 +269,9 @@ QUANTITIES = (
         words="offset of the displacement sensor",
         unit="mm",
         remedy="Record some seconds of rest before the test, which show the sensor's offset.",
-        change=_added_to_sensor("offset"),
+        change=_add_to_sensor("offset"),
         ordinary=lambda known, _: float(known.channels.offset_size[known.actuator]),
-        per_actuator=True,
+        actuator_specific=True,
     ),
     Quantity(
         name="sensor_scale",  # readings over the motion, relative to the scale of the command
@@ -275,7 +280,7 @@ QUANTITIES = (
         remedy="Calibrate the displacement sensor and give its `scale`.",
         change=_scale_of_sensor,
         ordinary=lambda _, equipment: equipment.scale,
-        per_actuator=True,
+        actuator_specific=True,
         option="scale",
         relative=True,
         special=_scale,
@@ -285,7 +290,7 @@ QUANTITIES = (
         words="share of the stiffness",
         unit="%",
         remedy="Measure the specimen's stiffness, and state the deviation of its share.",
-        change=_multiplied("share"),
+        change=_scale_value("share"),
         ordinary=_share,
         option="alpha",
         relative=True,
@@ -350,7 +355,7 @@ class Unknown:
     name: str = ""  # Key in JSON
 
     @property
-    def described(self) -> Described:
+    def described(self) -> Description:
         """The quantity for readers, with its actuator if there are several."""
         return (
             self.quantity
@@ -361,13 +366,17 @@ class Unknown:
 
 def list_unknowns(circumstances: Circumstances) -> tuple[Unknown, ...]:
     """List what is uncertain about a test."""
-    of_parts = [part_of_structure(name) for name in circumstances.tolerances if is_part(name)]
-    found: list[Unknown] = []
-    for quantity in (*QUANTITIES, *of_parts):
-        for actuator in range(circumstances.partition.degrees if quantity.per_actuator else 1):
-            of_actuator = replace(circumstances, actuator=actuator)
-            prior = quantity.prior(of_actuator)
+    part_quantities = [part_of_structure(name) for name in circumstances.tolerances if is_part(name)]
+    unknowns: list[Unknown] = []
+    for quantity in (*QUANTITIES, *part_quantities):
+        for actuator in range(circumstances.partition.degrees if quantity.actuator_specific else 1):
+            actuator_circumstances = replace(circumstances, actuator=actuator)
+            prior = quantity.prior(actuator_circumstances)
             if prior is not None:
-                name = of_actuator.named(quantity.name) if quantity.per_actuator else quantity.name
-                found.append(Unknown(quantity=quantity, prior=prior, actuator=actuator, name=name))
-    return tuple(found)
+                name = (
+                    actuator_circumstances.name_quantity(quantity.name)
+                    if quantity.actuator_specific
+                    else quantity.name
+                )
+                unknowns.append(Unknown(quantity=quantity, prior=prior, actuator=actuator, name=name))
+    return tuple(unknowns)

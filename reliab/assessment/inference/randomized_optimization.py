@@ -21,15 +21,15 @@ from reliab.core.arrays import Array
 _STEP = 1e-2  # of a standard deviation a priori, for derivatives
 _ITERATIONS = 30
 _UPDATES = 4  # of the variances
-_CONVERGED = 0.02  # of a standard deviation a posteriori
+_STEP_TOLERANCE = 0.02  # of a standard deviation a posteriori
 _CHORDS = 12
-_SOLVED = 0.05
-_LOST = 1e6  # standard deviations from its solution, where a draw diverges
+_RESIDUAL_TOLERANCE = 0.05
+_DIVERGENCE_LIMIT = 1e6  # standard deviations from its solution, where a draw diverges
 _ENOUGH = 0.9  # of the draws, that must count for Laplace's approximation to do
 _FEWER = 2  # times fewer draws by optimisation, each of which takes several steps
 _FEWEST = 32.0  # effective draws, below which an approximation is not trusted
 _WALKERS, _FEWEST_WALKERS = 2, 32  # pairs of walkers for each quantity
-_WALKED = 300  # steps of each walker, of which the first half is left out
+_WALKER_STEPS = 300  # steps of each walker, of which the first half is left out
 _LONGEST = 3.0  # standard deviations a priori in one step
 
 
@@ -69,15 +69,15 @@ class LeastSquares:
         """Number d of parameters."""
         return self.start.size
 
-    def stacked(self, z: Array) -> Array:
+    def stack(self, z: Array) -> Array:
         """F(z): residuals and prior, shape (m + d,)."""
         return np.concatenate([self.residuals(z), z + self.slope])
 
     def jacobian(self, z: Array) -> Array:
         """Return the derivative of F, shape (m + d, d)."""
-        value = self.stacked(z)
+        value = self.stack(z)
         return np.stack(
-            [(self.stacked(z + step) - value) / _STEP for step in _STEP * np.eye(self.size)], axis=-1
+            [(self.stack(z + step) - value) / _STEP for step in _STEP * np.eye(self.size)], axis=-1
         )
 
     def fit(self, *, updates: int = _UPDATES, iterations: int = _ITERATIONS) -> None:
@@ -101,18 +101,18 @@ class LeastSquares:
         for _ in range(iterations):
             self.slope = self._slope(z)
             q, r = np.linalg.qr(self.jacobian(z))
-            value = self.stacked(z)
-            along = q.T @ value
-            step = -np.linalg.solve(r, along)
+            value = self.stack(z)
+            projection = q.T @ value
+            step = -np.linalg.solve(r, projection)
             step *= min(1.0, _LONGEST / max(float(np.abs(step).max()), 1e-300))
             cost = float(value @ value)
             for _ in range(8):
-                tried = self.stacked(z + step)
-                if float(tried @ tried) <= cost + 1e-9:
+                candidate = self.stack(z + step)
+                if float(candidate @ candidate) <= cost + 1e-9:
                     break
                 step = 0.5 * step
             z = z + step
-            if np.abs(r @ step).max() < _CONVERGED:
+            if np.abs(r @ step).max() < _STEP_TOLERANCE:
                 break
         return z
 
@@ -140,27 +140,27 @@ class LeastSquares:
         moves = [(emcee.moves.DEMove(), 0.8), (emcee.moves.DESnookerMove(), 0.2)]
         sampler = emcee.EnsembleSampler(walkers, self.size, self.log_density, moves=moves)
         start = emcee.State(begin, random_state=np.random.RandomState(seed).get_state())
-        sampler.run_mcmc(start, _WALKED)
-        chain = sampler.get_chain(discard=_WALKED // 2, flat=True)
+        sampler.run_mcmc(start, _WALKER_STEPS)
+        chain = sampler.get_chain(discard=_WALKER_STEPS // 2, flat=True)
         values = chain[np.linspace(0, len(chain) - 1, count).astype(int)]
         return Draws(values=values, weights=np.full(count, 1.0 / count))
 
     def _draw(self, normals: Array, *, chords: int) -> Draws:
         """Draw by Laplace's approximation, or by optimisation with up to a number of steps for each draw."""
-        start = self._q.T @ self.stacked(self.mode)
+        start = self._q.T @ self.stack(self.mode)
         inverse = np.linalg.inv(self._r)
         values = self.mode + normals @ inverse.T
         weights = np.empty(len(normals))
         for row, normal in enumerate(normals):
-            value = self.stacked(values[row])
+            value = self.stack(values[row])
             for _ in range(chords):
-                missed = self._q.T @ value - start - normal
-                if not _SOLVED < np.abs(missed).max() < _LOST:
+                residual = self._q.T @ value - start - normal
+                if not _RESIDUAL_TOLERANCE < np.abs(residual).max() < _DIVERGENCE_LIMIT:
                     break
-                values[row] -= inverse @ missed
-                value = self.stacked(values[row])
-            proposed = float(np.sum((self._q.T @ value) ** 2)) if chords else float(normal @ normal)
-            weights[row] = -0.5 * (float(value @ value) - proposed)
+                values[row] -= inverse @ residual
+                value = self.stack(values[row])
+            cost = float(np.sum((self._q.T @ value) ** 2)) if chords else float(normal @ normal)
+            weights[row] = -0.5 * (float(value @ value) - cost)
         weights = np.exp(np.where(np.isfinite(weights), weights - np.nanmax(weights), -np.inf))
         return Draws(values=values, weights=weights / weights.sum())
 

@@ -41,31 +41,31 @@ def rebuild(channels: ChannelSpectra, partition: Partition, experiment: Experime
     structure = experiment.structure(partition)
     response = respond(structure, channels.band)
     displacement = experiment.displacement(channels)
-    difference = channels.at_interface - experiment.late(displacement, channels)
-    error = _moved(response, difference)
+    difference = channels.interface_command - experiment.late(displacement, channels)
+    error = _interface_motion(response, difference)
     if experiment.initial_displacement or experiment.initial_velocity:
         error = error + _free_vibration(structure, experiment, channels.band.s)
     stood = np.multiply.outer(channels.standing, channels.constant)
     return RebuiltResponse(
-        exact=channels.at_interface - error, displacement=displacement + stood, response=response
+        exact=channels.interface_command - error, displacement=displacement + stood, response=response
     )
 
 
-def _moved(response: StructureResponse, difference: Spectrum) -> Spectrum:
+def _interface_motion(response: StructureResponse, difference: Spectrum) -> Spectrum:
     """H Z (x_c − x_f), shape (p, K)."""
     if response.impedance.shape[-1] == 1:
         return np.asarray(response.compliance[:, 0].T * response.impedance[:, 0].T * difference)
-    moved = response.compliance @ (response.impedance @ difference.T[..., np.newaxis])
-    return np.asarray(moved[..., 0].T)
+    structure_motion = response.compliance @ (response.impedance @ difference.T[..., np.newaxis])
+    return np.asarray(structure_motion[..., 0].T)
 
 
 def _free_vibration(structure: Partition, experiment: Experiment, s: Spectrum) -> Spectrum:
     """Error of the command [m], shape (p, K), that dies out from the first sample in the lowest mode."""
-    frequencies, ratios, moved = structure.modes
+    frequencies, ratios, shapes = structure.modes
     omega, ratio = 2.0 * np.pi * float(frequencies[0]), float(ratios[0])
     begin, rate = experiment.initial_displacement, omega * experiment.initial_velocity
     decaying = ((s + 2.0 * ratio * omega) * begin + rate) / (s**2 + 2.0 * ratio * omega * s + omega**2)
-    shape = moved[:, 0] / np.abs(moved[:, 0]).max()
+    shape = shapes[:, 0] / np.abs(shapes[:, 0]).max()
     return np.asarray(shape[:, np.newaxis] * decaying)
 
 

@@ -44,7 +44,7 @@ class StructureResponse:
         return np.asarray(1.0 / self.compliance if single else np.linalg.inv(self.compliance))
 
     @cached_property
-    def moved_mass(self) -> Spectrum:
+    def ground_load(self) -> Spectrum:
         """Forces at the interface that hold it against unit ground accelerations, H⁻¹h [kg], shape (K, p)."""
         return np.asarray((self.stiffness @ self.ground[..., np.newaxis])[..., 0])
 
@@ -65,29 +65,36 @@ def respond(partition: Partition, frequencies: Frequencies) -> StructureResponse
             ground=(gamma * mass * float(partition.influence[0]) * dynamic)[:, np.newaxis],
             impedance=impedance,
         )
-    whole = partition.nonsingular_form
-    inputs = np.column_stack([whole.interface, whole.mass @ whole.influence])
-    answers = _by_poles(whole, s, whole.interface.T, inputs)
+    full_structure = partition.nonsingular_form
+    inputs = np.column_stack([full_structure.interface, full_structure.mass @ full_structure.influence])
+    answers = _respond_by_poles(full_structure, s, full_structure.interface.T, inputs)
     return StructureResponse(
         compliance=answers[..., :-1], ground=np.ascontiguousarray(answers[..., -1]), impedance=impedance
     )
 
 
-def _by_poles(whole: Partition, s: Spectrum, outputs: Array, inputs: Array) -> Spectrum:
+def _respond_by_poles(structure: Partition, s: Spectrum, outputs: Array, inputs: Array) -> Spectrum:
     """Return outputs (M s² + C s + K)⁻¹ inputs, shape (K, outputs, inputs)."""
-    size = whole.size
-    inverse = np.linalg.inv(whole.mass)
+    size = structure.size
+    inverse = np.linalg.inv(structure.mass)
     system = np.block(
-        [[np.zeros((size, size)), np.eye(size)], [-inverse @ whole.stiffness, -inverse @ whole.damping]]
+        [
+            [np.zeros((size, size)), np.eye(size)],
+            [-inverse @ structure.stiffness, -inverse @ structure.damping],
+        ]
     )
     poles, shapes = scipy.linalg.eig(system)
     if np.linalg.cond(shapes) > _WORST_CONDITION:
-        at = s[:, np.newaxis, np.newaxis]
+        frequencies = s[:, np.newaxis, np.newaxis]
         return np.asarray(
-            outputs @ np.linalg.solve(at**2 * whole.mass + at * whole.damping + whole.stiffness, inputs)
+            outputs
+            @ np.linalg.solve(
+                frequencies**2 * structure.mass + frequencies * structure.damping + structure.stiffness,
+                inputs,
+            )
         )
     driven = np.linalg.solve(shapes, np.vstack([np.zeros_like(inputs), inverse @ inputs]))
-    seen = outputs @ shapes[:size]
-    residues = np.einsum("om,mi->moi", seen, driven)
+    output_shapes = outputs @ shapes[:size]
+    residues = np.einsum("om,mi->moi", output_shapes, driven)
     answers = 1.0 / (s[:, np.newaxis] - poles) @ residues.reshape(len(poles), -1)
     return np.asarray(answers.reshape(len(s), *residues.shape[1:]))

@@ -80,7 +80,7 @@ class Circumstances:
     left_by_faults: Mapping[str, float] = field(default_factory=dict)
     actuator: int = 0  # Whose quantities are asked for
 
-    def named(self, name: str) -> str:
+    def name_quantity(self, name: str) -> str:
         """Name a quantity of the actuator, with its number if there are several."""
         return f"{name}_{self.actuator + 1}" if self.partition.degrees > 1 else name
 
@@ -90,16 +90,16 @@ def _nothing(circumstances: Circumstances, equipment: Equipment) -> float:  # no
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Described:
+class Description:
     """Something that is not known exactly, for readers."""
 
     words: str  # What it is
     unit: str  # In which its size is shown; empty where none is
     remedy: str  # What would reduce its uncertainty, a sentence
 
-    def describe_for_actuator(self, number: int) -> "Described":
+    def describe_for_actuator(self, number: int) -> "Description":
         """Describe the same of one of several actuators."""
-        return Described(words=f"{self.words} of actuator {number}", unit=self.unit, remedy=self.remedy)
+        return Description(words=f"{self.words} of actuator {number}", unit=self.unit, remedy=self.remedy)
 
     @property
     def factor(self) -> float:
@@ -108,14 +108,14 @@ class Described:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Quantity(Described):
+class Quantity(Description):
     """An uncertain quantity."""
 
     name: str  # Key in JSON
     change: Callable[[Experiment, float, int], None]  # Change a world by its difference from the stated value
     # Its standard deviation with ordinary equipment; zero if only faults leave it open
     ordinary: Callable[[Circumstances, Equipment], float] = _nothing
-    per_actuator: bool = False  # Whether every actuator has its own
+    actuator_specific: bool = False  # Whether every actuator has its own
     shape: Shape = Shape.NORMAL
     option: str = ""  # Name under which a user states it
     relative: bool = False  # Whether its deviation is relative to the stated value
@@ -132,15 +132,15 @@ class Quantity(Described):
             return circumstances.learned[self.name]
         if (tolerance := circumstances.tolerances.get(self.name)) is not None:
             return Prior(deviation=tolerance, source=Source.STATED, shape=self.shape) if tolerance else None
-        stated = circumstances.stated.get(self.option)
-        if stated is not None and stated.deviation:
-            size = abs(stated.value) if self.relative else MILLI if self.unit == "ms" else 1.0
+        stated_value = circumstances.stated.get(self.option)
+        if stated_value is not None and stated_value.deviation:
+            size = abs(stated_value.value) if self.relative else MILLI if self.unit == "ms" else 1.0
             return (
-                Prior(deviation=stated.deviation / size, source=Source.STATED, shape=self.shape)
+                Prior(deviation=stated_value.deviation / size, source=Source.STATED, shape=self.shape)
                 if size
                 else None
             )
-        name = circumstances.named(self.name) if self.per_actuator else self.name
-        added = circumstances.left_by_faults.get(name, 0.0)
-        deviation = math.hypot(self.ordinary(circumstances, circumstances.equipment), added)
+        name = circumstances.name_quantity(self.name) if self.actuator_specific else self.name
+        fault_deviation = circumstances.left_by_faults.get(name, 0.0)
+        deviation = math.hypot(self.ordinary(circumstances, circumstances.equipment), fault_deviation)
         return Prior(deviation=deviation, shape=self.shape) if deviation > 0.0 else None

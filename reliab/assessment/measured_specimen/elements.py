@@ -25,10 +25,10 @@ from numpy.typing import NDArray
 
 from reliab.assessment.measured_specimen.hysteresis import (
     TRAITS,
-    from_reversals,
+    follow_reversals,
+    load_towards_peaks,
     smooth_pinched,
     strut,
-    towards_peaks,
 )
 from reliab.assessment.rebuilt_error.recursion import Recursion, advance
 from reliab.core.arrays import Array
@@ -36,7 +36,7 @@ from reliab.core.compiled import compiled
 
 _FAR = 10.0  # times the largest displacement, beyond which nothing yields
 _LINEAR = 1e6  # times the largest displacement: an elastic-plastic spring that never yields
-_BOUNDED = 1e3  # times the largest command, within which a response stays
+_RESPONSE_LIMIT = 1e3  # times the largest command, within which a response stays
 _STATES = 6
 _SLOW = 1e-3  # of the largest speed, below which a dashpot is linear
 _FINER = 1.012  # ratio of sizes below which two elements are one
@@ -66,23 +66,29 @@ class Kind(IntEnum):
     STRUT = 18
 
 
-_SCALED: Final = frozenset(Kind) - {Kind.CONSTANT, Kind.CUBIC, Kind.QUINTIC, Kind.DASHPOT, Kind.MULLINS}
+_SCALABLE_KINDS: Final = frozenset(Kind) - {
+    Kind.CONSTANT,
+    Kind.CUBIC,
+    Kind.QUINTIC,
+    Kind.DASHPOT,
+    Kind.MULLINS,
+}
 """Kinds whose size is refined."""
 
 
 @compiled
-def _smooth(size: float, shape: float, moved: float, state: Array) -> float:
+def _smooth(size: float, shape: float, increment: float, state: Array) -> float:
     """Unload elastically, and yield by dz/dx = 1 − z (shape 1) or 1 − z² (shape 2), solved exactly."""
-    sign = 1.0 if moved > 0.0 else -1.0
-    force, left = sign * state[0], abs(moved) / size
+    sign = 1.0 if increment > 0.0 else -1.0
+    force, remainder = sign * state[0], abs(increment) / size
     if force < 0.0:
-        unloaded = min(left, -force)
-        force, left = force + unloaded, left - unloaded
-    if left > 0.0:
+        unloading = min(remainder, -force)
+        force, remainder = force + unloading, remainder - unloading
+    if remainder > 0.0:
         if shape == 1.0:
-            force = 1.0 - (1.0 - force) * np.exp(-left)
+            force = 1.0 - (1.0 - force) * np.exp(-remainder)
         else:
-            way = np.tanh(left)
+            way = np.tanh(remainder)
             force = (force + way) / (1.0 + force * way)
     state[0] = sign * force
     return float(state[0] * size)
@@ -94,7 +100,7 @@ def _advance(  # noqa: C901, PLR0911, PLR0912 - one branch for each kind of elem
     size: float,
     shape: float,
     position: float,
-    moved: float,
+    increment: float,
     velocity: float,
     step: float,
     weakness: float,
@@ -108,7 +114,7 @@ def _advance(  # noqa: C901, PLR0911, PLR0912 - one branch for each kind of elem
     dashpot gives its size [m/s].
     """
     if kind in (Kind.ELASTIC_PLASTIC, Kind.WEAKENING):
-        state[0] = min(max(state[0] + moved, -size), size)
+        state[0] = min(max(state[0] + increment, -size), size)
         return float(state[0] * weakness if kind == Kind.WEAKENING else state[0])
     if kind == Kind.CUBIC:
         return position**3 / size**2
@@ -118,7 +124,7 @@ def _advance(  # noqa: C901, PLR0911, PLR0912 - one branch for each kind of elem
         relative = velocity / speed
         return float(size * relative * max(abs(relative), _SLOW) ** (shape - 1.0))
     if kind == Kind.MAXWELL:
-        state[0] = state[0] * np.exp(-step / size) + moved
+        state[0] = state[0] * np.exp(-step / size) + increment
         return float(state[0])
     if kind == Kind.GAP:
         return position - min(max(position, -size), size)
@@ -127,7 +133,7 @@ def _advance(  # noqa: C901, PLR0911, PLR0912 - one branch for each kind of elem
     if kind == Kind.GAP_BELOW:
         return min(position + size, 0.0)
     if kind == Kind.SMOOTH:
-        return _smooth(size, shape, moved, state)
+        return _smooth(size, shape, increment, state)
     if kind == Kind.SOFTENING:
         state[1] = max(state[1], abs(position))
         return float(position * min(1.0, size / state[1])) if state[1] > 0.0 else 0.0
@@ -136,49 +142,53 @@ def _advance(  # noqa: C901, PLR0911, PLR0912 - one branch for each kind of elem
         gap = size * state[1]
         return float(position - min(max(position, -gap), gap))
     if kind == Kind.PEAK_ORIENTED:
-        return _peak_oriented(size, position, moved, state)
+        return _peak_oriented(size, position, increment, state)
     if kind == Kind.MULLINS:
         state[1] = max(state[1], abs(position))
         return float(position * (abs(position) / state[1]) ** shape) if state[1] > 0.0 else 0.0
     if kind == Kind.SMOOTH_PINCHED:
-        return smooth_pinched(size, traits, moved, state)
+        return smooth_pinched(size, traits, increment, state)
     if kind == Kind.TOWARDS_PEAKS:
-        return towards_peaks(size, traits, position, moved, state)
+        return load_towards_peaks(size, traits, position, increment, state)
     if kind == Kind.FROM_REVERSALS:
-        return from_reversals(size, traits, position, moved, state)
+        return follow_reversals(size, traits, position, increment, state)
     if kind == Kind.STRUT:
-        return strut(size, traits, position, moved, state)
+        return strut(size, traits, position, increment, state)
     return size
 
 
 @compiled
-def _peak_oriented(size: float, position: float, moved: float, state: Array) -> float:
+def _peak_oriented(size: float, position: float, increment: float, state: Array) -> float:
     """Elastic unloading, and loading towards the largest excursion so far, up to the yield displacement."""
     if state[1] == 0.0:
         state[1], state[2] = size, -size
-    resisted, before = state[0], position - moved
-    if moved * resisted < 0.0:
-        unloaded = resisted + moved
-        resisted = unloaded if unloaded * resisted > 0.0 else 0.0
-    elif moved != 0.0:
-        sign = 1.0 if moved > 0.0 else -1.0
-        left = sign * ((state[1] if moved > 0.0 else state[2]) - before)
-        missing = size - sign * resisted
-        slope = min(1.0, max(missing, 0.0) / left) if left > 1e-12 * size else (1.0 if missing > 0.0 else 0.0)
-        resisted = min(max(resisted + slope * moved, -size), size)
+    force, start = state[0], position - increment
+    if increment * force < 0.0:
+        unloaded_force = force + increment
+        force = unloaded_force if unloaded_force * force > 0.0 else 0.0
+    elif increment != 0.0:
+        sign = 1.0 if increment > 0.0 else -1.0
+        distance = sign * ((state[1] if increment > 0.0 else state[2]) - start)
+        missing = size - sign * force
+        slope = (
+            min(1.0, max(missing, 0.0) / distance)
+            if distance > 1e-12 * size
+            else (1.0 if missing > 0.0 else 0.0)
+        )
+        force = min(max(force + slope * increment, -size), size)
     state[1], state[2] = max(state[1], position), min(state[2], position)
-    state[0] = resisted
-    return float(resisted)
+    state[0] = force
+    return float(force)
 
 
 @compiled
-def _velocity(now: float, before: float, earlier: float, step: float, place: int) -> float:
+def _velocity(now: float, previous: float, earlier: float, step: float, place: int) -> float:
     """Velocity at the end of a step [m/s], from this and the two former displacements."""
     if place == 0:
         return 0.0
     if place == 1:
-        return (now - before) / step
-    return (3.0 * now - 4.0 * before + earlier) / (2.0 * step)
+        return (now - previous) / step
+    return (3.0 * now - 4.0 * previous + earlier) / (2.0 * step)
 
 
 @compiled
@@ -188,7 +198,7 @@ def _weakness(kind: int, shape: float, weakness: float) -> float:
 
 
 @compiled
-def _along(
+def _follow_path(
     kinds: NDArray[np.int64],
     sizes: Array,
     shapes: Array,
@@ -196,7 +206,7 @@ def _along(
     speed: float,
     path: Array,
     step: float,
-    used: Array,
+    energy_share: Array,
 ) -> Array:
     """Displacements of elements along a path [m], shape (elements, n)."""
     answer = np.empty((kinds.size, path.size))
@@ -204,18 +214,18 @@ def _along(
         state = np.zeros(_STATES)
         kind, shape = kinds[element], shapes[element]
         for i in range(path.size):
-            before = path[i - 1] if i > 0 else 0.0
+            previous = path[i - 1] if i > 0 else 0.0
             earlier = path[i - 2] if i > 1 else 0.0
-            velocity = _velocity(path[i], before, earlier, step, i)
+            velocity = _velocity(path[i], previous, earlier, step, i)
             answer[element, i] = _advance(
                 kind,
                 sizes[element],
                 shape,
                 path[i],
-                path[i] - before,
+                path[i] - previous,
                 velocity,
                 step,
-                _weakness(kind, shape, used[i]),
+                _weakness(kind, shape, energy_share[i]),
                 traits[element],
                 speed,
                 state,
@@ -232,9 +242,9 @@ def _respond(
     coefficients: Array,
     speed: float,
     command: Array,
-    felt: Array,
+    test_force: Array,
     step: float,
-    used: Array,
+    energy_share: Array,
     transition: Array,
     early: Array,
     late: Array,
@@ -243,22 +253,22 @@ def _respond(
     """Exact response [m]; see `Elements.respond`."""
     states = np.zeros((kinds.size, _STATES))
     answer = np.empty(command.size)
-    held, scratch = np.zeros(early.shape[0]), np.zeros(early.shape[0])
+    state, scratch = np.zeros(early.shape[0]), np.zeros(early.shape[0])
     forces = np.zeros((1, 2))
-    wrong, wrong_before, before, earlier = 0.0, 0.0, 0.0, 0.0
-    limit = _BOUNDED * np.abs(command).max()
+    wrong, wrong_before, previous, earlier = 0.0, 0.0, 0.0, 0.0
+    limit = _RESPONSE_LIMIT * np.abs(command).max()
     for i in range(command.size):
         foreseen = 2.0 * wrong - wrong_before if i > 1 else wrong
         if i > 0:
             forces[0, 0], forces[0, 1] = wrong, foreseen
-            advance((0,), transition, early, late, forces, 1, held, scratch)
+            advance((0,), transition, early, late, forces, 1, state, scratch)
         now = command[i]
-        for row in range(held.size):
-            now -= output[row] * held[row]
+        for row in range(state.size):
+            now -= output[row] * state[row]
         if not abs(now) <= limit:  # diverges; some elements take the longer the farther they are moved
             answer[i:] = np.nan
             return answer
-        velocity = _velocity(now, before, earlier, step, i)
+        velocity = _velocity(now, previous, earlier, step, i)
         force = 0.0
         for element in range(kinds.size):
             kind, shape = kinds[element], shapes[element]
@@ -267,19 +277,19 @@ def _respond(
                 sizes[element],
                 shape,
                 now,
-                now - before,
+                now - previous,
                 velocity,
                 step,
-                _weakness(kind, shape, used[i]),
+                _weakness(kind, shape, energy_share[i]),
                 traits[element],
                 speed,
                 states[element],
             )
         answer[i] = now
-        earlier, before = before, now
-        wrong_before, wrong = wrong, force - felt[i]
+        earlier, previous = previous, now
+        wrong_before, wrong = wrong, force - test_force[i]
         if i > 0:
-            held += late * (wrong - foreseen)
+            state += late * (wrong - foreseen)
     return answer
 
 
@@ -298,20 +308,28 @@ class Elements:
         if not self.traits.size:
             object.__setattr__(self, "traits", np.zeros((self.kinds.size, TRAITS)))
 
-    def along(self, path: Array, step: float, used: Array) -> Array:
-        """Displacements of the elements along a path [m], shape (elements, n); `used`: energy so far [-]."""
+    def follow_path(self, path: Array, step: float, energy_share: Array) -> Array:
+        """Displacements along a path [m], shape (elements, n); `energy_share`: energy so far [-]."""
         return np.asarray(
-            _along(self.kinds, self.sizes, self.shapes, self.traits, self.speed, path, step, used)
+            _follow_path(
+                self.kinds, self.sizes, self.shapes, self.traits, self.speed, path, step, energy_share
+            )
         )
 
     def respond(
-        self, coefficients: Array, command: Array, felt: Array, step: float, used: Array, numerical: Recursion
+        self,
+        coefficients: Array,
+        command: Array,
+        test_force: Array,
+        step: float,
+        energy_share: Array,
+        numerical: Recursion,
     ) -> Array:
         """Response that a perfect actuator would have given [m], shape (n,).
 
         M g'' + C g' + K g = γ (f[y] − f[x_m]), y = x_c − γᵀg, with the force at the end of each step foreseen
-        along a straight line, and put right once it is known. `felt` is f[x_m] [N], `numerical` the recursion
-        of the numerical substructure from force to γᵀg.
+        along a straight line, and put right once it is known. `test_force` is f[x_m] [N], `numerical` the
+        recursion of the numerical substructure from force to γᵀg.
         """
         return np.asarray(
             _respond(
@@ -322,9 +340,9 @@ class Elements:
                 coefficients,
                 self.speed,
                 command,
-                felt,
+                test_force,
                 step,
-                used,
+                energy_share,
                 numerical.transition,
                 numerical.early,
                 numerical.late,
@@ -332,36 +350,36 @@ class Elements:
             )
         )
 
-    def only(self, chosen: NDArray[np.bool_] | NDArray[np.int64]) -> "Elements":
+    def only(self, selection: NDArray[np.bool_] | NDArray[np.int64]) -> "Elements":
         """Only some of the elements."""
         return Elements(
-            kinds=self.kinds[chosen],
-            sizes=self.sizes[chosen],
-            shapes=self.shapes[chosen],
+            kinds=self.kinds[selection],
+            sizes=self.sizes[selection],
+            shapes=self.shapes[selection],
             speed=self.speed,
-            traits=self.traits[chosen],
+            traits=self.traits[selection],
         )
 
-    def with_law(self, law: "Elements") -> "Elements":
+    def replace_law(self, law: "Elements") -> "Elements":
         """Put another size and other traits in the place of the law of the same kind."""
-        at = self.kinds == law.kinds
+        is_law = self.kinds == law.kinds
         return replace(
             self,
-            sizes=np.where(at, law.sizes, self.sizes),
-            traits=np.where(at[:, np.newaxis], law.traits, self.traits),
+            sizes=np.where(is_law, law.sizes, self.sizes),
+            traits=np.where(is_law[:, np.newaxis], law.traits, self.traits),
         )
 
-    def beside(self, others: "Elements") -> "Elements":
+    def append(self, additions: "Elements") -> "Elements":
         """Put others beside these elements."""
         return Elements(
-            kinds=np.concatenate([self.kinds, others.kinds]),
-            sizes=np.concatenate([self.sizes, others.sizes]),
-            shapes=np.concatenate([self.shapes, others.shapes]),
+            kinds=np.concatenate([self.kinds, additions.kinds]),
+            sizes=np.concatenate([self.sizes, additions.sizes]),
+            shapes=np.concatenate([self.shapes, additions.shapes]),
             speed=self.speed,
-            traits=np.vstack([self.traits, others.traits]),
+            traits=np.vstack([self.traits, additions.traits]),
         )
 
-    def refined(self, coefficients: Array, ratio: float, largest: float) -> "Elements":
+    def refine(self, coefficients: Array, ratio: float, largest: float) -> "Elements":
         """Elements that bear a part, and beside each of them one smaller and one larger by a ratio.
 
         `largest` displacement [m]: what is far beyond it never yields, and has no size.
@@ -373,7 +391,9 @@ class Elements:
             )
             if coefficient > 0.0
             for factor in (
-                (1.0 / ratio, 1.0, ratio) if Kind(kind) in _SCALED and 0.0 < size < _FAR * largest else (1.0,)
+                (1.0 / ratio, 1.0, ratio)
+                if Kind(kind) in _SCALABLE_KINDS and 0.0 < size < _FAR * largest
+                else (1.0,)
             )
         ]
         return _elements(rows, self.speed)
@@ -422,21 +442,21 @@ def elements_of_family(name: str, displacement: float, speed: float) -> Elements
     if name == LINEAR:
         return _elements(list(_linear(displacement)), speed)
     if name == "laws":
-        return _elements(list(_beside_laws(displacement)), speed)
+        return _elements(list(_laws_base(displacement)), speed)
     rows = list(_plain(displacement))
     if name in {"gaps", "all"}:
         rows += _gaps(displacement)
     if name in {"smooth", "memory", "all"}:
         rows += [(Kind.SMOOTH, x * displacement, n) for x in _YIELDS_OF_OTHERS for n in (1.0, 2.0)]
     if name in {"memory", "all"}:
-        rows += _with_memory(displacement)
+        rows += _memory_elements(displacement)
     if name == "all":
         yields = [*(x * displacement for x in _YIELDS_OF_OTHERS), _LINEAR * displacement]
         rows += [(Kind.WEAKENING, size, shape) for size in yields for shape in (0.0, 1.0)]
     return _elements(rows, speed)
 
 
-def with_traits(kind: Kind, size: float, traits: Array, speed: float) -> Elements:
+def law_with_traits(kind: Kind, size: float, traits: Array, speed: float) -> Elements:
     """One law of hysteresis."""
     return Elements(
         kinds=np.array([kind], dtype=np.int64),
@@ -454,7 +474,7 @@ def _linear(displacement: float) -> Iterator[tuple[int, float, float]]:
         yield Kind.CONSTANT, sign * displacement, 0.0
 
 
-def _beside_laws(displacement: float) -> Iterator[tuple[int, float, float]]:
+def _laws_base(displacement: float) -> Iterator[tuple[int, float, float]]:
     yield from _linear(displacement)
     for kind in (Kind.CUBIC, Kind.QUINTIC):
         yield kind, displacement, 0.0
@@ -484,7 +504,7 @@ def _gaps(displacement: float) -> Iterator[tuple[int, float, float]]:
             yield kind, share * displacement, 0.0
 
 
-def _with_memory(displacement: float) -> Iterator[tuple[int, float, float]]:
+def _memory_elements(displacement: float) -> Iterator[tuple[int, float, float]]:
     for share in _YIELDS_OF_OTHERS:
         for kind in (Kind.SOFTENING, Kind.PEAK_ORIENTED):
             yield kind, share * displacement, 0.0

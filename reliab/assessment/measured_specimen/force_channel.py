@@ -33,23 +33,23 @@ class ForceChannel:
     @classmethod
     def parse(cls, texts: Iterable[str]) -> "ForceChannel":
         """Read what is stated: "lag_ms=2±0.5", "attached_kg=12±1", "friction_n=40±20"."""
-        names, found = [field.name for field in fields(cls)], {}
+        names, values = [field.name for field in fields(cls)], {}
         for text in texts:
             name, _, value = text.partition("=")
-            if name not in names or name in found:
+            if name not in names or name in values:
                 raise InputError(
                     "A `force_channel` states the force's lag, attached mass or friction, each once",
                     value=repr(text),
                     remedy="Write lag_ms=2±0.5, attached_kg=12±1 or friction_n=40±20",
                 )
-            found[name] = StatedValue.parse(value, name)
-            if found[name].value < 0.0 and name != "lag_ms":
+            values[name] = StatedValue.parse(value, name)
+            if values[name].value < 0.0 and name != "lag_ms":
                 raise InputError(
                     "Attached mass and friction are not negative",
                     value=repr(text),
                     remedy="Write attached_kg=12±1 or friction_n=40±20",
                 )
-        return cls(**found)
+        return cls(**values)
 
     @property
     def silent(self) -> bool:
@@ -64,8 +64,8 @@ class ForceChannel:
     @property
     def deviations(self) -> Array:
         """Standard deviations of the values, shape (3,)."""
-        stated = (self.lag_ms.deviation / MILLI, self.attached_kg.deviation, self.friction_n.deviation)
-        return np.array(stated)
+        deviations = (self.lag_ms.deviation / MILLI, self.attached_kg.deviation, self.friction_n.deviation)
+        return np.array(deviations)
 
 
 def columns_of_channel(force: Array, displacement: Array, step: float) -> Array:

@@ -78,27 +78,27 @@ STRUT_TRAITS: Final = (
 
 _NEAREST = 0.05  # yield displacements, by which the line of yielding is away at least
 _GONE = 30.0  # power of e to which nothing is left
-_REACHED = 1e-9  # yield displacements from a peak at which it is reached
+_REACH_TOLERANCE = 1e-9  # yield displacements from a peak at which it is reached
 _LARGEST_PART = 0.3  # of its yield displacement, by which an element goes on at once
 
 
 @compiled
-def smooth_pinched(size: float, traits: Array, moved: float, state: Array) -> float:
+def smooth_pinched(size: float, traits: Array, increment: float, state: Array) -> float:
     """Baber and Noori; `state` holds force and energy, over size and its square."""
-    exponent, weak, lost, softened = traits[0], traits[1], traits[2], traits[3]
-    parts = int(abs(moved) / (_LARGEST_PART * size)) + 1
-    part = moved / size / parts
+    exponent, weak, strength_loss, softening = traits[0], traits[1], traits[2], traits[3]
+    parts = int(abs(increment) / (_LARGEST_PART * size)) + 1
+    part = increment / size / parts
     for _ in range(parts):
         force, energy = state[0], state[1]
         sign = 1.0 if part > 0.0 else -1.0
-        limit = (weak if force < 0.0 else 1.0) / (1.0 + lost * energy)
-        reached = min(abs(force) / limit, 1.0) ** exponent
-        left = 1.0 - reached if part * force > 0.0 else 1.0 - reached * 0.5 * (1.0 - traits[9])
-        slip = traits[4] * (1.0 - _decayed(traits[5] * energy))
+        limit = (weak if force < 0.0 else 1.0) / (1.0 + strength_loss * energy)
+        force_share = min(abs(force) / limit, 1.0) ** exponent
+        stiffness = 1.0 - force_share if part * force > 0.0 else 1.0 - force_share * 0.5 * (1.0 - traits[9])
+        slip = traits[4] * (1.0 - _decay(traits[5] * energy))
         width = (traits[7] + traits[8] * energy) * (traits[10] + slip)
         away = (force * sign - traits[6] * limit) / width
-        pinch = 1.0 - slip * _decayed(away * away)
-        now = force + part * left * pinch / (1.0 + softened * energy)
+        pinch = 1.0 - slip * _decay(away * away)
+        now = force + part * stiffness * pinch / (1.0 + softening * energy)
         now = min(max(now, -limit if force < 0.0 else now), limit if force >= 0.0 else now)
         state[0] = now
         state[1] = energy + max(0.5 * (now + force) * part, 0.0)
@@ -106,68 +106,75 @@ def smooth_pinched(size: float, traits: Array, moved: float, state: Array) -> fl
 
 
 @compiled
-def _decayed(power: float) -> float:
+def _decay(power: float) -> float:
     """E to the minus a power, without the library's cost where nothing is left."""
     return 0.0 if power > _GONE else 2.718281828459045**-power
 
 
 @compiled
-def towards_peaks(size: float, traits: Array, position: float, moved: float, state: Array) -> float:
+def load_towards_peaks(size: float, traits: Array, position: float, increment: float, state: Array) -> float:
     """Ibarra, Medina and Krawinkler; `state`: force, energy, places and forces of both peaks, over size."""
     weak, softest = traits[0], traits[10]
     if state[2] == 0.0:
         state[2], state[4], state[3], state[5] = 1.0, 1.0, -weak, -weak
-    now, part = position / size, moved / size
-    force, before = state[0], (position - moved) / size
+    now, part = position / size, increment / size
+    force, start = state[0], (position - increment) / size
     strength = 1.0 / (1.0 + traits[3] * state[1])
     strength_negative = weak / (1.0 + traits[4] * state[1])
     if part * force < 0.0:
         far = max(state[2], -state[3] / weak, 1.0)
-        unloaded = force + part * max(far ** -traits[9], softest)
-        resisted = unloaded if unloaded * force > 0.0 else 0.0
+        unloaded_force = force + part * max(far ** -traits[9], softest)
+        resistance = unloaded_force if unloaded_force * force > 0.0 else 0.0
     elif part > 0.0:
         slope = _slope(
-            before, force, state[2], min(state[4], strength * _at(state[2], traits[1])), traits[5], traits
+            start,
+            force,
+            state[2],
+            min(state[4], strength * _envelope(state[2], traits[1])),
+            traits[5],
+            traits,
         )
-        resisted = force + part * slope
+        resistance = force + part * slope
     elif part < 0.0:
-        peak = min(-state[5], strength_negative * _at(-state[3] / weak, traits[2]))
-        resisted = force + part * _slope(-before, -force, -state[3], peak, traits[6], traits)
+        peak = min(-state[5], strength_negative * _envelope(-state[3] / weak, traits[2]))
+        resistance = force + part * _slope(-start, -force, -state[3], peak, traits[6], traits)
     else:
-        resisted = force
-    resisted = min(resisted, strength * _at(now, traits[1]))
-    resisted = max(resisted, -strength_negative * _at(-now / weak, traits[2]))
+        resistance = force
+    resistance = min(resistance, strength * _envelope(now, traits[1]))
+    resistance = max(resistance, -strength_negative * _envelope(-now / weak, traits[2]))
     if now > state[2]:
-        state[2], state[4] = now, resisted
+        state[2], state[4] = now, resistance
     if now < state[3]:
-        state[3], state[5] = now, resisted
-    state[1] += max(0.5 * (resisted + force) * part, 0.0)
-    state[0] = resisted
-    return float(resisted * size)
+        state[3], state[5] = now, resistance
+    state[1] += max(0.5 * (resistance + force) * part, 0.0)
+    state[0] = resistance
+    return float(resistance * size)
 
 
 @compiled
-def _at(place: float, hardening: float) -> float:
+def _envelope(place: float, hardening: float) -> float:
     """Envelope over the strength at a place in units of its yield displacement."""
     return max(1.0 + (hardening - 1.0) * max(place - 1.0, 0.0), 0.1)
 
 
 @compiled
-def _slope(place: float, force: float, peak: float, of_peak: float, elastic: float, traits: Array) -> float:
+def _slope(
+    place: float, force: float, peak: float, peak_force: float, elastic: float, traits: Array
+) -> float:
     """Stiffness while loading in the positive direction."""
-    broken, of_break = traits[8] * peak, traits[7] * of_peak
-    if place < broken and force < of_break:
-        slope = (of_break - force) / (broken - place)
+    broken, break_force = traits[8] * peak, traits[7] * peak_force
+    if place < broken and force < break_force:
+        slope = (break_force - force) / (broken - place)
     else:
-        left, missing = peak - place, of_peak - force
-        slope = missing / left if left > _REACHED else 1.0
+        distance, missing = peak - place, peak_force - force
+        slope = missing / distance if distance > _REACH_TOLERANCE else 1.0
     return float(elastic + (1.0 - elastic) * min(max(slope, traits[10]), 1.0))
 
 
 @compiled
-def from_reversals(size: float, traits: Array, position: float, moved: float, state: Array) -> float:
+def follow_reversals(size: float, traits: Array, position: float, increment: float, state: Array) -> float:
     """Menegotto and Pinto, or Masing; `state`: force, place and force of reversal, way, largest, scale."""
-    now, part = position / size, moved / size
+    now, part = position / size, increment / size
     hardening, way = traits[3], state[3]
     if part != 0.0:
         way = 1.0 if part > 0.0 else -1.0
@@ -178,10 +185,10 @@ def from_reversals(size: float, traits: Array, position: float, moved: float, st
         line = (1.0 - hardening + way * (hardening * state[1] - state[2])) / (1.0 - hardening)
         state[5] = 2.0 + traits[4] * (max(line, _NEAREST) - 2.0)
     state[3] = way
-    beyond = max(state[4] - 1.0, 0.0)
-    exponent = traits[0] * (1.0 - traits[1] * beyond / (traits[2] + beyond))
-    along = way * (now - state[1]) / state[5]
-    force = way * state[2] + state[5] * _bent(max(along, 0.0), hardening, exponent)
+    excursion = max(state[4] - 1.0, 0.0)
+    exponent = traits[0] * (1.0 - traits[1] * excursion / (traits[2] + excursion))
+    position_on_branch = way * (now - state[1]) / state[5]
+    force = way * state[2] + state[5] * _bent(max(position_on_branch, 0.0), hardening, exponent)
     if way * now > state[4]:
         force = min(force, _bent(way * now, hardening, traits[0]))
     state[4] = max(state[4], abs(now))
@@ -190,19 +197,19 @@ def from_reversals(size: float, traits: Array, position: float, moved: float, st
 
 
 @compiled
-def _bent(along: float, hardening: float, exponent: float) -> float:
+def _bent(position: float, hardening: float, exponent: float) -> float:
     """Curve of unit slope that bends towards a line of yielding at one."""
-    return float(along * (hardening + (1.0 - hardening) / (1.0 + along**exponent) ** (1.0 / exponent)))
+    return float(position * (hardening + (1.0 - hardening) / (1.0 + position**exponent) ** (1.0 / exponent)))
 
 
 @compiled
-def strut(size: float, traits: Array, position: float, moved: float, state: Array) -> float:
+def strut(size: float, traits: Array, position: float, increment: float, state: Array) -> float:
     """Strut; `state`: force, way that it went buckled, place of yielding, and whether it buckled."""
     way = -1.0 if traits[0] > 1.0 else 1.0
-    now, part = way * position / size, way * moved / size
+    now, part = way * position / size, way * increment / size
     yields = 1.0 + traits[6] * max(now - 1.0, 0.0)
-    left = max(1.0 - traits[2] * max(-now - traits[1], 0.0), traits[3])
-    buckles = -traits[1] * left / (1.0 + traits[4] * state[1])
+    strength = max(1.0 - traits[2] * max(-now - traits[1], 0.0), traits[3])
+    buckles = -traits[1] * strength / (1.0 + traits[4] * state[1])
     force = state[0] + part
     if part > 0.0 and state[3] > 0.0 and force > 0.0 and now < traits[7] * state[2]:
         elastic = min(max(-state[0], 0.0), part)

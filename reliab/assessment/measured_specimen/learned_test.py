@@ -34,12 +34,12 @@ _FARTHEST = 5.0  # times, by which they are drawn apart at most
 _SEED = 21
 
 _LEAST = 0.05  # of a positive value: a draw goes no lower
-_CARRIED = 3.0  # κ: relative deviation of the acting force over what is missed of held-out parts
+_DEVIATION_FACTOR = 3.0  # κ: relative deviation of the acting force over what is missed of held-out parts
 _ALWAYS = 0.002  # relative deviation of the acting force where nothing is missed, unless it is linear
-_OF_STRUCTURE = ("frequency", "damping_ratio", "experimental_fraction")
-_OF_CHANNEL = ("force_lag", "attached_mass", "load_path_friction")
+_STRUCTURE_QUANTITIES = ("frequency", "damping_ratio", "experimental_fraction")
+_CHANNEL_QUANTITIES = ("force_lag", "attached_mass", "load_path_friction")
 
-OF_FORCE: Final = ("specimen", "mass", *_OF_CHANNEL)
+FORCE_QUANTITIES: Final = ("specimen", "mass", *_CHANNEL_QUANTITIES)
 """What is not known of specimen, mass and force, by name."""
 
 
@@ -52,62 +52,77 @@ class Members:
     command: Array  # m, shape (n,)
 
     @cached_property
-    def _seen(self) -> Array:
+    def _responses(self) -> Array:
         return self.path.responses(self.specimen.elements)
 
     @cached_property
-    def _along_command(self) -> Array:
-        return self.specimen.elements.along(self.command, self.path.time_step, self.path.used)
+    def _command_responses(self) -> Array:
+        return self.specimen.elements.follow_path(self.command, self.path.time_step, self.path.energy_share)
 
     @cached_property
-    def _fitted(self) -> Array:
-        return fit(self._seen, self.path.force_seen)
+    def _coefficients(self) -> Array:
+        return fit(self._responses, self.path.force_seen)
 
     @cached_property
-    def apart(self) -> float:
+    def spread_factor(self) -> float:
         """How many times as far as parts of the test leave open members are drawn apart [-]."""
-        expected = self._fitted @ self._seen
-        differ = [np.mean((coefficients @ rows - expected) ** 2) for coefficients, rows in self._sample()]
-        missed = self.specimen.missed**2 * np.mean(self.path.force_seen**2)
+        mean_force = self._coefficients @ self._responses
+        differ = [np.mean((coefficients @ rows - mean_force) ** 2) for coefficients, rows in self._sample()]
+        unexplained_square = self.specimen.missed**2 * np.mean(self.path.force_seen**2)
         least = np.finfo(float).tiny
-        return float(np.clip(np.sqrt(missed / max(float(np.mean(differ)), least)), 1.0, _FARTHEST))
+        return float(
+            np.clip(np.sqrt(unexplained_square / max(float(np.mean(differ)), least)), 1.0, _FARTHEST)
+        )
 
     def _sample(self) -> Iterator[tuple[Array, Array]]:
         """Coefficients and elements, shape (elements, m), of some members."""
         generator = np.random.default_rng(_SEED)
         for _ in range(_SAMPLE):
             counts = generator.exponential(size=self.path.blocks[-1] + 1)
-            rows = self._seen_with(counts)
+            rows = self._responses_with_weights(counts)
             yield fit(rows, self.path.force_seen, counts[self.path.blocks]), rows
 
-    def _seen_with(self, counts: Array) -> Array:
+    def _responses_with_weights(self, counts: Array) -> Array:
         """Elements as they are seen, shape (elements, m), with laws as weights of blocks would have them."""
-        member, places = self.specimen.with_weights(counts)
-        seen = self._seen.copy()
-        seen[places] = self.path.responses(member.elements.only(places))
-        return seen
+        member, places = self.specimen.weight_blocks(counts)
+        responses = self._responses.copy()
+        responses[places] = self.path.responses(member.elements.only(places))
+        return responses
 
-    def member(self, counts: Array, wanted: Array, apart: float) -> tuple[LearnedSpecimen, Array]:
+    def member(
+        self, counts: Array, target_force: Array, spread_factor: float
+    ) -> tuple[LearnedSpecimen, Array]:
         """Give a member and its force along the command [N], shape (n,).
 
-        `counts`: weights of blocks, shape (blocks,); `wanted`: force that it should have [N], shape (m,).
+        `counts`: weights of blocks, shape (blocks,); `target_force`: force that it should have [N], shape
+        (m,).
         """
-        expected = self._fitted if wanted is self.path.force_seen else fit(self._seen, wanted)
-        member, places = self.specimen.with_weights(1.0 + apart * (counts - 1.0))
-        coefficients = self._apart(expected, counts, wanted, apart) if apart else expected
-        rows = self._along_command.copy()
-        rows[places] = member.elements.only(places).along(self.command, self.path.time_step, self.path.used)
+        mean_coefficients = (
+            self._coefficients if target_force is self.path.force_seen else fit(self._responses, target_force)
+        )
+        member, places = self.specimen.weight_blocks(1.0 + spread_factor * (counts - 1.0))
+        coefficients = (
+            self._spread_coefficients(mean_coefficients, counts, target_force, spread_factor)
+            if spread_factor
+            else mean_coefficients
+        )
+        rows = self._command_responses.copy()
+        rows[places] = member.elements.only(places).follow_path(
+            self.command, self.path.time_step, self.path.energy_share
+        )
         return replace(member, coefficients=coefficients), coefficients @ rows
 
-    def _apart(self, expected: Array, counts: Array, wanted: Array, apart: float) -> Array:
+    def _spread_coefficients(
+        self, mean_coefficients: Array, counts: Array, target_force: Array, spread_factor: float
+    ) -> Array:
         """Coefficients whose force differs so many times as much from what is expected, none negative."""
-        rows = self._seen_with(counts)
-        coefficients = fit(rows, wanted, counts[self.path.blocks])
-        if apart == 1.0:
+        rows = self._responses_with_weights(counts)
+        coefficients = fit(rows, target_force, counts[self.path.blocks])
+        if spread_factor == 1.0:
             return coefficients
-        calm = expected @ self._seen
-        aim = calm + apart * (coefficients @ rows - calm)
-        return fit(self._seen_with(1.0 + apart * (counts - 1.0)), aim)
+        calm = mean_coefficients @ self._responses
+        aim = calm + spread_factor * (coefficients @ rows - calm)
+        return fit(self._responses_with_weights(1.0 + spread_factor * (counts - 1.0)), aim)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -140,7 +155,7 @@ class LearnedTest:
         return weights_of(self.learned)
 
     @property
-    def missed(self) -> float:
+    def unexplained_force(self) -> float:
         """Relative deviation of the force by which the actuator's error acts, RMS over the families [-]."""
         deviations = np.array([_deviation(specimen) for specimen in self.learned])
         return float(np.sqrt(self.weights @ deviations**2))
@@ -151,61 +166,67 @@ class LearnedTest:
 
     def _recursion(self, relative: list[float]) -> Recursion:
         """Recursion of the numerical substructure, relative changes of each stated value given."""
-        return Recursion.from_force(self._scaled(relative).numerical_substructure, self.thin.time_step)
+        return Recursion.from_force(
+            self._scale_structure(relative).numerical_substructure, self.thin.time_step
+        )
 
-    def _scaled(self, relative: list[float]) -> Partition:
+    def _scale_structure(self, relative: list[float]) -> Partition:
         """Structure with relative changes of each stated value."""
         frequency, damping_ratio, share = (max(1.0 + change, _LEAST) for change in relative)
-        most = 1.0 / float(self.whole.static_transfer[0, 0])  # of a stiffness, none is negative
-        return self.whole.scale(frequency=frequency, damping_ratio=damping_ratio, share=min(share, most))
+        largest_share = 1.0 / float(self.whole.static_transfer[0, 0])  # of a stiffness, none is negative
+        return self.whole.scale(
+            frequency=frequency, damping_ratio=damping_ratio, share=min(share, largest_share)
+        )
 
-    def response(self, specimen: LearnedSpecimen, moved: Array, *, late: bool = True) -> Array:
+    def response(self, specimen: LearnedSpecimen, displacement: Array, *, late: bool = True) -> Array:
         """Exact response, had the actuator moved as given along the command [m], shape (n,).
 
         `late`: whether the force was fed back late, if so it was stated.
         """
-        felt = self._recorded(self.force_of(specimen, moved), moved, self.channel.values)
-        felt = self._late(felt, 0.0) if late else felt
-        return _bounded(self._respond(specimen, felt, self._numerical))
+        fed_back_force = self._record_force(
+            self.force_of(specimen, displacement), displacement, self.channel.values
+        )
+        fed_back_force = self._late(fed_back_force, 0.0) if late else fed_back_force
+        return _require_bounded(self._respond(specimen, fed_back_force, self._numerical))
 
-    def bounded(self, specimen: LearnedSpecimen) -> bool:
+    def is_bounded(self, specimen: LearnedSpecimen) -> bool:
         """Whether the exact response with a specimen stays bounded."""
-        felt = self.force_of(specimen, self.thin.measured)
-        response = self._respond(specimen, felt, self._numerical)
+        force = self.force_of(specimen, self.thin.measured)
+        response = self._respond(specimen, force, self._numerical)
         return bool(np.isfinite(response).all())
 
     def force_of(self, specimen: LearnedSpecimen, displacement: Array) -> Array:
         """Force of the specimen along a path [N], shape (n,)."""
-        rows = specimen.elements.along(displacement, self.thin.time_step, self.path.used)
+        rows = specimen.elements.follow_path(displacement, self.thin.time_step, self.path.energy_share)
         return np.asarray(specimen.coefficients @ rows)
 
-    def _recorded(self, force: Array, displacement: Array, values: Array) -> Array:
+    def _record_force(self, force: Array, displacement: Array, values: Array) -> Array:
         """Force of the specimen [N] as the channel passes it, with lag, mass and friction as given."""
         if not values.any():
             return force
         return np.asarray(force + values @ columns_of_channel(force, displacement, self.thin.time_step))
 
-    def _late(self, felt: Array, further: float) -> Array:
+    def _late(self, force: Array, additional_lag: float) -> Array:
         """Force as it was fed back [N], late as stated and by a further time [s]."""
-        lag = self.feedback_lag + further
-        return felt - lag * np.gradient(felt, self.thin.time_step) if lag else felt
+        lag = self.feedback_lag + additional_lag
+        return force - lag * np.gradient(force, self.thin.time_step) if lag else force
 
-    def _respond(self, specimen: LearnedSpecimen, felt: Array, numerical: Recursion) -> Array:
+    def _respond(self, specimen: LearnedSpecimen, test_force: Array, numerical: Recursion) -> Array:
         """Exact response [m], not finite where it diverges."""
         thin = self.thin
         return specimen.elements.respond(
-            specimen.coefficients, thin.command, felt, thin.time_step, self.path.used, numerical
+            specimen.coefficients, thin.command, test_force, thin.time_step, self.path.energy_share, numerical
         )
 
     @property
     def deviations_of_force(self) -> dict[str, float]:
         """Standard deviations of what is not known of specimen, force and mass, in SI units or relative."""
-        deviations = (self.missed, self.mass_deviation, *self.channel.deviations.tolist())
-        return dict(zip(OF_FORCE, deviations, strict=True))
+        deviations = (self.unexplained_force, self.mass_deviation, *self.channel.deviations.tolist())
+        return dict(zip(FORCE_QUANTITIES, deviations, strict=True))
 
-    def drawn_of_force(self, number: int, seed: int) -> dict[str, Array]:
+    def draw_force_quantities(self, number: int, seed: int) -> dict[str, Array]:
         """Draw what is not known of specimen, force and mass, by name, each shape (number,)."""
-        normal = np.random.default_rng([seed, 1]).standard_normal((len(OF_FORCE), number))
+        normal = np.random.default_rng([seed, 1]).standard_normal((len(FORCE_QUANTITIES), number))
         return {
             name: deviation * row
             for (name, deviation), row in zip(self.deviations_of_force.items(), normal, strict=True)
@@ -218,101 +239,123 @@ class LearnedTest:
         places: Array,
         seed: int,
         *,
-        carried: Sequence[str] = (),
-        varied: bool = True,
+        force_quantities: Sequence[str] = (),
+        vary_members: bool = True,
     ) -> Spread:
         """Errors of draws, one for each of the `differences` x_c − x_m [m], shape (draws, n).
 
-        `carried`: which of `OF_FORCE` are drawn; `varied`: whether families and coefficients are.
+        `force_quantities`: which of `OF_FORCE` are drawn; `vary_members`: whether families and coefficients
+        are.
         """
-        sizes, strayed = [], []
-        for draw in self._drawn(differences, unknown, seed, carried=carried, varied=varied):
+        sizes, errors = [], []
+        for draw in self._draw_tests(
+            differences, unknown, seed, force_quantities=force_quantities, vary_members=vary_members
+        ):
             error = draw.measured - draw.response
             sizes.append(relative_errors(error, draw.response))
-            strayed.append(error)
+            errors.append(error)
         rms, mte = np.array(sizes).T
-        known = np.arange(self.thin.command.size)
+        simulated_places = np.arange(self.thin.command.size)
         return Spread(
             rms=rms,
             mte=mte,
-            mean=np.interp(places, known, np.mean(strayed, axis=0)),
-            deviation=np.interp(places, known, np.std(strayed, axis=0)),
+            mean=np.interp(places, simulated_places, np.mean(errors, axis=0)),
+            deviation=np.interp(places, simulated_places, np.std(errors, axis=0)),
         )
 
-    def _drawn(
-        self, differences: Array, unknown: Unknown, seed: int, *, carried: Sequence[str], varied: bool
+    def _draw_tests(
+        self,
+        differences: Array,
+        unknown: Unknown,
+        seed: int,
+        *,
+        force_quantities: Sequence[str],
+        vary_members: bool,
     ) -> Iterator["_Draw"]:
         generator = np.random.default_rng(seed)
         draws, blocks = len(differences), self.path.blocks[-1] + 1
-        drawn, _ = draw_unknown(unknown, draws, seed)
-        inputs, shifts = inputs_of_reading(self.thin, drawn)
-        of_force = {name: row * (name in carried) for name, row in self.drawn_of_force(draws, seed).items()}
-        families = generator.choice(len(self.learned), size=draws, p=self.weights) * varied
+        quantities, _ = draw_unknown(unknown, draws, seed)
+        inputs, shifts = inputs_of_reading(self.thin, quantities)
+        force_values = {
+            name: row * (name in force_quantities)
+            for name, row in self.draw_force_quantities(draws, seed).items()
+        }
+        families = generator.choice(len(self.learned), size=draws, p=self.weights) * vary_members
         members = {
             family: Members(specimen=self.learned[family], path=self.path, command=self.thin.command)
             for family in np.unique(families).tolist()
         }
         for row, difference in enumerate(differences):
-            of_draw = {name: float(values[row]) for name, values in (drawn | of_force).items()}
+            draw_values = {name: float(values[row]) for name, values in (quantities | force_values).items()}
             yield self._draw(
                 members[int(families[row])],
-                generator.exponential(size=blocks) if varied else np.ones(blocks),
+                generator.exponential(size=blocks) if vary_members else np.ones(blocks),
                 self.thin.command - difference - shifts[row] @ inputs,
-                of_draw,
-                apart="specimen" in carried,
+                draw_values,
+                spread_members="specimen" in force_quantities,
             )
 
     def _draw(
-        self, members: Members, counts: Array, measured: Array, drawn: dict[str, float], *, apart: bool
+        self,
+        members: Members,
+        counts: Array,
+        measured_displacement: Array,
+        quantities: dict[str, float],
+        *,
+        spread_members: bool,
     ) -> "_Draw":
         """Response with a member, or with the family itself where that of a member diverges."""
-        strayed = np.array([drawn[name] for name in _OF_CHANNEL])
-        wanted = self.path.force_seen
-        if strayed.any():
-            wanted = wanted - strayed @ self.path.thinned(self.added)
-        relative = [drawn[name] for name in _OF_STRUCTURE]
+        channel_deviations = np.array([quantities[name] for name in _CHANNEL_QUANTITIES])
+        target_force = self.path.force_seen
+        if channel_deviations.any():
+            target_force = target_force - channel_deviations @ self.path.thin(self.added)
+        relative = [quantities[name] for name in _STRUCTURE_QUANTITIES]
         numerical = self._recursion(relative) if any(relative) else self._numerical
-        mass = max(1.0 + drawn["mass"], _LEAST)
-        for far in (members.apart if apart else 1.0, 0.0):
-            member, commanded = members.member(counts, wanted, far)
+        mass = max(1.0 + quantities["mass"], _LEAST)
+        for far in (members.spread_factor if spread_members else 1.0, 0.0):
+            member, command_force = members.member(counts, target_force, far)
             specimen = replace(member, coefficients=member.coefficients / mass)
-            felt = self._acting(specimen, measured, commanded / mass, drawn["specimen"])
-            felt = self._recorded(felt, measured, self.channel.values + strayed)
-            felt = self._late(felt, drawn["feedback_lag"])
-            response = self._respond(specimen, felt, numerical)
+            force = self._acting(
+                specimen, measured_displacement, command_force / mass, quantities["specimen"]
+            )
+            force = self._record_force(force, measured_displacement, self.channel.values + channel_deviations)
+            force = self._late(force, quantities["feedback_lag"])
+            response = self._respond(specimen, force, numerical)
             if np.isfinite(response).all():
                 break
         return _Draw(
-            measured=measured,
-            response=_bounded(response),
+            measured=measured_displacement,
+            response=_require_bounded(response),
             specimen=specimen,
-            structure=self._scaled(relative),
+            structure=self._scale_structure(relative),
             mass=mass,
         )
 
-    def _acting(self, specimen: LearnedSpecimen, measured: Array, commanded: Array, strayed: float) -> Array:
+    def _acting(
+        self, specimen: LearnedSpecimen, measured_displacement: Array, command_force: Array, deviation: float
+    ) -> Array:
         """Force along a measured path [N] whose difference from that along the command is off."""
-        missed = strayed * _deviation(specimen) / (self.missed or 1.0)
-        felt = self.force_of(specimen, measured)
-        return np.asarray(commanded + max(1.0 + missed, _LEAST) * (felt - commanded))
+        relative_deviation = deviation * _deviation(specimen) / (self.unexplained_force or 1.0)
+        force = self.force_of(specimen, measured_displacement)
+        return np.asarray(command_force + max(1.0 + relative_deviation, _LEAST) * (force - command_force))
 
     def work_of(
-        self, specimen: LearnedSpecimen, measured: Array, response: Array, *, mass: float = 1.0
+        self, specimen: LearnedSpecimen, measured_displacement: Array, response: Array, *, mass: float = 1.0
     ) -> float:
         """Work done on a specimen along its exact response [J]; `mass` by which the force is divided.
 
         What a family misses accumulates along a path. Of the work that it misses along the measured path the
         share that is no noise is missed along the exact one, too.
         """
-        along = float(scipy.integrate.trapezoid(self.force_of(specimen, response), response))
-        return along + float(np.sum(self._work_missed(specimen, measured, mass)))
+        work = float(scipy.integrate.trapezoid(self.force_of(specimen, response), response))
+        return work + float(np.sum(self._work_missed(specimen, measured_displacement, mass)))
 
-    def _work_missed(self, specimen: LearnedSpecimen, measured: Array, mass: float) -> Array:
+    def _work_missed(self, specimen: LearnedSpecimen, measured_displacement: Array, mass: float) -> Array:
         """Work that is missed along the measured path and is no noise [J], block by block."""
-        left = self.path.force / mass - self.force_of(specimen, measured)
-        blocks = (np.arange(left.size) * (self.path.time_step / self.path.block)).astype(np.int64)
+        residual = self.path.force / mass - self.force_of(specimen, measured_displacement)
+        blocks = (np.arange(residual.size) * (self.path.time_step / self.path.block)).astype(np.int64)
         share = (specimen.missed / specimen.held_out) ** 2 if specimen.missed else 0.0
-        return np.asarray(share * np.bincount(blocks, left * np.gradient(measured)))
+        return np.asarray(share * np.bincount(blocks, residual * np.gradient(measured_displacement)))
 
     def exact_of_draws(
         self, differences: Array, unknown: Unknown, seed: int
@@ -323,7 +366,9 @@ class LearnedTest:
         """
         chance = np.random.default_rng([seed, 2]).standard_normal(len(differences)).tolist()
         scatter = float(np.linalg.norm(self._work_missed(self.learned[0], self.thin.measured, 1.0)))
-        draws = self._drawn(differences, unknown, seed, carried=OF_FORCE, varied=True)
+        draws = self._draw_tests(
+            differences, unknown, seed, force_quantities=FORCE_QUANTITIES, vary_members=True
+        )
         for draw, off in zip(draws, chance, strict=True):
             force = self.force_of(draw.specimen, draw.response)
             force += off * draw.specimen.missed * float(np.std(force))
@@ -333,10 +378,10 @@ class LearnedTest:
 
 def _deviation(specimen: LearnedSpecimen) -> float:
     """Relative deviation of the force by which the actuator's error acts [-]."""
-    return _CARRIED * specimen.missed + (0.0 if specimen.linear else _ALWAYS)
+    return _DEVIATION_FACTOR * specimen.missed + (0.0 if specimen.linear else _ALWAYS)
 
 
-def _bounded(response: Array) -> Array:
+def _require_bounded(response: Array) -> Array:
     """Refuse a response that diverges [m]."""
     if not np.isfinite(response).all():
         raise InputError(

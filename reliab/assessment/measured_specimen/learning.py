@@ -24,7 +24,7 @@ from reliab.assessment.measured_specimen.elements import (
     Elements,
     Kind,
     elements_of_family,
-    with_traits,
+    law_with_traits,
 )
 from reliab.assessment.measured_specimen.hysteresis import (
     PEAK_TRAITS,
@@ -42,8 +42,8 @@ _LAWS = {
     Kind.FROM_REVERSALS: REVERSAL_TRAITS,
     Kind.STRUT: STRUT_TRAITS,
 }
-_DRAWN = 40
-_IMPROVED = 2  # the best of those that are drawn
+_START_COUNT = 40
+_DESCENT_COUNT = 2  # the best of those that are drawn
 _STEPS = 12
 _SPREAD = 1.0  # of what is drawn, in logits
 _DIFFERENCE = 0.02  # in logits, by which derivatives are taken
@@ -58,12 +58,12 @@ _QUARTERS = 4
 _NOISIER = 1.1  # times the noise that is estimated, which held-out parts may leave
 _BETTER = 0.9  # times what is left unexplained, below which a lag of the force is believed
 _DIGITS = 7  # of the share that a row has in another, to which two rows are alike
-_AS_WELL = 1.01  # times what the best family leaves unexplained, up to which a specimen is linear
+_LINEAR_TOLERANCE = 1.01  # times what the best family leaves unexplained, up to which a specimen is linear
 _PREFERENCE = 4.0  # power of what is missed by which a family weighs less
 _LEAST_PART = 5e-4  # of the force, below which an element is left out
 _GREAT_PART = 0.05  # of the force, above which a law's traits are drawn
 _UNSEEN = 1e-3  # of the largest displacement, up to which nothing is known of an element that moved so far
-_REFINED = ("plain", "gaps", "smooth", "memory", "all")
+_REFINED_FAMILIES = ("plain", "gaps", "smooth", "memory", "all")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -79,23 +79,26 @@ class FoundLaw:
     def elements(self, weights: Array | None = None) -> Elements:
         """Give the law; `weights` of blocks, shape (blocks,): as if they counted so (a step of Newton's)."""
         step = 0.0 if weights is None else np.clip((weights - 1.0) @ self.moves, -_FARTHEST, _FARTHEST)
-        least, most = self.bounds
-        size, *traits = least * (most / least) ** scipy.special.expit(self.logits + step)
-        return with_traits(self.kind, size, np.array(traits), self.speed)
+        least, largest = self.bounds
+        size, *traits = least * (largest / least) ** scipy.special.expit(self.logits + step)
+        return law_with_traits(self.kind, size, np.array(traits), self.speed)
 
 
 def search_laws(path: MeasuredPath) -> tuple[FoundLaw, ...]:
     """Search for the traits of each law of hysteresis that explain the force best; this takes longest."""
-    beside = path.responses(elements_of_family("laws", path.largest, path.speed))
-    trials, total = 0, sum(_DRAWN + _IMPROVED * _STEPS * _trials_in_step(traits) for traits in _LAWS.values())
+    base_responses = path.responses(elements_of_family("laws", path.largest, path.speed))
+    trials, total = (
+        0,
+        sum(_START_COUNT + _DESCENT_COUNT * _STEPS * _trials_in_step(traits) for traits in _LAWS.values()),
+    )
     with show_task("Learning the specimen") as progress:
 
-        def report(further: int) -> None:
+        def report(count: int) -> None:
             nonlocal trials
-            trials += further
+            trials += count
             progress(trials, total)
 
-        return tuple(_search(path, kind, traits, beside, report) for kind, traits in _LAWS.items())
+        return tuple(_search(path, kind, traits, base_responses, report) for kind, traits in _LAWS.items())
 
 
 def _trials_in_step(traits: Sequence[object]) -> int:
@@ -107,75 +110,77 @@ def _search(
     path: MeasuredPath,
     kind: Kind,
     traits: Sequence[tuple[str, float, float, float]],
-    beside: Array,
+    base_responses: Array,
     report: Callable[[int], None],
 ) -> FoundLaw:
-    """Find size and traits of one law; `beside`: what stands beside it, as it is seen, shape (rows, m)."""
+    """Find size and traits of one law beside rows `base_responses`, as they are seen, shape (rows, m)."""
     _, *columns = zip(_YIELDS, *traits, strict=True)
-    least, most, start = np.array(columns, dtype=np.float64)
-    begin = scipy.special.logit(np.log(start / least) / np.log(most / least))
-    bounds = np.array([least, most])
+    least, largest, start = np.array(columns, dtype=np.float64)
+    begin = scipy.special.logit(np.log(start / least) / np.log(largest / least))
+    bounds = np.array([least, largest])
     bounds[:, 0] *= path.largest
-    wanted = path.force_seen
-    unit = float(np.sqrt(np.sum(wanted**2)))
+    target_force = path.force_seen
+    unit = float(np.sqrt(np.sum(target_force**2)))
 
     def law(logits: Array, moves: Array) -> FoundLaw:
         return FoundLaw(kind=kind, bounds=bounds, logits=logits, moves=moves, speed=path.speed)
 
-    def missed(logits: Array) -> Array:
-        rows = np.vstack([path.responses(law(logits, np.empty(0)).elements()), beside])
-        left = (wanted - fit(rows, wanted) @ rows) / unit
-        return np.concatenate([left, _PRIOR * (logits - begin)])
+    def residual(logits: Array) -> Array:
+        rows = np.vstack([path.responses(law(logits, np.empty(0)).elements()), base_responses])
+        relative_residual = (target_force - fit(rows, target_force) @ rows) / unit
+        return np.concatenate([relative_residual, _PRIOR * (logits - begin)])
 
-    drawn = begin + _SPREAD * np.random.default_rng(_SEED).standard_normal((_DRAWN, begin.size))
-    drawn[0] = begin
+    starts = begin + _SPREAD * np.random.default_rng(_SEED).standard_normal((_START_COUNT, begin.size))
+    starts[0] = begin
 
     def misfit(logits: Array) -> float:
         report(1)
-        return float(np.sum(missed(logits) ** 2))
+        return float(np.sum(residual(logits) ** 2))
 
-    first = sorted(drawn, key=misfit)[:_IMPROVED]
+    first = sorted(starts, key=misfit)[:_DESCENT_COUNT]
     steps = partial(report, _trials_in_step(traits))
-    found = min((_improved(missed, logits, steps) for logits in first), key=lambda one: one[1])[0]
-    return law(found, _moves(missed, found, path.blocks))
+    best_logits = min(
+        (_descend(residual, logits, steps) for logits in first), key=lambda descent: descent[1]
+    )[0]
+    return law(best_logits, _moves(residual, best_logits, path.blocks))
 
 
-def _moves(missed: Callable[[Array], Array], logits: Array, blocks: NDArray[np.int64]) -> Array:
+def _moves(residual: Callable[[Array], Array], logits: Array, blocks: NDArray[np.int64]) -> Array:
     """Change of logits by a unit of weight more of each block, shape (blocks, logits)."""
-    left = missed(logits)
-    columns = _derivatives(missed, logits, left)
-    slopes = (columns * left)[:, : blocks.size]
-    of_blocks = np.array([np.bincount(blocks, row) for row in slopes])
-    return np.asarray(-np.linalg.solve(columns @ columns.T, of_blocks).T)
+    start_residual = residual(logits)
+    columns = _derivatives(residual, logits, start_residual)
+    slopes = (columns * start_residual)[:, : blocks.size]
+    block_slopes = np.array([np.bincount(blocks, row) for row in slopes])
+    return np.asarray(-np.linalg.solve(columns @ columns.T, block_slopes).T)
 
 
-def _derivatives(missed: Callable[[Array], Array], logits: Array, left: Array) -> Array:
-    """Differentiate what is missed by each logit, shape (logits, m); `left`: what is missed with these."""
+def _derivatives(residual: Callable[[Array], Array], logits: Array, start_residual: Array) -> Array:
+    """Differentiate what is missed by each logit, shape (logits, m); `start_residual` with these."""
     steps = _DIFFERENCE * np.eye(logits.size)
-    return np.array([(missed(logits + step) - left) / _DIFFERENCE for step in steps])
+    return np.array([(residual(logits + step) - start_residual) / _DIFFERENCE for step in steps])
 
 
-def _improved(
-    missed: Callable[[Array], Array], logits: Array, report: Callable[[], None]
+def _descend(
+    residual: Callable[[Array], Array], logits: Array, report: Callable[[], None]
 ) -> tuple[Array, float]:
     """Logits after some steps of Levenberg and Marquardt, and the squared misfit with them."""
-    left, damping = missed(logits), 1e-2
-    misfit = float(left @ left)
+    current_residual, damping = residual(logits), 1e-2
+    misfit = float(current_residual @ current_residual)
     for step_number in range(_STEPS):
         report()
-        columns = _derivatives(missed, logits, left)
-        normal, slope = columns @ columns.T, columns @ left
-        before = misfit
+        columns = _derivatives(residual, logits, current_residual)
+        normal, slope = columns @ columns.T, columns @ current_residual
+        previous_misfit = misfit
         for _ in range(4):
             step = np.linalg.solve(normal + damping * np.diag(np.diag(normal) + 1e-12), -slope)
-            tried = logits + np.clip(step, -_FARTHEST, _FARTHEST)
-            now = missed(tried)
+            candidate = logits + np.clip(step, -_FARTHEST, _FARTHEST)
+            now = residual(candidate)
             if now @ now < misfit:
-                logits, left, misfit = tried, now, float(now @ now)
+                logits, current_residual, misfit = candidate, now, float(now @ now)
                 damping *= 0.3
                 break
             damping *= 5.0
-        if misfit > (1.0 - _GAIN) * before:
+        if misfit > (1.0 - _GAIN) * previous_misfit:
             for _ in range(step_number + 1, _STEPS):
                 report()  # of steps that are not needed
             break
@@ -198,43 +203,44 @@ class LearnedSpecimen:
         """Whether it is a spring and a dashpot."""
         return self.family == LINEAR
 
-    def with_weights(self, weights: Array) -> tuple["LearnedSpecimen", NDArray[np.int64]]:
+    def weight_blocks(self, weights: Array) -> tuple["LearnedSpecimen", NDArray[np.int64]]:
         """Give it with laws as weights of blocks, shape (blocks,), would have them, and their places."""
-        elements = reduce(Elements.with_law, (law.elements(weights) for law in self.laws), self.elements)
+        elements = reduce(Elements.replace_law, (law.elements(weights) for law in self.laws), self.elements)
         places = np.flatnonzero(np.isin(elements.kinds, [law.kind for law in self.laws]))
         return replace(self, elements=elements), places
 
 
 def learn_specimen(path: MeasuredPath) -> list[LearnedSpecimen]:
     """Learn a specimen with every family of elements; the best comes first, or the linear one if it is."""
-    found = search_laws(path)
-    laws = reduce(Elements.beside, (law.elements() for law in found))
+    laws_found = search_laws(path)
+    laws = reduce(Elements.append, (law.elements() for law in laws_found))
     elements = {family: elements_of_family(family, path.largest, path.speed) for family in FAMILIES}
-    elements |= {family: _refined(path, elements[family]) for family in _REFINED}
-    elements |= {"laws": elements["laws"].beside(laws), "everything": elements["all"].beside(laws)}
-    learned = [_learned(path, family, elements[family], found) for family in FAMILIES]
-    as_well = max(_AS_WELL * min(specimen.held_out for specimen in learned), _LEAST_PART)
+    elements |= {family: _refine_sizes(path, elements[family]) for family in _REFINED_FAMILIES}
+    elements |= {"laws": elements["laws"].append(laws), "everything": elements["all"].append(laws)}
+    specimens = [_learn_family(path, family, elements[family], laws_found) for family in FAMILIES]
+    misfit_limit = max(_LINEAR_TOLERANCE * min(specimen.held_out for specimen in specimens), _LEAST_PART)
     return sorted(
-        learned, key=lambda specimen: (not specimen.linear or specimen.held_out > as_well, specimen.held_out)
+        specimens,
+        key=lambda specimen: (not specimen.linear or specimen.held_out > misfit_limit, specimen.held_out),
     )
 
 
-def weights_of(learned: Sequence[LearnedSpecimen]) -> Array:
+def weights_of(specimens: Sequence[LearnedSpecimen]) -> Array:
     """Share of each family, shape (families,)."""
-    if learned[0].linear:
-        return np.asarray(np.arange(len(learned)) == 0, dtype=np.float64)
-    missed = np.array([specimen.held_out for specimen in learned])
-    shares = (np.maximum(missed, np.finfo(float).tiny) / missed.min()) ** -_PREFERENCE
+    if specimens[0].linear:
+        return np.asarray(np.arange(len(specimens)) == 0, dtype=np.float64)
+    misfits = np.array([specimen.held_out for specimen in specimens])
+    shares = (np.maximum(misfits, np.finfo(float).tiny) / misfits.min()) ** -_PREFERENCE
     return np.asarray(shares / shares.sum())
 
 
-def _refined(path: MeasuredPath, elements: Elements) -> Elements:
+def _refine_sizes(path: MeasuredPath, elements: Elements) -> Elements:
     """Refine the sizes of elements that bear a part."""
-    wanted = path.force_seen
+    target_force = path.force_seen
     for ratio in _REFINEMENTS:
-        seen = path.responses(elements)
-        distinct = _distinct(seen)
-        elements = elements.only(distinct).refined(fit(seen[distinct], wanted), ratio, path.largest)
+        responses = path.responses(elements)
+        distinct = _distinct(responses)
+        elements = elements.only(distinct).refine(fit(responses[distinct], target_force), ratio, path.largest)
     return elements
 
 
@@ -245,21 +251,21 @@ def _distinct(rows: Array) -> NDArray[np.int64]:
     return np.sort(np.unique(np.round(shares, _DIGITS), return_index=True)[1])
 
 
-def _learned(
-    path: MeasuredPath, family: str, elements: Elements, found: Sequence[FoundLaw]
+def _learn_family(
+    path: MeasuredPath, family: str, elements: Elements, laws_found: Sequence[FoundLaw]
 ) -> LearnedSpecimen:
     """Fit elements, and predict what had no part in the fit."""
-    wanted = path.force_seen
-    seen = path.responses(elements)
-    distinct = _distinct(seen)
-    distinct = distinct[np.abs(seen[distinct]).max(axis=1) > _UNSEEN * path.largest]
-    elements, seen = elements.only(distinct), seen[distinct]
-    coefficients = fit(seen, wanted)
-    sizes = np.sqrt(np.mean(seen**2, axis=1) / np.mean(wanted**2))
+    target_force = path.force_seen
+    responses = path.responses(elements)
+    distinct = _distinct(responses)
+    distinct = distinct[np.abs(responses[distinct]).max(axis=1) > _UNSEEN * path.largest]
+    elements, responses = elements.only(distinct), responses[distinct]
+    coefficients = fit(responses, target_force)
+    sizes = np.sqrt(np.mean(responses**2, axis=1) / np.mean(target_force**2))
     bears = coefficients * sizes > _LEAST_PART
-    coefficients[bears] = fit(seen[bears], wanted)
+    coefficients[bears] = fit(responses[bears], target_force)
     bears &= coefficients > 0.0
-    held_out = _held_out(seen[bears], wanted, path.blocks)
+    held_out = _held_out_misfit(responses[bears], target_force, path.blocks)
     borne, share = elements.only(bears), coefficients[bears] * sizes[bears]
     return LearnedSpecimen(
         family=family,
@@ -267,7 +273,7 @@ def _learned(
         coefficients=coefficients[bears],
         held_out=held_out,
         missed=float(np.sqrt(max(held_out**2 - (_NOISIER * path.noisy) ** 2, 0.0))),
-        laws=tuple(law for law in found if law.kind in borne.kinds[share > _GREAT_PART]),
+        laws=tuple(law for law in laws_found if law.kind in borne.kinds[share > _GREAT_PART]),
     )
 
 
@@ -277,18 +283,18 @@ def late_by(path: MeasuredPath, specimen: LearnedSpecimen, late: Array) -> float
     `late`: what a unit of lag adds to the force [N/s], shape (n,). No specimen that stores and dissipates
     gives such a force; one that is early looks like a dashpot, and is not found.
     """
-    wanted = path.force_seen
-    seen = path.responses(specimen.elements)
-    rows = np.vstack([seen, path.thinned(late)])
-    better = _held_out(rows, wanted, path.blocks) < _BETTER * specimen.held_out
-    return float(fit(rows, wanted)[-1]) if better else 0.0
+    target_force = path.force_seen
+    responses = path.responses(specimen.elements)
+    rows = np.vstack([responses, path.thin(late)])
+    better = _held_out_misfit(rows, target_force, path.blocks) < _BETTER * specimen.held_out
+    return float(fit(rows, target_force)[-1]) if better else 0.0
 
 
-def _held_out(rows: Array, wanted: Array, blocks: NDArray[np.int64]) -> float:
+def _held_out_misfit(rows: Array, target_force: Array, blocks: NDArray[np.int64]) -> float:
     """RMS of what quarters leave unexplained that had no part in the fit, over that of the force."""
-    left = 0.0
+    squares = 0.0
     for quarter in range(_QUARTERS):
-        outside = (blocks % _QUARTERS != quarter).astype(np.float64)
-        missed = wanted - fit(rows, wanted, outside) @ rows
-        left += float(np.sum((1.0 - outside) * missed**2))
-    return float(np.sqrt(left / np.sum(wanted**2)))
+        training_weights = (blocks % _QUARTERS != quarter).astype(np.float64)
+        residual = target_force - fit(rows, target_force, training_weights) @ rows
+        squares += float(np.sum((1.0 - training_weights) * residual**2))
+    return float(np.sqrt(squares / np.sum(target_force**2)))

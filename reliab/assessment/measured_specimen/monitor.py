@@ -61,19 +61,19 @@ class MeasuredMonitor(RunningTest):
         return self._specimen
 
     @property
-    def asked_at(self) -> float | None:
+    def learning_time(self) -> float | None:
         """Time up to which the specimen was learned last [s]; None before it was tried."""
         return (self._asked - 1) * self.time_step if self._asked else None
 
-    def feed(self, command: Array, measured: Array, force: Array) -> None:
+    def feed(self, command: Array, measured_displacement: Array, force: Array) -> None:
         """Add the next samples.
 
-        `command`, `measured` [m]; `force` [N].
+        `command`, `measured_displacement` [m]; `force` [N].
         """
-        require_readings(command, measured)
-        self._parts.append(np.stack([command, measured, force]))
+        require_readings(command, measured_displacement)
+        self._parts.append(np.stack([command, measured_displacement, force]))
         self._samples += command.size
-        self._energy.feed(command, measured)
+        self._energy.feed(command, measured_displacement)
 
     @property
     def now(self) -> Now:
@@ -93,38 +93,38 @@ class MeasuredMonitor(RunningTest):
     def _calm(self) -> float:
         if self._known is None:
             return 0.0
-        peaks, doubled, level = np.maximum.accumulate(np.abs(self._known.reference)), 0, 0.0
+        peaks, doublings, level = np.maximum.accumulate(np.abs(self._known.reference)), 0, 0.0
         while peaks[-1] > 2.0 * level:
-            doubled = int(np.argmax(peaks > 2.0 * level))
-            level = float(peaks[doubled])
-        return float((peaks.size - 1 - doubled) * self.time_step)
+            doublings = int(np.argmax(peaks > 2.0 * level))
+            level = float(peaks[doublings])
+        return float((peaks.size - 1 - doublings) * self.time_step)
 
     def ask(self, *, at_end: bool = False) -> RebuiltError | None:
         """Learn the specimen from all samples so far, and compute the error; None while it is not learned.
 
         At the end it counts as learned where `assess` takes it so, which is less than while it runs.
         """
-        self._specimen, self._known = self._learned(at_end=at_end), None
+        self._specimen, self._known = self._learn(at_end=at_end), None
         if self._specimen is not None:
-            known = self._specimen.learned if at_end else self._specimen.held_out <= _ENOUGH
-            self._known = self._specimen.rebuilt if known else None
+            is_known = self._specimen.learned if at_end else self._specimen.held_out <= _ENOUGH
+            self._known = self._specimen.rebuilt if is_known else None
         error = self._known
-        command, measured, _ = self._parts[0]
+        command, measured_displacement, _ = self._parts[0]
         self._conclude(
             error,
             lost_in_noise=error is not None
-            and is_lost_in_noise(command - measured, float(np.abs(error.reference).max())),
+            and is_lost_in_noise(command - measured_displacement, float(np.abs(error.reference).max())),
         )
         return error
 
-    def _learned(self, *, at_end: bool) -> MeasuredSpecimen | None:
+    def _learn(self, *, at_end: bool) -> MeasuredSpecimen | None:
         """Learn the specimen from all samples so far; None while they are too few to learn anything."""
         self._parts = [np.concatenate(self._parts, axis=1)]
-        command, measured, force = self._parts[0]
+        command, measured_displacement, force = self._parts[0]
         try:
             return rebuild_with_force(
                 command,
-                measured,
+                measured_displacement,
                 force,
                 self.time_step,
                 self.structure,

@@ -17,8 +17,8 @@ from reliab.core.arrays import Array
 from reliab.signals.filters import REACH
 
 _RIDGE = 1e-8  # of an element's own mean square
-_UNEXCITED = 1e-4  # of the most excited element, below which one bears next to nothing
-_PER_BAND = 4.0  # samples in a period of the highest frequency that is kept
+_UNEXCITED_SHARE = 1e-4  # of the most excited element, below which one bears next to nothing
+_SAMPLES_PER_PERIOD = 4.0  # samples in a period of the highest frequency that is kept
 _ITERATIONS = 100  # for each element
 
 
@@ -34,7 +34,7 @@ class MeasuredPath:
     noisy: float  # RMS of the noise of force and displacement within the band, over that of the force [-]
 
     @cached_property
-    def used(self) -> Array:
+    def energy_share(self) -> Array:
         """Work done on the specimen so far, to and fro, over that of the whole test, shape (n,)."""
         work = np.cumsum(np.abs(np.gradient(self.displacement) * (self.force - self.force.mean())))
         return np.asarray(work / work[-1])
@@ -50,9 +50,9 @@ class MeasuredPath:
         return float(np.abs(np.gradient(self.displacement, self.time_step)).max())
 
     @property
-    def every(self) -> int:
+    def stride(self) -> int:
         """Number of samples of which one tells all that the filter passes."""
-        return max(int(1.0 / (_PER_BAND * self.noise.band * self.time_step)), 1)
+        return max(int(1.0 / (_SAMPLES_PER_PERIOD * self.noise.band * self.time_step)), 1)
 
     @property
     def reach(self) -> int:
@@ -63,42 +63,42 @@ class MeasuredPath:
     @cached_property
     def force_seen(self) -> Array:
         """Force that elements should have, as the channels see it [N], shape (m,)."""
-        return np.asarray(self.thinned(self.force))
+        return np.asarray(self.thin(self.force))
 
-    def thinned(self, history: Array) -> Array:
+    def thin(self, history: Array) -> Array:
         """Keep the samples of histories, shape (…, n), that are compared, shape (…, m)."""
-        inner = slice(self.reach, history.shape[-1] - self.reach, self.every)
+        inner = slice(self.reach, history.shape[-1] - self.reach, self.stride)
         return np.ascontiguousarray(history[..., inner])
 
     @property
     def blocks(self) -> NDArray[np.int64]:
         """Number of the block of each sample that is fitted, shape (m,)."""
-        times = np.arange(self.force_seen.size) * self.every * self.time_step
+        times = np.arange(self.force_seen.size) * self.stride * self.time_step
         return np.asarray(times / self.block, dtype=np.int64)
 
     def responses(self, elements: Elements) -> Array:
         """Displacements of elements along the path, as the channels see them, shape (elements, m)."""
-        return self.seen(elements.along(self.displacement, self.time_step, self.used))
+        return self.filter(elements.follow_path(self.displacement, self.time_step, self.energy_share))
 
-    def seen(self, rows: Array) -> Array:
+    def filter(self, rows: Array) -> Array:
         """Histories, shape (rows, n), as the channels see them, shape (rows, m)."""
         if self.reach == 0:
-            return self.thinned(rows)
-        ahead = -2 * self.reach % self.every  # zeros that put the first whole sum on a sample that is kept
-        passed = scipy.signal.upfirdn(
-            self.noise.filter, np.pad(rows, ((0, 0), (ahead, 0))), down=self.every, axis=1
+            return self.thin(rows)
+        ahead = -2 * self.reach % self.stride  # zeros that put the first whole sum on a sample that is kept
+        filtered = scipy.signal.upfirdn(
+            self.noise.filter, np.pad(rows, ((0, 0), (ahead, 0))), down=self.stride, axis=1
         )
-        first = (ahead + 2 * self.reach) // self.every
-        return np.asarray(passed[:, first : first + self.force_seen.size])
+        first = (ahead + 2 * self.reach) // self.stride
+        return np.asarray(filtered[:, first : first + self.force_seen.size])
 
 
-def fit(rows: Array, wanted: Array, weights: Array | None = None) -> Array:
+def fit(rows: Array, target: Array, weights: Array | None = None) -> Array:
     """Coefficients that are not negative and make rows, shape (elements, n), sum to what is wanted."""
     weighted = rows if weights is None else rows * weights
     squares = weighted @ rows.T
     scale = np.sqrt(np.diag(squares))
-    scale = scale + _UNEXCITED * float(scale.max())
+    scale = scale + _UNEXCITED_SHARE * float(scale.max())
     normal = squares / np.outer(scale, scale) + _RIDGE * np.eye(scale.size)
     root = np.linalg.cholesky(normal)
-    aim = np.linalg.solve(root, weighted @ wanted / scale)
+    aim = np.linalg.solve(root, weighted @ target / scale)
     return np.asarray(scipy.optimize.nnls(root.T, aim, maxiter=_ITERATIONS * scale.size)[0] / scale)

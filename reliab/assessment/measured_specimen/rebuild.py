@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reliab.assessment.measured_specimen.force_channel import ForceChannel, columns_of_channel
-from reliab.assessment.measured_specimen.learned_test import OF_FORCE, LearnedTest
+from reliab.assessment.measured_specimen.learned_test import FORCE_QUANTITIES, LearnedTest
 from reliab.assessment.measured_specimen.learning import late_by, learn_specimen
 from reliab.assessment.measured_specimen.path import MeasuredPath
 from reliab.assessment.rebuilt_error.difference_draws import draw_differences
@@ -53,14 +53,14 @@ DRAWS = 64
 DRAWS_OF_LINEAR = 256
 """The same where the specimen is linear, as many as of a stated one."""
 
-_AS_STATED = 4  # draws of which one is of noise and specimen alone, behind the value
+_NOMINAL_STRIDE = 4  # draws of which one is of noise and specimen alone, behind the value
 _LEAST_RATE = 256.0  # samples in a second, and in a period, that are simulated
-_PER_PERIOD = 100.0
+_SAMPLES_PER_PERIOD = 100.0
 _FORESEEN = 0.01  # of a displacement, that the specimen's force at the end of a step may move at most
 _PERIODS_OF_BLOCK = 2.0
 _FEWEST_BLOCKS = 12
-_MISSED = 0.15  # of the force on held-out parts, above which a specimen is not learned
-_PASSED = 0.27  # of the rate of simulation, up to which a filter passes
+_LARGEST_MISFIT = 0.15  # of the force on held-out parts, above which a specimen is not learned
+_FILTER_SHARE = 0.27  # of the rate of simulation, up to which a filter passes
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,7 +94,7 @@ class MeasuredSpecimen:
     @property
     def learned(self) -> bool:
         """Whether held-out parts of the force are predicted so well that the specimen counts as learned."""
-        return self.held_out <= _MISSED
+        return self.held_out <= _LARGEST_MISFIT
 
     def parts(self) -> Parts:
         """Divide the error into amplitude, delay, what is neither, and the fed-back force.
@@ -102,64 +102,71 @@ class MeasuredSpecimen:
         Amplitude and delay are the errors that an actuator with these alone would have made along the same
         command, and their effect on each other counts as neither.
         """
-        thin, whole = self.test.thin, self._whole
+        thin, error = self.test.thin, self._error
         gain, delay, differences = follow(thin.command, thin.measured, thin.time_step)
-        pieces = {name: self._strayed(thin.command - differences[name]) for name in (AMPLITUDE, DELAY)}
-        of_tracking = whole
+        pieces = {
+            name: self._error_of_displacement(thin.command - differences[name]) for name in (AMPLITUDE, DELAY)
+        }
+        tracking_error = error
         if self.test.feedback_lag:
-            of_tracking = self._strayed(thin.measured)
-            pieces[FED_BACK_FORCE] = whole - of_tracking
-        pieces[NEITHER] = of_tracking - pieces[AMPLITUDE] - pieces[DELAY]
+            tracking_error = self._error_of_displacement(thin.measured)
+            pieces[FED_BACK_FORCE] = error - tracking_error
+        pieces[NEITHER] = tracking_error - pieces[AMPLITUDE] - pieces[DELAY]
         return parts_of(
-            gain, delay, {name: self._at_samples(piece) for name, piece in pieces.items()}, self._peak
+            gain, delay, {name: self._interpolate(piece) for name, piece in pieces.items()}, self._peak
         )
 
-    def part_of_tracking(self, followed: Array) -> Part:
+    def part_of_tracking(self, followed_command: Array) -> Part:
         """Part of the error that an actuator with this displacement [m] accounts for, shape (n,)."""
-        piece = self._strayed(np.ascontiguousarray(followed[:: self.rebuilt.every]))
-        return part_of(self._at_samples(piece), self._at_samples(self._whole), self._peak)
+        piece = self._error_of_displacement(np.ascontiguousarray(followed_command[:: self.rebuilt.every]))
+        return part_of(self._interpolate(piece), self._interpolate(self._error), self._peak)
 
     def widenings(self, metric: Metric = Metric.RMS) -> tuple[Widening, ...]:
         """Which unknowns widen the interval most, the widest first."""
         rebuilt, seed = self.rebuilt, self.rebuilt.seed
         draws = rebuilt.draws.rms.size
-        stated, _ = draw_unknown(rebuilt.unknown, draws, seed)
-        of_force = self.test.drawn_of_force(draws, seed)
-        del of_force["specimen"]  # whose families and coefficients are drawn, too
+        quantities, _ = draw_unknown(rebuilt.unknown, draws, seed)
+        force_quantities = self.test.draw_force_quantities(draws, seed)
+        del force_quantities["specimen"]  # whose families and coefficients are drawn, too
         deviations = rebuilt.unknown.deviations() | self.test.deviations_of_force
-        few, places = _few(rebuilt.differences, draws), np.arange(rebuilt.reference.size) / rebuilt.every
-        of_noise = self.test.spread(few, EXACT, places, seed, varied=False)
-        quiet = np.broadcast_to(rebuilt.differences.mean(axis=0), few.shape)
-        of_specimen = self.test.spread(quiet, EXACT, places, seed, carried=("specimen",))
-        parts = widenings(rebuilt.draws, stated | of_force, deviations, of_noise, metric)
-        specimen = widening_alone("specimen", rebuilt.draws, of_specimen, metric, self.test.missed)
+        nominal_differences, places = (
+            _select_nominal(rebuilt.differences, draws),
+            np.arange(rebuilt.reference.size) / rebuilt.every,
+        )
+        noise_spread = self.test.spread(nominal_differences, EXACT, places, seed, vary_members=False)
+        quiet = np.broadcast_to(rebuilt.differences.mean(axis=0), nominal_differences.shape)
+        specimen_spread = self.test.spread(quiet, EXACT, places, seed, force_quantities=("specimen",))
+        parts = widenings(rebuilt.draws, quantities | force_quantities, deviations, noise_spread, metric)
+        specimen = widening_alone(
+            "specimen", rebuilt.draws, specimen_spread, metric, self.test.unexplained_force
+        )
         return tuple(sorted((*parts, specimen), key=lambda part: -part.contribution))
 
-    def _strayed(self, moved: Array) -> Array:
+    def _error_of_displacement(self, displacement: Array) -> Array:
         """Error of an actuator that moves like this along the command [m], at the simulated samples."""
-        return moved - self.test.response(self.test.learned[0], moved, late=False)
+        return displacement - self.test.response(self.test.learned[0], displacement, late=False)
 
     @property
-    def _whole(self) -> Array:
+    def _error(self) -> Array:
         """Error of the test [m], at the simulated samples."""
-        measured = self.test.thin.measured
-        return measured - self.test.response(self.test.learned[0], measured)
+        measured_displacement = self.test.thin.measured
+        return measured_displacement - self.test.response(self.test.learned[0], measured_displacement)
 
     @property
     def _peak(self) -> float:
         return float(np.abs(self.rebuilt.reference).max())
 
-    def _at_samples(self, values: Array) -> Array:
+    def _interpolate(self, values: Array) -> Array:
         places = np.arange(self.rebuilt.reference.size) / self.rebuilt.every
         return np.interp(places, np.arange(values.size), values)
 
 
 def rebuild_with_force(
     command: Array,
-    measured: Array,
+    measured_displacement: Array,
     force: Array,
     time_step: float,
-    whole: Partition,
+    structure: Partition,
     *,
     mass_deviation: float = 0.0,
     feedback_lag: float = 0.0,
@@ -171,114 +178,116 @@ def rebuild_with_force(
 ) -> MeasuredSpecimen:
     """Compute the error of a test whose specimen is known by its recorded force only.
 
-    `command`, `measured` [m] and `force` [N], shape (n,); `time_step`, `feedback_lag` [s]; `sensor_offset`,
-    `resolution` [m]; `mass_deviation` of the mass, over the mass [-]. `whole` [kg, N·s/m, N/m] without its
-    specimen is the computer's part. `force_channel` says what the recorded force holds beside that of the
-    specimen, all of which was fed back.
+    `command`, `measured_displacement` [m] and `force` [N], shape (n,); `time_step`, `feedback_lag` [s];
+    `sensor_offset`, `resolution` [m]; `mass_deviation` of the mass, over the mass [-]. `structure` [kg,
+    N·s/m, N/m] without its specimen is the computer's part. `force_channel` says what the recorded force
+    holds beside that of the specimen, all of which was fed back.
     """
     with one_thread():
-        command, measured = check_histories(command, measured, time_step, whole)
-        force = _checked_force(force, measured)
-        every = _samples_in_step(whole, time_step)
-        require_fitting(command.size, every, time_step)
-        noise = replace(estimate_noise(command, measured, time_step), resolution=resolution)
-        start = start_of_test(command, measured, time_step, whole, noise, sensor_offset)
-        read = measured - start.offset
+        command, measured_displacement = check_histories(command, measured_displacement, time_step, structure)
+        force = _check_force(force, measured_displacement)
+        stride = _samples_in_step(structure, time_step)
+        require_fitting(command.size, stride, time_step)
+        noise = replace(estimate_noise(command, measured_displacement, time_step), resolution=resolution)
+        start = start_of_test(command, measured_displacement, time_step, structure, noise, sensor_offset)
+        read = measured_displacement - start.offset
         smooth = noise.smooth(command - read)
         histories = Histories(
             command=command, measured=command - smooth, fed_back=smooth, time_step=time_step
         )
-        thin = histories.thin(every)
+        thin = histories.thin(stride)
         channel = force_channel or ForceChannel()
-        recorded = np.ascontiguousarray(noise.smooth(force)[::every])
-        added = columns_of_channel(recorded, thin.measured, thin.time_step)
-        path = _path(histories, force, recorded - channel.values @ added, every, noise, whole)
+        recorded_force = np.ascontiguousarray(noise.smooth(force)[::stride])
+        channel_columns = columns_of_channel(recorded_force, thin.measured, thin.time_step)
+        path = _path(
+            histories, force, recorded_force - channel.values @ channel_columns, stride, noise, structure
+        )
         test = LearnedTest(
             thin=thin,
             path=path,
-            whole=whole,
+            whole=structure,
             mass_deviation=mass_deviation,
             feedback_lag=feedback_lag,
             channel=channel,
-            added=added,
+            added=channel_columns,
             learned=tuple(learn_specimen(path)),
         )
-        bounded = tuple(specimen for specimen in test.learned if test.bounded(specimen))
-        test = replace(test, learned=bounded or test.learned[:1])
-        return _concluded(test, histories, read, every, noise, start, tolerances or Tolerances(), seed)
+        bounded_specimens = tuple(specimen for specimen in test.learned if test.is_bounded(specimen))
+        test = replace(test, learned=bounded_specimens or test.learned[:1])
+        return _conclude(test, histories, read, stride, noise, start, tolerances or Tolerances(), seed)
 
 
-def _samples_in_step(whole: Partition, time_step: float) -> int:
+def _samples_in_step(structure: Partition, time_step: float) -> int:
     """Give the number of samples of which one is simulated: the specimen's force is foreseen for a step."""
-    lowest = float(whole.natural_frequencies[0])
-    every = samples_in_step_of_simulation(
-        lowest, time_step, least_rate=_LEAST_RATE, samples_per_period=_PER_PERIOD
+    lowest = float(structure.natural_frequencies[0])
+    stride = samples_in_step_of_simulation(
+        lowest, time_step, least_rate=_LEAST_RATE, samples_per_period=_SAMPLES_PER_PERIOD
     )
-    while every > 1:
-        recursion = Recursion.from_force(whole.numerical_substructure, every * time_step)
-        moved = recursion.output @ recursion.late  # by a unit force at the end of the step
-        if float((whole.specimen_stiffness @ moved)[0, 0]) <= _FORESEEN:
+    while stride > 1:
+        recursion = Recursion.from_force(structure.numerical_substructure, stride * time_step)
+        displacement = recursion.output @ recursion.late  # by a unit force at the end of the step
+        if float((structure.specimen_stiffness @ displacement)[0, 0]) <= _FORESEEN:
             break
-        every -= 1
-    return every
+        stride -= 1
+    return stride
 
 
 def _path(
     histories: Histories,
     force: Array,
-    of_specimen: Array,
-    every: int,
+    specimen_force: Array,
+    stride: int,
     noise: SensorNoise,
-    whole: Partition,
+    structure: Partition,
 ) -> MeasuredPath:
-    """Put together what the test shows of the specimen; `force` as recorded, `of_specimen` thinned [N]."""
-    thin = histories.thin(every)
+    """Put together what the test shows of the specimen; `force` as recorded, `specimen_force` thinned [N]."""
+    thin = histories.thin(stride)
     shares = white_floor(force) / np.var(force) + noise.white**2 / np.var(histories.measured)
     return MeasuredPath(
         displacement=thin.measured,
-        force=of_specimen,
+        force=specimen_force,
         time_step=thin.time_step,
-        noise=replace(noise, time_step=thin.time_step, band=min(noise.band, _PASSED / thin.time_step)),
+        noise=replace(noise, time_step=thin.time_step, band=min(noise.band, _FILTER_SHARE / thin.time_step)),
         block=min(
-            _PERIODS_OF_BLOCK / float(whole.natural_frequencies[0]),
+            _PERIODS_OF_BLOCK / float(structure.natural_frequencies[0]),
             thin.command.size * thin.time_step / _FEWEST_BLOCKS,
         ),
         noisy=float(np.sqrt(shares * np.sum(noise.filter**2))),
     )
 
 
-def _concluded(
+def _conclude(
     test: LearnedTest,
     histories: Histories,
     read: Array,
-    every: int,
+    stride: int,
     noise: SensorNoise,
     start: Start,
     tolerances: Tolerances,
     seed: int,
 ) -> MeasuredSpecimen:
     """Draw what is not known, and put the error together; `read` [m]."""
-    command, thin, learned = histories.command, test.thin, test.learned
+    command, thin, specimens = histories.command, test.thin, test.learned
     unknown = Unknown(tolerances=tolerances, offset=start.offset_deviation, error_at_start=0.0)
-    draws = DRAWS_OF_LINEAR if learned[0].linear else DRAWS
+    draws = DRAWS_OF_LINEAR if specimens[0].linear else DRAWS
     lowest = float(test.whole.natural_frequencies[0])
-    differences = draw_differences(command, read, noise, lowest, every, draws, seed)
-    responses = [test.response(specimen, thin.measured) for specimen in learned]
+    differences = draw_differences(command, read, noise, lowest, stride, draws, seed)
+    responses = [test.response(specimen, thin.measured) for specimen in specimens]
     reference = responses[0]
-    places, known = np.arange(command.size) / every, np.arange(thin.command.size)
-    few = _few(differences, draws)
+    places, simulated_places = np.arange(command.size) / stride, np.arange(thin.command.size)
+    nominal_differences = _select_nominal(differences, draws)
     return MeasuredSpecimen(
         test=test,
         rebuilt=conclude(
             histories,
             read,
-            command - np.interp(places, known, thin.command - reference),
+            command - np.interp(places, simulated_places, thin.command - reference),
             structure=test.whole,
             noise=noise,
-            nominal_spread=test.spread(few, EXACT, places, seed),
-            spread=test.spread(differences, unknown, places, seed, carried=OF_FORCE),
+            nominal_spread=test.spread(nominal_differences, EXACT, places, seed),
+            spread=test.spread(differences, unknown, places, seed, force_quantities=FORCE_QUANTITIES),
             differences=differences,
-            stride=every,
+            stride=stride,
             unknown=unknown,
             start=start,
             seed=seed,
@@ -290,24 +299,24 @@ def _concluded(
                 held_out=specimen.held_out,
                 rms=relative_errors(thin.measured - response, response)[0],
             )
-            for specimen, weight, response in zip(learned, test.weights, responses, strict=True)
+            for specimen, weight, response in zip(specimens, test.weights, responses, strict=True)
         ),
-        force=np.interp(places, known, test.force_of(learned[0], reference)),
-        fed_back=np.interp(places, known, test.force_of(learned[0], thin.measured)),
-        work=test.work_of(learned[0], thin.measured, reference),
-        late=late_by(test.path, learned[0], test.added[0]),
-        beyond=_beyond(reference, thin.measured),
+        force=np.interp(places, simulated_places, test.force_of(specimens[0], reference)),
+        fed_back=np.interp(places, simulated_places, test.force_of(specimens[0], thin.measured)),
+        work=test.work_of(specimens[0], thin.measured, reference),
+        late=late_by(test.path, specimens[0], test.added[0]),
+        beyond=_range_excess(reference, thin.measured),
     )
 
 
-def _few(differences: Array, draws: int) -> Array:
+def _select_nominal(differences: Array, draws: int) -> Array:
     """Give some histories of x_c − x_m, without slow noise."""
-    return differences[: 2 * draws // _AS_STATED : 2]
+    return differences[: 2 * draws // _NOMINAL_STRIDE : 2]
 
 
-def _checked_force(force: Array, measured: Array) -> Array:
+def _check_force(force: Array, measured_displacement: Array) -> Array:
     force = np.ascontiguousarray(force, dtype=np.float64)
-    if force.shape != measured.shape or not np.isfinite(force).all() or not np.ptp(force) > 0.0:
+    if force.shape != measured_displacement.shape or not np.isfinite(force).all() or not np.ptp(force) > 0.0:
         raise InputError(
             "A measured specimen needs its recorded force, finite, changing and as long as the displacements",
             value=f"shape {force.shape}",
@@ -316,7 +325,9 @@ def _checked_force(force: Array, measured: Array) -> Array:
     return force
 
 
-def _beyond(response: Array, measured: Array) -> float:
+def _range_excess(response: Array, measured_displacement: Array) -> float:
     """How far the response leaves the range of the measured displacement, over that range [-]."""
-    outside = max(response.max() - measured.max(), measured.min() - response.min(), 0.0)
-    return float(outside / np.ptp(measured))
+    excess = max(
+        response.max() - measured_displacement.max(), measured_displacement.min() - response.min(), 0.0
+    )
+    return float(excess / np.ptp(measured_displacement))

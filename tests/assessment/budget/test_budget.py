@@ -7,7 +7,7 @@ import pytest
 
 from reliab.app.api.arguments import require_sound
 from reliab.assessment.assess import assess
-from reliab.assessment.budget.corrections import corrected
+from reliab.assessment.budget.corrections import correct_recording
 from reliab.assessment.budget.sizes import (
     Size,
     Source,
@@ -149,6 +149,6 @@ def test_force_and_ground_motion_pass_the_filter_that_is_stated_of_the_displacem
     low_pass = LowPass(corner=20.0)
     seen = low_pass.apply(recording.measured, recording.time_step)
     whole = replace(recording, measured=seen, force=3e5 * recording.measured, ground=recording.command)
-    again = corrected(whole, {}, {"measured": low_pass})
+    again = correct_recording(whole, {}, {"measured": low_pass})
     np.testing.assert_allclose(again.force, 3e5 * again.measured, atol=1e-9 * np.abs(again.force).max())
     np.testing.assert_array_equal(again.ground, again.command)

@@ -66,7 +66,7 @@ def test_without_noise_it_is_the_true_error(frame, run):
 def test_parts_of_actuators_and_causes_add_up(frame, run):
     error = rebuilt(frame, run, draws=4)
     for place in range(2):
-        parts = error.division.of_degree(place).by_name
+        parts = error.division.parts_of_degree(place).by_name
         assert sum(part.share for part in parts.values()) == pytest.approx(1.0, abs=1e-9)
     whole = np.sum(list(error.division.histories.values()), axis=0)
     measured = frame.to_interface @ error.histories.measured

@@ -25,7 +25,7 @@ def circumstances_of(test, *, f, xi, share=1.0, ground=False, equipment=None, st
     partition = Partition.from_structure(
         Structure(frequency=f, damping_ratio=xi, experimental_fraction=share)
     )
-    channels = ChannelSpectra.of_channels(
+    channels = ChannelSpectra.from_channels(
         test.command[np.newaxis],
         test.measured[np.newaxis],
         test.time_step,
@@ -71,7 +71,7 @@ def test_noise_of_the_displacement_makes_no_specimen_softer():
     told = {"frequency": 3.8, "damping_ratio": 0.03}
     test = simulate(**told, share=0.8, gain=0.98, delay=0.0015, ground=ground, time_step=STEP, noise=0.03)
     partition = Partition.from_structure(Structure(**told, experimental_fraction=0.8))
-    channels = ChannelSpectra.of_channels(
+    channels = ChannelSpectra.from_channels(
         test.command[np.newaxis],
         test.measured[np.newaxis],
         STEP,
