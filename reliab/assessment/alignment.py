@@ -28,7 +28,7 @@ LEAST_MATCH = 0.9
 
 _QUIET = 1e-2  # share of the largest energy of a stretch below which it is compared with nothing
 
-_ALIKE = 0.7  # correlation of the force with what the ground motion leaves for it, at least
+_LEAST_CORRELATION = 0.7  # correlation of the force with what the ground motion leaves for it, at least
 _ALIKE_SOMEWHERE = (
     0.5  # of what the ground motion leaves with the rest of the force, at some place of a record
 )
@@ -57,33 +57,33 @@ def align(recording: Recording, reference: Array, structure: Structure, motion: 
     `reference` [m].
     """
     step, size = recording.time_step, recording.command.size
-    record = Padded.around(motion, recording.duration)
+    record = PaddedMotion.around(motion, recording.duration)
     response = record.response(structure, step)
-    match, by, place = 0.0, "", 0
+    match, criterion, place = 0.0, "", 0
     if recording.ground is not None:
-        similar = similarity(recording.ground, record.sampled(step), in_size=True)
-        place, by = int(np.argmax(similar)), "ground acceleration"
+        similar = similarity(recording.ground, record.resample(step), compare_size=True)
+        place, criterion = int(np.argmax(similar)), "ground acceleration"
         match = float(similar[place])
     if match < LEAST_MATCH:
-        place, match, by = _by_response(reference, response)
-    matched = match >= LEAST_MATCH
-    if not matched:
+        place, match, criterion = _find_by_response(reference, response)
+    is_matched = match >= LEAST_MATCH
+    if not is_matched:
         place = int(np.argmax(_energies(response, size)))
     begin = place * step
-    rest = record.cut(begin, begin + recording.duration).response(structure, step)[:size]
+    response_from_rest = record.cut(begin, begin + recording.duration).response(structure, step)[:size]
     moving = response[place : place + size]
     return Alignment(
         begin=begin - record.before,
         end=begin - record.before + recording.duration,
         match=match,
-        matched=matched,
-        by=by,
-        from_rest=_distance(rest, reference) <= _distance(moving, reference),
+        matched=is_matched,
+        by=criterion,
+        from_rest=_distance(response_from_rest, reference) <= _distance(moving, reference),
     )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Padded:
+class PaddedMotion:
     """A ground motion with rest before and after it."""
 
     acceleration: Array  # Ground acceleration [m/s²], shape (n,)
@@ -91,27 +91,29 @@ class Padded:
     before: float  # Rest before the record [s]
 
     @classmethod
-    def around(cls, motion: Motion, rest: float) -> "Padded":
+    def around(cls, motion: Motion, rest_duration: float) -> "PaddedMotion":
         """Add rest of at least a length [s] on both sides."""
-        samples = int(np.ceil(rest / motion.time_step)) + 2
+        samples = int(np.ceil(rest_duration / motion.time_step)) + 2
         return cls(
             acceleration=np.pad(motion.acceleration, samples),
             time_step=motion.time_step,
             before=samples * motion.time_step,
         )
 
-    def cut(self, begin: float, end: float) -> "Padded":
+    def cut(self, begin: float, end: float) -> "PaddedMotion":
         """Keep what lies between two times [s], counted from the first sample."""
         count = int(np.ceil((end - begin) / self.time_step - 1e-9)) + 1
         times = begin + self.time_step * np.arange(count)
-        known = self.time_step * np.arange(self.acceleration.size)
-        kept = np.interp(times, known, self.acceleration, right=0.0)
-        return Padded(acceleration=kept, time_step=self.time_step, before=self.before - begin)
+        sample_times = self.time_step * np.arange(self.acceleration.size)
+        acceleration = np.interp(times, sample_times, self.acceleration, right=0.0)
+        return PaddedMotion(acceleration=acceleration, time_step=self.time_step, before=self.before - begin)
 
-    def sampled(self, step: float) -> Array:
+    def resample(self, step: float) -> Array:
         """Acceleration at other steps [m/s²], linear between samples."""
-        known = self.time_step * np.arange(self.acceleration.size)
-        return np.interp(np.arange(0.0, known[-1] * (1.0 + 1e-12), step), known, self.acceleration)
+        sample_times = self.time_step * np.arange(self.acceleration.size)
+        return np.interp(
+            np.arange(0.0, sample_times[-1] * (1.0 + 1e-12), step), sample_times, self.acceleration
+        )
 
     def response(self, structure: Structure, step: float) -> Array:
         """Response of a structure at rest at the first sample, without actuator errors [m]."""
@@ -119,39 +121,39 @@ class Padded:
         return cut(excitation, structure, step=step).ideal
 
 
-def _by_response(reference: Array, response: Array) -> tuple[int, float, str]:
-    in_size = similarity(reference, response, in_size=True)
-    place = int(np.argmax(in_size))
-    if in_size[place] >= LEAST_MATCH:
-        return place, float(in_size[place]), "response"
-    in_shape = np.abs(similarity(reference, response, in_size=False))
-    place = int(np.argmax(in_shape))
-    return place, float(in_shape[place]), "shape of the response"
+def _find_by_response(reference: Array, response: Array) -> tuple[int, float, str]:
+    size_similarity = similarity(reference, response, compare_size=True)
+    place = int(np.argmax(size_similarity))
+    if size_similarity[place] >= LEAST_MATCH:
+        return place, float(size_similarity[place]), "response"
+    shape_similarity = np.abs(similarity(reference, response, compare_size=False))
+    place = int(np.argmax(shape_similarity))
+    return place, float(shape_similarity[place]), "shape of the response"
 
 
-def similarity(part: Array, whole: Array, *, in_size: bool) -> Array:
+def similarity(part: Array, history: Array, *, compare_size: bool) -> Array:
     """Similarity of a history with each stretch of its length in a longer one, or of several together.
 
     2⟨p, w⟩/(⟨p, p⟩ + ⟨w, w⟩), or ⟨p, w⟩/√(⟨p, p⟩⟨w, w⟩) where sizes do not count; shapes (n,) or (histories,
     n), products are sums over the histories.
     """
-    pairs = list(zip(np.atleast_2d(part), np.atleast_2d(whole), strict=True))
+    pairs = list(zip(np.atleast_2d(part), np.atleast_2d(history), strict=True))
     products = np.sum([convolve_valid(longer, shorter[::-1]) for shorter, longer in pairs], axis=0)
     energy = float(np.sum(part**2))
     energies = np.sum([_energies(longer, shorter.size) for shorter, longer in pairs], axis=0)
-    if in_size:
+    if compare_size:
         return np.asarray(2.0 * products / (energy + energies))
     loud = np.maximum(energies, _QUIET * energies.max())
     return np.asarray(products / np.sqrt(energy * loud))
 
 
-def _energies(whole: Array, size: int) -> Array:
-    total = np.concatenate([[0.0], np.cumsum(whole**2)])
+def _energies(history: Array, size: int) -> Array:
+    total = np.concatenate([[0.0], np.cumsum(history**2)])
     return np.asarray(total[size:] - total[:-size])
 
 
-def _distance(expected: Array, reference: Array) -> float:
-    return float(np.linalg.norm(expected - reference[: expected.size]))
+def _distance(response: Array, reference: Array) -> float:
+    return float(np.linalg.norm(response - reference[: response.size]))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -176,12 +178,12 @@ def ground_of_test(
     yielded, says of a recorded ground motion only its sign.
     """
     if motion is not None:
-        return _placed(test, motion)
-    own = own_ground(test, _ALIKE if force_known else 0.0)
-    return None if own is None else GroundOfTest(acceleration=own)
+        return _place_on_record(test, motion)
+    own_acceleration = own_ground(test, _LEAST_CORRELATION if force_known else 0.0)
+    return None if own_acceleration is None else GroundOfTest(acceleration=own_acceleration)
 
 
-def own_ground(test: ExactTest, least: float = _ALIKE) -> Array | None:
+def own_ground(test: ExactTest, least: float = _LEAST_CORRELATION) -> Array | None:
     """Ground acceleration with which the computer's equation explains the force; None where none does.
 
     `least`: smallest correlation of both.
@@ -190,10 +192,10 @@ def own_ground(test: ExactTest, least: float = _ALIKE) -> Array | None:
     if test.ground is None or structure.all_driven:
         return None
     for ground in (test.ground, -test.ground):
-        moved = structure.displacements(test.command, ground, step)
-        needed = structure.force_of_computer(moved, ground, step)
-        if float(np.sum(needed * test.fed_back)) > least * float(
-            np.linalg.norm(needed) * np.linalg.norm(test.fed_back)
+        displacement = structure.displacements(test.command, ground, step)
+        required_force = structure.force_of_computer(displacement, ground, step)
+        if float(np.sum(required_force * test.fed_back)) > least * float(
+            np.linalg.norm(required_force) * np.linalg.norm(test.fed_back)
         ):
             return ground
     return None
@@ -203,10 +205,12 @@ def factor_of_ground(test: ExactTest) -> float | None:
     """Factor by which the recorded ground acceleration explains a test best; None where none does."""
     if test.ground is None:
         return None
-    by_ground, of_ground = _forces_of_ground(test, test.ground)
-    size = float(np.linalg.norm(of_ground))
-    factor = float(np.sum(by_ground * of_ground)) / size**2 if size else 0.0
-    return factor if abs(factor) * size > _ALIKE * float(np.linalg.norm(by_ground)) else None
+    required_forces, ground_forces = _forces_of_ground(test, test.ground)
+    size = float(np.linalg.norm(ground_forces))
+    factor = float(np.sum(required_forces * ground_forces)) / size**2 if size else 0.0
+    return (
+        factor if abs(factor) * size > _LEAST_CORRELATION * float(np.linalg.norm(required_forces)) else None
+    )
 
 
 def _forces_of_ground(test: ExactTest, ground: Array) -> tuple[Array, Array]:
@@ -215,25 +219,27 @@ def _forces_of_ground(test: ExactTest, ground: Array) -> tuple[Array, Array]:
     `ground` [m/s²], shape (n,). Forces and moments are over what the specimen bears.
     """
     structure, step = test.stated.structure, test.time_step
-    none, borne = np.zeros(test.command.shape[1]), np.linalg.norm(test.fed_back, axis=1)
-    alone = structure.force_of_computer(structure.displacements(test.command, none, step), none, step)
+    no_ground, borne = np.zeros(test.command.shape[1]), np.linalg.norm(test.fed_back, axis=1)
+    undisturbed_force = structure.force_of_computer(
+        structure.displacements(test.command, no_ground, step), no_ground, step
+    )
     unit = np.where(borne > 0.0, borne, np.inf)[:, np.newaxis]
     still = structure.displacements(np.zeros((borne.size, ground.size)), ground, step)
-    return (test.fed_back - alone) / unit, structure.force_of_computer(still, ground, step) / unit
+    return (test.fed_back - undisturbed_force) / unit, structure.force_of_computer(still, ground, step) / unit
 
 
-def _placed(test: ExactTest, motion: Motion) -> GroundOfTest | None:
+def _place_on_record(test: ExactTest, motion: Motion) -> GroundOfTest | None:
     """Find the part of a record that a test saw; forces and moments count by what the specimen bears."""
     structure, step, size = test.stated.structure, test.time_step, test.command.shape[1]
     if structure.all_driven:
         return None
-    history = Padded.around(motion, step * size).sampled(step)
-    by_ground, of_ground = _forces_of_ground(test, history)
-    alike = similarity(by_ground, of_ground, in_size=False)
-    begin = int(np.argmax(np.abs(alike)))
-    if abs(alike[begin]) < _ALIKE_SOMEWHERE:
+    history = PaddedMotion.around(motion, step * size).resample(step)
+    required_forces, ground_forces = _forces_of_ground(test, history)
+    similarities = similarity(required_forces, ground_forces, compare_size=False)
+    begin = int(np.argmax(np.abs(similarities)))
+    if abs(similarities[begin]) < _ALIKE_SOMEWHERE:
         return None
-    of_record = of_ground[:, begin : begin + size]
-    factor = float(np.sum(of_record * by_ground) / np.sum(of_record**2))
-    placed = GroundOfTest(acceleration=history[begin : begin + size], factor=factor)
-    return replace(placed, acceleration=factor * placed.acceleration) if placed.differs else placed
+    record_forces = ground_forces[:, begin : begin + size]
+    factor = float(np.sum(record_forces * required_forces) / np.sum(record_forces**2))
+    ground = GroundOfTest(acceleration=history[begin : begin + size], factor=factor)
+    return replace(ground, acceleration=factor * ground.acceleration) if ground.differs else ground

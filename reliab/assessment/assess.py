@@ -6,24 +6,24 @@ from typing import TYPE_CHECKING
 
 from reliab.assessment.assessment import Assessment
 from reliab.assessment.budget.sizes import Equipment, exact_equipment, sizes_of_unknown, tolerances_of
-from reliab.assessment.conflicts import find_conflicts, identify_structure, shown_ratio
+from reliab.assessment.conflicts import damping_from_channels, find_conflicts, identify_structure
 from reliab.assessment.contradictions import (
-    of_columns,
-    of_frequency,
-    of_motion,
-    of_specimen,
-    of_stability,
+    contradict_columns,
+    contradict_frequency,
+    contradict_motion,
+    contradict_specimen,
+    contradict_stability,
 )
 from reliab.assessment.default_criterion import criterion_of_test
-from reliab.assessment.doubts import doubted_by_rest, verdict_of_error
+from reliab.assessment.doubts import doubt_rest, verdict_of_error
 from reliab.assessment.error_of_test import ErrorOfTest, Question, error_of_test
 from reliab.assessment.fault_effects import FaultEffect, error_of_one_with_faults
-from reliab.assessment.faults import Fault, faults_of_channel, repaired
+from reliab.assessment.faults import Fault, faults_of_channel, repair_recording
 from reliab.assessment.inference.posterior import TestPosterior, favours_frequency
 from reliab.assessment.own_equation import OwnEquation, compare_with_stated, looks_nonlinear
 from reliab.assessment.placement import place
 from reliab.assessment.plausibility import require_drawable, require_length, require_plausible
-from reliab.assessment.recorded_force import stated_stiffness
+from reliab.assessment.recorded_force import stiffness_from_mass
 from reliab.assessment.recorded_ground import ShownGround, examine_ground, require_unit_of_force
 from reliab.assessment.scope_of_test import place_by_response, scope_of_test
 from reliab.assessment.tracking_index import TrackingIndex, measure_tracking, track, track_windows
@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from reliab.motions.motion import Motion
     from reliab.simulation.hybrid_test.model_file import UpdatedModel
 
-_LEARNED = (
+_LEARNED_NOTE = (
     "The recorded force is that of a nonlinear specimen, which was therefore learned from it, as with "
     "`specimen` measured. State it as linear if it was."
 )
@@ -127,42 +127,44 @@ def assess(
         If the test is too short or too long, sampled too coarsely, has two units or signs, or the measured
         displacement does not follow the command.
     """
-    learned: tuple[str, ...] = ()
+    learned_notes: tuple[str, ...] = ()
     equipment = equipment or exact_equipment()
     if not (equipment.is_exact or measured_specimen or linear_specimen or model is not None):
         nonlinear = "mass" in (stated or {}) and looks_nonlinear(remove_spikes(recording)[0], structure)
         measured_specimen = bool(nonlinear)
-        learned = (_LEARNED,) if nonlinear else ()
+        learned_notes = (_LEARNED_NOTE,) if nonlinear else ()
     linear = model is None and not measured_specimen
     _require_judgeable(recording, structure, stated or {}, linear=linear)
     stated = dict(stated or {})
     tolerances_of(sizes_of_unknown(stated, structure, equipment, recording.time_step))
-    named = structure.frequency, structure.damping_ratio, threshold, confidence
-    chosen = criterion or criterion_of_test(*named, metric=metric, duration=recording.duration)
+    criterion_arguments = structure.frequency, structure.damping_ratio, threshold, confidence
+    criterion_used = criterion or criterion_of_test(
+        *criterion_arguments, metric=metric, duration=recording.duration
+    )
     question = Question(
         structure=structure,
         stated=stated,
         equipment=equipment,
-        metric=Metric(chosen.metric),
-        threshold=chosen.threshold,
+        metric=Metric(criterion_used.metric),
+        threshold=criterion_used.threshold,
         model=model,
         measured_specimen=measured_specimen,
         linear_specimen=linear_specimen,
         force_channel=force_channel,
         seed=seed,
     )
-    return _examined(recording, question, chosen, motion, (assumed, learned), taper)
+    return _examine(recording, question, criterion_used, motion, (assumed, learned_notes), taper)
 
 
-def _examined(
+def _examine(
     recording: Recording,
     question: Question,
-    chosen: Criterion,
+    criterion: Criterion,
     motion: "Motion | None",
-    said: tuple[tuple[str, ...], tuple[str, ...]],
+    notes: tuple[tuple[str, ...], tuple[str, ...]],
     taper: str,
 ) -> Assessment:
-    assumed, learned = said
+    assumptions, learned_notes = notes
     faults, tracking = faults_of_channel(
         recording,
         threshold=question.threshold,
@@ -170,82 +172,86 @@ def _examined(
         window=taper,
         seed=question.seed,
     )
-    clean = repaired(recording, faults)
+    clean = repair_recording(recording, faults)
     if faults:
         tracking = track(clean, window=taper, seed=question.seed)
-    judged = _judged(recording, clean, faults, _with_broad_damping(question) if assumed else question)
-    if assumed and judged.error.inferred is not None:
-        question, assumed = _with_shown_damping(question, judged.error.inferred.posterior)
+    judgement = _judge(recording, clean, faults, _broaden_damping(question) if assumptions else question)
+    if assumptions and judgement.error.inferred is not None:
+        question, assumptions = _take_shown_damping(question, judgement.error.inferred.posterior)
     structure = question.structure
-    turning = examine_turning(judged.error, recording, question)
-    verdict = verdict_of_error(judged.error, judged.effects, judged.equation)
-    verdict = doubted_by_rest(verdict, judged.error, clean)
+    turning = examine_turning(judgement.error, recording, question)
+    verdict = verdict_of_error(judgement.error, judgement.effects, judgement.equation)
+    verdict = doubt_rest(verdict, judgement.error, clean)
     assessment = Assessment(
         recording=recording,
         structure=structure,
         stated=question.stated,
-        criterion=chosen,
+        criterion=criterion,
         tracking=tracking,
         measures=measure_tracking(clean),
         windows=track_windows(clean, tracking, window=taper),
-        population=place(chosen, structure, tracking.amplitude, tracking.delay, tracking.draws),
-        scope=scope_of_test(chosen, clean, structure, judged.error.reference),
-        by_response=place_by_response(clean, question, judged.error.reference, chosen, tracking),
-        placement=None if motion is None else _placed(motion, clean, tracking, judged.error, question),
-        error=judged.error,
-        faults=judged.effects,
-        equation=judged.equation,
-        judgement=turning.limit(verdict, judged.error.probability),
+        population=place(criterion, structure, tracking.amplitude, tracking.delay, tracking.draws),
+        scope=scope_of_test(criterion, clean, structure, judgement.error.reference),
+        by_response=place_by_response(clean, question, judgement.error.reference, criterion, tracking),
+        placement=None
+        if motion is None
+        else _place_on_boundary(motion, clean, tracking, judgement.error, question),
+        error=judgement.error,
+        faults=judgement.effects,
+        equation=judgement.equation,
+        judgement=turning.limit(verdict, judgement.error.probability),
         turning=turning,
-        assumed=(*assumed, *learned),
-        column_doubts=tuple(of_columns(recording, tracking)),
+        assumed=(*assumptions, *learned_notes),
+        column_doubts=tuple(contradict_columns(recording, tracking)),
     )
-    return _with_contradictions(assessment, clean, question)
+    return _add_contradictions(assessment, clean, question)
 
 
 def _require_judgeable(
-    recording: Recording, structure: Structure, stated: Mapping[str, StatedValue], *, linear: bool
+    recording: Recording, structure: Structure, stated_values: Mapping[str, StatedValue], *, linear: bool
 ) -> None:
     require_length(recording, structure.frequency)
     require_drawable(recording, whole_structure(structure))
-    require_plausible(recording, stiffness=stated_stiffness(structure, stated), linear=linear)
-    if "mass" in stated and not linear:
-        lag = stated.get("feedback_lag", StatedValue(0.0)).value / MILLI
+    require_plausible(recording, stiffness=stiffness_from_mass(structure, stated_values), linear=linear)
+    if "mass" in stated_values and not linear:
+        lag = stated_values.get("feedback_lag", StatedValue(0.0)).value / MILLI
         sound, *_ = remove_spikes(recording)
-        require_unit_of_force(sound, structure, mass=stated["mass"].value, feedback_lag=lag)
+        require_unit_of_force(sound, structure, mass=stated_values["mass"].value, feedback_lag=lag)
 
 
-def _with_contradictions(assessment: Assessment, clean: Recording, question: Question) -> Assessment:
+def _add_contradictions(assessment: Assessment, clean: Recording, question: Question) -> Assessment:
     """Add where the recording contradicts what is stated, which limits the verdict."""
-    of_stated = of_frequency(clean, assessment.tracking, [question.structure.frequency])
-    return assessment.contradicted(
-        *(doubt for doubt in of_stated if question.linear and not _accepts_frequency(assessment)),
-        *of_stability(assessment.stability_margin),
-        *of_motion(assessment.placement),
+    stated_contradictions = contradict_frequency(clean, assessment.tracking, [question.structure.frequency])
+    return assessment.add_contradictions(
+        *(doubt for doubt in stated_contradictions if question.linear and not _accepts_frequency(assessment)),
+        *contradict_stability(assessment.stability_margin),
+        *contradict_motion(assessment.placement),
         *assessment.equation.doubts,
-        *of_specimen(assessment.error.specimen),
+        *contradict_specimen(assessment.error.specimen),
         *(assessment.column_doubts if _depends_on_columns(assessment, clean, question) else ()),
     )
 
 
 def _accepts_frequency(assessment: Assessment) -> bool:
     """Whether the channels are no likelier with a structure that resonates where the command mainly moves."""
-    inferred = assessment.error.inferred
-    if inferred is None:
+    posterior_error = assessment.error.inferred
+    if posterior_error is None:
         return False
     moves = assessment.tracking.plain.equivalent_frequency
-    return not favours_frequency(inferred.posterior, moves / assessment.structure.frequency)
+    return not favours_frequency(posterior_error.posterior, moves / assessment.structure.frequency)
 
 
 def _depends_on_columns(assessment: Assessment, clean: Recording, question: Question) -> bool:
     """Tell whether the columns may be swapped, and the verdict would then be another one."""
     if not assessment.column_doubts:
         return False
-    swapped = error_of_test(replace(clean, command=clean.measured, measured=clean.command), question)
-    return word_of_probability(swapped.probability) is not word_of_probability(assessment.error.probability)
+    swapped_error = error_of_test(replace(clean, command=clean.measured, measured=clean.command), question)
+    return word_of_probability(swapped_error.probability) is not word_of_probability(
+        assessment.error.probability
+    )
 
 
-def _placed(
+def _place_on_boundary(
     motion: "Motion", clean: Recording, tracking: TrackingIndex, error: ErrorOfTest, question: Question
 ) -> "OwnPlacement":
     """Place the test against the boundary of its own ground motion."""
@@ -257,7 +263,7 @@ def _placed(
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _Judged:
+class _Judgement:
     """The error, and the circumstances that could change it."""
 
     error: ErrorOfTest
@@ -265,7 +271,9 @@ class _Judged:
     equation: OwnEquation
 
 
-def _judged(recording: Recording, clean: Recording, faults: tuple[Fault, ...], question: Question) -> _Judged:
+def _judge(
+    recording: Recording, clean: Recording, faults: tuple[Fault, ...], question: Question
+) -> _Judgement:
     """Error of the test, and what its recording shows of the structure."""
     structure, nonlinear, ground = question.structure, "", ShownGround()
     if question.linear:
@@ -274,11 +282,11 @@ def _judged(recording: Recording, clean: Recording, faults: tuple[Fault, ...], q
         recording = replace(recording, ground=ground.evidence(recording.ground), force=force)
     error, effects = error_of_one_with_faults(recording, faults, question)
     if error.inferred is None:
-        return _Judged(error=error, effects=effects, equation=OwnEquation())
+        return _Judgement(error=error, effects=effects, equation=OwnEquation())
     equation = compare_with_stated(clean, structure, ground, question.stated)
     if not question.equipment.is_exact:
         equation = _compare_with_posterior(error.inferred.posterior, equation, ground, question)
-    return _Judged(error=error, effects=effects, equation=equation)
+    return _Judgement(error=error, effects=effects, equation=equation)
 
 
 def _compare_with_posterior(
@@ -287,13 +295,13 @@ def _compare_with_posterior(
     """Compare stated values with what the channels show where no value is exact."""
     structure = question.structure
     conflicts = tuple(find_conflicts(posterior, structure, question.stated))
-    identified = None
+    identification = None
     if ground.identified is not None:
         misfit = ground.identified.misfit
-        identified = identify_structure(posterior, structure, question.feedback_lag, misfit)
+        identification = identify_structure(posterior, structure, question.feedback_lag, misfit)
     return replace(
         equation,
-        identified=identified,
+        identified=identification,
         wrong=tuple(conflict.option for conflict in conflicts if conflict.option),
         contradictions=tuple(conflict.finding for conflict in conflicts),
         doubts=(*ground.doubts, *(conflict for conflict in conflicts if conflict.remedy)),
@@ -301,21 +309,23 @@ def _compare_with_posterior(
 
 
 def _examine_ground(clean: Recording, question: Question) -> ShownGround:
-    stated = question.stated
+    stated_values = question.stated
     return examine_ground(
         clean,
         question.structure,
-        mass=stated["mass"].value if "mass" in stated else None,
+        mass=stated_values["mass"].value if "mass" in stated_values else None,
         feedback_lag=question.feedback_lag,
     )
 
 
-def _with_shown_damping(question: Question, posterior: TestPosterior) -> tuple[Question, tuple[str, ...]]:
+def _take_shown_damping(question: Question, posterior: TestPosterior) -> tuple[Question, tuple[str, ...]]:
     """Take the damping ratio that the channels show, of which nothing was stated, and say so."""
-    ratio = shown_ratio(posterior, question.structure)
+    ratio = damping_from_channels(posterior, question.structure)
     structure = replace(question.structure, damping_ratio=ratio.value)
-    stated = {**question.stated, "xi": ratio}
-    return replace(question, structure=structure, stated=stated, damping_shown=True), (_shows_ratio(ratio),)
+    stated_values = {**question.stated, "xi": ratio}
+    return replace(question, structure=structure, stated=stated_values, damping_shown=True), (
+        _shows_ratio(ratio),
+    )
 
 
 def _shows_ratio(ratio: StatedValue) -> str:
@@ -325,7 +335,7 @@ def _shows_ratio(ratio: StatedValue) -> str:
     )
 
 
-def _with_broad_damping(question: Question) -> Question:
+def _broaden_damping(question: Question) -> Question:
     """Take a damping ratio that nobody stated as one that lies anywhere from 0.5 to 10 %."""
     ratio = question.structure.damping_ratio
     return replace(question, stated={**question.stated, "xi": StatedValue(ratio, _ANY_RATIO * ratio)})

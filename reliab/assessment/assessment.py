@@ -15,13 +15,13 @@ from reliab.core.significant_digits import percent, share_in_words, significant
 from reliab.core.vocabulary import ERROR_NAMES, MILLI, Metric
 from reliab.criterion.experimental_share import whole_is_worst
 
-_BY_SHAPE = "shape of the response"
+_SHAPE_CRITERION = "shape of the response"
 _FEW_PERIODS = 10.0
 _FEW_SAMPLES = 20.0  # of a period
 _NOISY = 0.05
 _FAR_FROM_ONE = 0.2
 _VARYING = 0.1  # share of a limit
-_UNEXPLAINED = 0.3  # share of the amplitude limit
+_UNEXPLAINED_SHARE = 0.3  # share of the amplitude limit
 
 
 def cautions(findings: Findings) -> tuple[str, ...]:
@@ -29,24 +29,24 @@ def cautions(findings: Findings) -> tuple[str, ...]:
     sentences = (
         sentence
         for group in (
-            _of_faults,
-            _of_error,
-            _of_what_was_not_stated,
-            _of_columns,
-            _of_force,
-            _of_signal,
-            _of_constancy,
-            _of_validity,
-            _of_scope,
-            _of_motion,
-            _of_contradictions,
+            _warn_of_faults,
+            _warn_of_error,
+            _warn_of_assumptions,
+            _warn_of_columns,
+            _warn_of_force,
+            _warn_of_signal,
+            _warn_of_constancy,
+            _warn_of_validity,
+            _warn_of_scope,
+            _warn_of_motion,
+            _warn_of_contradictions,
         )
         for sentence in group(findings)
     )
     return tuple(dict.fromkeys([*findings.assumed, *sentences]))
 
 
-def _of_scope(findings: Findings) -> Iterator[str]:
+def _warn_of_scope(findings: Findings) -> Iterator[str]:
     if findings.placement is None:
         yield from findings.scope.sentences
     if findings.speaks_for_none:
@@ -56,7 +56,7 @@ def _of_scope(findings: Findings) -> Iterator[str]:
         )
 
 
-def _of_faults(findings: Findings) -> Iterator[str]:
+def _warn_of_faults(findings: Findings) -> Iterator[str]:
     for effect in findings.faults:
         yield " ".join([effect.fault.finding, *_consequence(effect, findings)])
 
@@ -65,9 +65,9 @@ def _consequence(effect: FaultEffect, findings: Findings) -> Iterator[str]:
     if effect.otherwise is None:
         return
     metric = Metric(findings.criterion.metric)
-    counted, otherwise = findings.error.estimate(metric).value, effect.otherwise.estimate(metric).value
+    error, error_otherwise = findings.error.estimate(metric).value, effect.otherwise.estimate(metric).value
     name, fault = ERROR_NAMES[metric], effect.fault
-    sizes = [percent(size, 2) for size in (counted, otherwise)]
+    sizes = [percent(size, 2) for size in (error, error_otherwise)]
     if fault.in_loop is True:
         yield (
             f"The command responds to it, so that the structure felt it: the {name} is {sizes[0]} with it "
@@ -79,23 +79,23 @@ def _consequence(effect: FaultEffect, findings: Findings) -> Iterator[str]:
             "zeros in channels.toml if the structure rests elsewhere."
         )
     elif fault.in_loop is False:
-        why = (
+        reason = (
             ""
             if fault.kind in ("spike", "held")
             else "The command does not respond to it, so that only the sensor reading is wrong. "
         )
-        yield f"{why}The {name} is {sizes[0]} without it; had the structure felt it, {sizes[1]}."
+        yield f"{reason}The {name} is {sizes[0]} without it; had the structure felt it, {sizes[1]}."
     else:
         yield f"The {name} is {sizes[0]} as recorded and {sizes[1]} without it."
 
 
-def _of_error(findings: Findings) -> Iterator[str]:
+def _warn_of_error(findings: Findings) -> Iterator[str]:
     yield from findings.equation.contradictions
     yield from findings.equation.notes
     if findings.equation.identified is None:
         yield from findings.error.frequency_shown
-    by_error, by_index = findings.verdict, findings.verdict_by_index.word
-    if Word.UNDECIDED in (by_error, by_index) or by_error is by_index or findings.index is None:
+    error_verdict, index_word = findings.verdict, findings.verdict_by_index.word
+    if Word.UNDECIDED in (error_verdict, index_word) or error_verdict is index_word or findings.index is None:
         return
     size = findings.error.estimate(Metric(findings.criterion.metric)).value
     basis = (
@@ -103,23 +103,23 @@ def _of_error(findings: Findings) -> Iterator[str]:
         if findings.placement is None
         else "a gain and a delay alone"
     )
-    why = (
+    reason = (
         f"{percent(findings.tracking.unexplained_share, 2)} of the rig's motion is neither gain nor delay"
-        if findings.tracking.unexplained_share > _UNEXPLAINED * float(np.sqrt(findings.limits[0]))
+        if findings.tracking.unexplained_share > _UNEXPLAINED_SHARE * float(np.sqrt(findings.limits[0]))
         else "this ground motion and length are more or less demanding than those"
     )
     yield (
         f"The error of this test ({percent(size, 2)}) and the index "
         f"({significant(findings.index)}, limit 1) "
-        f"disagree: the index is for {basis}, and {why}. The verdict follows the error."
+        f"disagree: the index is for {basis}, and {reason}. The verdict follows the error."
     )
 
 
-def _of_what_was_not_stated(findings: Findings) -> Iterator[str]:
+def _warn_of_assumptions(findings: Findings) -> Iterator[str]:
     yield from findings.turning.warnings(findings.judgement)
 
 
-def _of_columns(findings: Findings) -> Iterator[str]:
+def _warn_of_columns(findings: Findings) -> Iterator[str]:
     tracking = findings.tracking
     yield from (doubt.finding for doubt in findings.column_doubts)
     if abs(tracking.amplitude - 1.0) > _FAR_FROM_ONE:
@@ -129,7 +129,7 @@ def _of_columns(findings: Findings) -> Iterator[str]:
         )
 
 
-def _of_force(findings: Findings) -> Iterator[str]:
+def _warn_of_force(findings: Findings) -> Iterator[str]:
     yield from doubts_of_force(findings.recording)
     unknown = findings.error.specimen_known != "stated" or "alpha" in findings.equation.wrong
     if "mass" not in findings.stated or not unknown:
@@ -137,7 +137,7 @@ def _of_force(findings: Findings) -> Iterator[str]:
         yield from (sentence,) if sentence else ()
 
 
-def _of_signal(findings: Findings) -> Iterator[str]:
+def _warn_of_signal(findings: Findings) -> Iterator[str]:
     recording, tracking = findings.recording, findings.tracking
     periods = recording.duration * findings.structure.frequency
     if periods < _FEW_PERIODS:
@@ -158,7 +158,7 @@ def _of_signal(findings: Findings) -> Iterator[str]:
             "to the command. Use a sensor with less noise, or drive the specimen further."
         )
     limit = float(np.sqrt(findings.limits[0]))
-    if tracking.unexplained_share > _UNEXPLAINED * limit:
+    if tracking.unexplained_share > _UNEXPLAINED_SHARE * limit:
         yield (
             f"{percent(tracking.unexplained_share, 2)} of the measured motion is neither gain nor "
             f"delay, more than the tolerable amplitude error of {percent(limit, 2)}. Look for "
@@ -166,7 +166,7 @@ def _of_signal(findings: Findings) -> Iterator[str]:
         )
 
 
-def _of_constancy(findings: Findings) -> Iterator[str]:
+def _warn_of_constancy(findings: Findings) -> Iterator[str]:
     a, b = findings.limits
     windows = findings.windows
     late = MILLI * windows.delay_range
@@ -183,19 +183,20 @@ def _of_constancy(findings: Findings) -> Iterator[str]:
         )
 
 
-def _of_validity(findings: Findings) -> Iterator[str]:
-    structure, carried = findings.structure, findings.population.carried_from
-    if carried is not None and findings.placement is None:
+def _warn_of_validity(findings: Findings) -> Iterator[str]:
+    structure, source_structure = findings.structure, findings.population.carried_from
+    if source_structure is not None and findings.placement is None:
         yield (
             f"The criterion does not cover the structure ({structure.frequency:g} Hz, "
-            f"ξ = {structure.damping_ratio:g}); its limits are scaled from those at {carried[0]:g} Hz, "
-            f"ξ = {carried[1]:g}. Give the `motion` of the test for exact ones."
+            f"ξ = {structure.damping_ratio:g}); its limits are scaled from those at "
+            f"{source_structure[0]:g} Hz, "
+            f"ξ = {source_structure[1]:g}. Give the `motion` of the test for exact ones."
         )
     if structure.experimental_fraction < 1.0 and findings.placement is None:
-        measured = whole_is_worst(structure.frequency, structure.damping_ratio)
+        whole_structure_is_worst = whole_is_worst(structure.frequency, structure.damping_ratio)
         judgement = (
             "it is conservative"
-            if measured
+            if whole_structure_is_worst
             else "it may not be conservative outside of 0.5 to 3 Hz and 1 to 10 % damping"
         )
         yield (
@@ -204,16 +205,16 @@ def _of_validity(findings: Findings) -> Iterator[str]:
         )
 
 
-def _of_motion(findings: Findings) -> Iterator[str]:
+def _warn_of_motion(findings: Findings) -> Iterator[str]:
     placement = findings.placement
-    if placement is not None and placement.alignment.matched and placement.alignment.by == _BY_SHAPE:
+    if placement is not None and placement.alignment.matched and placement.alignment.by == _SHAPE_CRITERION:
         yield (
             f"The response has the shape, but not the size of that under {placement.motion}. "
             "Check the scale of the record and the unit of the displacements."
         )
 
 
-def _of_contradictions(findings: Findings) -> Iterator[str]:
+def _warn_of_contradictions(findings: Findings) -> Iterator[str]:
     yield from (contradiction.finding for contradiction in findings.contradictions)
 
 

@@ -24,15 +24,15 @@ def headline(content: Mapping[str, Any]) -> str:
     if error[metric]["value"] is None:
         return f"{word}: {content['reasons'][-1]}"
     size = Estimate(**{end: error[metric][end] for end in ("value", "low", "high")})
-    name = f"{ERROR_NAMES[metric]}{_of_governing(error)}"
+    name = f"{ERROR_NAMES[metric]}{_governing_suffix(error)}"
     sentence = error_in_words(name, size, content["threshold"], content["probability"])
-    budget, alone = content.get("budget", []), len(content["reasons"]) == 1
-    if content["verdict"] == Word.UNDECIDED and alone and budget:
+    budget, is_single_reason = content.get("budget", []), len(content["reasons"]) == 1
+    if content["verdict"] == Word.UNDECIDED and is_single_reason and budget:
         sentence += f"; least known: {budget[0]['quantity']}"
     return f"{word}: {sentence}"
 
 
-def _of_governing(error: Mapping[str, Any]) -> str:
+def _governing_suffix(error: Mapping[str, Any]) -> str:
     """Of several displacements the one with the largest error, to follow a name."""
     return f" of {error['governing']}" if "governing" in error else ""
 
@@ -65,17 +65,17 @@ def _decimals(size: Mapping[str, Any]) -> int:
 
 def _tracking(content: Mapping[str, Any]) -> str:
     actuators = [{"name": "", **actuator} for actuator in content.get("actuators", [content])]
-    each = (
-        f"{'actuator ' if one['name'] else ''}{one['name']} A = {one['A']:.4f}, d = "
-        f"{significant(one['d_ms'])} ms".lstrip()
-        for one in actuators
+    descriptions = (
+        f"{'actuator ' if actuator['name'] else ''}{actuator['name']} A = {actuator['A']:.4f}, d = "
+        f"{significant(actuator['d_ms'])} ms".lstrip()
+        for actuator in actuators
     )
-    tracked = f"Tracking: {'; '.join(each)}"
-    by_index = content.get("by_index")
-    if by_index is None or by_index["index"] is None:
-        return f"{tracked}."
-    judged = f"By the criterion for A and d: {by_index['verdict'].replace('_', ' ')}"
-    return f"{tracked}. {judged}. {by_index['reasons'][-1]}"
+    line = f"Tracking: {'; '.join(descriptions)}"
+    index_content = content.get("by_index")
+    if index_content is None or index_content["index"] is None:
+        return f"{line}."
+    index_line = f"By the criterion for A and d: {index_content['verdict'].replace('_', ' ')}"
+    return f"{line}. {index_line}. {index_content['reasons'][-1]}"
 
 
 def actions(content: Mapping[str, Any]) -> Iterator[str]:
@@ -86,7 +86,7 @@ def actions(content: Mapping[str, Any]) -> Iterator[str]:
         remaining = percent(error["parts"][first]["remaining_rms"], decimals=_decimals(error["rms"]))
         yield (
             f"Improve first: {part_in_words(first)}; without it the {ERROR_NAMES[Metric.RMS]}"
-            f"{_of_governing(error)} would be {remaining}."
+            f"{_governing_suffix(error)} would be {remaining}."
         )
     elif error["parts"]:
         yield CANCELLING

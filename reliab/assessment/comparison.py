@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 _FEWEST: Final = 2
 _LARGEST_PROBABILITY: Final = 0.99  # of an order that only the tests themselves show
-_IN_COMMON: Final = (
+_COMMON_ASSUMPTION: Final = (
     "All tests are assumed to be of one rig: what is unknown, such as the skew of the channels, is the "
     "same in all of them. State in the header of a test what differs in it."
 )
@@ -73,7 +73,7 @@ class Comparison(ResultWithRows):
         "Probability of that": ("probability_larger", lambda p: "" if p is None else significant(p, 3)),
         "A": ("A", ".4f"),
         "d [ms]": ("d_ms", ".3f"),
-        "Verdict": ("verdict", lambda word: Word(word).in_words, "left"),
+        "Verdict": ("verdict", lambda word: Word(word).phrase, "left"),
     }
 
     metric: Metric  # Which error
@@ -81,7 +81,7 @@ class Comparison(ResultWithRows):
     tests: tuple[RankedTest, ...]  # The one whose error is probably smallest first
     faults: Mapping[str, str]  # By file, why others could not be judged
     notes: tuple[str, ...]  # What limits the comparison, in sentences
-    assumed: str = _IN_COMMON  # What is taken to be the same in all tests, in a sentence
+    assumed: str = _COMMON_ASSUMPTION  # What is taken to be the same in all tests, in a sentence
 
     def to_dict(self) -> dict[str, Any]:
         """Put what is found into plain numbers."""
@@ -105,25 +105,25 @@ class Comparison(ResultWithRows):
 
 
 def rank_tests(
-    judged: Mapping[str, Assessment | FrameAssessment], faults: Mapping[str, str] | None = None
+    assessments: Mapping[str, Assessment | FrameAssessment], faults: Mapping[str, str] | None = None
 ) -> Comparison:
     """Rank tests of one structure and rig by their errors, the smallest first; fewer than two are refused.
 
-    `judged`: by file, what was found about each, with one metric and threshold; `faults`: why others were not
-    judged.
+    `assessments`: by file, what was found about each, with one metric and threshold; `faults`: why others
+    were not judged.
     """
-    if len(judged) < _FEWEST:
+    if len(assessments) < _FEWEST:
         raise InputError(
             "Comparing needs at least two tests that can be judged",
-            value=len(judged),
+            value=len(assessments),
             remedy="; ".join((faults or {}).values()) or "Name another test",
         )
     metric, threshold = next(
-        (assessment.error.metric, assessment.error.threshold) for assessment in judged.values()
+        (assessment.error.metric, assessment.error.threshold) for assessment in assessments.values()
     )
-    order = _ranked_files({file: found.error for file, found in judged.items()}, metric)
-    first = judged[order[0]].error
-    tests = tuple(_ranked(file, judged[file], first, metric) for file in order)
+    order = _order_files({file: assessment.error for file, assessment in assessments.items()}, metric)
+    first = assessments[order[0]].error
+    tests = tuple(_rank_test(file, assessments[file], first, metric) for file in order)
     return Comparison(
         metric=metric,
         threshold=threshold,
@@ -133,7 +133,7 @@ def rank_tests(
     )
 
 
-def _ranked(
+def _rank_test(
     file: str, assessment: Assessment | FrameAssessment, first: ErrorOfTest, metric: Metric
 ) -> RankedTest:
     error = assessment.error
@@ -142,7 +142,7 @@ def _ranked(
         return RankedTest(
             file=file, assessment=assessment, error=estimate, difference=None, probability_larger=None
         )
-    differences, weights = paired_differences(error, first, metric)
+    differences, weights = subtract_errors(error, first, metric)
     low, middle, high = weighted_quantiles(differences, weights, ENDS[0], _EVEN, ENDS[1])
     return RankedTest(
         file=file,
@@ -153,7 +153,7 @@ def _ranked(
     )
 
 
-def _ranked_files(errors: Mapping[str, ErrorOfTest], metric: Metric) -> list[str]:
+def _order_files(errors: Mapping[str, ErrorOfTest], metric: Metric) -> list[str]:
     """Order tests so that each is probably better than those after it.
 
     By the number of tests that it is probably better than, then by the sum of these probabilities: errors
@@ -161,9 +161,9 @@ def _ranked_files(errors: Mapping[str, ErrorOfTest], metric: Metric) -> list[str
     """
     better = {
         file: [
-            _probability_larger(*paired_differences(other, error, metric))
-            for other in errors.values()
-            if other is not error
+            _probability_larger(*subtract_errors(error_, error, metric))
+            for error_ in errors.values()
+            if error_ is not error
         ]
         for file, error in errors.items()
     }
@@ -177,7 +177,7 @@ def _probability_larger(differences: Array, weights: Array) -> float:
     return min(max(larger, 1.0 - _LARGEST_PROBABILITY), _LARGEST_PROBABILITY)
 
 
-def paired_differences(error: ErrorOfTest, first: ErrorOfTest, metric: Metric) -> tuple[Array, Array]:
+def subtract_errors(error: ErrorOfTest, first: ErrorOfTest, metric: Metric) -> tuple[Array, Array]:
     """Subtract two errors in draws of what is unknown; return that with its weights, each shape (draws,).
 
     Draws are paired where the same quantities are unknown in both tests; else one of them is shuffled, as if
@@ -207,24 +207,24 @@ def _notes(tests: Sequence[RankedTest]) -> list[str]:
     """Say where tests differ in more than their errors."""
     reference = tests[0].assessment.error.reference
     step = tests[0].assessment.recording.time_step
-    others = [
+    other_files = [
         test.file
         for test in tests[1:]
         if abs(test.assessment.recording.time_step / step - 1.0) > _WIDER_STEP
         or _differs(test.assessment.error.reference, reference)
     ]
     notes = []
-    if others:
+    if other_files:
         notes.append(
-            f"The exact responses of {', '.join(others)} and of {tests[0].file} differ: these tests had "
+            f"The exact responses of {', '.join(other_files)} and of {tests[0].file} differ: these tests had "
             "different ground motions or scales, and the order of their errors does not depend on their "
             "compensators alone."
         )
     first = tests[0].assessment.error
-    apart = [test.file for test in tests[1:] if not _have_in_common(test.assessment.error, first)]
-    if apart:
+    unlike_files = [test.file for test in tests[1:] if not _have_in_common(test.assessment.error, first)]
+    if unlike_files:
         notes.append(
-            f"Other quantities are unknown in {', '.join(apart)} than in {tests[0].file}: no unknown "
+            f"Other quantities are unknown in {', '.join(unlike_files)} than in {tests[0].file}: no unknown "
             "property is assumed to be common to these tests, and their differences are less certain."
         )
     smaller = [test.file for test in tests[1:] if test.error.value < tests[0].error.value]
@@ -246,8 +246,8 @@ def _differs(response: Array, reference: Array) -> bool:
     """Whether two responses are those of different motions, whenever their recordings began [m]."""
     products = cross_correlate(response, reference)
     squares = float(np.sum(reference**2)), float(np.sum(response**2))
-    left = squares[0] + squares[1] - 2.0 * float(products.max())
-    return left > _OTHER_MOTION**2 * min(squares)
+    variance = squares[0] + squares[1] - 2.0 * float(products.max())
+    return variance > _OTHER_MOTION**2 * min(squares)
 
 
 def _plain(rank: int, test: RankedTest) -> dict[str, Any]:

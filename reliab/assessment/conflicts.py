@@ -13,13 +13,13 @@ from reliab.core.stated_value import StatedValue
 from reliab.structures.structure import Structure
 
 _FAR = 3.0  # standard deviations of what the prior lets expect
-_OF_STRUCTURE = ("f", "xi", "alpha")
-_BEHIND_ERROR = (*_OF_STRUCTURE, "scale", "skew", "filter_delay", "feedback_lag", "hysteresis")
+_STRUCTURE_OPTIONS = ("f", "xi", "alpha")
+_ERROR_OPTIONS = (*_STRUCTURE_OPTIONS, "scale", "skew", "filter_delay", "feedback_lag", "hysteresis")
 _UNITS = {"f": " Hz", "mass": " kg"}
 
 
 def find_conflicts(
-    posterior: TestPosterior, structure: Structure, stated: Mapping[str, StatedValue]
+    posterior: TestPosterior, structure: Structure, stated_values: Mapping[str, StatedValue]
 ) -> Iterator[Contradiction]:
     """Say which stated or assumed values lie far from what the channels show.
 
@@ -31,44 +31,46 @@ def find_conflicts(
         two_sided = unknown.prior.shape in (Shape.NORMAL, Shape.LOGNORMAL)
         if far > _FAR or (two_sided and far < -_FAR):
             yield Contradiction(
-                finding=_finding(unknown, posterior, structure, stated),
-                remedy=unknown.quantity.remedy if unknown.quantity.option in _BEHIND_ERROR else "",
+                finding=_finding(unknown, posterior, structure, stated_values),
+                remedy=unknown.quantity.remedy if unknown.quantity.option in _ERROR_OPTIONS else "",
                 option=unknown.quantity.option,
-                of_structure=unknown.quantity.option in _OF_STRUCTURE,
+                of_structure=unknown.quantity.option in _STRUCTURE_OPTIONS,
             )
 
 
 def _finding(
-    unknown: Unknown, posterior: TestPosterior, structure: Structure, stated: Mapping[str, StatedValue]
+    unknown: Unknown, posterior: TestPosterior, structure: Structure, stated_values: Mapping[str, StatedValue]
 ) -> str:
     quantity = unknown.quantity
-    base = _stated_value(unknown, structure, stated)
+    base = _value_as_stated(unknown, structure, stated_values)
     factor = abs(base) if quantity.relative else quantity.factor
     unit = _UNITS.get(quantity.option, "") if quantity.relative else f" {quantity.unit}"
-    shown = base + factor * posterior.means[unknown.name]
-    deviation, before = (
-        factor * one for one in (posterior.deviations[unknown.name], unknown.prior.deviation)
+    shown_value = base + factor * posterior.means[unknown.name]
+    deviation, prior_deviation = (
+        factor * deviation_ for deviation_ in (posterior.deviations[unknown.name], unknown.prior.deviation)
     )
-    how = "stated" if unknown.prior.source is Source.STATED or base else "assumed"
+    source = "stated" if unknown.prior.source is Source.STATED or base else "assumed"
     return (
-        f"The recording shows a {quantity.words} of {significant(shown, 4)} ± "
+        f"The recording shows a {quantity.words} of {significant(shown_value, 4)} ± "
         f"{significant(deviation, 1)}{unit}; "
-        f"{significant(base, 4)} ± {significant(before, 1)}{unit} was {how}."
+        f"{significant(base, 4)} ± {significant(prior_deviation, 1)}{unit} was {source}."
     )
 
 
-def _stated_value(unknown: Unknown, structure: Structure, stated: Mapping[str, StatedValue]) -> float:
+def _value_as_stated(
+    unknown: Unknown, structure: Structure, stated_values: Mapping[str, StatedValue]
+) -> float:
     """Return the value that was stated, in the unit in which it is told."""
     option = unknown.quantity.option
-    of_structure = {
+    structure_values = {
         "f": structure.frequency,
         "xi": structure.damping_ratio,
         "alpha": structure.experimental_fraction,
     }
-    if option in of_structure:
-        return of_structure[option]
+    if option in structure_values:
+        return structure_values[option]
     nothing = StatedValue(1.0 if unknown.quantity.relative else 0.0)
-    return stated.get(option, nothing).value
+    return stated_values.get(option, nothing).value
 
 
 def identify_structure(
@@ -76,25 +78,28 @@ def identify_structure(
 ) -> Identification:
     """Put what the channels show of the structure into an identification; `feedback_lag` [s]."""
 
-    def identified(name: str, stated: float, size: float) -> IdentifiedParameter | None:
+    def identify_parameter(name: str, stated_value: float, size: float) -> IdentifiedParameter | None:
         if name not in posterior.means:
             return None
-        value = stated + size * posterior.means[name]
-        return IdentifiedParameter(value=value, deviation=size * posterior.deviations[name], stated=stated)
+        value = stated_value + size * posterior.means[name]
+        return IdentifiedParameter(
+            value=value, deviation=size * posterior.deviations[name], stated=stated_value
+        )
 
     f, ratio = structure.frequency, structure.damping_ratio
     share = structure.experimental_fraction
     return Identification(
-        frequency=identified("frequency", f, f) or IdentifiedParameter(value=f, deviation=0.0, stated=f),
-        damping_ratio=identified("damping_ratio", ratio, ratio)
+        frequency=identify_parameter("frequency", f, f)
+        or IdentifiedParameter(value=f, deviation=0.0, stated=f),
+        damping_ratio=identify_parameter("damping_ratio", ratio, ratio)
         or IdentifiedParameter(value=ratio, deviation=0.0, stated=ratio),
-        experimental_fraction=identified("experimental_fraction", share, share),
-        feedback_lag=identified("feedback_lag", feedback_lag, 1.0),
+        experimental_fraction=identify_parameter("experimental_fraction", share, share),
+        feedback_lag=identify_parameter("feedback_lag", feedback_lag, 1.0),
         misfit=misfit,
     )
 
 
-def shown_ratio(posterior: TestPosterior, structure: Structure) -> StatedValue:
+def damping_from_channels(posterior: TestPosterior, structure: Structure) -> StatedValue:
     """Damping ratio that the channels show, of which nothing was stated."""
     ratio = structure.damping_ratio
     value = ratio * (1.0 + posterior.means["damping_ratio"])

@@ -26,9 +26,13 @@ _PEAK = 8.0
 """Power at a natural frequency over that beside it, from which on a command shows its resonance: under real
 records it was 5 to 350 for structures of 0.5 to 8 Hz, and 0.1 to 10 at frequencies that were not theirs."""
 
-_AT, _BELOW, _ABOVE = (0.9, 1.1), (0.55, 0.8), (1.25, 1.8)  # of the natural frequency
+_RESONANCE_RATIOS, _LOWER_RATIOS, _UPPER_RATIOS = (
+    (0.9, 1.1),
+    (0.55, 0.8),
+    (1.25, 1.8),
+)  # of the natural frequency
 _LEAD = 1e-5  # s
-_BEYOND = 0.1  # of the measured range, by which the exact response may leave it
+_RANGE_EXCESS = 0.1  # of the measured range, by which the exact response may leave it
 _LATE = 5e-4  # s, by which a force may seem late
 
 
@@ -42,14 +46,14 @@ class Contradiction:
     of_structure: bool = False  # Whether the structure may be another one: no bad test is surely bad then
 
 
-def limited(verdict: Verdict, contradictions: Sequence[Contradiction]) -> Verdict:
+def limit_verdict(verdict: Verdict, contradictions: Sequence[Contradiction]) -> Verdict:
     """Return a verdict that is undecided where the recording contradicts what is stated."""
     bad = verdict.word is Word.NOT_RELIABLE
-    doubts = [one for one in contradictions if one.of_structure or not bad]
-    return verdict.doubted([doubt.finding for doubt in doubts], [doubt.remedy for doubt in doubts])
+    doubts = [contradiction for contradiction in contradictions if contradiction.of_structure or not bad]
+    return verdict.add_doubts([doubt.finding for doubt in doubts], [doubt.remedy for doubt in doubts])
 
 
-def of_frequency(
+def contradict_frequency(
     recording: Recording, tracking: TrackingIndex, frequencies: Sequence[float]
 ) -> Iterator[Contradiction]:
     """Say where the command neither moves near the natural frequencies [Hz] nor shows their resonance."""
@@ -59,9 +63,11 @@ def of_frequency(
         return
     if any(_resonance(recording, frequency) >= _PEAK for frequency in frequencies):
         return
-    stated = " and ".join(f"{frequency:.4g}" for frequency in sorted({min(frequencies), max(frequencies)}))
+    frequency_list = " and ".join(
+        f"{frequency:.4g}" for frequency in sorted({min(frequencies), max(frequencies)})
+    )
     yield Contradiction(
-        finding=f"The command moves mainly at {significant(moves)} Hz, the structure is stated at {stated} "
+        finding=f"The command moves mainly at {significant(moves)} Hz, the structure is stated at {frequency_list} "
         "Hz, where the command shows no resonance: check the frequency and the unit of time.",
         remedy="State the natural frequency of the structure that was tested, or the file's unit of time.",
     )
@@ -71,16 +77,19 @@ def _resonance(recording: Recording, frequency: float) -> float:
     """Power of the command at a frequency over that below and above it."""
     power = power_of(recording.command)
     ratio = (np.arange(power.size) + 1.0) / (recording.command.size * recording.time_step * frequency)
-    at, below, above = (_mean(power[(low <= ratio) & (ratio <= high)]) for low, high in (_AT, _BELOW, _ABOVE))
-    beside = float(np.sqrt(below * above))
-    return at / beside if beside > 0.0 else 0.0
+    peak, lower, upper = (
+        _mean(power[(low <= ratio) & (ratio <= high)])
+        for low, high in (_RESONANCE_RATIOS, _LOWER_RATIOS, _UPPER_RATIOS)
+    )
+    surroundings = float(np.sqrt(lower * upper))
+    return peak / surroundings if surroundings > 0.0 else 0.0
 
 
 def _mean(values: NDArray[np.float64]) -> float:
     return float(values.mean()) if values.size else 0.0
 
 
-def of_specimen(specimen: "MeasuredSpecimen | None") -> Iterator[Contradiction]:
+def contradict_specimen(specimen: "MeasuredSpecimen | None") -> Iterator[Contradiction]:
     """Say where the recorded force did not show well enough what the specimen does."""
     if specimen is None:
         return
@@ -99,7 +108,7 @@ def of_specimen(specimen: "MeasuredSpecimen | None") -> Iterator[Contradiction]:
             remedy="Measure the lag of the force against the displacement, and state it: `force_channel` "
             "lag_ms.",
         )
-    if specimen.beyond > _BEYOND:
+    if specimen.beyond > _RANGE_EXCESS:
         yield Contradiction(
             finding=f"The exact response goes {percent(specimen.beyond, decimals=0)} beyond "
             f"the range in which the specimen was moved: its force was not measured there.",
@@ -108,7 +117,7 @@ def of_specimen(specimen: "MeasuredSpecimen | None") -> Iterator[Contradiction]:
         )
 
 
-def of_stability(stability_margin: float | None) -> Iterator[Contradiction]:
+def contradict_stability(stability_margin: float | None) -> Iterator[Contradiction]:
     """Say where the loop would be unstable with the measured delay."""
     if stability_margin is None or stability_margin <= 0.0:
         yield Contradiction(
@@ -118,7 +127,7 @@ def of_stability(stability_margin: float | None) -> Iterator[Contradiction]:
         )
 
 
-def of_motion(placement: "OwnPlacement | None") -> Iterator[Contradiction]:
+def contradict_motion(placement: "OwnPlacement | None") -> Iterator[Contradiction]:
     """Say where the stated ground motion and structure do not give this test."""
     if placement is not None and not placement.alignment.matched:
         yield Contradiction(
@@ -130,7 +139,7 @@ def of_motion(placement: "OwnPlacement | None") -> Iterator[Contradiction]:
         )
 
 
-def of_columns(recording: Recording, tracking: TrackingIndex) -> Iterator[Contradiction]:
+def contradict_columns(recording: Recording, tracking: TrackingIndex) -> Iterator[Contradiction]:
     """Say where command and measured displacement may be swapped.
 
     A command is computed, the other column is measured: where that one is far noisier, no lead means a swap.
@@ -153,23 +162,24 @@ def of_columns(recording: Recording, tracking: TrackingIndex) -> Iterator[Contra
         )
 
 
-def of_ground(
-    shown: "ShownByGround | None", sizes: Mapping[str, Size], partition: Partition
+def contradict_ground(
+    ground_fit: "ShownByGround | None", sizes: Mapping[str, Size], partition: Partition
 ) -> Iterator[Contradiction]:
     """Say where the recorded ground motion contradicts the structure, known as `sizes` say."""
-    if shown is None:
+    if ground_fit is None:
         return
-    if shown.is_other_motion:
+    if ground_fit.is_other_motion:
         yield Contradiction(
-            finding=f"The recorded ground acceleration leaves {percent(shown.misfit)} of the response "
+            finding=f"The recorded ground acceleration leaves {percent(ground_fit.misfit)} of the response "
             "unexplained: it does not belong to this test, or the structure is not as stated.",
             remedy="Check channel and unit of the ground acceleration, and the description of the structure.",
             of_structure=True,
         )
-    elif shown.contradicts(_stated_of_frequency(sizes, partition)):
+    elif ground_fit.contradicts(_frequency_deviation(sizes, partition)):
         lowest = float(partition.natural_frequencies[0])
         scatter = (
-            f"{significant(shown.frequency * lowest, 4)} ± {significant(shown.deviation * lowest, 1)} Hz"
+            f"{significant(ground_fit.frequency * lowest, 4)} ± "
+            f"{significant(ground_fit.deviation * lowest, 1)} Hz"
         )
         yield Contradiction(
             finding=f"The recorded ground motion shows a lowest natural frequency of {scatter}; "
@@ -179,13 +189,13 @@ def of_ground(
         )
 
 
-def _stated_of_frequency(sizes: Mapping[str, Size], partition: Partition) -> float:
+def _frequency_deviation(sizes: Mapping[str, Size], partition: Partition) -> float:
     """Relative standard deviation of the lowest natural frequency that follows from what is stated."""
     lowest = float(partition.natural_frequencies[0])
-    stated = {name: size.deviation for name, size in sizes.items() if size.source is Source.STATED}
-    of_parts = [
+    stated_deviations = {name: size.deviation for name, size in sizes.items() if size.source is Source.STATED}
+    part_deviations = [
         float(partition.change_parts({name: deviation}).natural_frequencies[0]) / lowest - 1.0
-        for name, deviation in stated.items()
+        for name, deviation in stated_deviations.items()
         if is_part(name)
     ]
-    return float(np.linalg.norm([stated.get("frequency", 0.0), *of_parts]))
+    return float(np.linalg.norm([stated_deviations.get("frequency", 0.0), *part_deviations]))

@@ -37,7 +37,7 @@ _UNITS = {
     "specimen_force": "n",
 }
 _Key = tuple[str, str]  # quantity and name of a degree of freedom
-_OTHERS = (
+_OTHER_COLUMNS = (
     "Displacements and accelerations of degrees of freedom other than those of the interface need the ground "
     "acceleration as a channel of the test."
 )
@@ -48,12 +48,12 @@ _NOT_ITS_MOTION = (
 )
 
 
-def corrected_response(found: Findings | JudgedFrame) -> "xr.Dataset":
+def correct_response(findings: Findings | JudgedFrame) -> "xr.Dataset":
     """Put the response that a perfect actuator would have produced into a dataset.
 
     Parameters
     ----------
-    found : Assessment, FrameAssessment or CoupledAssessment
+    findings : Assessment, FrameAssessment or CoupledAssessment
         What was found about a test.
 
     Returns
@@ -72,7 +72,7 @@ def corrected_response(found: Findings | JudgedFrame) -> "xr.Dataset":
     Examples
     --------
     >>> from reliab import assess
-    >>> corrected = corrected_response(assess("sample_test", f=1, xi=0.02))
+    >>> corrected = correct_response(assess("sample_test", f=1, xi=0.02))
     >>> [name for name in sorted(corrected.data_vars) if "low" not in name and "high" not in name]
     ['acceleration_m_s2', 'exact_m', 'measured_m']
     >>> bool(abs(corrected.attrs["exact_peak_m"] / corrected.attrs["measured_peak_m"] - 1.0) < 0.1)
@@ -80,23 +80,23 @@ def corrected_response(found: Findings | JudgedFrame) -> "xr.Dataset":
     """
     import xarray as xr
 
-    test = _exact_test(found)
+    test = _exact_test(findings)
     ground = own_ground(test)
     table = _Table(
         test=test,
         ground=ground,
-        named=isinstance(found, CoupledAssessment),
-        only_displacements=isinstance(found.error, ErrorOfTest) and found.error.modelled,
-        with_forces=not isinstance(found, Findings) or "mass" in found.stated,
+        has_names=isinstance(findings, CoupledAssessment),
+        only_displacements=isinstance(findings.error, ErrorOfTest) and findings.error.modelled,
+        has_forces=not isinstance(findings, Findings) or "mass" in findings.stated,
     )
-    known = found.error.specimen_known if isinstance(found.error, ErrorOfTest) else "stated"
-    columns, sizes = table.banded()
+    specimen_source = findings.error.specimen_known if isinstance(findings.error, ErrorOfTest) else "stated"
+    columns, sizes = table.columns_with_bands()
     return xr.Dataset(
         {name: ("time_s", values) for name, values in columns.items()},
         coords={"time_s": np.arange(test.measured.shape[1]) * test.time_step},
         attrs={
-            "test": found.recording.name,
-            "specimen": _SPECIMENS[known],
+            "test": findings.recording.name,
+            "specimen": _SPECIMENS[specimen_source],
             "note": " ".join(_notes(test, ground)),
             **sizes,
         },
@@ -109,11 +109,11 @@ class _Table:
 
     test: ExactTest
     ground: Array | None  # Of this very test [m/s²]
-    named: bool  # Whether interface displacements have names, and no units
+    has_names: bool  # Whether interface displacements have names, and no units
     only_displacements: bool
-    with_forces: bool
+    has_forces: bool
 
-    def banded(self) -> tuple[dict[str, Array], dict[str, float]]:
+    def columns_with_bands(self) -> tuple[dict[str, Array], dict[str, float]]:
         """Columns over the samples, and sizes, each with the ends of its 90 % band."""
         test = self.test
         exact, sizes = self._evaluate(test.stated, test.time_step, self.ground)
@@ -121,13 +121,13 @@ class _Table:
         for name, row in zip(test.interface, test.measured, strict=True):
             columns[self._column("measured", name)] = row
             attributes[self._column("measured_peak", name)] = float(np.abs(row).max())
-        mean, deviation, drawn = self._spread()
+        mean, deviation, draws = self._spread()
         width = self._width_of_draws(deviation)
         for (quantity, name), row in exact.items():
             factor = 1.0 if quantity == "specimen_force" else width
             low, high = (
-                self._drawn_band(mean[quantity, name], factor * deviation[quantity, name])
-                if (quantity, name) not in self._at_interface
+                self._band_of_draws(mean[quantity, name], factor * deviation[quantity, name])
+                if (quantity, name) not in self._interface_columns
                 else [end[test.interface.index(name)] for end in test.band]
             )
             columns[self._column(quantity, name)] = row
@@ -135,7 +135,7 @@ class _Table:
             columns[self._column(quantity, name, "high")] = np.maximum(high, row)
         for (quantity, name), size in sizes.items():
             factor = width if quantity.endswith("peak") else 1.0
-            low, high = size + factor * (np.quantile(drawn[quantity, name], _LEVELS) - size)
+            low, high = size + factor * (np.quantile(draws[quantity, name], _LEVELS) - size)
             attributes[self._column(quantity, name)] = size
             attributes[self._column(quantity, name, "low")] = min(float(low), size)
             attributes[self._column(quantity, name, "high")] = max(float(high), size)
@@ -148,16 +148,16 @@ class _Table:
         return float(np.sqrt(np.mean(((high - low) / 2.0) ** 2) / (np.mean(half**2) + _TINY)))
 
     @property
-    def _at_interface(self) -> set[_Key]:
+    def _interface_columns(self) -> set[_Key]:
         """Columns whose band is that of the error."""
         return {("exact", name) for name in self.test.interface}
 
     def _column(self, quantity: str, name: str, end: str = "") -> str:
         """Name of a column: the unit stands last, but where displacements may be rotations."""
-        unit = "j" if quantity.endswith("energy") else "" if self.named else _UNITS[quantity]
+        unit = "j" if quantity.endswith("energy") else "" if self.has_names else _UNITS[quantity]
         return "_".join(part for part in (quantity, end, name, unit) if part)
 
-    def _drawn_band(self, mean: Array, deviation: Array) -> list[Array]:
+    def _band_of_draws(self, mean: Array, deviation: Array) -> list[Array]:
         places = np.arange(self.test.measured.shape[1]) / self.test.every
         mean, half = (
             np.interp(places, np.arange(mean.size), values) for values in (mean, HALF_WIDTH * deviation)
@@ -166,7 +166,7 @@ class _Table:
 
     def _spread(self) -> tuple[dict[_Key, Array], dict[_Key, Array], dict[_Key, list[float]]]:
         """Mean and deviation of each column over the draws, and the sizes of each draw."""
-        test, drawn = self.test, dict[_Key, list[float]]()
+        test, draws = self.test, dict[_Key, list[float]]()
         sums, squares = dict[_Key, Array](), dict[_Key, Array]()
         ground = None if self.ground is None else self.ground[:: test.every]
         number = 0
@@ -177,23 +177,25 @@ class _Table:
                 sums[key] = sums.get(key, np.zeros(row.size)) + row
                 squares[key] = squares.get(key, np.zeros(row.size)) + row**2
             for key, size in sizes.items():
-                drawn.setdefault(key, []).append(size)
+                draws.setdefault(key, []).append(size)
         mean = {key: total / number for key, total in sums.items()}
         deviation = {
             key: np.sqrt(np.maximum(total / number - mean[key] ** 2, 0.0)) for key, total in squares.items()
         }
-        return mean, deviation, drawn
+        return mean, deviation, draws
 
     def _evaluate(
         self, exact: ExactResponse, step: float, ground: Array | None
     ) -> tuple[dict[_Key, Array], dict[_Key, float]]:
         """Columns, by quantity and degree of freedom, and sizes of a response."""
-        test, at_interface = self.test, exact.at_interface
-        rows = {("exact", name): row for name, row in zip(test.interface, at_interface, strict=True)}
+        test, interface_displacements = self.test, exact.at_interface
+        rows = {
+            ("exact", name): row for name, row in zip(test.interface, interface_displacements, strict=True)
+        }
         sizes = {("exact_peak", name): float(np.abs(row).max()) for (_, name), row in rows.items()}
         if self.only_displacements:
             return rows, sizes
-        if self.with_forces:
+        if self.has_forces:
             rows |= {
                 ("specimen_force", name): row for name, row in zip(test.interface, exact.felt, strict=True)
             }
@@ -201,37 +203,39 @@ class _Table:
         structure = exact.structure
         if ground is None and not structure.all_driven:
             return rows, sizes
-        moved = structure.displacements(at_interface, ground, step)
-        shaken = structure.accelerations(moved, exact.force, step)
+        displacements = structure.displacements(interface_displacements, ground, step)
+        shaken = structure.accelerations(displacements, exact.force, step)
         rows |= {("acceleration", name): row for name, row in zip(test.degrees or ("",), shaken, strict=True)}
-        rows |= {("exact", name): row for name, row in zip(test.degrees, moved, strict=False)}
+        rows |= {("exact", name): row for name, row in zip(test.degrees, displacements, strict=False)}
         names, weights = weights_of_storeys(test.degrees, structure.influence)
-        peaks = np.abs(weights @ moved).max(axis=1)
+        peaks = np.abs(weights @ displacements).max(axis=1)
         sizes |= {
             ("exact_peak", name): float(np.abs(row).max())
-            for name, row in zip(test.degrees, moved, strict=False)
+            for name, row in zip(test.degrees, displacements, strict=False)
         }
         sizes |= {("drift_peak", name): peak for name, peak in zip(names, peaks.tolist(), strict=True)}
         return rows, sizes
 
 
-def _exact_test(found: Findings | JudgedFrame) -> ExactTest:
+def _exact_test(findings: Findings | JudgedFrame) -> ExactTest:
     """Say what a test should have been; not of a calibrated model's."""
-    if isinstance(found, JudgedFrame):
-        return exact_test(found.error, found.frame.partition.degrees_of_freedom, found.recording.ground)
-    unit = found.error.specimen is None and "mass" in found.stated
-    return exact_test(found.error, (), None, found.stated["mass"].value if unit else 1.0)
+    if isinstance(findings, JudgedFrame):
+        return exact_test(
+            findings.error, findings.frame.partition.degrees_of_freedom, findings.recording.ground
+        )
+    unit = findings.error.specimen is None and "mass" in findings.stated
+    return exact_test(findings.error, (), None, findings.stated["mass"].value if unit else 1.0)
 
 
 def _notes(test: ExactTest, ground: Array | None) -> Iterator[str]:
     """Say how large the correction is, where it is no longer small, and what is not known."""
     largest = max(
-        float(np.abs(measured - exact).max() / np.abs(exact).max())
-        for measured, exact in zip(test.measured, test.stated.at_interface, strict=True)
+        float(np.abs(measured_row - exact).max() / np.abs(exact).max())
+        for measured_row, exact in zip(test.measured, test.stated.at_interface, strict=True)
         if exact.any()
     )
     yield f"The largest correction is {percent(largest, decimals=1)} of the exact response's peak."
     if largest > _SMALL:
         yield "That is no longer a small correction: rely on the band, not on the line."
     if not test.stated.structure.all_driven and ground is None:
-        yield _OTHERS if test.ground is None else _NOT_ITS_MOTION
+        yield _OTHER_COLUMNS if test.ground is None else _NOT_ITS_MOTION

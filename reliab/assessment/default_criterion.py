@@ -37,7 +37,7 @@ def default_criterion(
     confidence: float = 0.95,
     *,
     metric: str = "rms",
-    without: str | None = None,
+    excluded_event: str | None = None,
     duration: float | None = None,
 ) -> Criterion:
     """Derive the recommended criterion of one structure from the ellipses that ship with the package.
@@ -53,7 +53,7 @@ def default_criterion(
         Share of the population's ground motions, in (0, 1).
     metric : str, optional
         Which error, "rms" or "mte".
-    without : str, optional
+    excluded_event : str, optional
         Earthquake to leave out of the derivation, because its motions are to be judged.
     duration : float, optional
         Length of the tests that are to be judged [s]; by default every length of the population is protected.
@@ -68,7 +68,9 @@ def default_criterion(
     InputError
         If the threshold lies outside of the shipped ones, or the metric is unknown.
     """
-    return _derived(frequency, damping_ratio, threshold, confidence, metric, without, duration)
+    return _derive_criterion(
+        frequency, damping_ratio, threshold, confidence, metric, excluded_event, duration
+    )
 
 
 def criterion_of_test(
@@ -85,49 +87,49 @@ def criterion_of_test(
     Where the error is too large for a criterion, its limits are those of the largest possible one, on the
     safe side, and it promises nothing. Arguments are those of :func:`default_criterion`.
     """
-    stored = sorted(map(float, _shipped_ellipses().coordinates["threshold"]), reverse=True)
+    thresholds = sorted(map(float, _read_ellipses().coordinates["threshold"]), reverse=True)
     refusals: list[InputError] = []
-    for error in (threshold, *(smaller for smaller in stored if smaller < threshold)):
+    for error in (threshold, *(smaller for smaller in thresholds if smaller < threshold)):
         try:
-            found = _derived(frequency, damping_ratio, error, confidence, metric, None, duration)
+            criterion = _derive_criterion(frequency, damping_ratio, error, confidence, metric, None, duration)
         except InputError as refusal:
             refusals.append(refusal)
             continue
-        return found if error == threshold else _without_promise(found, threshold)
+        return criterion if error == threshold else _drop_promise(criterion, threshold)
     raise refusals[0]
 
 
-def _without_promise(criterion: Criterion, threshold: float) -> Criterion:
+def _drop_promise(criterion: Criterion, threshold: float) -> Criterion:
     """Take the limits of a smaller error for a larger one, of which no share of motions is known."""
-    said = (
+    sentence = (
         f"No criterion is possible for an error of {percent(threshold)}: an actuator that does not move "
         f"would pass. Limits and index are those of {percent(criterion.threshold)}."
     )
     provenance = replace(
         criterion.provenance,
         position=Position.OUTSIDE,
-        warnings=(*criterion.provenance.warnings, said),
+        warnings=(*criterion.provenance.warnings, sentence),
     )
     return replace(criterion, threshold=threshold, provenance=provenance)
 
 
 @lru_cache(maxsize=64)  # tests of one structure are judged one after the other
-def _derived(
+def _derive_criterion(
     frequency: float,
     damping_ratio: float,
     threshold: float,
     confidence: float,
     metric: str,
-    without: str | None,
+    excluded_event: str | None,
     duration: float | None,
 ) -> Criterion:
     if metric not in tuple(Metric):
         raise InputError("The metric is rms or mte", value=metric, remedy="Choose one of these")
     places = {"f": frequency, "xi": damping_ratio}
-    ellipses = _shipped_ellipses(metric)
+    ellipses = _read_ellipses(metric)
     around = ellipses.take(
         **{name: neighbours(ellipses.coordinates[name], value) for name, value in places.items()},
-        motion=ellipses.events != without,
+        motion=ellipses.events != excluded_event,
     )
     if duration is not None:
         carried = carry_to_length(around, duration)
@@ -141,8 +143,10 @@ def _derived(
         confidence=confidence,
         source=SOURCE,
     )
-    of_responses = _of_nearest(frequency, damping_ratio).measure_values
-    scope = criterion.provenance.scope | {name: range_of(values) for name, values in of_responses.items()}
+    response_measures = _measures_of_nearest(frequency, damping_ratio).measure_values
+    scope = criterion.provenance.scope | {
+        name: range_of(values) for name, values in response_measures.items()
+    }
     return replace(criterion, provenance=replace(criterion.provenance, scope=scope))
 
 
@@ -152,33 +156,33 @@ def criterion_of_response(
     *,
     threshold: float,
     confidence: float,
-    without: Sequence[str] = (),
+    excluded_events: Sequence[str] = (),
     tracking: tuple[float, float] | None = None,
 ) -> Criterion | None:
     """Derive the criterion of RMS^R for motions under which a structure responds as it did in a test.
 
-    `without` names earthquakes to leave out. `tracking`, A [-] and d [s] of the test: the population behind
-    probabilities is then that of boundaries in its direction; otherwise that of whole regions, to the safe
-    side for a single test. None for a structure that is partly numerical or lies beyond the shipped ones,
-    where responses of the motions are not known.
+    `excluded_events` names earthquakes to leave out. `tracking`, A [-] and d [s] of the test: the population
+    behind probabilities is then that of boundaries in its direction; otherwise that of whole regions, to the
+    safe side for a single test. None for a structure that is partly numerical or lies beyond the shipped
+    ones, where responses of the motions are not known.
     """
-    ellipses, measures = _shipped_ellipses(), read_shipped_measures()
+    ellipses, measures = _read_ellipses(), read_shipped_measures()
     f, xi = structure.frequency, structure.damping_ratio
     grid = (measures.frequencies, f), (measures.damping_ratios, xi)
-    beyond = any(not values.min() <= value <= values.max() for values, value in grid)
-    if beyond or structure.experimental_fraction != 1.0:
+    is_extrapolated = any(not values.min() <= value <= values.max() for values, value in grid)
+    if is_extrapolated or structure.experimental_fraction != 1.0:
         return None
-    learned = ~np.isin(ellipses.events, without)
-    of_test = ResponseMeasures.from_response(response, structure, "this test")
-    of_threshold = ellipses.take(motion=learned).interpolate_threshold(threshold)
-    carried = carry_to_response(of_threshold, measures, of_test)
+    is_included = ~np.isin(ellipses.events, excluded_events)
+    test_measures = ResponseMeasures.from_response(response, structure, "this test")
+    threshold_ellipses = ellipses.take(motion=is_included).interpolate_threshold(threshold)
+    carried_ellipses = carry_to_response(threshold_ellipses, measures, test_measures)
     criterion = derive_criterion(
-        carried, joint=True, threshold=threshold, confidence=confidence, source=SOURCE
+        carried_ellipses, joint=True, threshold=threshold, confidence=confidence, source=SOURCE
     )
     if tracking is None:
         return criterion
     angle = _angle(response, structure, threshold, *tracking)
-    towards = carry_to_response(of_threshold, read_shipped_measures(angle), of_test, angle=angle)
+    towards = carry_to_response(threshold_ellipses, read_shipped_measures(angle), test_measures, angle=angle)
     leads = None if criterion.lead_population is None else _population_of(towards, criterion, Side.LEAD)
     return replace(criterion, population=_population_of(towards, criterion, Side.LAG), lead_population=leads)
 
@@ -209,7 +213,7 @@ def typical_ellipse(structure: Structure) -> tuple[float, float]:
     Between and beyond the shipped structures a ξ⁻² and b ω₀² ξ⁻² are those of the nearest; both grow with the
     inverse square of the share in the laboratory.
     """
-    near = _of_nearest(structure.frequency, structure.damping_ratio)
+    near = _measures_of_nearest(structure.frequency, structure.damping_ratio)
     damping = structure.damping_ratio / float(near.damping_ratios[0])
     frequency = structure.frequency / float(near.frequencies[0])
     share = structure.experimental_fraction
@@ -219,34 +223,34 @@ def typical_ellipse(structure: Structure) -> tuple[float, float]:
 
 def ellipses_of_motions(structure: Structure) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return as :func:`typical_ellipse` does, one pair for each motion that ships, shape (motions,) each."""
-    near = _of_nearest(structure.frequency, structure.damping_ratio)
-    of_a, of_b = typical_ellipse(structure)
+    near = _measures_of_nearest(structure.frequency, structure.damping_ratio)
+    a_ellipse, b_ellipse = typical_ellipse(structure)
     a, b = (values[:, 0, 0].astype(np.float64) for values in (near.a_first, near.b_first))
-    return a * of_a / np.median(a), b * of_b / np.median(b)
+    return a * a_ellipse / np.median(a), b * b_ellipse / np.median(b)
 
 
 def ellipses_of_nearest(frequency: float, damping_ratio: float, metric: str) -> EllipseTable:
     """Return the shipped ellipses of the structure that is nearest in proportion."""
-    ellipses = _shipped_ellipses(metric)
-    wanted = {"f": frequency, "xi": damping_ratio}
+    ellipses = _read_ellipses(metric)
+    coordinates = {"f": frequency, "xi": damping_ratio}
     return ellipses.take(
         **{
             name: [int(np.abs(np.log(ellipses.coordinates[name].astype(np.float64) / value)).argmin())]
-            for name, value in wanted.items()
+            for name, value in coordinates.items()
         }
     )
 
 
-def shipped_frequencies() -> list[float]:
+def list_frequencies() -> list[float]:
     """Natural frequencies [Hz] of the shipped ellipses, increasing."""
-    return [float(frequency) for frequency in np.sort(_shipped_ellipses().coordinates["f"])]
+    return [float(frequency) for frequency in np.sort(_read_ellipses().coordinates["f"])]
 
 
-def _shipped_ellipses(metric: str = Metric.RMS) -> EllipseTable:
+def _read_ellipses(metric: str = Metric.RMS) -> EllipseTable:
     return read_shipped_ellipses(CurveName.INSCRIBED, "record", metric)
 
 
-def _of_nearest(frequency: float, damping_ratio: float) -> ResponseMeasures:
+def _measures_of_nearest(frequency: float, damping_ratio: float) -> ResponseMeasures:
     """Measures of the responses of the nearest structure, shape (motions, 1, 1)."""
     measures = read_shipped_measures()
     f, xi = measures.nearest(np.array([frequency]), np.array([damping_ratio]))

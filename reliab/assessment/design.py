@@ -9,9 +9,9 @@ import numpy as np
 from reliab.assessment.default_criterion import (
     default_criterion,
     ellipses_of_nearest,
-    shipped_frequencies,
+    list_frequencies,
 )
-from reliab.assessment.placement import carried_limits
+from reliab.assessment.placement import scale_limits
 from reliab.core.arrays import Array
 from reliab.core.vocabulary import MILLI, Side
 from reliab.criterion.criterion import Criterion
@@ -22,7 +22,7 @@ from reliab.structures.structure import Structure, critical_delay
 CONFIDENCES = (0.80, 0.90, 0.95, 0.99)
 """Shares of the population's ground motions for which tolerable errors are stated."""
 
-_CHARTED = 8  # frequencies
+_CHART_FREQUENCIES = 8  # frequencies
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,9 +95,9 @@ class Tolerance:
 def chart_frequencies(criterion: Criterion | None = None) -> list[float]:
     """Give increasing frequencies [Hz] for a chart: shipped ones, or some of a criterion's validity."""
     if criterion is None:
-        return shipped_frequencies()
+        return list_frequencies()
     low, high = criterion.law.validity.frequency
-    return [float(frequency) for frequency in np.unique(np.linspace(low, high, _CHARTED))]
+    return [float(frequency) for frequency in np.unique(np.linspace(low, high, _CHART_FREQUENCIES))]
 
 
 def tolerable_errors(
@@ -121,7 +121,7 @@ def tolerable_errors(
     tolerances, larger = [], float(growth(experimental_fraction, damping_ratio))
     for frequency in frequencies:
         structure = Structure(frequency=frequency, damping_ratio=damping_ratio)
-        in_laboratory = replace(structure, experimental_fraction=experimental_fraction)
+        laboratory_structure = replace(structure, experimental_fraction=experimental_fraction)
         criteria = (
             [criterion]
             if criterion is not None
@@ -131,7 +131,7 @@ def tolerable_errors(
             ]
         )
         for candidate in criteria:
-            a, b, carried_from = carried_limits(candidate, structure)
+            a, b, carried_from = scale_limits(candidate, structure)
             tolerances.append(
                 Tolerance(
                     frequency=frequency,
@@ -141,7 +141,7 @@ def tolerable_errors(
                     experimental_fraction=experimental_fraction,
                     a=larger * a,
                     b=larger * b,
-                    critical_delay=float(critical_delay(in_laboratory)),
+                    critical_delay=float(critical_delay(laboratory_structure)),
                     outside_validity=carried_from is not None,
                     position=candidate.provenance.position,
                     promised_from=candidate.provenance.promised_from,
@@ -169,7 +169,7 @@ def tolerable_sides(
     criterion = default_criterion(f, xi, threshold, confidence, metric=metric, duration=duration)
     structure, larger = Structure(frequency=f, damping_ratio=xi), float(growth(alpha, xi))
     limits = {
-        str(side): carried_limits(criterion, structure, side)[:2]
+        str(side): scale_limits(criterion, structure, side)[:2]
         for side in (Side if criterion.knows_leads else (Side.LAG,))
     }
     return {side: (larger * a, larger * b) for side, (a, b) in limits.items()}
@@ -189,5 +189,5 @@ def boundaries_of_motions(
     lag = table.coordinates["side"].tolist().index(str(Side.LAG))
     a, b = (np.asarray(values[..., lag], dtype=np.float64).ravel() for values in (table.a, table.b))
     larger = float(growth(alpha, xi)) * (xi / near.damping_ratio) ** 2
-    known = (a > 0.0) & (b > 0.0)
-    return larger * a[known], larger * (near.frequency / f) ** 2 * b[known]
+    is_known = (a > 0.0) & (b > 0.0)
+    return larger * a[is_known], larger * (near.frequency / f) ** 2 * b[is_known]

@@ -26,8 +26,10 @@ _NONLINEAR = (
 )
 _NOISY = "Record with less noise, or drive the specimen further."
 _ENTRIES = "State the natural frequencies as they were measured, in place of entries of a matrix."
-_COPIED = "Export the test again, each channel from its own sensor."
-_JUMPED = "Export the test again, whole and alone: from its first motion to its end, without lost samples."
+_COPY_REMEDY = "Export the test again, each channel from its own sensor."
+_JUMP_REMEDY = (
+    "Export the test again, whole and alone: from its first motion to its end, without lost samples."
+)
 _CUT = "Cut the recording to the test, from its first motion to its end: the verdict depends on it."
 _STILL = 1e-3  # of the command's peak: what the command of a structure at rest stays below
 _MOSTLY_MOVING = 0.7  # share of a recording in which the structure moves, above which it is no longer asked
@@ -49,11 +51,11 @@ def verdict_of_error(
         return Verdict(word=Word.UNDECIDED, reasons=error.not_judged, would_decide=(_NOISY,))
     word = word_of_probability(error.probability)
     name = ERROR_NAMES[error.metric]
-    largest = f"{error.of_which}, the largest," if error.of_which else ""
-    how_large = error_in_words(
-        f"{name}{largest}", size, error.threshold, error.probability, with_interval=True
+    largest = f"{error.displacement_suffix}, the largest," if error.displacement_suffix else ""
+    description = error_in_words(
+        f"{name}{largest}", size, error.threshold, error.probability, show_interval=True
     )
-    reason = f"{how_large}."
+    reason = f"{description}."
     verdict = Verdict(
         word=word,
         reasons=(reason,),
@@ -63,10 +65,10 @@ def verdict_of_error(
     if equation.nonlinear:
         reasons.append(equation.nonlinear)
         remedies.append(_NONLINEAR)
-    return verdict.doubted(reasons, remedies)
+    return verdict.add_doubts(reasons, remedies)
 
 
-def doubted_by_rest(
+def doubt_rest(
     verdict: Verdict, error: ErrorWithThreshold, recording: Recording | CoupledRecording
 ) -> Verdict:
     """Call no test reliable that is so only because its recording is long before or after the motion.
@@ -90,18 +92,18 @@ def doubted_by_rest(
         f"{significant(recording.duration)} s only. Over these seconds: "
         f"{error_in_words(ERROR_NAMES[Metric.RMS], while_moving, error.threshold, probability)}."
     )
-    return verdict.doubted([reason], [_CUT])
+    return verdict.add_doubts([reason], [_CUT])
 
 
-def doubted_by_entries(verdict: Verdict, error: ErrorWithThreshold) -> Verdict:
+def doubt_entries(verdict: Verdict, error: ErrorWithThreshold) -> Verdict:
     """Call no test reliable of which a structure that stated entries allow has too large an error.
 
     The error is largest with the natural frequency that a test near resonance really had. Entries leave it
     open, so that a 90 % interval holds too rarely where the test is too short to show it.
     """
-    inferred = error.inferred is not None and bool(error.inferred.posterior.evidence)
-    learned = inferred or error.rebuilt.unknown.own_frequency is not None
-    if learned or verdict.word is not Word.RELIABLE or not any(map(is_of_entries, error.sizes)):
+    is_inferred = error.inferred is not None and bool(error.inferred.posterior.evidence)
+    is_learned = is_inferred or error.rebuilt.unknown.own_frequency is not None
+    if is_learned or verdict.word is not Word.RELIABLE or not any(map(is_of_entries, error.sizes)):
         return verdict
     largest = error.largest_drawn
     if largest <= error.threshold:
@@ -111,7 +113,7 @@ def doubted_by_entries(verdict: Verdict, error: ErrorWithThreshold) -> Verdict:
         f"the error is {percent(largest, 2)}. Near resonance the error is largest at the "
         "structure's true frequency, which a test as short as this does not show."
     )
-    return verdict.doubted([reason], [_ENTRIES])
+    return verdict.add_doubts([reason], [_ENTRIES])
 
 
 def _doubts(effects: tuple[FaultEffect, ...], word: Word) -> tuple[list[str], list[str]]:
@@ -120,7 +122,7 @@ def _doubts(effects: tuple[FaultEffect, ...], word: Word) -> tuple[list[str], li
         if effect.otherwise is None:
             if word is Word.RELIABLE:
                 reasons.append(effect.fault.sentence)
-                remedies.append(_JUMPED if effect.fault.kind == "jump" else _COPIED)
+                remedies.append(_JUMP_REMEDY if effect.fault.kind == "jump" else _COPY_REMEDY)
             continue
         if effect.fault.in_loop is None and word_of_probability(effect.otherwise.probability) is not word:
             reasons.append(

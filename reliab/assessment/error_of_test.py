@@ -80,7 +80,7 @@ class Question:
     damping_shown: bool = False  # Whether the test itself showed its damping ratio, which nobody stated
 
     @property
-    def whole(self) -> Partition:
+    def full_structure(self) -> Partition:
         """The structure with its specimen."""
         return whole_structure(self.structure) if self.frame is None else self.frame.partition
 
@@ -149,13 +149,13 @@ class ErrorOfTest(ErrorWithThreshold):
     @property
     def plain_specimen(self) -> dict[str, Any]:
         """How the specimen is known; of one that was learned, by what and how well."""
-        if (learned := self.specimen) is None:
+        if (specimen := self.specimen) is None:
             return {"known": self.specimen_known}
         return {
             "known": self.specimen_known,
-            "held_out": learned.held_out,
-            "beyond": learned.beyond,
-            "families": [vars(family) for family in learned.families],
+            "held_out": specimen.held_out,
+            "beyond": specimen.beyond,
+            "families": [vars(family) for family in specimen.families],
         }
 
     @property
@@ -168,9 +168,9 @@ class ErrorOfTest(ErrorWithThreshold):
         """Parts of the error: amplitude, delay, neither, and a late force."""
         return (self.specimen or self.rebuilt).parts().subtract_noise(self.estimate(Metric.RMS).value)
 
-    def part_of_tracking(self, followed: Array) -> Part:
+    def part_of_tracking(self, followed_command: Array) -> Part:
         """Part of the error that an actuator with this displacement [m] accounts for, shape (n,)."""
-        return (self.specimen or self.rebuilt).part_of_tracking(followed)
+        return (self.specimen or self.rebuilt).part_of_tracking(followed_command)
 
     @cached_property
     def widenings(self) -> tuple[Widening, ...]:
@@ -197,17 +197,19 @@ def error_of_test(
     left_by_repairs: Mapping[str, Size] | None = None,
 ) -> ErrorOfTest:
     """Rebuild the error of a test; `sensor_offset` [m]."""
-    measured = recording.measured / question.stated.get("scale", StatedValue(1.0)).value
+    measured_displacement = recording.measured / question.stated.get("scale", StatedValue(1.0)).value
     sizes = {**_sizes(recording, question), **(left_by_repairs or {})}
     if question.linear:
-        return _inferred(recording, measured, question, sizes, sensor_offset)
-    rest = _Rest(sensor_offset=sensor_offset, tolerances=tolerances_of(sizes), seed=question.seed)
+        return _infer(recording, measured_displacement, question, sizes, sensor_offset)
+    arguments = _CommonArguments(
+        sensor_offset=sensor_offset, tolerances=tolerances_of(sizes), seed=question.seed
+    )
     specimen = None
     if question.model is None:
-        specimen = _learned(recording, measured, question, rest)
+        specimen = _learn_specimen(recording, measured_displacement, question, arguments)
         rebuilt = specimen.rebuilt
     else:
-        rebuilt = _modelled(recording, measured, question.model, rest)
+        rebuilt = _rebuild_with_model(recording, measured_displacement, question.model, arguments)
     return ErrorOfTest(
         rebuilt=rebuilt,
         metric=question.metric,
@@ -219,48 +221,54 @@ def error_of_test(
     )
 
 
-def _modelled(recording: Recording, measured: Array, model: "UpdatedModel", rest: "_Rest") -> RebuiltError:
-    """Rebuild the error with a calibrated model of the specimen; `measured` [m]."""
+def _rebuild_with_model(
+    recording: Recording, measured_displacement: Array, model: "UpdatedModel", arguments: "_CommonArguments"
+) -> RebuiltError:
+    """Rebuild the error with a calibrated model of the specimen; `measured_displacement` [m]."""
     from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_with_specimen
 
     return rebuild_with_specimen(
         recording.command,
-        measured,
+        measured_displacement,
         recording.time_step,
         model.test,
         deviations=model.deviations,
-        **rest,
+        **arguments,
     )
 
 
-def _inferred(
+def _infer(
     recording: Recording,
-    measured: Array,
+    measured_displacement: Array,
     question: Question,
     sizes: Mapping[str, Size],
     sensor_offset: float | None,
 ) -> ErrorOfTest:
     """Infer the error of a test of a linear specimen from all of its channels.
 
-    `measured`, `sensor_offset` [m].
+    `measured_displacement`, `sensor_offset` [m].
     """
     from reliab.assessment.inferred_error import infer_error
 
-    shown = None
+    ground_fit = None
     if question.frame is not None and recording.ground is not None:
-        shown = _shown_by_ground(recording, measured, question.whole)
-        ground = None if shown is None or shown.is_other_motion else shown.evidence(recording.ground)
+        ground_fit = _compare_with_ground(recording, measured_displacement, question.full_structure)
+        ground = (
+            None
+            if ground_fit is None or ground_fit.is_other_motion
+            else ground_fit.evidence(recording.ground)
+        )
         recording = replace(recording, ground=ground)
-    of_equipment = question.sizes(recording.time_step)
-    inferred, rebuilt = infer_error(
+    equipment_sizes = question.sizes(recording.time_step)
+    inferred_error, rebuilt = infer_error(
         recording,
-        measured,
-        question.whole,
-        stated=question.stated,
+        measured_displacement,
+        question.full_structure,
+        stated_values=question.stated,
         equipment=question.equipment,
         tolerances=question.tolerances,
         left_by_faults={
-            name: size.deviation for name, size in sizes.items() if of_equipment.get(name) != size
+            name: size.deviation for name, size in sizes.items() if equipment_sizes.get(name) != size
         },
         sensor_offset=sensor_offset,
         resolution=question.resolution,
@@ -272,27 +280,29 @@ def _inferred(
         threshold=question.threshold,
         damping_ratio=question.structure.damping_ratio,
         sizes=sizes,
-        inferred=inferred,
-        shown_by_ground=shown,
+        inferred=inferred_error,
+        shown_by_ground=ground_fit,
     )
 
 
-def _shown_by_ground(recording: Recording, measured: Array, whole: Partition) -> "ShownByGround | None":
-    """Compare a frame with its recorded ground acceleration; `measured` [m]."""
+def _compare_with_ground(
+    recording: Recording, measured_displacement: Array, structure: Partition
+) -> "ShownByGround | None":
+    """Compare a frame with its recorded ground acceleration; `measured_displacement` [m]."""
     from reliab.assessment.coupled_error.ground_motion import compare_with_ground
 
     if recording.ground is None:
         return None
-    command, measured = recording.command[np.newaxis], measured[np.newaxis]
+    command, measured_displacement = recording.command[np.newaxis], measured_displacement[np.newaxis]
     histories = Histories(
         command=command,
-        measured=measured,
-        fed_back=command - measured,
+        measured=measured_displacement,
+        fed_back=command - measured_displacement,
         time_step=recording.time_step,
         carry=np.eye(1),
         smooth=True,
     )
-    return compare_with_ground(histories, whole, recording.ground)
+    return compare_with_ground(histories, structure, recording.ground)
 
 
 def _sizes_of_force(specimen: "MeasuredSpecimen | None") -> dict[str, Size]:
@@ -316,7 +326,7 @@ def _sizes(recording: Recording, question: Question) -> dict[str, Size]:
     return {**sizes, "open_filter": Size(deviation=filtering.delay, source=Source.LEARNED)}
 
 
-class _Rest(TypedDict):
+class _CommonArguments(TypedDict):
     """Arguments that every way of computing the error shares."""
 
     sensor_offset: float | None
@@ -324,9 +334,11 @@ class _Rest(TypedDict):
     seed: int
 
 
-def _learned(recording: Recording, measured: Array, question: Question, rest: _Rest) -> "MeasuredSpecimen":
-    """Learn the specimen from the recorded force, with the error of its test; `measured` [m]."""
-    whole, mass_deviation = question.whole, 0.0
+def _learn_specimen(
+    recording: Recording, measured_displacement: Array, question: Question, arguments: _CommonArguments
+) -> "MeasuredSpecimen":
+    """Learn the specimen from the recorded force, with the error of its test; `measured_displacement` [m]."""
+    structure, mass_deviation = question.full_structure, 0.0
     if question.frame is None:
         if "mass" not in question.stated:
             raise InputError(
@@ -336,7 +348,7 @@ def _learned(recording: Recording, measured: Array, question: Question, rest: _R
                 where=recording.name,
             )
         mass = question.stated["mass"]
-        whole = Partition.from_structure(question.structure, mass.value)
+        structure = Partition.from_structure(question.structure, mass.value)
         mass_deviation = mass.deviation / mass.value
     if recording.force is None:
         raise InputError(
@@ -349,13 +361,13 @@ def _learned(recording: Recording, measured: Array, question: Question, rest: _R
 
     return rebuild_with_force(
         recording.command,
-        measured,
+        measured_displacement,
         recording.force,
         recording.time_step,
-        whole,
+        structure,
         mass_deviation=mass_deviation,
         feedback_lag=question.feedback_lag,
         force_channel=question.force_channel,
         resolution=question.resolution,
-        **rest,
+        **arguments,
     )

@@ -69,7 +69,7 @@ class ErrorWithThreshold(ABC):
         return as_certain_as(self.sizes, self.rebuilt.probability(self.threshold, self.metric))
 
     @property
-    def of_which(self) -> str:
+    def displacement_suffix(self) -> str:
         """Of which displacement the error is, to follow its name; empty where there is one."""
         return ""
 
@@ -103,13 +103,15 @@ class ErrorWithThreshold(ABC):
     @property
     def frequency_shown(self) -> tuple[str, ...]:
         """What the test shows of its natural frequency where it contradicts the stated one, in a sentence."""
-        learned = None if self.inferred is not None else self.rebuilt.unknown.own_frequency
-        if learned is None or not learned.contradicts:
+        own_frequency = None if self.inferred is not None else self.rebuilt.unknown.own_frequency
+        if own_frequency is None or not own_frequency.contradicts:
             return ()
-        stated = float(self.rebuilt.structure.natural_frequencies[0])
+        stated_frequency = float(self.rebuilt.structure.natural_frequencies[0])
         sentence = (
-            f"The recording behaves like a structure of {significant(stated * (1.0 + learned.value))} ± "
-            f"{significant(stated * learned.deviation, 1)} Hz; {significant(stated)} Hz was stated. The "
+            f"The recording behaves like a structure of "
+            f"{significant(stated_frequency * (1.0 + own_frequency.value))} ± "
+            f"{significant(stated_frequency * own_frequency.deviation, 1)} Hz; "
+            f"{significant(stated_frequency)} Hz was stated. The "
             "interval is computed with the recording's frequency, the value with the stated one."
         )
         return (sentence,)
@@ -124,22 +126,24 @@ class ErrorWithThreshold(ABC):
         if widest.deviation_for_half is None or item.unit != "%" or item.source is Source.LEARNED:
             return (item.remedy,)
         half = significant(PERCENT * widest.deviation_for_half, 2)
-        whose = self._of_specimen
-        return (f"Determine the {item.quantity} to {half} %: the interval{whose} is then half as wide.",)
+        specimen_suffix = self._specimen_suffix
+        return (
+            f"Determine the {item.quantity} to {half} %: the interval{specimen_suffix} is then half as wide.",
+        )
 
     @property
-    def _of_specimen(self) -> str:
+    def _specimen_suffix(self) -> str:
         """Of which specimen intervals hold without further ones, to follow "interval"."""
         return ""
 
     def to_dict(self) -> dict[str, Any]:
         """Put it into plain values."""
-        by_name = self.parts.by_name
+        parts = self.parts.by_name
         return {
             **plain_errors(self.estimate),
             "interval_level": LEVEL,
             "probability": self.probability,
-            "parts": {name: piece.to_dict() for name, piece in by_name.items()},
+            "parts": {name: piece.to_dict() for name, piece in parts.items()},
             "improve_first": self.parts.first,
             "would_decide": list(self.would_decide),
         }
@@ -189,7 +193,7 @@ class ErrorOfSeveral(ErrorWithThreshold):
         return parts.subtract_noise(degree.rms.value)
 
     @property
-    def of_which(self) -> str:
+    def displacement_suffix(self) -> str:
         """The displacement that governs, to follow the name of its error."""
         return "" if self.governing is None else f" of {self.governing.name}"
 
@@ -201,14 +205,16 @@ class ErrorOfSeveral(ErrorWithThreshold):
     def to_dict(self) -> dict[str, Any]:
         """Put it into plain values, the governing displacement first."""
         governing = self.governing
-        ordered = sorted(self.displacements, key=lambda degree: degree is not governing)
+        ordered_displacements = sorted(self.displacements, key=lambda degree: degree is not governing)
         return {
-            "degrees_of_freedom": {degree.name: self._of_degree(degree) for degree in ordered},
+            "degrees_of_freedom": {
+                degree.name: self._error_of_degree(degree) for degree in ordered_displacements
+            },
             "governing": None if governing is None else governing.name,
             **super().to_dict(),
         }
 
-    def _of_degree(self, degree: "DegreeError") -> dict[str, Any]:
+    def _error_of_degree(self, degree: "DegreeError") -> dict[str, Any]:
         if not degree.judged:
             return {
                 "judged": False,

@@ -43,19 +43,25 @@ class ExactTest:
     draws: Callable[[], Iterator[ExactResponse]]
 
 
-def _linear(partition: Partition, at_interface: Array, step: float) -> ExactResponse:
-    shared = Substructures.of_partition(partition)
-    force, felt = shared.force_of_linear(at_interface, step)
-    work = float(np.sum(scipy.integrate.trapezoid(felt, at_interface, axis=1)))
-    return ExactResponse(structure=shared, at_interface=at_interface, force=force, felt=felt, work=work)
+def _linear(partition: Partition, interface_displacements: Array, step: float) -> ExactResponse:
+    shared = Substructures.from_partition(partition)
+    force, felt_force = shared.force_of_linear(interface_displacements, step)
+    work = float(np.sum(scipy.integrate.trapezoid(felt_force, interface_displacements, axis=1)))
+    return ExactResponse(
+        structure=shared, at_interface=interface_displacements, force=force, felt=felt_force, work=work
+    )
 
 
-def _of_force(partition: Partition, at_interface: Array, force: Array, work: float) -> ExactResponse:
-    shared = Substructures.of_partition(partition)
-    return ExactResponse(structure=shared, at_interface=at_interface, force=force, felt=force, work=work)
+def _respond_to_force(
+    partition: Partition, interface_displacements: Array, force: Array, work: float
+) -> ExactResponse:
+    shared = Substructures.from_partition(partition)
+    return ExactResponse(
+        structure=shared, at_interface=interface_displacements, force=force, felt=force, work=work
+    )
 
 
-def _in_kilograms(partition: Partition, mass: float) -> Partition:
+def _scale_by_mass(partition: Partition, mass: float) -> Partition:
     """Structure of matrices per unit mass, with a mass [kg]."""
     names = ("mass", "damping", "stiffness", "specimen_stiffness", "specimen_damping", "specimen_mass")
     return partition.replace_values(**{name: mass * getattr(partition, name) for name in names})
@@ -72,23 +78,27 @@ def exact_test(
     specimen = error.specimen if isinstance(error, ErrorOfTest) else None
     rebuilt, step, rows = error.rebuilt, error.rebuilt.time_step, error.displacements
     exact = np.stack([row.reference for row in rows])
-    measured = exact + np.stack([row.smooth_error for row in rows])
+    measured_displacement = exact + np.stack([row.smooth_error for row in rows])
     if specimen is None:
-        stated = _linear(_in_kilograms(rebuilt.structure, mass), exact, step)
-        fed_back = stated.structure.force_of_linear(measured, step)[1]
+        stated_response = _linear(_scale_by_mass(rebuilt.structure, mass), exact, step)
+        fed_back = stated_response.structure.force_of_linear(measured_displacement, step)[1]
     else:
-        stated = _of_force(specimen.test.whole, exact, specimen.force[np.newaxis], specimen.work)
+        stated_response = _respond_to_force(
+            specimen.test.whole, exact, specimen.force[np.newaxis], specimen.work
+        )
         fed_back = specimen.fed_back[np.newaxis]
 
     def draws() -> Iterator[ExactResponse]:
         if isinstance(error, ErrorOfTest) and specimen is not None:
             single = error.rebuilt
-            of_draws = specimen.test.exact_of_draws(single.differences[:_DRAWS], single.unknown, single.seed)
-            yield from (_of_force(*response) for response in of_draws)
+            draws_of_specimen = specimen.test.exact_of_draws(
+                single.differences[:_DRAWS], single.unknown, single.seed
+            )
+            yield from (_respond_to_force(*response) for response in draws_of_specimen)
             return
-        inferred = error.inferred if isinstance(error, ErrorOfTest) else None
-        for structure, response in (inferred or rebuilt).exact():
-            yield _linear(_in_kilograms(structure, mass), response, rebuilt.every * step)
+        inferred_error = error.inferred if isinstance(error, ErrorOfTest) else None
+        for structure, response in (inferred_error or rebuilt).exact():
+            yield _linear(_scale_by_mass(structure, mass), response, rebuilt.every * step)
 
     return ExactTest(
         time_step=step,
@@ -96,13 +106,13 @@ def exact_test(
         interface=("",) if isinstance(error, ErrorOfTest) else rebuilt.structure.names,
         degrees=degrees,
         ground=ground,
-        measured=measured,
+        measured=measured_displacement,
         command=rebuilt.command,
         fed_back=fed_back,
         band=(
-            measured - np.stack([row.high for row in rows]),
-            measured - np.stack([row.low for row in rows]),
+            measured_displacement - np.stack([row.high for row in rows]),
+            measured_displacement - np.stack([row.low for row in rows]),
         ),
-        stated=stated,
+        stated=stated_response,
         draws=draws,
     )

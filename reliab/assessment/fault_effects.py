@@ -7,12 +7,12 @@ from typing import Any, TypeVar
 from reliab.assessment.budget.sizes import Size, Source
 from reliab.assessment.error_of_test import ErrorOfTest, Question, error_of_test
 from reliab.assessment.error_with_threshold import ErrorWithThreshold
-from reliab.assessment.faults import Fault, repaired
+from reliab.assessment.faults import Fault, repair_recording
 from reliab.core.plain_values import finite
 from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
 
-_OfTest = TypeVar("_OfTest", Recording, CoupledRecording)
+AnyRecording = TypeVar("AnyRecording", Recording, CoupledRecording)
 _Error = TypeVar("_Error", bound=ErrorWithThreshold)
 
 
@@ -27,21 +27,23 @@ class FaultEffect:
 
     def to_dict(self, error: ErrorWithThreshold) -> dict[str, Any]:
         """Put it into plain values beside the error of the test, with the actuator if there are several."""
-        fault, otherwise = self.fault, self.otherwise
+        fault, error_otherwise = self.fault, self.otherwise
         return {
             **({"actuator": fault.actuator} if fault.actuator else {}),
             "kind": fault.kind,
             "finding": fault.finding,
             "in_loop": fault.in_loop,
             "error": finite(error.estimate(error.metric).value),
-            "error_otherwise": None if otherwise is None else finite(otherwise.estimate(error.metric).value),
+            "error_otherwise": None
+            if error_otherwise is None
+            else finite(error_otherwise.estimate(error.metric).value),
         }
 
 
 def error_with_faults(
-    recording: _OfTest,
+    recording: AnyRecording,
     faults: Sequence[Fault],
-    rebuilt: Callable[[_OfTest, frozenset[int], Mapping[str, Size]], _Error],
+    rebuilt: Callable[[AnyRecording, frozenset[int], Mapping[str, Size]], _Error],
 ) -> tuple[_Error, tuple[FaultEffect, ...]]:
     """Error of the test without the faults that the loop did not feel, and the effect of each fault on it.
 
@@ -51,16 +53,18 @@ def error_with_faults(
     """
     unfelt = [fault for fault in faults if fault.in_loop is False]
     sensors = frozenset(fault.place for fault in faults if fault.size)
-    error = rebuilt(repaired(recording, unfelt), sensors, _sizes_left(unfelt) | _sizes_open(faults))
+    error = rebuilt(repair_recording(recording, unfelt), sensors, _sizes_left(unfelt) | _sizes_open(faults))
     effects = []
     for fault in faults:
-        others = (
+        other_faults = (
             [fault] if fault.in_loop is not False else [effect for effect in unfelt if effect is not fault]
         )
-        changed = (
-            rebuilt(repaired(recording, others), sensors, _sizes_left(others)) if fault.repairable else None
+        repaired_recording = (
+            rebuilt(repair_recording(recording, other_faults), sensors, _sizes_left(other_faults))
+            if fault.repairable
+            else None
         )
-        effects.append(FaultEffect(fault=fault, otherwise=changed))
+        effects.append(FaultEffect(fault=fault, otherwise=repaired_recording))
     return error, tuple(effects)
 
 
@@ -80,7 +84,7 @@ def error_of_one_with_faults(
 def _sizes_open(faults: Sequence[Fault]) -> dict[str, Size]:
     """Offsets and drifts of which the command does not show whether the loop felt them."""
     return {
-        fault.at_sensor("open"): Size(deviation=fault.size, source=Source.LEARNED)
+        fault.name_quantity("open"): Size(deviation=fault.size, source=Source.LEARNED)
         for fault in faults
         if fault.size and fault.in_loop is None
     }
@@ -89,7 +93,7 @@ def _sizes_open(faults: Sequence[Fault]) -> dict[str, Size]:
 def _sizes_left(faults: Sequence[Fault]) -> dict[str, Size]:
     """Sizes of what the repair of faults leaves unknown, by the names of the tolerances."""
     return {
-        fault.at_sensor("sensor"): Size(deviation=fault.deviation, source=Source.LEARNED)
+        fault.name_quantity("sensor"): Size(deviation=fault.deviation, source=Source.LEARNED)
         for fault in faults
         if fault.deviation
     }

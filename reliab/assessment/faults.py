@@ -26,20 +26,23 @@ from reliab.signals.cubic_path import CubicPath
 COPY_TOLERANCE: Final = 1e-6
 """Largest difference of a copied channel, over the command's peak [-]; sensors are noisier."""
 
-_OfTest = TypeVar("_OfTest", Recording, CoupledRecording)
+AnyRecording = TypeVar("AnyRecording", Recording, CoupledRecording)
 _FEWEST_BLOCKS, _MOST_BLOCKS = 6, 40
 _PERIODS_OF_A_BLOCK = 2.0
 _SIGNIFICANT = 4.0  # standard errors
 _STANDSTILL_SHARE = 0.05  # of the command's peak
-_SAME = 1e-9  # of the peak: a smaller step between samples counts as standstill
-_FELT, _NOT_FELT = (0.7, 1.3), (-0.3, 0.3)
-_MOST_HELD, _LONGEST_HELD = 0.2, 4  # share of the samples, and samples in a row
-_ROUNDED, _BY_CHANCE = (
+_STANDSTILL_STEP = 1e-9  # of the peak: a smaller step between samples counts as standstill
+_LOOP_RANGE, _SENSOR_RANGE = (0.7, 1.3), (-0.3, 0.3)
+_LARGEST_HELD_SHARE, _LONGEST_HELD_RUN = 0.2, 4  # share of the samples, and samples in a row
+_ROUNDING_FACTOR, _CHANCE_FACTOR = (
     1.5,
     3.0,
 )  # of the smallest step; so many more repeats than smallest steps are not chance
 _LEAST_SHARE = 0.1  # of the threshold: an offset or drift below which nothing is said
-_BESIDE, _ISOLATED = 16, 4.0  # steps on each side of a jump, and how much larger than all of them it is
+_NEIGHBOUR_STEPS, _ISOLATION_FACTOR = (
+    16,
+    4.0,
+)  # steps on each side of a jump, and how much larger than all of them it is
 _LEAST_JUMP = 0.02  # of the command's peak
 
 
@@ -64,14 +67,14 @@ class Fault:
     actuator: str = ""
     place: int = 0
 
-    def of_actuator(self, place: int, recording: CoupledRecording) -> "Fault":
+    def assign_actuator(self, place: int, recording: CoupledRecording) -> "Fault":
         """Give the same fault as one of the channels of several actuators."""
 
-        def among_all(added: Array | None) -> Array | None:
-            if added is None:
+        def among_all(channel_error: Array | None) -> Array | None:
+            if channel_error is None:
                 return None
             rows = np.zeros_like(recording.command)
-            rows[place] = added
+            rows[place] = channel_error
             return rows
 
         return replace(
@@ -82,9 +85,9 @@ class Fault:
             place=place,
         )
 
-    def at_sensor(self, what: str) -> str:
+    def name_quantity(self, quantity: str) -> str:
         """Name what an offset or drift leaves unknown of its sensor, such as "open_offset_2"."""
-        return f"{what}_{self.kind}_{self.place + 1}" if self.actuator else f"{what}_{self.kind}"
+        return f"{quantity}_{self.kind}_{self.place + 1}" if self.actuator else f"{quantity}_{self.kind}"
 
     @property
     def sentence(self) -> str:
@@ -97,13 +100,15 @@ class Fault:
         return self.in_measured is not None or self.in_command is not None
 
 
-def repaired(recording: _OfTest, faults: Iterable[Fault]) -> _OfTest:
+def repair_recording(recording: AnyRecording, faults: Iterable[Fault]) -> AnyRecording:
     """Remove faults from a recording."""
-    command, measured = recording.command, recording.measured
+    command, measured_displacement = recording.command, recording.measured
     for fault in faults:
         command = command if fault.in_command is None else command - fault.in_command
-        measured = measured if fault.in_measured is None else measured - fault.in_measured
-    return replace(recording, command=command, measured=measured)
+        measured_displacement = (
+            measured_displacement if fault.in_measured is None else measured_displacement - fault.in_measured
+        )
+    return replace(recording, command=command, measured=measured_displacement)
 
 
 def faults_of_channel(
@@ -127,15 +132,19 @@ def faults_of_channel(
         window=window,
         seed=seed,
     )
-    as_recorded = look(recording)
-    moved = tuple(_other_zero(recording))
-    answered = any(fault.kind == "offset" and fault.in_loop for fault in as_recorded[0])
-    return as_recorded if answered or not moved else look(repaired(recording, moved), moved)
+    faults_as_recorded = look(recording)
+    zero_faults = tuple(_other_zero(recording))
+    loop_answers = any(fault.kind == "offset" and fault.in_loop for fault in faults_as_recorded[0])
+    return (
+        faults_as_recorded
+        if loop_answers or not zero_faults
+        else look(repair_recording(recording, zero_faults), zero_faults)
+    )
 
 
 def _faults_about(
     recording: Recording,
-    moved: tuple[Fault, ...] = (),
+    zero_faults: tuple[Fault, ...] = (),
     *,
     threshold: float,
     experimental_fraction: float,
@@ -143,16 +152,16 @@ def _faults_about(
     seed: int,
 ) -> tuple[tuple[Fault, ...], TrackingIndex]:
     """Look for faults of a recording from which another zero was taken, if it was moved."""
-    clean, *in_channels = remove_spikes(recording)
+    clean, *spike_masks = remove_spikes(recording)
     tracking = track(clean, window=window, seed=seed)
-    expected = _expected(clean, tracking)
+    prediction = _predict_measured(clean, tracking)
     faults = (
-        *_plain_faults(recording, clean, *in_channels),
-        *moved,
+        *_plain_faults(recording, clean, *spike_masks),
+        *zero_faults,
         *_jumps(clean),
-        *_held(clean),
-        *_standstill(clean, expected),
-        *_slow(clean, expected, threshold, experimental_fraction, tracking),
+        *_find_held_samples(clean),
+        *_standstill(clean, prediction),
+        *_slow(clean, prediction, threshold, experimental_fraction, tracking),
     )
     return faults, tracking
 
@@ -163,9 +172,12 @@ def plain_faults(recording: Recording) -> tuple[Fault, ...]:
 
 
 def _plain_faults(
-    recording: Recording, clean: Recording, in_command: NDArray[np.bool_], in_measured: NDArray[np.bool_]
+    recording: Recording,
+    clean: Recording,
+    command_spikes: NDArray[np.bool_],
+    measured_spikes: NDArray[np.bool_],
 ) -> Iterator[Fault]:
-    yield from _spikes(recording, clean, in_command, in_measured)
+    yield from _spikes(recording, clean, command_spikes, measured_spikes)
     yield from _copy(clean)
 
 
@@ -189,11 +201,11 @@ def _jumps(recording: Recording) -> Iterator[Fault]:
     """Find steps of the command that no computed displacement takes, beside those next to them."""
     command = recording.command
     steps = np.abs(np.diff(command))
-    padded = np.pad(steps, _BESIDE)
-    windows = np.lib.stride_tricks.sliding_window_view(padded, _BESIDE)
-    beside = np.maximum(windows[: steps.size].max(axis=1), windows[_BESIDE + 1 :].max(axis=1))
+    padded_steps = np.pad(steps, _NEIGHBOUR_STEPS)
+    windows = np.lib.stride_tricks.sliding_window_view(padded_steps, _NEIGHBOUR_STEPS)
+    neighbours = np.maximum(windows[: steps.size].max(axis=1), windows[_NEIGHBOUR_STEPS + 1 :].max(axis=1))
     least = _LEAST_JUMP * float(np.abs(command).max())
-    jumps = np.flatnonzero((steps > _ISOLATED * beside) & (steps > least))
+    jumps = np.flatnonzero((steps > _ISOLATION_FACTOR * neighbours) & (steps > least))
     if jumps.size:
         place = int(jumps[np.argmax(steps[jumps])]) + 1
         size = float(steps[place - 1]) / float(np.abs(command).max())
@@ -205,25 +217,28 @@ def _jumps(recording: Recording) -> Iterator[Fault]:
         )
 
 
-def _expected(recording: Recording, tracking: TrackingIndex) -> Array:
+def _predict_measured(recording: Recording, tracking: TrackingIndex) -> Array:
     """Command with the gain and delay of the test."""
     path = CubicPath.interpolate(np.arange(recording.command.size) * recording.time_step, recording.command)
     return tracking.amplitude * path.read_delayed(tracking.delay)
 
 
 def _spikes(
-    recording: Recording, clean: Recording, in_command: NDArray[np.bool_], in_measured: NDArray[np.bool_]
+    recording: Recording,
+    clean: Recording,
+    command_spikes: NDArray[np.bool_],
+    measured_spikes: NDArray[np.bool_],
 ) -> Iterator[Fault]:
     peak = float(np.abs(clean.command).max())
     channels = (
-        ("command", in_command, recording.command - clean.command),
-        ("measured displacement", in_measured, recording.measured - clean.measured),
+        ("command", command_spikes, recording.command - clean.command),
+        ("measured displacement", measured_spikes, recording.measured - clean.measured),
     )
-    for name, marked, added in channels:
-        if marked.any():
-            first = int(np.flatnonzero(marked)[0]) * recording.time_step
-            lasting = MILLI * int(marked.sum()) * recording.time_step
-            size = float(np.abs(added).max()) / peak
+    for name, is_spike, spikes in channels:
+        if is_spike.any():
+            first = int(np.flatnonzero(is_spike)[0]) * recording.time_step
+            lasting = MILLI * int(is_spike.sum()) * recording.time_step
+            size = float(np.abs(spikes).max()) / peak
             yield Fault(
                 kind="spike",
                 finding=(
@@ -232,8 +247,8 @@ def _spikes(
                     f"by up to {percent(size, decimals=1)} of the command's peak: no actuator moves "
                     "like that."
                 ),
-                in_command=added if name == "command" else None,
-                in_measured=None if name == "command" else added,
+                in_command=spikes if name == "command" else None,
+                in_measured=None if name == "command" else spikes,
                 in_loop=False,
             )
 
@@ -250,7 +265,7 @@ def _copy(recording: Recording) -> Iterator[Fault]:
         )
 
 
-def _standstill(recording: Recording, expected: Array) -> Iterator[Fault]:
+def _standstill(recording: Recording, prediction: Array) -> Iterator[Fault]:
     peak = float(np.abs(recording.command).max())
     for name, history, counterpart in (
         ("measured displacement", recording.measured, recording.command),
@@ -258,46 +273,46 @@ def _standstill(recording: Recording, expected: Array) -> Iterator[Fault]:
     ):
         still = [
             (begin, end)
-            for begin, end in _runs(np.abs(np.diff(history)) <= _SAME * peak)
+            for begin, end in _runs(np.abs(np.diff(history)) <= _STANDSTILL_STEP * peak)
             if np.ptp(counterpart[begin : end + 1]) > _STANDSTILL_SHARE * peak
         ]
         if still:
             lasting = sum(end - begin for begin, end in still) * recording.time_step
-            moved = max(float(np.ptp(counterpart[begin : end + 1])) for begin, end in still) / peak
+            motion = max(float(np.ptp(counterpart[begin : end + 1])) for begin, end in still) / peak
             yield Fault(
                 kind="standstill",
                 finding=(
                     f"The {name} stands still for {significant(lasting)} s, first at "
                     f"{still[0][0] * recording.time_step:.4g} s, while the other channel moves by "
-                    f"{percent(moved, decimals=0)} of the command's peak: either the actuator stood "
+                    f"{percent(motion, decimals=0)} of the command's peak: either the actuator stood "
                     "still, or the "
                     "recording did."
                 ),
-                in_measured=_missing_motion(recording.measured - expected, still)
+                in_measured=_missing_motion(recording.measured - prediction, still)
                 if history is recording.measured
                 else None,
             )
 
 
-def _held(recording: Recording) -> Iterator[Fault]:
+def _find_held_samples(recording: Recording) -> Iterator[Fault]:
     """Find samples that repeat the one before in a channel whose noise lets no two be equal."""
-    measured = recording.measured
-    held = np.concatenate([[False], np.diff(measured) == 0.0])
-    share = float(held.mean())
-    steps = np.abs(np.diff(measured))
+    measured_displacement = recording.measured
+    is_held = np.concatenate([[False], np.diff(measured_displacement) == 0.0])
+    share = float(is_held.mean())
+    steps = np.abs(np.diff(measured_displacement))
     smallest = float(steps[steps > 0.0].min(initial=np.inf))
-    by_chance = int(np.sum((steps > 0.0) & (steps < _ROUNDED * smallest)))
-    if not _BY_CHANCE * max(by_chance, 1) < held.sum() < _MOST_HELD * held.size:
+    chance_count = int(np.sum((steps > 0.0) & (steps < _ROUNDING_FACTOR * smallest)))
+    if not _CHANCE_FACTOR * max(chance_count, 1) < is_held.sum() < _LARGEST_HELD_SHARE * is_held.size:
         return
-    if any(end - begin >= _LONGEST_HELD for begin, end in _runs(held)):
+    if any(end - begin >= _LONGEST_HELD_RUN for begin, end in _runs(is_held)):
         return  # a standstill
-    places = np.arange(measured.size)
-    bridged = np.interp(places, places[~held], measured[~held])
+    places = np.arange(measured_displacement.size)
+    interpolated = np.interp(places, places[~is_held], measured_displacement[~is_held])
     yield Fault(
         kind="held",
         finding=f"The measured displacement repeats the previous sample in {percent(share, decimals=2)} of "
         "its samples: these were replaced by interpolation between their neighbours.",
-        in_measured=measured - bridged,
+        in_measured=measured_displacement - interpolated,
         in_loop=False,
     )
 
@@ -309,15 +324,15 @@ def _missing_motion(difference: Array, still: list[tuple[int, int]]) -> Array:
     return missing
 
 
-def _runs(marked: NDArray[np.bool_]) -> list[tuple[int, int]]:
+def _runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
     """Find the first and the last sample of each stretch of marked steps."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], marked, [False]]).astype(np.int8)))
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
     return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
 
 
 def _slow(
     recording: Recording,
-    expected: Array,
+    prediction: Array,
     threshold: float,
     experimental_fraction: float,
     tracking: TrackingIndex,
@@ -328,7 +343,7 @@ def _slow(
     if blocks < _FEWEST_BLOCKS:
         return
     blocks = min(blocks, _MOST_BLOCKS)
-    line = _line(recording.measured - expected, blocks)
+    line = _line(recording.measured - prediction, blocks)
     place = np.linspace(-0.5, 0.5, recording.command.size)
     least = _LEAST_SHARE * threshold * peak
     terms = (
@@ -339,14 +354,14 @@ def _slow(
         if abs(size) < least or abs(size) < _SIGNIFICANT * error:
             continue
         share = f"{percent(abs(size) / peak, decimals=2)} of the command's peak"
-        in_loop = _answered(recording.command, experimental_fraction * size, kind, blocks)
+        loop_answers = _loop_answers(recording.command, experimental_fraction * size, kind, blocks)
         yield Fault(
             kind=kind,
             finding=f"The measured displacement has an offset of {share}."
             if kind == "offset"
             else f"The measured displacement drifts by {share} from beginning to end.",
             in_measured=size * shape,
-            in_loop=in_loop,
+            in_loop=loop_answers,
             size=size,
             deviation=error,
         )
@@ -377,13 +392,13 @@ def _line(values: Array, blocks: int) -> _Line:
     )
 
 
-def _answered(command: Array, force_offset: float, kind: str, blocks: int) -> bool | None:
+def _loop_answers(command: Array, force_offset: float, kind: str, blocks: int) -> bool | None:
     """Whether the command's mean is that of a loop which felt the offset, or of one which did not."""
     line = _line(command, blocks)
     size, error = (line.offset, line.offset_error) if kind == "offset" else (line.drift, line.drift_error)
     answer, spread = -size / force_offset, _SIGNIFICANT / 2.0 * error / abs(force_offset)
-    if spread < _FELT[1] - 1.0 and _FELT[0] <= answer <= _FELT[1]:
+    if spread < _LOOP_RANGE[1] - 1.0 and _LOOP_RANGE[0] <= answer <= _LOOP_RANGE[1]:
         return True
-    if spread < _NOT_FELT[1] and _NOT_FELT[0] <= answer <= _NOT_FELT[1]:
+    if spread < _SENSOR_RANGE[1] and _SENSOR_RANGE[0] <= answer <= _SENSOR_RANGE[1]:
         return False
     return None

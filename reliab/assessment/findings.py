@@ -11,7 +11,7 @@ from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.judged_test import JudgedTest
 from reliab.assessment.own_equation import OwnEquation
 from reliab.assessment.placement import Placement
-from reliab.assessment.scope_of_test import ScopeOfTest, why_for_none
+from reliab.assessment.scope_of_test import ScopeOfTest, reasons_without_promise
 from reliab.assessment.tracking_index import TrackingIndex, TrackingMeasures, Windows
 from reliab.assessment.verdict import Verdict, verdict_by_index
 from reliab.core.stated_value import StatedValue
@@ -27,10 +27,10 @@ LARGEST_PROBABILITY: Final = 0.99
 """Largest probability stated for a population of ground motions: higher ones were not validated."""
 
 
-def capped(probability: float | None) -> float | None:
+def cap_probability(probability: float | None) -> float | None:
     """Probability limited to the range that was validated; None where it is not known.
 
-    >>> capped(1.0), capped(0.4), capped(None)
+    >>> cap_probability(1.0), cap_probability(0.4), cap_probability(None)
     (0.99, 0.4, None)
     """
     if probability is None:
@@ -57,15 +57,15 @@ def improvement(amplitude: float, delay: float, a: float, b: float) -> Improveme
     >>> found.first, round(found.share_of_delay, 2), round(1e3 * found.tolerable_delay, 3)
     ('delay', 0.89, 0.929)
     """
-    of_amplitude = _part((amplitude - 1.0) ** 2, a)
-    of_delay = _part((MILLI * delay) ** 2, b)
-    total = of_amplitude + of_delay
-    share = 0.5 if total == 0.0 or np.isinf(total) else of_delay / total
+    amplitude_part = _part((amplitude - 1.0) ** 2, a)
+    delay_part = _part((MILLI * delay) ** 2, b)
+    total = amplitude_part + delay_part
+    share = 0.5 if total == 0.0 or np.isinf(total) else delay_part / total
     return Improvement(
-        first="delay" if of_delay >= of_amplitude else "amplitude",
+        first="delay" if delay_part >= amplitude_part else "amplitude",
         share_of_delay=share,
-        tolerable_delay=float(np.sqrt(max(1.0 - of_amplitude, 0.0) * b)) / MILLI,
-        tolerable_amplitude_error=float(np.sqrt(max(1.0 - of_delay, 0.0) * a)),
+        tolerable_delay=float(np.sqrt(max(1.0 - amplitude_part, 0.0) * b)) / MILLI,
+        tolerable_amplitude_error=float(np.sqrt(max(1.0 - delay_part, 0.0) * a)),
     )
 
 
@@ -118,7 +118,9 @@ class Findings(JudgedTest):
         """
         if self.speaks_for_none:
             return None
-        return capped(self.population.probability if self.placement is None else self.placement.probability)
+        return cap_probability(
+            self.population.probability if self.placement is None else self.placement.probability
+        )
 
     @property
     def verdict_by_index(self) -> Verdict:
@@ -129,13 +131,15 @@ class Findings(JudgedTest):
             probability=self.index_probability,
             confidence=self.criterion.confidence,
             own_motion=self.placement is not None,
-            outside=why_for_none(self.scope, self.criterion) if self.speaks_for_none else (),
+            outside_reasons=reasons_without_promise(self.scope, self.criterion)
+            if self.speaks_for_none
+            else (),
         )
 
     @property
     def speaks_for_none(self) -> bool:
         """Whether the index rests on ground motions that are none like the test's."""
-        return self.placement is None and (self.scope.outside or self.criterion.promise is None)
+        return self.placement is None and (self.scope.is_outside or self.criterion.promise is None)
 
     @property
     def promise(self) -> float | None:
@@ -156,8 +160,8 @@ class Findings(JudgedTest):
     @property
     def limits(self) -> tuple[float, float]:
         """Ellipse parameters a [-] and b [ms²] behind the index."""
-        behind = self.population if self.placement is None else self.placement
-        return behind.a, behind.b
+        placement = self.population if self.placement is None else self.placement
+        return placement.a, placement.b
 
     @property
     def improvement(self) -> Improvement:

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from reliab.assessment.contradictions import of_stability
+from reliab.assessment.contradictions import contradict_stability
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.error_with_threshold import ErrorOfSeveral
-from reliab.assessment.findings import capped
+from reliab.assessment.findings import cap_probability
 from reliab.assessment.frame_responses import ResponseErrors
 from reliab.assessment.judged_test import JudgedTest
 from reliab.assessment.placement import Placement
 from reliab.assessment.rebuilt_error.parts import Part
-from reliab.assessment.scope_of_test import compared, why_for_none
+from reliab.assessment.scope_of_test import compare_test, reasons_without_promise
 from reliab.assessment.tracking_index import TrackingIndex
 from reliab.assessment.uncertainty_budget import BudgetItem
 from reliab.assessment.verdict import Word, verdict_by_index
@@ -103,7 +103,7 @@ class JudgedFrame(JudgedTest, ABC):
     @property
     def warnings(self) -> tuple[str, ...]:
         """Warnings about the recording and the loop, in sentences."""
-        contradictions = [*self.contradictions, *of_stability(self.stability_margin)]
+        contradictions = [*self.contradictions, *contradict_stability(self.stability_margin)]
         return (
             *(effect.fault.sentence for effect in self.faults),
             *self.error.not_judged,
@@ -148,8 +148,8 @@ class FrameAssessment(JudgedFrame):
         """Share of the population's ground motions that the criterion promises for the test."""
         if self.criterion is None:
             return None
-        outside = compared(self.criterion, {"length": self.recording.duration}).outside
-        return None if outside else self.criterion.promise
+        is_outside = compare_test(self.criterion, {"length": self.recording.duration}).is_outside
+        return None if is_outside else self.criterion.promise
 
     @property
     def longest_delay(self) -> float:
@@ -159,13 +159,13 @@ class FrameAssessment(JudgedFrame):
     @property
     def modes(self) -> tuple[ModeOfTest, ...]:
         """Modes of the frame, the lowest first, with A and d where the test shows them."""
-        resolved = self.over_frequency
-        if resolved is None:
+        tracking = self.over_frequency
+        if tracking is None:
             return super().modes
         modes = []
         for mode in super().modes:
-            seen = resolved.covers(mode.frequency)
-            a, d = map(float, resolved.interpolate(mode.frequency)) if seen else (None, None)
+            is_covered = tracking.covers(mode.frequency)
+            a, d = map(float, tracking.interpolate(mode.frequency)) if is_covered else (None, None)
             modes.append(replace(mode, amplitude=a, delay=d))
         return tuple(modes)
 
@@ -188,10 +188,10 @@ class FrameAssessment(JudgedFrame):
             "phi": -2.0 * np.pi * plain.equivalent_frequency * tracking.delay,
             "f_eq_hz": plain.equivalent_frequency,
             "d_ms": MILLI * tracking.delay,
-            "over_frequency": _over_frequency(self),
+            "over_frequency": _summarise_over_frequency(self),
             "specimen": self.error.plain_specimen,
             "would_turn": self.turning.to_dict(),
-            "by_index": None if self.criterion is None else _by_index(self),
+            "by_index": None if self.criterion is None else _summarise_by_index(self),
         }
 
 
@@ -245,59 +245,61 @@ class CoupledAssessment(JudgedFrame):
             }
             for place, number in enumerate(self.recording.actuators)
         ]
-        at_interface, shown = self.frame.channels_at_interface, self.shown_by_ground
+        are_interface_channels, ground_fit = self.frame.channels_at_interface, self.shown_by_ground
         directions = zip(self.frame.partition.names, self.limit.direction.tolist(), strict=True)
         return {
             **super().to_dict(),
-            "channels_are": "interface displacements" if at_interface else "displacements of actuators",
+            "channels_are": "interface displacements"
+            if are_interface_channels
+            else "displacements of actuators",
             "actuators": actuators,
             "A": actuators[worst]["A"],
             "d_ms": actuators[worst]["d_ms"],
             "critical_direction": dict(directions),
-            "shown_by_ground": None if shown is None else shown.to_dict(),
+            "shown_by_ground": None if ground_fit is None else ground_fit.to_dict(),
         }
 
 
-def _over_frequency(assessment: FrameAssessment) -> dict[str, Any] | None:
+def _summarise_over_frequency(assessment: FrameAssessment) -> dict[str, Any] | None:
     """A(f) and d(f) with their standard deviations, and the part of the error that they account for."""
-    resolved, part = assessment.over_frequency, assessment.resolved
-    if resolved is None or part is None:
+    tracking, part = assessment.over_frequency, assessment.resolved
+    if tracking is None or part is None:
         return None
     return {
-        "frequency_hz": resolved.frequency.tolist(),
-        "A": resolved.amplitude.tolist(),
-        "A_deviation": resolved.amplitude_deviation.tolist(),
-        "d_ms": (MILLI * resolved.delay).tolist(),
-        "d_ms_deviation": (MILLI * resolved.delay_deviation).tolist(),
-        "coherence": resolved.coherence.tolist(),
+        "frequency_hz": tracking.frequency.tolist(),
+        "A": tracking.amplitude.tolist(),
+        "A_deviation": tracking.amplitude_deviation.tolist(),
+        "d_ms": (MILLI * tracking.delay).tolist(),
+        "d_ms_deviation": (MILLI * tracking.delay_deviation).tolist(),
+        "coherence": tracking.coherence.tolist(),
         "error": part.to_dict(),
     }
 
 
-def _by_index(assessment: FrameAssessment) -> dict[str, Any] | None:
+def _summarise_by_index(assessment: FrameAssessment) -> dict[str, Any] | None:
     """Compare the test with the criterion that is given."""
-    placed, criterion = assessment.population, assessment.criterion
-    if placed is None or criterion is None:
+    placement, criterion = assessment.population, assessment.criterion
+    if placement is None or criterion is None:
         return None
-    scope = compared(criterion, {"length": assessment.recording.duration})
+    scope = compare_test(criterion, {"length": assessment.recording.duration})
     promise = assessment.promise
-    probability = None if promise is None else capped(placed.probability)
+    probability = None if promise is None else cap_probability(placement.probability)
     verdict = verdict_by_index(
-        index=placed.index,
-        interval=placed.index_interval,
+        index=placement.index,
+        interval=placement.index_interval,
         probability=probability,
         confidence=criterion.confidence,
         own_motion=False,
-        outside=why_for_none(scope, criterion) if promise is None else (),
+        outside_reasons=reasons_without_promise(scope, criterion) if promise is None else (),
     )
     return {
         "verdict": str(verdict.word),
         "reliable": verdict.word is Word.RELIABLE,
         "reasons": list(verdict.reasons),
-        "index": finite(placed.index),
+        "index": finite(placement.index),
         "probability": probability,
-        "a": placed.a,
-        "b": placed.b,
+        "a": placement.a,
+        "b": placement.b,
         "confidence": promise,
         "scope": scope.to_dict(),
     }

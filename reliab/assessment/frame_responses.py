@@ -126,32 +126,32 @@ class ResponseErrors:
 def errors_of_responses(
     error: ErrorWithThreshold,
     degrees: tuple[str, ...],
-    recorded: Array | None,
+    recorded_ground: Array | None,
     motion: Motion | None = None,
     *,
     force_known: bool = True,
 ) -> ResponseErrors:
     """Compute the errors of all floors and storeys of a frame from those of the interface.
 
-    `degrees`: names of all degrees of freedom; `recorded`: ground acceleration [m/s²]; `motion`: the ground
-    motion in place of it; `force_known`: whether the specimen's force is known, as of a linear one.
+    `degrees`: names of all degrees of freedom; `recorded_ground`: ground acceleration [m/s²]; `motion`: the
+    ground motion in place of it; `force_known`: whether the specimen's force is known, as of a linear one.
     """
-    test = exact_test(error, degrees, recorded)
+    test = exact_test(error, degrees, recorded_ground)
     names, weights = _responses(test)
     specimen = error.specimen if isinstance(error, ErrorOfTest) else None
     ground = ground_of_test(test, motion, force_known=force_known)
     looking = _Looking(test=test, weights=weights, ground=ground)
-    draws = looking.of_draws((draw.structure, draw.at_interface) for draw in test.draws())
+    draws = looking.sizes_of_draws((draw.structure, draw.at_interface) for draw in test.draws())
     errors = [
         _response(looking.as_stated[:, place], draws[..., place], *name) for place, name in enumerate(names)
     ]
-    expected = motion is not None or test.ground is not None
+    needs_ground = motion is not None or test.ground is not None
     return ResponseErrors(
         each=tuple(sorted(errors, key=lambda response: -response.size)),
         specimen="linear" if specimen is None else "measured",
         ground_factor=ground.factor if ground is not None and ground.differs else None,
-        other_motion=expected and ground is None and not test.stated.structure.all_driven,
-        over_peaks=looking.over_peaks,
+        other_motion=needs_ground and ground is None and not test.stated.structure.all_driven,
+        over_peaks=looking.has_peaks,
     )
 
 
@@ -161,8 +161,8 @@ def _responses(test: ExactTest) -> tuple[list[tuple[str, str]], Array]:
     degrees = test.degrees or tuple(str(place + 1) for place in range(influence.size))
     storeys, drifts = weights_of_storeys(degrees, influence)
     names = [
-        ("floor" if moved else "degree", name)
-        for name, moved in zip(degrees, influence.tolist(), strict=True)
+        ("floor" if factor else "degree", name)
+        for name, factor in zip(degrees, influence.tolist(), strict=True)
     ]
     return names + [("storey", name) for name in storeys], np.vstack([np.eye(influence.size), drifts])
 
@@ -172,9 +172,9 @@ def weights_of_storeys(names: tuple[str, ...], influence: Array) -> tuple[list[s
 
     A storey lies below each floor that the ground moves along with it, above the one before.
     """
-    along = np.flatnonzero(influence) if names else np.zeros(0, dtype=np.int64)
-    drifts = np.diff(np.eye(influence.size)[along], axis=0, prepend=np.zeros((1, influence.size)))
-    return [names[place] for place in along], drifts
+    directions = np.flatnonzero(influence) if names else np.zeros(0, dtype=np.int64)
+    drifts = np.diff(np.eye(influence.size)[directions], axis=0, prepend=np.zeros((1, influence.size)))
+    return [names[place] for place in directions], drifts
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -186,7 +186,7 @@ class _Looking:
     ground: GroundOfTest | None
 
     @property
-    def over_peaks(self) -> bool:
+    def has_peaks(self) -> bool:
         """Whether the undisturbed responses are known."""
         return self.ground is not None or self.test.stated.structure.all_driven
 
@@ -196,30 +196,30 @@ class _Looking:
         return self._sizes(self.test.stated.structure, self.test.stated.at_interface, 1)
 
     @cached_property
-    def _between(self) -> Array:
+    def _sampling_ratio(self) -> Array:
         """What all samples give over what each `every`-th gives, shape (3, responses)."""
-        stated, every = self.test.stated, self.test.every
-        coarse = self._sizes(stated.structure, stated.at_interface[:, ::every], every)
+        exact_response, stride = self.test.stated, self.test.every
+        coarse = self._sizes(exact_response.structure, exact_response.at_interface[:, ::stride], stride)
         return np.divide(self.as_stated, coarse, out=np.ones_like(coarse), where=coarse > 0.0)
 
-    def of_draws(self, drawn: Iterator[tuple[Substructures, Array]]) -> Array:
+    def sizes_of_draws(self, draws: Iterator[tuple[Substructures, Array]]) -> Array:
         """Of draws of structures and exact responses at the interface, shape (draws, 3, responses)."""
-        sizes = np.stack([self._sizes(structure, exact, self.test.every) for structure, exact in drawn])
-        computed = 1.0 + ACCURACY * np.random.default_rng(0).standard_normal((len(sizes), 2, 1))
-        sizes[:, :2] *= computed
-        return np.asarray(self._between * sizes)
+        sizes = np.stack([self._sizes(structure, exact, self.test.every) for structure, exact in draws])
+        numerical_factor = 1.0 + ACCURACY * np.random.default_rng(0).standard_normal((len(sizes), 2, 1))
+        sizes[:, :2] *= numerical_factor
+        return np.asarray(self._sampling_ratio * sizes)
 
-    def _sizes(self, structure: Substructures, exact: Array, every: int) -> Array:
-        step = every * self.test.time_step
-        none = np.zeros(exact.shape[1])
-        strayed = structure.displacements(self.test.command[:, ::every] - exact, none, step)
-        strayed = np.ascontiguousarray(self.weights @ strayed)
-        peaks = np.full(len(strayed), np.nan)
-        if self.over_peaks:
-            ground = none if self.ground is None else self.ground.acceleration[::every]
+    def _sizes(self, structure: Substructures, exact: Array, stride: int) -> Array:
+        step = stride * self.test.time_step
+        no_ground = np.zeros(exact.shape[1])
+        deviations = structure.displacements(self.test.command[:, ::stride] - exact, no_ground, step)
+        deviations = np.ascontiguousarray(self.weights @ deviations)
+        peaks = np.full(len(deviations), np.nan)
+        if self.has_peaks:
+            ground = no_ground if self.ground is None else self.ground.acceleration[::stride]
             peaks = np.abs(self.weights @ structure.displacements(exact, ground, step)).max(axis=1)
-        rms = np.sqrt([mean_square(row) for row in strayed])
-        return np.stack([rms, np.abs(strayed).max(axis=1), peaks])
+        rms = np.sqrt([mean_square(row) for row in deviations])
+        return np.stack([rms, np.abs(deviations).max(axis=1), peaks])
 
 
 def _response(sizes: Array, draws: Array, kind: str, name: str) -> ResponseError:
@@ -240,5 +240,5 @@ def _response(sizes: Array, draws: Array, kind: str, name: str) -> ResponseError
 def _spread(draws: Array, unit: float | None) -> Spread:
     """Draws of a response's RMS and largest deviation over a length [m], or over its peak in each draw."""
     rms, largest, peak = draws.T
-    over = peak if unit is None else unit
-    return Spread(rms=rms / over, mte=largest / over, mean=np.zeros(0), deviation=np.zeros(0))
+    scale = peak if unit is None else unit
+    return Spread(rms=rms / scale, mte=largest / scale, mean=np.zeros(0), deviation=np.zeros(0))

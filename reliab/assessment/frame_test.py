@@ -12,17 +12,17 @@ from reliab.assessment.budget.sizes import Equipment, Size, Source, exact_equipm
 from reliab.assessment.conflicts import find_conflicts
 from reliab.assessment.contradictions import (
     Contradiction,
-    of_frequency,
-    of_ground,
-    of_specimen,
-    of_stability,
+    contradict_frequency,
+    contradict_ground,
+    contradict_specimen,
+    contradict_stability,
 )
-from reliab.assessment.doubts import doubted_by_entries, doubted_by_rest, verdict_of_error
+from reliab.assessment.doubts import doubt_entries, doubt_rest, verdict_of_error
 from reliab.assessment.error_of_test import ErrorOfTest, Question
 from reliab.assessment.error_with_threshold import ErrorOfSeveral, ErrorWithThreshold
 from reliab.assessment.exact_response import exact_test
 from reliab.assessment.fault_effects import FaultEffect, error_of_one_with_faults, error_with_faults
-from reliab.assessment.faults import Fault, faults_of_channel, repaired
+from reliab.assessment.faults import Fault, faults_of_channel, repair_recording
 from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment
 from reliab.assessment.frame_responses import ResponseErrors, errors_of_responses
 from reliab.assessment.measured_specimen.force_channel import ForceChannel
@@ -118,7 +118,7 @@ def assess_frame(
         criterion=criterion is not None,
         specimen=measured_specimen or linear_specimen,
         force_channel=force_channel is not None,
-        measured=measured_specimen,
+        measured_specimen=measured_specimen,
     )
     stated = stated or {}
     mode = _mode_of_sizes(frame)
@@ -139,13 +139,13 @@ def assess_frame(
         frame=frame,
     )
     if isinstance(recording, CoupledRecording):
-        return _of_several(_in_order(recording, frame), frame, question, motion)
+        return _assess_several(_order_channels(recording, frame), frame, question, motion)
     if frame.has_several:
         frame.order_of_channels(("",), recording.name)
-    return _of_one(recording, frame, question, criterion, motion)
+    return _assess_one(recording, frame, question, criterion, motion)
 
 
-def _of_one(
+def _assess_one(
     recording: Recording,
     frame: FrameUnderTest,
     question: Question,
@@ -157,8 +157,8 @@ def _of_one(
     require_drawable(recording, partition)
     faults = tuple(_faults(recording, frame, question.threshold, linear=question.linear))
     error, effects = error_of_one_with_faults(recording, faults, question)
-    sound = repaired(recording, faults)
-    tracking, over_frequency = track(sound), _over_frequency(sound)
+    sound = repair_recording(recording, faults)
+    tracking, tracking_by_frequency = track(sound), _track_over_frequency(sound)
     turning = examine_turning(error, recording, question)
     responses = _responses(error, recording, question, motion)
     assessment = FrameAssessment(
@@ -166,9 +166,9 @@ def _of_one(
         frame=frame,
         mode=mode,
         tracking=tracking,
-        over_frequency=over_frequency,
+        over_frequency=tracking_by_frequency,
         error=error,
-        resolved=_resolved(sound, over_frequency, error),
+        resolved=_part_of_tracking(sound, tracking_by_frequency, error),
         responses=responses,
         faults=effects,
         judgement=turning.limit(_verdict(error, effects, sound)),
@@ -180,15 +180,15 @@ def _of_one(
         else place(criterion, mode, tracking.amplitude, tracking.delay, tracking.draws),
     )
     specimen, frequencies = error.specimen, [mode_of_test.frequency for mode_of_test in assessment.modes]
-    return assessment.contradicted(
-        *(of_frequency(sound, tracking, frequencies) if specimen is None else ()),
-        *_of_structure(error, question, recording.time_step),
-        *of_stability(assessment.stability_margin),
-        *of_specimen(specimen),
+    return assessment.add_contradictions(
+        *(contradict_frequency(sound, tracking, frequencies) if specimen is None else ()),
+        *_contradict_structure(error, question, recording.time_step),
+        *contradict_stability(assessment.stability_margin),
+        *contradict_specimen(specimen),
     )
 
 
-def _of_several(
+def _assess_several(
     recording: CoupledRecording, frame: FrameUnderTest, question: Question, motion: Motion | None
 ) -> CoupledAssessment:
     partition, carry = frame.partition, frame.to_interface
@@ -199,29 +199,33 @@ def _of_several(
         faults,
         lambda test, sensors, repairs: _error_of_several(test, frame, question, sensors, repairs),
     )
-    limit, of_gains = _limit(partition, carry @ error.parts.gain @ np.linalg.inv(carry))
+    limit, gain_margin = _limit(partition, carry @ error.parts.gain @ np.linalg.inv(carry))
     assessment = CoupledAssessment(
         recording=recording,
         frame=frame,
         error=error,
         responses=_responses(error, recording, question, motion),
         faults=effects,
-        judgement=_verdict(error, effects, repaired(recording, faults)),
+        judgement=_verdict(error, effects, repair_recording(recording, faults)),
         turning=examine_turning(error, recording, question),
         limit=limit,
-        limit_of_gains=of_gains,
+        limit_of_gains=gain_margin,
         shown_by_ground=error.shown_by_ground,
     )
-    return assessment.contradicted(
-        *_of_structure(error, question, recording.time_step),
-        *of_stability(assessment.stability_margin),
+    return assessment.add_contradictions(
+        *_contradict_structure(error, question, recording.time_step),
+        *contradict_stability(assessment.stability_margin),
     )
 
 
-def _of_structure(error: ErrorWithThreshold, question: Question, time_step: float) -> Iterator[Contradiction]:
+def _contradict_structure(
+    error: ErrorWithThreshold, question: Question, time_step: float
+) -> Iterator[Contradiction]:
     """Say where the channels contradict the structure as stated; `time_step` [s]."""
     if error.inferred is None or question.equipment.is_exact:
-        yield from of_ground(error.shown_by_ground, question.sizes(time_step), question.whole)
+        yield from contradict_ground(
+            error.shown_by_ground, question.sizes(time_step), question.full_structure
+        )
     if error.inferred is not None:
         conflicts = find_conflicts(error.inferred.posterior, question.structure, question.stated)
         yield from (conflict for conflict in conflicts if conflict.remedy)
@@ -233,7 +237,7 @@ def _responses(
     question: Question,
     motion: Motion | None,
 ) -> ResponseErrors:
-    degrees = question.whole.degrees_of_freedom
+    degrees = question.full_structure.degrees_of_freedom
     force_known = not (isinstance(recording, Recording) and question.may_have_yielded(recording))
     responses = errors_of_responses(error, degrees, recording.ground, motion, force_known=force_known)
     if motion is None and recording.ground is not None:
@@ -245,7 +249,7 @@ def _responses(
 def _verdict(
     error: ErrorWithThreshold, effects: tuple[FaultEffect, ...], sound: Recording | CoupledRecording
 ) -> Verdict:
-    return doubted_by_rest(doubted_by_entries(verdict_of_error(error, effects), error), error, sound)
+    return doubt_rest(doubt_entries(verdict_of_error(error, effects), error), error, sound)
 
 
 def _faults(
@@ -259,7 +263,7 @@ def _faults(
         share = float(shares[number])
         faults, _ = faults_of_channel(channel, threshold=threshold, experimental_fraction=share)
         if isinstance(recording, CoupledRecording):
-            faults = tuple(fault.of_actuator(number, recording) for fault in faults)
+            faults = tuple(fault.assign_actuator(number, recording) for fault in faults)
         yield from faults
 
 
@@ -268,24 +272,24 @@ def _channels(recording: Recording | CoupledRecording) -> Iterator[tuple[int, Re
     if isinstance(recording, Recording):
         yield 0, recording
         return
-    moved = np.ptp(recording.command, axis=1)
-    for number in np.flatnonzero(moved > _SMALL_MOTION * moved.max()).tolist():
+    ranges = np.ptp(recording.command, axis=1)
+    for number in np.flatnonzero(ranges > _SMALL_MOTION * ranges.max()).tolist():
         yield number, recording.select_actuator(number)
 
 
-def _over_frequency(recording: Recording) -> TrackingOverFrequency | None:
+def _track_over_frequency(recording: Recording) -> TrackingOverFrequency | None:
     try:
         return tracking_over_frequency(recording.command, recording.measured, recording.time_step)
     except InputError:
         return None
 
 
-def _resolved(
-    recording: Recording, over_frequency: TrackingOverFrequency | None, error: ErrorOfTest
+def _part_of_tracking(
+    recording: Recording, tracking_by_frequency: TrackingOverFrequency | None, error: ErrorOfTest
 ) -> Part | None:
-    if over_frequency is None:
+    if tracking_by_frequency is None:
         return None
-    return error.part_of_tracking(over_frequency.follow(recording.command, recording.time_step))
+    return error.part_of_tracking(tracking_by_frequency.follow(recording.command, recording.time_step))
 
 
 def _error_of_several(
@@ -301,40 +305,42 @@ def _error_of_several(
     from reliab.assessment.coupled_error.rebuild import rebuild_coupled
 
     sizes = {**question.sizes(test.time_step), **repairs}
-    command, measured = frame.straighten(test.command), frame.straighten(test.measured)
+    command, measured_displacement = frame.straighten(test.command), frame.straighten(test.measured)
     rebuild = partial(
         rebuild_coupled,
         command,
-        measured,
+        measured_displacement,
         test.time_step,
         frame.partition,
         to_interface=frame.to_interface,
         feedback_lag=question.feedback_lag,
         sensor_offsets=np.array([0.0 if place in sensors else np.nan for place in range(len(test.command))]),
     )
-    of_test = partial(ErrorOfSeveral, metric=question.metric, threshold=question.threshold)
-    shown = None
+    combine = partial(ErrorOfSeveral, metric=question.metric, threshold=question.threshold)
+    ground_fit = None
     if test.ground is not None:
-        as_stated = rebuild(draws=_DRAWS_AS_STATED)
-        shown = compare_with_ground(as_stated.histories, as_stated.reduced, test.ground)
-        if shown is not None and not shown.is_other_motion:
-            found = infer_coupled(
-                as_stated,
+        nominal_error = rebuild(draws=_DRAWS_AS_STATED)
+        ground_fit = compare_with_ground(nominal_error.histories, nominal_error.reduced, test.ground)
+        if ground_fit is not None and not ground_fit.is_other_motion:
+            inference = infer_coupled(
+                nominal_error,
                 command,
-                measured,
-                shown.evidence(test.ground),
+                measured_displacement,
+                ground_fit.evidence(test.ground),
                 stated=question.stated,
                 equipment=question.equipment,
                 tolerances=question.tolerances,
                 left_by_faults={name: size.deviation for name, size in repairs.items()},
             )
-            if found is not None:
-                error, inferred = found
-                return of_test(rebuilt=error, sizes=sizes, inferred=inferred, shown_by_ground=shown)
+            if inference is not None:
+                error, inferred_error = inference
+                return combine(
+                    rebuilt=error, sizes=sizes, inferred=inferred_error, shown_by_ground=ground_fit
+                )
     error = rebuild(tolerances=tolerances_of(sizes))
-    if (own := error.unknown.own_frequency) is not None:
-        sizes["frequency"] = Size(deviation=own.deviation, source=Source.LEARNED)
-    return of_test(rebuilt=error, sizes=sizes, shown_by_ground=shown)
+    if (own_frequency := error.unknown.own_frequency) is not None:
+        sizes["frequency"] = Size(deviation=own_frequency.deviation, source=Source.LEARNED)
+    return combine(rebuilt=error, sizes=sizes, shown_by_ground=ground_fit)
 
 
 def _limit(partition: Partition, gains: Array) -> tuple[StabilityLimit, bool]:
@@ -352,7 +358,7 @@ def _mode_of_sizes(frame: FrameUnderTest) -> Structure:
     return frame.partition.lowest_mode
 
 
-def _in_order(recording: CoupledRecording, frame: FrameUnderTest) -> CoupledRecording:
+def _order_channels(recording: CoupledRecording, frame: FrameUnderTest) -> CoupledRecording:
     """Put channels that have the names of the degrees of freedom into their order."""
     order = frame.order_of_channels(recording.actuators, recording.name)
     return replace(
@@ -363,10 +369,10 @@ def _in_order(recording: CoupledRecording, frame: FrameUnderTest) -> CoupledReco
     )
 
 
-def require_answerable(frame: FrameUnderTest, *, measured: bool = False, **options: bool) -> None:
+def require_answerable(frame: FrameUnderTest, *, measured_specimen: bool = False, **options: bool) -> None:
     """Refuse what a frame's test cannot be asked, by the names of the arguments of `reliab.assess`.
 
-    `measured`: whether the specimen is learned from its force.
+    `measured_specimen`: whether the specimen is learned from its force.
     """
     for name, is_asked in options.items():
         if is_asked and frame.has_several:
@@ -375,21 +381,21 @@ def require_answerable(frame: FrameUnderTest, *, measured: bool = False, **optio
                 remedy="Leave it out",
             )
     if not frame.has_several:
-        require_linear_interface(frame, measured=measured)
+        require_linear_interface(frame, measured_specimen=measured_specimen)
 
 
-def require_linear_interface(frame: FrameUnderTest, *, measured: bool = False) -> None:
+def require_linear_interface(frame: FrameUnderTest, *, measured_specimen: bool = False) -> None:
     """Refuse frames whose error cannot be rebuilt: of a nonlinear specimen, or of another response.
 
-    `measured`: whether the specimen is learned from its force, and may be nonlinear.
+    `measured_specimen`: whether the specimen is learned from its force, and may be nonlinear.
     """
-    if measured and frame.partition.specimen.mass:
+    if measured_specimen and frame.partition.specimen.mass:
         raise InputError(
             "A measured specimen of a frame has no mass of its own",
             value=f"mass_kg = {frame.partition.specimen.mass:g}",
             remedy="Leave it out where the load cell does not feel it, or state the specimen as linear",
         )
-    if frame.partition.effects and not measured:
+    if frame.partition.effects and not measured_specimen:
         raise InputError(
             "The error of a frame is rebuilt for a linear specimen",
             value=", ".join(effect.name for effect in frame.partition.effects),

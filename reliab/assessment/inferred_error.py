@@ -39,7 +39,7 @@ from reliab.effects.effect import SteppedEffect
 from reliab.recordings.recording import Recording
 from reliab.structures.partition import Partition
 
-_NARROWED = 0.9  # of a standard deviation a priori, below which the test itself shows a quantity
+_NARROWING_FACTOR = 0.9  # of a standard deviation a priori, below which the test itself shows a quantity
 _HALF = 0.75  # of the variance, which has to go for half the width
 
 
@@ -55,22 +55,25 @@ class InferredError:
         """Structures, and responses without actuator errors at swept samples [m], draw by draw."""
         channels, partition = self.posterior.circumstances.channels, self.posterior.circumstances.partition
         weights = self.posterior.draws.weights
-        chosen = np.random.default_rng(0).choice(weights.size, _EXACT_DRAWS, p=weights)
-        for row in chosen:
+        draw_places = np.random.default_rng(0).choice(weights.size, _EXACT_DRAWS, p=weights)
+        for row in draw_places:
             world = self.posterior.experiment(self.posterior.draws.values[row])
             exact = channels.band.full_history(rebuild(channels, partition, world).exact)
             yield world.structure(partition), exact[:, :: self.every]
 
     def spread(self, place: int, error: Array) -> Spread:
         """Put the draws of a displacement into the form of others; `error`: its mean [m], shape (n,)."""
-        band, of_test = self.posterior.circumstances.channels.band, self.errors.displacements[place]
+        band, displacement_errors = (
+            self.posterior.circumstances.channels.band,
+            self.errors.displacements[place],
+        )
         places = np.arange(error.size) * band.record_step
         return Spread(
-            rms=of_test.rms,
-            mte=of_test.mte,
+            rms=displacement_errors.rms,
+            mte=displacement_errors.mte,
             mean=error,
             deviation=np.interp(places, band.time, self.errors.deviation[place]),
-            counts=of_test.weights * of_test.weights.size,
+            counts=displacement_errors.weights * displacement_errors.weights.size,
         )
 
     def exact_as_stated(self) -> Array:
@@ -96,33 +99,33 @@ class InferredError:
         width = estimate.high - estimate.low
         values = draws.errors(metric)
         deviation = _deviation(values, draws.weights)
-        found = []
+        widenings = []
         for unknown, z, spread in self._unknowns():
-            share = _explained(values, z, draws.weights)
-            found.append(
+            share = _explained_share(values, z, draws.weights)
+            widenings.append(
                 Widening(
                     name=unknown.name,
                     deviation=unknown.prior.deviation * spread,
                     contribution=deviation * float(np.sqrt(share)),
                     width=width,
                     width_without=width * float(np.sqrt(1.0 - share)),
-                    deviation_for_half=_for_half(share, spread, unknown.prior.deviation),
+                    deviation_for_half=_deviation_for_half(share, spread, unknown.prior.deviation),
                 )
             )
-        found.append(self._of_noise(metric, place, deviation, width))
-        return tuple(sorted(found, key=lambda part: -part.contribution))
+        widenings.append(self._noise_widening(metric, place, deviation, width))
+        return tuple(sorted(widenings, key=lambda part: -part.contribution))
 
-    def _of_noise(self, metric: Metric, place: int, deviation: float, width: float) -> Widening:
+    def _noise_widening(self, metric: Metric, place: int, deviation: float, width: float) -> Widening:
         """Contribution of the sensors' noise."""
         rms, mte = draw_noise_errors(self.posterior, _DRAWS_OF_NOISE)
-        alone = float(np.std((rms if metric is Metric.RMS else mte)[:, place]))
-        left = max(1.0 - (alone / deviation) ** 2, 0.0) if deviation else 0.0
+        noise_deviation = float(np.std((rms if metric is Metric.RMS else mte)[:, place]))
+        remainder = max(1.0 - (noise_deviation / deviation) ** 2, 0.0) if deviation else 0.0
         return Widening(
             name=_NOISE,
             deviation=0.0,
-            contribution=alone,
+            contribution=noise_deviation,
             width=width,
-            width_without=width * float(np.sqrt(left)),
+            width_without=width * float(np.sqrt(remainder)),
             deviation_for_half=None,
         )
 
@@ -134,11 +137,14 @@ class InferredError:
 
     def budget(self, widenings: Sequence[Widening]) -> tuple[BudgetItem, ...]:
         """Say in words what widens the interval."""
-        said: dict[str, tuple[Description, Source]] = {_NOISE: (describe(_NOISE), Source.LEARNED)}
+        descriptions: dict[str, tuple[Description, Source]] = {_NOISE: (describe(_NOISE), Source.LEARNED)}
         for unknown, _, spread in self._unknowns():
-            shown = spread < _NARROWED or not unknown.quantity.option
-            said[unknown.name] = unknown.described, Source.LEARNED if shown else unknown.prior.source
-        return tuple(BudgetItem.of_widening(part, *said[part.name]) for part in widenings)
+            is_shown = spread < _NARROWING_FACTOR or not unknown.quantity.option
+            descriptions[unknown.name] = (
+                unknown.described,
+                Source.LEARNED if is_shown else unknown.prior.source,
+            )
+        return tuple(BudgetItem.from_widening(part, *descriptions[part.name]) for part in widenings)
 
 
 _NOISE, _DRAWS_OF_NOISE = "sensor_noise", 32
@@ -149,29 +155,29 @@ def _deviation(values: Array, weights: Array) -> float:
     return float(np.sqrt(weights @ (values - weights @ values) ** 2))
 
 
-def _explained(values: Array, z: Array, weights: Array) -> float:
+def _explained_share(values: Array, z: Array, weights: Array) -> float:
     """Share of the variance of values that a quantity explains, by a parabola: errors are never negative."""
     root = np.sqrt(weights)
     basis = root * np.stack([np.ones_like(z), z, z**2])
-    left = root * values - np.linalg.lstsq(basis.T, root * values, rcond=None)[0] @ basis
+    residual = root * values - np.linalg.lstsq(basis.T, root * values, rcond=None)[0] @ basis
     variance = _deviation(values, weights) ** 2
-    return float(np.clip(1.0 - left @ left / variance, 0.0, 1.0)) if variance else 0.0
+    return float(np.clip(1.0 - residual @ residual / variance, 0.0, 1.0)) if variance else 0.0
 
 
-def _for_half(share: float, spread: float, deviation: float) -> float | None:
+def _deviation_for_half(share: float, spread: float, deviation: float) -> float | None:
     """Return the standard deviation of a measurement that would halve the interval; None where none does."""
     if share <= _HALF:
         return None
-    left = 1.0 - _HALF / share  # of the quantity's variance
-    return deviation * spread * float(np.sqrt(left / (1.0 - left)))
+    remainder = 1.0 - _HALF / share  # of the quantity's variance
+    return deviation * spread * float(np.sqrt(remainder / (1.0 - remainder)))
 
 
 def infer_error(
     recording: Recording,
-    measured: Array,
-    whole: Partition,
+    measured_displacement: Array,
+    structure: Partition,
     *,
-    stated: Mapping[str, StatedValue],
+    stated_values: Mapping[str, StatedValue],
     equipment: Equipment,
     tolerances: Mapping[str, float],
     left_by_faults: Mapping[str, float],
@@ -181,36 +187,38 @@ def infer_error(
 ) -> tuple[InferredError, RebuiltError]:
     """Infer the error of a test with one actuator.
 
-    `measured` [m]: with its stated scale taken away; ground acceleration and force of the recording are
-    evidence. `tolerances`: relative standard deviations that the file of a frame states, by names of
-    quantities and parts [-]; `left_by_faults`: what faults of the channels leave unknown, by names of
-    quantities [SI units]; `sensor_offset`, `resolution` [m].
+    `measured_displacement` [m]: with its stated scale taken away; ground acceleration and force of the
+    recording are evidence. `tolerances`: relative standard deviations that the file of a frame states, by
+    names of quantities and parts [-]; `left_by_faults`: what faults of the channels leave unknown, by names
+    of quantities [SI units]; `sensor_offset`, `resolution` [m].
     """
-    lag = stated.get("feedback_lag", StatedValue(0.0)).value / MILLI
+    lag = stated_values.get("feedback_lag", StatedValue(0.0)).value / MILLI
     require_lag(lag, recording.duration)
-    readings = _Readings.of_test(recording, measured, whole, stated, sensor_offset, resolution)
+    readings = _Readings.from_recording(
+        recording, measured_displacement, structure, stated_values, sensor_offset, resolution
+    )
     circumstances = Circumstances(
-        partition=whole,
+        partition=structure,
         channels=readings.channels,
-        stated=stated,
+        stated=stated_values,
         equipment=equipment,
         tolerances=tolerances,
         specimen_force=readings.channels.force is not None,
         feedback_lag=lag,
         left_by_faults=left_by_faults,
     )
-    inferred = infer_errors(circumstances, readings.every, seed)
-    return inferred, readings.rebuilt(inferred, seed)
+    inferred_error = infer_errors(circumstances, readings.stride, seed)
+    return inferred_error, readings.rebuilt(inferred_error, seed)
 
 
-def infer_errors(circumstances: Circumstances, every: int, seed: int) -> InferredError:
+def infer_errors(circumstances: Circumstances, stride: int, seed: int) -> InferredError:
     """Infer the errors of all interface displacements.
 
-    `every`: number of samples of which exact responses give one.
+    `stride`: number of samples of which exact responses give one.
     """
     posterior = infer(circumstances, seed=seed)
     errors = draw_errors(posterior, circumstances.partition.names)
-    return InferredError(posterior=posterior, errors=errors, every=every)
+    return InferredError(posterior=posterior, errors=errors, every=stride)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -226,32 +234,38 @@ class _Readings:
     channels: ChannelSpectra
 
     @classmethod
-    def of_test(
+    def from_recording(
         cls,
         recording: Recording,
-        measured: Array,
-        whole: Partition,
-        stated: Mapping[str, StatedValue],
+        measured_displacement: Array,
+        structure: Partition,
+        stated_values: Mapping[str, StatedValue],
         sensor_offset: float | None,
         resolution: float | None,
     ) -> "_Readings":
         """Check the channels, and transform them; arguments as of `infer_error`."""
         step, force = recording.time_step, recording.force
-        command, measured = check_histories(recording.command, measured, step, whole)
-        every = samples_in_step_of_structure(whole, step)
-        require_fitting(command.size, every, step)
-        noise = replace(estimate_noise(command, measured, step), resolution=resolution)
-        start = start_of_test(command, measured, step, whole, noise, sensor_offset)
-        read = measured - start.offset
-        answered = float(whole.static_transfer[0, 0]) * start.standing  # by the command, before the record
-        stood = start.standing - answered
+        command, measured_displacement = check_histories(
+            recording.command, measured_displacement, step, structure
+        )
+        stride = samples_in_step_of_structure(structure, step)
+        require_fitting(command.size, stride, step)
+        noise = replace(estimate_noise(command, measured_displacement, step), resolution=resolution)
+        start = start_of_test(command, measured_displacement, step, structure, noise, sensor_offset)
+        read = measured_displacement - start.offset
+        initial_displacement = (
+            float(structure.static_transfer[0, 0]) * start.standing
+        )  # by the command, before the record
+        stood = start.standing - initial_displacement
         channels = ChannelSpectra.from_channels(
-            (command + answered)[np.newaxis],
+            (command + initial_displacement)[np.newaxis],
             (read - stood)[np.newaxis],
             step,
-            whole,
+            structure,
             ground=recording.ground,
-            force=None if force is None or "mass" not in stated else force[np.newaxis] / stated["mass"].value,
+            force=None
+            if force is None or "mass" not in stated_values
+            else force[np.newaxis] / stated_values["mass"].value,
         )
         channels = replace(
             channels,
@@ -265,31 +279,31 @@ class _Readings:
             time_step=step,
             noise=noise,
             start=start,
-            every_of_structure=every,
+            every_of_structure=stride,
             channels=channels,
         )
 
     @property
-    def every(self) -> int:
+    def stride(self) -> int:
         """Number of samples of which one is enough."""
         return samples_in_step(self.every_of_structure, self.noise, self.command.size)
 
-    def rebuilt(self, inferred: InferredError, seed: int) -> RebuiltError:
+    def rebuilt(self, inferred_error: InferredError, seed: int) -> RebuiltError:
         """Put the posterior into the form of a rebuilt error, on the samples of the record."""
-        posterior, errors, every = inferred.posterior, inferred.errors, self.every
-        band, of_test = self.channels.band, errors.displacements[0]
+        posterior, errors, stride = inferred_error.posterior, inferred_error.errors, self.stride
+        band, displacement_errors = self.channels.band, errors.displacements[0]
         world = typical_world(posterior, errors)
-        moved = world.displacement(self.channels)
-        spectra = [errors.exact_spectrum, errors.error_spectrum, moved, world.late(moved, self.channels)]
-        reference, error, displaced, late = band.full_history(np.stack(spectra))[:, 0]
-        displaced, late = displaced + self.channels.standing, late + self.channels.standing
+        motion = world.displacement(self.channels)
+        spectra = [errors.exact_spectrum, errors.error_spectrum, motion, world.late(motion, self.channels)]
+        reference, error, displacement, late = band.full_history(np.stack(spectra))[:, 0]
+        displacement, late = displacement + self.channels.standing, late + self.channels.standing
         return RebuiltError(
             error=self.read - reference,
             smooth_error=error,
             reference=reference,
-            rms=of_test.estimate(Metric.RMS),
-            mte=of_test.estimate(Metric.MTE),
-            draws=inferred.spread(0, error),
+            rms=displacement_errors.estimate(Metric.RMS),
+            mte=displacement_errors.estimate(Metric.MTE),
+            draws=inferred_error.spread(0, error),
             time_step=self.time_step,
             structure=world.structure(posterior.circumstances.partition),
             noise=self.noise,
@@ -297,12 +311,12 @@ class _Readings:
             unknown=EXACT,
             histories=Histories(
                 command=self.command,
-                measured=displaced,
+                measured=displacement,
                 fed_back=self.command - late,
                 time_step=self.time_step,
                 standing=-self.start.standing,
             ),
-            differences=(self.command - displaced)[np.newaxis, ::every],
-            every=every,
+            differences=(self.command - displacement)[np.newaxis, ::stride],
+            every=stride,
             seed=seed,
         )

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final, Self
 import numpy as np
 
 from reliab.assessment import brief
-from reliab.assessment.contradictions import Contradiction, limited
+from reliab.assessment.contradictions import Contradiction, limit_verdict
 from reliab.assessment.error_with_threshold import ErrorWithThreshold
 from reliab.assessment.fault_effects import FaultEffect
 from reliab.assessment.rebuilt_error.spread import Estimate
@@ -43,9 +43,9 @@ class JudgedTest(PlainResult):
     # the columns where the verdict depends on them
     contradictions: tuple[Contradiction, ...] = ()
 
-    def contradicted(self, *contradictions: Contradiction) -> Self:
+    def add_contradictions(self, *contradictions: Contradiction) -> Self:
         """Add where the recording contradicts what is stated, which limits the verdict."""
-        judgement = limited(self.judgement, contradictions)
+        judgement = limit_verdict(self.judgement, contradictions)
         return replace(self, contradictions=contradictions, judgement=judgement)
 
     @property
@@ -129,34 +129,36 @@ class JudgedTest(PlainResult):
         """
         from matplotlib import pyplot as plt
 
-        shown = plt.subplots(figsize=(8.0, 3.0))[1] if axes is None else axes
-        displacement = max(self.error.displacements, key=lambda one: one.estimate(self.metric).value)
+        figure_axes = plt.subplots(figsize=(8.0, 3.0))[1] if axes is None else axes
+        displacement = max(self.error.displacements, key=lambda degree: degree.estimate(self.metric).value)
         time = np.arange(displacement.error.size) * self.recording.time_step
         bound = MILLI * self.threshold * float(np.abs(displacement.reference).max())
         low, high = MILLI * displacement.low, MILLI * displacement.high
-        shown.fill_between(time, low, high, alpha=0.3, label="90 % band")
-        shown.plot(time, MILLI * displacement.smooth_error, linewidth=0.8, label="rebuilt error")
+        figure_axes.fill_between(time, low, high, alpha=0.3, label="90 % band")
+        figure_axes.plot(time, MILLI * displacement.smooth_error, linewidth=0.8, label="rebuilt error")
         for sign in (-1.0, 1.0):
-            shown.axhline(sign * bound, color="0.3", linewidth=0.8, linestyle="--")
-        shown.set(
-            xlabel="time [s]", ylabel="$x_m - x_I$ [mm]", title=f"{self.recording.name}{self.error.of_which}"
+            figure_axes.axhline(sign * bound, color="0.3", linewidth=0.8, linestyle="--")
+        figure_axes.set(
+            xlabel="time [s]",
+            ylabel="$x_m - x_I$ [mm]",
+            title=f"{self.recording.name}{self.error.displacement_suffix}",
         )
-        shown.legend(frameon=False)
-        return shown
+        figure_axes.legend(frameon=False)
+        return figure_axes
 
     def __repr__(self) -> str:
-        about = f"{type(self).__name__} of {self.recording.name}: {self.verdict.in_words}"
+        about = f"{type(self).__name__} of {self.recording.name}: {self.verdict.phrase}"
         size = self.error.estimate(self.metric)
         if math.isnan(size.value):
             return f"<{about}, all motion is lost in noise>"
         interval = percent_with_interval(size.value, size.low, size.high)
-        return f"<{about}, {ERROR_NAMES[self.metric]}{self.error.of_which} {interval}>"
+        return f"<{about}, {ERROR_NAMES[self.metric]}{self.error.displacement_suffix} {interval}>"
 
     def _repr_html_(self) -> str:
         """Write verdict, error, A, d and index as a table for notebooks."""
         content = self.to_dict()
-        below = f"probability that the {ERROR_NAMES[self.metric]} is below {percent(self.threshold)}"
-        rows = {"verdict": self.verdict.in_words, below: probability_text(self.probability)}
+        label = f"probability that the {ERROR_NAMES[self.metric]} is below {percent(self.threshold)}"
+        rows = {"verdict": self.verdict.phrase, label: probability_text(self.probability)}
         for metric, name in ERROR_NAMES.items():
             size = content["error"][metric]
             rows[name] = "unknown" if size["value"] is None else percent_with_interval(**size)
@@ -203,15 +205,15 @@ def plot_errors(
     from matplotlib import pyplot as plt
 
     height = 1.2 + 0.3 * len(errors)
-    shown = plt.subplots(figsize=(8.0, height), layout="constrained")[1] if axes is None else axes
+    figure_axes = plt.subplots(figsize=(8.0, height), layout="constrained")[1] if axes is None else axes
     sizes = PERCENT * np.array([(size.low, size.value, size.high) for size in errors.values()])
     rows: Sequence[int] = range(len(errors))
-    shown.hlines(rows, sizes[:, 0], sizes[:, 2], label="90 % interval")
-    shown.plot(sizes[:, 1], rows, "o", label="error of the whole test")
-    shown.axvline(PERCENT * threshold, color="0.3", linestyle="--", label="threshold")
-    shown.set_yticks(rows, list(errors))
-    shown.invert_yaxis()
-    shown.set_xlim(left=0.0)
-    shown.set_xlabel(f"{ERROR_NAMES[Metric(metric)]} of the whole test [%]")
-    shown.legend(frameon=False)
-    return shown
+    figure_axes.hlines(rows, sizes[:, 0], sizes[:, 2], label="90 % interval")
+    figure_axes.plot(sizes[:, 1], rows, "o", label="error of the whole test")
+    figure_axes.axvline(PERCENT * threshold, color="0.3", linestyle="--", label="threshold")
+    figure_axes.set_yticks(rows, list(errors))
+    figure_axes.invert_yaxis()
+    figure_axes.set_xlim(left=0.0)
+    figure_axes.set_xlabel(f"{ERROR_NAMES[Metric(metric)]} of the whole test [%]")
+    figure_axes.legend(frameon=False)
+    return figure_axes

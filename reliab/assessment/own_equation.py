@@ -45,31 +45,33 @@ class OwnEquation:
 
 
 def compare_with_stated(
-    recording: Recording, structure: Structure, ground: ShownGround, stated: Mapping[str, StatedValue]
+    recording: Recording, structure: Structure, ground: ShownGround, stated_values: Mapping[str, StatedValue]
 ) -> OwnEquation:
     """Compare what ground acceleration and force show with the values stated as exact, or nearly so.
 
     A quantity of the structure and one of the channels can look alike, so that a value that differs is told,
     and the verdict left open, but none is replaced.
     """
-    identified, nonlinear = ground.identified, looks_nonlinear(recording, structure)
-    found = {
-        _QUANTITIES[name][0]: _sentence(name, getattr(identified, name))
-        for name in (() if identified is None else identified.disagreements())
-        if not _within(getattr(identified, name), stated.get(_QUANTITIES[name][0]), _QUANTITIES[name][-1])
+    identification, nonlinear = ground.identified, looks_nonlinear(recording, structure)
+    estimates = {
+        _QUANTITIES[name][0]: _sentence(name, getattr(identification, name))
+        for name in (() if identification is None else identification.disagreements())
+        if not _agrees(
+            getattr(identification, name), stated_values.get(_QUANTITIES[name][0]), _QUANTITIES[name][-1]
+        )
     }
-    ground_alone = identified is not None and identified.feedback_lag is None
+    ground_alone = identification is not None and identification.feedback_lag is None
     if not (nonlinear or ground_alone):  # else the displacement itself was compared with the ground
-        lag = stated.get("feedback_lag", StatedValue(0.0)).deviation
+        lag = stated_values.get("feedback_lag", StatedValue(0.0)).deviation
         if sentence := _skew_of_force(recording, structure, lag):
-            found["skew"] = sentence
+            estimates["skew"] = sentence
     doubts = (
-        Contradiction(finding=sentence, remedy=_REMEDY, of_structure=True) for sentence in found.values()
+        Contradiction(finding=sentence, remedy=_REMEDY, of_structure=True) for sentence in estimates.values()
     )
     return OwnEquation(
-        identified=identified,
-        wrong=tuple(found),
-        contradictions=tuple(found.values()),
+        identified=identification,
+        wrong=tuple(estimates),
+        contradictions=tuple(estimates.values()),
         nonlinear=nonlinear,
         notes=ground.notes,
         doubts=(*ground.doubts, *doubts),
@@ -82,11 +84,11 @@ def looks_nonlinear(recording: Recording, structure: Structure) -> str:
     if force is None:
         return ""
     noise = estimate_noise(recording.command, recording.measured, recording.time_step)
-    smoothed = noise.smooth(recording.measured)
-    found = examine_specimen(smoothed, force, recording.time_step, structure.frequency)
-    if not found.nonlinear:
+    smooth_displacement = noise.smooth(recording.measured)
+    check = examine_specimen(smooth_displacement, force, recording.time_step, structure.frequency)
+    if not check.nonlinear:
         return ""
-    share = percent(found.share, decimals=1)
+    share = percent(check.share, decimals=1)
     return (
         f"The specimen looks nonlinear: {share} of its force follows no spring, dashpot or mass. The error "
         "was computed for a linear specimen."
@@ -98,15 +100,15 @@ def _force_of_specimen(recording: Recording, structure: Structure) -> Array | No
     return recording.force if recording.duration * structure.frequency >= _FEWEST_PERIODS else None
 
 
-def _skew_of_force(recording: Recording, structure: Structure, tolerated: float) -> str:
-    """Say that force and measured displacement are not of one time, or nothing; `tolerated` [ms]."""
+def _skew_of_force(recording: Recording, structure: Structure, tolerated_skew: float) -> str:
+    """Say that force and measured displacement are not of one time, or nothing; `tolerated_skew` [ms]."""
     force = _force_of_specimen(recording, structure)
     if force is None:
         return ""
     kernel = Kernel.from_frequency(structure.frequency, recording.time_step)
     spring = fit_spring(recording.measured, force, kernel)
     late, deviation = MILLI * spring.late, MILLI * spring.late_deviation
-    if abs(late) <= max(_SIGNIFICANT * deviation, _AGREES * tolerated, _LEAST_SKEW):
+    if abs(late) <= max(_SIGNIFICANT * deviation, _AGREES * tolerated_skew, _LEAST_SKEW):
         return ""
     return (
         f"The recorded force is {significant(abs(late), 2)} ± {significant(deviation, 1)} ms "
@@ -115,17 +117,17 @@ def _skew_of_force(recording: Recording, structure: Structure, tolerated: float)
     )
 
 
-def _within(estimate: IdentifiedParameter, stated: StatedValue | None, factor: float) -> bool:
-    deviation = 0.0 if stated is None else stated.deviation
+def _agrees(estimate: IdentifiedParameter, stated_value: StatedValue | None, factor: float) -> bool:
+    deviation = 0.0 if stated_value is None else stated_value.deviation
     return abs(factor * (estimate.value - estimate.stated)) <= _AGREES * deviation
 
 
 def _sentence(name: str, estimate: IdentifiedParameter) -> str:
     _, words, unit, factor = _QUANTITIES[name]
-    value, deviation, stated = (
+    value, deviation, stated_value = (
         factor * number for number in (estimate.value, estimate.deviation, estimate.stated)
     )
     return (
         f"The recording shows {words} of {value:.4g} ± {significant(deviation, 1)}{unit}; "
-        f"{stated:.4g}{unit} was taken as exact."
+        f"{stated_value:.4g}{unit} was taken as exact."
     )

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.assessment.alignment import Alignment, Padded
+from reliab.assessment.alignment import Alignment, PaddedMotion
 from reliab.assessment.error_of_test import Question
 from reliab.assessment.tracking_index import LEVEL, TrackingIndex
 from reliab.core.errors import InputError
@@ -76,12 +76,12 @@ def place_on_own(
 def _excitation(motion: Motion, alignment: Alignment) -> tuple[Excitation, tuple[float, float]]:
     """Ground acceleration with the stretch that the test saw, and that stretch in the record [s]."""
     begin, end = alignment.begin, alignment.end
-    record = Padded.around(motion, end - begin)
+    record = PaddedMotion.around(motion, end - begin)
     if alignment.from_rest:
         record = record.cut(begin + record.before, end + record.before)
-    seen = max(begin + record.before, 0.0), end + record.before
+    window = max(begin + record.before, 0.0), end + record.before
     return (
-        Excitation(acceleration=record.acceleration, time_step=record.time_step, window=seen),
+        Excitation(acceleration=record.acceleration, time_step=record.time_step, window=window),
         (begin, end),
     )
 

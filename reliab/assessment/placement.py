@@ -32,7 +32,7 @@ class Placement:
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Carried:
+class _NearestStructure:
     """The nearest valid structure, and the scaling of errors from one structure to the other."""
 
     frequency: float
@@ -41,7 +41,7 @@ class _Carried:
     delay_factor: float
 
     @classmethod
-    def into(cls, validity: Validity, structure: Structure) -> "_Carried":
+    def clip(cls, validity: Validity, structure: Structure) -> "_NearestStructure":
         """Clip a structure; errors keep their dimensionless size, (A − 1)/ξ and dω₀/ξ."""
         f = float(np.clip(structure.frequency, *validity.frequency))
         xi = float(np.clip(structure.damping_ratio, *validity.damping_ratio))
@@ -57,28 +57,28 @@ class _Carried:
         self, amplitude: NDArray[np.float64], delay: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], float, float]:
         """Return A [-], d [s] and the structure [Hz, -] as criteria take them."""
-        carried = 1.0 + self.amplitude_factor * (amplitude - 1.0), self.delay_factor * delay
-        return *carried, self.frequency, self.damping_ratio
+        scaled_errors = 1.0 + self.amplitude_factor * (amplitude - 1.0), self.delay_factor * delay
+        return *scaled_errors, self.frequency, self.damping_ratio
 
 
 def place(
     criterion: Criterion, structure: Structure, amplitude: float, delay: float, draws: NDArray[np.float64]
 ) -> Placement:
     """Place a test against a criterion."""
-    carried = _Carried.into(criterion.law.validity, structure)
+    nearest = _NearestStructure.clip(criterion.law.validity, structure)
     side = Side.LEAD if delay < 0.0 else Side.LAG
     knows_leads = criterion.knows_leads
     if not knows_leads and float(np.quantile(draws[1], 0.975)) < 0.0:
-        a, b, carried_from = carried_limits(criterion, structure)
+        a, b, carried_from = scale_limits(criterion, structure)
         return Placement(
             a=a, b=b, index=None, index_interval=None, probability=None, carried_from=carried_from
         )
     if not knows_leads:  # no lead that noise does not explain: the limits for lags begin at d = 0
         delay, side = max(delay, 0.0), Side.LAG
         draws = np.stack([draws[0], np.maximum(draws[1], 0.0)])
-    a, b, carried_from = carried_limits(criterion, structure, side)
-    index = criterion.index(*carried.errors(np.array([amplitude]), np.array([delay])))
-    spread = criterion.index(*carried.errors(draws[0], draws[1]))
+    a, b, carried_from = scale_limits(criterion, structure, side)
+    index = criterion.index(*nearest.errors(np.array([amplitude]), np.array([delay])))
+    spread = criterion.index(*nearest.errors(draws[0], draws[1]))
     low, high = np.quantile(spread, [0.025, 0.975]).tolist()
     return Placement(
         a=a,
@@ -90,7 +90,7 @@ def place(
     )
 
 
-def carried_limits(
+def scale_limits(
     criterion: Criterion, structure: Structure, side: Side = Side.LAG
 ) -> tuple[float, float, tuple[float, float] | None]:
     """Limits of any structure, scaled from the nearest structure for which the criterion is valid.
@@ -99,15 +99,15 @@ def carried_limits(
     structure [Hz, -] if it is another one.
     """
     criterion.require_converged()
-    carried = _Carried.into(criterion.law.validity, structure)
-    a, b = (float(limit) for limit in criterion.limits(carried.frequency, carried.damping_ratio, side))
-    place = carried.frequency, carried.damping_ratio
-    outside = place != (structure.frequency, structure.damping_ratio)
-    return a / carried.amplitude_factor**2, b / carried.delay_factor**2, place if outside else None
+    nearest = _NearestStructure.clip(criterion.law.validity, structure)
+    a, b = (float(limit) for limit in criterion.limits(nearest.frequency, nearest.damping_ratio, side))
+    place = nearest.frequency, nearest.damping_ratio
+    is_outside = place != (structure.frequency, structure.damping_ratio)
+    return a / nearest.amplitude_factor**2, b / nearest.delay_factor**2, place if is_outside else None
 
 
 def _probability(criterion: Criterion, structure: Structure, draws: NDArray[np.float64]) -> float | None:
     if criterion.population is None:
         return None
-    carried = _Carried.into(criterion.population.validity, structure)
-    return float(np.mean(criterion.probability(*carried.errors(draws[0], draws[1]))))
+    nearest = _NearestStructure.clip(criterion.population.validity, structure)
+    return float(np.mean(criterion.probability(*nearest.errors(draws[0], draws[1]))))

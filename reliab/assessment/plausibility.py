@@ -18,14 +18,14 @@ from reliab.structures.partition import Partition
 _OPPOSITE = -0.8
 """Correlation below which the measured displacement runs against the command."""
 
-_UNRELATED = 0.2
+_LEAST_CORRELATION = 0.2
 """Correlation at the best lag below which the measured displacement does not follow the command; in an
 unstable test it follows late, but with a higher correlation."""
 
 _LONGEST_REACTION = 0.1
 """Time by which a rig may be late [s]. Half a period below it is no reversed sign for sure."""
 
-_IN_STEP = 0.8
+_STEP_CORRELATION = 0.8
 """Correlation above which a rig is not late enough to attenuate by a filter of its own."""
 
 _PROPORTIONAL = 0.98
@@ -78,30 +78,40 @@ def require_drawable(recording: Recording, structure: Partition) -> None:
 
 
 def require_plausible(
-    recording: Recording, *, stiffness: float | None = None, linear: bool = False, fitted: bool = False
+    recording: Recording,
+    *,
+    stiffness: float | None = None,
+    linear: bool = False,
+    is_stiffness_fitted: bool = False,
 ) -> None:
     """Refuse a recording whose channels contradict each other by a sign, a unit or their order.
 
     `stiffness`: stated one of the specimen [N/m], without which the unit of a recorded force is not examined;
-    `linear`: whether the specimen is taken as linear; `fitted`: whether its stiffness is fitted.
+    `linear`: whether the specimen is taken as linear; `is_stiffness_fitted`: whether its stiffness is fitted.
     """
     clean, *_ = remove_spikes(recording)
     _require_following(clean)
     if clean.force is not None:
-        step, where = clean.time_step, clean.name
+        step, name = clean.time_step, clean.name
         require_restoring_force(
-            clean.measured, clean.force, step, stiffness=stiffness, linear=linear, fitted=fitted, where=where
+            clean.measured,
+            clean.force,
+            step,
+            stiffness=stiffness,
+            linear=linear,
+            is_stiffness_fitted=is_stiffness_fitted,
+            name=name,
         )
-        require_order(clean.command, clean.measured, clean.force, step, where)
+        require_order(clean.command, clean.measured, clean.force, step, name)
 
 
 def _require_following(recording: Recording) -> None:
     """Refuse measured displacement with another sign or unit than its command, or unrelated to it."""
-    command, measured = _moving(recording.command), _moving(recording.measured)
-    size = float(np.linalg.norm(command) * np.linalg.norm(measured))
-    correlation = float(command @ measured) / size
-    reach, none = int(_LONGEST_LAG * command.size), command.size - 1
-    products = cross_correlate(measured, command)[none - reach : none + reach + 1]
+    command, measured_displacement = _moving(recording.command), _moving(recording.measured)
+    size = float(np.linalg.norm(command) * np.linalg.norm(measured_displacement))
+    correlation = float(command @ measured_displacement) / size
+    reach, centre = int(_LONGEST_LAG * command.size), command.size - 1
+    products = cross_correlate(measured_displacement, command)[centre - reach : centre + reach + 1]
     best, lag = float(products.max()) / size, abs(int(np.argmax(products)) - reach) * recording.time_step
     if correlation < _OPPOSITE and lag > _LONGEST_REACTION:
         raise InputError(
@@ -110,7 +120,7 @@ def _require_following(recording: Recording) -> None:
             remedy="Reverse the sign of one channel",
             where=recording.name,
         )
-    if best < _UNRELATED:
+    if best < _LEAST_CORRELATION:
         raise InputError(
             "The measured displacement does not follow the command",
             value=f"a correlation of at most {best:.2f} between the two",
@@ -125,21 +135,23 @@ def _require_following(recording: Recording) -> None:
             remedy="Check that the channel was connected",
             where=recording.name,
         )
-    if correlation > _IN_STEP and best > _PROPORTIONAL:
-        _require_one_unit(float(np.linalg.norm(measured) / np.linalg.norm(command)), recording.name)
+    if correlation > _STEP_CORRELATION and best > _PROPORTIONAL:
+        _require_one_unit(
+            float(np.linalg.norm(measured_displacement) / np.linalg.norm(command)), recording.name
+        )
 
 
-def _require_one_unit(ratio: float, where: str) -> None:
+def _require_one_unit(ratio: float, name: str) -> None:
     """Refuse a measured displacement that is larger or smaller than the command by the ratio of two units."""
     for factor, units in _UNIT_FACTORS.items():
-        for expected in (factor, 1.0 / factor):
-            if abs(ratio / expected - 1.0) < _UNIT_TOLERANCE:
+        for unit_ratio in (factor, 1.0 / factor):
+            if abs(ratio / unit_ratio - 1.0) < _UNIT_TOLERANCE:
                 raise InputError(
                     "Command and measured displacement seem to have different units",
                     value=f"a measured displacement of {ratio:.4g} times the command, as if one were in "
                     f"{units}",
                     remedy="State the unit in the column's name (measured_mm), or convert the column",
-                    where=where,
+                    where=name,
                 )
 
 
@@ -149,9 +161,9 @@ class RunningSign:
     def __init__(self) -> None:
         self._size, self._sums, self._products = 0, np.zeros((2, 1)), np.zeros((3, 1))
 
-    def add(self, command: Array, measured: Array) -> None:
+    def add(self, command: Array, measured_displacement: Array) -> None:
         """Add the next samples, shape (k,) or (p, k)."""
-        rows = np.stack([np.atleast_2d(command), np.atleast_2d(measured)])
+        rows = np.stack([np.atleast_2d(command), np.atleast_2d(measured_displacement)])
         self._size += rows.shape[2]
         self._sums = self._sums + rows.sum(axis=2)
         self._products = self._products + np.stack([(a * b).sum(axis=1) for a, b in _pairs(*rows)])
@@ -168,8 +180,12 @@ class RunningSign:
         return bool((both < _OPPOSITE * np.sqrt(np.maximum(of_command * of_measured, 0.0))).any())
 
 
-def _pairs(command: Array, measured: Array) -> tuple[tuple[Array, Array], ...]:
-    return (command, command), (command, measured), (measured, measured)
+def _pairs(command: Array, measured_displacement: Array) -> tuple[tuple[Array, Array], ...]:
+    return (
+        (command, command),
+        (command, measured_displacement),
+        (measured_displacement, measured_displacement),
+    )
 
 
 def _moving(values: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -25,21 +25,24 @@ from reliab.signals.cubic_path import CubicPath
 from reliab.structures.structure import Structure
 
 _FEWEST_SAMPLES = 32  # of the smoothed histories
-_UNRELATED = 0.9  # of the force's power, above which it follows no motion
+_UNRELATED_POWER = 0.9  # of the force's power, above which it follows no motion
 _BETTER = 0.5  # of what the other explanation leaves over: one is clearly better
 _FAR_BETTER = 0.01  # where the force follows the displacement as that of a spring does
-_EXPLAINED = 0.05  # of the force's power left over, below which a force may be that of the specimen
-_EXCHANGED = 0.04  # of the power left over: the force is five times nearer to the command
-_SKEWED = 1.2  # samples: a lead that may be the skew of two channels
-_OF_LEAD = 0.25  # of the power that a force which follows the command leaves over, seen from ahead of it
-_IN_TIME = 0.25  # of what is left over, by the same displacement without its lead
+_EXPLAINED_POWER = 0.05  # of the force's power left over, below which a force may be that of the specimen
+_EXCHANGED_POWER = 0.04  # of the power left over: the force is five times nearer to the command
+_SKEW_SAMPLES = 1.2  # samples: a lead that may be the skew of two channels
+_LEAD_POWER = 0.25  # of the power that a force which follows the command leaves over, seen from ahead of it
+_REALIGNED_SHARE = 0.25  # of what is left over, by the same displacement without its lead
 _SPRING = 0.5  # correlation of force and displacement above which a stiffness is known
 _YIELDS = (0.02, 0.1, 0.25, 0.5)  # of the largest displacement, where an elastic-plastic spring slips
 _FLAT = 1e-12  # of the power per coefficient, below which no term explains more
 _MOST_STEPS = 3  # per term; collinear terms could take turns for ever
 _STIFFNESSES = (0.01, 3.0)  # over the stated one, of a specimen that may yield
-_FITTED = (0.01, 100.0)  # the same where what is stated is a first value only
-_STRAIGHT, _OF_LINEAR = 0.95, (0.5, 2.0)  # correlation with the displacement, and the same of a linear one
+_FITTED_STIFFNESSES = (0.01, 100.0)  # the same where what is stated is a first value only
+_STRAIGHT, _LINEAR_STIFFNESSES = (
+    0.95,
+    (0.5, 2.0),
+)  # correlation with the displacement, and the same of a linear one
 _AGREES = 0.1  # of the stiffness, by which mass, frequency, share and force may be off
 _UNIT_TOLERANCE = 0.25
 _SAME_UNIT, _SAME_UNIT_FITTED = 0.1, 0.03  # of a stated stiffness, and of one that is a first value only
@@ -55,21 +58,21 @@ _UNITS: Final = {
 
 
 def require_restoring_force(
-    measured: Array,
+    measured_displacement: Array,
     force: Array,
     time_step: float,
     *,
     stiffness: float | None = None,
     linear: bool = False,
-    fitted: bool = False,
-    where: str = "",
+    is_stiffness_fitted: bool = False,
+    name: str = "",
 ) -> None:
     """Refuse a force that is surely reversed, stands still, follows no motion, or is in another unit.
 
-    `measured` displacement [m], without spikes, and `force` [N], shape (n,); `time_step` [s]; `stiffness`:
-    stated one of the specimen [N/m], without which the unit is not examined; `linear`: whether the specimen
-    is taken as linear; `fitted`: whether its stiffness is fitted, so that the unit alone counts; `where`:
-    what the test is called.
+    `measured_displacement` displacement [m], without spikes, and `force` [N], shape (n,); `time_step` [s];
+    `stiffness`: stated one of the specimen [N/m], without which the unit is not examined; `linear`: whether
+    the specimen is taken as linear; `is_stiffness_fitted`: whether its stiffness is fitted, so that the unit
+    alone counts; `name`: what the test is called.
 
     >>> time = np.arange(0.0, 20.0, 0.005)
     >>> moved = np.sin(6.0 * time) * np.sin(0.15 * time)
@@ -86,30 +89,38 @@ def require_restoring_force(
             "The recorded force does not change during the test",
             value=f"{force[0]:g} throughout",
             remedy="Check that the load cell was connected, or leave the column out",
-            where=where,
+            where=name,
         )
-    kernel = _kernel(measured, force, time_step)
+    kernel = _kernel(measured_displacement, force, time_step)
     if kernel is None:
         return
-    sign = _Sign.of_force(measured, force, kernel)
+    sign = _Sign.examine_force(measured_displacement, force, kernel)
     if sign.reverse_explains and not sign.may_be_right:
         raise InputError(
             "The recorded force does not resist the motion",
             value="a force that acts along it, as if its sign were reversed",
             remedy="Reverse the sign of the force: it is positive where the specimen is pushed in the "
             "positive direction",
-            where=where,
+            where=name,
         )
-    if sign.unexplained > _UNRELATED:
+    if sign.unexplained > _UNRELATED_POWER:
         raise InputError(
             "The recorded force does not follow the measured displacement",
             value=f"a force of whose power {percent(sign.unexplained, decimals=0)} follows no spring, "
             "dashpot, mass or friction",
             remedy="Check that the force is the specimen's, and that the load cell was connected",
-            where=where,
+            where=name,
         )
     if stiffness:
-        _require_unit(measured, force, kernel, stiffness, where, linear=linear, fitted=fitted)
+        _require_unit(
+            measured_displacement,
+            force,
+            kernel,
+            stiffness,
+            name,
+            linear=linear,
+            is_stiffness_fitted=is_stiffness_fitted,
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -121,19 +132,19 @@ class _Sign:
     may_be_right: bool  # Whether it is explained as recorded, too, so that no sign is certain
 
     @classmethod
-    def of_force(cls, measured: Array, force: Array, kernel: Kernel) -> "_Sign":
+    def examine_force(cls, measured_displacement: Array, force: Array, kernel: Kernel) -> "_Sign":
         """Explain a force, and its reverse.
 
         In motion of one frequency a mass explains a reversed spring, and neither explains a lag or a slip.
         """
-        unexplained, if_reversed = _left_over(measured, (force, -force), kernel)
-        springs_back = _stiffness(measured, force, kernel) is not None
+        remaining, remaining_reversed = _remaining_power(measured_displacement, (force, -force), kernel)
+        springs_back = _stiffness(measured_displacement, force, kernel) is not None
         better = _FAR_BETTER if springs_back else _BETTER
-        explains = if_reversed < min(better * unexplained, _UNRELATED)
+        explains = remaining_reversed < min(better * remaining, _UNRELATED_POWER)
         return cls(
-            unexplained=unexplained,
-            reverse_explains=explains and not _takes_work(measured, force, kernel),
-            may_be_right=springs_back and unexplained < _EXPLAINED,
+            unexplained=remaining,
+            reverse_explains=explains and not _takes_work(measured_displacement, force, kernel),
+            may_be_right=springs_back and remaining < _EXPLAINED_POWER,
         )
 
 
@@ -150,71 +161,81 @@ def doubts_of_force(recording: Recording) -> Iterator[str]:
         )
 
 
-def doubts_of_sign(measured: Array, force: Array, time_step: float) -> Iterator[str]:
+def doubts_of_sign(measured_displacement: Array, force: Array, time_step: float) -> Iterator[str]:
     """Say where a force that a spring explains is explained better with its sign turned.
 
-    `measured` displacement [m] and `force` [N], shape (n,); `time_step` [s].
+    `measured_displacement` displacement [m] and `force` [N], shape (n,); `time_step` [s].
     """
-    kernel = _kernel(measured, force, time_step)
-    if kernel is not None and _Sign.of_force(measured, force, kernel).reverse_explains:
+    kernel = _kernel(measured_displacement, force, time_step)
+    if kernel is not None and _Sign.examine_force(measured_displacement, force, kernel).reverse_explains:
         yield (
             "The recorded force is that of a mass with its sign turned, as the restoring force of a free "
             "vibration is. Check its sign: it is positive where the specimen resists a positive displacement."
         )
 
 
-def _takes_work(measured: Array, force: Array, kernel: Kernel) -> bool:
+def _takes_work(measured_displacement: Array, force: Array, kernel: Kernel) -> bool:
     """Whether the motion does work on the specimen, on average over the test, as on one that buckles."""
-    moved, resisted = (kernel.smooth_derivative(history, 0) for history in (measured, force))
-    resisted = resisted - resisted.mean()
-    work = np.cumsum(0.5 * (resisted[1:] + resisted[:-1]) * np.diff(moved))
+    displacement, resistance = (
+        kernel.smooth_derivative(history, 0) for history in (measured_displacement, force)
+    )
+    resistance = resistance - resistance.mean()
+    work = np.cumsum(0.5 * (resistance[1:] + resistance[:-1]) * np.diff(displacement))
     return bool(work.mean() > 0.0)
 
 
-def require_order(command: Array, measured: Array, force: Array, time_step: float, where: str = "") -> None:
+def require_order(
+    command: Array, measured_displacement: Array, force: Array, time_step: float, name: str = ""
+) -> None:
     """Refuse a test whose force follows the command, and whose measured displacement is only ahead of it.
 
     A force that follows the command is no proof: a displacement sensor that drifts hides the motion that the
     specimen follows. Where the columns are exchanged, the displacement explains the force as soon as its lead
     is taken off, and the command, which is then a reading, is no cleaner than the displacement.
 
-    `command`, `measured`, `force` [m]; `time_step` [s].
+    `command`, `measured_displacement`, `force` [m]; `time_step` [s].
     """
-    kernel = _kernel(measured, force, time_step)
-    if kernel is None or not _follows_command(command, measured, force, kernel):
+    kernel = _kernel(measured_displacement, force, time_step)
+    if kernel is None or not _follows_command(command, measured_displacement, force, kernel):
         return
-    path = CubicPath.interpolate(np.arange(measured.size) * time_step, measured)
-    in_time = path.read_delayed(_lead(measured, command, kernel))
-    as_read, as_late = (_left_over(moved, (force,), kernel)[0] for moved in (measured, in_time))
-    if as_late < _IN_TIME * as_read and not is_noisier(measured, command):
+    path = CubicPath.interpolate(np.arange(measured_displacement.size) * time_step, measured_displacement)
+    realigned = path.read_delayed(_lead(measured_displacement, command, kernel))
+    power_as_read, power_realigned = (
+        _remaining_power(displacement, (force,), kernel)[0]
+        for displacement in (measured_displacement, realigned)
+    )
+    if power_realigned < _REALIGNED_SHARE * power_as_read and not is_noisier(measured_displacement, command):
         raise InputError(
             "The recorded force does not follow the measured displacement",
             value="a force that follows the command instead, as if the two columns were exchanged",
             remedy="Exchange the columns, or name them with `command` and `measured`",
-            where=where,
+            where=name,
         )
 
 
-def _follows_command(command: Array, measured: Array, force: Array, kernel: Kernel) -> bool:
+def _follows_command(command: Array, measured_displacement: Array, force: Array, kernel: Kernel) -> bool:
     """Whether the command explains a force far better than a measured displacement that is ahead of it.
 
     A displacement that explains the force, too, is in order: an actuator that leads moves the specimen
     earlier than its command, which a computer knows without noise, and a skew shows as a lead.
     """
-    by_command, by_measured = (_left_over(moved, (force,), kernel)[0] for moved in (command, measured))
-    lead = _lead(measured, command, kernel)
-    of_lead = (
-        lead**2
-        * _power(kernel.smooth_derivative(measured, 1))
-        / _power(kernel.smooth_derivative(measured, 0))
+    command_power, measured_power = (
+        _remaining_power(displacement, (force,), kernel)[0]
+        for displacement in (command, measured_displacement)
     )
-    misses = lead > _SKEWED * kernel.time_step and by_measured > _OF_LEAD * of_lead
-    return misses and by_command < _EXCHANGED * by_measured
+    lead = _lead(measured_displacement, command, kernel)
+    lead_power = (
+        lead**2
+        * _power(kernel.smooth_derivative(measured_displacement, 1))
+        / _power(kernel.smooth_derivative(measured_displacement, 0))
+    )
+    misses = lead > _SKEW_SAMPLES * kernel.time_step and measured_power > _LEAD_POWER * lead_power
+    return misses and command_power < _EXCHANGED_POWER * measured_power
 
 
 def _lead(first: Array, second: Array, kernel: Kernel) -> float:
     """Time by which one history is ahead of another, to first order [s]."""
-    ahead, rate = _without_line(kernel.smooth_derivative(first, 0)), kernel.smooth_derivative(second, 1)
+    ahead, rate = _detrend(kernel.smooth_derivative(first, 0)), kernel.smooth_derivative(second, 1)
     return float(ahead @ rate) / float(rate @ rate)
 
 
@@ -222,21 +243,23 @@ def _power(values: Array) -> float:
     return float(np.var(values))
 
 
-def _without_line(values: Array) -> Array:
+def _detrend(values: Array) -> Array:
     """Take off the straight line of least squares."""
-    centred = values - values.mean()
+    centred_values = values - values.mean()
     place = np.arange(values.size) - 0.5 * (values.size - 1)
-    return np.asarray(centred - place * (float(place @ centred) / float(place @ place)))
+    return np.asarray(centred_values - place * (float(place @ centred_values) / float(place @ place)))
 
 
-def stated_stiffness(structure: Structure, stated: Mapping[str, StatedValue]) -> float | None:
+def stiffness_from_mass(structure: Structure, stated_values: Mapping[str, StatedValue]) -> float | None:
     """Stiffness of the specimen [N/m]; None where no mass is stated."""
-    if "mass" not in stated:
+    if "mass" not in stated_values:
         return None
-    return stated["mass"].value * structure.experimental_fraction * structure.circular_frequency**2
+    return stated_values["mass"].value * structure.experimental_fraction * structure.circular_frequency**2
 
 
-def remark_on_force(recording: Recording, structure: Structure, stated: Mapping[str, StatedValue]) -> str:
+def remark_on_force(
+    recording: Recording, structure: Structure, stated_values: Mapping[str, StatedValue]
+) -> str:
     """Say that a force differs from what is stated of a linear specimen, or which mass it belongs to.
 
     Empty where there is nothing to say.
@@ -244,16 +267,16 @@ def remark_on_force(recording: Recording, structure: Structure, stated: Mapping[
     clean, *_ = remove_spikes(recording)
     if clean.force is None or (kernel := _kernel(clean.measured, clean.force, clean.time_step)) is None:
         return ""
-    expected = stated_stiffness(structure, stated)
-    least = _SPRING if expected is None else _STRAIGHT
+    stated_stiffness = stiffness_from_mass(structure, stated_values)
+    least = _SPRING if stated_stiffness is None else _STRAIGHT
     stiffness = _stiffness(clean.measured, clean.force, kernel, least)
     if stiffness is None:
         return ""
-    if expected is not None:
-        if abs(stiffness / expected - 1.0) <= _AGREES:
+    if stated_stiffness is not None:
+        if abs(stiffness / stated_stiffness - 1.0) <= _AGREES:
             return ""
         return (
-            f"The recorded force is {percent(stiffness / expected, decimals=0)} of what the stated mass, "
+            f"The recorded force is {percent(stiffness / stated_stiffness, decimals=0)} of what the stated mass, "
             "frequency and share make of the measured displacement. Check them, and the scale of the force."
         )
     mass = stiffness / (structure.experimental_fraction * structure.circular_frequency**2)
@@ -263,51 +286,53 @@ def remark_on_force(recording: Recording, structure: Structure, stated: Mapping[
     )
 
 
-def _stiffness(measured: Array, force: Array, kernel: Kernel, least: float = _SPRING) -> float | None:
+def _stiffness(
+    measured_displacement: Array, force: Array, kernel: Kernel, least: float = _SPRING
+) -> float | None:
     """Stiffness where force and displacement are correlated at least so much; else None."""
-    moved, resisted = (
+    displacement, resistance = (
         row - row.mean()
-        for row in (kernel.smooth_derivative(measured, 0), kernel.smooth_derivative(force, 0))
+        for row in (kernel.smooth_derivative(measured_displacement, 0), kernel.smooth_derivative(force, 0))
     )
-    slope = float(moved @ resisted) / float(moved @ moved)
-    of_spring = slope * float(np.linalg.norm(moved) / np.linalg.norm(resisted))
-    return slope if of_spring >= least else None
+    slope = float(displacement @ resistance) / float(displacement @ displacement)
+    correlation = slope * float(np.linalg.norm(displacement) / np.linalg.norm(resistance))
+    return slope if correlation >= least else None
 
 
 def _require_unit(
-    measured: Array,
+    measured_displacement: Array,
     force: Array,
     kernel: Kernel,
     stiffness: float,
-    where: str,
+    name: str,
     *,
     linear: bool,
-    fitted: bool,
+    is_stiffness_fitted: bool,
 ) -> None:
-    slope = _stiffness(measured, force, kernel, _STRAIGHT)
-    straight, slope = slope is not None, slope or _stiffness(measured, force, kernel)
+    slope = _stiffness(measured_displacement, force, kernel, _STRAIGHT)
+    straight, slope = slope is not None, slope or _stiffness(measured_displacement, force, kernel)
     if slope is None:
         return
     ratio = slope / stiffness
     # a specimen of which only the force is known may have another stiffness, but hardly that of a unit
-    near = _SAME_UNIT_FITTED if fitted else _SAME_UNIT
+    near = _SAME_UNIT_FITTED if is_stiffness_fitted else _SAME_UNIT
     exact = straight and not linear and bool(unit_like(ratio, tolerance=near))
-    of_unknown = _FITTED if fitted else _STIFFNESSES
-    least, most = _OF_LINEAR if exact or (straight and linear) else of_unknown
-    if not least <= ratio <= most:
-        raise other_unit_of_force(ratio, where)
+    stiffness_range = _FITTED_STIFFNESSES if is_stiffness_fitted else _STIFFNESSES
+    least, largest = _LINEAR_STIFFNESSES if exact or (straight and linear) else stiffness_range
+    if not least <= ratio <= largest:
+        raise other_unit_of_force(ratio, name)
 
 
-def other_unit_of_force(ratio: float, where: str) -> InputError:
+def other_unit_of_force(ratio: float, name: str) -> InputError:
     """Ask for the unit of a force that is a ratio of what the stated specimen makes."""
     unit = unit_like(ratio, tolerance=_UNIT_TOLERANCE)
-    alike = f", as {unit} would have" if unit else ""
+    comparison = f", as {unit} would have" if unit else ""
     return InputError(
         "The recorded force does not fit the stated specimen",
-        value=f"a stiffness of {significant(ratio)} times the stated one{alike}",
+        value=f"a stiffness of {significant(ratio)} times the stated one{comparison}",
         remedy="State the unit of the force in the column's name, such as force [lbf], or check mass, "
         "frequency and share of the specimen",
-        where=where,
+        where=name,
     )
 
 
@@ -321,32 +346,35 @@ def unit_like(ratio: float, *, tolerance: float) -> str:
     >>> unit_like(2.0, tolerance=0.02)
     ''
     """
-    both = ((words, expected) for factor, words in _UNITS.items() for expected in (factor, 1.0 / factor))
-    return next((words for words, expected in both if abs(ratio / expected - 1.0) < tolerance), "")
+    both = ((words, unit_ratio) for factor, words in _UNITS.items() for unit_ratio in (factor, 1.0 / factor))
+    return next((words for words, unit_ratio in both if abs(ratio / unit_ratio - 1.0) < tolerance), "")
 
 
-def _kernel(measured: Array, force: Array, time_step: float) -> Kernel | None:
+def _kernel(measured_displacement: Array, force: Array, time_step: float) -> Kernel | None:
     """Make the kernel for the frequency at which force and displacement move together; None if too short."""
-    common = np.abs(np.fft.rfft(force - force.mean()) * np.fft.rfft(measured - measured.mean()))
+    common = np.abs(
+        np.fft.rfft(force - force.mean()) * np.fft.rfft(measured_displacement - measured_displacement.mean())
+    )
     number = np.arange(common.size)
-    frequency = float(number[np.argmax(number * common)]) / (measured.size * time_step)
+    frequency = float(number[np.argmax(number * common)]) / (measured_displacement.size * time_step)
     kernel = Kernel.from_frequency(frequency, time_step)
-    samples = (measured.size - kernel.values[0].size) // kernel.every
+    samples = (measured_displacement.size - kernel.values[0].size) // kernel.every
     return kernel if samples >= _FEWEST_SAMPLES else None
 
 
-def _left_over(moved: Array, forces: Sequence[Array], kernel: Kernel) -> list[float]:
+def _remaining_power(displacement: Array, forces: Sequence[Array], kernel: Kernel) -> list[float]:
     """Power that the elements of a passive specimen leave over of each force, over that of the force [-]."""
-    shape = moved / float(np.abs(moved).max())
+    shape = displacement / float(np.abs(displacement).max())
     bent = [shape**3, *(slider_elongation(shape, limit) for limit in _YIELDS)]
     rows = [
-        *(kernel.smooth_derivative(moved, order) for order in range(3)),
+        *(kernel.smooth_derivative(displacement, order) for order in range(3)),
         *(kernel.smooth_derivative(row, 0) for row in bent),
     ]
     terms = np.stack([row - row.mean() for row in rows], axis=1)
     terms /= np.linalg.norm(terms, axis=0)
     targets = [
-        resisted - resisted.mean() for resisted in (kernel.smooth_derivative(force, 0) for force in forces)
+        resistance - resistance.mean()
+        for resistance in (kernel.smooth_derivative(force, 0) for force in forces)
     ]
     return [_nonnegative_remainder(terms, target / float(np.linalg.norm(target))) for target in targets]
 
@@ -358,22 +386,22 @@ def _nonnegative_remainder(terms: Array, target: Array) -> float:
     squares problems*, section 23.3); a library's function for it takes longer to load than the verdict.
     """
     orthogonal, rows = np.linalg.qr(terms)
-    seen, coefficients = target @ orthogonal, np.zeros(rows.shape[1])
+    projection, coefficients = target @ orthogonal, np.zeros(rows.shape[1])
     active = np.zeros(coefficients.size, dtype=bool)
     for _ in range(_MOST_STEPS * coefficients.size):
-        slope = np.where(active, -np.inf, rows.T @ (seen - rows @ coefficients))
+        slope = np.where(active, -np.inf, rows.T @ (projection - rows @ coefficients))
         if slope.max() <= _FLAT:
             break
         active[np.argmax(slope)] = True
         while True:
             best = np.zeros_like(coefficients)
-            best[active] = np.linalg.lstsq(rows[:, active], seen, rcond=None)[0]
-            below = active & (best <= 0.0)
-            if not below.any():
+            best[active] = np.linalg.lstsq(rows[:, active], projection, rcond=None)[0]
+            is_negative = active & (best <= 0.0)
+            if not is_negative.any():
                 break
-            way = coefficients[below] / (coefficients[below] - best[below])
+            way = coefficients[is_negative] / (coefficients[is_negative] - best[is_negative])
             coefficients += way.min() * (best - coefficients)
-            active[np.flatnonzero(below)[way <= way.min()]] = False
+            active[np.flatnonzero(is_negative)[way <= way.min()]] = False
             coefficients[~active] = 0.0
         coefficients = best
     return max(1.0 - float(np.sum((rows @ coefficients) ** 2)), 0.0)

@@ -41,7 +41,7 @@ _SAME_FORCE = 0.2
 _SAME_UNIT = 0.05  # of a unit, by which a calibrated channel may differ from it
 _FEWEST_PERIODS = 5.0
 _TOO_SHORT = "The test is too short for its structure to be identified from the recorded ground acceleration."
-_REVERSED = "The ground acceleration has the opposite sign."
+_SIGN_NOTE = "The ground acceleration has the opposite sign."
 _ABSOLUTE = (
     "The channel of the ground acceleration is not this test's ground acceleration: it moves as the absolute "
     "acceleration of the structure does, that of ground and response together. Nothing was learned from it. "
@@ -99,17 +99,21 @@ def examine_ground(
             absolute=reading.absolute,
         )
 
-    signs = {_Reading(factor=1.0): (), _Reading(factor=-1.0): (_REVERSED,)}
-    found = {reading: read(reading) for reading in signs}
-    best = min(found, key=lambda reading: found[reading].misfit)
-    if _is_explained(found[best], structure):
-        return ShownGround(identified=found[best], notes=signs[best], sign=best.factor)
-    others = {reading: read(reading) for reading in _other_readings()}
-    explained = [reading for reading in others if _is_explained(others[reading], structure)]
-    if not explained:
-        doubt = _other_ground(found[best], structure, with_force=force is not None)
+    signs = {_Reading(factor=1.0): (), _Reading(factor=-1.0): (_SIGN_NOTE,)}
+    identifications = {reading: read(reading) for reading in signs}
+    best = min(identifications, key=lambda reading: identifications[reading].misfit)
+    if _is_explained(identifications[best], structure):
+        return ShownGround(identified=identifications[best], notes=signs[best], sign=best.factor)
+    other_identifications = {reading: read(reading) for reading in _other_readings()}
+    explained_readings = [
+        reading
+        for reading in other_identifications
+        if _is_explained(other_identifications[reading], structure)
+    ]
+    if not explained_readings:
+        doubt = _other_ground(identifications[best], structure, has_force=force is not None)
         return ShownGround(notes=(doubt.finding,), doubts=(doubt,))
-    likely = min(explained, key=lambda reading: others[reading].misfit)
+    likely = min(explained_readings, key=lambda reading: other_identifications[reading].misfit)
     if likely.absolute:
         return ShownGround(notes=(_ABSOLUTE,))
     raise other_unit_of_ground(recording, abs(likely.factor))
@@ -126,7 +130,7 @@ def require_unit_of_force(
         return
     kernel, w0 = Kernel.from_frequency(structure.frequency, recording.time_step), structure.circular_frequency
     x, v, a = (kernel.smooth_derivative(recording.command, order) for order in range(3))
-    computed = (
+    computed_acceleration = (
         a + 2.0 * structure.damping_ratio * w0 * v + (1.0 - structure.experimental_fraction) * w0**2 * x
     )
     late = kernel.smooth_derivative(recording.force, 0) - feedback_lag * kernel.smooth_derivative(
@@ -134,9 +138,15 @@ def require_unit_of_force(
     )
     columns = np.stack([late / mass, np.ones(late.size)])
     shaken = kernel.smooth_derivative(recording.ground, 0)
-    for needed in (-computed - shaken, -computed + shaken):  # also where the ground acceleration is reversed
-        (factor, _), _, left = fit_equation(columns, needed, kernel)
-        if np.linalg.norm(left) <= _LARGEST_MISFIT * np.linalg.norm(needed) and factor > 0.0:
+    for required_acceleration in (
+        -computed_acceleration - shaken,
+        -computed_acceleration + shaken,
+    ):  # also where the ground acceleration is reversed
+        (factor, _), _, residual = fit_equation(columns, required_acceleration, kernel)
+        if (
+            np.linalg.norm(residual) <= _LARGEST_MISFIT * np.linalg.norm(required_acceleration)
+            and factor > 0.0
+        ):
             ratio = 1.0 / float(factor)
             if unit_like(ratio, tolerance=_SAME_FORCE):
                 raise other_unit_of_force(ratio, recording.name)
@@ -144,15 +154,22 @@ def require_unit_of_force(
 
 def other_unit_of_ground(recording: Recording | CoupledRecording, factor: float) -> InputError:
     """Ask for the unit of a ground acceleration that explains the motion times a factor."""
-    channel = next((one for one in recording.channels if one.part is Part.GROUND and one.unit), None)
-    stated, size = ("m/s2", 1.0) if channel is None else (channel.unit, abs(channel.factor))
-    alike = (unit for unit, known in UNITS_OF_GROUND.items() if abs(factor * size / known - 1.0) < _SAME_UNIT)
-    unit = next(alike, None)
-    found = f"one in {unit}" if unit else f"one that is {significant(factor, 4)} times as large"
+    channel = next(
+        (candidate for candidate in recording.channels if candidate.part is Part.GROUND and candidate.unit),
+        None,
+    )
+    stated_unit, size = ("m/s2", 1.0) if channel is None else (channel.unit, abs(channel.factor))
+    matching_units = (
+        unit
+        for unit, unit_size in UNITS_OF_GROUND.items()
+        if abs(factor * size / unit_size - 1.0) < _SAME_UNIT
+    )
+    unit = next(matching_units, None)
+    description = f"one in {unit}" if unit else f"one that is {significant(factor, 4)} times as large"
     ask = f"Is it in {unit}? State that in" if unit else "State its unit in"
     return InputError(
         "The ground acceleration does not fit its unit",
-        value=f"{stated}, while the motion of the test is that of {found}",
+        value=f"{stated_unit}, while the motion of the test is that of {description}",
         remedy=f"{ask} the column's name, ground_acceleration [{unit or 'm/s2'}], or in a file "
         "`channels.toml`",
         where=recording.name,
@@ -183,26 +200,26 @@ def _other_readings() -> Iterator[_Reading]:
             yield _Reading(factor=sign * factor, absolute=True)
 
 
-def _is_explained(identified: Identification, structure: Structure) -> bool:
+def _is_explained(identification: Identification, structure: Structure) -> bool:
     """Whether a reading explains the motion by a structure like the stated one."""
-    apart = abs(identified.frequency.value / structure.frequency - 1.0)
-    return identified.misfit <= _LARGEST_MISFIT and apart <= _FARTHEST
+    frequency_error = abs(identification.frequency.value / structure.frequency - 1.0)
+    return identification.misfit <= _LARGEST_MISFIT and frequency_error <= _FARTHEST
 
 
-def _other_ground(best: Identification, structure: Structure, *, with_force: bool) -> Contradiction:
+def _other_ground(best: Identification, structure: Structure, *, has_force: bool) -> Contradiction:
     """Say that the channel does not belong to the test."""
     if best.misfit <= _LARGEST_MISFIT:
-        why = (
+        reason = (
             f"with it the structure would have {significant(best.frequency.value)} Hz, and "
             f"{significant(structure.frequency)} Hz was stated"
         )
     else:
         share = percent(best.misfit, decimals=0)
-        why = f"the equation of motion leaves {share} of it unexplained"
-    where = ", or the recorded force is not what acted" if with_force else ""
+        reason = f"the equation of motion leaves {share} of it unexplained"
+    clause = ", or the recorded force is not what acted" if has_force else ""
     return Contradiction(
-        finding=f"The recorded ground acceleration does not belong to this test{where}, or the structure is "
-        f"not as stated: {why}. Nothing was learned from it.",
+        finding=f"The recorded ground acceleration does not belong to this test{clause}, or the structure is "
+        f"not as stated: {reason}. Nothing was learned from it.",
         remedy=_REMEDY,
     )
 

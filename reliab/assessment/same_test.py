@@ -32,10 +32,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _FEWEST_APART = 0.25  # of the largest tracking error: spread that the runs must have
-_ALIKE = 0.8  # correlation of the responses of two runs of one test
+_LEAST_CORRELATION = 0.8  # correlation of the responses of two runs of one test
 _APART_IN_TIME = 0.02  # of a period of the structure by which runs may seem to begin apart
 _ASIDE = 0.15  # of the largest tracking error: runs further from one line are described by a plane
-_CURVED = 3  # runs from which on a parabola can be told
+_FEWEST_FOR_PARABOLA = 3  # runs from which on a parabola can be told
 _DRAWS = 256
 _LEVELS = (0.05, 0.95)
 _OPEN = 0.5  # share of the draws in which the command did not pass the filter of the measured displacement
@@ -75,7 +75,7 @@ class SameTest(ResultWithRows):
     rows_in = "runs"
     shown: ClassVar[Columns] = {
         "run": ("file", ""),
-        "verdict": ("verdict", lambda word: Word(word).in_words, "left"),
+        "verdict": ("verdict", lambda word: Word(word).phrase, "left"),
         "gain": ("gain", ".3f"),
         "d, ms": ("d_ms", ".2f"),
         "alone": ("alone", lambda size: percent_and_interval(**size)[0]),
@@ -103,7 +103,7 @@ class SameTest(ResultWithRows):
         return tuple(self._sentences())
 
     def _sentences(self) -> Iterator[str]:
-        if len(self.runs) < _CURVED:
+        if len(self.runs) < _FEWEST_FOR_PARABOLA:
             yield (
                 "Two runs cannot show a curvature: a third run with another delay would check the "
                 "extrapolation."
@@ -135,22 +135,22 @@ class SameTest(ResultWithRows):
 
 def combine_runs(runs: Mapping[str, Assessment], *, seed: int = 0) -> SameTest:
     """Judge runs of one test together: two at least, by name, whose actuators differ in gain or delay."""
-    found = list(runs.values())
+    assessments = list(runs.values())
     _require_one_test(runs)
-    together = _Extrapolated.of_runs(found, seed)
-    first, best = found[0], together.best
+    extrapolation = _Extrapolation.from_runs(assessments, seed)
+    first, best = assessments[0], extrapolation.best
     return SameTest(
         metric=first.error.metric,
         threshold=first.error.threshold,
         time_step=first.recording.time_step,
         response=best,
-        checked=together.curvature,
-        runs=tuple(together.judged(name, place) for place, name in enumerate(runs)),
+        checked=extrapolation.curvature,
+        runs=tuple(extrapolation.judge_run(name, place) for place, name in enumerate(runs)),
     )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _Extrapolated:
+class _Extrapolation:
     """Responses without an error to which the runs may extrapolate."""
 
     found: Sequence[Assessment]
@@ -160,22 +160,22 @@ class _Extrapolated:
     draws: Array  # Responses that what is not known leaves open [m], shape (draws, n)
 
     @classmethod
-    def of_runs(cls, found: Sequence[Assessment], seed: int) -> "_Extrapolated":
-        size = min(one.error.reference.size for one in found)
-        rebuilt = np.array([_exact(one)[:size] for one in found])
-        measured = np.array([_moved(one, size) for one in found])
-        places = np.array([_tracking(one, size) for one in found])
+    def from_runs(cls, assessments: Sequence[Assessment], seed: int) -> "_Extrapolation":
+        size = min(assessment.error.reference.size for assessment in assessments)
+        rebuilt = np.array([_exact(assessment)[:size] for assessment in assessments])
+        measured = np.array([_measured_motion(assessment, size) for assessment in assessments])
+        places = np.array([_tracking(assessment, size) for assessment in assessments])
         curves = _curves(places)
         candidates = [*(curve.intercept(rebuilt) for curve in curves), curves[-1].intercept(measured)]
         generator = np.random.default_rng(seed)
-        moved = _unknown_zero(found[0], generator) @ curves[-1].slopes(measured)
-        chosen = generator.permutation(np.arange(_DRAWS) % len(candidates))
+        zero_shifts = _unknown_zero(assessments[0], generator) @ curves[-1].slopes(measured)
+        candidate_places = generator.permutation(np.arange(_DRAWS) % len(candidates))
         return cls(
-            found=found,
+            found=assessments,
             places=places,
             measured=measured,
             candidates=candidates,
-            draws=np.array(candidates)[chosen] + moved,
+            draws=np.array(candidates)[candidate_places] + zero_shifts,
         )
 
     @property
@@ -186,28 +186,31 @@ class _Extrapolated:
     @property
     def curvature(self) -> float | None:
         """RMS between what a line and a parabola give over the peak [-]; None where there is one curve."""
-        if len(self.candidates) < _CURVED:
+        if len(self.candidates) < _FEWEST_FOR_PARABOLA:
             return None
-        apart = self.candidates[0] - self.best
-        return float(np.sqrt(np.mean(apart**2)) / np.abs(self.best).max())
+        difference = self.candidates[0] - self.best
+        return float(np.sqrt(np.mean(difference**2)) / np.abs(self.best).max())
 
-    def judged(self, name: str, place: int) -> RunOfTest:
+    def judge_run(self, name: str, place: int) -> RunOfTest:
         """Judge one of the runs by all of them."""
-        one, path = self.found[place], self.measured[place]
-        metric = one.error.metric
+        assessment, path = self.found[place], self.measured[place]
+        metric = assessment.error.metric
         sizes = np.array([relative_error(path - response, response, metric) for response in self.draws])
-        value, alone = relative_error(path - self.best, self.best, metric), one.error.estimate(metric)
+        value, single_error = (
+            relative_error(path - self.best, self.best, metric),
+            assessment.error.estimate(metric),
+        )
         low, high = np.quantile(sizes, _LEVELS).tolist()
-        probability = (float(np.sum(sizes < one.error.threshold)) + 0.5) / (sizes.size + 1.0)
+        probability = (float(np.sum(sizes < assessment.error.threshold)) + 0.5) / (sizes.size + 1.0)
         return RunOfTest(
             file=name,
             gain=1.0 + float(self.places[place, 0]),
-            delay=float(self.places[place, 1]) / one.structure.circular_frequency,
-            alone=alone,
+            delay=float(self.places[place, 1]) / assessment.structure.circular_frequency,
+            alone=single_error,
             error=Estimate(value=value, low=min(low, value), high=max(high, value)),
             probability=probability,
             word=word_of_probability(probability),
-            contradicts=bool(low > alone.high or high < alone.low),
+            contradicts=bool(low > single_error.high or high < single_error.low),
         )
 
 
@@ -233,8 +236,8 @@ def _curves(places: Array) -> list[_Curve]:
     """Curves through the tracking errors of the runs (gain, delay), the one to be trusted most last."""
     largest = float(np.linalg.norm(places, axis=1).max())
     direction = np.linalg.svd(places, full_matrices=False)[2][0]
-    along = places @ direction
-    if not np.ptp(along) > _FEWEST_APART * largest or largest == 0.0:
+    coordinates = places @ direction
+    if not np.ptp(coordinates) > _FEWEST_APART * largest or largest == 0.0:
         raise InputError(
             "The runs hardly differ in gain or delay of the actuator",
             value=", ".join(
@@ -242,46 +245,49 @@ def _curves(places: Array) -> list[_Curve]:
             ),
             remedy="Repeat the test with an added delay of the command, or another compensation",
         )
-    one = np.ones(along.size)
-    aside = float(np.linalg.norm(places - np.outer(along, direction), axis=1).max())
-    if aside > _ASIDE * largest and along.size >= _CURVED:
-        return [_Curve(design=np.column_stack([one, places]), directions=np.eye(2))]
-    line = _Curve(design=np.column_stack([one, along]), directions=direction[:, np.newaxis])
-    if along.size < _CURVED:
+    constant = np.ones(coordinates.size)
+    aside = float(np.linalg.norm(places - np.outer(coordinates, direction), axis=1).max())
+    if aside > _ASIDE * largest and coordinates.size >= _FEWEST_FOR_PARABOLA:
+        return [_Curve(design=np.column_stack([constant, places]), directions=np.eye(2))]
+    line = _Curve(design=np.column_stack([constant, coordinates]), directions=direction[:, np.newaxis])
+    if coordinates.size < _FEWEST_FOR_PARABOLA:
         return [line]
-    turned = np.column_stack([direction, np.zeros(2)])
-    return [line, _Curve(design=np.column_stack([one, along, along**2]), directions=turned)]
+    directions = np.column_stack([direction, np.zeros(2)])
+    return [
+        line,
+        _Curve(design=np.column_stack([constant, coordinates, coordinates**2]), directions=directions),
+    ]
 
 
-def _exact(found: Assessment) -> Array:
+def _exact(assessment: Assessment) -> Array:
     """Response without actuator errors with everything as stated, in common to all runs [m]."""
-    inferred = found.error.inferred
-    return found.error.reference if inferred is None else inferred.exact_as_stated()
+    inferred_error = assessment.error.inferred
+    return assessment.error.reference if inferred_error is None else inferred_error.exact_as_stated()
 
 
-def _moved(found: Assessment, size: int) -> Array:
+def _measured_motion(assessment: Assessment, size: int) -> Array:
     """Measured displacement without the sensor's noise, as it was read [m], shape (size,)."""
-    rebuilt, command = found.error.rebuilt, found.recording.command
+    rebuilt, command = assessment.error.rebuilt, assessment.recording.command
     read = rebuilt.error + rebuilt.reference
     return np.asarray((command - rebuilt.noise.smooth(command - read))[:size])
 
 
-def _tracking(found: Assessment, size: int) -> Array:
+def _tracking(assessment: Assessment, size: int) -> Array:
     """Errors of gain and of delay of a run, the latter times ω₀: both as shares of the command."""
-    command = found.recording.command[:size]
-    measured = _moved(found, size)
-    gain, delay, _ = follow(command, measured, found.recording.time_step)
-    return np.array([gain - 1.0, delay * found.structure.circular_frequency])
+    command = assessment.recording.command[:size]
+    measured_displacement = _measured_motion(assessment, size)
+    gain, delay, _ = follow(command, measured_displacement, assessment.recording.time_step)
+    return np.array([gain - 1.0, delay * assessment.structure.circular_frequency])
 
 
-def _unknown_zero(found: Assessment, generator: np.random.Generator) -> Array:
+def _unknown_zero(assessment: Assessment, generator: np.random.Generator) -> Array:
     """Draw where the tracking error truly vanishes, as far as channels are known, shape (draws, 2)."""
-    sizes = {name: size.deviation for name, size in found.error.sizes.items()}
+    sizes = {name: size.deviation for name, size in assessment.error.sizes.items()}
     late = np.hypot(sizes.get("time_shift", 0.0), sizes.get("filter_delay", 0.0))
-    drawn = generator.standard_normal((_DRAWS, 2)) * [sizes.get("sensor_scale", 0.0), late]
-    drawn[:, 1] += sizes.get("open_filter", 0.0) * (generator.uniform(size=_DRAWS) < _OPEN)
-    drawn[:, 1] *= found.structure.circular_frequency
-    return np.asarray(drawn)
+    zero_draws = generator.standard_normal((_DRAWS, 2)) * [sizes.get("sensor_scale", 0.0), late]
+    zero_draws[:, 1] += sizes.get("open_filter", 0.0) * (generator.uniform(size=_DRAWS) < _OPEN)
+    zero_draws[:, 1] *= assessment.structure.circular_frequency
+    return np.asarray(zero_draws)
 
 
 def _interval(size: Estimate) -> str:
@@ -289,30 +295,34 @@ def _interval(size: Estimate) -> str:
 
 
 def _require_one_test(runs: Mapping[str, Assessment]) -> None:
-    found: Sequence[Assessment] = list(runs.values())
-    if len(found) < 2:  # noqa: PLR2004 - a pair
+    assessments: Sequence[Assessment] = list(runs.values())
+    if len(assessments) < 2:  # noqa: PLR2004 - a pair
         raise InputError(
-            "Extrapolating needs at least two runs", value=len(found), remedy="Name every run of the test"
+            "Extrapolating needs at least two runs",
+            value=len(assessments),
+            remedy="Name every run of the test",
         )
-    first = found[0]
-    for name, one in runs.items():
-        if not np.isclose(one.recording.time_step, first.recording.time_step, rtol=1e-6):
+    first = assessments[0]
+    for name, assessment in runs.items():
+        if not np.isclose(assessment.recording.time_step, first.recording.time_step, rtol=1e-6):
             raise InputError(
                 "The runs have different sampling rates",
-                value=f"{significant(1.0 / one.recording.time_step)} Hz",
+                value=f"{significant(1.0 / assessment.recording.time_step)} Hz",
                 remedy="Resample them to one rate",
                 where=name,
             )
-        size = min(one.recording.command.size, first.recording.command.size)
-        alike, apart = _compared(first.recording.command[:size], one.recording.command[:size])
-        if not alike > _ALIKE:
+        size = min(assessment.recording.command.size, first.recording.command.size)
+        correlation, offset = _largest_correlation(
+            first.recording.command[:size], assessment.recording.command[:size]
+        )
+        if not correlation > _LEAST_CORRELATION:
             raise InputError(
                 "The runs have different commands",
-                value=f"a correlation of {significant(alike, 2)}",
+                value=f"a correlation of {significant(correlation, 2)}",
                 where=name,
                 remedy="Extrapolate runs of one test only, driven by the same command",
             )
-        seconds = apart * first.recording.time_step
+        seconds = offset * first.recording.time_step
         if abs(seconds) * first.structure.frequency > _APART_IN_TIME:
             raise InputError(
                 "The runs begin at different instants of the ground motion",
@@ -322,10 +332,10 @@ def _require_one_test(runs: Mapping[str, Assessment]) -> None:
             )
 
 
-def _compared(one: Array, other: Array) -> tuple[float, int]:
+def _largest_correlation(first: Array, second: Array) -> tuple[float, int]:
     """Largest correlation of two histories, and the number of samples by which they are apart there."""
-    correlation = cross_correlate(other, one) / max(
-        float(np.linalg.norm(one) * np.linalg.norm(other)), 1e-300
+    correlation = cross_correlate(second, first) / max(
+        float(np.linalg.norm(first) * np.linalg.norm(second)), 1e-300
     )
     place = int(np.argmax(correlation))
-    return float(correlation[place]), place - (one.size - 1)
+    return float(correlation[place]), place - (first.size - 1)

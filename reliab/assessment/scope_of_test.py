@@ -31,7 +31,7 @@ class ScopeOfTest(PlainResult):
     population: Mapping[str, Sequence[float]]
 
     @property
-    def outside(self) -> bool:
+    def is_outside(self) -> bool:
         """Whether the criterion says nothing of such tests."""
         return self.position is Position.OUTSIDE
 
@@ -45,24 +45,26 @@ def scope_of_test(
     """
     test = {"length": recording.duration, "cycles": recording.duration * structure.frequency}
     if reference is not None:
-        shown = ellipse_of_response(reference, recording.time_step, structure)
-        of_test = ResponseMeasures.from_response(shown, structure, "this test").measure_values
-        test |= {name: float(value.item()) for name, value in of_test.items()}
-    return compared(criterion, test)
+        ellipse = ellipse_of_response(reference, recording.time_step, structure)
+        test_measures = ResponseMeasures.from_response(ellipse, structure, "this test").measure_values
+        test |= {name: float(value.item()) for name, value in test_measures.items()}
+    return compare_test(criterion, test)
 
 
-def compared(criterion: Criterion, test: Mapping[str, float]) -> ScopeOfTest:
+def compare_test(criterion: Criterion, test: Mapping[str, float]) -> ScopeOfTest:
     """Compare the quantities of a test with those of the motions behind a criterion."""
     scope = {name: values for name, values in criterion.provenance.scope.items() if name in test}
     if not scope:
         return ScopeOfTest(position=None, sentences=(), test=test, population={})
-    found = compare_with_scope(scope, test)
-    return ScopeOfTest(position=found.position, sentences=found.sentences, test=test, population=scope)
+    comparison = compare_with_scope(scope, test)
+    return ScopeOfTest(
+        position=comparison.position, sentences=comparison.sentences, test=test, population=scope
+    )
 
 
-def why_for_none(scope: ScopeOfTest, criterion: Criterion) -> tuple[str, ...]:
+def reasons_without_promise(scope: ScopeOfTest, criterion: Criterion) -> tuple[str, ...]:
     """Why a criterion promises nothing for a test: for its own quantities, or for the criterion's case."""
-    if scope.outside:
+    if scope.is_outside:
         return scope.sentences
     reason = "The criterion itself is for a case outside of its population."
     if criterion.provenance.position != Position.OUTSIDE:
@@ -78,18 +80,18 @@ def place_by_response(
     None where they cannot be carried: for an error other than RMS^R, a partly numerical or nonlinear
     structure, one beyond those that ship, a criterion of other motions, or a response outside of theirs.
     """
-    of_shipped = criterion.provenance.source == SOURCE and criterion.promise is not None
-    if not of_shipped or question.metric != Metric.RMS or not question.linear:
+    is_shipped = criterion.provenance.source == SOURCE and criterion.promise is not None
+    if not is_shipped or question.metric != Metric.RMS or not question.linear:
         return None
     structure = question.structure
-    shown = ellipse_of_response(reference, recording.time_step, structure)
-    own = criterion_of_response(
-        shown,
+    ellipse = ellipse_of_response(reference, recording.time_step, structure)
+    own_criterion = criterion_of_response(
+        ellipse,
         structure,
         threshold=criterion.threshold,
         confidence=criterion.confidence,
         tracking=(tracking.amplitude, tracking.delay),
     )
-    if own is None or own.provenance.position == Position.OUTSIDE:
+    if own_criterion is None or own_criterion.provenance.position == Position.OUTSIDE:
         return None
-    return place(own, structure, tracking.amplitude, tracking.delay, tracking.draws)
+    return place(own_criterion, structure, tracking.amplitude, tracking.delay, tracking.draws)

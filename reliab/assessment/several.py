@@ -30,7 +30,7 @@ class Assessments(ResultWithRows):
 
     shown: ClassVar[Columns] = {
         "test": ("file", ""),
-        "verdict": ("verdict", lambda word: Word(word).in_words if word else "not judged", "left"),
+        "verdict": ("verdict", lambda word: Word(word).phrase if word else "not judged", "left"),
         "error": ("", lambda test: _size(test, lambda size: percent_and_interval(**size)[0])),
         "90 % interval": (
             "",
@@ -88,6 +88,6 @@ class Assessments(ResultWithRows):
 
     def __repr__(self) -> str:
         words = [test.verdict for test in self.judged.values()]
-        counts = [f"{words.count(word)} {word.in_words}" for word in Word]
-        judged = ", ".join([*counts, f"{len(self.faults)} not judged"])
-        return f"<Assessments of {counted(len(self.files), 'test')}: {judged}>"
+        counts = [f"{words.count(word)} {word.phrase}" for word in Word]
+        counts_text = ", ".join([*counts, f"{len(self.faults)} not judged"])
+        return f"<Assessments of {counted(len(self.files), 'test')}: {counts_text}>"

@@ -39,7 +39,7 @@ class Substructures:
     of_specimen: tuple[Array, Array, Array]
 
     @classmethod
-    def of_partition(cls, partition: Partition) -> "Substructures":
+    def from_partition(cls, partition: Partition) -> "Substructures":
         """Take a frame with its specimen."""
         numerical = partition.numerical_substructure
         return cls(
@@ -70,31 +70,33 @@ class Substructures:
         """Which degrees of freedom have no mass, shape (n,)."""
         return np.asarray(np.abs(self.mass).max(axis=1) <= _NO_MASS * np.abs(self.mass).max())
 
-    def force_of_linear(self, at_interface: Array, step: float) -> tuple[Array, Array]:
+    def force_of_linear(self, interface_displacements: Array, step: float) -> tuple[Array, Array]:
         """Force of the linear specimen along a path [N], without the inertia of its mass and with it."""
         stiffness, damping, mass = self.of_specimen
-        velocity = np.gradient(at_interface, step, axis=1)
-        force = stiffness @ at_interface + damping @ velocity
+        velocity = np.gradient(interface_displacements, step, axis=1)
+        force = stiffness @ interface_displacements + damping @ velocity
         return force, force + mass @ np.gradient(velocity, step, axis=1)
 
-    def displacements(self, at_interface: Array, ground: Array | None, step: float) -> Array:
+    def displacements(self, interface_displacements: Array, ground: Array | None, step: float) -> Array:
         """All displacements [m], shape (n, samples), while the interface moves like this, (p, samples).
 
         `ground`: acceleration [m/s²], shape (samples,), without which only a structure that is all driven is
         known; what is not driven stands still at the first sample.
         """
         mass = self.mass + np.diag(self.bare * np.diag(self.stiffness) * (step / _LIGHT) ** 2)
-        moved = np.linalg.solve(mass, self.interface)
-        carried = moved @ np.linalg.inv(self.interface.T @ moved)
+        compliance_shapes = np.linalg.solve(mass, self.interface)
+        static_shapes = compliance_shapes @ np.linalg.inv(self.interface.T @ compliance_shapes)
         if self.all_driven or ground is None:
-            return np.asarray(carried @ at_interface)
+            return np.asarray(static_shapes @ interface_displacements)
         free = scipy.linalg.null_space(self.interface.T)
-        velocity = np.gradient(at_interface, step, axis=1)
-        pushed = mass @ np.outer(self.influence, ground)
-        pushed += self.damping @ carried @ velocity + self.stiffness @ carried @ at_interface
+        velocity = np.gradient(interface_displacements, step, axis=1)
+        loads = mass @ np.outer(self.influence, ground)
+        loads += (
+            self.damping @ static_shapes @ velocity + self.stiffness @ static_shapes @ interface_displacements
+        )
         inner = [free.T @ matrix @ free for matrix in (mass, self.damping, self.stiffness)]
-        followed = _follow(inner, -free.T @ pushed, step)
-        return np.asarray(free @ followed + carried @ at_interface)
+        inner_motion = _follow(inner, -free.T @ loads, step)
+        return np.asarray(free @ inner_motion + static_shapes @ interface_displacements)
 
     def accelerations(self, displacements: Array, force: Array, step: float) -> Array:
         """Absolute accelerations [m/s²], shape (n, samples): what springs, dashpots and specimen exert.
@@ -102,10 +104,10 @@ class Substructures:
         `force` without the inertia of the specimen's mass [N], shape (p, samples). Zero where no mass is.
         """
         velocity = np.gradient(displacements, step, axis=1)
-        pushed = self.damping @ velocity + self.stiffness @ displacements + self.interface @ force
+        forces = self.damping @ velocity + self.stiffness @ displacements + self.interface @ force
         heavy = ~self.bare.astype(bool)
         answer = np.zeros_like(displacements)
-        answer[heavy] = -np.linalg.solve(self.mass[np.ix_(heavy, heavy)], pushed[heavy])
+        answer[heavy] = -np.linalg.solve(self.mass[np.ix_(heavy, heavy)], forces[heavy])
         return answer
 
     def force_of_computer(self, displacements: Array, ground: Array, step: float) -> Array:
@@ -114,17 +116,17 @@ class Substructures:
         numerical = self.mass - mass
         velocity = np.gradient(displacements, step, axis=1)
         absolute = np.gradient(velocity, step, axis=1) + np.outer(self.influence, ground)
-        left = numerical @ absolute + mass @ np.outer(self.influence, ground)
-        left += self.damping @ velocity + self.stiffness @ displacements
-        return np.asarray(-np.linalg.lstsq(self.interface, left, rcond=None)[0])
+        forces = numerical @ absolute + mass @ np.outer(self.influence, ground)
+        forces += self.damping @ velocity + self.stiffness @ displacements
+        return np.asarray(-np.linalg.lstsq(self.interface, forces, rcond=None)[0])
 
 
 def _follow(matrices: list[Array], force: Array, step: float) -> Array:
     """Move under a force that is linear between samples, from where it stands still [m]."""
     mass, damping, stiffness = matrices
     size = mass.shape[0]
-    below = -np.linalg.solve(mass, np.hstack([stiffness, damping]))
-    dynamics = np.vstack([np.eye(size, 2 * size, size), below])
+    state_rows = -np.linalg.solve(mass, np.hstack([stiffness, damping]))
+    dynamics = np.vstack([np.eye(size, 2 * size, size), state_rows])
     loads = np.vstack([np.zeros((size, size)), np.linalg.inv(mass)])
     with one_thread():
         transition, early, late = exact_step(dynamics, loads, step)

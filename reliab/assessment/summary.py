@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from reliab.assessment.findings import LARGEST_PROBABILITY, Findings, capped
+from reliab.assessment.findings import LARGEST_PROBABILITY, Findings, cap_probability
 from reliab.assessment.own_equation import OwnEquation
 from reliab.assessment.placement import Placement
 from reliab.assessment.rebuilt_error.widenings import Widening
@@ -20,7 +20,7 @@ def summarise(findings: Findings) -> dict[str, Any]:
     Returns ready for JSON; None where a value is infinite or unknown. Delays are in milliseconds.
     """
     tracking, structure = findings.tracking, findings.structure
-    of_a, of_d = tracking.interval(LEVEL)
+    a_interval, d_interval = tracking.interval(LEVEL)
     turn = 2.0 * np.pi * tracking.plain.equivalent_frequency
     return {
         "f": structure.frequency,
@@ -31,13 +31,13 @@ def summarise(findings: Findings) -> dict[str, Any]:
         "phi": -turn * tracking.delay,
         "f_eq_hz": tracking.plain.equivalent_frequency,
         "d_ms": MILLI * tracking.delay,
-        "A_interval": list(of_a),
-        "d_ms_interval": [MILLI * bound for bound in of_d],
+        "A_interval": list(a_interval),
+        "d_ms_interval": [MILLI * bound for bound in d_interval],
         "interval_level": LEVEL,
         "index": finite(findings.index),
         "index_interval": _ends(findings.index_interval),
         "error": _error(findings),
-        "by_index": _by_index(findings),
+        "by_index": _summarise_by_index(findings),
         "stability_margin": finite(findings.stability_margin),
         "critical_delay_ms": finite(MILLI * findings.critical_delay),
         "basis": "population" if findings.placement is None else "motion",
@@ -75,11 +75,11 @@ def _error(findings: Findings) -> dict[str, Any]:
         **error.to_dict(),
         "widest": [_widening(widening) for widening in error.widenings],
         "contradictions": [*findings.equation.contradictions, *filter(None, [findings.equation.nonlinear])],
-        "identified": _identified(findings.equation),
+        "identified": _summarise_identification(findings.equation),
     }
 
 
-def _identified(equation: OwnEquation) -> dict[str, Any] | None:
+def _summarise_identification(equation: OwnEquation) -> dict[str, Any] | None:
     if equation.identified is None:
         return None
     quantities = {
@@ -101,7 +101,7 @@ def _widening(widening: Widening) -> dict[str, Any]:
     }
 
 
-def _by_index(findings: Findings) -> dict[str, Any]:
+def _summarise_by_index(findings: Findings) -> dict[str, Any]:
     verdict = findings.verdict_by_index
     return {
         "verdict": str(verdict.word),
@@ -113,20 +113,20 @@ def _by_index(findings: Findings) -> dict[str, Any]:
         "probability": findings.index_probability,
         "largest_probability": LARGEST_PROBABILITY,
         "basis": "population" if findings.placement is None else "motion",
-        "by_response": _by_response(findings.by_response),
+        "by_response": _summarise_by_response(findings.by_response),
         "side": "lead" if findings.tracking.delay < 0.0 else "lag",
     }
 
 
-def _by_response(placed: Placement | None) -> dict[str, Any] | None:
-    if placed is None:
+def _summarise_by_response(placement: Placement | None) -> dict[str, Any] | None:
+    if placement is None:
         return None
     return {
-        "a": placed.a,
-        "b": placed.b,
-        "index": finite(placed.index),
-        "index_interval": _ends(placed.index_interval),
-        "probability": capped(placed.probability),
+        "a": placement.a,
+        "b": placement.b,
+        "index": finite(placement.index),
+        "index_interval": _ends(placement.index_interval),
+        "probability": cap_probability(placement.probability),
     }
 
 
@@ -149,22 +149,22 @@ def _ends(interval: tuple[float, float] | None) -> list[float | None] | None:
 
 
 def _population(findings: Findings) -> dict[str, Any]:
-    placed, criterion = findings.population, findings.criterion
+    placement, criterion = findings.population, findings.criterion
     return {
-        "a": placed.a,
-        "b": placed.b,
-        "amplitude_limit": float(np.sqrt(placed.a)),
-        "delay_limit_ms": float(np.sqrt(placed.b)),
-        "index": finite(placed.index),
-        "reliable": None if placed.index is None else placed.index <= 1.0,
-        "probability": None if findings.scope.outside else capped(placed.probability),
+        "a": placement.a,
+        "b": placement.b,
+        "amplitude_limit": float(np.sqrt(placement.a)),
+        "delay_limit_ms": float(np.sqrt(placement.b)),
+        "index": finite(placement.index),
+        "reliable": None if placement.index is None else placement.index <= 1.0,
+        "probability": None if findings.scope.is_outside else cap_probability(placement.probability),
         "method": criterion.method,
         "joint": criterion.joint,
         "law": criterion.law.name,
         "source": criterion.provenance.source,
         "n_motions": criterion.provenance.n_motions,
         "n_events": criterion.provenance.n_events,
-        "outside_validity": placed.carried_from is not None,
+        "outside_validity": placement.carried_from is not None,
     }
 
 
@@ -178,7 +178,7 @@ def _motion(findings: Findings) -> dict[str, Any]:
         "error_interval": list(placement.error_interval),
         "index": finite(placement.index),
         "reliable": placement.index <= 1.0,
-        "probability": capped(placement.probability),
+        "probability": cap_probability(placement.probability),
         "window_s": list(placement.window),
         "begin_s": placement.alignment.begin,
         "found_in_record": placement.alignment.matched,

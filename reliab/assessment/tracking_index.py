@@ -43,8 +43,8 @@ from reliab.tracking.indices.tracking import (
     tracking_indicator,
 )
 
-_ABOVE_FLOOR = 10.0
-_SMOOTHED = 16  # bins over which a periodogram is averaged
+_FLOOR_FACTOR = 10.0
+_SMOOTHING_BINS = 16  # bins over which a periodogram is averaged
 _NOISIER, _ROUNDING = 10.0, 5e-9  # in power
 _ROOM = 0.9  # share of the Nyquist frequency up to which a filter is worth while
 
@@ -77,20 +77,20 @@ class Band:
     noise: Array  # Noise in the filtered command by bin, over the command's power [-], shape (n // 2,)
 
 
-def in_band(recording: Recording) -> Band:
+def filter_to_band(recording: Recording) -> Band:
     """Filter both histories alike at twice the highest frequency where the command rises above its noise."""
     power = power_of(recording.command)
     floor = upper_level(power)
-    smooth = np.convolve(power, np.full(_SMOOTHED, 1.0 / _SMOOTHED), mode="same")
-    bins = int(np.flatnonzero(smooth >= np.minimum(_ABOVE_FLOOR * floor, smooth.max()))[-1]) + 1
-    histories, passed = [recording.command, recording.measured], np.ones(power.size)
+    smooth = np.convolve(power, np.full(_SMOOTHING_BINS, 1.0 / _SMOOTHING_BINS), mode="same")
+    bins = int(np.flatnonzero(smooth >= np.minimum(_FLOOR_FACTOR * floor, smooth.max()))[-1]) + 1
+    histories, gain = [recording.command, recording.measured], np.ones(power.size)
     total = power.sum()
     if 2 * bins < _ROOM * power.size:
         sections = scipy.signal.butter(4, 2.0 * bins / power.size, output="sos")
         histories = [np.asarray(scipy.signal.sosfiltfilt(sections, history)) for history in histories]
-        passed = np.abs(scipy.signal.sosfreqz(sections, power.size)[1]) ** 4  # forwards and backwards
+        gain = np.abs(scipy.signal.sosfreqz(sections, power.size)[1]) ** 4  # forwards and backwards
         total = power_of(histories[0]).sum()
-    noise = floor * passed / float(total)
+    noise = floor * gain / float(total)
     return Band(command=histories[0], measured=histories[1], bins=bins, noise=noise)
 
 
@@ -142,8 +142,8 @@ class TrackingIndex:
     def spread(self) -> tuple[float, float]:
         """Half of the central 68 % of A [-] and d [s], as a standard deviation."""
         low, high = np.quantile(self.draws, [0.1587, 0.8413], axis=1)
-        of_a, of_d = (0.5 * (high - low)).tolist()
-        return of_a, of_d
+        a_spread, d_spread = (0.5 * (high - low)).tolist()
+        return a_spread, d_spread
 
 
 def track(recording: Recording, *, window: str = "hann", draws: int = 2000, seed: int = 0) -> TrackingIndex:
@@ -156,23 +156,25 @@ def track(recording: Recording, *, window: str = "hann", draws: int = 2000, seed
     >>> round(found.amplitude, 5), round(1e3 * found.delay, 4)
     (0.99, 2.0)
     """
-    recording = replace(recording, command=_centred(recording.command), measured=_centred(recording.measured))
-    band, step = in_band(recording), recording.time_step
-    commanded = CommandSpectrum(command=band.command, time_step=step, window=window)
-    plain = _without_noise(commanded.evaluate(band.measured), band, step)
+    recording = replace(
+        recording, command=_remove_mean(recording.command), measured=_remove_mean(recording.measured)
+    )
+    band, step = filter_to_band(recording), recording.time_step
+    command_spectrum = CommandSpectrum(command=band.command, time_step=step, window=window)
+    plain = _subtract_noise(command_spectrum.evaluate(band.measured), band, step)
     path = CubicPath.interpolate(np.arange(band.command.size) * step, band.command)
     gain, delay = plain.amplitude, plain.equivalent_delay
     for _ in range(_REFINEMENTS):
-        reference = commanded.evaluate(_moved(path, gain, delay))
+        reference = command_spectrum.evaluate(_scale_and_delay(path, gain, delay))
         gain += plain.amplitude - reference.amplitude
         delay += plain.equivalent_delay - reference.equivalent_delay
-    residual = band.measured - _moved(path, gain, delay)
+    residual = band.measured - _scale_and_delay(path, gain, delay)
     turn = 2.0 * np.pi * plain.equivalent_frequency
     error = index_errors(band.command, residual, window=window, draws=draws, seed=seed) / (
         gain * np.exp(-1j * turn * delay)
     )
     full = CubicPath.interpolate(np.arange(recording.command.size) * step, recording.command)
-    noise = recording.measured - _moved(full, gain, delay)
+    noise = recording.measured - _scale_and_delay(full, gain, delay)
     return TrackingIndex(
         amplitude=gain,
         delay=delay,
@@ -180,16 +182,16 @@ def track(recording: Recording, *, window: str = "hann", draws: int = 2000, seed
         draws=np.stack([gain * (1.0 + error.real), delay - error.imag / turn]),
         noise_share=_rms(noise) / _rms(recording.measured),
         attenuation=float(band.noise.sum()),
-        unexplained_share=_unexplained(residual, noise, band),
+        unexplained_share=_unexplained_share(residual, noise, band),
     )
 
 
-def _moved(path: CubicPath, gain: float, delay: float) -> Array:
+def _scale_and_delay(path: CubicPath, gain: float, delay: float) -> Array:
     """Command times a gain and later by a delay, without its mean; at rest before the first sample."""
-    return _centred(gain * path.read_delayed(delay))
+    return _remove_mean(gain * path.read_delayed(delay))
 
 
-def _centred(values: Array) -> Array:
+def _remove_mean(values: Array) -> Array:
     """Take off the mean, in which sensors may have an offset."""
     return np.asarray(values - values.mean(), dtype=np.float64)
 
@@ -198,7 +200,7 @@ def _rms(values: Array) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 
-def _without_noise(plain: FrequencyEvaluation, band: Band, step: float) -> FrequencyEvaluation:
+def _subtract_noise(plain: FrequencyEvaluation, band: Band, step: float) -> FrequencyEvaluation:
     """Take the noise off the command's power in equations (1) and (4)."""
     frequency = (np.arange(band.noise.size) + 1.0) / (band.command.size * step)
     signal = 1.0 - float(band.noise.sum())
@@ -211,7 +213,7 @@ def _without_noise(plain: FrequencyEvaluation, band: Band, step: float) -> Frequ
     )
 
 
-def _unexplained(residual: Array, noise: Array, band: Band) -> float:
+def _unexplained_share(residual: Array, noise: Array, band: Band) -> float:
     """Share of the remainder in the band that noise of the level beyond the band does not account for."""
     floor, _ = noise_floor(noise)
     excess = float(power_of(residual)[: band.bins].sum()) - floor * band.bins
@@ -265,15 +267,15 @@ def _blocks(contribution: NDArray[np.complex128], energy: Array) -> tuple[NDArra
 
 def _reach(values: Array, effective: float) -> int:
     """Lag beyond which values are no longer correlated (Politis 2003), over a number of effective values."""
-    centred = values - values.mean()
-    spectrum = np.abs(np.fft.rfft(centred, 2 * centred.size)) ** 2
-    correlation = np.fft.irfft(spectrum)[: centred.size]
+    centred_values = values - values.mean()
+    spectrum = np.abs(np.fft.rfft(centred_values, 2 * centred_values.size)) ** 2
+    correlation = np.fft.irfft(spectrum)[: centred_values.size]
     if not correlation[0] > 0.0:
         return 0
     limit = 2.0 * np.sqrt(np.log10(max(effective, 2.0)) / effective)
     quiet = np.abs(correlation[1:] / correlation[0]) < limit
     runs = np.flatnonzero(np.convolve(quiet, np.ones(_RUN), mode="valid") == _RUN)
-    return int(runs[0]) if runs.size else centred.size
+    return int(runs[0]) if runs.size else centred_values.size
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -303,19 +305,19 @@ def measure_tracking(recording: Recording) -> TrackingMeasures:
     >>> round(found.phase_error, 3), round(found.amplitude_error, 3), round(found.tracking_indicator, 2)
     (0.05, -0.02, 1.54)
     """
-    command, measured = recording.command, recording.measured
-    force = measured if recording.force is None else recording.force
-    errors = phase_amplitude_errors(command, measured)
-    largest_energy = 0.5 * float(np.abs(force * measured).max())
+    command, measured_displacement = recording.command, recording.measured
+    force = measured_displacement if recording.force is None else recording.force
+    errors = phase_amplitude_errors(command, measured_displacement)
+    largest_energy = 0.5 * float(np.abs(force * measured_displacement).max())
     return TrackingMeasures(
-        maximum_error=maximum_tracking_error(command, measured),
-        rms_error=rms_tracking_error(command, measured),
-        tracking_indicator=float(tracking_indicator(command, measured)[-1]),
+        maximum_error=maximum_tracking_error(command, measured_displacement),
+        rms_error=rms_tracking_error(command, measured_displacement),
+        tracking_indicator=float(tracking_indicator(command, measured_displacement)[-1]),
         phase_error=errors.phase,
         amplitude_error=errors.amplitude,
-        energy_error=float(energy_error(command, measured, force)[-1]) / largest_energy,
+        energy_error=float(energy_error(command, measured_displacement, force)[-1]) / largest_energy,
         of_recorded_force=recording.force is not None,
-        delay_by_correlation=delay_by_cross_correlation(command, measured, recording.time_step),
+        delay_by_correlation=delay_by_cross_correlation(command, measured_displacement, recording.time_step),
     )
 
 
@@ -348,16 +350,18 @@ def _range(values: NDArray[np.float64], deviations: NDArray[np.float64]) -> floa
     return max(float(high.max() - low.min()), 0.0)
 
 
-def track_windows(recording: Recording, whole: TrackingIndex, *, window: str = "hann") -> Windows:
+def track_windows(recording: Recording, index_of_test: TrackingIndex, *, window: str = "hann") -> Windows:
     """Evaluate A and d in windows that overlap by half."""
-    begins, size = _cuts(recording, whole.plain.equivalent_frequency)
+    begins, size = _cuts(recording, index_of_test.plain.equivalent_frequency)
     energies = [float(np.var(recording.command[begin : begin + size])) for begin in begins]
     rows = []
     for begin, energy in zip(begins, energies, strict=True):
-        tracked = None if energy < _QUIET * max(energies) else _tracked(recording, begin, size, window)
-        if tracked is not None:
+        window_index = (
+            None if energy < _QUIET * max(energies) else _track_window(recording, begin, size, window)
+        )
+        if window_index is not None:
             centre = (begin + 0.5 * size) * recording.time_step
-            rows.append((centre, tracked.amplitude, tracked.delay, *tracked.spread))
+            rows.append((centre, window_index.amplitude, window_index.delay, *window_index.spread))
     columns = np.array(rows, dtype=np.float64).reshape(-1, 5).T
     names = ("centre", "amplitude", "delay", "amplitude_sd", "delay_sd")
     return Windows(**dict(zip(names, columns, strict=True)), length=size * recording.time_step)
@@ -373,7 +377,7 @@ def _cuts(recording: Recording, frequency: float) -> tuple[list[int], int]:
     return np.linspace(0, total - size, count).astype(int).tolist(), size
 
 
-def _tracked(recording: Recording, begin: int, size: int, window: str) -> TrackingIndex | None:
+def _track_window(recording: Recording, begin: int, size: int, window: str) -> TrackingIndex | None:
     """Index of one window; None where it has none, as where nothing moves."""
     stretch = slice(begin, begin + size)
     try:

@@ -16,7 +16,7 @@ from reliab.assessment.yielding import (
     HARDENINGS,
     errors_of_ductilities,
     errors_of_hardenings,
-    hardened,
+    hardening_specimen,
     largest_displacement,
     yielded,
 )
@@ -59,7 +59,7 @@ class Turning:
         nothing_turns = self.smallest_ductility is None and self.smallest_hardening is None
         if nothing_turns or verdict.word is not Word.RELIABLE or probability / (1.0 + self.odds) >= CERTAIN:
             return verdict
-        return verdict.doubted(self._of_specimen, [_YIELDING])
+        return verdict.add_doubts(self._specimen_sentences, [_YIELDING])
 
     @property
     def sentences(self) -> tuple[str, ...]:
@@ -71,20 +71,21 @@ class Turning:
         return tuple(sentence for sentence in self.sentences if sentence not in verdict.reasons)
 
     @property
-    def _of_specimen(self) -> tuple[str, ...]:
+    def _specimen_sentences(self) -> tuple[str, ...]:
         """What another specimen would do, in a sentence; none where it is known."""
         if self.error_if_yielding is None or self.error_if_hardening is None:
             return ()
         sentence = (
             f"{_UNKNOWN} (ductility up to {significant(DUCTILITIES[-1])}), the error would be "
-            f"{_between(self.error_if_yielding)}{_turned('ductility', self.smallest_ductility)}; if it "
+            f"{_error_range(self.error_if_yielding)}"
+            f"{_turning_value('ductility', self.smallest_ductility)}; if it "
             f"hardened (by up to {percent(HARDENINGS[-1])} of its force), "
-            f"{_between(self.error_if_hardening)}{_turned('hardening', self.smallest_hardening)}."
+            f"{_error_range(self.error_if_hardening)}{_turning_value('hardening', self.smallest_hardening)}."
         )
         return (sentence,)
 
     def _sentences(self) -> Iterator[str]:
-        yield from self._of_specimen
+        yield from self._specimen_sentences
         if self.highest_filter is not None:
             yield (
                 "No filters stated. A low-pass filter of second order at "
@@ -96,26 +97,26 @@ class Turning:
 
     def to_dict(self) -> dict[str, Any]:
         """Put it into plain values."""
-        between = self.error_if_yielding
+        yielding_errors = self.error_if_yielding
         return {
             "smallest_ductility": self.smallest_ductility,
-            "error_if_yielding": None if between is None else list(between),
+            "error_if_yielding": None if yielding_errors is None else list(yielding_errors),
             "smallest_hardening": self.smallest_hardening,
             "error_if_hardening": None if self.error_if_hardening is None else list(self.error_if_hardening),
             "highest_filter_hz": self.highest_filter,
         }
 
 
-def _between(errors: tuple[float, float]) -> str:
+def _error_range(errors: tuple[float, float]) -> str:
     return f"{percent(errors[0], 2)} to {percent(errors[1], 2)}"
 
 
-def _turned(what: str, smallest: float | None) -> str:
+def _turning_value(quantity: str, smallest: float | None) -> str:
     """Say with how much of it the verdict would turn."""
     if smallest is None:
         return " (same verdict)"
-    size = significant(smallest) if what == "ductility" else percent(smallest)
-    return f" (another verdict from a {what} of {size} on)"
+    size = significant(smallest) if quantity == "ductility" else percent(smallest)
+    return f" (another verdict from a {quantity} of {size} on)"
 
 
 def examine_turning(
@@ -131,15 +132,15 @@ def examine_turning(
     doubt_of_skew = "" if "skew" in question.stated else question.equipment.doubt_of_skew(step)
     if not (isinstance(error, ErrorOfTest) and isinstance(recording, Recording)):
         return Turning(doubt_of_skew=doubt_of_skew)
-    settled = recording.force is not None or question.linear_specimen
-    yielding = {} if settled else errors_of_ductilities(error.rebuilt, question.metric)
-    hardening = {} if settled else errors_of_hardenings(error.rebuilt, question.metric)
+    is_known = recording.force is not None or question.linear_specimen
+    yielding = {} if is_known else errors_of_ductilities(error.rebuilt, question.metric)
+    hardening = {} if is_known else errors_of_hardenings(error.rebuilt, question.metric)
     filters = _errors_if_filtered(error) if "filter_delay" not in question.stated else {}
     return Turning(
         smallest_ductility=_first(yielding, error),
-        error_if_yielding=None if settled else (min(yielding.values()), max(yielding.values())),
+        error_if_yielding=None if is_known else (min(yielding.values()), max(yielding.values())),
         smallest_hardening=_first(hardening, error),
-        error_if_hardening=None if settled else (min(hardening.values()), max(hardening.values())),
+        error_if_hardening=None if is_known else (min(hardening.values()), max(hardening.values())),
         highest_filter=_first(filters, error),
         doubt_of_skew=doubt_of_skew,
         odds=_odds(error, yielding, hardening, question.equipment.yielding),
@@ -159,11 +160,11 @@ def _odds(
     peak = largest_displacement(error.rebuilt)
     specimens = [
         *(yielded(peak, ductility) for ductility, size in yielding.items() if size >= error.threshold),
-        *(hardened(peak, part) for part, size in hardening.items() if size >= error.threshold),
+        *(hardening_specimen(peak, part) for part, size in hardening.items() if size >= error.threshold),
     ]
-    each = share / (1.0 - share) / max(len(yielding) + len(hardening), 1) if share < 1.0 else np.inf
+    prior_odds = share / (1.0 - share) / max(len(yielding) + len(hardening), 1) if share < 1.0 else np.inf
     ratios = [error.inferred.log_evidence_ratio(specimen, error.rebuilt.histories) for specimen in specimens]
-    return float(each * np.sum(np.exp(np.minimum(ratios, _LARGEST_LOGARITHM)))) if ratios else 0.0
+    return float(prior_odds * np.sum(np.exp(np.minimum(ratios, _LARGEST_LOGARITHM)))) if ratios else 0.0
 
 
 _LARGEST_LOGARITHM = 50.0
@@ -173,8 +174,8 @@ def _first(errors: Mapping[float, float], error: ErrorOfTest) -> float | None:
     """First value whose error lies on the other side of the threshold; None for an undecided verdict."""
     if word_of_probability(error.probability) is Word.UNDECIDED:
         return None
-    below = error.estimate(error.metric).value < error.threshold
-    return next((value for value, size in errors.items() if (size < error.threshold) != below), None)
+    is_below = error.estimate(error.metric).value < error.threshold
+    return next((value for value, size in errors.items() if (size < error.threshold) != is_below), None)
 
 
 def _errors_if_filtered(error: ErrorOfTest) -> dict[float, float]:
@@ -185,12 +186,12 @@ def _errors_if_filtered(error: ErrorOfTest) -> dict[float, float]:
     rebuilt, histories = error.rebuilt, error.rebuilt.histories
     rate = np.gradient(histories.measured, histories.time_step)
     recursion = Recursion.from_displacement(rebuilt.structure, histories.time_step)
-    moved = respond(recursion, rate)[0]
+    response = respond(recursion, rate)[0]
     nearer = max if error.estimate(error.metric).value < error.threshold else min
 
     def size(late: float) -> float:
-        strayed = rebuilt.smooth_error + late * (rate - moved)
-        return relative_error(strayed, rebuilt.reference + late * moved, error.metric)
+        error_ = rebuilt.smooth_error + late * (rate - response)
+        return relative_error(error_, rebuilt.reference + late * response, error.metric)
 
     delays = {corner: LowPass(corner=corner).delay for corner in CORNERS}
     return {corner: nearer(size(late), size(-late)) for corner, late in delays.items()}

@@ -24,16 +24,16 @@ class BudgetItem(PlainResult):
     remedy: str  # What would reduce it, a sentence
 
     @classmethod
-    def of_widening(cls, widening: Widening, described: Description, source: Source) -> "BudgetItem":
+    def from_widening(cls, widening: Widening, description: Description, source: Source) -> "BudgetItem":
         """Say in words what widens an interval."""
         return cls(
             name=widening.name,
-            quantity=described.words,
-            size=described.factor * widening.deviation if described.unit else None,
-            unit=described.unit,
+            quantity=description.words,
+            size=description.factor * widening.deviation if description.unit else None,
+            unit=description.unit,
             source=source,
             contribution=widening.contribution,
-            remedy=described.remedy,
+            remedy=description.remedy,
         )
 
 
@@ -70,7 +70,10 @@ _NOT_INFERRED = {  # with a measured specimen, or where the noise of its sensor 
         remedy="Use a displacement sensor with less noise.",
     ),
 }
-_DESCRIBED: Mapping[str, Description] = {**{one.name: one for one in QUANTITIES}, **_NOT_INFERRED}
+_DESCRIPTIONS: Mapping[str, Description] = {
+    **{quantity.name: quantity for quantity in QUANTITIES},
+    **_NOT_INFERRED,
+}
 
 
 def budget_of_error(widenings: Iterable[Widening], sizes: Mapping[str, Size]) -> tuple[BudgetItem, ...]:
@@ -82,14 +85,14 @@ def _item(widening: Widening, sizes: Mapping[str, Size]) -> BudgetItem:
     """Describe a quantity of the test, or of one of its actuators, and what it contributes."""
     name = widening.name
     begin, _, number = name.rpartition("_")
-    alike = begin if number.isdecimal() and not is_part(name) else name
-    described = describe(alike)
-    if alike != name:
-        described = described.describe_for_actuator(int(number))
-    size = sizes.get(name, sizes.get(alike))
-    return BudgetItem.of_widening(widening, described, Source.LEARNED if size is None else size.source)
+    stem = begin if number.isdecimal() and not is_part(name) else name
+    description = describe(stem)
+    if stem != name:
+        description = description.describe_for_actuator(int(number))
+    size = sizes.get(name, sizes.get(stem))
+    return BudgetItem.from_widening(widening, description, Source.LEARNED if size is None else size.source)
 
 
 def describe(name: str) -> Description:
     """Describe what is not known exactly, such as "time_shift" or "storey_stiffness_2"."""
-    return part_of_structure(name) if is_part(name) else _DESCRIBED[name.removeprefix("lagging_")]
+    return part_of_structure(name) if is_part(name) else _DESCRIPTIONS[name.removeprefix("lagging_")]

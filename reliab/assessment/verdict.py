@@ -22,14 +22,14 @@ class Word(StrEnum):
     NOT_RELIABLE = "not_reliable"
 
     @property
-    def in_words(self) -> str:
+    def phrase(self) -> str:
         """The word in a sentence."""
         return self.value.replace("_", " ")
 
     @property
     def shout(self) -> str:
         """The word as a headline."""
-        return self.in_words.upper()
+        return self.phrase.upper()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,7 +41,7 @@ class Verdict:
     # What to do about an undecided test, in sentences; what narrows the interval may not decide it
     would_decide: tuple[str, ...] = ()
 
-    def doubted(self, reasons: Sequence[str], would_decide: Sequence[str]) -> "Verdict":
+    def add_doubts(self, reasons: Sequence[str], would_decide: Sequence[str]) -> "Verdict":
         """Return the verdict as undecided for further reasons; unchanged where there are none."""
         if not reasons:
             return self
@@ -64,11 +64,11 @@ def word_of_probability(probability: float) -> Word:
 
 
 def error_in_words(
-    name: str, size: Estimate, threshold: float, probability: float, *, with_interval: bool = False
+    name: str, size: Estimate, threshold: float, probability: float, *, show_interval: bool = False
 ) -> str:
     """Say how large an error is [-], and how likely it is to stay below a threshold [-].
 
-    The value is said where it and the probability decide alike, else the 90 % interval. `with_interval`:
+    The value is said where it and the probability decide alike, else the 90 % interval. `show_interval`:
     whether the interval is said in any case.
 
     >>> size = Estimate(value=0.0576, low=0.0051, high=0.0847)
@@ -77,13 +77,13 @@ def error_in_words(
     >>> error_in_words("RMS error", size, 0.05, 0.004, with_interval=True)
     'RMS error 5.8 % (90 % interval 0.5 to 8.5 %), less than 1 % likely to be below 5 %'
     """
-    decided = Word.RELIABLE if size.value < threshold else Word.NOT_RELIABLE
+    word = Word.RELIABLE if size.value < threshold else Word.NOT_RELIABLE
     value, interval = percent_and_interval(size.value, size.low, size.high)
-    if word_of_probability(probability) is decided:
-        how_large = f"{value} (90 % interval {interval})" if with_interval else value
+    if word_of_probability(probability) is word:
+        size_text = f"{value} (90 % interval {interval})" if show_interval else value
     else:
-        how_large = f"{interval} (90 % interval)" if with_interval else interval
-    return f"{name} {how_large}, {_likely(probability)} to be below {percent(threshold)}"
+        size_text = f"{interval} (90 % interval)" if show_interval else interval
+    return f"{name} {size_text}, {_likely(probability)} to be below {percent(threshold)}"
 
 
 def _likely(probability: float) -> str:
@@ -124,11 +124,12 @@ def verdict_by_index(
     probability: float | None,
     confidence: float,
     own_motion: bool,
-    outside: Sequence[str] = (),
+    outside_reasons: Sequence[str] = (),
 ) -> Verdict:
     """Judge a test by its index.
 
-    `outside` says why no motion behind the criterion is like the test's; the index then decides nothing.
+    `outside_reasons` says why no motion behind the criterion is like the test's; the index then decides
+    nothing.
 
     Returns undecided where the interval holds 1, and where too many ground motions would keep the error below
     the threshold to call the test bad, and too few to call it good.
@@ -139,10 +140,10 @@ def verdict_by_index(
             reasons=("The measured displacement leads, and the criterion has no limits for leads.",),
             would_decide=("Give the `motion` of the test, or a criterion that has limits for leads.",),
         )
-    if outside:
+    if outside_reasons:
         return Verdict(
             word=Word.UNDECIDED,
-            reasons=(*outside, "The criterion does not cover such a test."),
+            reasons=(*outside_reasons, "The criterion does not cover such a test."),
             would_decide=("Give the `motion` of the test, by whose boundary the index is then judged.",),
         )
     low, high = interval

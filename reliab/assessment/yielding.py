@@ -34,7 +34,7 @@ def errors_of_ductilities(
     rebuilt: RebuiltError, metric: Metric, ductilities: Sequence[float] = DUCTILITIES
 ) -> dict[float, float]:
     """Errors if the specimen yielded to each ductility, with all else as stated."""
-    peak = _largest(_thinned(rebuilt))
+    peak = _largest(_thin_histories(rebuilt))
     specimens = [yielded(peak, ductility) for ductility in ductilities]
     return dict(zip(ductilities, _errors(rebuilt, metric, specimens), strict=True))
 
@@ -43,8 +43,8 @@ def errors_of_hardenings(
     rebuilt: RebuiltError, metric: Metric, hardenings: Sequence[float] = HARDENINGS
 ) -> dict[float, float]:
     """Errors if the specimen hardened with the cube of its displacement, by each share at its largest."""
-    peak = _largest(_thinned(rebuilt))
-    specimens = [hardened(peak, hardening) for hardening in hardenings]
+    peak = _largest(_thin_histories(rebuilt))
+    specimens = [hardening_specimen(peak, hardening) for hardening in hardenings]
     return dict(zip(hardenings, _errors(rebuilt, metric, specimens), strict=True))
 
 
@@ -53,17 +53,17 @@ def yielded(peak: float, ductility: float) -> SteppedEffect:
     return yielding_specimen(peak / ductility, _HARDENING, _SHARPNESS)
 
 
-def hardened(peak: float, hardening: float) -> SteppedEffect:
+def hardening_specimen(peak: float, hardening: float) -> SteppedEffect:
     """Return a specimen whose force at a largest displacement [m] exceeds the linear one by a share of it."""
     return CubicStiffness(cubic_n_per_m3=hardening / peak**2)
 
 
 def largest_displacement(rebuilt: RebuiltError) -> float:
     """Largest measured displacement of a test [m]."""
-    return _largest(_thinned(rebuilt))
+    return _largest(_thin_histories(rebuilt))
 
 
-def _thinned(rebuilt: RebuiltError) -> Histories:
+def _thin_histories(rebuilt: RebuiltError) -> Histories:
     return rebuilt.histories.thin(samples_in_step_of_structure(rebuilt.structure, rebuilt.time_step))
 
 
@@ -73,6 +73,6 @@ def _largest(histories: Histories) -> float:
 
 
 def _errors(rebuilt: RebuiltError, metric: Metric, specimens: Sequence[SteppedEffect]) -> list[float]:
-    square, largest, ideal = errors_with_specimens(specimens, _thinned(rebuilt), rebuilt.structure).T
+    square, largest, ideal = errors_with_specimens(specimens, _thin_histories(rebuilt), rebuilt.structure).T
     errors = (np.sqrt(square) if metric is Metric.RMS else largest) / ideal
     return [float(error) for error in errors]

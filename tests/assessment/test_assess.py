@@ -11,7 +11,7 @@ from reliab.assessment.assess import assess
 from reliab.assessment.default_criterion import default_criterion
 from reliab.assessment.findings import LARGEST_PROBABILITY, improvement
 from reliab.assessment.own_motion import OwnBoundary
-from reliab.assessment.placement import carried_limits
+from reliab.assessment.placement import scale_limits
 from reliab.core.vocabulary import Metric, Side
 from reliab.criterion.published import published_criterion
 from reliab.effects.backlash import Backlash
@@ -87,7 +87,7 @@ def test_structure_outside_the_criterion_is_warned_of_and_carried_over(simulate)
     at_edge = default_criterion(2.0, 0.02, duration=test.duration).limits(2.0, 0.02)
     assert found.population.a == pytest.approx(float(at_edge[0]))
     assert found.population.b == pytest.approx(float(at_edge[1]) * (2.0 / 3.0) ** 2)
-    assert carried_limits(found.criterion, ONE_HERTZ)[1] == pytest.approx(float(at_edge[1]) * 4.0)
+    assert scale_limits(found.criterion, ONE_HERTZ)[1] == pytest.approx(float(at_edge[1]) * 4.0)
 
 
 def test_published_criterion_has_no_probability(simulate):

@@ -8,7 +8,7 @@ import pytest
 from late_runs import runs_of
 
 import reliab
-from reliab.assessment.comparison import _probability_larger, _ranked_files, paired_differences, rank_tests
+from reliab.assessment.comparison import _order_files, _probability_larger, rank_tests, subtract_errors
 from reliab.assessment.rebuilt_error.spread import Estimate
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import Metric
@@ -117,10 +117,10 @@ def test_tests_are_ranked_by_the_probabilities_that_are_said(rows, order):
     """Whatever their values are."""
     values = dict(zip(rows, range(len(rows), 0, -1), strict=True))
     errors = errors_drawn(rows, values)
-    ranked = _ranked_files(errors, Metric.RMS)
+    ranked = _order_files(errors, Metric.RMS)
     assert ranked == order
     for file in ranked[1:]:
-        assert _probability_larger(*paired_differences(errors[file], errors[ranked[0]], Metric.RMS)) > 0.5
+        assert _probability_larger(*subtract_errors(errors[file], errors[ranked[0]], Metric.RMS)) > 0.5
 
 
 def test_equal_tests_are_as_likely_the_better_one():

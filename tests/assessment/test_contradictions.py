@@ -7,7 +7,7 @@ import pytest
 
 from reliab.assessment import contradictions
 from reliab.assessment.assess import assess
-from reliab.assessment.contradictions import limited, of_frequency
+from reliab.assessment.contradictions import contradict_frequency, limit_verdict
 from reliab.assessment.findings import Findings
 from reliab.assessment.frame_test import assess_frame
 from reliab.assessment.tracking_index import track
@@ -115,10 +115,10 @@ def test_every_kind_of_contradiction_has_its_case():
 def test_a_bad_test_stays_bad_unless_its_structure_may_be_another_one():
     bad = Verdict(word=Word.NOT_RELIABLE, reasons=("The error is large.",))
     doubt = contradictions.Contradiction(finding="It is doubted.", remedy="Find out.")
-    assert limited(bad, [doubt]) is bad
-    assert limited(bad, [doubt, replace(doubt, of_structure=True)]).word is Word.UNDECIDED
-    assert limited(replace(bad, word=Word.RELIABLE), [doubt]).word is Word.UNDECIDED
-    assert limited(replace(bad, word=Word.RELIABLE), []).word is Word.RELIABLE
+    assert limit_verdict(bad, [doubt]) is bad
+    assert limit_verdict(bad, [doubt, replace(doubt, of_structure=True)]).word is Word.UNDECIDED
+    assert limit_verdict(replace(bad, word=Word.RELIABLE), [doubt]).word is Word.UNDECIDED
+    assert limit_verdict(replace(bad, word=Word.RELIABLE), []).word is Word.RELIABLE
 
 
 def test_a_stiff_structure_that_moves_below_its_frequency_is_not_doubted(simulate):
@@ -128,9 +128,9 @@ def test_a_stiff_structure_that_moves_below_its_frequency_is_not_doubted(simulat
         test = simulate(motion, f=8.0, noise=0.001, delay=1e-4)
         tracking = track(test, draws=2)
         below += tracking.plain.equivalent_frequency < 4.0
-        assert not list(of_frequency(test, tracking, [8.0]))
+        assert not list(contradict_frequency(test, tracking, [8.0]))
         for wrong in (0.2, 40.0):
-            assert list(of_frequency(test, tracking, [wrong])), (motion, wrong)
+            assert list(contradict_frequency(test, tracking, [wrong])), (motion, wrong)
     assert below > 0
 
 

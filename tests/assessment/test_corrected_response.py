@@ -10,7 +10,7 @@ from coupled_structures import coupled_response
 
 import reliab
 from reliab.app.cli import run
-from reliab.assessment.corrected_response import corrected_response
+from reliab.assessment.corrected_response import correct_response
 from reliab.assessment.frame_assessment import CoupledAssessment
 from reliab.assessment.frame_test import assess_frame
 from reliab.assessment.substructures import Substructures
@@ -48,7 +48,7 @@ def _two_storeys() -> tuple[Frame, Partition]:
 def test_all_displacements_follow_from_the_interface_and_the_ground() -> None:
     """Against the undivided structure under the same ground motion, of which the interface alone is told."""
     frame, partition = _two_storeys()
-    shared = Substructures.of_partition(partition)
+    shared = Substructures.from_partition(partition)
     true = reference_response(frame, _GROUND, _STEP)
     found = shared.displacements(partition.interface.T @ true, _GROUND, _STEP)
     assert found == pytest.approx(true, abs=2e-4 * np.abs(true).max())
@@ -57,7 +57,7 @@ def test_all_displacements_follow_from_the_interface_and_the_ground() -> None:
 def test_what_acts_on_the_masses_is_their_absolute_acceleration() -> None:
     """Springs, dashpots and the specimen's force, beside twice the derivative of the displacements."""
     frame, partition = _two_storeys()
-    shared = Substructures.of_partition(partition)
+    shared = Substructures.from_partition(partition)
     true = reference_response(frame, _GROUND, _STEP)
     force, felt = shared.force_of_linear(partition.interface.T @ true, _STEP)
     found = shared.accelerations(true, force, _STEP)
@@ -72,7 +72,7 @@ def test_degrees_of_freedom_without_mass_follow_too() -> None:
     light = replace(frame, mass=np.diag([1000.0, 900.0, 1e-3]))
     bare = replace(partition, mass=np.diag([1000.0, 900.0, 0.0]))
     true = reference_response(light, _GROUND, _STEP)
-    shared = Substructures.of_partition(bare)
+    shared = Substructures.from_partition(bare)
     found = shared.displacements(partition.interface.T @ true, _GROUND, _STEP)
     assert found == pytest.approx(true, abs=5e-3 * np.abs(true).max())
     force, _ = shared.force_of_linear(partition.interface.T @ true, _STEP)
@@ -104,7 +104,7 @@ def coupled() -> tuple[CoupledAssessment, np.ndarray, np.ndarray]:
 
 
 def _shaken_by(found: CoupledAssessment, ground: np.ndarray | None) -> xr.Dataset:
-    return corrected_response(replace(found, recording=replace(found.recording, ground=ground)))
+    return correct_response(replace(found, recording=replace(found.recording, ground=ground)))
 
 
 @pytest.mark.slow
@@ -113,7 +113,7 @@ def test_several_actuators_are_corrected_at_all_degrees_of_freedom(
 ) -> None:
     """A roof that nobody measured is right too."""
     found, true, moved = coupled
-    corrected = corrected_response(found)
+    corrected = correct_response(found)
     for place, name in enumerate(("x", "theta")):
         left = np.std(corrected[f"exact_{name}"].to_numpy() - true[place])
         assert left < 0.3 * np.std(moved[place] - true[place])
@@ -174,7 +174,7 @@ def test_every_storey_of_a_frame_with_a_measured_specimen_is_corrected(family: s
     while not 0.01 < (test := nonlinear_frames.simulate_frame_test(family, ground, draw)).error < 0.1:
         pass
     recording = replace(test.recording, ground=ground)
-    corrected = corrected_response(reliab.assess(recording, test.frame, specimen="measured"))
+    corrected = correct_response(reliab.assess(recording, test.frame, specimen="measured"))
     for name, true in zip(test.frame.partition.frame.names, test.exact_floors.T, strict=True):
         peak = np.abs(true).max()
         assert corrected[f"exact_{name}_m"].to_numpy() == pytest.approx(true, abs=0.02 * peak)

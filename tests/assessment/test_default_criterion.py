@@ -104,7 +104,7 @@ def results_of_six():
 
 def test_an_earthquake_is_left_out_of_a_length():
     everything = default_criterion(1.0, 0.05, duration=12.0)
-    without = default_criterion(1.0, 0.05, duration=12.0, without="NORTHR")
+    without = default_criterion(1.0, 0.05, duration=12.0, excluded_event="NORTHR")
     assert without.provenance.n_events == everything.provenance.n_events - 1
 
 

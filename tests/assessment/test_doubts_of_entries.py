@@ -3,7 +3,7 @@
 from types import SimpleNamespace
 from typing import Any
 
-from reliab.assessment.doubts import doubted_by_entries
+from reliab.assessment.doubts import doubt_entries
 from reliab.assessment.verdict import Verdict, Word
 
 RELIABLE = Verdict(word=Word.RELIABLE, reasons=("small",), would_decide=())
@@ -28,17 +28,17 @@ def error(
 
 
 def test_one_structure_with_too_large_an_error_leaves_the_test_undecided():
-    doubted = doubted_by_entries(RELIABLE, error())
+    doubted = doubt_entries(RELIABLE, error())
     assert doubted.word is Word.UNDECIDED
     assert "6 %" in doubted.reasons[0]
     assert "natural frequencies" in doubted.would_decide[0]
-    assert doubted_by_entries(RELIABLE, error(evidence=())).word is Word.UNDECIDED
+    assert doubt_entries(RELIABLE, error(evidence=())).word is Word.UNDECIDED
 
 
 def test_nothing_is_doubted_without_entries_or_without_such_a_structure():
-    assert doubted_by_entries(RELIABLE, error(unknown=("frequency", "storey_stiffness_1"))) is RELIABLE
-    assert doubted_by_entries(RELIABLE, error(threshold=0.07)) is RELIABLE
-    assert doubted_by_entries(RELIABLE, error(learned="frequency")) is RELIABLE
-    assert doubted_by_entries(RELIABLE, error(evidence=("implied ground motion",))) is RELIABLE
+    assert doubt_entries(RELIABLE, error(unknown=("frequency", "storey_stiffness_1"))) is RELIABLE
+    assert doubt_entries(RELIABLE, error(threshold=0.07)) is RELIABLE
+    assert doubt_entries(RELIABLE, error(learned="frequency")) is RELIABLE
+    assert doubt_entries(RELIABLE, error(evidence=("implied ground motion",))) is RELIABLE
     refused = Verdict(word=Word.NOT_RELIABLE, reasons=("large",), would_decide=())
-    assert doubted_by_entries(refused, error()) is refused
+    assert doubt_entries(refused, error()) is refused

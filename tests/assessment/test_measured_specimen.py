@@ -11,7 +11,7 @@ import xarray as xr
 
 from reliab import assess
 from reliab.app.cli import run
-from reliab.assessment.contradictions import of_specimen
+from reliab.assessment.contradictions import contradict_specimen
 from reliab.assessment.measured_specimen.elements import Elements, Kind, elements_of_family, law_with_traits
 from reliab.assessment.measured_specimen.force_channel import ForceChannel, columns_of_channel
 from reliab.assessment.measured_specimen.hysteresis import (
@@ -407,7 +407,7 @@ def test_a_late_force_is_noticed_and_leaves_the_test_undecided(lag: float) -> No
     assert _judged(test, force_channel=ForceChannel.parse(["lag_ms=2"])).late == pytest.approx(
         0.0, abs=0.2e-3
     )
-    told = [contradiction.finding for contradiction in of_specimen(learned)]
+    told = [contradiction.finding for contradiction in contradict_specimen(learned)]
     assert told == [] if lag == 0.0 else "ms later than the displacement" in told[0]
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from reliab.assessment.assess import assess
 from reliab.assessment.default_criterion import criterion_of_response, default_criterion
-from reliab.assessment.scope_of_test import compared, scope_of_test
+from reliab.assessment.scope_of_test import compare_test, scope_of_test
 from reliab.criterion.published import published_criterion
 from reliab.recordings.recording import Recording
 from reliab.structures.structure import Structure
@@ -25,7 +25,7 @@ def criterion():
     ("length", "position"), [(40.0, "inside"), (12.0, "at the edge"), (8.0, "outside"), (150.0, "outside")]
 )
 def test_a_length_is_compared_with_the_lengths_of_the_motions(criterion, length, position):
-    assert compared(criterion, {"length": length}).position == position
+    assert compare_test(criterion, {"length": length}).position == position
 
 
 def test_a_response_off_resonance_is_outside(criterion):
@@ -34,14 +34,14 @@ def test_a_response_off_resonance_is_outside(criterion):
     pulse = np.exp(-(((times - 15.0) / 2.0) ** 2)) * np.cos(2.0 * np.pi * (times - 15.0) / 6.0)
     recording = Recording(command=pulse, measured=pulse, time_step=1.0 / 256.0, name="a pulse")
     found = scope_of_test(criterion, recording, ONE_HERTZ, pulse)
-    assert found.outside
+    assert found.is_outside
     assert any("frequency of the error" in sentence for sentence in found.sentences)
 
 
 def test_a_criterion_that_states_no_motions_is_not_compared():
-    found = compared(published_criterion("guo_2017_12"), {"length": 1.0})
+    found = compare_test(published_criterion("guo_2017_12"), {"length": 1.0})
     assert found.position is None
-    assert not found.outside
+    assert not found.is_outside
 
 
 @pytest.mark.slow

@@ -21,7 +21,7 @@ import pandas as pd
 from rebuilt_error import laboratory as lab
 
 from reliab.assessment.budget.sizes import ordinary_equipment
-from reliab.assessment.comparison import paired_differences
+from reliab.assessment.comparison import subtract_errors
 from reliab.assessment.error_of_test import error_of_test
 from reliab.core.vocabulary import Metric
 from reliab.recordings.recording import Recording
@@ -67,7 +67,7 @@ def compared(seed: int, records: list[Path], rate: float, *, apart: bool) -> dic
         recording = Recording(command=outcome.command[every], measured=read[every], time_step=1.0 / rate)
         errors.append(error_of_test(recording, single.question(structure, ordinary_equipment())))
     first, second = np.argsort([error.estimate(Metric.RMS).value for error in errors])
-    differences, weights = paired_differences(errors[second], errors[first], Metric.RMS)
+    differences, weights = subtract_errors(errors[second], errors[first], Metric.RMS)
     true = [outcome.rms for outcome in outcomes]
     return {
         "seed": seed,

@@ -43,7 +43,7 @@ def judged(motion, seconds, f, xi, rng, *, population, rigs):
     excitation = excitation_of(motion, Window.parse("record" if seconds is None else f"{seconds:g}"))
     response = first_order_ellipse(excitation, structure)
     length = response.duration
-    of_length = default_criterion(f, xi, THRESHOLD, CONFIDENCE, without=motion.event, duration=length)
+    of_length = default_criterion(f, xi, THRESHOLD, CONFIDENCE, excluded_event=motion.event, duration=length)
     without = {"threshold": THRESHOLD, "confidence": CONFIDENCE, "without": [motion.event]}
     of_response = criterion_of_response(response, structure, **without)
     a, b = (float(limit) for limit in of_response.limits(f, xi))

@@ -51,7 +51,7 @@ def test_stated_stiffness_is_a_first_value_unless_it_is_off_by_a_unit(stated, re
     time = np.arange(0.0, 20.0, 0.005)
     moved = np.sin(6.0 * time) * np.sin(0.15 * time)
     with pytest.raises(InputError, match="kilograms-force") if refused else nullcontext():
-        require_restoring_force(moved, 40.0 * moved, 0.005, stiffness=40.0 * stated, fitted=True)
+        require_restoring_force(moved, 40.0 * moved, 0.005, stiffness=40.0 * stated, is_stiffness_fitted=True)
 
 
 @pytest.mark.slow

@@ -10,7 +10,7 @@ from scipy.stats import t as student
 
 from reliab.app.cli import run
 from reliab.assessment.default_criterion import default_criterion
-from reliab.assessment.placement import carried_limits
+from reliab.assessment.placement import scale_limits
 from reliab.core.errors import InputError
 from reliab.core.shipped import shipped
 from reliab.core.stated_value import StatedValue
@@ -47,7 +47,7 @@ def asked(f, xi, threshold, confidence, metric, duration):
 def by_python(question, side, **options):
     f, xi, threshold, confidence, metric, duration = question
     criterion = default_criterion(f, xi, threshold, confidence, metric=metric, duration=duration, **options)
-    return carried_limits(criterion, Structure(frequency=f, damping_ratio=xi), Side(side))[:2]
+    return scale_limits(criterion, Structure(frequency=f, damping_ratio=xi), Side(side))[:2]
 
 
 @pytest.mark.slow

@@ -258,7 +258,7 @@ class _Terms:
             criterion=shared["criterion"] is not None,
             specimen=self.stated["specimen"] is not None,
             force_channel=shared["force_channel"] is not None,
-            measured=shared["measured_specimen"],
+            measured_specimen=shared["measured_specimen"],
         )
 
         def judge(channels: Channels, test: Test) -> "FrameAssessment | CoupledAssessment":

@@ -107,9 +107,9 @@ def write_corrected(assessment: "Assessment | FrameAssessment | CoupledAssessmen
     large the correction is, where it is no longer small, and what is not known.
     """
     require_ending(out, ".csv", ".nc")
-    from reliab.assessment.corrected_response import corrected_response
+    from reliab.assessment.corrected_response import correct_response
 
-    response = corrected_response(assessment)
+    response = correct_response(assessment)
     if Path(out).suffix.lower() == ".csv":
         write_table(response.to_dataframe(), out, index=True)
         return str(response.attrs["note"])

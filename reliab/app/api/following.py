@@ -171,7 +171,7 @@ def frame_of(structure: str | Path | FrameUnderTest, *, measured: bool = False) 
                 "specimen", "together with a `structure` with several actuators, whose specimen is linear"
             )
         return frame
-    require_linear_interface(frame, measured=measured)
+    require_linear_interface(frame, measured_specimen=measured)
     return frame
 
 

@@ -82,7 +82,7 @@ def _faults_of(test: MeasuredTest, campaign: Campaign) -> Iterator[str]:
                 command=command, measured=reading, time_step=campaign.step, name=test.file, force=force
             )
             expected_recording = replace(recording, command=campaign.nominal.actuator.gain * command)
-            require_plausible(expected_recording, stiffness=stiffness, fitted=True)
+            require_plausible(expected_recording, stiffness=stiffness, is_stiffness_fitted=True)
             yield from (f"{test.file}: {fault.finding}" for fault in plain_faults(recording))
             yield from (f"{test.file}: {doubt}" for doubt in doubts_of_force(recording))
             yield from (f"{test.file}: {sentence}" for sentence in _noise_of_command(command, reading))
@@ -92,7 +92,7 @@ def _faults_of(test: MeasuredTest, campaign: Campaign) -> Iterator[str]:
                 yield from (f"{test.file}: {doubt}" for doubt in doubts)
         elif force is not None:
             require_restoring_force(
-                reading, force, campaign.step, stiffness=stiffness, fitted=True, where=test.file
+                reading, force, campaign.step, stiffness=stiffness, is_stiffness_fitted=True, name=test.file
             )
             yield from (f"{test.file}: {doubt}" for doubt in doubts_of_sign(reading, force, campaign.step))
     except InputError as error:

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from reliab.assessment.default_criterion import default_criterion
-from reliab.assessment.placement import carried_limits
+from reliab.assessment.placement import scale_limits
 from reliab.assessment.rebuilt_error.rebuild import RebuiltError
 from reliab.assessment.verdict import Word, word_of_probability
 from reliab.core.arrays import Array
@@ -101,7 +101,7 @@ class ByIndices:
             question.threshold,
             question.confidence,
             metric=question.metric,
-            without=learned_without,
+            excluded_event=learned_without,
             duration=(excitation.acceleration.size - 1) * excitation.time_step,
         )
         return cls(excitation=excitation, structure=structure, criteria=criteria, question=question)
@@ -130,7 +130,7 @@ class ByIndices:
             if delay < _NO_LEAD:
                 return False
             side = Side.LAG
-        a, b, _ = carried_limits(criterion, self.structure, side)
+        a, b, _ = scale_limits(criterion, self.structure, side)
         if not (a > 0.0 and b > 0.0):
             return False
         return (index.amplitude - 1.0) ** 2 / a + (MILLI * delay) ** 2 / b <= 1.0

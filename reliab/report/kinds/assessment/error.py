@@ -210,7 +210,8 @@ def improve_first(error: ErrorWithThreshold) -> str:
         error.parts.by_name[first].remaining_rms, decimals=decimals_of_error(error.estimate(Metric.RMS))
     )
     return (
-        f"Improve first: {part_in_words(first)}. Without it the RMS error{error.of_which} would be "
+        f"Improve first: {part_in_words(first)}. "
+        f"Without it the RMS error{error.displacement_suffix} would be "
         f"{remaining}."
     )
 
@@ -220,8 +221,8 @@ def error_sentence(error: ErrorWithThreshold, word: Word) -> Prose:
     size = error.estimate(error.metric)
     if np.isnan(size.value):
         return f"The test is {spell_out(word)}: no displacement stands out of the noise of its sensors."
-    name = f"{ERROR_NAMES[error.metric]}{error.of_which}"
-    how_large = error_in_words(name, size, error.threshold, error.probability, with_interval=True)
+    name = f"{ERROR_NAMES[error.metric]}{error.displacement_suffix}"
+    how_large = error_in_words(name, size, error.threshold, error.probability, show_interval=True)
     return prose("The test is *{word}*: {how_large}.", word=spell_out(word), how_large=how_large)
 
 
