@@ -63,11 +63,9 @@ def contradict_frequency(
         return
     if any(_resonance(recording, frequency) >= _PEAK for frequency in frequencies):
         return
-    frequency_list = " and ".join(
-        f"{frequency:.4g}" for frequency in sorted({min(frequencies), max(frequencies)})
-    )
+    natural = " and ".join(f"{frequency:.4g}" for frequency in sorted({min(frequencies), max(frequencies)}))
     yield Contradiction(
-        finding=f"The command moves mainly at {significant(moves)} Hz, the structure is stated at {frequency_list} "
+        finding=f"The command moves mainly at {significant(moves)} Hz, the structure is stated at {natural} "
         "Hz, where the command shows no resonance: check the frequency and the unit of time.",
         remedy="State the natural frequency of the structure that was tested, or the file's unit of time.",
     )
