@@ -175,13 +175,13 @@ def _examine(
     clean = repair_recording(recording, faults)
     if faults:
         tracking = track(clean, window=taper, seed=question.seed)
-    judgement = _judge(recording, clean, faults, _broaden_damping(question) if assumptions else question)
-    if assumptions and judgement.error.inferred is not None:
-        question, assumptions = _take_shown_damping(question, judgement.error.inferred.posterior)
+    outcome = _judge(recording, clean, faults, _broaden_damping(question) if assumptions else question)
+    if assumptions and outcome.error.inferred is not None:
+        question, assumptions = _take_shown_damping(question, outcome.error.inferred.posterior)
     structure = question.structure
-    turning = examine_turning(judgement.error, recording, question)
-    verdict = verdict_of_error(judgement.error, judgement.effects, judgement.equation)
-    verdict = doubt_rest(verdict, judgement.error, clean)
+    turning = examine_turning(outcome.error, recording, question)
+    verdict = verdict_of_error(outcome.error, outcome.effects, outcome.equation)
+    verdict = doubt_rest(verdict, outcome.error, clean)
     assessment = Assessment(
         recording=recording,
         structure=structure,
@@ -191,15 +191,13 @@ def _examine(
         measures=measure_tracking(clean),
         windows=track_windows(clean, tracking, window=taper),
         population=place(criterion, structure, tracking.amplitude, tracking.delay, tracking.draws),
-        scope=scope_of_test(criterion, clean, structure, judgement.error.reference),
-        by_response=place_by_response(clean, question, judgement.error.reference, criterion, tracking),
-        placement=None
-        if motion is None
-        else _place_on_boundary(motion, clean, tracking, judgement.error, question),
-        error=judgement.error,
-        faults=judgement.effects,
-        equation=judgement.equation,
-        judgement=turning.limit(verdict, judgement.error.probability),
+        scope=scope_of_test(criterion, clean, structure, outcome.error.reference),
+        by_response=place_by_response(clean, question, outcome.error.reference, criterion, tracking),
+        placement=None if motion is None else _place_test(motion, clean, tracking, outcome.error, question),
+        error=outcome.error,
+        faults=outcome.effects,
+        equation=outcome.equation,
+        judgement=turning.limit(verdict, outcome.error.probability),
         turning=turning,
         assumed=(*assumptions, *learned_notes),
         column_doubts=tuple(contradict_columns(recording, tracking)),
@@ -251,7 +249,7 @@ def _depends_on_columns(assessment: Assessment, clean: Recording, question: Ques
     )
 
 
-def _place_on_boundary(
+def _place_test(
     motion: "Motion", clean: Recording, tracking: TrackingIndex, error: ErrorOfTest, question: Question
 ) -> "OwnPlacement":
     """Place the test against the boundary of its own ground motion."""

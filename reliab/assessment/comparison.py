@@ -161,9 +161,9 @@ def _order_files(errors: Mapping[str, ErrorOfTest], metric: Metric) -> list[str]
     """
     better = {
         file: [
-            _probability_larger(*subtract_errors(error_, error, metric))
-            for error_ in errors.values()
-            if error_ is not error
+            _probability_larger(*subtract_errors(rival, error, metric))
+            for rival in errors.values()
+            if rival is not error
         ]
         for file, error in errors.items()
     }

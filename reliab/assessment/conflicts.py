@@ -47,7 +47,7 @@ def _finding(
     unit = _UNITS.get(quantity.option, "") if quantity.relative else f" {quantity.unit}"
     shown_value = base + factor * posterior.means[unknown.name]
     deviation, prior_deviation = (
-        factor * deviation_ for deviation_ in (posterior.deviations[unknown.name], unknown.prior.deviation)
+        factor * size for size in (posterior.deviations[unknown.name], unknown.prior.deviation)
     )
     source = "stated" if unknown.prior.source is Source.STATED or base else "assumed"
     return (

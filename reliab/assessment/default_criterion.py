@@ -106,9 +106,7 @@ def _drop_promise(criterion: Criterion, threshold: float) -> Criterion:
         f"would pass. Limits and index are those of {percent(criterion.threshold)}."
     )
     provenance = replace(
-        criterion.provenance,
-        position=Position.OUTSIDE,
-        warnings=(*criterion.provenance.warnings, sentence),
+        criterion.provenance, position=Position.OUTSIDE, warnings=(*criterion.provenance.warnings, sentence)
     )
     return replace(criterion, threshold=threshold, provenance=provenance)
 

@@ -6,11 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from reliab.assessment.default_criterion import (
-    default_criterion,
-    ellipses_of_nearest,
-    list_frequencies,
-)
+from reliab.assessment.default_criterion import default_criterion, ellipses_of_nearest, list_frequencies
 from reliab.assessment.placement import scale_limits
 from reliab.core.arrays import Array
 from reliab.core.vocabulary import MILLI, Side

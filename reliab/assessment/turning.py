@@ -190,8 +190,8 @@ def _errors_if_filtered(error: ErrorOfTest) -> dict[float, float]:
     nearer = max if error.estimate(error.metric).value < error.threshold else min
 
     def size(late: float) -> float:
-        error_ = rebuilt.smooth_error + late * (rate - response)
-        return relative_error(error_, rebuilt.reference + late * response, error.metric)
+        changed_error = rebuilt.smooth_error + late * (rate - response)
+        return relative_error(changed_error, rebuilt.reference + late * response, error.metric)
 
     delays = {corner: LowPass(corner=corner).delay for corner in CORNERS}
     return {corner: nearer(size(late), size(-late)) for corner, late in delays.items()}

@@ -65,9 +65,7 @@ _NOT_INFERRED = {  # with a measured specimen, or where the noise of its sensor 
         remedy="Measure the friction of the load path without a specimen, and state it.",
     ),
     "sensor_noise": Description(
-        words="noise of the displacement sensor",
-        unit="",
-        remedy="Use a displacement sensor with less noise.",
+        words="noise of the displacement sensor", unit="", remedy="Use a displacement sensor with less noise."
     ),
 }
 _DESCRIPTIONS: Mapping[str, Description] = {

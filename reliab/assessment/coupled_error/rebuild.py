@@ -62,7 +62,7 @@ class Channels:
 
 def rebuild_coupled(
     command: Array,
-    measured_displacement: Array,
+    displacements: Array,
     time_step: float,
     partition: Partition,
     *,
@@ -76,7 +76,7 @@ def rebuild_coupled(
 ) -> CoupledError:
     """Rebuild the error of every interface displacement of a test.
 
-    `command`, `measured_displacement` [m], shape (p, n); `time_step`, `feedback_lag` [s]; `to_interface`:
+    `command`, `displacements` [m], shape (p, n); `time_step`, `feedback_lag` [s]; `to_interface`:
     interface displacements of unit displacements of the actuators [-], shape (p, p), the identity by default;
     `recursion`: of the ideal test as the computer steps it at the sampling rate, exact by default;
     `sensor_offsets`: of the displacement sensors [m], NaN where they are not known, shape (p,).
@@ -91,11 +91,9 @@ def rebuild_coupled(
     >>> round(error.displacements[0].rms.value, 2), error.displacements[1].rms.value < 1e-6
     (0.07, True)
     """
-    command, measured_displacement = check_histories(
-        command, measured_displacement, time_step, partition, has_actuators=True
-    )
+    command, displacements = check_histories(command, displacements, time_step, partition, has_actuators=True)
     carry = np.eye(partition.degrees) if to_interface is None else np.asarray(to_interface, dtype=float)
-    channels = _examine_channels(command, measured_displacement, time_step, partition, carry, sensor_offsets)
+    channels = _examine_channels(command, displacements, time_step, partition, carry, sensor_offsets)
     band, frequencies = channels.noises[0].band, partition.natural_frequencies
     modes = int(np.count_nonzero(frequencies <= _STATIC_MODE_FACTOR * max(band, float(frequencies[0]))))
     structure = partition.reduce_to_modes(modes)
@@ -107,13 +105,11 @@ def rebuild_coupled(
     differences = _draw(channels, histories, structure, stride, draws, seed)
     recursion = recursion or histories.recursion(structure)
     unknown = _collect_unknowns(channels, histories, partition, structure, tolerances or Tolerances())
-    sweep_draws = partial(
-        sweep, histories, partition, stride=stride, seed=seed, modes=modes, stepped_recursion=recursion
-    )
+    run = partial(sweep, histories, partition, stride=stride, seed=seed, modes=modes, numerical=recursion)
     zero_deviations = np.zeros(partition.degrees)
     noisy = Unknown(tolerances=Tolerances(), offset=zero_deviations, error_at_start=zero_deviations)
-    nominal = sweep_draws(noisy, differences[::2], draws=len(differences[::2]))
-    swept = sweep_draws(unknown, differences, draws=draws, accuracy=_EXACT_ACCURACY)
+    nominal = run(noisy, differences[::2], draws=len(differences[::2]))
+    swept = run(unknown, differences, draws=draws, accuracy=_EXACT_ACCURACY)
     loose = _looseness(channels, differences, carry)
     nominal_differences = differences[:EXACT_DRAWS].copy()
     return CoupledError(

@@ -66,13 +66,7 @@ class Kind(IntEnum):
     STRUT = 18
 
 
-_SCALABLE_KINDS: Final = frozenset(Kind) - {
-    Kind.CONSTANT,
-    Kind.CUBIC,
-    Kind.QUINTIC,
-    Kind.DASHPOT,
-    Kind.MULLINS,
-}
+_SCALABLE: Final = frozenset(Kind) - {Kind.CONSTANT, Kind.CUBIC, Kind.QUINTIC, Kind.DASHPOT, Kind.MULLINS}
 """Kinds whose size is refined."""
 
 
@@ -168,13 +162,9 @@ def _peak_oriented(size: float, position: float, increment: float, state: Array)
         force = unloaded_force if unloaded_force * force > 0.0 else 0.0
     elif increment != 0.0:
         sign = 1.0 if increment > 0.0 else -1.0
-        distance = sign * ((state[1] if increment > 0.0 else state[2]) - start)
+        gap = sign * ((state[1] if increment > 0.0 else state[2]) - start)
         missing = size - sign * force
-        slope = (
-            min(1.0, max(missing, 0.0) / distance)
-            if distance > 1e-12 * size
-            else (1.0 if missing > 0.0 else 0.0)
-        )
+        slope = min(1.0, max(missing, 0.0) / gap) if gap > 1e-12 * size else (1.0 if missing > 0.0 else 0.0)
         force = min(max(force + slope * increment, -size), size)
     state[1], state[2] = max(state[1], position), min(state[2], position)
     state[0] = force
@@ -206,7 +196,7 @@ def _follow_path(
     speed: float,
     path: Array,
     step: float,
-    energy_share: Array,
+    energy: Array,
 ) -> Array:
     """Displacements of elements along a path [m], shape (elements, n)."""
     answer = np.empty((kinds.size, path.size))
@@ -225,7 +215,7 @@ def _follow_path(
                 path[i] - previous,
                 velocity,
                 step,
-                _weakness(kind, shape, energy_share[i]),
+                _weakness(kind, shape, energy[i]),
                 traits[element],
                 speed,
                 state,
@@ -244,7 +234,7 @@ def _respond(
     command: Array,
     test_force: Array,
     step: float,
-    energy_share: Array,
+    energy: Array,
     transition: Array,
     early: Array,
     late: Array,
@@ -280,7 +270,7 @@ def _respond(
                 now - previous,
                 velocity,
                 step,
-                _weakness(kind, shape, energy_share[i]),
+                _weakness(kind, shape, energy[i]),
                 traits[element],
                 speed,
                 states[element],
@@ -308,12 +298,10 @@ class Elements:
         if not self.traits.size:
             object.__setattr__(self, "traits", np.zeros((self.kinds.size, TRAITS)))
 
-    def follow_path(self, path: Array, step: float, energy_share: Array) -> Array:
-        """Displacements along a path [m], shape (elements, n); `energy_share`: energy so far [-]."""
+    def follow_path(self, path: Array, step: float, energy: Array) -> Array:
+        """Displacements along a path [m], shape (elements, n); `energy`: energy so far [-]."""
         return np.asarray(
-            _follow_path(
-                self.kinds, self.sizes, self.shapes, self.traits, self.speed, path, step, energy_share
-            )
+            _follow_path(self.kinds, self.sizes, self.shapes, self.traits, self.speed, path, step, energy)
         )
 
     def respond(
@@ -322,7 +310,7 @@ class Elements:
         command: Array,
         test_force: Array,
         step: float,
-        energy_share: Array,
+        energy: Array,
         numerical: Recursion,
     ) -> Array:
         """Response that a perfect actuator would have given [m], shape (n,).
@@ -342,7 +330,7 @@ class Elements:
                 command,
                 test_force,
                 step,
-                energy_share,
+                energy,
                 numerical.transition,
                 numerical.early,
                 numerical.late,
@@ -379,10 +367,10 @@ class Elements:
             traits=np.vstack([self.traits, additions.traits]),
         )
 
-    def refine(self, coefficients: Array, ratio: float, largest: float) -> "Elements":
+    def refine(self, coefficients: Array, ratio: float, peak: float) -> "Elements":
         """Elements that bear a part, and beside each of them one smaller and one larger by a ratio.
 
-        `largest` displacement [m]: what is far beyond it never yields, and has no size.
+        `peak` displacement [m]: what is far beyond it never yields, and has no size.
         """
         rows = [
             (kind, factor * size, shape)
@@ -391,9 +379,7 @@ class Elements:
             )
             if coefficient > 0.0
             for factor in (
-                (1.0 / ratio, 1.0, ratio)
-                if Kind(kind) in _SCALABLE_KINDS and 0.0 < size < _FAR * largest
-                else (1.0,)
+                (1.0 / ratio, 1.0, ratio) if Kind(kind) in _SCALABLE and 0.0 < size < _FAR * peak else (1.0,)
             )
         ]
         return _elements(rows, self.speed)

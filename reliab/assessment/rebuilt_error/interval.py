@@ -199,50 +199,40 @@ def sweep(
     draws: int,
     seed: int,
     modes: int | None = None,
-    stepped_recursion: Recursion | None = None,
+    numerical: Recursion | None = None,
     accuracy: float = 0.0,
     earlier: Swept | None = None,
 ) -> Swept:
     """Rebuild the error for draws of everything that is not known.
 
     `differences`: draws of x_c − x_m at the sensors, at each `stride`-th sample [m]; `modes`: number of the
-    lowest ones that move, while others follow by statics, all by default; `stepped_recursion`: recursion of
+    lowest ones that move, while others follow by statics, all by default; `numerical`: recursion of
     the ideal test as the computer steps it, exact by default; `accuracy` of an error whose structure is exact
     [-].
     """
-    thin, reduced_structure = histories.thin(stride), reduce_structure(structure, modes)
-    quantities, moving = draw_unknown(unknown, draws, seed)
-    structures = structures_of_draws(structure, quantities, modes)
+    thin, base = histories.thin(stride), reduce_structure(structure, modes)
+    values, moving = draw_unknown(unknown, draws, seed)
+    structures = structures_of_draws(structure, values, modes)
     recursion = thin.recursion(structures).expand_draws(draws)
-    coarse, fine = (
-        thin.recursion(reduced_structure),
-        stepped_recursion or histories.recursion(reduced_structure),
-    )
+    coarse, fine = (thin.recursion(base), numerical or histories.recursion(base))
     if earlier is None:
         # draws of a reduced structure have shapes of their own
-        states = _initial_states(
-            thin, structure if modes is None else structures, recursion, quantities, moving
-        )
-        swept, stood = (histories.standing_in(recursion_)[np.newaxis] for recursion_ in (coarse, fine))
+        states = _initial_states(thin, structure if modes is None else structures, recursion, values, moving)
+        swept, stood = (histories.standing_in(grid)[np.newaxis] for grid in (coarse, fine))
     else:
         states = earlier.states[:draws].copy()
         swept, stood = (state.copy() for state in earlier.nominal_states)
-    statistics, band = driven_draws(thin, recursion, quantities, states).errors(
+    statistics, band = driven_draws(thin, recursion, values, states).errors(
         _carry_to_interface(thin, differences)
     )
-    swept_errors, all_errors = (
-        _errors_as_stated(thin, coarse, swept),
-        _errors_as_stated(histories, fine, stood),
-    )
+    rough, exact = (_errors_as_stated(thin, coarse, swept), _errors_as_stated(histories, fine, stood))
     # what lies between the swept samples
-    statistics *= np.divide(
-        all_errors, swept_errors, out=np.ones_like(swept_errors), where=swept_errors > 0.0
-    )
+    statistics *= np.divide(exact, rough, out=np.ones_like(rough), where=rough > 0.0)
     if unknown.own_frequency is not None:  # whose error is the largest: what the computation adds shows there
         accuracy = ACCURACY
-    numerical_factor = 1.0 + accuracy * np.random.default_rng(seed).standard_normal((draws, 1))
-    statistics[:, 0] *= numerical_factor**2
-    statistics[:, 1] *= numerical_factor
+    noise_factor = 1.0 + accuracy * np.random.default_rng(seed).standard_normal((draws, 1))
+    statistics[:, 0] *= noise_factor**2
+    statistics[:, 1] *= noise_factor
     mean, deviation = mean_and_deviation(band, draws)
     stretch = Swept(
         steps=histories.command.shape[-1] - 1,
@@ -252,7 +242,7 @@ def sweep(
         places=np.arange(histories.command.shape[-1]) / stride,
         states=states,
         nominal_states=(swept, stood),
-        drawn=quantities,
+        drawn=values,
     )
     return stretch if earlier is None else earlier.join(stretch)
 
@@ -279,13 +269,11 @@ def exact_of_draws(
     responses = driven_draws(thin, recursion, quantities, states).exact(
         _carry_to_interface(thin, differences)
     )
-    full_structures = structures if modes is None else structures_of_draws(structure, quantities)
-    if full_structures.size != structure.size:  # degrees without mass, which have no modes that could be off
-        full_structures = structures_of_draws(
-            structure, {k: v for k, v in quantities.items() if not is_part(k)}
-        )
+    full = structures if modes is None else structures_of_draws(structure, quantities)
+    if full.size != structure.size:  # degrees without mass, which have no modes that could be off
+        full = structures_of_draws(structure, {k: v for k, v in quantities.items() if not is_part(k)})
     for draw, response in enumerate(responses):
-        yield structure_of_draw(full_structures, draw), response
+        yield structure_of_draw(full, draw), response
 
 
 def _carry_to_interface(thin: Histories, differences: Array) -> Array:

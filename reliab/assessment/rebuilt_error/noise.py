@@ -133,7 +133,7 @@ def estimate_noise(
     0.01
     """
     commands = command[np.newaxis] if other_commands is None else np.vstack([command, other_commands])
-    powers = [_periodogram(command_) for command_ in commands]
+    powers = [_periodogram(row) for row in commands]
     (centre, mean, count), quiet, floor = _residual(commands, powers, measured_displacement, time_step)
     weights = np.zeros(1 + len(CORNERS))
     if quiet.sum() > len(CORNERS):

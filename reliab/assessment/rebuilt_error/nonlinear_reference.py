@@ -193,13 +193,13 @@ def sweep_model(
         frequency, ratio = (float(quantities[name][row]) for name in ("frequency", "damping_ratio"))
         model_draw = _draw_model(model, deviations, frequency, ratio, generator)
         measured_displacement = thin.command - difference - shifts[row] @ inputs
-        histories_ = Histories(
+        draw_histories = Histories(
             command=thin.command,
             measured=measured_displacement,
             fed_back=thin.command - measured_displacement,
             time_step=thin.time_step,
         )
-        reference = reference_of_model(model_draw, histories_, command=command)
+        reference = reference_of_model(model_draw, draw_histories, command=command)
         rows.append(_statistics(measured_displacement, reference) * scale)
         errors.append(measured_displacement - reference)
     places = np.arange(histories.command.size) / stride

@@ -56,12 +56,7 @@ class Recursion:
 
     @classmethod
     def from_displacement(
-        cls,
-        structure: Partition,
-        time_step: float,
-        *,
-        slips: bool = False,
-        smooth: bool = False,
+        cls, structure: Partition, time_step: float, *, slips: bool = False, smooth: bool = False
     ) -> "Recursion":
         """Recursion from x_c − x_m to the error of the interface.
 

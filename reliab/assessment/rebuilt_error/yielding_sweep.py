@@ -157,9 +157,9 @@ def _sweep(
         row = draw % differences.shape[0]
         sums = (0.0, 0.0, 0.0)
         slip = 0.0
-        draw_state = state[draw]
-        test_state, response_state, trial_state = np.zeros(4), np.zeros(4), np.zeros(4)
-        gain, offset = 0.0, draw * coefficients.shape[1]
+        vector = state[draw]
+        test, response, trial = np.zeros(4), np.zeros(4), np.zeros(4)
+        gain, base = 0.0, draw * coefficients.shape[1]
         for i in range(size):
             difference = differences[row, i]
             for k in range(inputs.shape[0]):
@@ -168,37 +168,21 @@ def _sweep(
             now = difference + fed_back_late[i] + feedback_lag[draw] * velocity[i]
             driving[0, 1] = now
             motion[0] = command[i] - now
-            test_force = call_kernel(
-                address,
-                pointer_to(motion, 0),
-                0.0,
-                1.0,
-                pointer_to(coefficients, offset),
-                pointer_to(test_state, 0),
+            force = call_kernel(
+                address, pointer_to(motion, 0), 0.0, 1.0, pointer_to(coefficients, base), pointer_to(test, 0)
             )
             if i > 0:
-                advance((0, 0), transition[draw], early[draw], late[draw], driving, 1, draw_state, scratch)
+                advance((0, 0), transition[draw], early[draw], late[draw], driving, 1, vector, scratch)
                 gain = _gain(output[draw], late[draw])
             error = feed_through[draw] * now
-            for column in range(draw_state.size):
-                error += output[draw, column] * draw_state[column]
+            for column in range(vector.size):
+                error += output[draw, column] * vector[column]
             slip = _slip(
-                address,
-                coefficients,
-                offset,
-                motion,
-                command[i] - error,
-                gain,
-                slip,
-                test_force,
-                response_state,
-                trial_state,
+                address, coefficients, base, motion, command[i] - error, gain, slip, force, response, trial
             )
             error += gain * slip
-            for column in range(draw_state.size):
-                draw_state[column] += (
-                    late[draw, column, 1] * slip * min(i, 1)
-                )  # the first sample begins the test
+            for column in range(vector.size):
+                vector[column] += late[draw, column, 1] * slip * min(i, 1)  # the first sample begins the test
             weight = 0.5 if i in (0, size - 1) else 1.0
             sums = tally(sums, error - difference, command[i] - error, weight, band, i)
         answer[draw, 0], answer[draw, 1], answer[draw, 2] = sums[0] / (size - 1), sums[1], sums[2]
@@ -217,31 +201,26 @@ def _gain(output: Array, late: Array) -> float:
 def _slip(
     address: int,
     coefficients: Array,
-    offset: int,
+    base: int,
     motion: Array,
     linear_displacement: float,
     gain: float,
     slip: float,
-    test_force: float,
+    force: float,
     state: Array,
-    trial_state: Array,
+    trial: Array,
 ) -> float:
     """s[x_m] − s[x_c − e] at a sample [m], from that before it; moves the state of the response."""
     for _ in range(_CORRECTIONS):
         for place in range(state.size):
-            trial_state[place] = state[place]
+            trial[place] = state[place]
         motion[0] = linear_displacement - gain * slip
         slip = (
             call_kernel(
-                address,
-                pointer_to(motion, 0),
-                0.0,
-                1.0,
-                pointer_to(coefficients, offset),
-                pointer_to(trial_state, 0),
+                address, pointer_to(motion, 0), 0.0, 1.0, pointer_to(coefficients, base), pointer_to(trial, 0)
             )
-            - test_force
+            - force
         )
     for place in range(state.size):
-        state[place] = trial_state[place]
+        state[place] = trial[place]
     return slip
