@@ -27,30 +27,30 @@ ONE_HERTZ = Structure(frequency=1.0, damping_ratio=0.02)
 FIVE_HERTZ = Structure(frequency=5.0, damping_ratio=0.02)
 
 
-def of_frequency_case(simulate, ground_motions):
+def frequency_case(simulate, ground_motions):
     del ground_motions
     return assess(simulate(noise=0.001, delay=1e-4), FIVE_HERTZ)
 
 
-def of_motion_case(simulate, ground_motions):
+def motion_case(simulate, ground_motions):
     return assess(simulate(noise=0.001, delay=1e-4, gain=0.999), ONE_HERTZ, motion=ground_motions[4])
 
 
-def of_stability_case(simulate, ground_motions):
+def stability_case(simulate, ground_motions):
     del ground_motions
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Findings, "stability_margin", -0.1)
         return assess(simulate(noise=0.001, delay=1e-4, gain=0.999), ONE_HERTZ)
 
 
-def of_columns_case(simulate, ground_motions):
+def columns_case(simulate, ground_motions):
     """A late test whose columns are swapped: it seems to lead, and so to be better than it is."""
     del ground_motions
     late = simulate(noise=0.0, delay=1.9e-3, gain=1.0)
     return assess(replace(late, command=late.measured, measured=late.command), ONE_HERTZ)
 
 
-def of_specimen_case(simulate, ground_motions):
+def specimen_case(simulate, ground_motions):
     """A measured specimen whose force follows its motion only in part."""
     del ground_motions
     test = simulate(noise=0.001, delay=1e-4, gain=0.999)
@@ -64,7 +64,7 @@ def of_specimen_case(simulate, ground_motions):
     )
 
 
-def of_ground_case(simulate, ground_motions):
+def ground_case(simulate, ground_motions):
     """A small error beside the ground motion of another test."""
     del simulate
     frame = read_structure(shipped("datasets", "frames/two_actuators.toml"))
@@ -84,15 +84,15 @@ def of_ground_case(simulate, ground_motions):
 
 
 CASES = {
-    "of_ground": (of_ground_case, "does not belong to this test"),
-    "of_frequency": (
-        of_frequency_case,
+    "contradict_ground": (ground_case, "does not belong to this test"),
+    "contradict_frequency": (
+        frequency_case,
         "the structure is stated at 5 Hz, where the command shows no resonance",
     ),
-    "of_motion": (of_motion_case, "was not found in the record"),
-    "of_specimen": (of_specimen_case, "None of the specimen models predicts its force"),
-    "of_stability": (of_stability_case, "the loop is unstable"),
-    "of_columns": (of_columns_case, "the columns may be swapped"),
+    "contradict_motion": (motion_case, "was not found in the record"),
+    "contradict_specimen": (specimen_case, "None of the specimen models predicts its force"),
+    "contradict_stability": (stability_case, "the loop is unstable"),
+    "contradict_columns": (columns_case, "the columns may be swapped"),
 }
 
 
@@ -109,7 +109,7 @@ def test_what_the_recording_contradicts_leaves_no_test_reliable(simulate, ground
 
 
 def test_every_kind_of_contradiction_has_its_case():
-    assert {name for name in vars(contradictions) if name.startswith("of_")} == set(CASES)
+    assert {name for name in vars(contradictions) if name.startswith("contradict_")} == set(CASES)
 
 
 def test_a_bad_test_stays_bad_unless_its_structure_may_be_another_one():

@@ -211,7 +211,7 @@ def test_a_loop_beyond_its_critical_delay_is_called_unstable(frame, test_and_tru
         assert judged.stability_margin == (margin if margin is None else pytest.approx(margin))
         assert any("unstable" in words for words in judged.warnings) is (margin is None or margin < 0.0)
     incoherent = replace(assessment, over_frequency=None)
-    assert any("hardly follows the command" in words for words in incoherent.warnings)
+    assert any("hardly coherent" in words for words in incoherent.warnings)
 
 
 @pytest.mark.slow

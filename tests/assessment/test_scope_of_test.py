@@ -35,7 +35,7 @@ def test_a_response_off_resonance_is_outside(criterion):
     recording = Recording(command=pulse, measured=pulse, time_step=1.0 / 256.0, name="a pulse")
     found = scope_of_test(criterion, recording, ONE_HERTZ, pulse)
     assert found.is_outside
-    assert any("frequency of the error" in sentence for sentence in found.sentences)
+    assert any("error's frequency" in sentence for sentence in found.sentences)
 
 
 def test_a_criterion_that_states_no_motions_is_not_compared():
