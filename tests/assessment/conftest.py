@@ -50,12 +50,12 @@ def simulate(ground_motions: list[Motion]) -> Simulate:
         seed: int = 0,
         rate: float = 512.0,
     ) -> Recording:
-        command, measured, step = clean(motion, f, xi, gain, delay, rate)
+        command, measured_displacement, step = clean(motion, f, xi, gain, delay, rate)
         rng = np.random.default_rng(seed)
-        size = np.sqrt(np.mean(measured**2))
+        size = np.sqrt(np.mean(measured_displacement**2))
         return Recording(
             command=command + command_noise * size * rng.normal(size=command.size),
-            measured=measured + noise * size * rng.normal(size=command.size),
+            measured=measured_displacement + noise * size * rng.normal(size=command.size),
             time_step=step,
         )
 
@@ -81,29 +81,35 @@ def solve_step_by_step(
     ground, step, *, f=1.0, xi=0.02, rate=256.0, seconds=None, db=60.0, seed=0, **rig
 ) -> Simulated:
     """Run the loop with and without errors of its rig, at 16384 steps a second or so."""
-    every = max(round(16384.0 / rate), 1)
+    stride = max(round(16384.0 / rate), 1)
     seconds = (ground.size - 1) * step if seconds is None else seconds
     names = ("gain", "lag", "delay", "backlash", "bias", "drift", "lead")
     values = {"gain": 1.0, **dict.fromkeys(names[1:], 0.0), **rig}
-    structure = (2.0 * np.pi * f, xi, 1.0 / (every * rate), seconds)
-    command, measured, seen = _run(ground, step, structure, every, tuple(values[name] for name in names))
-    perfect = _run(ground, step, structure, every, (1.0, *(0.0,) * (len(names) - 1)))
-    noise = np.random.default_rng(seed).normal(size=measured.size) * np.std(measured) * 10.0 ** (-db / 20.0)
+    structure = (2.0 * np.pi * f, xi, 1.0 / (stride * rate), seconds)
+    command, measured_displacement, smooth_values = _run(
+        ground, step, structure, stride, tuple(values[name] for name in names)
+    )
+    perfect = _run(ground, step, structure, stride, (1.0, *(0.0,) * (len(names) - 1)))
+    noise = (
+        np.random.default_rng(seed).normal(size=measured_displacement.size)
+        * np.std(measured_displacement)
+        * 10.0 ** (-db / 20.0)
+    )
     return Simulated(
         times=np.arange(command.size) / rate,
         command=command,
-        measured=measured + noise,
+        measured=measured_displacement + noise,
         ideal=perfect[0],
-        ground=seen,
+        ground=smooth_values,
     )
 
 
 @compiled
-def _run(ground, step, structure, every, rig):
+def _run(ground, step, structure, stride, rig):
     circular, xi, dt, seconds = structure
     gain, lag, delay, backlash, bias, drift, lead = rig
     count = round(seconds / dt)
-    kept = np.zeros((3, count // every + 1))
+    kept_part = np.zeros((3, count // stride + 1))
     past = np.zeros(int(delay / dt) + 3)
     x, v, piston, play = 0.0, 0.0, 0.0, 0.0
     for k in range(count + 1):
@@ -116,11 +122,11 @@ def _run(ground, step, structure, every, rig):
         piston += (target - piston) * (1.0 - np.exp(-dt / lag) if lag > 0.0 else 1.0)
         play = min(max(play, piston - 0.5 * backlash), piston + 0.5 * backlash)
         read = (play if backlash > 0.0 else piston) + bias + drift * k / count
-        if k % every == 0:
-            kept[0, k // every], kept[1, k // every], kept[2, k // every] = x, read, a
+        if k % stride == 0:
+            kept_part[0, k // stride], kept_part[1, k // stride], kept_part[2, k // stride] = x, read, a
         v += dt * (-a - 2.0 * xi * circular * v - circular**2 * read)
         x += dt * v
-    return kept
+    return kept_part
 
 
 @pytest.fixture(scope="session")

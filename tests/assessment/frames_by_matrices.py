@@ -34,13 +34,13 @@ class Matrices:
 
     def with_specimen(self, factor: float) -> "Matrices":
         """Specimen stronger by a factor; the computer's part stays as it is."""
-        more = np.outer(self.interface, self.interface) * (factor - 1.0)
+        larger = np.outer(self.interface, self.interface) * (factor - 1.0)
         k, c, m = self.specimen
         return replace(
             self,
-            mass=self.mass + m * more,
-            damping=self.damping + c * more,
-            stiffness=self.stiffness + k * more,
+            mass=self.mass + m * larger,
+            damping=self.damping + c * larger,
+            stiffness=self.stiffness + k * larger,
             specimen=(k * factor, c * factor, m * factor),
         )
 
@@ -59,8 +59,8 @@ class Matrices:
 
 def storeys_of(matrix: np.ndarray) -> np.ndarray:
     """Springs or dashpots of the storeys of a shear frame, from the ground up."""
-    above = -np.diag(matrix, 1)
-    return np.diag(matrix) - np.append(above, 0.0)
+    upper = -np.diag(matrix, 1)
+    return np.diag(matrix) - np.append(upper, 0.0)
 
 
 def shear(storeys: np.ndarray) -> np.ndarray:
@@ -117,23 +117,25 @@ def run(
         ]
     )
     force = m * driven + np.hstack([np.zeros((p, 2 * n)), k * np.eye(p), c * np.eye(p)])
-    solved = np.linalg.solve(mass, np.column_stack([stiffness, viscous, gamma @ force]))
+    solution = np.linalg.solve(mass, np.column_stack([stiffness, viscous, gamma @ force]))
     size = 2 * (n + p)
     a = np.zeros((size, size))
     a[:n, n : 2 * n] = np.eye(n)
-    a[n : 2 * n] = -solved[:, 2 * n :]
-    a[n : 2 * n, : 2 * n] -= solved[:, : 2 * n]
+    a[n : 2 * n] = -solution[:, 2 * n :]
+    a[n : 2 * n, : 2 * n] -= solution[:, : 2 * n]
     a[2 * n : 2 * n + p, 2 * n + p :] = np.eye(p)
     a[2 * n + p :] = driven
     b = np.zeros((size, 1))
     b[n : 2 * n, 0] = -np.linalg.solve(mass, frame.mass @ frame.influence)
     if np.linalg.eigvals(a).real.max() > 0.0:
         return None
-    whole = np.zeros((2 * n, 2 * n))
-    whole[:n, n:] = np.eye(n)
-    whole[n:] = -np.linalg.solve(frame.mass, np.column_stack([frame.stiffness, frame.damping]))
-    states = _simulated(a, b, ground, step)
-    ideal = _simulated(whole, np.append(np.zeros(n), -frame.influence)[:, np.newaxis], ground, step)[:n]
+    full_test = np.zeros((2 * n, 2 * n))
+    full_test[:n, n:] = np.eye(n)
+    full_test[n:] = -np.linalg.solve(frame.mass, np.column_stack([frame.stiffness, frame.damping]))
+    states = _simulate_states(a, b, ground, step)
+    ideal = _simulate_states(
+        full_test, np.append(np.zeros(n), -frame.influence)[:, np.newaxis], ground, step
+    )[:n]
     return Outcome(
         command=frame.interface.T @ states[:n],
         measured=states[2 * n : 2 * n + p].reshape(*frame.interface.shape[1:], -1),
@@ -165,11 +167,11 @@ def run_yielding(
         return _yielding(*loads, *shares, gamma, k, hardening, place, *actuator, ground, step)
 
     largest = float(np.abs(stepped(np.inf, (0.0, 0.0))[1]).max())
-    floors, measured, force = stepped(largest / ductility, (gain, corner))
+    floors, measured_displacement, force = stepped(largest / ductility, (gain, corner))
     ideal = stepped(largest / ductility, (0.0, 0.0))[0]
     return Outcome(
         command=gamma @ floors,
-        measured=measured,
+        measured=measured_displacement,
         floors=floors,
         ideal=ideal,
         interface=gamma,
@@ -196,7 +198,7 @@ def _yielding(
     finer, size = 16, ground.size
     short, n = step / finer, influence.size
     x, v, y, w, plastic = np.zeros(n), np.zeros(n), 0.0, 0.0, 0.0
-    floors, measured, force = np.zeros((n, size)), np.zeros(size), np.zeros(size)
+    floors, measured_displacement, force = np.zeros((n, size)), np.zeros(size), np.zeros(size)
     for i in range(1, size):
         for j in range(finer):
             shaken = ground[i - 1] + (ground[i] - ground[i - 1]) * j / finer
@@ -208,25 +210,25 @@ def _yielding(
             elastic = y - plastic
             if abs(elastic) > yields:
                 plastic += elastic - yields * np.sign(elastic)
-            felt = k * (hardening * y + (1.0 - hardening) * (y - plastic))
-            v -= short * (stiffness @ x + damping @ v + by_force * felt + influence * shaken)
+            felt_displacement = k * (hardening * y + (1.0 - hardening) * (y - plastic))
+            v -= short * (stiffness @ x + damping @ v + by_force * felt_displacement + influence * shaken)
             x += short * v
-        floors[:, i], measured[i], force[i] = x, y, felt
-    return floors, measured, force
+        floors[:, i], measured_displacement[i], force[i] = x, y, felt_displacement
+    return floors, measured_displacement, force
 
 
-def _simulated(a: np.ndarray, b: np.ndarray, values: np.ndarray, step: float) -> np.ndarray:
+def _simulate_states(a: np.ndarray, b: np.ndarray, values: np.ndarray, step: float) -> np.ndarray:
     """States under an input that is a straight line between samples, from rest, shape (states, n)."""
     size = a.shape[0]
     system = (a, b, np.eye(size), np.zeros((size, 1)))
-    transition, early, output, at_once, _ = scipy.signal.cont2discrete(system, step, method="foh")
+    transition, early, output, single_run, _ = scipy.signal.cont2discrete(system, step, method="foh")
     poles, shapes = np.linalg.eig(transition)
     inputs = np.linalg.solve(shapes, early[:, 0])
-    before = np.append(0.0, values[:-1])
+    first = np.append(0.0, values[:-1])
     modes = [
-        scipy.signal.lfilter([gain], [1.0, -pole], before) for gain, pole in zip(inputs, poles, strict=True)
+        scipy.signal.lfilter([gain], [1.0, -pole], first) for gain, pole in zip(inputs, poles, strict=True)
     ]
-    return np.asarray((output @ shapes @ np.array(modes)).real + at_once * values)
+    return np.asarray((output @ shapes @ np.array(modes)).real + single_run * values)
 
 
 TWO_STOREYS = Matrices(

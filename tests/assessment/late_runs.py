@@ -12,13 +12,13 @@ def response(ground, *, delay, gain, f=1.0, xi=0.05):
     w, step = 2.0 * np.pi * f, 1.0 / RATE
     x, v = np.zeros(TIME.size), 0.0
     lag = delay * RATE
-    moved = np.zeros(TIME.size)
+    displacement = np.zeros(TIME.size)
     for k in range(TIME.size - 1):
-        moved[k] = gain * np.interp(k - lag, np.arange(max(k - 9, 0), k + 1), x[max(k - 9, 0) : k + 1])
-        v += step * (-ground[k] - 2.0 * xi * w * v - w**2 * moved[k])
+        displacement[k] = gain * np.interp(k - lag, np.arange(max(k - 9, 0), k + 1), x[max(k - 9, 0) : k + 1])
+        v += step * (-ground[k] - 2.0 * xi * w * v - w**2 * displacement[k])
         x[k + 1] = x[k] + step * v
-    moved[-1] = moved[-2]
-    return x, moved
+    displacement[-1] = displacement[-2]
+    return x, displacement
 
 
 def runs_of(seed, *, delays=(0.009, 0.003), f=1.0):
@@ -28,8 +28,10 @@ def runs_of(seed, *, delays=(0.009, 0.003), f=1.0):
     exact, _ = response(ground, delay=0.0, gain=1.0, f=f)
     frames, errors = [], []
     for delay in delays:
-        command, moved = response(ground, delay=delay, gain=1.0, f=f)
+        command, displacement = response(ground, delay=delay, gain=1.0, f=f)
         noise = 1e-3 * np.abs(exact).max() * random.normal(size=TIME.size)
-        frames.append(pd.DataFrame({"time_s": TIME, "command_m": command, "measured_m": moved + noise}))
-        errors.append(np.sqrt(np.mean((moved - exact) ** 2)) / np.abs(exact).max())
+        frames.append(
+            pd.DataFrame({"time_s": TIME, "command_m": command, "measured_m": displacement + noise})
+        )
+        errors.append(np.sqrt(np.mean((displacement - exact) ** 2)) / np.abs(exact).max())
     return frames, errors

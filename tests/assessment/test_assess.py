@@ -27,13 +27,15 @@ ONE_HERTZ = Structure(frequency=1.0, damping_ratio=0.02)
 
 def test_index_and_probability_are_those_of_the_criterion(simulate):
     test = simulate(noise=0.001)
-    found, criterion = assess(test, ONE_HERTZ), default_criterion(1.0, 0.02, duration=test.duration)
-    at = (found.tracking.amplitude, found.tracking.delay, 1.0, 0.02)
-    assert found.index == pytest.approx(float(criterion.index(*at)))
-    promised = min(float(criterion.probability(*at)), LARGEST_PROBABILITY)
-    assert found.index_probability == pytest.approx(promised, abs=2e-3)
-    assert found.stability_margin == pytest.approx(1.0 - at[1] / float(critical_delay(ONE_HERTZ, at[0])))
-    assert found.reliable
+    result, criterion = assess(test, ONE_HERTZ), default_criterion(1.0, 0.02, duration=test.duration)
+    position = (result.tracking.amplitude, result.tracking.delay, 1.0, 0.02)
+    assert result.index == pytest.approx(float(criterion.index(*position)))
+    promised = min(float(criterion.probability(*position)), LARGEST_PROBABILITY)
+    assert result.index_probability == pytest.approx(promised, abs=2e-3)
+    assert result.stability_margin == pytest.approx(
+        1.0 - position[1] / float(critical_delay(ONE_HERTZ, position[0]))
+    )
+    assert result.reliable
 
 
 @pytest.mark.slow
@@ -51,9 +53,9 @@ def test_worse_rig_is_less_probable_and_rejected(simulate):
 def test_own_boundary_separates_errors_below_and_above_the_threshold(simulate, ground_motions, motion):
     for delay in (0.0008, 0.003):
         test = simulate(motion, delay=delay, noise=0.001)
-        own = assess(test, ONE_HERTZ, motion=ground_motions[motion]).placement
-        assert (own.index <= 1.0) is (own.error <= 0.05)
-        assert own.probability == float(own.error <= 0.05)
+        own_value = assess(test, ONE_HERTZ, motion=ground_motions[motion]).placement
+        assert (own_value.index <= 1.0) is (own_value.error <= 0.05)
+        assert own_value.probability == float(own_value.error <= 0.05)
 
 
 @pytest.mark.slow
@@ -64,8 +66,8 @@ def test_own_index_is_one_on_the_boundary(ground_motions):
     for side in (Side.LEAD, Side.LAG):
         contour = boundary.contour(side)
         for k in (10, contour.amplitude.size // 2, -10):
-            at = float(contour.amplitude[k]), float(contour.delay[k])
-            assert boundary.index(*at) == pytest.approx(1, abs=1e-3)
+            position = float(contour.amplitude[k]), float(contour.delay[k])
+            assert boundary.index(*position) == pytest.approx(1, abs=1e-3)
     half = 1.0 + 0.5 * (contour.amplitude[10] - 1.0), 0.5 * contour.delay[10]
     assert boundary.index(*map(float, half)) == pytest.approx(0.25, abs=1e-3)
     assert boundary.index(1.0, 0.0) == 0.0
@@ -73,8 +75,8 @@ def test_own_index_is_one_on_the_boundary(ground_motions):
 
 def test_error_under_the_own_motion_is_that_of_the_simulated_test(simulate, ground_motions):
     test, perfect = simulate(noise=0.0), simulate(gain=1.0, delay=0.0, noise=0.0)
-    strayed = test.measured - perfect.command
-    error = np.sqrt(np.mean(strayed**2)) / np.abs(perfect.command).max()
+    deviation = test.measured - perfect.command
+    error = np.sqrt(np.mean(deviation**2)) / np.abs(perfect.command).max()
     assert assess(test, ONE_HERTZ, motion=ground_motions[0]).placement.error == pytest.approx(error, rel=5e-3)
 
 
@@ -82,33 +84,33 @@ def test_error_under_the_own_motion_is_that_of_the_simulated_test(simulate, grou
 def test_structure_outside_the_criterion_is_warned_of_and_carried_over(simulate):
     structure = Structure(frequency=3.0, damping_ratio=0.02)
     test = simulate(f=3.0, delay=0.0001)
-    found = assess(test, structure)
-    assert any("criterion does not cover the structure" in warning for warning in found.warnings)
+    result = assess(test, structure)
+    assert any("criterion does not cover the structure" in warning for warning in result.warnings)
     at_edge = default_criterion(2.0, 0.02, duration=test.duration).limits(2.0, 0.02)
-    assert found.population.a == pytest.approx(float(at_edge[0]))
-    assert found.population.b == pytest.approx(float(at_edge[1]) * (2.0 / 3.0) ** 2)
-    assert scale_limits(found.criterion, ONE_HERTZ)[1] == pytest.approx(float(at_edge[1]) * 4.0)
+    assert result.population.a == pytest.approx(float(at_edge[0]))
+    assert result.population.b == pytest.approx(float(at_edge[1]) * (2.0 / 3.0) ** 2)
+    assert scale_limits(result.criterion, ONE_HERTZ)[1] == pytest.approx(float(at_edge[1]) * 4.0)
 
 
 def test_published_criterion_has_no_probability(simulate):
-    found = assess(simulate(), ONE_HERTZ, criterion=published_criterion("guo_2017_12"))
-    assert found.index_probability is None
-    assert found.criterion.threshold == 0.05
+    result = assess(simulate(), ONE_HERTZ, criterion=published_criterion("guo_2017_12"))
+    assert result.index_probability is None
+    assert result.criterion.threshold == 0.05
 
 
 def test_varying_delay_is_warned_of(simulate):
     test = simulate(noise=0.0)
     times = np.arange(test.command.size) * test.time_step
     late = CubicSpline(times, test.command)(np.clip(times - 0.002 * times / times[-1], 0.0, None))
-    found = assess(Recording(command=test.command, measured=late, time_step=test.time_step), ONE_HERTZ)
-    assert any("delay varies over the test" in warning for warning in found.warnings)
+    result = assess(Recording(command=test.command, measured=late, time_step=test.time_step), ONE_HERTZ)
+    assert any("delay varies over the test" in warning for warning in result.warnings)
 
 
 @pytest.fixture(scope="module")
-def assessed_rigs(ground_motions):
+def rig_assessments(ground_motions):
     """Assess rigs that are no constant gain and delay, of about 0.8 ms, with noise at 50 dB."""
     record = resample(ground_motions[1], 1024.0)
-    rng, found = np.random.default_rng(8), {}
+    rng, result = np.random.default_rng(8), {}
     peak = np.abs(
         run_closed_loop(HybridTest(structure=ONE_HERTZ), record.acceleration, 1 / 1024).measured
     ).max()
@@ -122,8 +124,8 @@ def assessed_rigs(ground_motions):
             measured=run.measured + size * rng.normal(size=run.measured.size),
             time_step=1 / 1024,
         )
-        found[rig.name] = assess(recording, ONE_HERTZ)
-    return found
+        result[rig.name] = assess(recording, ONE_HERTZ)
+    return result
 
 
 @pytest.mark.slow
@@ -138,8 +140,8 @@ def assessed_rigs(ground_motions):
         ("backlash", "leave"),
     ],
 )
-def test_rigs_whose_error_a_and_d_do_not_tell_are_warned_of_and_no_others(assessed_rigs, rig, words):
-    warnings = assessed_rigs[rig].warnings
+def test_rigs_whose_error_a_and_d_do_not_tell_are_warned_of_and_no_others(rig_assessments, rig, words):
+    warnings = rig_assessments[rig].warnings
     if words is None:
         assert warnings == ()
     else:
@@ -160,22 +162,22 @@ def test_wrong_frequency_is_suspected(simulate):
 
 def test_summary_is_plain_json_with_the_stable_keys(simulate, ground_motions):
     for motion in (None, ground_motions[0]):
-        found = assess(simulate(), ONE_HERTZ, motion=motion).to_dict()
+        result = assess(simulate(), ONE_HERTZ, motion=motion).to_dict()
         stable = {"A", "phi", "f_eq_hz", "d_ms", "index", "reliable", "probability", "stability_margin"}
         stable |= {"verdict", "reasons", "would_decide", "error", "by_index", "tracking", "faults", "window"}
-        assert stable <= set(found)
-        assert json.loads(json.dumps(found, allow_nan=False)) == found
-        assert found["index_interval"][0] < found["index"] < found["index_interval"][1]
+        assert stable <= set(result)
+        assert json.loads(json.dumps(result, allow_nan=False)) == result
+        assert result["index_interval"][0] < result["index"] < result["index_interval"][1]
         for name in ("rms", "mte"):
-            assert 0.0 < found["error"][name]["low"] <= found["error"][name]["value"]
-            assert found["error"][name]["value"] <= found["error"][name]["high"]
-        assert sum(part["share"] for part in found["error"]["parts"].values()) == pytest.approx(1.0)
-        assert found["phi"] == pytest.approx(-2e-3 * np.pi * found["f_eq_hz"] * found["d_ms"])
+            assert 0.0 < result["error"][name]["low"] <= result["error"][name]["value"]
+            assert result["error"][name]["value"] <= result["error"][name]["high"]
+        assert sum(part["share"] for part in result["error"]["parts"].values()) == pytest.approx(1.0)
+        assert result["phi"] == pytest.approx(-2e-3 * np.pi * result["f_eq_hz"] * result["d_ms"])
 
 
 def test_improvement_that_is_named_would_do():
-    found = improvement(1.002, 0.0015, 5e-5, 1.0)
-    assert found.first == "delay"
-    assert 0.002**2 / 5e-5 + (1e3 * found.tolerable_delay) ** 2 == pytest.approx(1.0)
-    assert found.tolerable_amplitude_error == 0.0  # the delay alone is too long
+    result = improvement(1.002, 0.0015, 5e-5, 1.0)
+    assert result.first == "delay"
+    assert 0.002**2 / 5e-5 + (1e3 * result.tolerable_delay) ** 2 == pytest.approx(1.0)
+    assert result.tolerable_amplitude_error == 0.0  # the delay alone is too long
     assert improvement(0.99, 0.0001, 5e-5, 1.0).first == "amplitude"

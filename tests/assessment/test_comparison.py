@@ -33,16 +33,16 @@ def test_the_smaller_error_comes_first(compared):
 def test_what_is_unknown_in_both_makes_the_difference_no_less_certain(compared):
     first, second = compared[0].tests
     width = second.difference.high - second.difference.low
-    apart = np.hypot(*(test.error.high - test.error.low for test in (first, second)))
-    assert width < 0.8 * apart
+    separate = np.hypot(*(test.error.high - test.error.low for test in (first, second)))
+    assert width < 0.8 * separate
 
 
 def test_numbers_are_those_of_the_verdicts(compared):
     comparison, _ = compared
     content = comparison.to_dict()["tests"][0]
-    alone = reliab.assess(runs_of(3)[0][1], f=1, xi=0.05).to_dict()
-    assert content["rms"] == alone["error"]["rms"]
-    assert (content["verdict"], content["A"]) == (alone["verdict"], alone["A"])
+    separate = reliab.assess(runs_of(3)[0][1], f=1, xi=0.05).to_dict()
+    assert content["rms"] == separate["error"]["rms"]
+    assert (content["verdict"], content["A"]) == (separate["verdict"], separate["A"])
     assert list(comparison.to_dataframe()["rank"]) == [1, 2]
 
 
@@ -54,10 +54,10 @@ def test_what_is_taken_to_be_the_same_is_said(compared):
     )
     first, second = comparison.tests
     rebuilt = replace(second.assessment.error.rebuilt, seed=1)
-    apart = replace(second.assessment, error=replace(second.assessment.error, rebuilt=rebuilt))
-    other = rank_tests({first.file: first.assessment, second.file: apart})
-    assert "Other quantities are unknown in data frame 1" in other.notes[0]
-    difference, paired = other.tests[1].difference, second.difference
+    separate = replace(second.assessment, error=replace(second.assessment.error, rebuilt=rebuilt))
+    alternative = rank_tests({first.file: first.assessment, second.file: separate})
+    assert "Other quantities are unknown in data frame 1" in alternative.notes[0]
+    difference, paired = alternative.tests[1].difference, second.difference
     assert difference.high - difference.low > paired.high - paired.low
 
 
@@ -78,24 +78,25 @@ def test_one_test_is_no_comparison():
 
 @pytest.mark.slow
 def test_intervals_of_differences_hold_the_true_ones_where_the_frequency_is_not_exact():
-    held = 0
+    coverage = 0
     for seed in range(40):
         f = 1.0 + 0.02 * np.random.default_rng(1000 + seed).normal()
         frames, errors = runs_of(100 + seed, f=f)
         tests = {test.file: test for test in reliab.compare(frames, f="1±0.02", xi=0.05).tests}
         later = next(test for test in tests.values() if test.difference is not None)
         sign = 1.0 if later.file == "data frame 1" else -1.0
-        held += later.difference.low <= sign * (errors[0] - errors[1]) <= later.difference.high
-    assert held >= 32  # 90 % of 40, less two standard deviations
+        coverage += later.difference.low <= sign * (errors[0] - errors[1]) <= later.difference.high
+    assert coverage >= 32  # 90 % of 40, less two standard deviations
 
 
 def errors_drawn(rows, values):
     """Stand-ins of what was found about tests, of which only the draws of the errors are known."""
     made = {}
     for file, row in rows.items():
-        drawn = np.array(row, dtype=float)
+        samples = np.array(row, dtype=float)
         draws = SimpleNamespace(
-            errors=lambda _metric, drawn=drawn: drawn, weights=lambda drawn=drawn: np.ones_like(drawn)
+            errors=lambda _metric, samples=samples: samples,
+            weights=lambda samples=samples: np.ones_like(samples),
         )
         unknown = SimpleNamespace(deviations=dict)
         made[file] = SimpleNamespace(

@@ -123,29 +123,29 @@ def test_a_bad_test_stays_bad_unless_its_structure_may_be_another_one():
 
 def test_a_stiff_structure_that_moves_below_its_frequency_is_not_doubted(simulate):
     """Under slow ground motions it follows the ground, with a resonance at its own frequency."""
-    below = 0
+    lower = 0
     for motion in range(6):
         test = simulate(motion, f=8.0, noise=0.001, delay=1e-4)
         tracking = track(test, draws=2)
-        below += tracking.plain.equivalent_frequency < 4.0
+        lower += tracking.plain.equivalent_frequency < 4.0
         assert not list(contradict_frequency(test, tracking, [8.0]))
         for wrong in (0.2, 40.0):
             assert list(contradict_frequency(test, tracking, [wrong])), (motion, wrong)
-    assert below > 0
+    assert lower > 0
 
 
 @pytest.mark.slow
 def test_a_frame_is_doubted_as_well(simulate):
     mass, stiffness = shear_frame([2000.0, 1500.0], [4e7, 3e7])
-    whole = Frame(mass=mass, stiffness=stiffness, damping=modal_damping(mass, stiffness, 0.03))
+    full_test = Frame(mass=mass, stiffness=stiffness, damping=modal_damping(mass, stiffness, 0.03))
     partition = Partition.from_frame(
-        frame=whole, interface=floor_interface(whole, 1), specimen=Specimen(stiffness=2e7)
+        frame=full_test, interface=floor_interface(full_test, 1), specimen=Specimen(stiffness=2e7)
     )
     frame = FrameUnderTest(name="stiff", partition=partition, output=None, error_of="interface")
-    found = assess_frame(simulate(noise=0.001, delay=1e-4, gain=0.999), frame)
-    assert found.error.probability > 0.95
-    assert found.verdict is Word.UNDECIDED
-    assert any("no resonance" in warning for warning in found.to_dict()["warnings"])
+    result = assess_frame(simulate(noise=0.001, delay=1e-4, gain=0.999), frame)
+    assert result.error.probability > 0.95
+    assert result.verdict is Word.UNDECIDED
+    assert any("no resonance" in warning for warning in result.to_dict()["warnings"])
 
 
 @pytest.mark.default_cases(1)
@@ -160,6 +160,6 @@ def test_a_reliable_test_has_no_contradictions(simulate, frequency):
 
 def test_a_lead_is_no_swap_where_the_measured_column_has_a_sensors_noise(simulate):
     early = simulate(noise=0.001, delay=-1.9e-3, gain=1.0)
-    swapped = replace(early, command=early.measured, measured=early.command)
+    swapped_test = replace(early, command=early.measured, measured=early.command)
     assert not assess(early, ONE_HERTZ).column_doubts
-    assert assess(swapped, ONE_HERTZ).column_doubts
+    assert assess(swapped_test, ONE_HERTZ).column_doubts

@@ -50,8 +50,8 @@ def test_all_displacements_follow_from_the_interface_and_the_ground() -> None:
     frame, partition = _two_storeys()
     shared = Substructures.from_partition(partition)
     true = reference_response(frame, _GROUND, _STEP)
-    found = shared.displacements(partition.interface.T @ true, _GROUND, _STEP)
-    assert found == pytest.approx(true, abs=2e-4 * np.abs(true).max())
+    result = shared.displacements(partition.interface.T @ true, _GROUND, _STEP)
+    assert result == pytest.approx(true, abs=2e-4 * np.abs(true).max())
 
 
 def test_what_acts_on_the_masses_is_their_absolute_acceleration() -> None:
@@ -59,12 +59,14 @@ def test_what_acts_on_the_masses_is_their_absolute_acceleration() -> None:
     frame, partition = _two_storeys()
     shared = Substructures.from_partition(partition)
     true = reference_response(frame, _GROUND, _STEP)
-    force, felt = shared.force_of_linear(partition.interface.T @ true, _STEP)
-    found = shared.accelerations(true, force, _STEP)
+    force, felt_displacement = shared.force_of_linear(partition.interface.T @ true, _STEP)
+    result = shared.accelerations(true, force, _STEP)
     expected = np.gradient(np.gradient(true, _STEP, axis=1), _STEP, axis=1) + _GROUND
-    assert found[:, 5:-5] == pytest.approx(expected[:, 5:-5], abs=5e-3 * np.abs(expected).max())
-    left = shared.force_of_computer(true, _GROUND, _STEP)
-    assert left[:, 5:-5] == pytest.approx(felt[:, 5:-5], abs=0.02 * np.abs(felt).max())
+    assert result[:, 5:-5] == pytest.approx(expected[:, 5:-5], abs=5e-3 * np.abs(expected).max())
+    remainder = shared.force_of_computer(true, _GROUND, _STEP)
+    assert remainder[:, 5:-5] == pytest.approx(
+        felt_displacement[:, 5:-5], abs=0.02 * np.abs(felt_displacement).max()
+    )
 
 
 def test_degrees_of_freedom_without_mass_follow_too() -> None:
@@ -73,14 +75,14 @@ def test_degrees_of_freedom_without_mass_follow_too() -> None:
     bare = replace(partition, mass=np.diag([1000.0, 900.0, 0.0]))
     true = reference_response(light, _GROUND, _STEP)
     shared = Substructures.from_partition(bare)
-    found = shared.displacements(partition.interface.T @ true, _GROUND, _STEP)
-    assert found == pytest.approx(true, abs=5e-3 * np.abs(true).max())
+    result = shared.displacements(partition.interface.T @ true, _GROUND, _STEP)
+    assert result == pytest.approx(true, abs=5e-3 * np.abs(true).max())
     force, _ = shared.force_of_linear(partition.interface.T @ true, _STEP)
-    assert not shared.accelerations(found, force, _STEP)[2].any()
+    assert not shared.accelerations(result, force, _STEP)[2].any()
 
 
 @pytest.fixture(scope="module")
-def coupled() -> tuple[CoupledAssessment, np.ndarray, np.ndarray]:
+def coupled_test() -> tuple[CoupledAssessment, np.ndarray, np.ndarray]:
     """A test of the frame that ships; its true displacements, and those of the specimen."""
     frame = read_structure(shipped("datasets", "frames/two_actuators.toml"))
     ran = coupled_response(frame.partition, frame.transfer_system, _GROUND, _STEP)
@@ -94,61 +96,63 @@ def coupled() -> tuple[CoupledAssessment, np.ndarray, np.ndarray]:
         ground=_GROUND,
     )
     partition = frame.partition
-    whole = Frame(
+    full_test = Frame(
         mass=partition.mass,
         damping=partition.damping,
         stiffness=partition.stiffness,
         influence=partition.influence,
     )
-    return assess_frame(recording, frame), reference_response(whole, _GROUND, _STEP), ran.measured
+    return assess_frame(recording, frame), reference_response(full_test, _GROUND, _STEP), ran.measured
 
 
-def _shaken_by(found: CoupledAssessment, ground: np.ndarray | None) -> xr.Dataset:
-    return correct_response(replace(found, recording=replace(found.recording, ground=ground)))
+def _shaken_by(result: CoupledAssessment, ground: np.ndarray | None) -> xr.Dataset:
+    return correct_response(replace(result, recording=replace(result.recording, ground=ground)))
 
 
 @pytest.mark.slow
 def test_several_actuators_are_corrected_at_all_degrees_of_freedom(
-    coupled: tuple[CoupledAssessment, np.ndarray, np.ndarray],
+    coupled_test: tuple[CoupledAssessment, np.ndarray, np.ndarray],
 ) -> None:
     """A roof that nobody measured is right too."""
-    found, true, moved = coupled
-    corrected = correct_response(found)
+    result, true, displacement = coupled_test
+    correction = correct_response(result)
     for place, name in enumerate(("x", "theta")):
-        left = np.std(corrected[f"exact_{name}"].to_numpy() - true[place])
-        assert left < 0.3 * np.std(moved[place] - true[place])
+        remainder = np.std(correction[f"exact_{name}"].to_numpy() - true[place])
+        assert remainder < 0.3 * np.std(displacement[place] - true[place])
     for name, row in zip(("x", "theta", "roof"), true, strict=True):
-        low, high = (corrected[f"exact_{end}_{name}"].to_numpy() for end in ("low", "high"))
+        low, high = (correction[f"exact_{end}_{name}"].to_numpy() for end in ("low", "high"))
         assert np.mean((low <= row) & (row <= high)) > 0.75
-        within = 0.06 if name == "theta" else 5e-3  # which hardly moves
-        assert corrected[f"exact_{name}"].to_numpy() == pytest.approx(row, abs=within * np.abs(row).max())
+        motion_variance = 0.06 if name == "theta" else 5e-3  # which hardly moves
+        assert correction[f"exact_{name}"].to_numpy() == pytest.approx(
+            row, abs=motion_variance * np.abs(row).max()
+        )
     drift = np.abs(true[2] - true[0]).max()
-    assert corrected.attrs["drift_peak_roof"] == pytest.approx(drift, rel=5e-3)
-    assert corrected.attrs["drift_peak_low_roof"] <= drift <= corrected.attrs["drift_peak_high_roof"]
-    force = found.frame.partition.specimen_stiffness @ true[:2]
+    assert correction.attrs["drift_peak_roof"] == pytest.approx(drift, rel=5e-3)
+    assert correction.attrs["drift_peak_low_roof"] <= drift <= correction.attrs["drift_peak_high_roof"]
+    force = result.frame.partition.specimen_stiffness @ true[:2]
     expected = pytest.approx(force[0], abs=0.05 * np.abs(force[0]).max())
-    assert corrected["specimen_force_x"].to_numpy() == expected
-    assert "degrees of freedom" not in corrected.attrs["note"]
+    assert correction["specimen_force_x"].to_numpy() == expected
+    assert "degrees of freedom" not in correction.attrs["note"]
 
 
 @pytest.mark.slow
 def test_the_ground_motion_must_be_that_of_the_test(
-    coupled: tuple[CoupledAssessment, np.ndarray, np.ndarray],
+    coupled_test: tuple[CoupledAssessment, np.ndarray, np.ndarray],
 ) -> None:
     """Its sign may be the opposite one; without it, or with another one, the interface alone is corrected."""
-    found, true, _ = coupled
-    opposite = _shaken_by(found, -_GROUND)
+    result, true, _ = coupled_test
+    opposite = _shaken_by(result, -_GROUND)
     assert opposite["exact_roof"].to_numpy() == pytest.approx(true[2], abs=5e-3 * np.abs(true[2]).max())
-    other = np.random.default_rng(2).normal(size=_GROUND.size)
+    second = np.random.default_rng(2).normal(size=_GROUND.size)
     for ground, says in (
         (None, "need the ground acceleration"),
-        (other, "assumed to belong to another test"),
+        (second, "assumed to belong to another test"),
     ):
-        corrected = _shaken_by(found, ground)
-        assert "exact_roof" not in corrected
-        assert "exact_x" in corrected
-        assert says in corrected.attrs["note"]
-        assert np.isfinite(corrected["specimen_force_theta"]).all()
+        correction = _shaken_by(result, ground)
+        assert "exact_roof" not in correction
+        assert "exact_x" in correction
+        assert says in correction.attrs["note"]
+        assert np.isfinite(correction["specimen_force_theta"]).all()
 
 
 @pytest.mark.slow
@@ -174,12 +178,12 @@ def test_every_storey_of_a_frame_with_a_measured_specimen_is_corrected(family: s
     while not 0.01 < (test := nonlinear_frames.simulate_frame_test(family, ground, draw)).error < 0.1:
         pass
     recording = replace(test.recording, ground=ground)
-    corrected = correct_response(reliab.assess(recording, test.frame, specimen="measured"))
+    correction = correct_response(reliab.assess(recording, test.frame, specimen="measured"))
     for name, true in zip(test.frame.partition.frame.names, test.exact_floors.T, strict=True):
         peak = np.abs(true).max()
-        assert corrected[f"exact_{name}_m"].to_numpy() == pytest.approx(true, abs=0.02 * peak)
-        assert corrected.attrs[f"exact_peak_{name}_m"] == pytest.approx(peak, rel=0.02)
-    force = corrected["specimen_force_n"].to_numpy()
+        assert correction[f"exact_{name}_m"].to_numpy() == pytest.approx(true, abs=0.02 * peak)
+        assert correction.attrs[f"exact_peak_{name}_m"] == pytest.approx(peak, rel=0.02)
+    force = correction["specimen_force_n"].to_numpy()
     assert np.std(force - test.exact_force) < 0.02 * np.std(test.exact_force)
     true = np.trapezoid(test.exact_force, test.exact)
-    assert corrected.attrs["specimen_energy_j"] == pytest.approx(true, rel=0.1)
+    assert correction.attrs["specimen_energy_j"] == pytest.approx(true, rel=0.1)

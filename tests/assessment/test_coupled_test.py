@@ -34,37 +34,37 @@ def shaking():
 
 
 @pytest.fixture(scope="module")
-def recorded(tmp_path_factory):
+def recording_file(tmp_path_factory):
     """A test's file, and the frame's."""
     path = shipped("datasets", FRAME)
     frame = read_structure(path)
     time, motion = shaking()
     run = coupled_response(frame.partition, frame.transfer_system, motion, STEP)
-    moved = {"command": frame.kinematics @ run.command, "measured": frame.kinematics @ run.measured}
+    displacement = {"command": frame.kinematics @ run.command, "measured": frame.kinematics @ run.measured}
     noise = 1e-6 * np.random.default_rng(0).normal(size=(2, time.size))
-    moved["measured"] = moved["measured"] + noise
+    displacement["measured"] = displacement["measured"] + noise
     table = {"time_s": time} | {
-        f"{name}_{place + 1}": history[place] for place in range(2) for name, history in moved.items()
+        f"{name}_{place + 1}": history[place] for place in range(2) for name, history in displacement.items()
     }
     file = tmp_path_factory.mktemp("test") / "test.csv"
     pd.DataFrame(table).to_csv(file, index=False)
-    strayed, peak = run.measured - run.reference, np.abs(run.reference).max(axis=1)
-    return file, path, np.sqrt(np.mean(strayed**2, axis=1)) / peak
+    error, peak = run.measured - run.reference, np.abs(run.reference).max(axis=1)
+    return file, path, np.sqrt(np.mean(error**2, axis=1)) / peak
 
 
 @pytest.fixture
-def with_ground(recorded):
-    return pd.read_csv(recorded[0]).assign(ground_acceleration_m_s2=shaking()[1])
+def ground_file(recording_file):
+    return pd.read_csv(recording_file[0]).assign(ground_acceleration_m_s2=shaking()[1])
 
 
 @pytest.fixture(scope="module")
-def assessed(recorded):
-    return reliab.assess(recorded[0], recorded[1])
+def assessment(recording_file):
+    return reliab.assess(recording_file[0], recording_file[1])
 
 
-def test_json_holds_each_degree_and_the_governing_one(recorded, assessed):
-    true = recorded[2]
-    answer = assessed.to_dict()
+def test_json_holds_each_degree_and_the_governing_one(recording_file, assessment):
+    true = recording_file[2]
+    answer = assessment.to_dict()
     json.dumps(answer, allow_nan=False)
     degrees = answer["error"]["degrees_of_freedom"]
     assert set(degrees) == {"x", "theta"}
@@ -88,30 +88,32 @@ def test_large_rotations_are_read_by_the_geometry_of_the_actuators():
         motions=("x", "rotation"), pins=[[0.3, -0.25], [0.3, 0.25]], directions=[[1, 0], [1, 0]]
     )
     np.testing.assert_allclose(geometry.matrix, frame.kinematics)
-    extended = {name: geometry.extensions(large * getattr(run, name)) for name in ("command", "measured")}
-    recording = CoupledRecording(time_step=STEP, name="large", actuators=("1", "2"), **extended)
-    strayed, peak = run.measured - run.reference, np.abs(run.reference).max(axis=1)
-    true = np.sqrt(np.mean(strayed**2, axis=1)) / peak
+    extension = {name: geometry.extensions(large * getattr(run, name)) for name in ("command", "measured")}
+    recording = CoupledRecording(time_step=STEP, name="large", actuators=("1", "2"), **extension)
+    error, peak = run.measured - run.reference, np.abs(run.reference).max(axis=1)
+    true = np.sqrt(np.mean(error**2, axis=1)) / peak
     exact, by_matrix = (
-        [degree.rms.value for degree in assess_frame(recording, one).error.displacements]
-        for one in (replace(frame, geometry=geometry), frame)
+        [degree.rms.value for degree in assess_frame(recording, single).error.displacements]
+        for single in (replace(frame, geometry=geometry), frame)
     )
     assert exact == pytest.approx(true, rel=2e-3)
     assert np.abs(np.array(by_matrix) / true - 1.0).max() > 0.01
 
 
 @pytest.mark.slow
-def test_a_recording_and_interface_coordinates_give_the_same(recorded, assessed, tmp_path):
-    file, path, _ = recorded
+def test_a_recording_and_interface_coordinates_give_the_same(recording_file, assessment, tmp_path):
+    file, path, _ = recording_file
     frame, table = read_structure(path), pd.read_csv(file)
     at_actuators = [table[[f"{name}_1", f"{name}_2"]].to_numpy().T for name in ("command", "measured")]
     text = path.read_text(encoding="utf-8").replace('channels = "actuators"', 'channels = "interface"')
     (tmp_path / "interface.toml").write_text(text, encoding="utf-8")
-    command, measured = (frame.to_interface @ history for history in at_actuators)
-    recording = CoupledRecording(command=command, measured=measured, time_step=STEP, actuators=("x", "theta"))
-    found = reliab.assess(recording, read_structure(tmp_path / "interface.toml"))
-    for one, another in zip(found.error.displacements, assessed.error.displacements, strict=True):
-        assert one.rms.value == pytest.approx(another.rms.value, rel=0.01)
+    command, measured_displacement = (frame.to_interface @ history for history in at_actuators)
+    recording = CoupledRecording(
+        command=command, measured=measured_displacement, time_step=STEP, actuators=("x", "theta")
+    )
+    result = reliab.assess(recording, read_structure(tmp_path / "interface.toml"))
+    for displacement, another in zip(result.error.displacements, assessment.error.displacements, strict=True):
+        assert displacement.rms.value == pytest.approx(another.rms.value, rel=0.01)
 
 
 def test_matrices_may_stand_in_files(tmp_path):
@@ -122,8 +124,8 @@ def test_matrices_may_stand_in_files(tmp_path):
     (tmp_path / "frame.toml").write_text(
         text[:begin] + 'stiffness_matrix_n_per_m = "K.csv"\n' + text[end:], encoding="utf-8"
     )
-    again = read_structure(tmp_path / "frame.toml")
-    np.testing.assert_allclose(again.partition.stiffness, frame.partition.stiffness, rtol=1e-12)
+    second = read_structure(tmp_path / "frame.toml")
+    np.testing.assert_allclose(second.partition.stiffness, frame.partition.stiffness, rtol=1e-12)
 
 
 BAD = pytest.mark.parametrize(
@@ -139,8 +141,8 @@ BAD = pytest.mark.parametrize(
 
 
 @BAD
-def test_a_bad_description_ends_in_a_sentence(recorded, tmp_path, old, new, sentence):
-    text = recorded[1].read_text(encoding="utf-8")
+def test_a_bad_description_ends_in_a_sentence(recording_file, tmp_path, old, new, sentence):
+    text = recording_file[1].read_text(encoding="utf-8")
     assert old in text
     bad = tmp_path / "bad.toml"
     bad.write_text(text.replace(old, new), encoding="utf-8")
@@ -149,18 +151,20 @@ def test_a_bad_description_ends_in_a_sentence(recorded, tmp_path, old, new, sent
 
 
 @BAD
-def test_a_bad_description_is_one_sentence_and_exit_code_2(recorded, tmp_path, capsys, old, new, sentence):
+def test_a_bad_description_is_one_sentence_and_exit_code_2(
+    recording_file, tmp_path, capsys, old, new, sentence
+):
     bad = tmp_path / "bad.toml"
-    bad.write_text(recorded[1].read_text(encoding="utf-8").replace(old, new), encoding="utf-8")
-    assert cli.run(["assess", str(recorded[0]), "--structure", str(bad)]) == 2
-    out, said = capsys.readouterr()
+    bad.write_text(recording_file[1].read_text(encoding="utf-8").replace(old, new), encoding="utf-8")
+    assert cli.run(["assess", str(recording_file[0]), "--structure", str(bad)]) == 2
+    out, messages = capsys.readouterr()
     assert not out
-    assert sentence in said
-    assert "Traceback" not in said
+    assert sentence in messages
+    assert "Traceback" not in messages
 
 
-def test_its_report_holds_each_degree_and_the_parts(assessed):
-    document = frame_assessment_report(assessed, provenance={})
+def test_its_report_holds_each_degree_and_the_parts(assessment):
+    document = frame_assessment_report(assessment, provenance={})
     errors = document.blocks[0].blocks[0]
     assert list(errors.frame["0"]) == ["x", "theta"]
     parts = document.blocks[4].blocks[0]
@@ -169,31 +173,33 @@ def test_its_report_holds_each_degree_and_the_parts(assessed):
 
 
 @pytest.mark.slow
-def test_its_report_is_written(recorded, tmp_path):
-    file, frame, _ = recorded
+def test_its_report_is_written(recording_file, tmp_path):
+    file, frame, _ = recording_file
     report = tmp_path / "report.pdf"
     assert cli.run(["assess", str(file), "--structure", str(frame), "--report", str(report)]) == 0
     assert report.read_bytes().startswith(b"%PDF")
 
 
-def test_a_loop_beyond_its_critical_delay_leaves_no_test_reliable(assessed):
-    late = replace(assessed, limit=replace(assessed.limit, delay=0.5 * assessed.longest_delay))
+def test_a_loop_beyond_its_critical_delay_leaves_no_test_reliable(assessment):
+    late = replace(assessment, limit=replace(assessment.limit, delay=0.5 * assessment.longest_delay))
     assert late.stability_margin == pytest.approx(-1.0)
     assert any("the loop is unstable" in words for words in late.warnings)
 
 
-def test_what_takes_one_actuator_refuses_several(recorded):
-    file, path, _ = recorded
+def test_what_takes_one_actuator_refuses_several(recording_file):
+    file, path, _ = recording_file
     with pytest.raises(InputError, match="driven at one degree of freedom"):
         read_frame(path)
     with pytest.raises(InputError, match="criterion"):
         reliab.assess(file, path, criterion="guo_2017_15")
 
 
-def with_sensors(file, seen):
+def replace_readings(file, smooth_values):
     """The test of a file, whose displacement sensors show what a function makes of each motion."""
     table = pd.read_csv(file)
-    return table.assign(**{name: seen(table[name].to_numpy()) for name in ("measured_1", "measured_2")})
+    return table.assign(
+        **{name: smooth_values(table[name].to_numpy()) for name in ("measured_1", "measured_2")}
+    )
 
 
 def play(motion, width=0.01):
@@ -206,72 +212,76 @@ def play(motion, width=0.01):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("seen", "stated"),
+    ("smooth_values", "stated_values"),
     [
         (lambda motion: LowPass(corner=30.0).apply(motion, STEP), {"filter": ["measured=30"]}),
         (play, {"hysteresis": 0.01}),
     ],
 )
-def test_filters_and_hysteresis_of_all_sensors_are_taken_off(recorded, seen, stated):
-    spoiled = reliab.assess(with_sensors(recorded[0], seen), recorded[1], **stated).error.displacements
-    assert [degree.rms.value for degree in spoiled] == pytest.approx(recorded[2], rel=0.02)
+def test_filters_and_hysteresis_of_all_sensors_are_taken_off(recording_file, smooth_values, stated_values):
+    corrupt = reliab.assess(
+        replace_readings(recording_file[0], smooth_values), recording_file[1], **stated_values
+    ).error.displacements
+    assert [degree.rms.value for degree in corrupt] == pytest.approx(recording_file[2], rel=0.02)
 
 
 @pytest.mark.slow
-def test_a_given_ground_motion_is_as_good_as_a_recorded_one(recorded, with_ground):
+def test_a_given_ground_motion_is_as_good_as_a_recorded_one(recording_file, ground_file):
     """A record with rest about the test, which is found in it; over their peaks all errors are the same.
 
     The structure is exact: a recorded ground acceleration shows more of an uncertain one.
     """
-    rest = np.zeros(300)
-    record = np.concatenate([rest, shaking()[1], rest])
-    given = reliab.assess(
-        recorded[0],
-        recorded[1],
+    remainder = np.zeros(300)
+    record = np.concatenate([remainder, shaking()[1], remainder])
+    arguments = reliab.assess(
+        recording_file[0],
+        recording_file[1],
         motion=Motion(name="record", acceleration=record, time_step=STEP),
         exact=True,
     ).responses
-    of_channel = reliab.assess(with_ground, recorded[1], exact=True).responses
-    for one, another in zip(given.each, of_channel.each, strict=True):
-        assert one.rms.value == pytest.approx(another.rms.value, rel=1e-3)
-        assert one.rms.high == pytest.approx(another.rms.high, rel=1e-3)
-    other = np.random.default_rng(1).standard_normal(record.size)
+    of_channel = reliab.assess(ground_file, recording_file[1], exact=True).responses
+    for single, another in zip(arguments.each, of_channel.each, strict=True):
+        assert single.rms.value == pytest.approx(another.rms.value, rel=1e-3)
+        assert single.rms.high == pytest.approx(another.rms.high, rel=1e-3)
+    second = np.random.default_rng(1).standard_normal(record.size)
     foreign = reliab.assess(
-        recorded[0], recorded[1], motion=Motion(name="other", acceleration=other, time_step=STEP)
+        recording_file[0], recording_file[1], motion=Motion(name="other", acceleration=second, time_step=STEP)
     ).responses
     assert foreign.other_motion
     assert not foreign.over_peaks
 
 
 @pytest.mark.slow
-def test_a_skew_and_a_scale_of_all_channels_are_taken_off(recorded, assessed, tmp_path):
+def test_a_skew_and_a_scale_of_all_channels_are_taken_off(recording_file, assessment, tmp_path):
     """By the header of the test, which goes before the file of the laboratory, and by options."""
-    file, path, _ = recorded
+    file, path, _ = recording_file
     table = pd.read_csv(file)
     for name in ("measured_1", "measured_2"):
         table[name] = 1.02 * np.interp(table["time_s"] - 0.003, table["time_s"], table[name])
     header, channels = tmp_path / "header.csv", tmp_path / "channels.toml"
     header.write_text("# skew_ms: 3\n# scale: 1.02\n" + table.to_csv(index=False), encoding="utf-8")
     channels.write_text("[calibration]\nskew_ms = -5.0\nscale = 0.9\n", encoding="utf-8")
-    spoiled, by_header, by_options = (
-        {degree.name: degree.rms.value for degree in found.error.displacements}
-        for found in (
+    corrupt, by_header, by_options = (
+        {degree.name: degree.rms.value for degree in result.error.displacements}
+        for result in (
             reliab.assess(table, path),
             reliab.assess(header, path, channels=channels),
             reliab.assess(table, path, skew=3, scale=1.02),
         )
     )
-    sound = {degree.name: degree.rms.value for degree in assessed.error.displacements}
+    sound = {degree.name: degree.rms.value for degree in assessment.error.displacements}
     assert by_header == by_options
     assert by_header == pytest.approx(sound, rel=0.05)
-    assert spoiled != pytest.approx(sound, rel=0.5)
+    assert corrupt != pytest.approx(sound, rel=0.5)
 
 
 @pytest.mark.slow
-def test_what_nobody_stated_of_several_actuators_is_as_uncertain_as_equipment_leaves_it(recorded, assessed):
-    file, path, _ = recorded
+def test_what_nobody_stated_of_several_actuators_is_as_uncertain_as_equipment_leaves_it(
+    recording_file, assessment
+):
+    file, path, _ = recording_file
     exact = reliab.assess(file, path, exact=True)
-    budget = {item["name"]: item for item in assessed.to_dict()["budget"]}
+    budget = {item["name"]: item for item in assessment.to_dict()["budget"]}
     assert budget["sensor_scale_2"]["quantity"] == "scale of the displacement sensor of actuator 2"
     assert budget["sensor_scale_2"]["size"] == pytest.approx(0.3)
     assert budget["time_shift_1"]["source"] == "default"
@@ -282,26 +292,26 @@ def test_what_nobody_stated_of_several_actuators_is_as_uncertain_as_equipment_le
         "sensor_noise",
         *(f"sensor_offset_{number}" for number in (1, 2)),
     }
-    for found, known in zip(assessed.error.displacements, exact.error.displacements, strict=True):
-        assert found.rms.value == pytest.approx(known.rms.value, rel=1e-6)
-        assert found.rms.high - found.rms.low > known.rms.high - known.rms.low
-    assert 0.01 <= assessed.probability <= 0.99
+    for result, displacement in zip(assessment.error.displacements, exact.error.displacements, strict=True):
+        assert result.rms.value == pytest.approx(displacement.rms.value, rel=1e-6)
+        assert result.rms.high - result.rms.low > displacement.rms.high - displacement.rms.low
+    assert 0.01 <= assessment.probability <= 0.99
 
 
 @pytest.mark.slow
-def test_a_fault_of_one_channel_is_stated_with_the_error_without_it(recorded):
+def test_a_fault_of_one_channel_is_stated_with_the_error_without_it(recording_file):
     """An offset of which the command does not show whether the loop felt it: the interval holds both."""
-    table = pd.read_csv(recorded[0])
+    table = pd.read_csv(recording_file[0])
     table["measured_1"] += 0.05 * table["command_1"].abs().max()
-    found = reliab.assess(table, recorded[1], exact=True).to_dict()
-    (fault,) = found["faults"]
+    result = reliab.assess(table, recording_file[1], exact=True).to_dict()
+    (fault,) = result["faults"]
     assert (fault["actuator"], fault["kind"], fault["in_loop"]) == ("1", "offset", None)
-    assert fault["error_otherwise"] == pytest.approx(recorded[2][1], rel=0.02)
-    rms = found["error"]["degrees_of_freedom"]["theta"]["rms"]
+    assert fault["error_otherwise"] == pytest.approx(recording_file[2][1], rel=0.02)
+    rms = result["error"]["degrees_of_freedom"]["theta"]["rms"]
     assert fault["error"] == rms["value"] > 3.0 * fault["error_otherwise"]
     assert rms["low"] < 1.05 * fault["error_otherwise"]
-    assert found["budget"][0]["quantity"].endswith("of actuator 1")
-    assert found["budget"][0]["name"] == "open_offset_1"
+    assert result["budget"][0]["quantity"].endswith("of actuator 1")
+    assert result["budget"][0]["name"] == "open_offset_1"
 
 
 @pytest.mark.slow
@@ -320,19 +330,21 @@ def test_an_offset_that_inclined_actuators_felt_is_known_by_what_their_command_a
     shaking = np.random.default_rng(2).standard_normal(time.size // 16 + 1)
     shaking = np.interp(time, np.arange(shaking.size) * 16 * STEP, shaking)
     run = coupled_response(partition, actuators, shaking * np.sin(np.pi * time / 60.0), STEP)
-    command, measured = kinematics @ run.command, kinematics @ run.measured
+    command, measured_displacement = kinematics @ run.command, kinematics @ run.measured
     offset = np.array([[0.2 * np.abs(command[0]).max()], [0.0]])
     answer = kinematics @ partition.static_transfer @ np.linalg.solve(kinematics, offset)
     frame = FrameUnderTest(
         has_several=True, name="", partition=partition, kinematics=kinematics, channels_at_interface=False
     )
-    for felt in (True, False):
+    for felt_displacement in (True, False):
         recording = CoupledRecording(
-            command=command - felt * answer, measured=measured - felt * answer + offset, time_step=STEP
+            command=command - felt_displacement * answer,
+            measured=measured_displacement - felt_displacement * answer + offset,
+            time_step=STEP,
         )
-        found = [effect.fault for effect in assess_frame(recording, frame).faults]
-        faults = [fault for fault in found if fault.actuator == "1"]
-        assert [(fault.kind, fault.in_loop) for fault in faults] == [("offset", felt)]
+        result = [effect.fault for effect in assess_frame(recording, frame).faults]
+        faults = [fault for fault in result if fault.actuator == "1"]
+        assert [(fault.kind, fault.in_loop) for fault in faults] == [("offset", felt_displacement)]
 
 
 @pytest.mark.slow
@@ -353,10 +365,10 @@ def test_actuators_that_move_alike_keep_gains_near_one():
         kinematics=actuators.kinematics,
         channels_at_interface=False,
     )
-    found = assess_frame(recording, frame)
-    np.testing.assert_allclose(found.error.parts.gain, np.eye(3), atol=0.2)
-    assert found.limit_of_gains
-    assert 0.0 < found.stability_margin < 1.0
+    result = assess_frame(recording, frame)
+    np.testing.assert_allclose(result.error.parts.gain, np.eye(3), atol=0.2)
+    assert result.limit_of_gains
+    assert 0.0 < result.stability_margin < 1.0
 
 
 def off(path, factor, **tolerances):
@@ -367,36 +379,39 @@ def off(path, factor, **tolerances):
 
 
 @pytest.mark.slow
-def test_a_recorded_ground_motion_agrees_with_the_structure(recorded, with_ground):
-    shown = reliab.assess(with_ground, recorded[1]).shown_by_ground
-    assert shown.frequency == pytest.approx(1.0, abs=0.01)
-    assert not any((shown.opposite, shown.is_other_motion, shown.contradicts(0.0)))
+def test_a_recorded_ground_motion_agrees_with_the_structure(recording_file, ground_file):
+    screen = reliab.assess(ground_file, recording_file[1]).shown_by_ground
+    assert screen.frequency == pytest.approx(1.0, abs=0.01)
+    assert not any((screen.opposite, screen.is_other_motion, screen.contradicts(0.0)))
 
 
 @pytest.mark.slow
-def test_an_inferred_budget_names_the_actuator_of_each_channel(recorded, with_ground):
-    budget = reliab.assess(with_ground, recorded[1]).to_dict()["budget"]
+def test_an_inferred_budget_names_the_actuator_of_each_channel(recording_file, ground_file):
+    budget = reliab.assess(ground_file, recording_file[1]).to_dict()["budget"]
     words = {item["name"]: item["quantity"] for item in budget}
     assert words["sensor_scale_2"] == "scale of the displacement sensor of actuator 2"
     assert words["damping_ratio"] == "damping ratio"
 
 
-def test_a_recorded_ground_motion_contradicts_another_structure(recorded, with_ground):
+def test_a_recorded_ground_motion_contradicts_another_structure(recording_file, ground_file):
     """Frequencies 8 % too high; what they are off by within ordinary equipment is learned and used."""
-    doubted = reliab.assess(with_ground, off(recorded[1], 1.08))
-    assert doubted.to_dict()["verdict"] == "undecided"
-    assert "shows a natural frequency of 2.2" in doubted.reasons[0]
-    learned = reliab.assess(with_ground, off(recorded[1], 1.03))
-    assert learned.shown_by_ground.frequency == pytest.approx(1.0 / 1.03, abs=0.01)
-    assert "natural frequency" not in " ".join(learned.reasons)
-    assert learned.to_dict()["verdict"] == "not_reliable"
-    for degree, true in zip(learned.error.displacements, recorded[2], strict=True):
+    doubt = reliab.assess(ground_file, off(recording_file[1], 1.08))
+    assert doubt.to_dict()["verdict"] == "undecided"
+    assert "shows a natural frequency of 2.2" in doubt.reasons[0]
+    specimen = reliab.assess(ground_file, off(recording_file[1], 1.03))
+    assert specimen.shown_by_ground.frequency == pytest.approx(1.0 / 1.03, abs=0.01)
+    assert "natural frequency" not in " ".join(specimen.reasons)
+    assert specimen.to_dict()["verdict"] == "not_reliable"
+    for degree, true in zip(specimen.error.displacements, recording_file[2], strict=True):
         assert degree.rms.value == pytest.approx(true, rel=0.05)
 
 
 @pytest.mark.slow
-def test_a_ground_motion_of_another_test_is_noticed(recorded, with_ground):
-    turned = with_ground.assign(ground_acceleration_m_s2=-shaking()[1])
-    assert "The ground acceleration has the opposite sign." in reliab.assess(turned, recorded[1]).warnings
-    other = with_ground.assign(ground_acceleration_m_s2=np.roll(shaking()[1], 700))
-    assert "does not belong to this test" in reliab.assess(other, recorded[1]).reasons[0]
+def test_a_ground_motion_of_another_test_is_noticed(recording_file, ground_file):
+    rotation = ground_file.assign(ground_acceleration_m_s2=-shaking()[1])
+    assert (
+        "The ground acceleration has the opposite sign."
+        in reliab.assess(rotation, recording_file[1]).warnings
+    )
+    second = ground_file.assign(ground_acceleration_m_s2=np.roll(shaking()[1], 700))
+    assert "does not belong to this test" in reliab.assess(second, recording_file[1]).reasons[0]

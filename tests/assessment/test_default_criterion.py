@@ -35,10 +35,10 @@ def test_confidence_has_its_price():
 
 
 def test_criterion_is_the_recommended_one_and_knows_its_motions():
-    found = default_criterion(0.6, 0.03, 0.05, 0.9)
-    assert (found.method, found.joint, found.confidence) == ("dirichlet", True, 0.9)
-    assert (found.provenance.n_motions, found.provenance.n_events) == (100, 19)
-    assert 0.85 < float(found.probability(1.0, np.sqrt(found.limits(0.6, 0.03)[1]) / 1e3, 0.6, 0.03)) < 1.0
+    result = default_criterion(0.6, 0.03, 0.05, 0.9)
+    assert (result.method, result.joint, result.confidence) == ("dirichlet", True, 0.9)
+    assert (result.provenance.n_motions, result.provenance.n_events) == (100, 19)
+    assert 0.85 < float(result.probability(1.0, np.sqrt(result.limits(0.6, 0.03)[1]) / 1e3, 0.6, 0.03)) < 1.0
 
 
 @pytest.mark.parametrize("wrong", [{"threshold": 0.5}, {"threshold": 0.0}, {"metric": "peak"}])
@@ -48,19 +48,19 @@ def test_what_is_not_shipped_is_refused(wrong):
 
 
 def test_tolerable_errors_are_the_roots_of_the_limits():
-    found = tolerable_errors([0.5, 1.0], 0.02, confidences=(0.9, 0.95))
-    assert [(each.frequency, each.confidence) for each in found] == [
+    result = tolerable_errors([0.5, 1.0], 0.02, confidences=(0.9, 0.95))
+    assert [(item.frequency, item.confidence) for item in result] == [
         (0.5, 0.9),
         (0.5, 0.95),
         (1.0, 0.9),
         (1.0, 0.95),
     ]
     a, b = default_criterion(1.0, 0.02).limits(1.0, 0.02)
-    assert found[-1].amplitude_error == pytest.approx(float(a) ** 0.5)
-    assert found[-1].delay == pytest.approx(1e-3 * float(b) ** 0.5)
-    half = found[-1].both
+    assert result[-1].amplitude_error == pytest.approx(float(a) ** 0.5)
+    assert result[-1].delay == pytest.approx(1e-3 * float(b) ** 0.5)
+    half = result[-1].both
     assert half[0] ** 2 / a + (1e3 * half[1]) ** 2 / b == pytest.approx(1.0)
-    assert found[-1].delay < found[-1].critical_delay
+    assert result[-1].delay < result[-1].critical_delay
 
 
 def test_chart_covers_the_shipped_frequencies():
@@ -69,32 +69,32 @@ def test_chart_covers_the_shipped_frequencies():
 
 
 def test_ellipses_of_a_window_between_two_are_nearer_to_those_of_the_nearer_one():
-    below, above = (
+    lower, upper = (
         EllipseTable(
             a=np.array([1e-4 * size, 0.0]), b=np.array([size, 2.0]), coordinates={}, motion_values={}
         )
         for size in (1.0, 16.0)
     )
-    found = interpolate_tables(below, above, 0.25)
-    np.testing.assert_allclose(found.a, [2e-4, np.nan])
-    np.testing.assert_allclose(found.b, [2.0, np.nan])
+    result = interpolate_tables(lower, upper, 0.25)
+    np.testing.assert_allclose(result.a, [2e-4, np.nan])
+    np.testing.assert_allclose(result.b, [2.0, np.nan])
 
 
 @pytest.mark.parametrize("duration", [None, 20.0, 27.0])
 @pytest.mark.parametrize("side", ["lag", "lead"])
 def test_every_door_gives_the_same_limits(duration, side):
     """Verdict and design, the command, and Python; the page of the explorer is compared by its own tests."""
-    found = [default_criterion(1.0, 0.02, duration=duration).limits(1.0, 0.02, side)]
-    derived = derive_criteria(ellipses="real_suite", f=1.0, xi=0.02, duration=duration)
-    found.append(derived.criteria[0].limits(1.0, 0.02, side))
+    result = [default_criterion(1.0, 0.02, duration=duration).limits(1.0, 0.02, side)]
+    criterion = derive_criteria(ellipses="real_suite", f=1.0, xi=0.02, duration=duration)
+    result.append(criterion.criteria[0].limits(1.0, 0.02, side))
     if duration is None:
-        found.append(derive_criterion("real_suite", f=1.0, xi=0.02).limits(1.0, 0.02, side))
-        found.append(derive_criterion(results_of_six(), f=1.0, xi=0.02).limits(1.0, 0.02, side))
+        result.append(derive_criterion("real_suite", f=1.0, xi=0.02).limits(1.0, 0.02, side))
+        result.append(derive_criterion(results_of_six(), f=1.0, xi=0.02).limits(1.0, 0.02, side))
         if side == "lag":
             (tolerance,) = tolerable_errors([1.0], 0.02, confidences=(0.95,))
-            found.append((tolerance.a, tolerance.b))
-    for other in found[1:]:
-        np.testing.assert_allclose(other, found[0], rtol=5e-3)  # results are stored with 1e-3
+            result.append((tolerance.a, tolerance.b))
+    for second in result[1:]:
+        np.testing.assert_allclose(second, result[0], rtol=5e-3)  # results are stored with 1e-3
 
 
 def results_of_six():
@@ -104,8 +104,8 @@ def results_of_six():
 
 def test_an_earthquake_is_left_out_of_a_length():
     everything = default_criterion(1.0, 0.05, duration=12.0)
-    without = default_criterion(1.0, 0.05, duration=12.0, excluded_event="NORTHR")
-    assert without.provenance.n_events == everything.provenance.n_events - 1
+    bare = default_criterion(1.0, 0.05, duration=12.0, excluded_event="NORTHR")
+    assert bare.provenance.n_events == everything.provenance.n_events - 1
 
 
 def test_a_posterior_that_has_not_converged_decides_nothing():
@@ -113,8 +113,8 @@ def test_a_posterior_that_has_not_converged_decides_nothing():
     sound = default_criterion(1.0, 0.02)
     settings = {**sound.provenance.settings, "converged": False}
     criterion = replace(sound, provenance=replace(sound.provenance, settings=settings))
-    for given in (criterion, Criterion.from_json(criterion.to_json())):
+    for arguments in (criterion, Criterion.from_json(criterion.to_json())):
         with pytest.raises(InputError, match="has not converged"):
-            tolerable_errors([1.0], 0.02, criterion=given)
+            tolerable_errors([1.0], 0.02, criterion=arguments)
         with pytest.raises(InputError, match="has not converged"):
-            place(given, Structure(frequency=1.0, damping_ratio=0.02), 1.0, 1e-4, np.zeros((2, 4)))
+            place(arguments, Structure(frequency=1.0, damping_ratio=0.02), 1.0, 1e-4, np.zeros((2, 4)))

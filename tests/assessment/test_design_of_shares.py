@@ -10,15 +10,15 @@ from reliab.structures.structure import Structure, critical_delay
 
 
 def test_limits_grow_by_the_law_of_the_share_and_the_loop_is_stable_for_longer():
-    whole, part = (
+    full_test, part = (
         design_test(f=1, xi=0.02, alpha=alpha, confidence=0.95).tolerances[0] for alpha in (1, 0.5)
     )
-    assert part.a / whole.a == pytest.approx(growth(0.5, 0.02))
-    assert part.b / whole.b == pytest.approx(growth(0.5, 0.02))
+    assert part.a / full_test.a == pytest.approx(growth(0.5, 0.02))
+    assert part.b / full_test.b == pytest.approx(growth(0.5, 0.02))
     expected = critical_delay(Structure(frequency=1.0, damping_ratio=0.02, experimental_fraction=0.5))
     assert part.critical_delay == pytest.approx(float(expected))
-    assert part.critical_delay > whole.critical_delay
-    assert (whole.to_dict()["alpha"], part.to_dict()["alpha"]) == (1.0, 0.5)
+    assert part.critical_delay > full_test.critical_delay
+    assert (full_test.to_dict()["alpha"], part.to_dict()["alpha"]) == (1.0, 0.5)
 
 
 @pytest.mark.parametrize(

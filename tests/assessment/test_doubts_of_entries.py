@@ -12,11 +12,11 @@ RELIABLE = Verdict(word=Word.RELIABLE, reasons=("small",), would_decide=())
 def error(
     threshold: float = 0.05,
     unknown: tuple[str, ...] = ("frequency", "stiffness_entry_1_1"),
-    learned: Any = None,
+    specimen: Any = None,
     evidence: tuple[Any, ...] | None = None,
 ) -> Any:
     """An error of which one draw is 6 %."""
-    rebuilt = SimpleNamespace(unknown=SimpleNamespace(own_frequency=learned))
+    rebuilt = SimpleNamespace(unknown=SimpleNamespace(own_frequency=specimen))
     posterior = None if evidence is None else SimpleNamespace(posterior=SimpleNamespace(evidence=evidence))
     return SimpleNamespace(
         sizes=dict.fromkeys(unknown),
@@ -28,17 +28,17 @@ def error(
 
 
 def test_one_structure_with_too_large_an_error_leaves_the_test_undecided():
-    doubted = doubt_entries(RELIABLE, error())
-    assert doubted.word is Word.UNDECIDED
-    assert "6 %" in doubted.reasons[0]
-    assert "natural frequencies" in doubted.would_decide[0]
+    doubt = doubt_entries(RELIABLE, error())
+    assert doubt.word is Word.UNDECIDED
+    assert "6 %" in doubt.reasons[0]
+    assert "natural frequencies" in doubt.would_decide[0]
     assert doubt_entries(RELIABLE, error(evidence=())).word is Word.UNDECIDED
 
 
 def test_nothing_is_doubted_without_entries_or_without_such_a_structure():
     assert doubt_entries(RELIABLE, error(unknown=("frequency", "storey_stiffness_1"))) is RELIABLE
     assert doubt_entries(RELIABLE, error(threshold=0.07)) is RELIABLE
-    assert doubt_entries(RELIABLE, error(learned="frequency")) is RELIABLE
+    assert doubt_entries(RELIABLE, error(specimen="frequency")) is RELIABLE
     assert doubt_entries(RELIABLE, error(evidence=("implied ground motion",))) is RELIABLE
-    refused = Verdict(word=Word.NOT_RELIABLE, reasons=("large",), would_decide=())
-    assert doubt_entries(refused, error()) is refused
+    refusal = Verdict(word=Word.NOT_RELIABLE, reasons=("large",), would_decide=())
+    assert doubt_entries(refusal, error()) is refusal

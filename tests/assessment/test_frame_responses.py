@@ -53,13 +53,13 @@ def test_and_truth():
 
 
 @pytest.fixture(scope="module")
-def found(test_and_truth):
+def assessment_and_truth(test_and_truth):
     """The test with its ground motion."""
     recording, motion, _ = test_and_truth
     return assess_frame(recording, STATED, motion=motion)
 
 
-def test_errors_of_floors_and_storeys_are_those_of_the_simulation(found, test_and_truth):
+def test_errors_of_floors_and_storeys_are_those_of_the_simulation(assessment_and_truth, test_and_truth):
     floors, ideal = test_and_truth[2].floors, test_and_truth[2].ideal
     histories = {
         "floor low": (floors[0], ideal[0]),
@@ -67,58 +67,64 @@ def test_errors_of_floors_and_storeys_are_those_of_the_simulation(found, test_an
         "storey low": (floors[0], ideal[0]),
         "storey top": (floors[1] - floors[0], ideal[1] - ideal[0]),
     }
-    each = {one.name: one for one in found.responses.each}
-    assert each.keys() == histories.keys()
+    item = {single.name: single for single in assessment_and_truth.responses.each}
+    assert item.keys() == histories.keys()
     for name, (history, exact) in histories.items():
-        strayed, peak = history - exact, np.abs(exact).max()
-        assert each[name].rms_mm.value == pytest.approx(1e3 * np.sqrt(np.mean(strayed**2)), rel=0.01)
-        assert each[name].peak_mm.value == pytest.approx(1e3 * np.abs(strayed).max(), rel=0.01)
-        assert each[name].rms.value == pytest.approx(np.sqrt(np.mean(strayed**2)) / peak, rel=0.01)
-        assert each[name].mte.value == pytest.approx(np.abs(strayed).max() / peak, rel=0.01)
+        error, peak = history - exact, np.abs(exact).max()
+        assert item[name].rms_mm.value == pytest.approx(1e3 * np.sqrt(np.mean(error**2)), rel=0.01)
+        assert item[name].peak_mm.value == pytest.approx(1e3 * np.abs(error).max(), rel=0.01)
+        assert item[name].rms.value == pytest.approx(np.sqrt(np.mean(error**2)) / peak, rel=0.01)
+        assert item[name].mte.value == pytest.approx(np.abs(error).max() / peak, rel=0.01)
 
 
-def test_the_largest_error_stands_first_and_its_storey_governs(found):
-    sizes = [one.rms.value for one in found.responses.each]
+def test_the_largest_error_stands_first_and_its_storey_governs(assessment_and_truth):
+    sizes = [single.rms.value for single in assessment_and_truth.responses.each]
     assert sizes == sorted(sizes, reverse=True)
-    storeys = {one.name: one.rms.value for one in found.responses.each if one.kind == "storey"}
-    content = found.to_dict()["responses"]
+    storeys = {
+        single.name: single.rms.value
+        for single in assessment_and_truth.responses.each
+        if single.kind == "storey"
+    }
+    content = assessment_and_truth.to_dict()["responses"]
     assert content["governing_storey"] == max(storeys, key=storeys.get)
-    assert content["governing_storey"] in found.responses.sentence
+    assert content["governing_storey"] in assessment_and_truth.responses.sentence
     assert content["needs"] is None
 
 
-def test_without_the_ground_motion_errors_are_lengths(test_and_truth, found):
-    alone = assess_frame(test_and_truth[0], STATED).responses
-    assert "the ground motion of the test is needed" in alone.sentence
-    assert alone.to_dict()["needs"] == alone.sentence
-    with_motion = {one.name: one.rms_mm.value for one in found.responses.each}
-    assert {one.name: one.rms_mm.value for one in alone.each} == pytest.approx(with_motion)
-    assert all(one.rms is None and one.mte is None for one in alone.each)
+def test_without_the_ground_motion_errors_are_lengths(test_and_truth, assessment_and_truth):
+    separate = assess_frame(test_and_truth[0], STATED).responses
+    assert "the ground motion of the test is needed" in separate.sentence
+    assert separate.to_dict()["needs"] == separate.sentence
+    with_motion = {single.name: single.rms_mm.value for single in assessment_and_truth.responses.each}
+    assert {single.name: single.rms_mm.value for single in separate.each} == pytest.approx(with_motion)
+    assert all(single.rms is None and single.mte is None for single in separate.each)
 
 
-def test_a_recorded_ground_acceleration_is_the_ground_motion(test_and_truth, found):
+def test_a_recorded_ground_acceleration_is_the_ground_motion(test_and_truth, assessment_and_truth):
     recording, motion, _ = test_and_truth
     with_channel = replace(recording, ground=np.array(motion.acceleration))
-    each = assess_frame(with_channel, STATED).responses.each
-    assert [one.rms.value for one in each] == pytest.approx([one.rms.value for one in found.responses.each])
+    item = assess_frame(with_channel, STATED).responses.each
+    assert [single.rms.value for single in item] == pytest.approx(
+        [single.rms.value for single in assessment_and_truth.responses.each]
+    )
 
 
 @pytest.mark.slow
-def test_another_ground_motion_is_noticed(test_and_truth, found):
+def test_another_ground_motion_is_noticed(test_and_truth, assessment_and_truth):
     recording, motion, _ = test_and_truth
     acceleration = np.array(motion.acceleration)
     half, unlike = (
         assess_frame(
-            recording, STATED, motion=Motion(name="other", acceleration=other, time_step=motion.time_step)
+            recording, STATED, motion=Motion(name="other", acceleration=second, time_step=motion.time_step)
         )
-        for other in (0.5 * acceleration, np.random.default_rng(9).permutation(acceleration))
+        for second in (0.5 * acceleration, np.random.default_rng(9).permutation(acceleration))
     )
-    assert not found.responses.warnings
+    assert not assessment_and_truth.responses.warnings
     assert "when it is multiplied by 2:" in " ".join(half.warnings)
-    peaks = {one.name: one.rms.value for one in found.responses.each}
-    assert {one.name: one.rms.value for one in half.responses.each} == pytest.approx(peaks, rel=0.01)
+    peaks = {single.name: single.rms.value for single in assessment_and_truth.responses.each}
+    assert {single.name: single.rms.value for single in half.responses.each} == pytest.approx(peaks, rel=0.01)
     assert "assumed to belong to another test" in " ".join(unlike.warnings)
-    assert all(one.rms is None for one in unlike.responses.each)
+    assert all(single.rms is None for single in unlike.responses.each)
 
 
 @pytest.mark.parametrize(("factor", "unit"), [(1.0 / 9.80665, "in g"), (100.0, "in gal"), (1e3, "in mm/s2")])
@@ -131,24 +137,27 @@ def test_a_recorded_ground_acceleration_in_another_unit_is_refused(test_and_trut
 @pytest.mark.slow
 def test_the_interval_holds_the_errors_of_another_structure_within_tolerances():
     ground = shaken(8)
-    tested = TWO_STOREYS.with_storeys("stiffness", np.array([0.97, 1.03]))
-    outcome = run(tested, 1.01, 200.0, ground, 1.0 / RATE)
+    tested_frame = TWO_STOREYS.with_storeys("stiffness", np.array([0.97, 1.03]))
+    outcome = run(tested_frame, 1.01, 200.0, ground, 1.0 / RATE)
     recording = Recording(command=outcome.command, measured=outcome.measured, time_step=1.0 / RATE)
     motion = Motion(name="ground", acceleration=ground, time_step=1.0 / RATE)
     loose = replace(STATED, tolerances=TolerancesTable(storey_stiffnesses=0.05))
-    exact, held = (
-        {one.name: one.rms for one in assess_frame(recording, stated, motion=motion).responses.each}
-        for stated in (STATED, loose)
+    exact, coverage = (
+        {
+            single.name: single.rms
+            for single in assess_frame(recording, stated_values, motion=motion).responses.each
+        }
+        for stated_values in (STATED, loose)
     )
     for name, place in (("floor low", 0), ("floor top", 1)):
         true = outcome.error_of(outcome.floors[place], outcome.ideal[place])
         assert not exact[name].low <= true <= exact[name].high
-        assert held[name].low <= true <= held[name].high
+        assert coverage[name].low <= true <= coverage[name].high
 
 
-def test_the_report_lists_them(found):
-    report = frame_assessment_report(found, provenance={})
-    (section,) = [one for one in report.blocks if one.title == "Floors and storeys"]
+def test_the_report_lists_them(assessment_and_truth):
+    report = frame_assessment_report(assessment_and_truth, provenance={})
+    (section,) = [block for block in report.blocks if block.title == "Floors and storeys"]
     assert len(section.blocks[0].frame["0"]) == 4
 
 
@@ -188,35 +197,35 @@ def test_floors_and_storeys_of_several_actuators_are_those_of_the_simulation():
         names=names[:2],
         degrees_of_freedom=names,
     )
-    stated = FrameUnderTest(name="three", partition=partition, has_several=True)
+    stated_values = FrameUnderTest(name="three", partition=partition, has_several=True)
     recording = CoupledRecording(
         command=outcome.command, measured=outcome.measured, time_step=1.0 / RATE, ground=ground
     )
-    found = assess_frame(recording, stated).responses
-    errors = {one.name: one.rms.value for one in found.each}
+    result = assess_frame(recording, stated_values).responses
+    errors = {single.name: single.rms.value for single in result.each}
     assert errors == pytest.approx(true_errors(outcome, names), rel=0.01)
-    assert found.to_dict()["governing_storey"] in found.sentence
-    lengths = assess_frame(replace(recording, ground=None), stated).responses
-    assert all(one.rms is None for one in lengths.each)
+    assert result.to_dict()["governing_storey"] in result.sentence
+    lengths = assess_frame(replace(recording, ground=None), stated_values).responses
+    assert all(single.rms is None for single in lengths.each)
     assert "the ground motion of the test is needed" in lengths.sentence
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("known", ["by its force", "not"])
-def test_intervals_hold_the_errors_of_floors_beside_a_specimen_that_yields(known):
+@pytest.mark.parametrize("reference", ["by its force", "not"])
+def test_intervals_hold_the_errors_of_floors_beside_a_specimen_that_yields(reference):
     ground = shaken(11)
     outcome = run_yielding(TWO_STOREYS, 1.02, 150.0, ground, 1.0 / RATE, ductility=2.0)
     recording = Recording(
         command=outcome.command,
         measured=outcome.measured,
-        force=outcome.force if known == "by its force" else None,
+        force=outcome.force if reference == "by its force" else None,
         ground=ground,
         time_step=1.0 / RATE,
     )
-    found = assess_frame(
-        recording, STATED, equipment=ordinary_equipment(), measured_specimen=known == "by its force"
+    result = assess_frame(
+        recording, STATED, equipment=ordinary_equipment(), measured_specimen=reference == "by its force"
     ).responses
-    assert {one.name for one in found.each} == {*true_errors(outcome, ("low", "top"))}
-    for one in found.each:
-        assert one.rms.low <= true_errors(outcome, ("low", "top"))[one.name] <= one.rms.high
-    assert found.specimen == ("measured" if known == "by its force" else "may_have_yielded")
+    assert {single.name for single in result.each} == {*true_errors(outcome, ("low", "top"))}
+    for single in result.each:
+        assert single.rms.low <= true_errors(outcome, ("low", "top"))[single.name] <= single.rms.high
+    assert result.specimen == ("measured" if reference == "by its force" else "may_have_yielded")

@@ -37,9 +37,9 @@ SERVO = TransferFunction(numerator=(1.0,), denominator=(2e-6, 2e-3, 1.0), delay=
 @pytest.fixture(scope="module")
 def frame():
     mass, stiffness = shear_frame([2000.0, 1500.0], [4e5, 3e5])
-    whole = Frame(mass=mass, stiffness=stiffness, damping=modal_damping(mass, stiffness, 0.03))
+    full_test = Frame(mass=mass, stiffness=stiffness, damping=modal_damping(mass, stiffness, 0.03))
     partition = Partition.from_frame(
-        frame=whole, interface=floor_interface(whole, 1), specimen=Specimen(stiffness=2e5)
+        frame=full_test, interface=floor_interface(full_test, 1), specimen=Specimen(stiffness=2e5)
     )
     return FrameUnderTest(name="two storeys", partition=partition, output=None, error_of="interface")
 
@@ -47,10 +47,10 @@ def frame():
 @pytest.fixture(scope="module")
 def test_and_truth(frame):
     """A test with a late actuator, and its true error from the exact response of the undivided frame."""
-    return simulated(frame.partition, synthetic_suite(count=2)[0], 3)
+    return simulate_frame(frame.partition, synthetic_suite(count=2)[0], 3)
 
 
-def simulated(partition, motion, seed):
+def simulate_frame(partition, motion, seed):
     """Recording of a test by the digital laboratory, and its true error."""
     ground = motion.acceleration[: int(20.0 / motion.time_step)]
     rig = Rig(transfer_system=SERVO, sensors=Sensors(displacement_noise=2e-6))
@@ -93,19 +93,19 @@ def test_a_spike_is_stated_and_does_not_move_the_error(frame, test_and_truth):
 @pytest.mark.slow
 def test_an_offset_is_stated_with_the_error_without_it(frame, test_and_truth):
     recording, truth = test_and_truth
-    shifted = recording.measured + 0.05 * np.abs(recording.command).max()
-    spoilt = assess_frame(replace(recording, measured=shifted), frame, stated={"feedback_lag": LAG})
+    shift = recording.measured + 0.05 * np.abs(recording.command).max()
+    spoilt = assess_frame(replace(recording, measured=shift), frame, stated={"feedback_lag": LAG})
     (effect,) = spoilt.faults
     assert effect.fault.kind == "offset"
-    without = spoilt.error if effect.fault.in_loop is False else effect.otherwise
-    assert without.estimate(Metric.RMS).value == pytest.approx(truth, rel=0.05)
+    bare = spoilt.error if effect.fault.in_loop is False else effect.otherwise
+    assert bare.estimate(Metric.RMS).value == pytest.approx(truth, rel=0.05)
 
 
 def test_a_copied_channel_is_not_called_reliable(frame, test_and_truth):
     recording, _ = test_and_truth
-    copied = assess_frame(replace(recording, measured=recording.command.copy()), frame)
-    assert not copied.reliable
-    assert any("identical" in warning for warning in copied.warnings)
+    duplicate = assess_frame(replace(recording, measured=recording.command.copy()), frame)
+    assert not duplicate.reliable
+    assert any("identical" in warning for warning in duplicate.warnings)
 
 
 def test_a_criterion_of_the_frame_gives_an_index_beside_the_error(frame, test_and_truth):
@@ -115,22 +115,22 @@ def test_a_criterion_of_the_frame_gives_an_index_beside_the_error(frame, test_an
     )
     criterion = replace(published_criterion("guo_2017_18"), provenance=provenance)
     assessment = assess_frame(test_and_truth[0], frame, criterion=criterion)
-    by_index = assessment.to_dict()["by_index"]
+    index_content = assessment.to_dict()["by_index"]
     a, b = (float(limit) for limit in criterion.limits(mode.frequency, mode.damping_ratio))
     amplitude, delay = assessment.tracking.amplitude, 1e3 * assessment.tracking.delay
-    assert by_index["index"] == pytest.approx((amplitude - 1.0) ** 2 / a + delay**2 / b)
-    assert by_index["reliable"] == (by_index["verdict"] == "reliable")
-    assert by_index["confidence"] == 0.95
+    assert index_content["index"] == pytest.approx((amplitude - 1.0) ** 2 / a + delay**2 / b)
+    assert index_content["reliable"] == (index_content["verdict"] == "reliable")
+    assert index_content["confidence"] == 0.95
 
 
 def test_a_criterion_for_a_case_outside_of_its_population_promises_nothing_for_a_frame(frame, test_and_truth):
     mode = governing_mode(frame.partition, frame.output)
-    printed = published_criterion("guo_2017_18")
+    output = published_criterion("guo_2017_18")
     changes = {"experimental_fraction": mode.experimental_fraction, "position": "outside"}
-    criterion = replace(printed, provenance=replace(printed.provenance, **changes))
+    criterion = replace(output, provenance=replace(output.provenance, **changes))
     assessment = assess_frame(test_and_truth[0], frame, criterion=criterion)
-    by_index = assessment.to_dict()["by_index"]
-    assert (by_index["confidence"], by_index["verdict"]) == (None, "undecided")
+    index_content = assessment.to_dict()["by_index"]
+    assert (index_content["confidence"], index_content["verdict"]) == (None, "undecided")
     facts = frame_assessment_report(assessment, provenance={}).facts
     assert "no share of" in str(facts["Index of the criterion"])
 
@@ -153,12 +153,12 @@ def test_tracking_over_frequency_is_that_of_the_servo(frame, test_and_truth):
     recording, _ = test_and_truth
     assessment = assess_frame(recording, frame, stated={"feedback_lag": LAG})
     summary = assessment.to_dict()
-    found, held = assessment.over_frequency, 0.5 / RATE
-    servo = SERVO.transfer(2j * np.pi * found.frequency, frame.partition.specimen)
-    exact = -np.angle(servo) / (2.0 * np.pi * found.frequency) + held
+    result, coverage = assessment.over_frequency, 0.5 / RATE
+    servo = SERVO.transfer(2j * np.pi * result.frequency, frame.partition.specimen)
+    exact = -np.angle(servo) / (2.0 * np.pi * result.frequency) + coverage
     for name, values, expected in (
-        ("A", found.amplitude, np.abs(servo)),
-        ("d_ms", 1e3 * found.delay, 1e3 * exact),
+        ("A", result.amplitude, np.abs(servo)),
+        ("d_ms", 1e3 * result.delay, 1e3 * exact),
     ):
         deviation = np.array(summary["over_frequency"][f"{name}_deviation"])
         assert np.mean(np.abs(values - expected) < 2.0 * deviation + 2e-4 * np.abs(expected)) > 0.85
@@ -198,39 +198,41 @@ def test_what_the_equation_of_the_error_does_not_hold_for_is_refused(frame, test
 
 def test_a_stated_scale_is_taken_off_the_reading(frame, test_and_truth):
     recording, truth = test_and_truth
-    scaled = replace(recording, measured=1.02 * recording.measured)
-    corrected = assess_frame(scaled, frame, stated={"feedback_lag": LAG, "scale": StatedValue(1.02)})
-    assert corrected.error.estimate(Metric.RMS).value == pytest.approx(truth, rel=0.05)
+    scaled_copy = replace(recording, measured=1.02 * recording.measured)
+    correction = assess_frame(scaled_copy, frame, stated={"feedback_lag": LAG, "scale": StatedValue(1.02)})
+    assert correction.error.estimate(Metric.RMS).value == pytest.approx(truth, rel=0.05)
 
 
 def test_a_loop_beyond_its_critical_delay_is_called_unstable(frame, test_and_truth):
     assessment = assess_frame(test_and_truth[0], frame, stated={"feedback_lag": LAG})
     margins = {0.0: None, 0.5 * assessment.tracking.delay: -1.0, np.inf: 1.0}
     for critical, margin in margins.items():
-        judged = replace(assessment, limit=replace(assessment.limit, delay=critical))
-        assert judged.stability_margin == (margin if margin is None else pytest.approx(margin))
-        assert any("unstable" in words for words in judged.warnings) is (margin is None or margin < 0.0)
+        verdict = replace(assessment, limit=replace(assessment.limit, delay=critical))
+        assert verdict.stability_margin == (margin if margin is None else pytest.approx(margin))
+        assert any("unstable" in words for words in verdict.warnings) is (margin is None or margin < 0.0)
     incoherent = replace(assessment, over_frequency=None)
     assert any("hardly coherent" in words for words in incoherent.warnings)
 
 
 @pytest.mark.slow
 def test_intervals_hold_where_the_stiffness_is_known_to_three_per_cent(frame):
-    whole, rng = frame.partition.frame, np.random.default_rng(33)
+    full_test, rng = frame.partition.frame, np.random.default_rng(33)
     uncertain = replace(frame, tolerances=TolerancesTable(stiffness=0.03))
-    held = {"exact": 0, "uncertain": 0}
+    coverage = {"exact": 0, "uncertain": 0}
     motions = synthetic_suite(count=12)
     for seed, motion in enumerate(motions):
         factor = 1.0 + 0.03 * rng.normal()
-        built = replace(whole, stiffness=factor * whole.stiffness)
+        assembly = replace(full_test, stiffness=factor * full_test.stiffness)
         specimen = Specimen(stiffness=factor * frame.partition.specimen.stiffness)
-        true = Partition.from_frame(frame=built, interface=frame.partition.direction, specimen=specimen)
-        recording, error = simulated(true, motion, seed)
-        for name, known in (("exact", frame), ("uncertain", uncertain)):
-            interval = assess_frame(recording, known, stated={"feedback_lag": LAG}).error.estimate(Metric.RMS)
-            held[name] += interval.low <= error <= interval.high
-    assert held["exact"] <= 0.5 * len(motions)
-    assert held["uncertain"] >= 10  # 12 intervals of 90 % hold fewer in 11 % of cases
+        true = Partition.from_frame(frame=assembly, interface=frame.partition.direction, specimen=specimen)
+        recording, error = simulate_frame(true, motion, seed)
+        for name, reference in (("exact", frame), ("uncertain", uncertain)):
+            interval = assess_frame(recording, reference, stated={"feedback_lag": LAG}).error.estimate(
+                Metric.RMS
+            )
+            coverage[name] += interval.low <= error <= interval.high
+    assert coverage["exact"] <= 0.5 * len(motions)
+    assert coverage["uncertain"] >= 10  # 12 intervals of 90 % hold fewer in 11 % of cases
 
 
 def test_the_tolerances_of_a_frame_stand_in_its_budget(frame, test_and_truth):
@@ -254,26 +256,26 @@ def test_frequencies_are_not_stated_beside_mass_and_stiffness():
 @pytest.mark.slow
 def test_what_nobody_stated_of_a_frame_is_as_uncertain_as_equipment_leaves_it(frame, test_and_truth):
     recording, _ = test_and_truth
-    assumed = assess_frame(recording, frame, equipment=ordinary_equipment())
+    assumptions = assess_frame(recording, frame, equipment=ordinary_equipment())
     exact = assess_frame(recording, frame)
-    sources = {item.name: item.source for item in assumed.error.budget}
+    sources = {item.name: item.source for item in assumptions.error.budget}
     expected = {"damping_ratio", "sensor_scale", "time_shift", "filter_delay", "feedback_lag"}
     assert expected <= {name for name, source in sources.items() if source is Source.DEFAULT}
-    widths = [found.error.estimate(Metric.RMS) for found in (assumed, exact)]
+    widths = [result.error.estimate(Metric.RMS) for result in (assumptions, exact)]
     assert widths[0].high - widths[0].low > 5.0 * (widths[1].high - widths[1].low)
-    assert 0.01 <= assumed.error.probability <= 0.99
-    stated = assess_frame(
+    assert 0.01 <= assumptions.error.probability <= 0.99
+    stated_values = assess_frame(
         recording, frame, stated={"skew": StatedValue(0.0, 0.01)}, equipment=ordinary_equipment()
     )
-    (skew,) = [item for item in stated.error.budget if item.name == "time_shift"]
+    (skew,) = [item for item in stated_values.error.budget if item.name == "time_shift"]
     assert (skew.source, skew.size) == (Source.STATED, pytest.approx(0.01))
     linear = assess_frame(recording, frame, equipment=ordinary_equipment(), linear_specimen=True)
     assert linear.turning.error_if_yielding is None
     assert sources["yielding"] is Source.DEFAULT
     assert "yielding" not in {item.name for item in linear.error.budget}
-    assert assumed.error.estimate(Metric.RMS).low < linear.error.estimate(Metric.RMS).low
-    assert any("No force was recorded" in warning for warning in assumed.warnings)
-    assert assumed.to_dict()["would_turn"] == assumed.turning.to_dict()
+    assert assumptions.error.estimate(Metric.RMS).low < linear.error.estimate(Metric.RMS).low
+    assert any("No force was recorded" in warning for warning in assumptions.warnings)
+    assert assumptions.to_dict()["would_turn"] == assumptions.turning.to_dict()
 
 
 @pytest.mark.parametrize(

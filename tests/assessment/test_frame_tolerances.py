@@ -64,12 +64,12 @@ CASES = {
 }
 
 
-def simulated(tested):
+def simulate_frame(tested_frame):
     """Recording of a test of another structure than the stated one, and its true error."""
     rng = np.random.default_rng(3)
     time = np.arange(int(DURATION * RATE)) / RATE
     ground = np.interp(time, np.arange(0.0, DURATION + 0.1, 0.1), rng.standard_normal(201))
-    outcome = run(tested, GAIN, CORNER, ground * np.minimum(time / 2.0, 1.0), 1.0 / RATE)
+    outcome = run(tested_frame, GAIN, CORNER, ground * np.minimum(time / 2.0, 1.0), 1.0 / RATE)
     noise = 1e-3 * outcome.measured.std() * rng.standard_normal(time.size)
     return (
         Recording(
@@ -81,9 +81,9 @@ def simulated(tested):
 
 def frame(**tolerances):
     """The frame as stated, and how exactly it is known."""
-    whole = Frame(mass=TWO_STOREYS.mass, damping=TWO_STOREYS.damping, stiffness=TWO_STOREYS.stiffness)
+    full_test = Frame(mass=TWO_STOREYS.mass, damping=TWO_STOREYS.damping, stiffness=TWO_STOREYS.stiffness)
     partition = Partition.from_frame(
-        frame=whole, interface=TWO_STOREYS.interface, specimen=Specimen(stiffness=2e5)
+        frame=full_test, interface=TWO_STOREYS.interface, specimen=Specimen(stiffness=2e5)
     )
     return FrameUnderTest(
         name="two",
@@ -102,20 +102,22 @@ QUICK = ("damping", "modes", "storeys alike", "entries")
     "case", [case if case in QUICK else pytest.param(case, marks=pytest.mark.slow) for case in CASES]
 )
 def test_an_interval_holds_where_tolerances_state_what_is_off(case):
-    tested, stated, names = CASES[case]
-    recording, true = simulated(tested)
-    exact, found = (assess_frame(recording, one) for one in (frame(), frame(**stated)))
+    tested_frame, stated_values, names = CASES[case]
+    recording, true = simulate_frame(tested_frame)
+    exact, result = (assess_frame(recording, single) for single in (frame(), frame(**stated_values)))
     low, high = exact.error.rebuilt.rms.low, exact.error.rebuilt.rms.high
     assert not low <= true <= high  # what is off matters
-    assert found.error.rebuilt.rms.low <= true <= found.error.rebuilt.rms.high
-    assert names <= {item.name for item in found.error.budget}
+    assert result.error.rebuilt.rms.low <= true <= result.error.rebuilt.rms.high
+    assert names <= {item.name for item in result.error.budget}
 
 
 @pytest.mark.slow
 def test_parts_replace_what_is_assumed_of_the_whole():
-    recording, _ = simulated(TWO_STOREYS)
-    stated = {"storey_stiffnesses": 0.05, "storey_dampings": 0.25}
-    budget = assess_frame(recording, frame(**stated), equipment=ordinary_equipment()).to_dict()["budget"]
+    recording, _ = simulate_frame(TWO_STOREYS)
+    stated_values = {"storey_stiffnesses": 0.05, "storey_dampings": 0.25}
+    budget = assess_frame(recording, frame(**stated_values), equipment=ordinary_equipment()).to_dict()[
+        "budget"
+    ]
     names = {item["name"] for item in budget}
     assert {"storey_stiffness_1", "storey_damping_2", "sensor_scale"} <= names
     assert not {"frequency", "damping_ratio"} & names
@@ -123,8 +125,8 @@ def test_parts_replace_what_is_assumed_of_the_whole():
 
 @pytest.mark.parametrize("case", ["storeys", "entries"])
 def test_several_actuators_have_the_same_tolerances(case):
-    tested, stated, names = CASES[case]
-    recording, true = simulated(tested)
+    tested_frame, stated_values, names = CASES[case]
+    recording, true = simulate_frame(tested_frame)
     partition = Partition(
         mass=TWO_STOREYS.mass,
         damping=TWO_STOREYS.damping,
@@ -132,26 +134,26 @@ def test_several_actuators_have_the_same_tolerances(case):
         interface=TWO_STOREYS.interface[:, np.newaxis],
         specimen_stiffness=np.array([[2e5]]),
     )
-    several = CoupledRecording(
+    has_several = CoupledRecording(
         command=recording.command[np.newaxis],
         measured=recording.measured[np.newaxis],
         time_step=recording.time_step,
         actuators=("1",),
         name="one",
     )
-    found = assess_frame(
-        several,
+    result = assess_frame(
+        has_several,
         FrameUnderTest(
             has_several=True,
             name="two",
             partition=partition,
             kinematics=np.eye(1),
             channels_at_interface=True,
-            tolerances=TolerancesTable(**stated),
+            tolerances=TolerancesTable(**stated_values),
         ),
     )
-    size = found.error.displacements[0].rms
+    size = result.error.displacements[0].rms
     assert size.low <= true <= size.high
-    assert names <= {item["name"] for item in found.to_dict()["budget"]}
-    quantities = {item["quantity"] for item in found.to_dict()["budget"]}
+    assert names <= {item["name"] for item in result.to_dict()["budget"]}
+    quantities = {item["quantity"] for item in result.to_dict()["budget"]}
     assert quantities & {"stiffness of storey 2", "entry of the stiffness matrix in row and column (1, 1)"}

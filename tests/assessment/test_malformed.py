@@ -56,8 +56,8 @@ def columns(simulate):
 
 
 def place(write, column):
-    where = f"sample {ROW + 1}" if write in {matlab, hdf5} else f"line {ROW + 2}"
-    return rf"{where}, column {column}"
+    location = f"sample {ROW + 1}" if write in {matlab, hdf5} else f"line {ROW + 2}"
+    return rf"{location}, column {column}"
 
 
 def answer(path):

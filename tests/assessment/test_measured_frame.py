@@ -22,7 +22,7 @@ def _ground() -> np.ndarray:
     return 0.3 * smooth * (_TIMES / 4.0) * np.exp(1.0 - _TIMES / 4.0)
 
 
-def _simulated(family: str, seed: int) -> Any:
+def _simulate_family(family: str, seed: int) -> Any:
     draw = np.random.default_rng(seed)
     while not 0.01 < (test := nonlinear_frames.simulate_frame_test(family, _ground(), draw)).error < 0.1:
         pass
@@ -32,15 +32,15 @@ def _simulated(family: str, seed: int) -> Any:
 @pytest.mark.slow
 @pytest.mark.parametrize("family", ["bilinear", "Bouc-Wen", "cubic"])
 def test_the_error_is_that_against_a_perfect_actuator(family: str) -> None:
-    test = _simulated(family, 1)
+    test = _simulate_family(family, 1)
     assessment = assess_frame(test.recording, test.frame, measured_specimen=True)
     size = assessment.error.estimate(Metric.RMS)
     assert size.value == pytest.approx(test.error, rel=0.1)
     assert 0.9 * size.low < test.error < 1.1 * size.high
-    left = np.sqrt(np.mean((assessment.error.reference - test.exact) ** 2))
-    assert left < 0.25 * np.sqrt(np.mean((test.moved - test.exact) ** 2))
-    stated = assess_frame(test.recording, test.frame, linear_specimen=True).error.estimate(Metric.RMS)
-    assert abs(size.value - test.error) < 0.5 * abs(stated.value - test.error)
+    remainder = np.sqrt(np.mean((assessment.error.reference - test.exact) ** 2))
+    assert remainder < 0.25 * np.sqrt(np.mean((test.moved - test.exact) ** 2))
+    stated_values = assess_frame(test.recording, test.frame, linear_specimen=True).error.estimate(Metric.RMS)
+    assert abs(size.value - test.error) < 0.5 * abs(stated_values.value - test.error)
     summary = assessment.to_dict()
     assert summary["specimen"]["known"] == "measured"
     assert "specimen" in {item["name"] for item in summary["budget"]}
@@ -49,18 +49,20 @@ def test_the_error_is_that_against_a_perfect_actuator(family: str) -> None:
 
 @pytest.mark.slow
 def test_a_linear_specimen_of_a_frame_loses_nothing() -> None:
-    test = _simulated("linear", 2)
-    measured, stated = (
-        assess_frame(test.recording, test.frame, **{known: True}).error.estimate(Metric.RMS)
-        for known in ("measured_specimen", "linear_specimen")
+    test = _simulate_family("linear", 2)
+    measured_displacement, stated_values = (
+        assess_frame(test.recording, test.frame, **{reference: True}).error.estimate(Metric.RMS)
+        for reference in ("measured_specimen", "linear_specimen")
     )
-    assert measured.value == pytest.approx(stated.value, rel=0.01)
-    assert measured.high - measured.low < 1.3 * (stated.high - stated.low)
+    assert measured_displacement.value == pytest.approx(stated_values.value, rel=0.01)
+    assert measured_displacement.high - measured_displacement.low < 1.3 * (
+        stated_values.high - stated_values.low
+    )
 
 
 @pytest.mark.slow
 def test_a_measured_specimen_of_a_frame_needs_its_force_and_no_mass() -> None:
-    test = _simulated("bilinear", 1)
+    test = _simulate_family("bilinear", 1)
     with pytest.raises(InputError, match="needs its force"):
         assess_frame(replace(test.recording, force=None), test.frame, measured_specimen=True)
     partition = test.frame.partition

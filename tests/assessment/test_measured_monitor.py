@@ -28,7 +28,7 @@ _STRUCTURE = Partition.from_structure(Structure(frequency=1.0, damping_ratio=0.0
 
 
 @pytest.fixture
-def learned(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
+def learner(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
     """What would be learned: a specimen with a share of the force that is missed, and an error of 20 %."""
     size = SimpleNamespace(value=0.2, low=0.15, high=0.25)
     peak = np.where(_TIMES > 1.0, 1.0, 0.1)
@@ -58,19 +58,19 @@ def _monitor(seconds: float) -> MeasuredMonitor:
     return monitor
 
 
-def test_no_error_is_stated_before_the_force_is_predicted_to_a_tenth(learned: SimpleNamespace) -> None:
+def test_no_error_is_stated_before_the_force_is_predicted_to_a_tenth(learner: SimpleNamespace) -> None:
     monitor = _monitor(8.0)
     assert monitor.ask() is None
     assert (monitor.now.rms, monitor.now.error, monitor.specimen.held_out) == (None, None, 0.2)
-    assert monitor.ask(at_end=True) is learned.rebuilt  # as `assess` takes it
-    learned.held_out = 0.09
-    assert monitor.ask() is learned.rebuilt
+    assert monitor.ask(at_end=True) is learner.rebuilt  # as `assess` takes it
+    learner.held_out = 0.09
+    assert monitor.ask() is learner.rebuilt
     assert monitor.now.rms == 0.2
-    learned.held_out, learned.learned = 0.4, False
+    learner.held_out, learner.learned = 0.4, False
     assert monitor.ask(at_end=True) is None
 
 
-@pytest.mark.usefixtures("learned")
+@pytest.mark.usefixtures("learner")
 def test_too_short_a_test_is_still_learned() -> None:
     monitor = _monitor(1.0)
     assert monitor.ask() is None
@@ -79,22 +79,22 @@ def test_too_short_a_test_is_still_learned() -> None:
         monitor.ask(at_end=True)
 
 
-def test_a_measured_specimen_is_learned_at_each_fourth(learned: SimpleNamespace) -> None:
-    learned.held_out = 0.01
-    monitor, asked = _monitor(4.0), []
+def test_a_measured_specimen_is_learned_at_each_fourth(learner: SimpleNamespace) -> None:
+    learner.held_out = 0.01
+    monitor, options = _monitor(4.0), []
     for _ in range(1, round(12.0 / 0.25)):
         if monitor.due:
-            asked.append(monitor.samples)
+            options.append(monitor.samples)
             monitor.ask()
         path = 0.1 * np.ones(round(0.25 / _STEP))
         monitor.feed(path, path, path)
-    assert len(asked) > 2
-    assert all(later >= 1.25 * before for before, later in pairwise(asked))
+    assert len(options) > 2
+    assert all(later >= 1.25 * first for first, later in pairwise(options))
 
 
-def test_the_alarm_waits_until_the_peak_is_calm(learned: SimpleNamespace) -> None:
+def test_the_alarm_waits_until_the_peak_is_calm(learner: SimpleNamespace) -> None:
     """The peak last doubled at one second, and half of the low end of 15 % is above 5 % but not 8 %."""
-    learned.held_out = 0.01
+    learner.held_out = 0.01
     for seconds, calm in (
         (1.0 + TIME_WITHOUT_DOUBLING - 0.1, False),
         (1.0 + TIME_WITHOUT_DOUBLING + 0.1, True),
@@ -113,7 +113,7 @@ _STATED = {"f": 1, "xi": 0.02}
 
 
 @pytest.mark.parametrize(
-    ("stated", "says"),
+    ("stated_values", "says"),
     [
         ({"specimen": "measured"}, "needs the `mass`"),
         ({"specimen": "elastic"}, "Unknown kind of specimen"),
@@ -123,12 +123,12 @@ _STATED = {"f": 1, "xi": 0.02}
         ({"specimen": "measured", "mass": -1.0}, "`mass` must be between"),
     ],
 )
-def test_what_cannot_be_followed_is_refused(stated: dict[str, Any], says: str) -> None:
+def test_what_cannot_be_followed_is_refused(stated_values: dict[str, Any], says: str) -> None:
     with pytest.raises(InputError, match=says):
-        list(follow_test("sample_test", **_STATED, **stated, wait=0.05))
+        list(follow_test("sample_test", **_STATED, **stated_values, wait=0.05))
 
 
-def _written(path: Path, family: str, seconds: float) -> tuple[Any, dict[str, Any]]:
+def _write_recording(path: Path, family: str, seconds: float) -> tuple[Any, dict[str, Any]]:
     """Write a simulated test of a structure of 1000 kg; return it with what is stated of it."""
     times = np.arange(0.0, seconds, _STEP)
     noise = np.random.default_rng(4).standard_normal(times.size)
@@ -144,23 +144,25 @@ def _written(path: Path, family: str, seconds: float) -> tuple[Any, dict[str, An
 
 @pytest.mark.slow
 def test_the_end_is_what_assess_finds_and_errors_so_far_are_true(tmp_path: Path) -> None:
-    test, stated = _written(tmp_path / "test.csv", "bilinear", 20.0)
-    said = {**stated, "specimen": "measured"}
-    *running, end = (message.to_dict() for message in follow_test(tmp_path / "test.csv", **said, wait=0.05))
-    found = assess(tmp_path / "test.csv", **said).error.rebuilt.rms
+    test, stated_values = _write_recording(tmp_path / "test.csv", "bilinear", 20.0)
+    messages = {**stated_values, "specimen": "measured"}
+    *running, end = (
+        message.to_dict() for message in follow_test(tmp_path / "test.csv", **messages, wait=0.05)
+    )
+    result = assess(tmp_path / "test.csv", **messages).error.rebuilt.rms
     assert [end["error"]["rms"][name] for name in ("value", "low", "high")] == [
-        found.value,
-        found.low,
-        found.high,
+        result.value,
+        result.low,
+        result.high,
     ]
     assert running[0]["specimen"] == {"learning": True, "held_out": None, "until_s": None}
     assert running[0]["rms"] is None
     assert running[0]["false_alarm_rates"]["error"] is None
-    known = [message for message in running if "error" in message]
-    assert len(known) > 3
-    for message in known:
-        moved, exact = (history[: message["samples"]] for history in (test.moved, test.exact))
-        true = np.sqrt(np.mean((moved - exact) ** 2)) / np.abs(exact).max()
+    reference = [message for message in running if "error" in message]
+    assert len(reference) > 3
+    for message in reference:
+        displacement, exact = (history[: message["samples"]] for history in (test.moved, test.exact))
+        true = np.sqrt(np.mean((displacement - exact) ** 2)) / np.abs(exact).max()
         stated_error = message["error"]["rms"]
         assert stated_error["low"] < true < stated_error["high"]
         assert stated_error["value"] == pytest.approx(true, rel=0.2)
@@ -171,16 +173,16 @@ def test_the_command_says_that_it_is_still_learning(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """A force that is noise is never learned: the exit code is 0, and the answer undecided."""
-    _, stated = _written(tmp_path / "test.csv", "linear", 12.0)
+    _, stated_values = _write_recording(tmp_path / "test.csv", "linear", 12.0)
     table = pd.read_csv(tmp_path / "test.csv")
     table["force_kn"] = np.random.default_rng(0).standard_normal(len(table))
     table.to_csv(tmp_path / "test.csv", index=False)
-    options = [part for name, value in stated.items() for part in (f"--{name}", f"{value}")]
+    options = [part for name, value in stated_values.items() for part in (f"--{name}", f"{value}")]
     command = ["monitor", str(tmp_path / "test.csv"), *options, "--specimen", "measured", "--wait", "0.05"]
     assert run(command) == 0
-    printed = " ".join(capsys.readouterr().out.split())
-    assert "still learning the specimen" in printed
-    assert "Whether the error of the whole test is above 5.00 % is undecided." in printed
+    output = " ".join(capsys.readouterr().out.split())
+    assert "still learning the specimen" in output
+    assert "Whether the error of the whole test is above 5.00 % is undecided." in output
     assert run([*command, "--json", "-"]) == 0
     end = json.loads(capsys.readouterr().out.splitlines()[-1])
     assert (end["above_threshold"], end["specimen"]["learning"]) == (None, True)

@@ -38,11 +38,11 @@ _TIMES = np.arange(0.0, 30.0, _STEP)
 _STILL = np.zeros(_TIMES.size)
 
 
-def _one(kind: Kind, size: float, shape: float = 0.0) -> Elements:
+def _single_element(kind: Kind, size: float, shape: float = 0.0) -> Elements:
     return Elements(kinds=np.array([kind]), sizes=np.array([size]), shapes=np.array([shape]), speed=2.0)
 
 
-def _along(elements: Elements, path: np.ndarray) -> np.ndarray:
+def _follow_path(elements: Elements, path: np.ndarray) -> np.ndarray:
     return elements.follow_path(path, _STEP, np.linspace(0.0, 1.0, path.size))[0]
 
 
@@ -51,7 +51,7 @@ _SINE = 3.0 * np.sin(2.0 * np.pi * 0.5 * _TIMES)
 
 def test_an_elastic_plastic_spring_dissipates_the_area_of_its_loop() -> None:
     """A cycle of amplitude X dissipates 4s(X − s) per unit stiffness, s the yield displacement."""
-    force = _along(_one(Kind.ELASTIC_PLASTIC, 1.0), _SINE)
+    force = _follow_path(_single_element(Kind.ELASTIC_PLASTIC, 1.0), _SINE)
     cycle = slice(round(10.0 / _STEP), round(12.0 / _STEP) + 1)
     assert np.trapezoid(force[cycle], _SINE[cycle]) == pytest.approx(4.0 * (3.0 - 1.0), rel=1e-3)
 
@@ -72,12 +72,12 @@ def test_an_elastic_plastic_spring_dissipates_the_area_of_its_loop() -> None:
 def test_elements_without_memory_are_their_formulas(
     kind: Kind, size: float, shape: float, expected: np.ndarray
 ) -> None:
-    assert _along(_one(kind, size, shape), _SINE) == pytest.approx(expected, abs=1e-9)
+    assert _follow_path(_single_element(kind, size, shape), _SINE) == pytest.approx(expected, abs=1e-9)
 
 
 def test_a_dashpot_follows_a_power_of_the_velocity() -> None:
     velocity = 3.0 * np.pi * np.cos(np.pi * _TIMES)
-    force = _along(_one(Kind.DASHPOT, 1.5, 0.5), _SINE)
+    force = _follow_path(_single_element(Kind.DASHPOT, 1.5, 0.5), _SINE)
     expected = 1.5 * np.sign(velocity) * np.sqrt(np.abs(velocity) / 2.0)
     fast = (np.abs(velocity) > 2.0) & (_TIMES > 1.0)
     assert force[fast] == pytest.approx(expected[fast], rel=2e-3)
@@ -88,51 +88,58 @@ def test_maxwells_element_shows_storage_and_loss_of_its_transfer_function() -> N
     turns, relaxation = np.pi, 0.3
     late = _TIMES > 20.0
     basis = np.stack([np.sin(turns * _TIMES), np.cos(turns * _TIMES)])[:, late]
-    found = np.linalg.lstsq(basis.T, _along(_one(Kind.MAXWELL, relaxation), _SINE)[late], rcond=None)[0] / 3.0
+    result = (
+        np.linalg.lstsq(
+            basis.T, _follow_path(_single_element(Kind.MAXWELL, relaxation), _SINE)[late], rcond=None
+        )[0]
+        / 3.0
+    )
     transfer = 1j * turns * relaxation / (1.0 + 1j * turns * relaxation)
-    assert found == pytest.approx([transfer.real, transfer.imag], abs=0.01)
+    assert result == pytest.approx([transfer.real, transfer.imag], abs=0.01)
 
 
 def test_smooth_hysteresis_is_solved_exactly() -> None:
     """A hyperbolic tangent from rest where the power is two, an exponential where it is one."""
     path = np.interp(_TIMES, [0, 10, 30], [0.0, 3.0, 2.0])
     for shape, expected in ((2.0, np.tanh(path / 1.5)), (1.0, -np.expm1(-path / 1.5))):
-        found = _along(_one(Kind.SMOOTH, 1.5, shape), path)
+        result = _follow_path(_single_element(Kind.SMOOTH, 1.5, shape), path)
         rising = _TIMES < 10.0
-        assert found[rising] == pytest.approx(1.5 * expected[rising], rel=1e-9)
-        assert found[-1] == pytest.approx(found[~rising][0] + path[-1] - 3.0)  # elastic
+        assert result[rising] == pytest.approx(1.5 * expected[rising], rel=1e-9)
+        assert result[-1] == pytest.approx(result[~rising][0] + path[-1] - 3.0)  # elastic
 
 
 def test_a_spring_of_mullins_is_virgin_at_its_largest_excursion() -> None:
     path = np.interp(_TIMES, [0, 10, 20, 30], [0.0, 4.0, 0.0, 5.0])
-    found = _along(_one(Kind.MULLINS, 1.0, 2.0), path)
-    assert found[_TIMES <= 10.0] == pytest.approx(path[_TIMES <= 10.0])
-    assert found[round(15.0 / _STEP)] == pytest.approx(2.0 * (2.0 / 4.0) ** 2)
-    assert found[-1] == pytest.approx(5.0, rel=1e-3)
+    result = _follow_path(_single_element(Kind.MULLINS, 1.0, 2.0), path)
+    assert result[_TIMES <= 10.0] == pytest.approx(path[_TIMES <= 10.0])
+    assert result[round(15.0 / _STEP)] == pytest.approx(2.0 * (2.0 / 4.0) ** 2)
+    assert result[-1] == pytest.approx(5.0, rel=1e-3)
 
 
-def _law(kind: Kind, traits: tuple, **changed: float) -> Elements:
+def _law(kind: Kind, traits: tuple, **variant: float) -> Elements:
     """A law of hysteresis that neither weakens nor slips, with some traits changed."""
-    none = {name: least for name, least, *_ in traits if name.startswith(("strength_lost", "stiffness_lost"))}
-    none |= {"slip": 0.0, "unloading": 0.0, "hardening": 1.0, "hardening_negative": 1.0, "softest": 0.0}
-    chosen = {name: start for name, _, _, start in traits} | none | changed
-    return law_with_traits(kind, 1.5, np.array([chosen[name] for name, *_ in traits]), 1.0)
+    empty = {
+        name: least for name, least, *_ in traits if name.startswith(("strength_lost", "stiffness_lost"))
+    }
+    empty |= {"slip": 0.0, "unloading": 0.0, "hardening": 1.0, "hardening_negative": 1.0, "softest": 0.0}
+    selection = {name: start for name, _, _, start in traits} | empty | variant
+    return law_with_traits(kind, 1.5, np.array([selection[name] for name, *_ in traits]), 1.0)
 
 
 def test_smooth_hysteresis_without_slip_is_bouc_and_wens() -> None:
     """A hyperbolic tangent for the exponent two, twice as strong where the weak side is twice as strong."""
     path = np.interp(_TIMES, [0, 10, 30], [0.0, 3.0, -6.0])
     lasting = {"strength_lost": 0.0, "stiffness_lost": 0.0, "exponent": 2.0}
-    found = _along(_law(Kind.SMOOTH_PINCHED, SMOOTH_TRAITS, weak_side=2.0, **lasting), path)
+    result = _follow_path(_law(Kind.SMOOTH_PINCHED, SMOOTH_TRAITS, weak_side=2.0, **lasting), path)
     rising = _TIMES < 10.0
-    assert found[rising] == pytest.approx(1.5 * np.tanh(path[rising] / 1.5), rel=5e-3, abs=1e-9)
-    assert found[-1] == pytest.approx(-2.0 * 1.5 * np.tanh(6.0 / 3.0), rel=0.1)
+    assert result[rising] == pytest.approx(1.5 * np.tanh(path[rising] / 1.5), rel=5e-3, abs=1e-9)
+    assert result[-1] == pytest.approx(-2.0 * 1.5 * np.tanh(6.0 / 3.0), rel=0.1)
 
 
 def test_smooth_hysteresis_slips_and_weakens_with_energy() -> None:
     """Cycle after cycle less is dissipated, and less resisted at a small force than at a large one."""
-    plain = _along(_law(Kind.SMOOTH_PINCHED, SMOOTH_TRAITS), _SINE)
-    pinched = _along(
+    plain = _follow_path(_law(Kind.SMOOTH_PINCHED, SMOOTH_TRAITS), _SINE)
+    pinched = _follow_path(
         _law(Kind.SMOOTH_PINCHED, SMOOTH_TRAITS, slip=0.9, slip_grows=1.0, strength_lost=0.02), _SINE
     )
     areas = [
@@ -150,15 +157,17 @@ def test_hysteresis_towards_peaks_lies_between_an_elastic_plastic_spring_and_clo
     lasting = {"strength_lost": 0.0, "strength_lost_negative": 0.0, "break_force": 0.98}
     elastic = _law(Kind.TOWARDS_PEAKS, PEAK_TRAITS, elastic=1.0, elastic_negative=1.0, **lasting)
     towards = _law(Kind.TOWARDS_PEAKS, PEAK_TRAITS, elastic=0.0, elastic_negative=0.0, **lasting)
-    plastic = _along(_one(Kind.ELASTIC_PLASTIC, 1.5), path)
-    assert _along(elastic, path) == pytest.approx(plastic, abs=1e-2)
+    plastic = _follow_path(_single_element(Kind.ELASTIC_PLASTIC, 1.5), path)
+    assert _follow_path(elastic, path) == pytest.approx(plastic, abs=1e-2)
     straight = {"break_force": 0.5, "break_displacement": 0.5}
-    found = _along(_law(Kind.TOWARDS_PEAKS, PEAK_TRAITS, elastic=0.0, elastic_negative=0.0, **straight), path)
-    assert found[round(5 / _STEP)] == pytest.approx(1.5, rel=1e-2)
-    assert _along(towards, path)[-1] == pytest.approx(1.5, rel=1e-2)
-    assert found[-1] == pytest.approx(1.5, rel=1e-2)
+    result = _follow_path(
+        _law(Kind.TOWARDS_PEAKS, PEAK_TRAITS, elastic=0.0, elastic_negative=0.0, **straight), path
+    )
+    assert result[round(5 / _STEP)] == pytest.approx(1.5, rel=1e-2)
+    assert _follow_path(towards, path)[-1] == pytest.approx(1.5, rel=1e-2)
+    assert result[-1] == pytest.approx(1.5, rel=1e-2)
     assert plastic[round(10 / _STEP)] == pytest.approx(-1.5, rel=1e-2)
-    assert -0.8 < found[round(10 / _STEP)] < 0.0
+    assert -0.8 < result[round(10 / _STEP)] < 0.0
 
 
 def test_hysteresis_from_reversals_is_masings_or_bends_at_the_line_of_yielding() -> None:
@@ -168,24 +177,24 @@ def test_hysteresis_from_reversals_is_masings_or_bends_at_the_line_of_yielding()
     first = rising / (1.0 + (rising / 1.5) ** 4) ** 0.25
     path = np.concatenate([rising, 3.0 - rising[1:] * 2.0, rising[1:] - 3.0])
     masing = _law(Kind.FROM_REVERSALS, REVERSAL_TRAITS, to_the_line=0.0, **lasting)
-    found = masing.follow_path(path, _STEP, np.zeros(path.size))[0]
-    assert found[:1001] == pytest.approx(first, abs=1e-9)
-    assert found[1001:2001] == pytest.approx(found[1000] - 2.0 * first[1:], abs=5e-3)
+    result = masing.follow_path(path, _STEP, np.zeros(path.size))[0]
+    assert result[:1001] == pytest.approx(first, abs=1e-9)
+    assert result[1001:2001] == pytest.approx(result[1000] - 2.0 * first[1:], abs=5e-3)
     partly = np.concatenate([rising, 3.0 - 0.2 * rising[1:], 2.4 + 0.5 * rising[1:]])
     bent = _law(Kind.FROM_REVERSALS, REVERSAL_TRAITS, to_the_line=1.0, **lasting)
     assert np.abs(bent.follow_path(partly, _STEP, np.zeros(partly.size))).max() <= 1.5
     assert np.abs(bent.follow_path(path, _STEP, np.zeros(path.size))).max() <= 1.5
 
 
-def _strut(**changed: float) -> Elements:
-    stated = {name: start for name, _, _, start in STRUT_TRAITS}
-    stated |= {"decline": 0.1, "lost": 0.2, "buckling": 0.5, "hardening": 0.0} | changed
-    return law_with_traits(Kind.STRUT, 1.0, np.array(list(stated.values())), 2.0)
+def _strut(**variant: float) -> Elements:
+    stated_values = {name: start for name, _, _, start in STRUT_TRAITS}
+    stated_values |= {"decline": 0.1, "lost": 0.2, "buckling": 0.5, "hardening": 0.0} | variant
+    return law_with_traits(Kind.STRUT, 1.0, np.array(list(stated_values.values())), 2.0)
 
 
 def test_a_strut_yields_buckles_and_is_softer_until_it_is_straight() -> None:
     path = np.interp(np.linspace(0.0, 3.0, 30001), np.arange(4.0), [0.0, 2.0, -2.0, 2.0])
-    force = _along(_strut(), path)
+    force = _follow_path(_strut(), path)
     assert force.max() == pytest.approx(1.0)
     assert force[5000] == pytest.approx(1.0)  # at 1.0
     assert force[13750] == pytest.approx(-0.5, abs=1e-3)  # at 0.5: about to buckle
@@ -197,57 +206,59 @@ def test_a_strut_yields_buckles_and_is_softer_until_it_is_straight() -> None:
 
 def test_a_strut_is_its_own_mirror_image() -> None:
     path = _SINE * np.linspace(0.2, 1.5, _SINE.size)
-    np.testing.assert_allclose(_along(_strut(side=5.0), -path), -_along(_strut(side=0.5), path))
+    np.testing.assert_allclose(_follow_path(_strut(side=5.0), -path), -_follow_path(_strut(side=0.5), path))
 
 
 def test_a_weaker_side_yields_earlier() -> None:
     law = _law(Kind.TOWARDS_PEAKS, PEAK_TRAITS, weak_side=0.4, strength_lost_negative=0.0, strength_lost=0.0)
-    force = _along(law, _SINE)
+    force = _follow_path(law, _SINE)
     assert force.max() == pytest.approx(1.5, rel=1e-6)
     assert force.min() == pytest.approx(-0.4 * 1.5, rel=1e-6)
 
 
 def test_elements_with_memory_lead_back_to_the_largest_excursion() -> None:
     path = np.interp(_TIMES, [0, 5, 10, 15, 20, 30], [0.0, 4.0, 0.0, 2.0, 4.0, 4.0])
-    softening = _along(_one(Kind.SOFTENING, 1.0), path)
+    softening = _follow_path(_single_element(Kind.SOFTENING, 1.0), path)
     assert softening[round(15 / _STEP)] == pytest.approx(2.0 / 4.0, rel=1e-2)
-    peak = _along(_one(Kind.PEAK_ORIENTED, 1.0), path)
+    peak = _follow_path(_single_element(Kind.PEAK_ORIENTED, 1.0), path)
     # unloaded at 3, then towards −1 at −1; unloaded at 0.75, then towards 1 at 4
     assert peak[round(10 / _STEP)] == pytest.approx(-0.75, rel=1e-2)
     assert peak[round(15 / _STEP)] == pytest.approx((2.0 - 0.75) / (4.0 - 0.75), rel=1e-2)
     assert peak[-1] == pytest.approx(1.0, rel=1e-2)
-    opened = _along(_one(Kind.OPENING_GAP, 0.5), path)
-    assert opened[round(15 / _STEP)] == pytest.approx(0.0, abs=1e-2)
+    dataset = _follow_path(_single_element(Kind.OPENING_GAP, 0.5), path)
+    assert dataset[round(15 / _STEP)] == pytest.approx(0.0, abs=1e-2)
 
 
 def test_without_an_actuators_error_the_response_is_the_command() -> None:
     elements = elements_of_family("memory", 3.0, 10.0)
     coefficients = np.linspace(0.1, 1.0, elements.kinds.size)
     growing = _SINE * (1.0 + _TIMES / 30.0)  # a peak that is met again exactly is a jump of some elements
-    felt = coefficients @ elements.follow_path(growing, _STEP, _STILL)
-    computed = Partition.from_structure(Structure(frequency=0.4, damping_ratio=0.04))
-    numerical = Recursion.from_force(computed, _STEP)
-    response = elements.respond(coefficients, growing, felt, _STEP, _STILL, numerical)
+    felt_displacement = coefficients @ elements.follow_path(growing, _STEP, _STILL)
+    computed_values = Partition.from_structure(Structure(frequency=0.4, damping_ratio=0.04))
+    numerical = Recursion.from_force(computed_values, _STEP)
+    response = elements.respond(coefficients, growing, felt_displacement, _STEP, _STILL, numerical)
     assert response == pytest.approx(growing, abs=1e-9)
 
 
 def test_a_spring_has_the_exact_response_of_the_linear_equation() -> None:
     """The oracle is the recursion of the whole structure from x_c − x_m, which holds no element."""
-    whole = Partition.from_structure(Structure(frequency=0.7, damping_ratio=0.05, experimental_fraction=0.6))
-    spring = _one(Kind.ELASTIC_PLASTIC, 1e9)
+    full_test = Partition.from_structure(
+        Structure(frequency=0.7, damping_ratio=0.05, experimental_fraction=0.6)
+    )
+    spring = _single_element(Kind.ELASTIC_PLASTIC, 1e9)
     late = np.interp(_TIMES - 0.01, _TIMES, _SINE)
-    stiffness = whole.specimen_stiffness[0]
-    felt = stiffness @ spring.follow_path(late, _STEP, _STILL)
-    numerical = Recursion.from_force(whole.numerical_substructure, _STEP)
-    response = spring.respond(stiffness, _SINE, felt, _STEP, _STILL, numerical)
-    expected = _SINE - respond(Recursion.from_displacement(whole, _STEP), _SINE - late)[0]
+    stiffness = full_test.specimen_stiffness[0]
+    felt_displacement = stiffness @ spring.follow_path(late, _STEP, _STILL)
+    numerical = Recursion.from_force(full_test.numerical_substructure, _STEP)
+    response = spring.respond(stiffness, _SINE, felt_displacement, _STEP, _STILL, numerical)
+    expected = _SINE - respond(Recursion.from_displacement(full_test, _STEP), _SINE - late)[0]
     assert response == pytest.approx(expected, abs=1e-4 * np.abs(expected - _SINE).max())
 
 
 def test_a_response_that_diverges_ends_at_once() -> None:
     """Smooth hysteresis goes on in parts of its yield displacement, of which there would be no end."""
-    whole = Partition.from_structure(Structure(frequency=0.7, damping_ratio=0.05))
-    late, numerical = 0.9 * _SINE, Recursion.from_force(whole.numerical_substructure, _STEP)
+    full_test = Partition.from_structure(Structure(frequency=0.7, damping_ratio=0.05))
+    late, numerical = 0.9 * _SINE, Recursion.from_force(full_test.numerical_substructure, _STEP)
     law = _law(Kind.SMOOTH_PINCHED, SMOOTH_TRAITS)
     response = law.respond(np.array([-1e9]), _SINE, late, _STEP, _STILL, numerical)
     assert np.isnan(response[-1])
@@ -264,23 +275,23 @@ def test_elements_are_seen_as_the_channels_are() -> None:
     assert path.blocks.size == path.force_seen.size == path.filter(rows).shape[1]
 
 
-@pytest.mark.parametrize(("missed", "differ"), [(0.0, None), (0.03, 0.03)])
-def test_members_differ_by_what_their_family_misses(missed: float, differ: float | None) -> None:
+@pytest.mark.parametrize(("residual", "differ"), [(0.0, None), (0.03, 0.03)])
+def test_members_differ_by_what_their_family_misses(residual: float, differ: float | None) -> None:
     """A spring that grows stiffer by a tenth in the course of the test."""
     noise = SensorNoise(time_step=_STEP, weights=np.ones(6), band=5.0)
     force = _SINE * (1.0 + 0.1 * _TIMES / _TIMES[-1])
     path = MeasuredPath(displacement=_SINE, force=force, time_step=_STEP, noise=noise, block=4.0, noisy=0.0)
     specimen = LearnedSpecimen(
         family="plain",
-        elements=_one(Kind.ELASTIC_PLASTIC, 1e6),
+        elements=_single_element(Kind.ELASTIC_PLASTIC, 1e6),
         coefficients=np.array([1.05]),
         held_out=0.03,
-        missed=missed,
+        missed=residual,
     )
     members = Members(specimen=specimen, path=path, command=_SINE)
-    generator, wanted = np.random.default_rng(3), path.force_seen
-    drawn = generator.exponential(size=(200, path.blocks[-1] + 1))
-    forces = [members.member(counts, wanted, members.spread_factor)[1] for counts in drawn]
+    generator, target = np.random.default_rng(3), path.force_seen
+    draws = generator.exponential(size=(200, path.blocks[-1] + 1))
+    forces = [members.member(counts, target, members.spread_factor)[1] for counts in draws]
     assert members.spread_factor >= 1.0
     if differ is None:
         assert members.spread_factor == 1.0
@@ -293,7 +304,7 @@ def test_a_stop_that_was_hardly_touched_is_not_learned() -> None:
     noise = SensorNoise(time_step=_STEP, weights=np.ones(6), band=5.0)
     force = _SINE + np.where(_SINE > 2.9999, 1.0, 0.0)
     path = MeasuredPath(displacement=_SINE, force=force, time_step=_STEP, noise=noise, block=4.0, noisy=0.0)
-    spring, stop = _one(Kind.ELASTIC_PLASTIC, 1e6), _one(Kind.GAP_ABOVE, 2.9999)
+    spring, stop = _single_element(Kind.ELASTIC_PLASTIC, 1e6), _single_element(Kind.GAP_ABOVE, 2.9999)
     both = _learn_family(path, "gaps", spring.append(stop), ())
     assert both.elements.kinds.tolist() == [Kind.ELASTIC_PLASTIC]
 
@@ -305,26 +316,30 @@ def _load() -> np.ndarray:
     return smooth * (_TIMES / 4.0) * np.exp(1.0 - _TIMES / 4.0)
 
 
-def _simulated(family: str, seed: int, **of_force: float) -> Any:
+def _simulate_family(family: str, seed: int, **force_values: float) -> Any:
     draw = np.random.default_rng(seed)
     while (
-        not 0.005 < (test := simulated_tests.simulate(family, _load(), _STEP, draw, **of_force)).error < 0.3
+        not 0.005
+        < (test := simulated_tests.simulate(family, _load(), _STEP, draw, **force_values)).error
+        < 0.3
     ):
         pass
     return test
 
 
 def _structure(test: Any) -> Partition:
-    stated = Structure(
+    stated_values = Structure(
         frequency=test.loop.frequency,
         damping_ratio=test.loop.damping_ratio,
         experimental_fraction=test.loop.share,
     )
-    return Partition.from_structure(stated)
+    return Partition.from_structure(stated_values)
 
 
-def _judged(test: Any, **stated: Any) -> MeasuredSpecimen:
-    return rebuild_with_force(test.command, test.measured, test.force, _STEP, _structure(test), **stated)
+def _learn_from(test: Any, **stated_values: Any) -> MeasuredSpecimen:
+    return rebuild_with_force(
+        test.command, test.measured, test.force, _STEP, _structure(test), **stated_values
+    )
 
 
 @pytest.mark.slow
@@ -332,52 +347,52 @@ def _judged(test: Any, **stated: Any) -> MeasuredSpecimen:
 @pytest.mark.parametrize("family", simulated_tests.FAMILIES)
 def test_errors_of_families_of_specimens_are_found(family: str) -> None:
     """No element is built like these; where the force is predicted well the error is within a tenth."""
-    test = _simulated(family, 3)
-    learned = _judged(test)
-    size = learned.rebuilt.rms
-    width = 0.1 if learned.held_out < 0.1 else 0.4
+    test = _simulate_family(family, 3)
+    specimen = _learn_from(test)
+    size = specimen.rebuilt.rms
+    width = 0.1 if specimen.held_out < 0.1 else 0.4
     assert size.value == pytest.approx(test.error, rel=width)
     assert 0.8 * size.low < test.error < 1.25 * size.high
 
 
 @pytest.mark.slow
 def test_a_linear_specimen_loses_nothing() -> None:
-    test = _simulated("linear", 5)
-    stated = rebuild(test.command, test.measured, _STEP, _structure(test))
-    learned = _judged(test)
-    size, rms = learned.rebuilt.rms, stated.rms
-    assert learned.families[0].name == "linear"
-    assert learned.families[0].weight == 1.0
+    test = _simulate_family("linear", 5)
+    stated_values = rebuild(test.command, test.measured, _STEP, _structure(test))
+    specimen = _learn_from(test)
+    size, rms = specimen.rebuilt.rms, stated_values.rms
+    assert specimen.families[0].name == "linear"
+    assert specimen.families[0].weight == 1.0
     assert size.value == pytest.approx(rms.value, rel=0.01)
     assert 0.75 * (rms.high - rms.low) < size.high - size.low < 1.3 * (rms.high - rms.low)
-    for name, part in stated.parts().by_name.items():
-        assert learned.parts().by_name[name].rms == pytest.approx(part.rms, rel=0.02, abs=1e-4)
+    for name, part in stated_values.parts().by_name.items():
+        assert specimen.parts().by_name[name].rms == pytest.approx(part.rms, rel=0.02, abs=1e-4)
 
 
 @pytest.mark.slow
 def test_parts_and_budget_are_those_of_the_measured_specimen() -> None:
     """Parts add up to the error, an actuator as it moved accounts for all of it, a mass widens."""
-    test = _simulated("bilinear", 8)
-    learned = _judged(test, mass_deviation=0.03, feedback_lag=0.001)
-    parts = learned.parts().by_name
-    whole = learned.rebuilt.histories.measured - learned.rebuilt.reference
-    peak = np.abs(whole).max()
-    assert sum(part.history for part in parts.values()) == pytest.approx(whole, abs=1e-6 * peak)
+    test = _simulate_family("bilinear", 8)
+    specimen = _learn_from(test, mass_deviation=0.03, feedback_lag=0.001)
+    parts = specimen.parts().by_name
+    full_test = specimen.rebuilt.histories.measured - specimen.rebuilt.reference
+    peak = np.abs(full_test).max()
+    assert sum(part.history for part in parts.values()) == pytest.approx(full_test, abs=1e-6 * peak)
     assert set(parts) == {"amplitude", "delay", "neither", "fed_back_force"}
-    moved = learned.part_of_tracking(learned.rebuilt.histories.measured)
+    displacement = specimen.part_of_tracking(specimen.rebuilt.histories.measured)
     late = parts["fed_back_force"].history
-    assert moved.history + late == pytest.approx(whole, abs=0.01 * peak)
-    contributions = {one.name: one.contribution for one in learned.widenings()}
+    assert displacement.history + late == pytest.approx(full_test, abs=0.01 * peak)
+    contributions = {single.name: single.contribution for single in specimen.widenings()}
     assert {"specimen", "sensor_noise", "mass"} <= set(contributions)
-    known = _judged(test, feedback_lag=0.001).rebuilt.rms
-    size = learned.rebuilt.rms
+    reference = _learn_from(test, feedback_lag=0.001).rebuilt.rms
+    size = specimen.rebuilt.rms
     assert contributions["mass"] > 0.0
-    assert size.high - size.low > known.high - known.low
+    assert size.high - size.low > reference.high - reference.low
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("of_force", "stated"),
+    ("force_values", "stated_values"),
     [
         ({"force_lag": 0.008}, ["lag_ms=8±1"]),
         ({"attached": 0.03}, ["attached_kg=0.03±0.005"]),
@@ -385,30 +400,31 @@ def test_parts_and_budget_are_those_of_the_measured_specimen() -> None:
     ],
 )
 def test_what_stands_between_load_cell_and_specimen_is_taken_away_and_widens(
-    of_force: dict[str, float], stated: list[str]
+    force_values: dict[str, float], stated_values: list[str]
 ) -> None:
-    test = _simulated("bilinear", 8, **of_force)
-    exact = [text.partition("±")[0] for text in stated]
-    ignored, known, uncertain = (
-        _judged(test, force_channel=ForceChannel.parse(texts)).rebuilt.rms for texts in ([], exact, stated)
+    test = _simulate_family("bilinear", 8, **force_values)
+    exact = [text.partition("±")[0] for text in stated_values]
+    ignored, reference, uncertain = (
+        _learn_from(test, force_channel=ForceChannel.parse(texts)).rebuilt.rms
+        for texts in ([], exact, stated_values)
     )
-    assert abs(known.value / test.error - 1.0) < min(0.1, 0.6 * abs(ignored.value / test.error - 1.0))
-    assert uncertain.value == pytest.approx(known.value, rel=0.02)
-    assert uncertain.high - uncertain.low > 1.1 * (known.high - known.low)
+    assert abs(reference.value / test.error - 1.0) < min(0.1, 0.6 * abs(ignored.value / test.error - 1.0))
+    assert uncertain.value == pytest.approx(reference.value, rel=0.02)
+    assert uncertain.high - uncertain.low > 1.1 * (reference.high - reference.low)
     assert uncertain.low < test.error < uncertain.high
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("lag", [0.0, 0.002])
 def test_a_late_force_is_noticed_and_leaves_the_test_undecided(lag: float) -> None:
-    test = _simulated("bilinear", 8, force_lag=lag)
-    learned = _judged(test)
-    assert learned.late == pytest.approx(lag, abs=0.2e-3)
-    assert _judged(test, force_channel=ForceChannel.parse(["lag_ms=2"])).late == pytest.approx(
+    test = _simulate_family("bilinear", 8, force_lag=lag)
+    specimen = _learn_from(test)
+    assert specimen.late == pytest.approx(lag, abs=0.2e-3)
+    assert _learn_from(test, force_channel=ForceChannel.parse(["lag_ms=2"])).late == pytest.approx(
         0.0, abs=0.2e-3
     )
-    told = [contradiction.finding for contradiction in contradict_specimen(learned)]
-    assert told == [] if lag == 0.0 else "ms later than the displacement" in told[0]
+    message = [contradiction.finding for contradiction in contradict_specimen(specimen)]
+    assert message == [] if lag == 0.0 else "ms later than the displacement" in message[0]
 
 
 def test_a_channel_of_force_is_stated_name_by_name() -> None:
@@ -446,24 +462,26 @@ def _file(test: Any, folder: Path, mass: float) -> Path:
 
 @pytest.mark.slow
 def test_the_command_learns_the_specimen_and_writes_the_corrected_response(tmp_path: Path) -> None:
-    test = _simulated("bilinear", 8)
+    test = _simulate_family("bilinear", 8)
     mass, loop = 2000.0, test.loop
     path = _file(test, tmp_path, mass)
-    stated = ["--f", f"{loop.frequency}", "--xi", f"{loop.damping_ratio}", "--alpha", f"{loop.share}"]
+    stated_values = ["--f", f"{loop.frequency}", "--xi", f"{loop.damping_ratio}", "--alpha", f"{loop.share}"]
     files = ["--json", str(tmp_path / "verdict.json"), "--corrected", str(tmp_path / "corrected.nc")]
-    assert run(["assess", str(path), *stated, "--specimen", "measured", "--mass", f"{mass}", *files]) == 0
+    assert (
+        run(["assess", str(path), *stated_values, "--specimen", "measured", "--mass", f"{mass}", *files]) == 0
+    )
     verdict = json.loads((tmp_path / "verdict.json").read_text())
     assert verdict["error"]["rms"]["value"] == pytest.approx(test.error, rel=0.1)
     assert verdict["specimen"]["known"] == "measured"
     assert verdict["specimen"]["held_out"] < 0.1
     assert sum(family["weight"] for family in verdict["specimen"]["families"]) == pytest.approx(1.0)
-    corrected = xr.load_dataset(tmp_path / "corrected.nc")
-    left = np.sqrt(np.mean((corrected["exact_m"].to_numpy() - test.exact) ** 2))
-    assert left < 0.25 * np.sqrt(np.mean((test.moved - test.exact) ** 2))
-    assert (corrected["exact_low_m"] <= corrected["exact_high_m"]).all()
+    correction = xr.load_dataset(tmp_path / "corrected.nc")
+    remainder = np.sqrt(np.mean((correction["exact_m"].to_numpy() - test.exact) ** 2))
+    assert remainder < 0.25 * np.sqrt(np.mean((test.moved - test.exact) ** 2))
+    assert (correction["exact_low_m"] <= correction["exact_high_m"]).all()
     # the undisturbed structure obeys its own equation of motion under the specimen's force
     numerical = loop.share * (2.0 * np.pi * loop.frequency) ** 2
-    assert np.abs(corrected["specimen_force_n"]).max() < 1.5 * mass * numerical * np.abs(test.exact).max()
+    assert np.abs(correction["specimen_force_n"]).max() < 1.5 * mass * numerical * np.abs(test.exact).max()
 
 
 @pytest.mark.slow
@@ -475,7 +493,7 @@ def test_the_corrected_response_of_a_linear_test_is_written_as_text(tmp_path: Pa
     assert table["exact_m"].to_numpy() == pytest.approx(verdict.error.reference, abs=1e-12)
     structure = verdict.error.rebuilt.structure
     damping, stiffness = (
-        float(each[0, 0] / structure.mass[0, 0]) for each in (structure.damping, structure.stiffness)
+        float(item[0, 0] / structure.mass[0, 0]) for item in (structure.damping, structure.stiffness)
     )
     velocity = np.gradient(table["exact_m"], table["time_s"])
     expected = -(damping * velocity + stiffness * table["exact_m"])
@@ -483,7 +501,7 @@ def test_the_corrected_response_of_a_linear_test_is_written_as_text(tmp_path: Pa
 
 
 @pytest.mark.parametrize(
-    ("stated", "says"),
+    ("stated_values", "says"),
     [
         ({"specimen": "measured", "mass": 1.0}, "without a column of force"),
         ({"specimen": "elastic"}, "Unknown kind of specimen"),
@@ -491,15 +509,15 @@ def test_the_corrected_response_of_a_linear_test_is_written_as_text(tmp_path: Pa
         ({"specimen": "measured"}, "needs its force"),
     ],
 )
-def test_what_cannot_be_learned_is_refused(stated: dict[str, object], says: str) -> None:
+def test_what_cannot_be_learned_is_refused(stated_values: dict[str, object], says: str) -> None:
     with pytest.raises(InputError, match=says):
-        assess("sample_test", f=1, xi=0.02, **stated)
+        assess("sample_test", f=1, xi=0.02, **stated_values)
 
 
 @pytest.mark.slow
 def test_a_specimen_that_no_element_explains_leaves_the_test_undecided() -> None:
     """A force that half follows chance is predicted nowhere, and the verdict says so."""
-    test = _simulated("bilinear", 8)
+    test = _simulate_family("bilinear", 8)
     chance = np.convolve(np.random.default_rng(1).standard_normal(_TIMES.size), np.hanning(200), mode="same")
     frame = pd.DataFrame(
         {
@@ -518,8 +536,8 @@ def test_a_specimen_that_no_element_explains_leaves_the_test_undecided() -> None
 
 
 def test_the_corrected_response_needs_one_test_and_a_known_kind_of_file(tmp_path: Path) -> None:
-    stated = ["--f", "1", "--xi", "0.02"]
-    assert run(["assess", "sample_test", *stated, "--corrected", str(tmp_path / "a.txt")]) == 2
-    several = ["sample_test", "sample_test"]
-    assert run(["assess", *several, *stated, "--corrected", str(tmp_path / "a.csv")]) == 2
+    stated_values = ["--f", "1", "--xi", "0.02"]
+    assert run(["assess", "sample_test", *stated_values, "--corrected", str(tmp_path / "a.txt")]) == 2
+    has_several = ["sample_test", "sample_test"]
+    assert run(["assess", *has_several, *stated_values, "--corrected", str(tmp_path / "a.csv")]) == 2
     assert not list(tmp_path.iterdir())

@@ -12,11 +12,11 @@ from reliab.structures.structure import Structure
 
 
 @pytest.fixture(scope="module")
-def judged(ground_motions, simulate_rig):
+def assessments(ground_motions, simulate_rig):
     motion = ground_motions[3]
     test = simulate_rig(motion.acceleration, motion.time_step, seconds=30.0, delay=0.0022, db=40.0)
 
-    def ask(frequency=1.0, damping_ratio=0.02, *, sign=1.0, ground=None, force=None, **more):
+    def ask(frequency=1.0, damping_ratio=0.02, *, sign=1.0, ground=None, force=None, **larger):
         recording = Recording(
             command=test.command,
             measured=test.measured,
@@ -25,48 +25,48 @@ def judged(ground_motions, simulate_rig):
             force=None if force is None else force(test.measured),
         )
         structure = Structure(frequency=frequency, damping_ratio=damping_ratio)
-        return test, assess(recording, structure, **more)
+        return test, assess(recording, structure, **larger)
 
     return ask
 
 
-def test_a_structure_stated_rightly_is_not_contradicted(judged):
-    test, found = judged()
-    assert found.equation.wrong == ()
-    assert found.error.rebuilt.rms.value == pytest.approx(test.rms, rel=0.02)
+def test_a_structure_stated_rightly_is_not_contradicted(assessments):
+    test, result = assessments()
+    assert result.equation.wrong == ()
+    assert result.error.rebuilt.rms.value == pytest.approx(test.rms, rel=0.02)
 
 
-def test_a_wrong_frequency_is_told_and_leaves_the_verdict_open(judged):
-    test, found = judged(1.02)
-    assert found.equation.wrong == ("f",)
-    assert any("The recording shows a natural frequency of" in warning for warning in found.warnings)
-    assert found.verdict == "undecided"
-    assert found.error.rebuilt.rms.value < 0.9 * test.rms  # with the frequency as stated
+def test_a_wrong_frequency_is_told_and_leaves_the_verdict_open(assessments):
+    test, result = assessments(1.02)
+    assert result.equation.wrong == ("f",)
+    assert any("The recording shows a natural frequency of" in warning for warning in result.warnings)
+    assert result.verdict == "undecided"
+    assert result.error.rebuilt.rms.value < 0.9 * test.rms  # with the frequency as stated
 
 
-def test_a_frequency_within_its_stated_tolerance_is_not_contradicted(judged):
-    _, found = judged(1.02, stated={"f": StatedValue(1.02, 0.015)})
-    assert found.equation.wrong == ()
+def test_a_frequency_within_its_stated_tolerance_is_not_contradicted(assessments):
+    _, result = assessments(1.02, stated={"f": StatedValue(1.02, 0.015)})
+    assert result.equation.wrong == ()
 
 
-def test_a_wrong_damping_ratio_that_decides_leaves_the_verdict_open(judged):
-    _, found = judged(damping_ratio=0.031)
-    assert found.equation.wrong == ("xi",)
-    assert found.verdict == "undecided"
-    assert any("damping ratio of 0.0" in reason for reason in found.reasons)
+def test_a_wrong_damping_ratio_that_decides_leaves_the_verdict_open(assessments):
+    _, result = assessments(damping_ratio=0.031)
+    assert result.equation.wrong == ("xi",)
+    assert result.verdict == "undecided"
+    assert any("damping ratio of 0.0" in reason for reason in result.reasons)
 
 
-@pytest.mark.parametrize("assumed", [0.02, 0.05])
-def test_a_damping_ratio_that_nobody_stated_is_that_of_the_test(judged, assumed):
+@pytest.mark.parametrize("assumptions", [0.02, 0.05])
+def test_a_damping_ratio_that_nobody_stated_is_that_of_the_test(assessments, assumptions):
     """Simulated with 0.02; as uncertain as the skew of the channels leaves it."""
-    said = ("No damping ratio was stated.",)
-    test, found = judged(damping_ratio=assumed, assumed=said, equipment=ordinary_equipment())
-    stated = found.stated["xi"]
-    assert stated.value == pytest.approx(0.02, rel=0.06)
-    assert 0.001 < stated.deviation < 0.01
-    assert found.error.rebuilt.rms.value == pytest.approx(test.rms, rel=0.1)
-    assert not any("was stated" in w.removeprefix("No damping ratio was stated") for w in found.warnings)
-    of_ratio = next(item for item in found.error.budget if item.name == "damping_ratio")
+    messages = ("No damping ratio was stated.",)
+    test, result = assessments(damping_ratio=assumptions, assumed=messages, equipment=ordinary_equipment())
+    stated_values = result.stated["xi"]
+    assert stated_values.value == pytest.approx(0.02, rel=0.06)
+    assert 0.001 < stated_values.deviation < 0.01
+    assert result.error.rebuilt.rms.value == pytest.approx(test.rms, rel=0.1)
+    assert not any("was stated" in w.removeprefix("No damping ratio was stated") for w in result.warnings)
+    of_ratio = next(item for item in result.error.budget if item.name == "damping_ratio")
     assert of_ratio.source == "learned from this test"
 
 
@@ -75,9 +75,9 @@ def test_a_damping_ratio_that_nobody_stated_is_that_of_the_test(judged, assumed)
     ("sign", "words"),
     [(-1.0, "opposite sign"), *((unit, "does not belong to this test") for unit in (1e6, 6.0, -0.5))],
 )
-def test_another_ground_acceleration_is_said(judged, sign, words):
-    _, found = judged(sign=sign)
-    assert any(words in warning for warning in found.warnings)
+def test_another_ground_acceleration_is_said(assessments, sign, words):
+    _, result = assessments(sign=sign)
+    assert any(words in warning for warning in result.warnings)
 
 
 UNITS = {"g": 9.80665, "gal": 0.01, "mm/s2": 0.001, "ft/s2": 0.3048, "in/s2": 0.0254}
@@ -87,9 +87,9 @@ UNITS = {"g": 9.80665, "gal": 0.01, "mm/s2": 0.001, "ft/s2": 0.3048, "in/s2": 0.
 @pytest.mark.parametrize("power", [1.0, -1.0])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("unit", UNITS)
-def test_a_ground_acceleration_in_another_unit_is_refused_by_its_name(judged, unit, sign, power):
+def test_a_ground_acceleration_in_another_unit_is_refused_by_its_name(assessments, unit, sign, power):
     with pytest.raises(InputError, match="does not fit its unit") as refusal:
-        judged(sign=sign * UNITS[unit] ** -power)
+        assessments(sign=sign * UNITS[unit] ** -power)
     assert (f"Is it in {unit}?" in str(refusal.value)) is (power > 0.0)
     assert ("times as large" in str(refusal.value)) is (power < 0.0)
 
@@ -97,34 +97,34 @@ def test_a_ground_acceleration_in_another_unit_is_refused_by_its_name(judged, un
 @pytest.mark.default_cases(3)
 @pytest.mark.parametrize("frequency", [1.0, 0.98])
 @pytest.mark.parametrize("factor", [1.0, -1.0, 100.0])
-def test_an_absolute_acceleration_is_no_ground_acceleration(judged, frequency, factor):
-    test, _ = judged()
+def test_an_absolute_acceleration_is_no_ground_acceleration(assessments, frequency, factor):
+    test, _ = assessments()
     absolute = factor * (test.ground + np.gradient(np.gradient(test.command, 1 / 256), 1 / 256))
-    _, found = judged(frequency, ground=absolute)
-    assert found.equation.identified is None
-    assert any("absolute acceleration" in warning for warning in found.warnings)
+    _, result = assessments(frequency, ground=absolute)
+    assert result.equation.identified is None
+    assert any("absolute acceleration" in warning for warning in result.warnings)
 
 
-def test_a_channel_that_contradicts_the_test_leaves_none_reliable(judged):
-    assert judged(threshold=0.3)[1].verdict == "reliable"
-    _, found = judged(sign=6.0, threshold=0.3)
-    assert found.verdict == "undecided"
-    assert any("unit and range of the ground acceleration" in remedy for remedy in found.would_decide)
+def test_a_channel_that_contradicts_the_test_leaves_none_reliable(assessments):
+    assert assessments(threshold=0.3)[1].verdict == "reliable"
+    _, result = assessments(sign=6.0, threshold=0.3)
+    assert result.verdict == "undecided"
+    assert any("unit and range of the ground acceleration" in remedy for remedy in result.would_decide)
 
 
-def test_a_frequency_far_from_the_stated_one_is_not_taken(judged):
+def test_a_frequency_far_from_the_stated_one_is_not_taken(assessments):
     """It would be the stated structure that is another one, or the channel."""
-    _, found = judged(0.7)
-    assert found.equation.identified is None
-    assert any("the structure would have 1" in reason for reason in found.reasons)
+    _, result = assessments(0.7)
+    assert result.equation.identified is None
+    assert any("the structure would have 1" in reason for reason in result.reasons)
 
 
 @pytest.mark.parametrize(("cubic", "open_"), [(0.0, False), (3000.0, True)])
-def test_a_specimen_that_looks_nonlinear_leaves_the_verdict_open(judged, cubic, open_):
-    _, found = judged(force=lambda moved: 39.5 * moved + cubic * moved**3)
-    assert bool(found.equation.nonlinear) is open_
-    assert (found.verdict == "undecided") is open_
-    assert any("give a model" in remedy for remedy in found.would_decide) is open_
+def test_a_specimen_that_looks_nonlinear_leaves_the_verdict_open(assessments, cubic, open_):
+    _, result = assessments(force=lambda displacement: 39.5 * displacement + cubic * displacement**3)
+    assert bool(result.equation.nonlinear) is open_
+    assert (result.verdict == "undecided") is open_
+    assert any("give a model" in remedy for remedy in result.would_decide) is open_
 
 
 EVERY = 16  # of the samples simulated at 4096 Hz one is recorded
@@ -133,11 +133,11 @@ BAD, GOOD = 0.0022, 0.0012  # delays [s] with errors of 6 and 3 %
 
 
 @pytest.fixture(scope="module")
-def judged_with_skew(ground_motions, simulate_rig):
+def skewed_assessments(ground_motions, simulate_rig):
     """Judge a test whose measured displacement was recorded late, by steps of 0.244 ms."""
     motion = ground_motions[3]
 
-    def ask(*, delay, late=0, with_force=False, stated_ratio=0.02):
+    def ask(*, delay, late=0, force_case=False, stated_ratio=0.02):
         test = simulate_rig(
             motion.acceleration, motion.time_step, seconds=30.0, delay=delay, rate=4096.0, db=200.0
         )
@@ -152,32 +152,34 @@ def judged_with_skew(ground_motions, simulate_rig):
             measured=noisy(test.measured[np.clip(places - late, 0, test.measured.size - 1)]),
             time_step=EVERY / 4096.0,
             ground=test.ground[places],
-            force=noisy(MASS * (2.0 * np.pi) ** 2 * test.measured[places]) if with_force else None,
+            force=noisy(MASS * (2.0 * np.pi) ** 2 * test.measured[places]) if force_case else None,
         )
-        stated = {"mass": StatedValue(MASS)} if with_force else {}
-        return test, assess(recording, Structure(frequency=1.0, damping_ratio=stated_ratio), stated=stated)
+        stated_values = {"mass": StatedValue(MASS)} if force_case else {}
+        return test, assess(
+            recording, Structure(frequency=1.0, damping_ratio=stated_ratio), stated=stated_values
+        )
 
     return ask
 
 
 @pytest.mark.default_cases(2)
-@pytest.mark.parametrize("with_force", [False, True])
+@pytest.mark.parametrize("force_case", [False, True])
 @pytest.mark.parametrize(
     ("delay", "late", "stated_ratio"), [(BAD, -4, 0.02), (GOOD, 4, 0.02), (BAD, 0, 0.027)]
 )
 def test_a_skew_or_a_wrong_damping_ratio_leaves_the_verdict_open(
-    judged_with_skew, with_force, delay, late, stated_ratio
+    skewed_assessments, force_case, delay, late, stated_ratio
 ):
-    _, found = judged_with_skew(delay=delay, late=late, with_force=with_force, stated_ratio=stated_ratio)
-    assert found.verdict == "undecided"
-    assert any("state how uncertain it is" in remedy for remedy in found.would_decide)
+    _, result = skewed_assessments(delay=delay, late=late, with_force=force_case, stated_ratio=stated_ratio)
+    assert result.verdict == "undecided"
+    assert any("state how uncertain it is" in remedy for remedy in result.would_decide)
 
 
 @pytest.mark.default_cases(2)
-@pytest.mark.parametrize("with_force", [False, True])
+@pytest.mark.parametrize("force_case", [False, True])
 @pytest.mark.parametrize("delay", [BAD, GOOD])
-def test_sound_channels_lose_nothing(judged_with_skew, with_force, delay):
-    test, found = judged_with_skew(delay=delay, with_force=with_force)
-    assert found.equation.contradictions == ()
-    assert found.verdict == ("reliable" if delay == GOOD else "not_reliable")
-    assert found.error.rebuilt.rms.value == pytest.approx(test.rms, rel=0.015)  # as far as the noise lets
+def test_sound_channels_lose_nothing(skewed_assessments, force_case, delay):
+    test, result = skewed_assessments(delay=delay, with_force=force_case)
+    assert result.equation.contradictions == ()
+    assert result.verdict == ("reliable" if delay == GOOD else "not_reliable")
+    assert result.error.rebuilt.rms.value == pytest.approx(test.rms, rel=0.015)  # as far as the noise lets

@@ -26,7 +26,7 @@ def motion(ground_motions):
     return ground_motions[3]
 
 
-def judged(test, motion, *, ground=False, begin=0.0, **options):
+def assess_motion(test, motion, *, ground=False, begin=0.0, **options):
     first = round(begin * 256.0)
     recording = Recording(
         command=test.command[first:],
@@ -39,27 +39,27 @@ def judged(test, motion, *, ground=False, begin=0.0, **options):
 
 def error_of(test, begin):
     first = round(begin * 256.0)
-    strayed = (test.measured - test.ideal)[first:]
-    return np.sqrt(np.mean(strayed**2)) / np.abs(test.ideal[first:]).max()
+    error = (test.measured - test.ideal)[first:]
+    return np.sqrt(np.mean(error**2)) / np.abs(test.ideal[first:]).max()
 
 
 def test_a_test_shorter_than_its_record_is_judged_over_its_own_duration(motion, simulate):
     test = simulate(motion.acceleration, motion.time_step, seconds=25.0, delay=0.002)
-    own = judged(test, motion).placement
-    assert own.window == pytest.approx((0.0, 25.0), abs=0.01)
-    assert own.error == pytest.approx(test.rms, rel=0.02)
+    own_value = assess_motion(test, motion).placement
+    assert own_value.window == pytest.approx((0.0, 25.0), abs=0.01)
+    assert own_value.error == pytest.approx(test.rms, rel=0.02)
 
 
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize("ground", [False, True])
 def test_a_test_that_begins_in_motion_is_found_in_its_record(motion, ground, simulate):
     test = simulate(motion.acceleration, motion.time_step, seconds=30.0, gain=0.998, delay=0.0008)
-    own = judged(test, motion, begin=7.0, ground=ground).placement
-    assert own.alignment.matched
-    assert own.alignment.begin == pytest.approx(7.0, abs=0.01)
-    assert not own.alignment.from_rest
-    assert own.alignment.by == ("ground acceleration" if ground else "response")
-    assert own.error == pytest.approx(error_of(test, 7.0), rel=0.05)
+    own_value = assess_motion(test, motion, begin=7.0, ground=ground).placement
+    assert own_value.alignment.matched
+    assert own_value.alignment.begin == pytest.approx(7.0, abs=0.01)
+    assert not own_value.alignment.from_rest
+    assert own_value.alignment.by == ("ground acceleration" if ground else "response")
+    assert own_value.error == pytest.approx(error_of(test, 7.0), rel=0.05)
 
 
 @pytest.mark.slow
@@ -67,49 +67,49 @@ def test_a_part_of_the_record_from_rest_is_found_too(motion, simulate):
     first = 8.3
     later = np.interp(np.arange(0.0, 20.0, motion.time_step) + first, motion.times, motion.acceleration)
     test = simulate(later, motion.time_step, seconds=19.9, gain=0.997, delay=0.0005)
-    own = judged(test, motion).placement
-    assert own.alignment.begin == pytest.approx(first, abs=0.01)
-    assert own.alignment.from_rest
-    assert own.error == pytest.approx(test.rms, rel=0.05)
+    own_value = assess_motion(test, motion).placement
+    assert own_value.alignment.begin == pytest.approx(first, abs=0.01)
+    assert own_value.alignment.from_rest
+    assert own_value.error == pytest.approx(test.rms, rel=0.05)
 
 
 def test_rest_before_the_record_belongs_to_the_test(motion, simulate):
     still = np.concatenate([np.zeros(round(5.0 / motion.time_step)), motion.acceleration])
     test = simulate(still, motion.time_step, delay=0.001)
-    own = judged(test, motion).placement
-    assert own.alignment.begin == pytest.approx(-5.0, abs=0.01)
-    assert own.error == pytest.approx(test.rms, rel=0.03)
+    own_value = assess_motion(test, motion).placement
+    assert own_value.alignment.begin == pytest.approx(-5.0, abs=0.01)
+    assert own_value.error == pytest.approx(test.rms, rel=0.03)
 
 
 def test_another_motion_is_said_not_to_be_found(motion, ground_motions, simulate):
-    other = ground_motions[0]
-    found = judged(simulate(other.acceleration, other.time_step, seconds=25.0, delay=0.001), motion)
-    assert not found.placement.alignment.matched
-    assert any("was not found in the record" in warning for warning in found.warnings)
+    second = ground_motions[0]
+    result = assess_motion(simulate(second.acceleration, second.time_step, seconds=25.0, delay=0.001), motion)
+    assert not result.placement.alignment.matched
+    assert any("was not found in the record" in warning for warning in result.warnings)
 
 
 def test_a_scaled_record_is_found_by_shape_and_said_so(motion, simulate):
     test = simulate(0.3 * motion.acceleration, motion.time_step, seconds=25.0, delay=0.001)
-    found = judged(test, motion)
-    assert found.placement.alignment.begin == pytest.approx(0.0, abs=0.01)
-    assert any("has the shape, but not the size" in warning for warning in found.warnings)
+    result = assess_motion(test, motion)
+    assert result.placement.alignment.begin == pytest.approx(0.0, abs=0.01)
+    assert any("has the shape, but not the size" in warning for warning in result.warnings)
 
 
 @pytest.mark.slow
 def test_a_lead_is_judged_by_the_exact_loop_that_leads(motion, simulate):
     test = simulate(motion.acceleration, motion.time_step, seconds=30.0, lead=0.002)
-    found = judged(test, motion)
-    assert found.tracking.delay < 0.0
-    assert found.placement.error == pytest.approx(test.rms, rel=0.03)
-    mirrored = simulate(motion.acceleration, motion.time_step, seconds=30.0, delay=0.002)
-    assert mirrored.rms > 1.15 * test.rms  # |d| would have overstated it
-    assert found.placement.b > judged(mirrored, motion).placement.b
+    result = assess_motion(test, motion)
+    assert result.tracking.delay < 0.0
+    assert result.placement.error == pytest.approx(test.rms, rel=0.03)
+    mirror = simulate(motion.acceleration, motion.time_step, seconds=30.0, delay=0.002)
+    assert mirror.rms > 1.15 * test.rms  # |d| would have overstated it
+    assert result.placement.b > assess_motion(mirror, motion).placement.b
 
 
 def test_own_motion_may_be_longer_or_shorter_than_the_test(motion, simulate):
     short = Motion(name="short", acceleration=motion.acceleration[:2000], time_step=motion.time_step)
     test = simulate(short.acceleration, short.time_step, seconds=short.duration + 10.0, delay=0.001)
-    assert judged(test, short).placement.error == pytest.approx(test.rms, rel=0.03)
+    assert assess_motion(test, short).placement.error == pytest.approx(test.rms, rel=0.03)
 
 
 def test_the_interval_on_a_motion_itself_is_that_of_the_draws_of_gain_and_delay(monkeypatch):
@@ -134,10 +134,10 @@ def test_the_interval_on_a_motion_itself_is_that_of_the_draws_of_gain_and_delay(
     for delay, ellipse in ((0.002, (1.0, 2.0)), (-0.002, (3.0, 4.0))):
         tracking = SimpleNamespace(amplitude=1.03, delay=delay, draws=draws)
         question = SimpleNamespace(structure=None, threshold=0.042, metric="rms")
-        placed = own_motion.place_on_own(SimpleNamespace(name="m"), tracking, None, question)
+        placement = own_motion.place_on_own(SimpleNamespace(name="m"), tracking, None, question)
         ends = 0.012 + 0.04 * np.array([0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL])
-        np.testing.assert_allclose(placed.error_interval, ends)
-        assert placed.error == pytest.approx(0.03 + delay)
-        np.testing.assert_allclose(placed.index_interval, 0.5 * (ends / placed.error) ** 2)
-        assert placed.probability == pytest.approx(np.mean(draws[0] - 1.0 + 0.002 <= 0.042))
-        assert (placed.a, placed.b) == ellipse
+        np.testing.assert_allclose(placement.error_interval, ends)
+        assert placement.error == pytest.approx(0.03 + delay)
+        np.testing.assert_allclose(placement.index_interval, 0.5 * (ends / placement.error) ** 2)
+        assert placement.probability == pytest.approx(np.mean(draws[0] - 1.0 + 0.002 <= 0.042))
+        assert (placement.a, placement.b) == ellipse

@@ -26,10 +26,10 @@ RATE, CIRCULAR = 512.0, 2.0 * np.pi
 STIFFNESS = 1000.0 * CIRCULAR**2  # 1 Hz, 1000 kg
 
 
-def yielding(moved, limit):
+def yielding(displacement, limit):
     """Force of an elastic-perfectly-plastic spring of unit stiffness."""
-    force = np.zeros_like(moved)
-    for i, step in enumerate(np.diff(moved)):
+    force = np.zeros_like(displacement)
+    for i, step in enumerate(np.diff(displacement)):
         force[i + 1] = np.clip(force[i] + step, -limit, limit)
     return force
 
@@ -56,7 +56,7 @@ SPECIMENS = {
 
 
 @pytest.fixture(scope="module")
-def moved():
+def displacement():
     """The response of a 1 Hz structure to coloured noise that swells and fades, and its derivatives."""
     time = np.arange(0.0, 30.0, 1.0 / RATE)
     ground = np.random.default_rng(4).normal(size=time.size) * np.sin(np.pi * time / 30.0) ** 2
@@ -68,34 +68,36 @@ def moved():
     return time, 0.02 * x, 0.02 * v
 
 
-def recorded(moved, specimen, *, sign=1.0, late=0.006, noise=1e-3):
+def record_test(displacement, specimen, *, sign=1.0, late=0.006, noise=1e-3):
     """A test whose rig is late, with the force of its specimen in newtons."""
-    time, x, v = moved
-    reached, speed = np.interp(time - late, time, x), np.interp(time - late, time, v)
-    shape = SPECIMENS[specimen](Motion(reached, speed, np.gradient(speed, time)))
+    time, x, v = displacement
+    reach, speed = np.interp(time - late, time, x), np.interp(time - late, time, v)
+    shape = SPECIMENS[specimen](Motion(reach, speed, np.gradient(speed, time)))
     generator = np.random.default_rng(1)
     force = sign * STIFFNESS * shape
     return Recording(
         command=x,
-        measured=reached + noise * np.std(x) * generator.normal(size=x.size),
+        measured=reach + noise * np.std(x) * generator.normal(size=x.size),
         force=force + 0.01 * np.std(force) * generator.normal(size=x.size),
         time_step=1.0 / RATE,
     )
 
 
 @pytest.mark.parametrize("specimen", SPECIMENS)
-def test_a_force_that_resists_is_accepted_and_its_reverse_refused(moved, specimen):
-    require_plausible(recorded(moved, specimen))
+def test_a_force_that_resists_is_accepted_and_its_reverse_refused(displacement, specimen):
+    require_plausible(record_test(displacement, specimen))
     with pytest.raises(InputError, match=r"does not resist the motion.*sign were reversed.*Reverse the sign"):
-        require_plausible(recorded(moved, specimen, sign=-1.0))
+        require_plausible(record_test(displacement, specimen, sign=-1.0))
 
 
 @pytest.mark.parametrize("mass", [None, 1000.0])
-def test_a_reversed_force_is_refused_with_and_without_a_mass(moved, mass):
-    stated = {} if mass is None else {"mass": StatedValue(mass)}
+def test_a_reversed_force_is_refused_with_and_without_a_mass(displacement, mass):
+    stated_values = {} if mass is None else {"mass": StatedValue(mass)}
     with pytest.raises(InputError, match="does not resist the motion"):
         assess(
-            recorded(moved, "spring", sign=-1.0), Structure(frequency=1.0, damping_ratio=0.02), stated=stated
+            record_test(displacement, "spring", sign=-1.0),
+            Structure(frequency=1.0, damping_ratio=0.02),
+            stated=stated_values,
         )
 
 
@@ -111,8 +113,8 @@ def test_a_reversed_force_is_refused_with_and_without_a_mass(moved, mass):
         (60.0, "60 times the stated one"),
     ],
 )
-def test_a_force_in_another_unit_is_refused(moved, factor, words):
-    test = recorded(moved, "spring")
+def test_a_force_in_another_unit_is_refused(displacement, factor, words):
+    test = record_test(displacement, "spring")
     with pytest.raises(InputError, match=f"does not fit the stated specimen.*{words}"):
         require_plausible(replace(test, force=factor * test.force), stiffness=STIFFNESS)
 
@@ -120,69 +122,71 @@ def test_a_force_in_another_unit_is_refused(moved, factor, words):
 @pytest.mark.parametrize(
     ("factor", "share", "mass"), [(1.0, 1.0, "1000 kg"), (1e-3, 1.0, "1 kg"), (1.0, 0.25, "4000 kg")]
 )
-def test_a_force_whose_unit_nothing_examines_is_said_with_its_mass(moved, factor, share, mass):
-    test = recorded(moved, "spring", late=0.002)
+def test_a_force_whose_unit_nothing_examines_is_said_with_its_mass(displacement, factor, share, mass):
+    test = record_test(displacement, "spring", late=0.002)
     structure = Structure(frequency=1.0, damping_ratio=0.02, experimental_fraction=share)
-    said = remark_on_force(replace(test, force=factor * test.force), structure, {})
-    assert f"a mass of {mass}. Give `mass`" in said
+    messages = remark_on_force(replace(test, force=factor * test.force), structure, {})
+    assert f"a mass of {mass}. Give `mass`" in messages
 
 
-def test_no_mass_tells_the_unit_of_a_dashpot_or_of_no_force(moved):
+def test_no_mass_tells_the_unit_of_a_dashpot_or_of_no_force(displacement):
     structure = Structure(frequency=1.0, damping_ratio=0.02)
-    assert remark_on_force(recorded(moved, "dashpot"), structure, {}) == ""
-    assert remark_on_force(replace(recorded(moved, "spring"), force=None), structure, {}) == ""
+    assert remark_on_force(record_test(displacement, "dashpot"), structure, {}) == ""
+    assert remark_on_force(replace(record_test(displacement, "spring"), force=None), structure, {}) == ""
 
 
 @pytest.mark.parametrize(("unit", "words"), [(4.4482216, "pounds-force"), (9.80665, "kilograms-force")])
 @pytest.mark.parametrize("power", [1.0, -1.0])
 @pytest.mark.parametrize("share", [1.0, 0.4])
-def test_a_linear_force_in_pounds_or_kilograms_is_refused(moved, unit, words, power, share):
+def test_a_linear_force_in_pounds_or_kilograms_is_refused(displacement, unit, words, power, share):
     """Factors that a yielding specimen could have, too; a linear one cannot."""
-    test = recorded(moved, "spring")
+    test = record_test(displacement, "spring")
     structure = Structure(frequency=1.0, damping_ratio=0.02, experimental_fraction=share)
-    asked = {"stated": {"mass": StatedValue(1000.0)}}
+    options = {"stated": {"mass": StatedValue(1000.0)}}
     with pytest.raises(InputError, match=f"does not fit the stated specimen.*{words}"):
-        assess(replace(test, force=share * unit**power * test.force), structure, **asked)
+        assess(replace(test, force=share * unit**power * test.force), structure, **options)
 
 
 @pytest.mark.parametrize("reversed_", [1.0, -1.0])
 @pytest.mark.parametrize("unit", [4.4482216, 1.0 / 4.4482216, 9.80665, 1e3])
-def test_the_ground_acceleration_tells_the_unit_of_any_force(moved, unit, reversed_):
+def test_the_ground_acceleration_tells_the_unit_of_any_force(displacement, unit, reversed_):
     """By the equation of the computer's part, here with a specimen that yields and half of the stiffness."""
-    test = recorded(moved, "yielding")
+    test = record_test(displacement, "yielding")
     structure = Structure(frequency=0.9, damping_ratio=0.03, experimental_fraction=0.5)
     x, step, w0 = test.command, test.time_step, structure.circular_frequency
     v = np.gradient(x, step)
-    computed = np.gradient(v, step) + 0.06 * w0 * v + 0.5 * w0**2 * x
-    test = replace(test, ground=-reversed_ * (computed + test.force / 1000.0))
-    asked = {"mass": 1000.0, "feedback_lag": 0.0}
-    require_unit_of_force(test, structure, **asked)
+    computed_values = np.gradient(v, step) + 0.06 * w0 * v + 0.5 * w0**2 * x
+    test = replace(test, ground=-reversed_ * (computed_values + test.force / 1000.0))
+    options = {"mass": 1000.0, "feedback_lag": 0.0}
+    require_unit_of_force(test, structure, **options)
     with pytest.raises(InputError, match="State the unit of the force"):
-        require_unit_of_force(replace(test, force=test.force / unit), structure, **asked)
+        require_unit_of_force(replace(test, force=test.force / unit), structure, **options)
 
 
 @pytest.mark.parametrize("unit", [4.4482216, 9.80665])
-def test_a_measured_specimen_whose_force_is_straight_is_asked_for_its_unit(moved, unit):
+def test_a_measured_specimen_whose_force_is_straight_is_asked_for_its_unit(displacement, unit):
     """Its stiffness may be another one than stated, but hardly by the factor of a unit."""
-    test = recorded(moved, "spring")
+    test = record_test(displacement, "spring")
     require_plausible(replace(test, force=0.4 * test.force), stiffness=STIFFNESS)
     with pytest.raises(InputError, match="State the unit of the force"):
         require_plausible(replace(test, force=test.force / unit), stiffness=STIFFNESS)
 
 
 @pytest.mark.parametrize("ratio", [0.7, 1.0, 1.5])
-def test_a_force_that_differs_a_little_from_what_is_stated_is_remarked(moved, ratio):
-    test = recorded(moved, "spring", late=0.001)
+def test_a_force_that_differs_a_little_from_what_is_stated_is_remarked(displacement, ratio):
+    test = record_test(displacement, "spring", late=0.001)
     structure = Structure(frequency=1.0, damping_ratio=0.05)
     test = replace(test, force=ratio * test.force)
-    found = assess(test, structure, stated={"mass": StatedValue(1000.0)})
-    said = any("of what the stated mass, frequency and share make" in warning for warning in found.warnings)
-    assert said is (ratio != 1.0)
+    result = assess(test, structure, stated={"mass": StatedValue(1000.0)})
+    messages = any(
+        "of what the stated mass, frequency and share make" in warning for warning in result.warnings
+    )
+    assert messages is (ratio != 1.0)
 
 
-def test_a_specimen_that_yields_is_no_wrong_unit(moved):
+def test_a_specimen_that_yields_is_no_wrong_unit(displacement):
     """Its stiffness over the test is a fourth of the stated one, like that of a force in pounds."""
-    test = recorded(moved, "yielding")
+    test = record_test(displacement, "yielding")
     require_plausible(test, stiffness=STIFFNESS, linear=True)
 
 
@@ -198,15 +202,15 @@ def test_a_force_that_lags_in_motion_of_one_frequency_is_not_reversed(lag):
 
 
 @pytest.mark.parametrize("share", [0.05, 0.3, 1.0, 2.0])
-def test_a_share_that_is_stated_wrongly_is_no_wrong_unit(moved, share):
-    test = recorded(moved, "spring")
+def test_a_share_that_is_stated_wrongly_is_no_wrong_unit(displacement, share):
+    test = record_test(displacement, "spring")
     require_plausible(replace(test, force=share * test.force), stiffness=STIFFNESS)
 
 
 @pytest.mark.parametrize("specimen", ["spring", "hardening", "preloaded spring"])
 @pytest.mark.parametrize("noise", [0.0, 1e-3])
-def test_exchanged_columns_show_in_the_force(moved, specimen, noise):
-    test = recorded(moved, specimen, noise=noise)
+def test_exchanged_columns_show_in_the_force(displacement, specimen, noise):
+    test = record_test(displacement, specimen, noise=noise)
     with pytest.raises(InputError, match=r"follows the command instead.*exchanged"):
         require_plausible(replace(test, command=test.measured, measured=test.command))
 
@@ -219,15 +223,15 @@ def test_exchanged_columns_show_in_the_force(moved, specimen, noise):
         (lambda test: np.sin(17.0 * np.arange(test.force.size) / RATE), "does not follow the measured"),
     ],
 )
-def test_a_force_of_nothing_is_refused(moved, force, words):
-    test = recorded(moved, "spring")
+def test_a_force_of_nothing_is_refused(displacement, force, words):
+    test = record_test(displacement, "spring")
     with pytest.raises(InputError, match=words):
         require_plausible(replace(test, force=force(test)))
 
 
-def test_a_displacement_sensor_that_drifts_is_no_exchange_of_columns(moved):
+def test_a_displacement_sensor_that_drifts_is_no_exchange_of_columns(displacement):
     """The force follows the motion of the piston, of which the command knows more than such a sensor."""
-    test = recorded(moved, "spring", late=0.003)
+    test = record_test(displacement, "spring", late=0.003)
     time = np.arange(test.force.size) / RATE
     drifting = test.measured + 0.1 * np.abs(test.measured).max() * time / time[-1]
     require_plausible(replace(test, measured=drifting))
@@ -237,9 +241,9 @@ def test_a_displacement_sensor_that_drifts_is_no_exchange_of_columns(moved):
 
 @pytest.mark.parametrize("specimen", ["spring", "hardening"])
 @pytest.mark.parametrize("lead", [0.0, 0.004, 0.02])
-def test_an_actuator_that_leads_has_its_columns_where_they_belong(moved, specimen, lead):
+def test_an_actuator_that_leads_has_its_columns_where_they_belong(displacement, specimen, lead):
     """The sensor is read half a sample early, and the force then follows the command more closely."""
-    test = recorded(moved, specimen, late=-lead, noise=0.0)
+    test = record_test(displacement, specimen, late=-lead, noise=0.0)
     places = np.arange(test.command.size)
     require_plausible(replace(test, measured=0.78 * np.interp(places + 0.5, places, test.measured)))
 
@@ -248,28 +252,28 @@ def test_an_actuator_that_leads_has_its_columns_where_they_belong(moved, specime
 def test_force_of_a_free_vibration_is_remarked_and_not_refused(rate):
     """The force of a pendulum is -m a exactly: a spring explains it nearly, a reversed mass fully."""
 
-    def acceleration(moved, speed):
-        return -16.0 * np.sin(moved) - 0.1 * speed
+    def acceleration(displacement, speed):
+        return -16.0 * np.sin(displacement) - 0.1 * speed
 
     time = np.arange(0.0, 30.0, 1.0 / rate)
     swing = scipy.integrate.solve_ivp(
         lambda _, y: [y[1], acceleration(*y)], (0.0, 30.0), [1.0, 0.0], t_eval=time, rtol=1e-9
     )
-    moved, force = swing.y[0], -3.0 * acceleration(*swing.y)
-    assert np.corrcoef(moved, force)[0, 1] > 0.95
-    require_restoring_force(moved, force, 1.0 / rate)
-    assert any("Check its sign" in doubt for doubt in doubts_of_sign(moved, force, 1.0 / rate))
+    displacement, force = swing.y[0], -3.0 * acceleration(*swing.y)
+    assert np.corrcoef(displacement, force)[0, 1] > 0.95
+    require_restoring_force(displacement, force, 1.0 / rate)
+    assert any("Check its sign" in doubt for doubt in doubts_of_sign(displacement, force, 1.0 / rate))
 
 
 @pytest.mark.parametrize("specimen", SPECIMENS)
-def test_forces_that_resist_raise_no_doubt(moved, specimen):
-    assert list(doubts_of_force(recorded(moved, specimen))) == []
+def test_forces_that_resist_raise_no_doubt(displacement, specimen):
+    assert list(doubts_of_force(record_test(displacement, specimen))) == []
 
 
 @pytest.mark.parametrize("drift", [0.05, 0.3])
-def test_leading_sensor_that_drifts_and_is_limited_is_remarked_and_not_refused(moved, drift):
+def test_leading_sensor_that_drifts_and_is_limited_is_remarked_and_not_refused(displacement, drift):
     """The force follows the command, yet no lead explains what the displacement misses."""
-    test = recorded(moved, "spring", late=-0.003)
+    test = record_test(displacement, "spring", late=-0.003)
     places = np.arange(test.force.size)
     drifting = test.measured + drift * np.abs(test.measured).max() * places / places[-1]
     limited = np.minimum(drifting, 0.9 * drifting.max())
@@ -278,9 +282,9 @@ def test_leading_sensor_that_drifts_and_is_limited_is_remarked_and_not_refused(m
     assert any("more closely than the measured" in doubt for doubt in doubts_of_force(recording))
 
 
-def test_noisy_reading_that_leads_is_not_exchanged_with_its_clean_command(moved):
+def test_noisy_reading_that_leads_is_not_exchanged_with_its_clean_command(displacement):
     """Clocks that differ look like exchanged columns, but only a reading is noisy."""
-    test = recorded(moved, "spring", late=-0.008)
+    test = record_test(displacement, "spring", late=-0.008)
     require_plausible(replace(test, force=STIFFNESS * test.command))
 
 
@@ -294,13 +298,13 @@ def test_a_brace_that_buckles_takes_work_and_is_not_reversed():
     require_restoring_force(brace.measured, brace.force, 1.0 / 256.0)
 
 
-@pytest.mark.parametrize("alike", [1.0, 1e-2, 1e-6])
-def test_what_passive_elements_leave_over_is_that_of_least_squares_without_negative_coefficients(alike):
+@pytest.mark.parametrize("is_equal", [1.0, 1e-2, 1e-6])
+def test_what_passive_elements_leave_over_is_that_of_least_squares_without_negative_coefficients(is_equal):
     """Terms that are hardly independent, and two of opposite sign; against SciPy."""
     rng = np.random.default_rng(3)
     for _ in range(40):
         terms = rng.standard_normal((60, 3)) @ rng.standard_normal((3, 8))
-        terms = terms + alike * rng.standard_normal(terms.shape)
+        terms = terms + is_equal * rng.standard_normal(terms.shape)
         terms[:, 3] = -terms[:, 1]
         terms /= np.linalg.norm(terms, axis=0)
         target = terms @ rng.standard_normal(8) + rng.standard_normal(60)

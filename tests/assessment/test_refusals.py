@@ -41,12 +41,12 @@ def test_a_force_that_is_not_late_is_fed_back_as_it_is():
 @pytest.mark.parametrize("mass", [1.0, 50.0])
 def test_the_tangent_structure_is_per_unit_mass_with_the_specimen_inside(mass):
     """Numerical and experimental parts add up to the whole, whatever its mass is."""
-    whole = Structure(frequency=2.0, damping_ratio=0.05, experimental_fraction=0.25)
+    full_test = Structure(frequency=2.0, damping_ratio=0.05, experimental_fraction=0.25)
     specimen = Specimen(stiffness=3.0 * mass, damping=0.2 * mass, mass=0.1 * mass)
-    found = tangent_structure(HybridTest(structure=whole, mass=mass, specimen=specimen))
+    result = tangent_structure(HybridTest(structure=full_test, mass=mass, specimen=specimen))
     omega = 2.0 * np.pi * 2.0
-    assert found.mass == pytest.approx(np.array([[1.1]]))
-    assert found.stiffness == pytest.approx(np.array([[0.75 * omega**2 + 3.0]]))
-    assert found.damping == pytest.approx(np.array([[2.0 * 0.05 * omega + 0.2]]))
-    held = (found.specimen_stiffness, found.specimen_damping, found.specimen_mass)
-    assert held == pytest.approx((3.0, 0.2, 0.1))
+    assert result.mass == pytest.approx(np.array([[1.1]]))
+    assert result.stiffness == pytest.approx(np.array([[0.75 * omega**2 + 3.0]]))
+    assert result.damping == pytest.approx(np.array([[2.0 * 0.05 * omega + 0.2]]))
+    coverage = (result.specimen_stiffness, result.specimen_damping, result.specimen_mass)
+    assert coverage == pytest.approx((3.0, 0.2, 0.1))

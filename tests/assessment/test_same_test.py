@@ -27,64 +27,64 @@ def runs_of(lab, taus=(0.0015, 0.003, 0.0045), gains=(1.0, 1.0, 1.0)):
     return outcomes
 
 
-def judged(outcomes, **stated):
+def assess_runs(outcomes, **stated_values):
     recordings = [
-        Recording(command=one.command, measured=one.measured, time_step=STEP, name=f"run {place}")
-        for place, one in enumerate(outcomes)
+        Recording(command=outcome.command, measured=outcome.measured, time_step=STEP, name=f"run {place}")
+        for place, outcome in enumerate(outcomes)
     ]
-    given = {"f": 1.2, "xi": 0.04, "alpha": 0.8, **stated}
-    return assess(recordings, **given)
+    arguments = {"f": 1.2, "xi": 0.04, "alpha": 0.8, **stated_values}
+    return assess(recordings, **arguments)
 
 
 @pytest.fixture(scope="module")
-def yielded():
+def yielding_runs():
     """Runs of a specimen that yields, which nobody stated."""
     peak = float(np.abs(run(LAB, GROUND).command).max())
     return runs_of(replace(LAB, specimen=HYSTERESIS, shape=(peak / 3.0, 0.03, 8.0)))
 
 
 @pytest.fixture(scope="module")
-def found(yielded):
-    return judged(yielded)
+def same_test(yielding_runs):
+    return assess_runs(yielding_runs)
 
 
 @pytest.mark.slow
-def test_a_specimen_that_yields_has_its_true_error_from_three_runs(yielded, found):
-    together = found.same_test()
-    exact = yielded[0].ideal
-    assert np.sqrt(np.mean((together.response - exact) ** 2)) < 0.1 * yielded[1].rms * np.abs(exact).max()
-    for one, outcome in zip(together.runs, yielded, strict=True):
-        assert one.error.value == pytest.approx(outcome.rms, rel=0.2)
-        assert one.error.low < outcome.rms < one.error.high
+def test_a_specimen_that_yields_has_its_true_error_from_three_runs(yielding_runs, same_test):
+    joint = same_test.same_test()
+    exact = yielding_runs[0].ideal
+    assert np.sqrt(np.mean((joint.response - exact) ** 2)) < 0.1 * yielding_runs[1].rms * np.abs(exact).max()
+    for run, outcome in zip(joint.runs, yielding_runs, strict=True):
+        assert run.error.value == pytest.approx(outcome.rms, rel=0.2)
+        assert run.error.low < outcome.rms < run.error.high
 
 
 @pytest.mark.slow
-def test_the_dictionary_holds_every_run_with_its_own_error(found):
-    content = found.same_test().to_dict()
-    assert [one["file"] for one in content["runs"]] == ["run 0", "run 1", "run 2"]
-    assert [one["d_ms"] for one in content["runs"]] == pytest.approx([1.5, 3.0, 4.5], rel=0.05)
-    first = found.judged["run 0"].error.estimate(found.judged["run 0"].error.metric)
+def test_the_dictionary_holds_every_run_with_its_own_error(same_test):
+    content = same_test.same_test().to_dict()
+    assert [single["file"] for single in content["runs"]] == ["run 0", "run 1", "run 2"]
+    assert [single["d_ms"] for single in content["runs"]] == pytest.approx([1.5, 3.0, 4.5], rel=0.05)
+    first = same_test.judged["run 0"].error.estimate(same_test.judged["run 0"].error.metric)
     assert content["runs"][0]["alone"]["value"] == first.value
-    assert content["reliable"] == all(one["verdict"] == Word.RELIABLE for one in content["runs"])
+    assert content["reliable"] == all(single["verdict"] == Word.RELIABLE for single in content["runs"])
     assert content["line_against_parabola"] < 0.05
 
 
 @pytest.mark.slow
-def test_a_structure_that_is_not_as_stated_is_contradicted(yielded):
-    together = judged(yielded, f=1.02, exact=True).same_test()
-    assert any(one.contradicts for one in together.runs)
-    assert any("not as stated" in sentence for sentence in together.sentences)
-    assert together.runs[1].error.value == pytest.approx(yielded[1].rms, rel=0.25)
+def test_a_structure_that_is_not_as_stated_is_contradicted(yielding_runs):
+    joint = assess_runs(yielding_runs, f=1.02, exact=True).same_test()
+    assert any(run.contradicts for run in joint.runs)
+    assert any("not as stated" in sentence for sentence in joint.sentences)
+    assert joint.runs[1].error.value == pytest.approx(yielding_runs[1].rms, rel=0.25)
 
 
-def test_two_runs_are_a_line_and_say_so(found):
-    together = combine_runs(dict(list(found.judged.items())[:2]))
-    assert together.checked is None
-    assert "third run" in together.sentences[0]
+def test_two_runs_are_a_line_and_say_so(same_test):
+    joint = combine_runs(dict(list(same_test.judged.items())[:2]))
+    assert joint.checked is None
+    assert "third run" in joint.sentences[0]
 
 
-def test_runs_that_cannot_be_combined_are_refused(found):
-    first = found.judged["run 0"]
+def test_runs_that_cannot_be_combined_are_refused(same_test):
+    first = same_test.judged["run 0"]
     with pytest.raises(InputError, match="at least two runs"):
         combine_runs({"a": first})
     with pytest.raises(InputError, match="differ in gain or delay"):

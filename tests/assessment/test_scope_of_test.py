@@ -33,55 +33,55 @@ def test_a_response_off_resonance_is_outside(criterion):
     times = np.arange(0.0, 40.0, 1.0 / 256.0)
     pulse = np.exp(-(((times - 15.0) / 2.0) ** 2)) * np.cos(2.0 * np.pi * (times - 15.0) / 6.0)
     recording = Recording(command=pulse, measured=pulse, time_step=1.0 / 256.0, name="a pulse")
-    found = scope_of_test(criterion, recording, ONE_HERTZ, pulse)
-    assert found.is_outside
-    assert any("error's frequency" in sentence for sentence in found.sentences)
+    result = scope_of_test(criterion, recording, ONE_HERTZ, pulse)
+    assert result.is_outside
+    assert any("error's frequency" in sentence for sentence in result.sentences)
 
 
 def test_a_criterion_that_states_no_motions_is_not_compared():
-    found = compare_test(published_criterion("guo_2017_12"), {"length": 1.0})
-    assert found.position is None
-    assert not found.is_outside
+    result = compare_test(published_criterion("guo_2017_12"), {"length": 1.0})
+    assert result.position is None
+    assert not result.is_outside
 
 
 @pytest.mark.slow
 def test_outside_no_share_is_stated_and_the_error_decides(simulate):
     test = simulate(noise=0.001)
-    inside = assess(test, ONE_HERTZ)
-    scope = {**inside.criterion.provenance.scope, "length": [100.0, 110.0, 190.0, 200.0]}
-    elsewhere = replace(inside.criterion, provenance=replace(inside.criterion.provenance, scope=scope))
-    outside = assess(test, ONE_HERTZ, criterion=elsewhere)
-    summary = outside.to_dict()
+    is_inside = assess(test, ONE_HERTZ)
+    scope = {**is_inside.criterion.provenance.scope, "length": [100.0, 110.0, 190.0, 200.0]}
+    elsewhere = replace(is_inside.criterion, provenance=replace(is_inside.criterion.provenance, scope=scope))
+    is_outside = assess(test, ONE_HERTZ, criterion=elsewhere)
+    summary = is_outside.to_dict()
     assert summary["scope"]["position"] == "outside"
     assert summary["confidence"] is None
     assert summary["population"]["probability"] is None
     assert summary["by_index"]["probability"] is None
     assert summary["by_index"]["verdict"] == "undecided"
     assert any("lies outside" in sentence for sentence in summary["warnings"])
-    assert outside.verdict == inside.verdict
-    assert inside.to_dict()["confidence"] == 0.95
+    assert is_outside.verdict == is_inside.verdict
+    assert is_inside.to_dict()["confidence"] == 0.95
 
 
 @pytest.mark.slow
 def test_its_own_motion_decides_the_index_wherever_the_test_lies(simulate, ground_motions):
     test = simulate(noise=0.001)
-    inside = assess(test, ONE_HERTZ)
+    is_inside = assess(test, ONE_HERTZ)
     scope = {"length": [100.0, 110.0, 190.0, 200.0]}
-    elsewhere = replace(inside.criterion, provenance=replace(inside.criterion.provenance, scope=scope))
-    found = assess(test, ONE_HERTZ, criterion=elsewhere, motion=ground_motions[0])
-    assert found.index_probability is not None
-    assert found.to_dict()["confidence"] == 0.95
+    elsewhere = replace(is_inside.criterion, provenance=replace(is_inside.criterion.provenance, scope=scope))
+    result = assess(test, ONE_HERTZ, criterion=elsewhere, motion=ground_motions[0])
+    assert result.index_probability is not None
+    assert result.to_dict()["confidence"] == 0.95
 
 
 def test_limits_for_its_own_response_are_near_those_of_small_errors():
-    of_test = FirstOrderEllipse(amplitude=0.03, delay=700.0, effective_duration=3.0, duration=40.0)
-    carried = criterion_of_response(of_test, ONE_HERTZ, threshold=0.05, confidence=0.5)
+    test_values = FirstOrderEllipse(amplitude=0.03, delay=700.0, effective_duration=3.0, duration=40.0)
+    carried = criterion_of_response(test_values, ONE_HERTZ, threshold=0.05, confidence=0.5)
     a, b = (float(limit) for limit in carried.limits(1.0, 0.02))
-    exact = of_test.parameters(0.05)
+    exact = test_values.parameters(0.05)
     assert (a / exact[0], b / exact[1]) == pytest.approx((1.0, 1.0), abs=0.4)
-    larger = replace(of_test, amplitude=0.06, delay=1400.0)
-    more = criterion_of_response(larger, ONE_HERTZ, threshold=0.05, confidence=0.5)
-    assert np.all(np.array(more.limits(1.0, 0.02)) > [a, b])
+    larger = replace(test_values, amplitude=0.06, delay=1400.0)
+    larger_run = criterion_of_response(larger, ONE_HERTZ, threshold=0.05, confidence=0.5)
+    assert np.all(np.array(larger_run.limits(1.0, 0.02)) > [a, b])
 
 
 @pytest.mark.parametrize(
@@ -92,11 +92,11 @@ def test_limits_for_its_own_response_are_near_those_of_small_errors():
     ],
 )
 def test_structures_without_known_responses_have_no_such_limits(structure):
-    of_test = FirstOrderEllipse(amplitude=0.03, delay=700.0, effective_duration=3.0, duration=40.0)
-    assert criterion_of_response(of_test, structure, threshold=0.05, confidence=0.5) is None
+    test_values = FirstOrderEllipse(amplitude=0.03, delay=700.0, effective_duration=3.0, duration=40.0)
+    assert criterion_of_response(test_values, structure, threshold=0.05, confidence=0.5) is None
 
 
 def test_a_good_test_is_good_by_its_own_response_too(simulate):
-    placed = assess(simulate(noise=0.001), ONE_HERTZ).by_response
-    assert placed.index < 1.0
-    assert placed.probability > 0.95
+    placement = assess(simulate(noise=0.001), ONE_HERTZ).by_response
+    assert placement.index < 1.0
+    assert placement.probability > 0.95

@@ -15,16 +15,16 @@ from reliab.tracking.indices.frequency_evaluation import frequency_evaluation
 @pytest.mark.parametrize(("gain", "delay"), [(0.994, 0.0015), (1.01, 0.0), (1.0, 0.003)])
 def test_truth_comes_back_within_the_target_at_40_decibels(simulate, f, gain, delay):
     for motion in (0, 3, 5):
-        found = track(simulate(motion, f=f, gain=gain, delay=delay / f, rate=1024.0, seed=motion), draws=50)
-        assert found.amplitude == pytest.approx(gain, abs=1e-3)
-        assert found.delay == pytest.approx(delay / f, abs=5e-5 / f)
+        result = track(simulate(motion, f=f, gain=gain, delay=delay / f, rate=1024.0, seed=motion), draws=50)
+        assert result.amplitude == pytest.approx(gain, abs=1e-3)
+        assert result.delay == pytest.approx(delay / f, abs=5e-5 / f)
 
 
 def test_without_noise_gain_and_delay_are_exact_where_the_plain_index_is_not(simulate):
     test = simulate(f=0.25, gain=0.99, delay=0.01, noise=0.0)
-    found, plain = track(test, draws=50), frequency_evaluation(test.command, test.measured, test.time_step)
-    assert found.amplitude == pytest.approx(0.99, abs=1e-7)
-    assert found.delay == pytest.approx(0.01, abs=1e-7)
+    result, plain = track(test, draws=50), frequency_evaluation(test.command, test.measured, test.time_step)
+    assert result.amplitude == pytest.approx(0.99, abs=1e-7)
+    assert result.delay == pytest.approx(0.01, abs=1e-7)
     assert abs(plain.amplitude - 0.99) > 1e-5
 
 
@@ -35,8 +35,8 @@ def test_noise_of_the_command_biases_neither(simulate):
         test = simulate(
             seed % 6, f=0.5, gain=0.99, delay=0.01, noise=0.01, command_noise=0.01, seed=seed, rate=256.0
         )
-        found = track(test, draws=20)
-        errors.append((found.amplitude - 0.99, 1e3 * (found.delay - 0.01)))
+        result = track(test, draws=20)
+        errors.append((result.amplitude - 0.99, 1e3 * (result.delay - 0.01)))
         raw = frequency_evaluation(test.command, test.measured, test.time_step)
         plain.append(1e3 * (raw.equivalent_delay - 0.01))
     deviation = np.std(errors, axis=0) / np.sqrt(len(errors))
@@ -47,13 +47,13 @@ def test_noise_of_the_command_biases_neither(simulate):
 def test_offsets_of_position_and_sensor_change_nothing(simulate):
     test = simulate()
     size = np.abs(test.command).max()
-    moved = Recording(
+    displacement = Recording(
         command=test.command + 3.0 * size, measured=test.measured + 2.5 * size, time_step=test.time_step
     )
-    plain, shifted = (track(each, draws=50) for each in (test, moved))
-    assert shifted.amplitude == pytest.approx(plain.amplitude, abs=1e-8)
-    assert shifted.delay == pytest.approx(plain.delay, abs=1e-9)
-    assert shifted.noise_share == pytest.approx(plain.noise_share)
+    plain, shift = (track(item, draws=50) for item in (test, displacement))
+    assert shift.amplitude == pytest.approx(plain.amplitude, abs=1e-8)
+    assert shift.delay == pytest.approx(plain.delay, abs=1e-9)
+    assert shift.noise_share == pytest.approx(plain.noise_share)
 
 
 def noisy(test, kind, rng):
@@ -73,30 +73,30 @@ def noisy(test, kind, rng):
 
 def coverage(simulate, kind, repetitions, level):
     rng = np.random.default_rng(40)
-    covered = []
+    coverage = []
     for number in range(repetitions):
         test = noisy(simulate(number % 6, f=1.0, noise=0.0, rate=256.0), kind, rng)
         (low_a, high_a), (low_d, high_d) = track(test, draws=400, seed=number).interval(level)
-        covered += [low_a <= 0.996 <= high_a, low_d <= 0.0006 <= high_d]
-    return np.mean(covered)
+        coverage += [low_a <= 0.996 <= high_a, low_d <= 0.0006 <= high_d]
+    return np.mean(coverage)
 
 
 @pytest.mark.slow
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize(("kind", "level"), [("white", 0.9), ("coloured", 0.8)])
 def test_intervals_cover_the_truth_quick(simulate, kind, level):
-    covered = coverage(simulate, kind, 40, level)
-    assert abs(covered - level) < 3.5 * np.sqrt(level * (1.0 - level) / 80)
+    is_covered = coverage(simulate, kind, 40, level)
+    assert abs(is_covered - level) < 3.5 * np.sqrt(level * (1.0 - level) / 80)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["white", "coloured", "proportional"])
 @pytest.mark.parametrize("level", [0.5, 0.8, 0.95])
 def test_intervals_cover_the_truth(simulate, kind, level):
-    covered = coverage(simulate, kind, 600, level)
+    is_covered = coverage(simulate, kind, 600, level)
     by_chance = 3.5 * np.sqrt(level * (1.0 - level) / 1200)
     wide = 0.0 if kind == "white" else 0.1  # few blocks of coloured noise: intervals err on the wide side
-    assert level - by_chance < covered < level + by_chance + wide
+    assert level - by_chance < is_covered < level + by_chance + wide
 
 
 def test_interval_is_wider_with_more_noise(simulate):

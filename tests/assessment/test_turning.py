@@ -29,9 +29,14 @@ LAB = Lab(1.2, 0.04, 0.8, DELAY, (0.995, 0.002, 0.0, 0.0))
 STRUCTURE = Structure(frequency=1.2, damping_ratio=0.04, experimental_fraction=0.8)
 
 
-def asked(threshold, **changes):
-    given = {"structure": STRUCTURE, "stated": {}, "equipment": ordinary_equipment(), "metric": Metric.RMS}
-    return Question(**{**given, "threshold": threshold, "model": None, "seed": 0, **changes})
+def make_question(threshold, **changes):
+    arguments = {
+        "structure": STRUCTURE,
+        "stated": {},
+        "equipment": ordinary_equipment(),
+        "metric": Metric.RMS,
+    }
+    return Question(**{**arguments, "threshold": threshold, "model": None, "seed": 0, **changes})
 
 
 def error_under(rebuilt, threshold):
@@ -53,11 +58,11 @@ def test_the_error_of_a_specimen_that_yields_is_that_of_its_simulation(linear, r
     displacement = float(np.abs(linear.command).max()) / reduction
     yielding = replace(LAB, specimen=HYSTERESIS, shape=(displacement, 0.03, 8.0))
     outcome = run(yielding, synthetic_ground(2, 15.0))
-    found = rebuild(outcome.command, outcome.measured, STEP, STRUCTURE)
+    result = rebuild(outcome.command, outcome.measured, STEP, STRUCTURE)
     ductility = float(np.abs(outcome.measured).max()) / displacement
-    error = errors_of_ductilities(found, Metric.RMS, (ductility,))[ductility]
+    error = errors_of_ductilities(result, Metric.RMS, (ductility,))[ductility]
     assert error == pytest.approx(outcome.rms, rel=0.01)
-    assert found.rms.value != pytest.approx(outcome.rms, rel=0.2)
+    assert result.rms.value != pytest.approx(outcome.rms, rel=0.2)
 
 
 def test_the_smallest_ductility_is_the_first_that_crosses_the_threshold(linear, rebuilt):
@@ -65,82 +70,82 @@ def test_the_smallest_ductility_is_the_first_that_crosses_the_threshold(linear, 
     sizes = errors_of_ductilities(rebuilt, Metric.RMS)
     assert sizes[6.0] < sizes[2.0] < 0.9 * rebuilt.rms.value
     threshold = 0.5 * (sizes[2.0] + sizes[2.5])
-    question = asked(threshold)
+    question = make_question(threshold)
     turning = examine_turning(error_under(rebuilt, threshold), recording, question)
     assert turning.smallest_ductility == next(d for d in DUCTILITIES if sizes[d] < threshold)
     assert turning.error_if_yielding == (min(sizes.values()), max(sizes.values()))
     assert f"from a ductility of {turning.smallest_ductility:g} on" in turning.sentences[0]
-    above = examine_turning(error_under(rebuilt, 1.0), recording, asked(1.0))
-    assert above.smallest_ductility is None
-    assert "same verdict" in above.sentences[0]
+    upper = examine_turning(error_under(rebuilt, 1.0), recording, make_question(1.0))
+    assert upper.smallest_ductility is None
+    assert "same verdict" in upper.sentences[0]
 
 
 def test_the_error_of_a_specimen_that_hardens_is_that_of_its_simulation(linear):
     largest = float(np.abs(linear.command).max())
     hardening = replace(LAB, specimen=CUBIC, shape=(0.3 / largest**2, 0.0, 0.0))
     outcome = run(hardening, synthetic_ground(2, 15.0))
-    found = rebuild(outcome.command, outcome.measured, STEP, STRUCTURE)
+    result = rebuild(outcome.command, outcome.measured, STEP, STRUCTURE)
     share = 0.3 * (float(np.abs(outcome.measured).max()) / largest) ** 2
-    error = errors_of_hardenings(found, Metric.RMS, (share,))[share]
+    error = errors_of_hardenings(result, Metric.RMS, (share,))[share]
     assert error == pytest.approx(outcome.rms, rel=0.01)
-    assert found.rms.value != pytest.approx(outcome.rms, rel=0.05)
+    assert result.rms.value != pytest.approx(outcome.rms, rel=0.05)
 
 
 def test_the_smallest_hardening_is_the_first_that_crosses_the_threshold(linear, rebuilt):
     recording = Recording(command=linear.command, measured=linear.measured, time_step=STEP)
     sizes = errors_of_hardenings(rebuilt, Metric.RMS)
     threshold = 0.5 * (sizes[0.1] + sizes[0.15])
-    turning = examine_turning(error_under(rebuilt, threshold), recording, asked(threshold))
-    below = rebuilt.rms.value < threshold
-    assert turning.smallest_hardening == next(h for h in HARDENINGS if (sizes[h] < threshold) != below)
+    turning = examine_turning(error_under(rebuilt, threshold), recording, make_question(threshold))
+    lower = rebuilt.rms.value < threshold
+    assert turning.smallest_hardening == next(h for h in HARDENINGS if (sizes[h] < threshold) != lower)
     assert turning.error_if_hardening == (min(sizes.values()), max(sizes.values()))
     share = f"{100.0 * turning.smallest_hardening:g} %"
     assert f"from a hardening of {share} on)" in turning.sentences[0]
 
 
-def through(values, corner):
+def filter_values(values, corner):
     """Filter of second order by its transfer function, at rest before and after."""
-    padded = np.concatenate([np.zeros(4096), values, np.full(4096, values[-1])])
-    ratio = np.fft.rfftfreq(padded.size, STEP) / corner
-    passed = np.fft.rfft(padded) / (1.0 + 1j * math.sqrt(2.0) * ratio - ratio**2)
-    return np.fft.irfft(passed, padded.size)[4096 : 4096 + values.size]
+    padded_record = np.concatenate([np.zeros(4096), values, np.full(4096, values[-1])])
+    ratio = np.fft.rfftfreq(padded_record.size, STEP) / corner
+    filtered_values = np.fft.rfft(padded_record) / (1.0 + 1j * math.sqrt(2.0) * ratio - ratio**2)
+    return np.fft.irfft(filtered_values, padded_record.size)[4096 : 4096 + values.size]
 
 
 def test_a_filter_on_one_channel_changes_the_error_as_its_removal_does(linear):
     """A test that is read through a filter has the error of the same test read without."""
-    read = through(linear.measured, 100.0)
-    found = rebuild(linear.command, read, STEP, STRUCTURE)
-    without = _errors_if_filtered(error_under(found, 0.0))[100.0]
-    assert found.rms.value > 1.3 * linear.rms
-    assert without == pytest.approx(linear.rms, rel=0.05)
+    read = filter_values(linear.measured, 100.0)
+    result = rebuild(linear.command, read, STEP, STRUCTURE)
+    bare = _errors_if_filtered(error_under(result, 0.0))[100.0]
+    assert result.rms.value > 1.3 * linear.rms
+    assert bare == pytest.approx(linear.rms, rel=0.05)
 
 
 def test_the_highest_filter_is_the_first_that_crosses_the_threshold(linear, rebuilt):
     recording = Recording(command=linear.command, measured=linear.measured, time_step=STEP)
     largest = _errors_if_filtered(error_under(rebuilt, 1.0))
     threshold = 0.5 * (largest[100.0] + largest[80.0])
-    turning = examine_turning(error_under(rebuilt, threshold), recording, asked(threshold))
+    turning = examine_turning(error_under(rebuilt, threshold), recording, make_question(threshold))
     assert turning.highest_filter == 80.0
     assert "at 80 Hz or lower on one channel alone" in turning.sentences[-1]
-    stated = asked(threshold, stated={"filter_delay": StatedValue(0.0, 0.01)})
-    assert examine_turning(error_under(rebuilt, threshold), recording, stated).highest_filter is None
+    stated_values = make_question(threshold, stated={"filter_delay": StatedValue(0.0, 0.01)})
+    assert examine_turning(error_under(rebuilt, threshold), recording, stated_values).highest_filter is None
 
 
 def test_nothing_is_asked_of_an_exact_laboratory_or_a_recorded_force(linear, rebuilt):
     recording = Recording(command=linear.command, measured=linear.measured, time_step=STEP)
     error = error_under(rebuilt, 1.0)
-    assert examine_turning(error, recording, asked(1.0, equipment=exact_equipment())) == Turning()
-    with_force = replace(recording, force=linear.force)
-    assert examine_turning(error, with_force, asked(1.0)).error_if_yielding is None
+    assert examine_turning(error, recording, make_question(1.0, equipment=exact_equipment())) == Turning()
+    force_case = replace(recording, force=linear.force)
+    assert examine_turning(error, force_case, make_question(1.0)).error_if_yielding is None
 
 
 def test_a_specimen_may_have_yielded_whose_force_nobody_recorded_or_stated(linear):
     recording = Recording(command=linear.command, measured=linear.measured, time_step=STEP)
-    assert asked(1.0).may_have_yielded(recording)
-    assert not asked(1.0, linear_specimen=True).may_have_yielded(recording)
-    assert not asked(1.0, equipment=exact_equipment()).may_have_yielded(recording)
-    assert not asked(1.0, measured_specimen=True).may_have_yielded(recording)
-    assert not asked(1.0).may_have_yielded(replace(recording, force=linear.force))
+    assert make_question(1.0).may_have_yielded(recording)
+    assert not make_question(1.0, linear_specimen=True).may_have_yielded(recording)
+    assert not make_question(1.0, equipment=exact_equipment()).may_have_yielded(recording)
+    assert not make_question(1.0, measured_specimen=True).may_have_yielded(recording)
+    assert not make_question(1.0).may_have_yielded(replace(recording, force=linear.force))
 
 
 def test_assess_states_what_would_turn_its_verdict(linear):
@@ -163,16 +168,16 @@ def test_a_specimen_that_yielded_turns_a_verdict_by_its_odds():
     outcome = run(lab, synthetic_ground(5, 15.0))
     recording = Recording(command=outcome.command, measured=outcome.measured, time_step=STEP)
     small = {field.name: 1e-9 for field in fields(Equipment) if field.name != "yielding"}
-    known = replace(ordinary_equipment(), **small)
+    reference = replace(ordinary_equipment(), **small)
     structure = Structure(frequency=0.6, damping_ratio=0.05)
-    found = assess(recording, structure, equipment=known, threshold=0.026)
-    assert found.turning.smallest_ductility is not None
-    assert found.probability > 0.95
-    likely = found.probability / (1.0 + found.turning.odds) >= 0.95
-    said = found.warnings if likely else found.reasons
-    assert any("if it yielded, up to a ductility of 6" in sentence for sentence in said)
-    assert found.reliable == likely
-    linear = assess(recording, structure, equipment=known, threshold=0.026, linear_specimen=True)
+    result = assess(recording, structure, equipment=reference, threshold=0.026)
+    assert result.turning.smallest_ductility is not None
+    assert result.probability > 0.95
+    likely = result.probability / (1.0 + result.turning.odds) >= 0.95
+    messages = result.warnings if likely else result.reasons
+    assert any("if it yielded, up to a ductility of 6" in sentence for sentence in messages)
+    assert result.reliable == likely
+    linear = assess(recording, structure, equipment=reference, threshold=0.026, linear_specimen=True)
     assert not any("yielded" in reason for reason in linear.reasons)
 
 
@@ -186,7 +191,7 @@ def test_only_a_reliable_verdict_is_limited_by_yielding(word):
     assert replace(turning, odds=0.01).limit(verdict, 0.99) is verdict
     assert replace(turning, odds=0.1).limit(verdict, 0.99).word is expected
     assert Turning(error_if_yielding=(0.01, 0.02), **hardening).limit(verdict) is verdict
-    hardened = Turning(
+    hardening_test = Turning(
         smallest_hardening=0.4, error_if_yielding=(0.01, 0.02), error_if_hardening=(0.02, 0.07)
     )
-    assert hardened.limit(verdict).word is expected
+    assert hardening_test.limit(verdict).word is expected

@@ -13,8 +13,8 @@ COMMAND = np.sin(2.0 * np.pi * TIME) * np.sin(np.pi * TIME / TIME[-1]) ** 2
 
 
 def recording(factor, late=0.02):
-    measured = factor * np.interp(TIME - late, TIME, COMMAND, left=0.0)
-    return Recording(command=COMMAND, measured=measured, time_step=STEP, name="test.csv")
+    measured_displacement = factor * np.interp(TIME - late, TIME, COMMAND, left=0.0)
+    return Recording(command=COMMAND, measured=measured_displacement, time_step=STEP, name="test.csv")
 
 
 @pytest.mark.parametrize(
@@ -49,7 +49,11 @@ def test_a_rig_that_is_so_late_that_it_attenuates_has_no_wrong_unit():
 
 def test_what_follows_in_part_only_has_no_wrong_unit():
     noise = np.random.default_rng(3).standard_normal(TIME.size)
-    other = np.convolve(noise, np.hanning(50), "same")
-    other *= 0.5 * np.linalg.norm(COMMAND) / np.linalg.norm(other)
-    measured = 2.54 / 1.118 * (COMMAND + other)  # 2.54 times as large in all, with a correlation of 0.9
-    require_plausible(Recording(command=COMMAND, measured=measured, time_step=STEP, name="test.csv"))
+    second = np.convolve(noise, np.hanning(50), "same")
+    second *= 0.5 * np.linalg.norm(COMMAND) / np.linalg.norm(second)
+    measured_displacement = (
+        2.54 / 1.118 * (COMMAND + second)
+    )  # 2.54 times as large in all, with a correlation of 0.9
+    require_plausible(
+        Recording(command=COMMAND, measured=measured_displacement, time_step=STEP, name="test.csv")
+    )

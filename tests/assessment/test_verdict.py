@@ -24,8 +24,8 @@ def near(ground_motions, simulate_rig):
 def test_a_tolerance_of_the_frequency_leaves_a_close_test_undecided_and_says_so(near):
     sure = assess(near, ONE_HERTZ, threshold=0.048)
     assert sure.verdict is Word.NOT_RELIABLE
-    stated = {"f": StatedValue(1.0, 0.05), "xi": StatedValue(0.02)}
-    unsure = assess(near, ONE_HERTZ, threshold=0.048, stated=stated)
+    stated_values = {"f": StatedValue(1.0, 0.05), "xi": StatedValue(0.02)}
+    unsure = assess(near, ONE_HERTZ, threshold=0.048, stated=stated_values)
     assert unsure.verdict is Word.UNDECIDED
     assert "natural frequency" in unsure.would_decide[0]
     assert unsure.error.rebuilt.rms.low < 0.048 < unsure.error.rebuilt.rms.high
@@ -39,13 +39,13 @@ def test_the_threshold_turns_the_verdict(near):
 
 
 def test_a_disagreement_of_error_and_index_is_explained(near):
-    found = assess(near, ONE_HERTZ, criterion=published_criterion("guo_2017_15"))
-    assert (found.verdict, found.verdict_by_index.word) == (Word.RELIABLE, Word.NOT_RELIABLE)
-    assert any("disagree" in warning for warning in found.warnings)
+    result = assess(near, ONE_HERTZ, criterion=published_criterion("guo_2017_15"))
+    assert (result.verdict, result.verdict_by_index.word) == (Word.RELIABLE, Word.NOT_RELIABLE)
+    assert any("disagree" in warning for warning in result.warnings)
 
 
 @pytest.mark.parametrize(
-    ("index", "interval", "probability", "own", "word"),
+    ("index", "interval", "probability", "own_value", "word"),
     [
         (0.5, (0.4, 0.6), 0.99, False, Word.RELIABLE),
         (0.9, (0.7, 1.1), 0.95, False, Word.UNDECIDED),
@@ -56,13 +56,13 @@ def test_a_disagreement_of_error_and_index_is_explained(near):
         (None, None, None, False, Word.UNDECIDED),
     ],
 )
-def test_an_index_has_three_verdicts(index, interval, probability, own, word):
-    found = verdict_by_index(
-        index=index, interval=interval, probability=probability, confidence=0.95, own_motion=own
+def test_an_index_has_three_verdicts(index, interval, probability, own_value, word):
+    result = verdict_by_index(
+        index=index, interval=interval, probability=probability, confidence=0.95, own_motion=own_value
     )
-    assert found.word is word
-    assert found.reasons
-    assert bool(found.would_decide) is (word is Word.UNDECIDED)
+    assert result.word is word
+    assert result.reasons
+    assert bool(result.would_decide) is (word is Word.UNDECIDED)
 
 
 def test_no_probability_is_written_as_certain():

@@ -136,7 +136,7 @@ def read(outcome: lab.Outcome, kind: str, decibels: float, rng: np.random.Genera
     """Measured displacement with noise so many decibels below it."""
     level = 10.0 ** (-decibels / 20.0) * float(np.sqrt(np.mean(outcome.measured**2)))
     if kind == "quantised":
-        return lab.quantised(outcome.measured, level, rng)
+        return lab.quantise(outcome.measured, level, rng)
     return outcome.measured + lab.noise(kind, outcome.measured.size, level, rng)
 
 

@@ -35,13 +35,13 @@ def recording(ground_motions, simulate_rig):
 
 
 @pytest.fixture(scope="module")
-def judged(recording):
+def assessment(recording):
     return assess(recording, ONE_HERTZ, equipment=ordinary_equipment())
 
 
 def test_what_is_not_stated_has_the_size_of_ordinary_equipment():
-    stated = {"f": StatedValue(1.0, 0.002), "xi": StatedValue(0.03), "skew": StatedValue(0.1, 0.05)}
-    sizes = sizes_of_unknown(stated, ONE_HERTZ, ordinary_equipment(), 1.0 / 1024.0)
+    stated_values = {"f": StatedValue(1.0, 0.002), "xi": StatedValue(0.03), "skew": StatedValue(0.1, 0.05)}
+    sizes = sizes_of_unknown(stated_values, ONE_HERTZ, ordinary_equipment(), 1.0 / 1024.0)
     assert {name: size.source for name, size in sizes.items()} == {
         "frequency": Source.STATED,
         "time_shift": Source.STATED,
@@ -77,8 +77,8 @@ def test_a_skew_grows_with_the_sampling_period_unless_a_laboratory_knows_better(
 def test_a_laboratory_overrides_what_it_knows_better(tmp_path):
     file = tmp_path / "laboratory.toml"
     file.write_text("xi = 0.05\nscale = 0.001\n", encoding="utf-8")
-    own = read_equipment(file)
-    assert (own.xi, own.scale, own.f) == (0.05, 0.001, ordinary_equipment().f)
+    own_value = read_equipment(file)
+    assert (own_value.xi, own_value.scale, own_value.f) == (0.05, 0.001, ordinary_equipment().f)
 
 
 @pytest.mark.parametrize("text", ["zeta = 0.1", "xi = -0.1", 'xi = "small"', "xi = true"])
@@ -89,38 +89,40 @@ def test_a_file_of_other_names_or_numbers_is_refused(tmp_path, text):
         read_equipment(file)
 
 
-def test_a_verdict_carries_what_its_laboratory_does_not_know(recording, judged):
+def test_a_verdict_carries_what_its_laboratory_does_not_know(recording, assessment):
     exact = assess(recording, ONE_HERTZ)
-    wide, narrow = (found.error.rebuilt.rms for found in (judged, exact))
+    wide, narrow = (result.error.rebuilt.rms for result in (assessment, exact))
     assert wide.value == pytest.approx(narrow.value, rel=0.1)
     assert wide.high - wide.low > 5.0 * (narrow.high - narrow.low)
     assert exact.probability > 0.99
-    assert judged.probability <= 0.99
+    assert assessment.probability <= 0.99
 
 
-def test_the_budget_names_sizes_sources_and_remedies_largest_first(judged):
-    budget = judged.to_dict()["budget"]
+def test_the_budget_names_sizes_sources_and_remedies_largest_first(assessment):
+    budget = assessment.to_dict()["budget"]
     contributions = [item["contribution"] for item in budget]
     assert contributions == sorted(contributions, reverse=True)
-    by_name = {item["name"]: item for item in budget}
-    assert by_name["damping_ratio"]["size"] == pytest.approx(100.0 * ordinary_equipment().xi, rel=0.1)
-    assert (by_name["time_shift"]["unit"], by_name["time_shift"]["source"]) == ("ms", "default")
-    assert by_name["sensor_noise"]["source"] == "learned from this test"
+    parts = {item["name"]: item for item in budget}
+    assert parts["damping_ratio"]["size"] == pytest.approx(100.0 * ordinary_equipment().xi, rel=0.1)
+    assert (parts["time_shift"]["unit"], parts["time_shift"]["source"]) == ("ms", "default")
+    assert parts["sensor_noise"]["source"] == "learned from this test"
     assert all(item["remedy"].endswith(".") for item in budget)
 
 
-def test_contributions_add_up_to_the_interval(judged):
+def test_contributions_add_up_to_the_interval(assessment):
     """Independent contributions add in squares, as far as the error is linear in them."""
-    errors = judged.error.rebuilt.draws.rms
-    whole = np.sqrt(sum(item.contribution**2 for item in judged.error.budget))
-    assert whole == pytest.approx(np.std(errors), rel=0.3)
+    errors = assessment.error.rebuilt.draws.rms
+    full_test = np.sqrt(sum(item.contribution**2 for item in assessment.error.budget))
+    assert full_test == pytest.approx(np.std(errors), rel=0.3)
 
 
 @pytest.mark.parametrize(("of_sensor", "expected"), [(None, 0.002), (StatedValue(1.0, 0.0015), 0.0025)])
 @pytest.mark.parametrize("equipment", [exact_equipment(), ordinary_equipment()])
 def test_what_is_stated_of_both_scales_is_one_deviation(of_sensor, expected, equipment):
-    stated = {"command_scale": StatedValue(2.0, 0.004)} | ({} if of_sensor is None else {"scale": of_sensor})
-    size = sizes_of_unknown(stated, ONE_HERTZ, equipment, 1.0 / 1024.0)["sensor_scale"]
+    stated_values = {"command_scale": StatedValue(2.0, 0.004)} | (
+        {} if of_sensor is None else {"scale": of_sensor}
+    )
+    size = sizes_of_unknown(stated_values, ONE_HERTZ, equipment, 1.0 / 1024.0)["sensor_scale"]
     assert size.deviation == pytest.approx(expected)
     assert size.source is Source.STATED
 
@@ -128,9 +130,9 @@ def test_what_is_stated_of_both_scales_is_one_deviation(of_sensor, expected, equ
 def test_a_calibration_that_found_no_hysteresis_replaces_the_default(tmp_path):
     file = tmp_path / "channels.toml"
     file.write_text("[calibration]\nhysteresis = 0\nhysteresis_sd = 1e-4\n", encoding="utf-8")
-    stated = read_channels_file(file).test_values
-    require_sound(stated)
-    sizes = sizes_of_unknown(stated, ONE_HERTZ, ordinary_equipment(), 1.0 / 1024.0)
+    stated_values = read_channels_file(file).test_values
+    require_sound(stated_values)
+    sizes = sizes_of_unknown(stated_values, ONE_HERTZ, ordinary_equipment(), 1.0 / 1024.0)
     assert sizes["lagging_hysteresis"] == Size(deviation=1e-4, source=Source.STATED)
     assert "hysteresis" not in sizes
 
@@ -147,8 +149,10 @@ def test_a_slow_recording_whose_skew_was_not_stated_says_what_is_assumed():
 def test_force_and_ground_motion_pass_the_filter_that_is_stated_of_the_displacement(recording):
     """Else the force of a spring leads the displacement, and its specimen is another one."""
     low_pass = LowPass(corner=20.0)
-    seen = low_pass.apply(recording.measured, recording.time_step)
-    whole = replace(recording, measured=seen, force=3e5 * recording.measured, ground=recording.command)
-    again = correct_recording(whole, {}, {"measured": low_pass})
-    np.testing.assert_allclose(again.force, 3e5 * again.measured, atol=1e-9 * np.abs(again.force).max())
-    np.testing.assert_array_equal(again.ground, again.command)
+    smooth_values = low_pass.apply(recording.measured, recording.time_step)
+    full_test = replace(
+        recording, measured=smooth_values, force=3e5 * recording.measured, ground=recording.command
+    )
+    second = correct_recording(full_test, {}, {"measured": low_pass})
+    np.testing.assert_allclose(second.force, 3e5 * second.measured, atol=1e-9 * np.abs(second.force).max())
+    np.testing.assert_array_equal(second.ground, second.command)

@@ -16,7 +16,7 @@ from reliab.structures.structure import Structure
 RATE = 256.0
 
 
-def simulated(build=two_storeys, seconds=24.0):
+def simulate_frame(build=two_storeys, seconds=24.0):
     partition, actuators = described(build)
     rng = np.random.default_rng(4)
     ground = np.convolve(rng.standard_normal(int(seconds * RATE)), np.ones(9) / 9.0, "same")
@@ -29,16 +29,18 @@ def simulated(build=two_storeys, seconds=24.0):
 @pytest.mark.parametrize("lag", [0.0, 0.0031])
 @pytest.mark.parametrize("build", [two_storeys, node])
 def test_errors_are_those_of_the_whole_test_however_samples_come(build, lag):
-    partition, command, measured = simulated(build)
+    partition, command, measured_displacement = simulate_frame(build)
     recursion = Recursion.from_displacement(partition.nonsingular_form, 1.0 / RATE)
     carry = np.eye(partition.degrees) + 0.1
     monitor = CoupledMonitor(partition, 1.0 / RATE, to_interface=carry, feedback_lag=lag, recursion=recursion)
     cuts = [1, 2, 700, 3001]
-    for rows in zip(np.split(command, cuts, axis=1), np.split(measured, cuts, axis=1), strict=True):
+    for rows in zip(
+        np.split(command, cuts, axis=1), np.split(measured_displacement, cuts, axis=1), strict=True
+    ):
         monitor.feed(*rows)
-    whole = rebuild_coupled(
+    full_test = rebuild_coupled(
         command,
-        measured,
+        measured_displacement,
         1.0 / RATE,
         partition,
         to_interface=carry,
@@ -47,7 +49,7 @@ def test_errors_are_those_of_the_whole_test_however_samples_come(build, lag):
         sensor_offsets=np.zeros(partition.degrees),
         draws=2,
     )
-    for degree in whole.displacements:
+    for degree in full_test.displacements:
         now, peak = monitor.displacements[degree.name], np.abs(degree.reference).max()
         # the end of the whole test is smoothed by its filter
         assert now.mte == pytest.approx(np.abs(degree.error).max() / peak, rel=2e-2)
@@ -58,24 +60,29 @@ def test_one_actuator_is_followed_as_by_the_monitor_of_one():
     structure = Partition.from_structure(Structure(frequency=1.0, damping_ratio=0.05))
     time = np.arange(0.0, 30.0, 1.0 / RATE)
     command = np.minimum(time / 10.0, 1.0) * np.sin(2.0 * np.pi * time)
-    measured = 0.98 * command + 1e-4 * np.random.default_rng(0).standard_normal(time.size)
-    one, several = Monitor(structure, 1.0 / RATE), CoupledMonitor(structure, 1.0 / RATE)
-    one.feed(command, measured)
-    several.feed(command[np.newaxis], measured[np.newaxis])
-    assert several.now.rms == pytest.approx(one.now.rms, rel=1e-9)
-    assert several.now.error == pytest.approx(one.now.error, rel=1e-9)
-    assert several.now.damping == one.now.damping
+    measured_displacement = 0.98 * command + 1e-4 * np.random.default_rng(0).standard_normal(time.size)
+    single, has_several = Monitor(structure, 1.0 / RATE), CoupledMonitor(structure, 1.0 / RATE)
+    single.feed(command, measured_displacement)
+    has_several.feed(command[np.newaxis], measured_displacement[np.newaxis])
+    assert has_several.now.rms == pytest.approx(single.now.rms, rel=1e-9)
+    assert has_several.now.error == pytest.approx(single.now.error, rel=1e-9)
+    assert has_several.now.damping == single.now.damping
 
 
 @pytest.mark.slow
 def test_what_is_asked_at_the_end_is_what_is_rebuilt_afterwards():
-    partition, command, measured = simulated()
+    partition, command, measured_displacement = simulate_frame()
     monitor = CoupledMonitor(partition, 1.0 / RATE)
-    for rows in zip(*(np.array_split(values, 9, axis=1) for values in (command, measured)), strict=True):
+    for rows in zip(
+        *(np.array_split(values, 9, axis=1) for values in (command, measured_displacement)), strict=True
+    ):
         monitor.feed(*rows)
         if monitor.due:
             monitor.ask()
-    at_end, afterwards = monitor.ask(at_end=True), rebuild_coupled(command, measured, 1.0 / RATE, partition)
+    at_end, afterwards = (
+        monitor.ask(at_end=True),
+        rebuild_coupled(command, measured_displacement, 1.0 / RATE, partition),
+    )
     for now, then in zip(at_end.displacements, afterwards.displacements, strict=True):
         assert (now.name, now.rms, now.mte) == (then.name, then.rms, then.mte)
         assert monitor.displacements[now.name].rms == pytest.approx(then.rms.value, rel=0.05)
@@ -95,17 +102,17 @@ def test_the_alarm_of_the_error_is_that_of_any_displacement():
     time = np.arange(0.0, 40.0, 1.0 / RATE)
     command = np.sin(np.sqrt(40.0) * time) * np.array([[1.0], [0.3]])
     noise = 1e-6 * np.random.default_rng(0).standard_normal(command.shape)
-    raised = []
+    error = []
     for gains in ([[1.0], [1.0]], [[1.0], [0.5]]):
         monitor = CoupledMonitor(partition, 1.0 / RATE)
         monitor.feed(command, gains * command + noise)
         monitor.ask()
-        raised.append(monitor.exceeds(0.05))
-    assert raised == [False, True]
+        error.append(monitor.exceeds(0.05))
+    assert error == [False, True]
     assert monitor.governing == "2"
 
 
 def test_channels_of_another_number_are_refused():
-    partition, command, measured = simulated(seconds=2.0)
+    partition, command, measured_displacement = simulate_frame(seconds=2.0)
     with pytest.raises(InputError, match="must be those of 2 actuators"):
-        CoupledMonitor(partition, 1.0 / RATE).feed(command[0], measured[0])
+        CoupledMonitor(partition, 1.0 / RATE).feed(command[0], measured_displacement[0])

@@ -41,18 +41,26 @@ def run(frame):
 
 
 def true_errors(run):
-    strayed = run.measured - run.reference
+    error = run.measured - run.reference
     peak = np.abs(run.reference).max(axis=1)
-    mean = np.sum(strayed**2, axis=1) / (strayed.shape[1] - 1)
-    return np.sqrt(mean) / peak, np.abs(strayed).max(axis=1) / peak
+    mean = np.sum(error**2, axis=1) / (error.shape[1] - 1)
+    return np.sqrt(mean) / peak, np.abs(error).max(axis=1) / peak
 
 
 def rebuilt(frame, run, noise=0.0, seed=0, draws=32, **options):
-    command, measured = frame.kinematics @ run.command, frame.kinematics @ run.measured
+    command, measured_displacement = frame.kinematics @ run.command, frame.kinematics @ run.measured
     generator = np.random.default_rng(seed)
-    measured = measured + noise * measured.std(axis=1, keepdims=True) * generator.normal(size=measured.shape)
+    measured_displacement = measured_displacement + noise * measured_displacement.std(
+        axis=1, keepdims=True
+    ) * generator.normal(size=measured_displacement.shape)
     return rebuild_coupled(
-        command, measured, STEP, frame.partition, to_interface=frame.to_interface, draws=draws, **options
+        command,
+        measured_displacement,
+        STEP,
+        frame.partition,
+        to_interface=frame.to_interface,
+        draws=draws,
+        **options,
     )
 
 
@@ -68,9 +76,13 @@ def test_parts_of_actuators_and_causes_add_up(frame, run):
     for place in range(2):
         parts = error.division.parts_of_degree(place).by_name
         assert sum(part.share for part in parts.values()) == pytest.approx(1.0, abs=1e-9)
-    whole = np.sum(list(error.division.histories.values()), axis=0)
-    measured = frame.to_interface @ error.histories.measured
-    np.testing.assert_allclose(whole, measured - error.division.reference, atol=1e-9 * np.abs(measured).max())
+    full_test = np.sum(list(error.division.histories.values()), axis=0)
+    measured_displacement = frame.to_interface @ error.histories.measured
+    np.testing.assert_allclose(
+        full_test,
+        measured_displacement - error.division.reference,
+        atol=1e-9 * np.abs(measured_displacement).max(),
+    )
 
 
 def test_with_noise_it_stays_near_the_true_error(frame, run):
@@ -83,8 +95,8 @@ def test_with_noise_it_stays_near_the_true_error(frame, run):
 def test_an_interval_reaches_down_to_the_error_of_sensors_without_an_offset(frame, run):
     """An offset that is drawn can only add to an error, so that its draws alone leave out sensors of none."""
     unknown = Tolerances(sensor_offset=0.5 * float(np.abs(run.measured[0]).max()))
-    exact, found = (rebuilt(frame, run, noise=0.01, tolerances=one) for one in (Tolerances(), unknown))
-    for least, degree in zip(exact.displacements, found.displacements, strict=True):
+    exact, result = (rebuilt(frame, run, noise=0.01, tolerances=single) for single in (Tolerances(), unknown))
+    for least, degree in zip(exact.displacements, result.displacements, strict=True):
         assert degree.draws.interval(Metric.RMS)[0] > least.rms.value
         assert degree.rms.low < 0.5 * (least.rms.low + least.rms.value)
         assert degree.rms.high > least.rms.high
@@ -92,22 +104,27 @@ def test_an_interval_reaches_down_to_the_error_of_sensors_without_an_offset(fram
 
 def test_stated_offsets_are_taken_away_and_none_is_left_open(frame, run):
     offsets = np.array([0.3, -0.2]) * np.abs(run.measured[0]).max()
-    shifted = replace(run, measured=run.measured + np.linalg.solve(frame.kinematics, offsets)[:, np.newaxis])
-    exact, stated = rebuilt(frame, run, draws=4), rebuilt(frame, shifted, draws=4, sensor_offsets=offsets)
-    assert not any(stated.unknown.deviations().values())
-    found, expected = ([degree.rms.value for degree in one.displacements] for one in (stated, exact))
-    assert found == pytest.approx(expected, rel=1e-6)
+    shift = replace(run, measured=run.measured + np.linalg.solve(frame.kinematics, offsets)[:, np.newaxis])
+    exact, stated_values = (
+        rebuilt(frame, run, draws=4),
+        rebuilt(frame, shift, draws=4, sensor_offsets=offsets),
+    )
+    assert not any(stated_values.unknown.deviations().values())
+    result, expected = (
+        [degree.rms.value for degree in single.displacements] for single in (stated_values, exact)
+    )
+    assert result == pytest.approx(expected, rel=1e-6)
 
 
 def test_a_test_that_begins_in_motion_is_judged_with_an_uncertain_structure(frame, run):
     """Each draw begins with a motion of its own structure."""
     later = replace(run, command=run.command[:, 1000:], measured=run.measured[:, 1000:])
-    exact, found = (
+    exact, result = (
         rebuilt(frame, later, draws=16, tolerances=Tolerances(frequency=deviation))
         for deviation in (0.0, 0.02)
     )
-    assert found.unknown.deviations()["initial_state_1"] > 0.0
-    for certain, uncertain in zip(exact.displacements, found.displacements, strict=True):
+    assert result.unknown.deviations()["initial_state_1"] > 0.0
+    for certain, uncertain in zip(exact.displacements, result.displacements, strict=True):
         assert uncertain.rms.high - uncertain.rms.low > certain.rms.high - certain.rms.low
 
 
@@ -126,16 +143,21 @@ def test_a_mode_that_rings_below_the_noise_is_part_of_the_error(frame):
 
 def test_noise_that_both_sensors_share_is_none_of_their_difference(frame, run):
     """Theta is the difference of two parallel actuators: it stays as it is where both have one noise."""
-    command, measured = frame.kinematics @ run.command, frame.kinematics @ run.measured
+    command, measured_displacement = frame.kinematics @ run.command, frame.kinematics @ run.measured
     generator = np.random.default_rng(5)
-    own = 2e-2 * measured.std() * generator.normal(size=measured.shape)
-    left = []
-    for noise in (own, own[:1]):
+    own_value = 2e-2 * measured_displacement.std() * generator.normal(size=measured_displacement.shape)
+    remainder = []
+    for noise in (own_value, own_value[:1]):
         error = rebuild_coupled(
-            command, measured + noise, STEP, frame.partition, to_interface=frame.to_interface, draws=8
+            command,
+            measured_displacement + noise,
+            STEP,
+            frame.partition,
+            to_interface=frame.to_interface,
+            draws=8,
         )
-        left.append(error.displacements[1].noise)
-    assert left[1] < 0.2 * left[0]
+        remainder.append(error.displacements[1].noise)
+    assert remainder[1] < 0.2 * remainder[0]
 
 
 def test_stated_tolerances_widen_the_interval(frame, run):
@@ -147,8 +169,8 @@ def test_stated_tolerances_widen_the_interval(frame, run):
 
 
 def test_a_degree_that_does_not_move_is_not_judged(run):
-    command, measured = run.command.copy(), run.measured.copy()
-    command[1], measured[1] = 0.0, 1e-9 * np.random.default_rng(0).normal(size=command.shape[1])
+    command, measured_displacement = run.command.copy(), run.measured.copy()
+    command[1], measured_displacement[1] = 0.0, 1e-9 * np.random.default_rng(0).normal(size=command.shape[1])
     scarcely = np.diag([1.0, 1.0])
     partition = Partition(
         mass=np.diag([4000.0, 40.0]),
@@ -158,7 +180,7 @@ def test_a_degree_that_does_not_move_is_not_judged(run):
         specimen_stiffness=np.diag([1.4e6, 4e5]),
         names=("x", "theta"),
     )
-    error = rebuild_coupled(command, measured, STEP, partition, draws=8)
+    error = rebuild_coupled(command, measured_displacement, STEP, partition, draws=8)
     assert [degree.judged for degree in error.displacements] == [True, False]
     assert error.governing(Metric.RMS).name == "x"
 
@@ -168,22 +190,24 @@ def test_one_interface_displacement_is_the_case_of_one_actuator():
     partition = Partition.from_structure(structure, 1000.0)
     time = np.arange(0.0, 20.0, STEP)
     command = np.sin(2.0 * np.pi * time) * np.minimum(time / 5.0, 1.0) ** 3
-    measured = np.interp(time - 0.003, time, 0.99 * command)
-    coupled = rebuild_coupled(command[np.newaxis], measured[np.newaxis], STEP, partition, draws=32)
-    scalar = rebuild(command, measured, STEP, structure, draws=32)
-    assert coupled.displacements[0].rms.value == pytest.approx(scalar.rms.value, rel=2e-3)
-    assert coupled.displacements[0].mte.value == pytest.approx(scalar.mte.value, rel=2e-3)
+    measured_displacement = np.interp(time - 0.003, time, 0.99 * command)
+    coupled_test = rebuild_coupled(
+        command[np.newaxis], measured_displacement[np.newaxis], STEP, partition, draws=32
+    )
+    scalar = rebuild(command, measured_displacement, STEP, structure, draws=32)
+    assert coupled_test.displacements[0].rms.value == pytest.approx(scalar.rms.value, rel=2e-3)
+    assert coupled_test.displacements[0].mte.value == pytest.approx(scalar.mte.value, rel=2e-3)
 
 
 @pytest.mark.slow
 def test_intervals_hold_the_true_error_in_most_tests(frame):
     """60 tests under other ground motions, noise at 40 dB; both displacements of each."""
-    ratios, held = [], []
+    ratios, coverage = [], []
     for seed in range(100, 160):
         run = coupled_response(frame.partition, frame.transfer_system, ground(seed), STEP)
         error = rebuilt(frame, run, noise=0.01, seed=seed, draws=128)
         for degree, true in zip(error.displacements, true_errors(run)[0], strict=True):
             ratios.append(degree.rms.value / true)
-            held.append(degree.rms.low <= true <= degree.rms.high)
+            coverage.append(degree.rms.low <= true <= degree.rms.high)
     assert np.mean((np.array(ratios) > 0.98) & (np.array(ratios) < 1.02)) >= 0.87
-    assert np.mean(held) >= 0.85
+    assert np.mean(coverage) >= 0.85

@@ -32,37 +32,41 @@ def simulate(
     times = np.arange((ground.size - 1) * fine + 1) * step
     driven = scipy.interpolate.CubicSpline(np.arange(ground.size) * time_step, ground)(times)
     late = round(delay / step)
-    command, measured = _stepped(driven, omega, damping_ratio, share, gain, late, step)
-    exact, _ = _stepped(driven, omega, damping_ratio, share, 1.0, 0, step)
-    error = measured - exact
+    command, measured_displacement = _step_loop(driven, omega, damping_ratio, share, gain, late, step)
+    exact, _ = _step_loop(driven, omega, damping_ratio, share, 1.0, 0, step)
+    error = measured_displacement - exact
     peak = np.abs(exact).max()
-    measured, command, exact = (values[::fine] for values in (measured, command, exact))
-    read = measured + noise * measured.std() * np.random.default_rng([seed, 1]).standard_normal(measured.size)
+    measured_displacement, command, exact = (
+        values[::fine] for values in (measured_displacement, command, exact)
+    )
+    read = measured_displacement + noise * measured_displacement.std() * np.random.default_rng(
+        [seed, 1]
+    ).standard_normal(measured_displacement.size)
     return SimulatedTest(
         time_step=time_step,
         command=command,
         measured=read,
         ground=ground,
-        force=share * omega**2 * measured,
+        force=share * omega**2 * measured_displacement,
         exact=exact,
         rms=float(np.sqrt(np.mean(error**2)) / peak),
         mte=float(np.abs(error).max() / peak),
     )
 
 
-def _stepped(driven, omega, ratio, share, gain, late, step):
+def _step_loop(driven, omega, ratio, share, gain, late, step):
     """March x'' + 2ξωx' + (1 − α)ω²x + αω²·k·x(t − τ) = −a by central differences."""
     size = driven.size
     x, v = np.zeros(size), 0.0
     stiff = (1.0 - share) * omega**2
-    own, damped = share * omega**2 * gain, ratio * omega * step
+    own_value, damped_frame = share * omega**2 * gain, ratio * omega * step
     for i in range(size - 1):
         back = x[i - late] if i >= late else 0.0
-        undamped = -driven[i] - stiff * x[i] - own * back
-        v = ((1.0 - damped) * v + step * undamped) / (1.0 + damped)
+        undamped_frame = -driven[i] - stiff * x[i] - own_value * back
+        v = ((1.0 - damped_frame) * v + step * undamped_frame) / (1.0 + damped_frame)
         x[i + 1] = x[i] + step * v
-    followed = np.concatenate([np.zeros(late), x[: size - late]]) if late else x
-    return x, gain * followed
+    following_part = np.concatenate([np.zeros(late), x[: size - late]]) if late else x
+    return x, gain * following_part
 
 
 def earthquake(*, duration, time_step, seed, corner=8.0):

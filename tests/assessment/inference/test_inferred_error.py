@@ -11,7 +11,7 @@ STEP = 1.0 / 256.0
 MASS = 500.0
 
 
-def recorded(test, *, ground=False, force=None):
+def record_test(test, *, ground=False, force=None):
     return Recording(
         command=test.command,
         measured=test.measured,
@@ -41,50 +41,53 @@ def late():
     ],
 )
 def test_a_tighter_true_statement_never_widens_the_interval(late, tighter):
-    stated = {"f": 1.0, "xi": 0.03, "alpha": 0.8, "specimen": "linear"}
-    found = [reliab.assess(recorded(late), **{**stated, **more}).error.rebuilt.rms for more in ({}, tighter)]
-    width, narrower = (one.high - one.low for one in found)
+    stated_values = {"f": 1.0, "xi": 0.03, "alpha": 0.8, "specimen": "linear"}
+    result = [
+        reliab.assess(record_test(late), **{**stated_values, **larger}).error.rebuilt.rms
+        for larger in ({}, tighter)
+    ]
+    width, narrower = (single.high - single.low for single in result)
     assert narrower < 1.05 * width
-    assert all(one.low < late.rms < one.high for one in found)
+    assert all(single.low < late.rms < single.high for single in result)
 
 
 def test_another_damping_ratio_than_stated_is_asked_back(late):
-    found = reliab.assess(recorded(late), f=1.0, xi=0.2, alpha=0.8)
-    assert found.verdict == "undecided"
-    assert any("shows a damping ratio of 0." in reason for reason in found.reasons)
+    result = reliab.assess(record_test(late), f=1.0, xi=0.2, alpha=0.8)
+    assert result.verdict == "undecided"
+    assert any("shows a damping ratio of 0." in reason for reason in result.reasons)
 
 
 @pytest.mark.slow
 def test_ground_acceleration_and_force_narrow_the_interval(late):
-    stated = {"f": 1.01, "xi": 0.033, "alpha": 0.8, "specimen": "linear"}
-    found = [
-        reliab.assess(recorded(late, **more), **stated, **known).error.rebuilt.rms
-        for more, known in (
+    stated_values = {"f": 1.01, "xi": 0.033, "alpha": 0.8, "specimen": "linear"}
+    result = [
+        reliab.assess(record_test(late, **larger), **stated_values, **reference).error.rebuilt.rms
+        for larger, reference in (
             ({}, {}),
             ({"ground": True}, {}),
             ({"ground": True, "force": MASS * late.force}, {"mass": MASS}),
         )
     ]
-    widths = [one.high - one.low for one in found]
+    widths = [single.high - single.low for single in result]
     assert widths[1] < widths[0]
     assert widths[2] < 1.05 * widths[1]
-    assert all(one.low < late.rms < one.high for one in found)
+    assert all(single.low < late.rms < single.high for single in result)
 
 
 def test_a_specimen_that_may_have_yielded_does_not_keep_a_bad_test_from_being_one():
     ground = earthquake(duration=30.0, time_step=STEP, seed=4)
     bad = simulate(frequency=1.0, damping_ratio=0.03, delay=0.006, ground=ground, time_step=STEP, noise=0.003)
     assert bad.rms > 0.1
-    assert reliab.assess(recorded(bad), f=1.0, xi=0.03).verdict == "not_reliable"
+    assert reliab.assess(record_test(bad), f=1.0, xi=0.03).verdict == "not_reliable"
 
 
 def test_a_nonlinear_force_with_a_mass_is_learned_by_itself(late):
     peak = np.abs(late.measured).max()
     bent = MASS * late.force * (1.0 + 0.5 * (late.measured / peak) ** 2)
-    found = reliab.assess(recorded(late, force=bent), f=1.0, xi=0.03, alpha=0.8, mass=MASS)
-    assert found.error.specimen_known == "measured"
-    assert any("learned from it" in warning for warning in found.warnings)
-    stated = reliab.assess(
-        recorded(late, force=bent), f=1.0, xi=0.03, alpha=0.8, mass=MASS, specimen="linear"
+    result = reliab.assess(record_test(late, force=bent), f=1.0, xi=0.03, alpha=0.8, mass=MASS)
+    assert result.error.specimen_known == "measured"
+    assert any("learned from it" in warning for warning in result.warnings)
+    stated_values = reliab.assess(
+        record_test(late, force=bent), f=1.0, xi=0.03, alpha=0.8, mass=MASS, specimen="linear"
     )
-    assert stated.error.specimen_known == "stated"
+    assert stated_values.error.specimen_known == "stated"

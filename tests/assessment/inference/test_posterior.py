@@ -21,7 +21,7 @@ from reliab.structures.structure import Structure
 STEP = 1.0 / 256.0
 
 
-def circumstances_of(test, *, f, xi, share=1.0, ground=False, equipment=None, stated=None):
+def circumstances_of(test, *, f, xi, share=1.0, ground=False, equipment=None, stated_values=None):
     partition = Partition.from_structure(
         Structure(frequency=f, damping_ratio=xi, experimental_fraction=share)
     )
@@ -33,7 +33,10 @@ def circumstances_of(test, *, f, xi, share=1.0, ground=False, equipment=None, st
         ground=test.ground if ground else None,
     )
     return Circumstances(
-        partition=partition, channels=channels, stated=stated or {}, equipment=equipment or exact_equipment()
+        partition=partition,
+        channels=channels,
+        stated=stated_values or {},
+        equipment=equipment or exact_equipment(),
     )
 
 
@@ -49,14 +52,14 @@ def late_test():
 def test_rebuilt_error_is_exact_when_everything_is_known(late_test, ground):
     circumstances = circumstances_of(late_test, f=1.0, xi=0.03, ground=ground)
     posterior = infer(circumstances, draws=4)
-    found = draw_errors(posterior, ["1"]).displacements[0]
-    assert found.estimate(Metric.RMS).value == pytest.approx(late_test.rms, rel=0.02)
-    assert found.estimate(Metric.MTE).value == pytest.approx(late_test.mte, rel=0.03)
+    result = draw_errors(posterior, ["1"]).displacements[0]
+    assert result.estimate(Metric.RMS).value == pytest.approx(late_test.rms, rel=0.02)
+    assert result.estimate(Metric.MTE).value == pytest.approx(late_test.mte, rel=0.03)
 
 
 def test_ground_acceleration_shows_frequency_and_damping(late_test):
-    stated = {"f": StatedValue(1.02, 0.02), "xi": StatedValue(0.025, 0.005)}
-    circumstances = circumstances_of(late_test, f=1.02, xi=0.025, ground=True, stated=stated)
+    stated_values = {"f": StatedValue(1.02, 0.02), "xi": StatedValue(0.025, 0.005)}
+    circumstances = circumstances_of(late_test, f=1.02, xi=0.025, ground=True, stated_values=stated_values)
     posterior = infer(circumstances, draws=50)
     frequency = 1.02 * (1.0 + posterior.means["frequency"])
     ratio = 0.025 * (1.0 + posterior.means["damping_ratio"])
@@ -68,9 +71,9 @@ def test_ground_acceleration_shows_frequency_and_damping(late_test):
 def test_noise_of_the_displacement_makes_no_specimen_softer():
     """Errors in variables: noise that is multiplied by the stiffness is not explained by a lower one."""
     ground = earthquake(duration=30.0, time_step=STEP, seed=4)
-    told = {"frequency": 3.8, "damping_ratio": 0.03}
-    test = simulate(**told, share=0.8, gain=0.98, delay=0.0015, ground=ground, time_step=STEP, noise=0.03)
-    partition = Partition.from_structure(Structure(**told, experimental_fraction=0.8))
+    message = {"frequency": 3.8, "damping_ratio": 0.03}
+    test = simulate(**message, share=0.8, gain=0.98, delay=0.0015, ground=ground, time_step=STEP, noise=0.03)
+    partition = Partition.from_structure(Structure(**message, experimental_fraction=0.8))
     channels = ChannelSpectra.from_channels(
         test.command[np.newaxis],
         test.measured[np.newaxis],
@@ -79,14 +82,14 @@ def test_noise_of_the_displacement_makes_no_specimen_softer():
         ground=test.ground,
         force=test.force[np.newaxis],
     )
-    stated = {
+    stated_values = {
         "f": StatedValue(3.8, 0.08),
         "alpha": StatedValue(0.8, 0.04),
         "mass": StatedValue(1.0, 0.02),
         "scale": StatedValue(1.0, 0.003),
     }
     posterior = infer(
-        Circumstances(partition=partition, channels=channels, stated=stated, specimen_force=True),
+        Circumstances(partition=partition, channels=channels, stated=stated_values, specimen_force=True),
         draws=50,
     )
     assert abs(posterior.means["experimental_fraction"]) < 0.01  # -0.041 if noise counts as softness
@@ -116,14 +119,18 @@ def test_frequency_is_not_learned_from_a_harmonic_test():
         frequency=1.0, damping_ratio=0.03, delay=0.004, ground=ground, time_step=STEP, noise=0.002
     )
     posterior = infer(circumstances_of(test, f=1.0, xi=0.03, equipment=ordinary_equipment()), draws=4)
-    assert not any(isinstance(one, ImpliedGroundMotion) for one in posterior.evidence)
+    assert not any(isinstance(single, ImpliedGroundMotion) for single in posterior.evidence)
 
 
 @pytest.mark.slow
 def test_draws_agree_with_a_sampler(late_test):
     emcee = pytest.importorskip("emcee")
-    stated = {"f": StatedValue(1.01, 0.01), "xi": StatedValue(0.03, 0.006), "skew": StatedValue(0.0, 1.0)}
-    circumstances = circumstances_of(late_test, f=1.01, xi=0.03, ground=True, stated=stated)
+    stated_values = {
+        "f": StatedValue(1.01, 0.01),
+        "xi": StatedValue(0.03, 0.006),
+        "skew": StatedValue(0.0, 1.0),
+    }
+    circumstances = circumstances_of(late_test, f=1.01, xi=0.03, ground=True, stated_values=stated_values)
     posterior = infer(circumstances, draws=800)
     size = len(posterior.unknowns)
     generator = np.random.default_rng(3)
@@ -159,7 +166,7 @@ def _rank(seed):
     )
     time = np.arange(test.command.size) * STEP
     read = CubicSpline(time, test.measured)(time - 0.0005 * z[3]) * (1.0 + 0.003 * z[2])
-    shown = {
+    screen = {
         "f": StatedValue(1.0, 0.015),
         "xi": StatedValue(0.03, 0.15 * 0.03),
         "scale": StatedValue(1.0, 0.003),
@@ -167,7 +174,8 @@ def _rank(seed):
     }
     channels_test = type(test)(**{**vars(test), "measured": read})
     posterior = infer(
-        circumstances_of(channels_test, f=1.0, xi=0.03, ground=bool(seed % 2), stated=shown), draws=100
+        circumstances_of(channels_test, f=1.0, xi=0.03, ground=bool(seed % 2), stated_values=screen),
+        draws=100,
     )
     truths = {
         "frequency": f - 1.0,
@@ -175,7 +183,7 @@ def _rank(seed):
         "sensor_scale": 0.003 * z[2],
         "time_shift": 0.0005 * z[3],
     }
-    names = [one.name for one in posterior.unknowns]
+    names = [unknown.name for unknown in posterior.unknowns]
     weights = posterior.draws.weights
     ranks = {
         name: float(weights @ (posterior.values[:, names.index(name)] < truth))
@@ -191,18 +199,18 @@ def test_truths_drawn_from_the_prior_have_uniform_ranks():
 
     ranks = [_rank(seed) for seed in range(80)]
     for name in ranks[0]:
-        assert kstest([one[name] for one in ranks], "uniform").pvalue > 0.005, name
+        assert kstest([rank[name] for rank in ranks], "uniform").pvalue > 0.005, name
 
 
 def test_rebuilt_response_of_the_mode_reproduces_the_exact_one(late_test):
     circumstances = circumstances_of(late_test, f=1.0, xi=0.03)
     posterior = infer(circumstances, draws=4)
     channels = circumstances.channels
-    found = rebuild(channels, circumstances.partition, posterior.mode)
-    exact = channels.band.history(found.exact)[0]
+    result = rebuild(channels, circumstances.partition, posterior.mode)
+    exact = channels.band.history(result.exact)[0]
     true = np.interp(channels.band.time, np.arange(late_test.exact.size) * STEP, late_test.exact)
-    missed, _ = relative_errors(exact - true, true)
-    assert missed < 1e-3
+    residual, _ = relative_errors(exact - true, true)
+    assert residual < 1e-3
 
 
 def test_walkers_draw_where_no_approximation_holds(monkeypatch):

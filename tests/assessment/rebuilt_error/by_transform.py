@@ -15,7 +15,7 @@ import scipy
 _WRAPAROUND = 1e-11  # what is left of a response after one period of the transform
 
 
-def filtered(transfer, values, time_step):
+def filter_by_transform(transfer, values, time_step):
     """Response of a proper transfer function to a piecewise-linear input, from rest, shape (n,)."""
     points = scipy.fft.next_fast_len(2 * values.size, real=True)
     shift = -np.log(_WRAPAROUND) / (points * time_step)
@@ -31,7 +31,9 @@ def filtered(transfer, values, time_step):
 
 def respond_spectrally(structure, difference, time_step):
     """Error of the interface from x_c − x_m, from rest [m]."""
-    moved = np.linalg.solve(structure.mass, structure.interface @ structure.specimen_mass)
-    at_once = float((structure.interface.T @ moved)[0, 0])
-    rest = filtered(lambda s: structure.error_transfer(s)[:, 0, 0] - at_once, difference, time_step)
-    return at_once * difference + rest
+    displacement = np.linalg.solve(structure.mass, structure.interface @ structure.specimen_mass)
+    single_run = float((structure.interface.T @ displacement)[0, 0])
+    remainder = filter_by_transform(
+        lambda s: structure.error_transfer(s)[:, 0, 0] - single_run, difference, time_step
+    )
+    return single_run * difference + remainder

@@ -52,8 +52,8 @@ class Outcome:
     @property
     def rms(self) -> float:
         """RMS^R by the trapezoidal rule."""
-        strayed = self.measured - self.ideal
-        return math.sqrt(np.trapezoid(strayed**2) / (strayed.size - 1)) / np.abs(self.ideal).max()
+        error = self.measured - self.ideal
+        return math.sqrt(np.trapezoid(error**2) / (error.size - 1)) / np.abs(self.ideal).max()
 
     @property
     def mte(self) -> float:
@@ -93,7 +93,7 @@ def _past_velocity(v, last, time, dt):
 
 @numba.njit(cache=True)
 def _slopes(  # noqa: C901 - one compiled function, a branch for each actuator and specimen
-    y, kind, numbers, shape, specimen, w0, xi, alpha, ground, held, late, late_velocity, time
+    y, kind, numbers, shape, specimen, w0, xi, alpha, ground, coverage, late, late_velocity, time
 ):
     """Time derivatives of (x, v, piston, piston's velocity, hysteretic displacement), and force, piston."""
     x, v, m, mv, z = y[0], y[1], y[2], y[3], y[4]
@@ -107,7 +107,7 @@ def _slopes(  # noqa: C901 - one compiled function, a branch for each actuator a
         dm = min(max((numbers[0] * x - m) / numbers[1], -numbers[2]), numbers[2])
         piston, velocity = m, dm
     elif kind == BACKLASH:
-        piston = min(max(held, x - numbers[0]), x + numbers[0])
+        piston = min(max(coverage, x - numbers[0]), x + numbers[0])
         velocity = v if abs(x - piston) >= 0.999999 * numbers[0] else 0.0
     elif kind == LEAD:
         piston = numbers[0] * (x + numbers[1] * v)
@@ -145,7 +145,7 @@ def _march(  # noqa: C901 - one compiled loop
     dt = h / parts
     total = (n - 1) * parts + 1
     xs, vs, fs, ms = np.zeros(total), np.zeros(total), np.zeros(total), np.zeros(total)
-    y, held = np.zeros(5), 0.0
+    y, coverage = np.zeros(5), 0.0
     u, slope, summed = np.zeros(5), np.zeros(5), np.zeros(5)
     if kind == BIAS:
         ms[0], fs[0] = numbers[1], alpha * w0 * w0 * numbers[1]
@@ -167,7 +167,7 @@ def _march(  # noqa: C901 - one compiled loop
             late = _past(xs, vs, i - 1, time - tau, dt) if tau > 0.0 else u[0]
             late_velocity = _past_velocity(vs, i - 1, time - tau, dt) if tau > 0.0 else u[1]
             v, acc, dm, dmv, dz, force, _ = _slopes(
-                u, kind, numbers, shape, specimen, w0, xi, alpha, a, held, late, late_velocity, time
+                u, kind, numbers, shape, specimen, w0, xi, alpha, a, coverage, late, late_velocity, time
             )
             if lag > 0.0:
                 place = max((time - lag) / dt, 0.0)
@@ -181,13 +181,15 @@ def _march(  # noqa: C901 - one compiled loop
         for k in range(5):
             y[k] += dt / 6.0 * summed[k]
         if kind == BACKLASH:
-            held = min(max(held, y[0] - numbers[0]), y[0] + numbers[0])
+            coverage = min(max(coverage, y[0] - numbers[0]), y[0] + numbers[0])
         xs[i], vs[i] = y[0], y[1]
         time = i * dt
         tau = numbers[1] + numbers[2] * time if kind == DELAY else 0.0
         late = _past(xs, vs, i, time - tau, dt) if tau > 0.0 else y[0]
         late_velocity = _past_velocity(vs, i, time - tau, dt) if tau > 0.0 else y[1]
-        out = _slopes(y, kind, numbers, shape, specimen, w0, xi, alpha, a1, held, late, late_velocity, time)
+        out = _slopes(
+            y, kind, numbers, shape, specimen, w0, xi, alpha, a1, coverage, late, late_velocity, time
+        )
         fs[i], ms[i] = out[5], out[6]
         if not abs(y[0]) < 1e6:
             break
@@ -204,12 +206,12 @@ def run(
     """Run a test and, unless its exact response is given, its undisturbed structure from rest."""
     w0 = 2.0 * math.pi * lab.f
     common = (lab.specimen, np.array(lab.shape), w0, lab.xi, lab.alpha)
-    command, measured, force = _march(
+    command, measured_displacement, force = _march(
         ground, 1.0 / rate, parts, lab.kind, np.array(lab.numbers), *common, lab.feedback_lag
     )
     if ideal is None:
         ideal = _march(ground, 1.0 / rate, parts, PERFECT, np.array((1.0, 0.0, 0.0, 0.0)), *common, 0.0)[0]
-    return Outcome(command=command, measured=measured, force=force, ideal=ideal, ground=ground)
+    return Outcome(command=command, measured=measured_displacement, force=force, ideal=ideal, ground=ground)
 
 
 def synthetic_ground(seed: int, duration: float = 30.0, rate: float = RATE) -> np.ndarray:
@@ -254,7 +256,7 @@ def noise(kind: str, size: int, level: float, rng: np.random.Generator, rate: fl
     raise ValueError(kind)
 
 
-def quantised(values: np.ndarray, level: float, rng: np.random.Generator) -> np.ndarray:
+def quantise(values: np.ndarray, level: float, rng: np.random.Generator) -> np.ndarray:
     """Readings in steps whose error has about the root mean square `level`."""
     step = math.sqrt(12.0) * level
     offset = rng.uniform()

@@ -49,37 +49,37 @@ def noise_of(sensor_noise, seed):
     return sensor_noise.white * rng.standard_normal(SIZE) + slow
 
 
-@pytest.mark.parametrize("every", [1, 4])
-def test_variances_of_coefficients_are_those_of_filtered_noise(every):
+@pytest.mark.parametrize("stride", [1, 4])
+def test_variances_of_coefficients_are_those_of_filtered_noise(stride):
     noise = sensor(white=1e-4, slow=2e-3)
-    reading = _reading(COMMAND, COMMAND, noise, 1.1, every)
+    reading = _reading(COMMAND, COMMAND, noise, 1.1, stride)
     hop = reading.observed.shape[1]
-    stated = reading.noise[_FACTORS.tolist().index(1.0), 0]
+    stated_values = reading.noise[_FACTORS.tolist().index(1.0), 0]
     powers = [
-        np.mean(analyse(noise.smooth(noise_of(noise, seed))[::every], hop)[1:-2] ** 2, axis=0)
+        np.mean(analyse(noise.smooth(noise_of(noise, seed))[::stride], hop)[1:-2] ** 2, axis=0)
         for seed in range(60)
     ]
-    frequency = (np.arange(hop) + 0.5) / (2.0 * hop * STEP * every)
+    frequency = (np.arange(hop) + 0.5) / (2.0 * hop * STEP * stride)
     read = (frequency > 0.5) & (frequency < 12.0)
     groups = np.array_split(np.flatnonzero(read), 6)
-    found = [np.mean(powers, axis=0)[group].mean() for group in groups]
-    assert found == pytest.approx([stated[group].mean() for group in groups], rel=0.1)
+    result = [np.mean(powers, axis=0)[group].mean() for group in groups]
+    assert result == pytest.approx([stated_values[group].mean() for group in groups], rel=0.1)
     # without slow noise the first factor remains
-    assert reading.noise[0, 0][read] == pytest.approx(np.full(read.sum(), 1e-8 / every), rel=0.05)
+    assert reading.noise[0, 0][read] == pytest.approx(np.full(read.sum(), 1e-8 / stride), rel=0.05)
 
 
 def test_a_hop_is_four_periods_and_a_quarter_of_the_record_at_most():
     noise = sensor(white=1e-4)
-    for frequency, every, hop in ((2.0, 1, 512), (2.0, 4, 128), (0.1, 1, 1000), (0.5, 1, 1000)):
-        assert _reading(COMMAND, COMMAND, noise, frequency, every).observed.shape[1] == hop
+    for frequency, stride, hop in ((2.0, 1, 512), (2.0, 4, 128), (0.1, 1, 1000), (0.5, 1, 1000)):
+        assert _reading(COMMAND, COMMAND, noise, frequency, stride).observed.shape[1] == hop
 
 
 def test_bands_are_sixths_of_an_octave():
     bands = _bands(600)
     place = 2.0 * np.arange(600) + 1.0
     for band in np.unique(bands):
-        inside = place[bands == band]
-        assert inside[-1] / inside[0] < 2.0 ** (1.0 / 6.0)
+        is_inside = place[bands == band]
+        assert is_inside[-1] / is_inside[0] < 2.0 ** (1.0 / 6.0)
     assert bands[0] == 0
     assert set(np.diff(bands)) <= {0, 1}
     octave = bands[np.searchsorted(place, 801.0)] - bands[np.searchsorted(place, 401.0)]
@@ -98,45 +98,45 @@ def small_reading(seed=3):
     """A reading of few coefficients in three bands, with two factors of slow noise."""
     noise = sensor(white=1e-4)
     reading = _reading(COMMAND[:400], COMMAND[:400] + noise_of(noise, seed)[:400], noise, 40.0, 10)
-    kept = np.unique(reading.bands[:3])
-    inside = np.isin(reading.bands, kept)
-    changed = {
-        "observed": reading.observed[:, inside],
-        "following": reading.following[:, :, inside],
-        "command_power": reading.command_power[:, inside],
-        "noise": np.stack([reading.noise[0][:, inside], 5.0 * reading.noise[0][:, inside]]),
-        "bands": np.unique(reading.bands[inside], return_inverse=True)[1],
+    kept_part = np.unique(reading.bands[:3])
+    is_inside = np.isin(reading.bands, kept_part)
+    variant = {
+        "observed": reading.observed[:, is_inside],
+        "following": reading.following[:, :, is_inside],
+        "command_power": reading.command_power[:, is_inside],
+        "noise": np.stack([reading.noise[0][:, is_inside], 5.0 * reading.noise[0][:, is_inside]]),
+        "bands": np.unique(reading.bands[is_inside], return_inverse=True)[1],
     }
-    return type(reading)(**changed)
+    return type(reading)(**variant)
 
 
 def test_probabilities_by_the_bands_so_far_are_sums_over_all_paths():
     """Forward filtering against the sum over every path of levels and factors, in logarithms."""
     reading = small_reading()
     follows = np.zeros(reading.following.shape[0])
-    found = _filter_forwards(reading, follows)
-    bands, levels, factors = found.shape
+    result = _filter_forwards(reading, follows)
+    bands, levels, factors = result.shape
     assert factors == 2
-    of_level, of_factor = _chain(factors)
+    level_steps, factor_steps = _chain(factors)
     density = np.zeros((bands, levels, factors))
     for band, level, factor in product(range(bands), range(levels), range(factors)):
-        inside = reading.bands == band
-        noise = reading.noise[factor][:, inside]
-        power = np.exp(_LEVELS[level]) * np.maximum(reading.command_power[:, inside], 0.01 * noise)
+        is_inside = reading.bands == band
+        noise = reading.noise[factor][:, is_inside]
+        power = np.exp(_LEVELS[level]) * np.maximum(reading.command_power[:, is_inside], 0.01 * noise)
         density[band, level, factor] = scipy.stats.norm.logpdf(
-            reading.observed[:, inside], scale=np.sqrt(power + noise)
+            reading.observed[:, is_inside], scale=np.sqrt(power + noise)
         ).sum()
     joint = np.exp(density[0] - density[0].max())
     for band in range(bands):
         if band:
-            moved = np.einsum("lf,lm,fg->mg", joint, of_level, of_factor)
-            joint = moved * np.exp(density[band] - density[band].max())
-        assert found[band] == pytest.approx(joint / joint.sum(), abs=1e-9)
+            displacement = np.einsum("lf,lm,fg->mg", joint, level_steps, factor_steps)
+            joint = displacement * np.exp(density[band] - density[band].max())
+        assert result[band] == pytest.approx(joint / joint.sum(), abs=1e-9)
 
 
-def given_next(filtered, steps):
+def condition_on_next(filter_output, steps):
     """Probabilities of a band given the next one, (levels, factors, levels, factors)."""
-    weights = filtered[:, :, np.newaxis, np.newaxis] * steps
+    weights = filter_output[:, :, np.newaxis, np.newaxis] * steps
     return weights / weights.sum(axis=(0, 1))
 
 
@@ -150,21 +150,21 @@ def correlation(joint):
 
 def test_levels_and_factors_are_drawn_by_their_joint_probability():
     """Backward sampling: each band given the next one, from probabilities so wide that steps matter."""
-    filtered = np.random.default_rng(2).uniform(size=(3, _LEVELS.size, 2))
-    of_level, of_factor = _chain(2)
-    steps = np.einsum("lm,fg->lfmg", of_level, of_factor)
-    joint = [filtered[-1] / filtered[-1].sum()]
+    filter_output = np.random.default_rng(2).uniform(size=(3, _LEVELS.size, 2))
+    level_steps, factor_steps = _chain(2)
+    steps = np.einsum("lm,fg->lfmg", level_steps, factor_steps)
+    joint = [filter_output[-1] / filter_output[-1].sum()]
     for band in (1, 0):
-        joint.append(np.einsum("lfmg,mg->lf", given_next(filtered[band], steps), joint[-1]))
+        joint.append(np.einsum("lfmg,mg->lf", condition_on_next(filter_output[band], steps), joint[-1]))
 
     uniform = np.random.default_rng(5).uniform(size=(3, 4000))
-    chosen = sample_backwards(filtered, of_level, of_factor, uniform).T[::-1]
-    for places, expected in zip(chosen, joint, strict=True):  # from the last band to the first
+    selection = sample_backwards(filter_output, level_steps, factor_steps, uniform).T[::-1]
+    for places, expected in zip(selection, joint, strict=True):  # from the last band to the first
         count = np.bincount(places, minlength=expected.size)
         assert scipy.stats.chisquare(count, 4000.0 * expected.ravel()).pvalue > 1e-3
-    together = np.corrcoef(_LEVELS[chosen[0] // 2], _LEVELS[chosen[1] // 2])[0, 1]
-    level = np.einsum("lfmg,mg->lm", given_next(filtered[1], steps), joint[0])
-    assert together == pytest.approx(correlation(level), abs=4.0 / np.sqrt(4000.0))
+    combined_result = np.corrcoef(_LEVELS[selection[0] // 2], _LEVELS[selection[1] // 2])[0, 1]
+    level = np.einsum("lfmg,mg->lm", condition_on_next(filter_output[1], steps), joint[0])
+    assert combined_result == pytest.approx(correlation(level), abs=4.0 / np.sqrt(4000.0))
 
 
 def test_a_draw_without_chance_is_the_mean_given_the_median_level():
@@ -176,27 +176,27 @@ def test_a_draw_without_chance_is_the_mean_given_the_median_level():
         uniform = staticmethod(lambda size: np.full(size, 0.5))
         standard_normal = staticmethod(np.zeros)
 
-    several = small_reading()
-    reading = replace(several, noise=several.noise[:1], bands=np.zeros_like(several.bands))
-    filtered = _filter_forwards(reading, np.zeros(reading.following.shape[0]))
+    has_several = small_reading()
+    reading = replace(has_several, noise=has_several.noise[:1], bands=np.zeros_like(has_several.bands))
+    filter_output = _filter_forwards(reading, np.zeros(reading.following.shape[0]))
     histories = np.empty((1, 40))
-    _draw(reading, filtered, histories, Middle())
-    follows = _draw_following(reading, filtered, Middle())[0]
-    level = np.exp(_LEVELS[np.searchsorted(np.cumsum(filtered[0, :, 0]), 0.5)])
+    _draw(reading, filter_output, histories, Middle())
+    follows = _draw_following(reading, filter_output, Middle())[0]
+    level = np.exp(_LEVELS[np.searchsorted(np.cumsum(filter_output[0, :, 0]), 0.5)])
     noise = np.broadcast_to(reading.noise[0], reading.observed.shape)
     power = level * np.maximum(reading.command_power, 0.01 * noise)
     expected = _least_squares(reading, (power + noise)[np.newaxis])[0][0]
     assert follows == pytest.approx(expected)
-    followed = np.tensordot(expected, reading.following, axes=1)
-    whole = followed + power / (power + noise) * (reading.observed - followed)
-    assert histories == pytest.approx(synthesise(whole[np.newaxis], 40))
+    following_part = np.tensordot(expected, reading.following, axes=1)
+    full_test = following_part + power / (power + noise) * (reading.observed - following_part)
+    assert histories == pytest.approx(synthesise(full_test[np.newaxis], 40))
 
 
 def test_a_place_is_drawn_by_its_weight():
     weights = np.array([[[0.1, 0.0], [2.0, 0.9]]])
     uniform = np.random.default_rng(6).uniform(size=(1, 30_000))
-    chosen = sample_backwards(weights, np.ones((2, 2)), np.ones((2, 2)), uniform)
-    shares = np.bincount(chosen[:, 0], minlength=4) / 30_000
+    selection = sample_backwards(weights, np.ones((2, 2)), np.ones((2, 2)), uniform)
+    shares = np.bincount(selection[:, 0], minlength=4) / 30_000
     assert shares == pytest.approx(np.array([0.1, 0.0, 2.0, 0.9]) / 3.0, abs=0.01)
     assert shares[1] == 0.0
 
@@ -240,22 +240,22 @@ def test_draws_average_to_the_truth_within_their_spread():
     assert np.sqrt(np.mean(np.square(z))) == pytest.approx(1.0, abs=0.4)
 
 
-@pytest.mark.parametrize("other", [False, True])
-def test_a_gain_is_found_below_the_noise(other):
+@pytest.mark.parametrize("second", [False, True])
+def test_a_gain_is_found_below_the_noise(second):
     """Filtered difference and unfiltered command would have nothing in common above the band."""
     noise = sensor(white=0.03 * COMMAND.std())
-    measured = 0.99 * COMMAND + noise_of(noise, 5)
-    others = 0.02 * np.sin(2.0 * np.pi * 1.7 * TIME)[np.newaxis] if other else None
-    drawn = draw_differences(COMMAND, measured, noise, 1.1, 4, 16, 0, others)
+    measured_displacement = 0.99 * COMMAND + noise_of(noise, 5)
+    rivals = 0.02 * np.sin(2.0 * np.pi * 1.7 * TIME)[np.newaxis] if second else None
+    draws = draw_differences(COMMAND, measured_displacement, noise, 1.1, 4, 16, 0, rivals)
     truth = 0.01 * COMMAND[::4]
-    assert np.mean((drawn - truth) ** 2) < 0.12 * np.mean(truth**2)
+    assert np.mean((draws - truth) ** 2) < 0.12 * np.mean(truth**2)
 
 
 def test_without_noise_the_reading_itself_is_drawn():
     quiet = sensor(white=1e-12)
-    measured = np.interp(TIME - 0.004, TIME, COMMAND)
-    draws = draw_differences(COMMAND, measured, quiet, 1.1, 3, 4, 1)
-    smooth = quiet.smooth(COMMAND - measured)[::3]
+    measured_displacement = np.interp(TIME - 0.004, TIME, COMMAND)
+    draws = draw_differences(COMMAND, measured_displacement, quiet, 1.1, 3, 4, 1)
+    smooth = quiet.smooth(COMMAND - measured_displacement)[::3]
     assert draws == pytest.approx(np.tile(smooth, (4, 1)), abs=1e-3 * np.abs(smooth).max())
 
 
@@ -266,8 +266,8 @@ def test_what_rounding_explains_is_no_white_noise(swing, white_left):
     motion = 0.3 + step * swing * np.random.default_rng(2).standard_normal(SIZE)
     levels = step * np.round(20.0 * np.sin(TIME))  # where the steps of the reading are seen
     noise = replace(sensor(slow=1.0, band=1e9), weights=np.array([0.5 * variance, 0.0, 0.0, 1.0, 0.0, 0.0]))
-    power, left = _rounding(motion, levels, noise, 1, 32)
-    assert left.weights == pytest.approx(
+    power, remainder = _rounding(motion, levels, noise, 1, 32)
+    assert remainder.weights == pytest.approx(
         [white_left * variance, 0.0, 0.0, 0.0, 0.0, 0.0], abs=0.02 * variance
     )
     if swing:
@@ -275,11 +275,11 @@ def test_what_rounding_explains_is_no_white_noise(swing, white_left):
 
 
 def test_without_steps_or_with_enough_white_noise_rounding_is_left_out():
-    smooth, stepped = COMMAND, 0.01 * np.round(COMMAND / 0.01)
-    for measured, white in ((smooth, 1e-6), (stepped, 0.96 * 0.01 / np.sqrt(12.0))):
-        power, left = _rounding(COMMAND, measured, sensor(white), 1, 32)
+    smooth, stepped_response = COMMAND, 0.01 * np.round(COMMAND / 0.01)
+    for measured_displacement, white in ((smooth, 1e-6), (stepped_response, 0.96 * 0.01 / np.sqrt(12.0))):
+        power, remainder = _rounding(COMMAND, measured_displacement, sensor(white), 1, 32)
         assert not power.any()
-        assert (left.weights == sensor(white).weights).all()
+        assert (remainder.weights == sensor(white).weights).all()
 
 
 @pytest.mark.parametrize(("largest", "rel"), [(1e9, 1e-5), (1e-12, None)])
@@ -293,9 +293,9 @@ def test_coefficients_of_any_size_are_those_of_least_squares_and_of_no_size_zero
     white = sensor(white=1e-4)
     reading = _reading(COMMAND, 0.98 * COMMAND + noise_of(white, 7), white, 1.1, 2)
     variance = reading.noise[-1] + 1e-3 * reading.command_power
-    (found,), _ = _follow(replace(reading, largest=largest), variance[np.newaxis], Middle())
+    (result,), _ = _follow(replace(reading, largest=largest), variance[np.newaxis], Middle())
     expected = _least_squares(reading, variance[np.newaxis])[0][0]
     if rel is None:
-        assert np.abs(found).max() < 1e-3 * np.abs(expected).max()
+        assert np.abs(result).max() < 1e-3 * np.abs(expected).max()
     else:
-        assert found == pytest.approx(expected, rel=rel, abs=rel * np.abs(expected).max())
+        assert result == pytest.approx(expected, rel=rel, abs=rel * np.abs(expected).max())

@@ -38,14 +38,19 @@ DRAWS = 128
 @pytest.fixture(scope="module")
 def histories():
     command = 0.02 * np.sin(2.0 * np.pi * 1.2 * TIME) * np.sin(0.4 * TIME) ** 2
-    measured = 0.98 * np.interp(TIME - 0.005, TIME, command)
-    return Histories(command=command, measured=measured, fed_back=command - measured, time_step=STEP)
+    measured_displacement = 0.98 * np.interp(TIME - 0.005, TIME, command)
+    return Histories(
+        command=command,
+        measured=measured_displacement,
+        fed_back=command - measured_displacement,
+        time_step=STEP,
+    )
 
 
-def swept(histories, every=1, structure=STRUCTURE, offset=0.0, at_start=0.0, draws=DRAWS, **tolerances):
-    unknown = Unknown(tolerances=Tolerances(**tolerances), offset=offset, error_at_start=at_start)
-    differences = histories.difference[::every][np.newaxis]
-    return sweep(histories, structure, unknown, differences, every, draws=draws, seed=1).spread
+def swept(histories, stride=1, structure=STRUCTURE, offset=0.0, start_values=0.0, draws=DRAWS, **tolerances):
+    unknown = Unknown(tolerances=Tolerances(**tolerances), offset=offset, error_at_start=start_values)
+    differences = histories.difference[::stride][np.newaxis]
+    return sweep(histories, structure, unknown, differences, stride, draws=draws, seed=1).spread
 
 
 def response(difference, structure=STRUCTURE):
@@ -70,13 +75,18 @@ def disturbances(histories):
 def test_errors_are_relative_to_the_peak_of_the_command_less_the_error_of_the_command(histories, delay):
     """x_I = x_c − H(x_c − x_m), and x_m − x_I = H(x_c − x_m) − (x_c − x_m)."""
     command = histories.command
-    measured = np.interp(TIME - delay, TIME, command)
-    late = Histories(command=command, measured=measured, fed_back=command - measured, time_step=STEP)
+    measured_displacement = np.interp(TIME - delay, TIME, command)
+    late = Histories(
+        command=command,
+        measured=measured_displacement,
+        fed_back=command - measured_displacement,
+        time_step=STEP,
+    )
     spread = swept(late, draws=2)
     error = response(late.difference)
-    strayed, ideal = error - late.difference, np.abs(command - error).max()
-    assert spread.rms == pytest.approx(np.full(2, np.sqrt(mean_square(strayed)) / ideal), rel=0.005)
-    assert spread.mte == pytest.approx(np.full(2, np.abs(strayed).max() / ideal), rel=0.005)
+    deviation, ideal = error - late.difference, np.abs(command - error).max()
+    assert spread.rms == pytest.approx(np.full(2, np.sqrt(mean_square(deviation)) / ideal), rel=0.005)
+    assert spread.mte == pytest.approx(np.full(2, np.abs(deviation).max() / ideal), rel=0.005)
 
 
 @pytest.mark.parametrize(
@@ -86,9 +96,9 @@ def test_errors_are_relative_to_the_peak_of_the_command_less_the_error_of_the_co
 def test_a_linear_tolerance_moves_the_error_by_its_own_response(histories, name):
     deviation, effect = disturbances(histories)[name]
     spread = swept(histories, **{name: deviation})
-    stated = response(histories.difference) - histories.difference
+    stated_values = response(histories.difference) - histories.difference
     assert spread.deviation == pytest.approx(deviation * np.abs(effect), rel=0.02, abs=1e-7)
-    assert spread.mean == pytest.approx(stated, abs=0.02 * deviation * np.abs(effect).max() + 1e-7)
+    assert spread.mean == pytest.approx(stated_values, abs=0.02 * deviation * np.abs(effect).max() + 1e-7)
 
 
 @pytest.mark.parametrize(
@@ -110,10 +120,10 @@ def test_offsets_that_are_stated_and_estimated_add_as_variances(histories):
 
 def test_an_unknown_start_is_a_free_vibration(histories):
     """Displacement and velocity over ω₀ of the error at the first sample have Student's t of four degrees."""
-    decay, damped = np.exp(-XI * W0 * TIME), W0 * np.sqrt(1.0 - XI**2)
-    slow = decay * (np.cos(damped * TIME) + XI * W0 / damped * np.sin(damped * TIME))
-    fast = decay * np.sin(damped * TIME) * W0 / damped
-    spread = swept(histories, at_start=1e-3)
+    decay, damped_frame = np.exp(-XI * W0 * TIME), W0 * np.sqrt(1.0 - XI**2)
+    slow = decay * (np.cos(damped_frame * TIME) + XI * W0 / damped_frame * np.sin(damped_frame * TIME))
+    fast = decay * np.sin(damped_frame * TIME) * W0 / damped_frame
+    spread = swept(histories, start_values=1e-3)
     deviation = 1.4e-3 * np.sqrt(4.0 / (4.0 - 2.0))
     assert spread.deviation == pytest.approx(deviation * np.hypot(slow, fast), rel=0.05)
 
@@ -122,13 +132,13 @@ def test_what_is_not_known_is_independent(histories):
     """Variances of all unknowns together are the sum of those of each alone."""
     deviations = {"sensor_scale": 0.004, "time_shift": 4e-4, "frequency": 0.002, "damping_ratio": 0.05}
     deviations |= {"experimental_fraction": 0.005, "sensor_offset": 1e-4, "feedback_lag": 3e-4}
-    alone = [swept(histories, draws=1024, **{name: value}).deviation for name, value in deviations.items()]
-    alone.append(swept(histories, at_start=2e-4).deviation)
-    together = swept(histories, at_start=2e-4, draws=1024, **deviations).deviation
-    assert together == pytest.approx(np.linalg.norm(alone, axis=0), rel=0.15)
-    two = swept(histories, at_start=1e-4, draws=1024, damping_ratio=0.1).deviation
-    at_start = swept(histories, at_start=1e-4).deviation
-    parts = [at_start, swept(histories, draws=1024, damping_ratio=0.1).deviation]
+    separate = [swept(histories, draws=1024, **{name: value}).deviation for name, value in deviations.items()]
+    separate.append(swept(histories, start_values=2e-4).deviation)
+    joint = swept(histories, start_values=2e-4, draws=1024, **deviations).deviation
+    assert joint == pytest.approx(np.linalg.norm(separate, axis=0), rel=0.15)
+    two = swept(histories, start_values=1e-4, draws=1024, damping_ratio=0.1).deviation
+    start_values = swept(histories, start_values=1e-4).deviation
+    parts = [start_values, swept(histories, draws=1024, damping_ratio=0.1).deviation]
     expected = np.linalg.norm(parts, axis=0)
     assert two == pytest.approx(expected, rel=0.2, abs=0.02 * expected.max())
 
@@ -166,15 +176,15 @@ def test_a_structure_that_stood_under_an_offset_stays_there():
     assert loose.deviation[:10] == pytest.approx(np.zeros(10), abs=1e-6)
 
 
-@pytest.mark.parametrize("every", [1, 3, 8])
-def test_what_lies_between_swept_samples_counts(histories, every):
+@pytest.mark.parametrize("stride", [1, 3, 8])
+def test_what_lies_between_swept_samples_counts(histories, stride):
     error = response(histories.difference) - histories.difference
     ideal = np.abs(histories.command - error - histories.difference).max()
-    spread = swept(histories, every)
+    spread = swept(histories, stride)
     assert spread.rms == pytest.approx(np.full(DRAWS, np.sqrt(mean_square(error)) / ideal), rel=1e-4)
     assert spread.mte == pytest.approx(np.full(DRAWS, np.abs(error).max() / ideal), rel=1e-3)
-    assert spread.mean[: 1 - every or None : every] == pytest.approx(
-        error[: 1 - every or None : every], abs=0.02 * np.abs(error).max()
+    assert spread.mean[: 1 - stride or None : stride] == pytest.approx(
+        error[: 1 - stride or None : stride], abs=0.02 * np.abs(error).max()
     )
     assert spread.mean.size == TIME.size
 
@@ -194,7 +204,8 @@ def test_a_step_of_the_sweep_resolves_structure_and_motion():
 def widest(histories, unknown, differences, draws):
     """What widens the interval of RMS^R."""
     every_one, noisy = (
-        sweep(histories, STRUCTURE, one, differences, 1, draws=draws, seed=3) for one in (unknown, EXACT)
+        sweep(histories, STRUCTURE, single, differences, 1, draws=draws, seed=3)
+        for single in (unknown, EXACT)
     )
     return widenings(every_one.spread, every_one.drawn, unknown.deviations(), noisy.spread, Metric.RMS)
 
@@ -202,7 +213,7 @@ def widest(histories, unknown, differences, draws):
 def test_tolerances_of_equal_effect_widen_equally_and_half_of_one_halves(histories):
     unknown = Unknown(tolerances=Tolerances(sensor_scale=0.02), offset=0.0, error_at_start=0.0)
     differences = np.stack([0.999 * histories.difference, 1.001 * histories.difference])
-    first, *others = widest(histories, unknown, differences, DRAWS)
+    first, *rivals = widest(histories, unknown, differences, DRAWS)
     assert (first.name, first.deviation) == ("sensor_scale", 0.02)
 
     def interval(unknown):
@@ -210,25 +221,25 @@ def test_tolerances_of_equal_effect_widen_equally_and_half_of_one_halves(histori
             Metric.RMS
         )
 
-    whole = interval(unknown)
-    assert first.width == pytest.approx(whole[1] - whole[0])
+    full_test = interval(unknown)
+    assert first.width == pytest.approx(full_test[1] - full_test[0])
     exact = Unknown(tolerances=Tolerances(), offset=0.0, error_at_start=0.0)
-    rest = interval(exact)
-    assert first.width_without == pytest.approx(rest[1] - rest[0], abs=0.07 * first.width)
+    remainder = interval(exact)
+    assert first.width_without == pytest.approx(remainder[1] - remainder[0], abs=0.07 * first.width)
     halved = replace(unknown, tolerances=Tolerances(sensor_scale=first.deviation_for_half))
     half = interval(halved)
     assert (half[1] - half[0]) / first.width == pytest.approx(0.5, abs=0.03)
-    for other in others:
-        assert other.name == "sensor_noise"
-        assert other.deviation == 0.0
-        assert first.width_without < other.width_without
-        assert first.contribution > other.contribution
+    for second in rivals:
+        assert second.name == "sensor_noise"
+        assert second.deviation == 0.0
+        assert first.width_without < second.width_without
+        assert first.contribution > second.contribution
 
 
 def test_half_the_width_is_found_by_halving():
     """Where the width is the deviation's square, half of it is at √½ of the deviation, to 1/4096 below."""
-    found = _deviation_for_half(5.0, 0.5, lambda factor: factor**2)
-    assert np.sqrt(0.5) - 1.0 / 4096.0 <= found / 5.0 <= np.sqrt(0.5)
+    result = _deviation_for_half(5.0, 0.5, lambda factor: factor**2)
+    assert np.sqrt(0.5) - 1.0 / 4096.0 <= result / 5.0 <= np.sqrt(0.5)
     assert _deviation_for_half(5.0, -1.0, lambda factor: factor**2) is None
 
 
@@ -242,7 +253,7 @@ def test_a_contribution_is_that_of_the_quantity_alone(histories):
     )
     still = histories.difference[np.newaxis]
     shares = widest(histories, unknown, still, 128)
-    by_name = {share.name: share for share in shares}
+    parts = {share.name: share for share in shares}
     lag = -lag_of_reading(histories.command, 0.0016)
     columns = {
         "sensor_scale": histories.measured,
@@ -256,7 +267,7 @@ def test_a_contribution_is_that_of_the_quantity_alone(histories):
             error = response(difference)
             ideal = np.abs(histories.command - error).max()
             sizes.append(np.sqrt(mean_square(error - difference)) / ideal)
-        assert by_name[name].contribution == pytest.approx(np.std(sizes), rel=0.15)
+        assert parts[name].contribution == pytest.approx(np.std(sizes), rel=0.15)
 
 
 def test_a_part_over_time_and_frequency_keeps_its_mean_square(histories):
@@ -294,9 +305,9 @@ def test_parts_are_gain_delay_and_rest_of_least_squares(histories):
         assert part.history == pytest.approx(piece, abs=1e-6)
         assert part.rms == pytest.approx(np.sqrt(mean_square(piece)) / ideal, rel=1e-3)
         assert part.share == pytest.approx(piece @ error / (error @ error), rel=1e-3)
-        left = error - piece
-        assert part.remaining_rms == pytest.approx(np.sqrt(mean_square(left)) / ideal, rel=1e-3)
-        assert part.remaining_mte == pytest.approx(np.abs(left).max() / ideal, rel=1e-3)
+        remainder = error - piece
+        assert part.remaining_rms == pytest.approx(np.sqrt(mean_square(remainder)) / ideal, rel=1e-3)
+        assert part.remaining_mte == pytest.approx(np.abs(remainder).max() / ideal, rel=1e-3)
 
 
 def test_an_actuator_that_is_described_exactly_accounts_for_the_whole_error(histories):
@@ -313,12 +324,13 @@ def test_an_actuator_that_is_described_exactly_accounts_for_the_whole_error(hist
 def test_what_two_sensors_make_together_is_no_effect_of_others():
     """A rotation feels the difference of two skews, whose squares hold their product."""
     names = ("time_shift_1", "time_shift_2", "damping_ratio")
-    drawn = dict(zip(names, normal_points(3, 256, seed=1), strict=True))
-    first, second, ratio = drawn.values()
+    draws = dict(zip(names, normal_points(3, 256, seed=1), strict=True))
+    first, second, ratio = draws.values()
     errors = np.sqrt(4.0 + (first - second) ** 2 + 0.2 * ratio)
     spread = Spread(rms=errors, mte=errors, mean=np.zeros(1), deviation=np.zeros(1))
     sizes = {
-        one.name: one for one in widenings_of_draws(spread, drawn, dict.fromkeys(names, 1.0), Metric.RMS)
+        single.name: single
+        for single in widenings_of_draws(spread, draws, dict.fromkeys(names, 1.0), Metric.RMS)
     }
     assert sizes["damping_ratio"].contribution == pytest.approx(0.05, rel=0.02)
     assert sizes["time_shift_1"].width_without < 0.8 * sizes["time_shift_1"].width

@@ -25,19 +25,21 @@ def lowest(change):
 
 def test_a_draw_has_the_entries_that_move_its_frequency():
     entries = EntriesOfStructure.from_parts(STRUCTURE, {ENTRY: 0.02})
-    tried = np.linspace(-0.04, 0.04, 41)
-    sought = np.array([-0.03, 0.0, 0.021])
-    drawn = entries.match_frequencies({ENTRY: tried, "frequency": sought, "damping_ratio": np.arange(3.0)})
-    factors = np.array([lowest(change) for change in drawn[ENTRY]])
-    assert factors * (1.0 + drawn["frequency"]) == pytest.approx(1.0 + sought)
-    assert np.abs(drawn["frequency"]).max() < 0.6 * np.abs(np.diff([lowest(one) for one in tried])).max()
-    assert drawn["damping_ratio"].tolist() == [0.0, 1.0, 2.0]
+    trial = np.linspace(-0.04, 0.04, 41)
+    target = np.array([-0.03, 0.0, 0.021])
+    draws = entries.match_frequencies({ENTRY: trial, "frequency": target, "damping_ratio": np.arange(3.0)})
+    factors = np.array([lowest(change) for change in draws[ENTRY]])
+    assert factors * (1.0 + draws["frequency"]) == pytest.approx(1.0 + target)
+    assert (
+        np.abs(draws["frequency"]).max() < 0.6 * np.abs(np.diff([lowest(single) for single in trial])).max()
+    )
+    assert draws["damping_ratio"].tolist() == [0.0, 1.0, 2.0]
 
 
 def test_what_no_entry_explains_stays_with_the_frequency():
     entries = EntriesOfStructure.from_parts(STRUCTURE, {ENTRY: 0.02})
-    drawn = entries.match_frequencies({ENTRY: np.array([-0.01, 0.01]), "frequency": np.array([0.2, 0.2])})
-    assert drawn["frequency"] == pytest.approx(np.full(2, 1.2 / lowest(-0.01) - 1.0))
+    draws = entries.match_frequencies({ENTRY: np.array([-0.01, 0.01]), "frequency": np.array([0.2, 0.2])})
+    assert draws["frequency"] == pytest.approx(np.full(2, 1.2 / lowest(-0.01) - 1.0))
 
 
 def test_the_frequency_is_open_by_what_entries_leave_of_it():

@@ -86,13 +86,15 @@ def test_recursion_and_transform_agree(mass):
     )
     time = np.arange(0.0, 20.0, STEP)
     difference = np.sin(8.0 * time) * np.sin(0.3 * time) ** 3
-    stepped = respond(Recursion.from_displacement(two, STEP), difference)[0]
+    stepped_response = respond(Recursion.from_displacement(two, STEP), difference)[0]
     transformed = respond_spectrally(two, difference, STEP)
-    assert np.abs(stepped - transformed).max() < 1e-5 * np.abs(stepped).max()
+    assert np.abs(stepped_response - transformed).max() < 1e-5 * np.abs(stepped_response).max()
 
 
 def test_recursion_is_exact_for_straight_lines_between_samples():
-    whole = Partition.from_structure(Structure(frequency=0.8, damping_ratio=0.1, experimental_fraction=0.7))
+    full_test = Partition.from_structure(
+        Structure(frequency=0.8, damping_ratio=0.1, experimental_fraction=0.7)
+    )
     nodes = np.random.default_rng(2).normal(size=12)
     w0 = 2.0 * np.pi * 0.8
 
@@ -103,8 +105,8 @@ def test_recursion_is_exact_for_straight_lines_between_samples():
     path = solve_ivp(
         slope, (0.0, 2.2), [0.0, 0.0], t_eval=0.2 * np.arange(12), max_step=0.002, rtol=1e-9, atol=1e-12
     )
-    stepped = respond(Recursion.from_displacement(whole, 0.2), nodes)[0]
-    assert np.abs(stepped - path.y[0]).max() < 1e-6
+    stepped_response = respond(Recursion.from_displacement(full_test, 0.2), nodes)[0]
+    assert np.abs(stepped_response - path.y[0]).max() < 1e-6
 
 
 def three_storeys(time_constant: float, ground):
@@ -119,8 +121,8 @@ def three_storeys(time_constant: float, ground):
         piston = x[0] if time_constant == 0.0 else m
         force = spring * piston
         rates = -a_g - (damping @ v + numerical @ x + np.array([force, 0.0, 0.0])) / mass
-        moved = 0.0 if time_constant == 0.0 else (x[0] - m) / time_constant
-        return np.concatenate([v, rates, [moved]])
+        displacement = 0.0 if time_constant == 0.0 else (x[0] - m) / time_constant
+        return np.concatenate([v, rates, [displacement]])
 
     state, rows = np.zeros(7), [np.zeros(7)]
     for a, b in pairwise(ground):
@@ -130,23 +132,23 @@ def three_storeys(time_constant: float, ground):
         k4 = slope(state + STEP * k3, b)
         state = state + STEP / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
         rows.append(state)
-    whole = Partition(
+    full_test = Partition(
         mass=mass * np.eye(3),
         damping=damping,
         stiffness=spring * shape,
         interface=np.array([1.0, 0.0, 0.0]),
         specimen_stiffness=spring,
     )
-    return np.array(rows).T, whole
+    return np.array(rows).T, full_test
 
 
 @pytest.mark.slow
 def test_three_storeys_of_which_one_is_tested():
     ground = synthetic_ground(3, 8.0)
-    tested, whole = three_storeys(0.003, ground)
+    tested_frame, full_test = three_storeys(0.003, ground)
     ideal, _ = three_storeys(0.0, ground)
-    rebuilt = rebuild(tested[0], tested[6], STEP, whole)
-    true = tested[6] - ideal[0]
+    rebuilt = rebuild(tested_frame[0], tested_frame[6], STEP, full_test)
+    true = tested_frame[6] - ideal[0]
     assert np.sqrt(np.mean((rebuilt.error - true) ** 2) / np.mean(true**2)) < 1e-4
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rebuilt_error.laboratory import BACKLASH, BIAS, DELAY, RATE, Lab, noise, quantised, run, synthetic_ground
+from rebuilt_error.laboratory import BACKLASH, BIAS, DELAY, RATE, Lab, noise, quantise, run, synthetic_ground
 from reliab.assessment.rebuilt_error.parts import parts_of
 from reliab.assessment.rebuilt_error.rebuild import rebuild
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
@@ -49,8 +49,8 @@ def test_the_band_holds_the_history(outcome, noisy):
     tolerances = Tolerances(frequency=0.005, damping_ratio=0.05, sensor_scale=0.002)
     rebuilt = rebuild(outcome.command, noisy, STEP, STRUCTURE, tolerances=tolerances)
     true = outcome.measured - outcome.ideal
-    inside = (rebuilt.low <= true) & (true <= rebuilt.high)
-    assert inside.mean() > 0.85
+    is_inside = (rebuilt.low <= true) & (true <= rebuilt.high)
+    assert is_inside.mean() > 0.85
     assert np.mean(rebuilt.high - rebuilt.low) < 4.0 * np.abs(true).max()
 
 
@@ -75,73 +75,78 @@ def test_the_widest_tolerance_is_named_and_half_of_the_width_is_reached(outcome)
         *(outcome.command, outcome.measured, STEP, STRUCTURE),
         tolerances=Tolerances(damping_ratio=widest.deviation_for_half, frequency=0.001),
     )
-    whole, half = (one.rms.high - one.rms.low for one in (rebuilt, halved))
-    assert half / whole == pytest.approx(0.5, abs=0.1)
+    full_test, half = (single.rms.high - single.rms.low for single in (rebuilt, halved))
+    assert half / full_test == pytest.approx(0.5, abs=0.1)
 
 
 def test_a_sensor_offset_at_rest_is_taken_away(outcome):
     command = np.concatenate([np.zeros(1024), outcome.command])
-    measured = np.concatenate([np.zeros(1024), outcome.measured]) + 0.02
-    rebuilt = rebuild(command, measured, STEP, STRUCTURE)
+    measured_displacement = np.concatenate([np.zeros(1024), outcome.measured]) + 0.02
+    rebuilt = rebuild(command, measured_displacement, STEP, STRUCTURE)
     assert rebuilt.start.offset == pytest.approx(0.02, rel=1e-4)
-    plain = rebuild(command, measured - 0.02, STEP, STRUCTURE)
+    plain = rebuild(command, measured_displacement - 0.02, STEP, STRUCTURE)
     assert rebuilt.rms.value == pytest.approx(plain.rms.value, rel=1e-3)
-    kept = rebuild(command, measured, STEP, STRUCTURE, sensor_offset=0.0)
-    assert kept.rms.value > 1.5 * plain.rms.value
+    kept_part = rebuild(command, measured_displacement, STEP, STRUCTURE, sensor_offset=0.0)
+    assert kept_part.rms.value > 1.5 * plain.rms.value
 
 
-@pytest.mark.parametrize(("alpha", "every"), [(1.0, 2), (0.5, 8)])
-def test_an_offset_that_the_loop_felt_is_part_of_the_error(alpha, every):
+@pytest.mark.parametrize(("alpha", "stride"), [(1.0, 2), (0.5, 8)])
+def test_an_offset_that_the_loop_felt_is_part_of_the_error(alpha, stride):
     bias = 0.01 * np.abs(run(Lab(1.0, 0.03, alpha), synthetic_ground(7, 20.0)).ideal).max()
-    felt = run(Lab(1.0, 0.03, alpha, BIAS, (0.998, bias, 0.0, 0.0)), synthetic_ground(7, 20.0))
+    felt_displacement = run(Lab(1.0, 0.03, alpha, BIAS, (0.998, bias, 0.0, 0.0)), synthetic_ground(7, 20.0))
     structure = Structure(frequency=1.0, damping_ratio=0.03, experimental_fraction=alpha)
-    level = 0.01 * np.sqrt(np.mean(felt.measured**2))
-    read = (felt.measured + noise("white", felt.measured.size, level, np.random.default_rng(1)))[::every]
-    rebuilt = rebuild(felt.command[::every], read, every * STEP, structure)
+    level = 0.01 * np.sqrt(np.mean(felt_displacement.measured**2))
+    read = (
+        felt_displacement.measured
+        + noise("white", felt_displacement.measured.size, level, np.random.default_rng(1))
+    )[::stride]
+    rebuilt = rebuild(felt_displacement.command[::stride], read, stride * STEP, structure)
     assert rebuilt.start.offset == 0.0
-    assert rebuilt.rms.value == pytest.approx(felt.rms, rel=0.05)
+    assert rebuilt.rms.value == pytest.approx(felt_displacement.rms, rel=0.05)
     # the same offset of a reading that the loop did not feel
     unfelt = run(Lab(1.0, 0.03, alpha, BIAS, (0.998, 0.0, 0.0, 0.0)), synthetic_ground(7, 20.0))
-    shifted = rebuild(unfelt.command[::every], unfelt.measured[::every] + bias, every * STEP, structure)
-    assert shifted.start.offset == pytest.approx(bias, rel=0.05)
-    assert shifted.rms.value == pytest.approx(unfelt.rms, rel=0.05)
+    shift = rebuild(unfelt.command[::stride], unfelt.measured[::stride] + bias, stride * STEP, structure)
+    assert shift.start.offset == pytest.approx(bias, rel=0.05)
+    assert shift.rms.value == pytest.approx(unfelt.rms, rel=0.05)
 
 
 def test_a_test_that_begins_in_motion_says_so(outcome):
     begin = int(np.argmax(np.abs(outcome.command)))
     rebuilt = rebuild(outcome.command[begin:], outcome.measured[begin:], STEP, STRUCTURE)
-    strayed = (outcome.measured - outcome.ideal)[begin:]
-    true = np.sqrt(np.mean(strayed**2)) / np.abs(outcome.ideal[begin:]).max()
+    error = (outcome.measured - outcome.ideal)[begin:]
+    true = np.sqrt(np.mean(error**2)) / np.abs(outcome.ideal[begin:]).max()
     assert not rebuilt.start.at_rest
     assert rebuilt.rms.low < true < rebuilt.rms.high
-    assert "initial_state" in {one.name for one in rebuilt.widenings()}
+    assert "initial_state" in {single.name for single in rebuilt.widenings()}
 
 
 @pytest.mark.slow
 def test_an_error_that_had_grown_before_the_record_is_held():
     """A late actuator makes the command larger than the exact response: its error is no chance direction."""
-    held, tests = 0, 16
+    coverage, tests = 0, 16
     for seed in range(tests):
         frequency = 0.6 + 0.08 * seed
         late = Lab(frequency, 0.035, 1.0, DELAY, (1.0, 0.6 * 0.035 / (np.pi * frequency), 0.0, 0.0))
         test = run(late, synthetic_ground(seed, 30.0), parts=1)
-        command, measured, ideal = (
+        command, measured_displacement, ideal = (
             values[int(0.45 * values.size) :: 8] for values in (test.command, test.measured, test.ideal)
         )
         structure = Structure(frequency=frequency, damping_ratio=0.035)
-        rms = rebuild(command, measured, 8 * STEP, structure).rms
-        held += rms.low < np.sqrt(np.mean((measured - ideal) ** 2)) / np.abs(ideal).max() < rms.high
-    assert held >= 0.8 * tests
+        rms = rebuild(command, measured_displacement, 8 * STEP, structure).rms
+        coverage += (
+            rms.low < np.sqrt(np.mean((measured_displacement - ideal) ** 2)) / np.abs(ideal).max() < rms.high
+        )
+    assert coverage >= 0.8 * tests
 
 
 def test_an_actuator_that_passes_for_slow_noise_keeps_its_peak():
-    built = Lab(1.0, 0.03, 1.0, BACKLASH, (0.002, 0.0, 0.0, 0.0))
-    played = run(built, synthetic_ground(5, 20.0))
-    level = 0.01 * np.sqrt(np.mean(played.measured**2))
-    read = played.measured + noise("white", played.measured.size, level, np.random.default_rng(2))
-    rebuilt = rebuild(played.command, read, STEP, STRUCTURE)
-    assert rebuilt.mte.low < played.mte < rebuilt.mte.high
-    assert rebuilt.mte.value == pytest.approx(played.mte, rel=0.05)
+    assembly = Lab(1.0, 0.03, 1.0, BACKLASH, (0.002, 0.0, 0.0, 0.0))
+    play_output = run(assembly, synthetic_ground(5, 20.0))
+    level = 0.01 * np.sqrt(np.mean(play_output.measured**2))
+    read = play_output.measured + noise("white", play_output.measured.size, level, np.random.default_rng(2))
+    rebuilt = rebuild(play_output.command, read, STEP, STRUCTURE)
+    assert rebuilt.mte.low < play_output.mte < rebuilt.mte.high
+    assert rebuilt.mte.value == pytest.approx(play_output.mte, rel=0.05)
 
 
 def test_parts_add_up_and_name_what_is_wrong(outcome):
@@ -162,25 +167,25 @@ def test_noise_is_no_part_that_could_be_improved(outcome):
         * np.random.default_rng(8).standard_normal(outcome.measured.size)
     )
     quiet, noisy = (
-        rebuild(outcome.command, measured, STEP, STRUCTURE).parts()
-        for measured in (outcome.measured, outcome.measured + noise)
+        rebuild(outcome.command, measured_displacement, STEP, STRUCTURE).parts()
+        for measured_displacement in (outcome.measured, outcome.measured + noise)
     )
     assert noisy.rms > 1.3 * quiet.rms
     assert noisy.first == "neither"
     freed = noisy.subtract_noise(quiet.rms)
     assert freed.first == quiet.first == "delay"
     for name in ("amplitude", "delay"):
-        missed, missed_with_noise = (
+        residual, missed_with_noise = (
             abs(parts.by_name[name].remaining_rms - quiet.by_name[name].remaining_rms)
             for parts in (freed, noisy)
         )
-        assert missed < 0.7 * missed_with_noise
+        assert residual < 0.7 * missed_with_noise
 
 
 def test_parts_that_cancel_leave_nothing_to_improve_first():
     """Two parts of opposite sign, each larger than their sum."""
-    moved = np.sin(0.1 * np.arange(500.0))
-    parts = parts_of(1.0, 0.0, {"amplitude": 3.0 * moved, "delay": -2.5 * moved}, 1.0)
+    displacement = np.sin(0.1 * np.arange(500.0))
+    parts = parts_of(1.0, 0.0, {"amplitude": 3.0 * displacement, "delay": -2.5 * displacement}, 1.0)
     assert parts.first is None
 
 
@@ -191,8 +196,8 @@ def test_a_late_force_is_a_part_of_its_own():
     rebuilt = rebuild(late.command, late.measured, STEP, STRUCTURE, feedback_lag=0.001)
     parts = rebuilt.parts()
     assert parts.first == "fed_back_force"
-    whole = np.sum([part.history for part in parts.by_name.values()], axis=0)
-    assert np.abs(whole - rebuilt.smooth_error).max() < 1e-9 * np.abs(whole).max()
+    full_test = np.sum([part.history for part in parts.by_name.values()], axis=0)
+    assert np.abs(full_test - rebuilt.smooth_error).max() < 1e-9 * np.abs(full_test).max()
 
 
 @pytest.mark.parametrize(
@@ -207,14 +212,14 @@ def test_a_late_force_is_a_part_of_its_own():
     ],
 )
 def test_bad_input_is_refused(outcome, change, rule):
-    given = {
+    arguments = {
         "command": outcome.command,
         "measured_displacement": outcome.measured,
         "time_step": STEP,
         "structure": STRUCTURE,
     }
     with pytest.raises(InputError, match=rule):
-        rebuild(**(given | change))
+        rebuild(**(arguments | change))
 
 
 @pytest.mark.parametrize(
@@ -228,27 +233,30 @@ def test_bad_tolerances_are_refused(value, rule):
 def test_an_offset_from_before_the_record_starts_no_transient():
     bias = 0.01 * np.abs(run(Lab(1.0, 0.03), synthetic_ground(7, 20.0)).ideal).max()
     quiet = np.concatenate([np.zeros(int(60.0 * RATE)), synthetic_ground(7, 20.0)])
-    felt = run(Lab(1.0, 0.03, 1.0, BIAS, (0.998, bias, 0.0, 0.0)), quiet)
+    felt_displacement = run(Lab(1.0, 0.03, 1.0, BIAS, (0.998, bias, 0.0, 0.0)), quiet)
     begin = int(58.0 * RATE)
-    command, measured = felt.command[begin:], felt.measured[begin:]
-    rebuilt = rebuild(command, measured, STEP, STRUCTURE)
-    strayed, ideal = (felt.measured - felt.ideal)[begin:], felt.ideal[begin:]
+    command, measured_displacement = felt_displacement.command[begin:], felt_displacement.measured[begin:]
+    rebuilt = rebuild(command, measured_displacement, STEP, STRUCTURE)
+    error, ideal = (
+        (felt_displacement.measured - felt_displacement.ideal)[begin:],
+        felt_displacement.ideal[begin:],
+    )
     assert rebuilt.start.standing == pytest.approx(bias, rel=0.05)
-    assert rebuilt.rms.value == pytest.approx(np.sqrt(np.mean(strayed**2)) / np.abs(ideal).max(), rel=0.02)
-    assert np.abs(rebuilt.error - strayed).max() < 0.02 * np.abs(strayed).max()
+    assert rebuilt.rms.value == pytest.approx(np.sqrt(np.mean(error**2)) / np.abs(ideal).max(), rel=0.02)
+    assert np.abs(rebuilt.error - error).max() < 0.02 * np.abs(error).max()
     parts = rebuilt.parts()
-    whole = np.sum([part.history for part in parts.by_name.values()], axis=0)
-    assert np.abs(whole - rebuilt.smooth_error).max() < 1e-9 * np.abs(whole).max()
+    full_test = np.sum([part.history for part in parts.by_name.values()], axis=0)
+    assert np.abs(full_test - rebuilt.smooth_error).max() < 1e-9 * np.abs(full_test).max()
 
 
 @pytest.mark.parametrize("kind", ["white", "quantised"])
 def test_a_nearly_perfect_actuator_is_not_overstated(kind):
-    built = Lab(1.0, 0.03, 1.0, DELAY, (0.9999, 5e-5, 0.0, 0.0))
-    near = run(built, synthetic_ground(9, 20.0))
+    assembly = Lab(1.0, 0.03, 1.0, DELAY, (0.9999, 5e-5, 0.0, 0.0))
+    near = run(assembly, synthetic_ground(9, 20.0))
     level = 0.01 * np.sqrt(np.mean(near.measured**2))
     generator = np.random.default_rng(3)
     read = (
-        quantised(near.measured, level, generator)
+        quantise(near.measured, level, generator)
         if kind == "quantised"
         else near.measured + noise(kind, near.measured.size, level, generator)
     )
@@ -261,7 +269,7 @@ def test_a_nearly_perfect_actuator_is_not_overstated(kind):
 
 def test_rounding_is_told_from_white_noise():
     motion = np.sin(np.arange(0.0, 40.0, 0.01))
-    assert converter_step(quantised(motion, 0.01, np.random.default_rng(1))) == pytest.approx(
+    assert converter_step(quantise(motion, 0.01, np.random.default_rng(1))) == pytest.approx(
         np.sqrt(12.0) * 0.01
     )
     assert converter_step(motion + noise("white", motion.size, 0.01, np.random.default_rng(1))) == 0.0

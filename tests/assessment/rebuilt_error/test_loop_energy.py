@@ -30,32 +30,32 @@ def loop(delay, seconds=12.0, seed=1):
     command = np.zeros(ground.size)
     for k in range(ground.size):
         command[k] = gamma @ x
-        strayed = (command[k - delay] if k >= delay else 0.0) - command[k]
-        force = FRAME.stiffness @ x + gamma * FRAME.specimen_stiffness[0, 0] * strayed
+        error = (command[k - delay] if k >= delay else 0.0) - command[k]
+        force = FRAME.stiffness @ x + gamma * FRAME.specimen_stiffness[0, 0] * error
         v = v + STEP * (-ground[k] - FRAME.damping @ v - force)
         x = x + STEP * v
-    measured = np.concatenate([np.zeros(delay), command[: command.size - delay]])
-    return command, measured
+    measured_displacement = np.concatenate([np.zeros(delay), command[: command.size - delay]])
+    return command, measured_displacement
 
 
 @pytest.mark.parametrize("cuts", [(), (1,), (700, 701), (5, 1499)])
 def test_products_in_the_band_forget_the_past_by_one_weight_a_step(cuts):
-    command, measured = (0.01 + values[:2000] for values in loop(2))
-    measured = measured + 5e-3  # an offset of the sensor
+    command, measured_displacement = (0.01 + values[:2000] for values in loop(2))
+    measured_displacement = measured_displacement + 5e-3  # an offset of the sensor
     energy = LoopEnergy(modes())
-    for parts in zip(*(np.split(history, cuts) for history in (command, measured)), strict=True):
+    for parts in zip(*(np.split(history, cuts) for history in (command, measured_displacement)), strict=True):
         energy.feed(*parts)
     for mode, motion in zip(modes(), energy._motions, strict=True):  # noqa: SLF001
         b, a1, a2 = mode.band
-        passed = [
+        filtered_values = [
             scipy.signal.lfilter([b, 0.0, -b], [1.0, a1, a2], mode.projection[0] * (values - values[0]))
-            for values in (command, measured - command)
+            for values in (command, measured_displacement - command)
         ]
         rows = np.stack(
             [
-                0.5 * (passed[0][1:] + passed[0][:-1]),
-                np.diff(passed[0]) / STEP,
-                0.5 * (passed[1][1:] + passed[1][:-1]),
+                0.5 * (filtered_values[0][1:] + filtered_values[0][:-1]),
+                np.diff(filtered_values[0]) / STEP,
+                0.5 * (filtered_values[1][1:] + filtered_values[1][:-1]),
             ]
         )
         weight = mode.forgetting ** np.arange(command.size - 2, -1, -1)
@@ -69,17 +69,17 @@ def test_a_mode_passes_its_band_as_it_is_and_another_one_is_held_back():
     for mode in modes():
         b, a1, a2 = mode.band
         places = np.array([1.0, 1.0 / 3.0, 3.0]) * mode.circular_frequency * STEP
-        _, passed = scipy.signal.freqz([b, 0.0, -b], [1.0, a1, a2], worN=places)
-        assert passed[0] == pytest.approx(1.0)
-        assert np.abs(passed[1:]).max() < 0.2
+        _, filtered_values = scipy.signal.freqz([b, 0.0, -b], [1.0, a1, a2], worN=places)
+        assert filtered_values[0] == pytest.approx(1.0)
+        assert np.abs(filtered_values[1:]).max() < 0.2
 
 
-def followed(delay, cuts=()):
+def follow_loop(delay, cuts=()):
     """The monitor after a loop, until its command is fifty times that of a sound one."""
-    command, measured = loop(delay)
+    command, measured_displacement = loop(delay)
     stop = int(np.argmax(np.abs(command) > 0.5)) or command.size
     monitor = Monitor(FRAME, STEP)
-    for parts in zip(*(np.split(h[:stop], cuts) for h in (command, measured)), strict=True):
+    for parts in zip(*(np.split(h[:stop], cuts) for h in (command, measured_displacement)), strict=True):
         monitor.feed(*parts)
     return monitor
 
@@ -87,14 +87,14 @@ def followed(delay, cuts=()):
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize("cuts", [(1000,), tuple(range(64, 4600, 64))])
 def test_a_higher_mode_that_diverges_is_named_however_the_samples_arrive(cuts):
-    whole, monitor = followed(10), followed(10, cuts)
-    assert monitor.gains_energy_since == whole.gains_energy_since < 3.0
+    full_test, monitor = follow_loop(10), follow_loop(10, cuts)
+    assert monitor.gains_energy_since == full_test.gains_energy_since < 3.0
     assert monitor.gaining_frequency == pytest.approx(FRAME.natural_frequencies[1])
     assert monitor.now.damping.ratio < 0.0
 
 
 def test_a_loop_with_half_of_the_critical_delay_is_not_named():
-    monitor = followed(1)
+    monitor = follow_loop(1)
     assert monitor.gains_energy_since is None
     assert monitor.gaining_frequency is None
     assert monitor.now.damping.ratio > 0.0

@@ -20,13 +20,13 @@ def outcome():
     return run(Lab(1.0, 0.02, 1.0, DELAY, (0.997, 0.001, 0.0, 0.0)), synthetic_ground(4, 15.0))
 
 
-def followed(command, measured, chunks, **stated):
-    monitor = Monitor(STRUCTURE, STEP, **stated)
+def feed_chunks(command, measured_displacement, chunks, **stated_values):
+    monitor = Monitor(STRUCTURE, STEP, **stated_values)
     begin = 0
     for size in chunks:
-        monitor.feed(command[begin : begin + size], measured[begin : begin + size])
+        monitor.feed(command[begin : begin + size], measured_displacement[begin : begin + size])
         begin += size
-    monitor.feed(command[begin:], measured[begin:])
+    monitor.feed(command[begin:], measured_displacement[begin:])
     return monitor
 
 
@@ -34,65 +34,67 @@ def followed(command, measured, chunks, **stated):
 @pytest.mark.parametrize("chunks", [(), (1, 2, 3, 500, 1, 9000)])
 @pytest.mark.parametrize("lag", [0.0, 0.0023])
 def test_the_history_is_the_one_rebuilt_afterwards(outcome, chunks, lag):
-    measured = outcome.measured + noise("white", outcome.measured.size, 1e-4, np.random.default_rng(0))
-    monitor = followed(outcome.command, measured, chunks, feedback_lag=lag)
-    whole = rebuild(outcome.command, measured, STEP, STRUCTURE, feedback_lag=lag)
-    asked = monitor.ask(draws=256)
-    assert np.abs(monitor.error - whole.error).max() < 1e-9 * np.abs(whole.error).max()
-    for running, afterwards in ((asked.rms, whole.rms), (asked.mte, whole.mte)):
+    measured_displacement = outcome.measured + noise(
+        "white", outcome.measured.size, 1e-4, np.random.default_rng(0)
+    )
+    monitor = feed_chunks(outcome.command, measured_displacement, chunks, feedback_lag=lag)
+    full_test = rebuild(outcome.command, measured_displacement, STEP, STRUCTURE, feedback_lag=lag)
+    options = monitor.ask(draws=256)
+    assert np.abs(monitor.error - full_test.error).max() < 1e-9 * np.abs(full_test.error).max()
+    for running, afterwards in ((options.rms, full_test.rms), (options.mte, full_test.mte)):
         assert (running.value, running.low, running.high) == pytest.approx(
             (afterwards.value, afterwards.low, afterwards.high), rel=1e-9
         )
 
 
 def test_errors_so_far_are_those_of_the_history_so_far(outcome):
-    monitor = followed(outcome.command, outcome.measured, (100, 4000))
-    strayed = monitor.error
-    square = np.trapezoid(strayed**2) / (strayed.size - 1)
-    peak = np.abs(outcome.measured - strayed).max()
+    monitor = feed_chunks(outcome.command, outcome.measured, (100, 4000))
+    error = monitor.error
+    square = np.trapezoid(error**2) / (error.size - 1)
+    peak = np.abs(outcome.measured - error).max()
     assert monitor.now.rms == pytest.approx(np.sqrt(square) / peak, rel=1e-9)
-    assert monitor.now.mte == pytest.approx(np.abs(strayed).max() / peak, rel=1e-9)
+    assert monitor.now.mte == pytest.approx(np.abs(error).max() / peak, rel=1e-9)
 
 
 def test_an_offset_found_later_is_taken_away_from_all_that_went_before(outcome):
     command = np.concatenate([np.zeros(1024), outcome.command])
-    measured = np.concatenate([np.zeros(1024), outcome.measured]) + 0.02
-    monitor = followed(command, measured, (5000,))
+    measured_displacement = np.concatenate([np.zeros(1024), outcome.measured]) + 0.02
+    monitor = feed_chunks(command, measured_displacement, (5000,))
     monitor.ask()
-    whole = rebuild(command, measured, STEP, STRUCTURE)
-    assert np.abs(monitor.error - whole.error).max() < 1e-9 * np.abs(whole.error).max()
-    assert monitor.now.error == pytest.approx(whole.error[-1], rel=1e-9)
+    full_test = rebuild(command, measured_displacement, STEP, STRUCTURE)
+    assert np.abs(monitor.error - full_test.error).max() < 1e-9 * np.abs(full_test.error).max()
+    assert monitor.now.error == pytest.approx(full_test.error[-1], rel=1e-9)
 
 
 def test_an_equilibrium_found_later_is_taken_into_all_that_went_before(outcome):
     """An offset that the loop felt before the test began moved the command the other way."""
     command = np.concatenate([np.zeros(1024), outcome.command]) - 0.02
-    measured = np.concatenate([np.zeros(1024), outcome.measured])
-    monitor = followed(command, measured, (5000,))
+    measured_displacement = np.concatenate([np.zeros(1024), outcome.measured])
+    monitor = feed_chunks(command, measured_displacement, (5000,))
     monitor.ask()
-    whole = rebuild(command, measured, STEP, STRUCTURE)
-    assert whole.start.standing != 0.0
-    assert np.abs(monitor.error - whole.error).max() < 1e-9 * np.abs(whole.error).max()
+    full_test = rebuild(command, measured_displacement, STEP, STRUCTURE)
+    assert full_test.start.standing != 0.0
+    assert np.abs(monitor.error - full_test.error).max() < 1e-9 * np.abs(full_test.error).max()
 
 
 def test_a_loop_that_will_diverge_is_known_before_its_motion_is_twice_the_exact_peak():
     late = run(Lab(1.0, 0.02, 1.0, DELAY, (1.0, 0.010, 0.0, 0.0)), synthetic_ground(4, 40.0))
     stop = int(np.argmax(np.abs(late.command) > 2.0 * np.abs(late.ideal).max()))
-    monitor = followed(late.command[:stop], late.measured[:stop], (400,))
+    monitor = feed_chunks(late.command[:stop], late.measured[:stop], (400,))
     expected = 0.02 - np.pi * 0.010
     assert monitor.now.damping.ratio == pytest.approx(expected, rel=0.1)
     assert monitor.gains_energy_since < stop * STEP
 
 
 def test_a_stable_loop_keeps_the_damping_that_its_delay_leaves(outcome):
-    monitor = followed(outcome.command, outcome.measured, (400,))
+    monitor = feed_chunks(outcome.command, outcome.measured, (400,))
     assert monitor.gains_energy_since is None
     assert monitor.now.damping.ratio == pytest.approx(0.02 - np.pi * 0.001, rel=0.05)
 
 
 def test_a_sample_takes_less_than_a_tenth_of_a_millisecond(outcome):
     # 20 µs on a free machine (tests/benchmarks/rebuilt_error.py measures it); this only sees a slip of kind
-    monitor = followed(outcome.command[:2000], outcome.measured[:2000], ())
+    monitor = feed_chunks(outcome.command[:2000], outcome.measured[:2000], ())
     begin = time.process_time()
     for first in range(2000, 12000, 64):
         monitor.feed(outcome.command[first : first + 64], outcome.measured[first : first + 64])

@@ -52,9 +52,9 @@ def test_the_filter_keeps_the_band_and_stops_what_lies_above(band):
     assert gain[:3] == pytest.approx(1.0, abs=1e-3)
     assert gain[3:] == pytest.approx(0.0, abs=1e-3)
     assert noise.filter == pytest.approx(noise.filter[::-1])
-    between = np.linspace(0.0, 3.0 * band, 50)
-    expected = np.abs(scipy.signal.freqz(noise.filter, worN=between, fs=1.0 / STEP)[1]) ** 2
-    assert noise.filtered_density(between) == pytest.approx(expected, abs=3e-3)
+    event_variance = np.linspace(0.0, 3.0 * band, 50)
+    expected = np.abs(scipy.signal.freqz(noise.filter, worN=event_variance, fs=1.0 / STEP)[1]) ** 2
+    assert noise.filtered_density(event_variance) == pytest.approx(expected, abs=3e-3)
 
 
 def test_a_band_up_to_the_nyquist_frequency_is_not_filtered():
@@ -107,16 +107,16 @@ def test_noise_comes_back_from_a_late_and_weak_actuator(white, corner, slow):
     command = shaken(size)
     noise = white * np.random.default_rng(6).standard_normal(size)
     noise += autoregressive(corner, slow, size, 7)
-    measured = 0.99 * np.interp(np.arange(size) - 2.0, np.arange(size), command) + noise
-    found = estimate_noise(command, measured, STEP)
+    measured_displacement = 0.99 * np.interp(np.arange(size) - 2.0, np.arange(size), command) + noise
+    result = estimate_noise(command, measured_displacement, STEP)
     frequency = np.array([8.0, 20.0, 60.0, 200.0])
     rho = np.exp(-2.0 * np.pi * corner * STEP)
     transfer = (1.0 - rho) / (1.0 - rho * np.exp(-2j * np.pi * frequency * STEP))
     expected = white**2 + slow * np.abs(transfer) ** 2
-    assert found.density(frequency) == pytest.approx(expected, rel=0.15)
-    assert found.band > 3.0
+    assert result.density(frequency) == pytest.approx(expected, rel=0.15)
+    assert result.band > 3.0
     if slow == 0.0:  # slow noise above the white one is not told from motion
-        assert found.band < 9.0
+        assert result.band < 9.0
 
 
 def test_the_mains_are_neither_noise_nor_motion():
@@ -124,9 +124,9 @@ def test_the_mains_are_neither_noise_nor_motion():
     command = shaken(size)
     noise = 1e-3 * np.random.default_rng(8).standard_normal(size)
     mains = 5e-3 * np.sin(2.0 * np.pi * 50.0 * STEP * np.arange(size))
-    with_mains, without = (estimate_noise(command, command + noise + line, STEP) for line in (mains, 0.0))
-    assert with_mains.white == pytest.approx(without.white, rel=0.05)
-    assert with_mains.band == pytest.approx(without.band, rel=0.2)
+    with_mains, bare = (estimate_noise(command, command + noise + line, STEP) for line in (mains, 0.0))
+    assert with_mains.white == pytest.approx(bare.white, rel=0.05)
+    assert with_mains.band == pytest.approx(bare.band, rel=0.2)
 
 
 def test_both_ends_of_a_record_are_continued_alike():
@@ -141,9 +141,9 @@ def test_what_follows_several_commands_is_kept_up_to_the_fastest_of_them():
     time = STEP * np.arange(8192)
     swell = np.sin(np.pi * time / time[-1]) ** 2
     commands = np.stack([swell * np.sin(2.0 * np.pi * f * time) for f in (0.6, 14.0)])
-    measured = 0.97 * commands[0] + 0.2 * commands[1]
+    measured_displacement = 0.97 * commands[0] + 0.2 * commands[1]
     hiss = 0.3 * np.sin(2.0 * np.pi * 90.0 * time)
-    inside = slice(1024, -1024)
-    for disturbed in (measured, measured + hiss):
-        found = follow_commands(commands, disturbed, STEP)
-        np.testing.assert_allclose(found[inside], measured[inside], atol=0.01)
+    is_inside = slice(1024, -1024)
+    for disturbed in (measured_displacement, measured_displacement + hiss):
+        result = follow_commands(commands, disturbed, STEP)
+        np.testing.assert_allclose(result[is_inside], measured_displacement[is_inside], atol=0.01)

@@ -20,18 +20,18 @@ MOVED = 0.99 * np.interp(TIME - 0.002, TIME, COMMAND)
 NOISE = 3e-5 * np.random.default_rng(5).standard_normal(TIME.size)
 
 
-def passed(values, corner, order=2):
+def filter_values(values, corner, order=2):
     """Analogue filter, at rest before and after."""
-    padded = np.concatenate([np.zeros(4096), values, np.full(4096, values[-1])])
-    place = np.fft.rfftfreq(padded.size, 1.0 / RATE)
+    padded_record = np.concatenate([np.zeros(4096), values, np.full(4096, values[-1])])
+    place = np.fft.rfftfreq(padded_record.size, 1.0 / RATE)
     gain = scipy.signal.freqs(*scipy.signal.butter(order, corner, analog=True), worN=place)[1]
-    return np.fft.irfft(np.fft.rfft(padded) * gain, padded.size)[4096 : 4096 + values.size]
+    return np.fft.irfft(np.fft.rfft(padded_record) * gain, padded_record.size)[4096 : 4096 + values.size]
 
 
 @pytest.mark.parametrize(("corner", "order"), [(60.0, 2), (120.0, 4), (250.0, 8)])
 def test_a_filter_is_seen_with_its_delay(corner, order):
-    found = filter_of_noise(COMMAND, passed(MOVED + NOISE, corner, order), 1.0 / RATE)
-    assert found.delay == pytest.approx(LowPass(corner=corner, order=order).delay, rel=0.15)
+    result = filter_of_noise(COMMAND, filter_values(MOVED + NOISE, corner, order), 1.0 / RATE)
+    assert result.delay == pytest.approx(LowPass(corner=corner, order=order).delay, rel=0.15)
 
 
 def test_noise_that_is_white_slow_or_of_a_converter_shows_none():
@@ -41,14 +41,14 @@ def test_noise_that_is_white_slow_or_of_a_converter_shows_none():
         MOVED + NOISE,
         MOVED + slow,
         step * np.round((MOVED + NOISE) / step),
-        passed(MOVED, 80.0) + NOISE,  # the filter comes before the noise
+        filter_values(MOVED, 80.0) + NOISE,  # the filter comes before the noise
         MOVED,
     ):
         assert filter_of_noise(COMMAND, read, 1.0 / RATE) is None
 
 
 def test_a_reading_that_stands_still_at_times_shows_none():
-    read = passed(MOVED + NOISE, 80.0)
+    read = filter_values(MOVED + NOISE, 80.0)
     read[1::20] = read[0:-1:20]
     assert filter_of_noise(COMMAND, read, 1.0 / RATE) is None
 
@@ -60,14 +60,14 @@ def test_its_power_falls_by_half_at_the_corner():
 
 @pytest.mark.slow
 def test_the_interval_holds_the_error_with_and_without_its_delay_until_filters_are_stated():
-    read = passed(MOVED + NOISE, 60.0)
+    read = filter_values(MOVED + NOISE, 60.0)
     recording = Recording(command=COMMAND, measured=read, time_step=1.0 / RATE)
     structure = Structure(frequency=1.0, damping_ratio=0.05)
 
-    def asked(stated):
+    def asked(stated_values):
         question = Question(
             structure=structure,
-            stated=stated,
+            stated=stated_values,
             equipment=ordinary_equipment(),
             metric=Metric.RMS,
             threshold=0.05,
@@ -77,9 +77,9 @@ def test_the_interval_holds_the_error_with_and_without_its_delay_until_filters_a
         )
         return error_of_test(recording, question)
 
-    error, stated = asked({}), asked({"filter_delay": StatedValue(0.0, 0.05)})
+    error, stated_values = asked({}), asked({"filter_delay": StatedValue(0.0, 0.05)})
     late = scipy.signal.lfilter(*scipy.signal.butter(2, 60.0, fs=RATE), COMMAND)
-    without = error_of_test(
+    bare = error_of_test(
         Recording(command=late, measured=read, time_step=1.0 / RATE),
         Question(
             structure=structure,
@@ -91,7 +91,7 @@ def test_the_interval_holds_the_error_with_and_without_its_delay_until_filters_a
             seed=0,
         ),
     )
-    assert error.rebuilt.rms.low < without.rebuilt.rms.value < 0.6 * error.rebuilt.rms.value
-    assert stated.rebuilt.rms.low > without.rebuilt.rms.value
+    assert error.rebuilt.rms.low < bare.rebuilt.rms.value < 0.6 * error.rebuilt.rms.value
+    assert stated_values.rebuilt.rms.low > bare.rebuilt.rms.value
     assert "open_filter" in error.sizes
-    assert "open_filter" not in stated.sizes
+    assert "open_filter" not in stated_values.sizes

@@ -35,49 +35,49 @@ def noisy(values, level=0.01):
 
 
 @pytest.fixture(scope="module", params=[1.0, 0.5])
-def recorded(request):
+def channels(request):
     lab = Lab(1.2, 0.03, request.param, DELAY, (0.997, 0.001, 0.0, 0.0))
     return lab, run(lab, synthetic_ground(6, 20.0))
 
 
-@pytest.mark.parametrize("with_force", [True, False])
-def test_frequency_and_damping_come_back_from_noisy_channels(recorded, with_force):
-    lab, outcome = recorded
-    stated = Structure(frequency=1.02 * lab.f, damping_ratio=lab.xi, experimental_fraction=lab.alpha)
-    found = identify(
+@pytest.mark.parametrize("force_case", [True, False])
+def test_frequency_and_damping_come_back_from_noisy_channels(channels, force_case):
+    lab, outcome = channels
+    stated_values = Structure(frequency=1.02 * lab.f, damping_ratio=lab.xi, experimental_fraction=lab.alpha)
+    result = identify(
         outcome.command,
         noisy(outcome.measured),
         noisy(outcome.ground),
         STEP,
-        stated,
-        force=noisy(outcome.force) if with_force else None,
+        stated_values,
+        force=noisy(outcome.force) if force_case else None,
     )
-    assert found.frequency.value == pytest.approx(lab.f, rel=0.002)
-    assert found.damping_ratio.value == pytest.approx(lab.xi, rel=0.05)
-    assert found.disagreements() == ("frequency",)
-    if with_force:
-        assert found.experimental_fraction.value == pytest.approx(lab.alpha, abs=0.01)
+    assert result.frequency.value == pytest.approx(lab.f, rel=0.002)
+    assert result.damping_ratio.value == pytest.approx(lab.xi, rel=0.05)
+    assert result.disagreements() == ("frequency",)
+    if force_case:
+        assert result.experimental_fraction.value == pytest.approx(lab.alpha, abs=0.01)
 
 
-def test_right_parameters_are_not_contradicted(recorded):
-    lab, outcome = recorded
-    stated = Structure(frequency=lab.f, damping_ratio=lab.xi, experimental_fraction=lab.alpha)
-    found = identify(
+def test_right_parameters_are_not_contradicted(channels):
+    lab, outcome = channels
+    stated_values = Structure(frequency=lab.f, damping_ratio=lab.xi, experimental_fraction=lab.alpha)
+    result = identify(
         outcome.command,
         noisy(outcome.measured),
         noisy(outcome.ground),
         STEP,
-        stated,
+        stated_values,
         force=noisy(outcome.force),
     )
-    assert found.disagreements() == ()
-    assert found.frequency.deviation < 0.002 * lab.f
+    assert result.disagreements() == ()
+    assert result.frequency.deviation < 0.002 * lab.f
 
 
 def test_a_late_force_is_found():
     lab = Lab(1.0, 0.02, 1.0, DELAY, (1.0, 0.0005, 0.0, 0.0), feedback_lag=0.0005)
     outcome = run(lab, synthetic_ground(6, 20.0))
-    found = identify(
+    result = identify(
         outcome.command,
         outcome.measured,
         outcome.ground,
@@ -85,8 +85,8 @@ def test_a_late_force_is_found():
         Structure(frequency=1.0, damping_ratio=0.02),
         force=outcome.force,
     )
-    assert found.feedback_lag.value == pytest.approx(0.0005, rel=0.02)
-    assert "feedback_lag" in found.disagreements()
+    assert result.feedback_lag.value == pytest.approx(0.0005, rel=0.02)
+    assert "feedback_lag" in result.disagreements()
 
 
 def specimens():
@@ -120,8 +120,8 @@ def test_a_nonlinear_specimen_is_seen_and_its_model_gives_the_error(kind):
     linear = rebuild(outcome.command, noisy(outcome.measured), STEP, structure)
     check = examine_specimen(linear.histories.measured, noisy(outcome.force), STEP, 1.0)
     assert check.nonlinear
-    modelled = rebuild_with_specimen(outcome.command, outcome.measured, STEP, test, draws=2)
-    assert modelled.rms.value == pytest.approx(outcome.rms, rel=0.01)
+    model_error = rebuild_with_specimen(outcome.command, outcome.measured, STEP, test, draws=2)
+    assert model_error.rms.value == pytest.approx(outcome.rms, rel=0.01)
     assert abs(linear.rms.value / outcome.rms - 1.0) > 0.03
 
 
@@ -147,10 +147,10 @@ def test_a_wider_posterior_widens_the_interval():
             "stiffness_n_per_m": share * specimen.stiffness,
             "coulomb_friction.force_n": share * 0.15,
         }
-        found = rebuild_with_specimen(
+        result = rebuild_with_specimen(
             outcome.command, outcome.measured, STEP, test, deviations=deviations, draws=16
         )
-        widths.append(found.rms.high - found.rms.low)
+        widths.append(result.rms.high - result.rms.low)
     assert widths[1] > 2.0 * widths[0] > 0.0
 
 

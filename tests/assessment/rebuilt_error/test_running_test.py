@@ -24,17 +24,17 @@ TIME = STEP * np.arange(1500)
 COMMAND = 0.01 * np.sin(W0 * TIME) * (1.0 + 0.3 * np.sin(0.9 * TIME))
 
 
-def sums_of(command, strayed, *, moved=1000.0, share=1.0):
+def sums_of(command, error, *, displacement=1000.0, share=1.0):
     """Forgetting sums of the products of x_c, x_c' and x_m − x_c; `share` of the largest power."""
-    rows = np.stack([command, np.gradient(command, STEP), strayed])
+    rows = np.stack([command, np.gradient(command, STEP), error])
     weight = MODE.forgetting ** np.arange(command.size - 1, -1, -1)
     steps = np.diff(rows)
     moments = np.stack([(weight * rows) @ rows.T, (weight[1:] * steps) @ steps.T])
-    return Sums(moments=moments, weight=weight.sum(), moved=moved, power=moments[0, 1, 1] / share)
+    return Sums(moments=moments, weight=weight.sum(), moved=displacement, power=moments[0, 1, 1] / share)
 
 
-def net_of(strayed, **how):
-    return net_damping(MODE, sums_of(COMMAND, strayed, **how), 1)
+def net_of(error, **manner):
+    return net_damping(MODE, sums_of(COMMAND, error, **manner), 1)
 
 
 @pytest.mark.parametrize("slope", [-0.004, 0.003, 0.0])
@@ -42,19 +42,19 @@ def test_net_damping_is_that_of_the_pole_with_the_error(slope):
     """s² + 2ξω₀s + ω₀² + αω₀²(a + b s) = 0; its error is that of weighted least squares."""
     noise = 2e-5 * np.random.default_rng(1).standard_normal(TIME.size)
     velocity = np.gradient(COMMAND, STEP)
-    strayed = -0.03 * COMMAND + slope * velocity + noise
-    found = net_of(strayed)
+    error = -0.03 * COMMAND + slope * velocity + noise
+    result = net_of(error)
     weight = MODE.forgetting ** np.arange(TIME.size - 1, -1, -1)
     basis, power = np.stack([COMMAND, velocity]), np.sqrt(weight)
-    (a, b), rest, _, _ = np.linalg.lstsq((basis * power).T, strayed * power, rcond=None)
+    (a, b), remainder, _, _ = np.linalg.lstsq((basis * power).T, error * power, rcond=None)
     pole = np.roots([1.0, 2.0 * XI * W0 + SHARE * W0**2 * b, W0**2 * (1.0 + SHARE * a)])[0]
-    assert found.ratio == pytest.approx(-pole.real / W0)
-    assert found.ratio == pytest.approx(XI + 0.5 * SHARE * W0 * slope, abs=2e-3)
-    residual = strayed - np.array([a, b]) @ basis
+    assert result.ratio == pytest.approx(-pole.real / W0)
+    assert result.ratio == pytest.approx(XI + 0.5 * SHARE * W0 * slope, abs=2e-3)
+    residual = error - np.array([a, b]) @ basis
     rough = min((weight[1:] @ np.diff(residual) ** 2) / (weight @ residual**2), 1.0)
     independent = weight.sum() * max(rough / (4.0 - rough), 8.0 * STEP * FREQUENCY)
-    variance = np.linalg.inv((basis * weight) @ basis.T)[1, 1] * rest[0] / independent
-    assert found.deviation == pytest.approx(0.5 * SHARE * W0 * np.sqrt(variance), rel=0.02)
+    variance = np.linalg.inv((basis * weight) @ basis.T)[1, 1] * remainder[0] / independent
+    assert result.deviation == pytest.approx(0.5 * SHARE * W0 * np.sqrt(variance), rel=0.02)
 
 
 @pytest.mark.parametrize(
@@ -64,8 +64,8 @@ def test_a_loop_is_near_instability_where_noise_does_not_explain_the_damping_tha
     """With a tenth of the damping left; where noise leaves the damping open it is not said."""
     slope = 2.0 * XI * (share - 1.0) / (SHARE * W0)
     rng = np.random.default_rng(2)
-    strayed = slope * np.gradient(COMMAND, STEP) + noise * rng.standard_normal(TIME.size)
-    assert net_of(strayed).near is near
+    error = slope * np.gradient(COMMAND, STEP) + noise * rng.standard_normal(TIME.size)
+    assert net_of(error).near is near
 
 
 @pytest.mark.slow
@@ -74,7 +74,9 @@ def test_more_windows_need_more_standard_errors_and_all_together_are_wrong_once_
     for modes in (1, 3):
         allowed = []
         for window in range(1, 400):
-            net = net_damping(MODE, sums_of(COMMAND, noise, moved=(window - 0.5) * 3.0 * MODE.samples), modes)
+            net = net_damping(
+                MODE, sums_of(COMMAND, noise, displacement=(window - 0.5) * 3.0 * MODE.samples), modes
+            )
             allowed.append(scipy.stats.norm.sf((net.high - net.ratio) / net.deviation))
         assert allowed[0] == pytest.approx(0.005 / modes)
         assert np.all(np.diff(allowed) < 0.0)
@@ -91,8 +93,8 @@ def test_an_alarm_needs_half_of_the_largest_power(share, large):
 def test_an_alarm_needs_an_error_that_noise_does_not_hide():
     slope = -4.0 * XI / (SHARE * W0) * np.gradient(COMMAND, STEP)
     noise = np.random.default_rng(4).standard_normal(TIME.size)
-    known = [bool(net_of(slope + level * noise).known) for level in (1e-5, 1e-3, 1e-1)]
-    assert known == [True, True, False]
+    reference = [bool(net_of(slope + level * noise).known) for level in (1e-5, 1e-3, 1e-1)]
+    assert reference == [True, True, False]
     assert EnergyAlarm(smallest=0.0).look(replace(net_of(slope), known=True))
     assert not EnergyAlarm(smallest=0.0).look(replace(net_of(slope), known=False))
 
@@ -162,18 +164,18 @@ def frame_of(share):
 def test_the_net_damping_of_a_mode_of_a_frame_is_that_of_its_pole(place):
     """The error moves the other mode as well, by whose motion it is changed."""
     frame = frame_of(0.6)
-    mode = next(one for one in select_modes(frame, STEP) if one.place == place)
+    mode = next(single for single in select_modes(frame, STEP) if single.place == place)
     a, b = -0.1, -0.02
     error = frame.interface @ frame.specimen_stiffness @ frame.interface.T
-    whole, coupled = frame.stiffness + a * error, frame.damping + b * error
-    companion = np.block([[np.zeros((2, 2)), np.eye(2)], [-whole, -coupled]])
+    full_test, coupled_test = frame.stiffness + a * error, frame.damping + b * error
+    companion = np.block([[np.zeros((2, 2)), np.eye(2)], [-full_test, -coupled_test]])
     exact = np.sort_complex(np.linalg.eigvals(companion))
     exact = exact[exact.imag > 0.0][np.argsort(exact[exact.imag > 0.0].imag)][place]
     time = STEP * np.arange(4000)
     command = np.exp(exact.real * (time - time[-1])) * np.sin(exact.imag * time)
     rows = np.stack([command, np.gradient(command, STEP)])
-    found = net_damping(mode, sums_of(command, a * rows[0] + b * rows[1]), 2)
-    assert found.ratio == pytest.approx(-exact.real / mode.circular_frequency, rel=1e-3, abs=1e-5)
+    result = net_damping(mode, sums_of(command, a * rows[0] + b * rows[1]), 2)
+    assert result.ratio == pytest.approx(-exact.real / mode.circular_frequency, rel=1e-3, abs=1e-5)
 
 
 def test_the_mode_with_the_shortest_critical_delay_comes_first_and_no_more_than_three_are_watched():
@@ -193,8 +195,8 @@ def test_the_mode_with_the_shortest_critical_delay_comes_first_and_no_more_than_
     assert [mode.place for mode in coarse] == [0]  # a period of the others has fewer than five samples
 
 
-def fed(size, **stated):
-    monitor = Monitor(STRUCTURE, STEP, **stated)
+def fed(size, **stated_values):
+    monitor = Monitor(STRUCTURE, STEP, **stated_values)
     command = 0.01 * np.sin(W0 * STEP * np.arange(size))
     monitor.feed(command, 0.98 * command)
     return monitor
@@ -233,15 +235,15 @@ def test_the_error_is_judged_by_the_low_end_and_when_its_peak_has_stood_for_12_s
     monitor = Monitor(STRUCTURE, STEP)
     time = STEP * np.arange(4000)
     command = np.minimum(time / 5.0, 1.0) * 0.01 * np.sin(W0 * time)
-    measured = 0.98 * command + 1e-4 * np.random.default_rng(4).standard_normal(4000)
+    measured_displacement = 0.98 * command + 1e-4 * np.random.default_rng(4).standard_normal(4000)
     assert not monitor.exceeds(1e-9, metric)
-    monitor.feed(command[:2500], measured[:2500])
+    monitor.feed(command[:2500], measured_displacement[:2500])
     assert not monitor.exceeds(1e-9, metric)
     low = monitor.ask(draws=8).estimate(metric).low
     assert monitor._running.sums.calm * STEP >= 12.0  # noqa: SLF001
     assert monitor.exceeds(0.499 * low, metric)
     assert not monitor.exceeds(0.501 * low, metric)
-    monitor.feed(10.0 * command[2500:2600], 10.0 * measured[2500:2600])
+    monitor.feed(10.0 * command[2500:2600], 10.0 * measured_displacement[2500:2600])
     assert not monitor.exceeds(1e-9, metric)
 
 
@@ -256,43 +258,50 @@ def long():
     return command, 0.99 * late + 1e-4 * rng.standard_normal(time.size)
 
 
-def estimates(long, whole, stretch):
+def estimates(long, full_test, stretch):
     """Errors after the same samples: of a running test in stretches, and at once."""
-    command, measured = (history[:whole] for history in long)
+    command, measured_displacement = (history[:full_test] for history in long)
     tolerances = Tolerances(frequency=0.01)
-    at_once = rebuild(command, measured, STEP, STRUCTURE, tolerances=tolerances, draws=64)
+    single_run = rebuild(command, measured_displacement, STEP, STRUCTURE, tolerances=tolerances, draws=64)
     monitor = Monitor(STRUCTURE, STEP, stretch=stretch, tolerances=tolerances)
-    monitor.feed(command, measured)
-    assert (monitor._before is None) == (whole <= 2 * stretch)  # noqa: SLF001
+    monitor.feed(command, measured_displacement)
+    assert (monitor._before is None) == (full_test <= 2 * stretch)  # noqa: SLF001
     error = monitor.ask(draws=64)
-    return [(error.estimate(metric), at_once.estimate(metric)) for metric in Metric]
+    return [(error.estimate(metric), single_run.estimate(metric)) for metric in Metric]
 
 
 def test_a_test_of_two_stretches_has_the_interval_of_the_whole(long):
-    for running, whole in estimates(long, 4000, 2000):
-        assert running == whole
+    for running, full_test in estimates(long, 4000, 2000):
+        assert running == full_test
 
 
-@pytest.mark.parametrize("whole", [6000, *(pytest.param(n, marks=pytest.mark.slow) for n in (8600, 9000))])
-def test_a_longer_test_learns_its_frequency_from_two_stretches_and_has_the_error_of_the_whole(long, whole):
-    for one, other in estimates(long, whole, 2000):
-        assert one.value == pytest.approx(other.value, rel=0.03)
-        width = other.high - other.low
-        assert abs(one.low - other.low) < width
-        assert abs(one.high - other.high) < width
-        assert one.high - one.low < 2.0 * width
+@pytest.mark.parametrize(
+    "full_test", [6000, *(pytest.param(n, marks=pytest.mark.slow) for n in (8600, 9000))]
+)
+def test_a_longer_test_learns_its_frequency_from_two_stretches_and_has_the_error_of_the_whole(
+    long, full_test
+):
+    for single, second in estimates(long, full_test, 2000):
+        assert single.value == pytest.approx(second.value, rel=0.03)
+        width = second.high - second.low
+        assert abs(single.low - second.low) < width
+        assert abs(single.high - second.high) < width
+        assert single.high - single.low < 2.0 * width
 
 
 def test_a_rest_that_is_forgotten_still_counts_as_time():
     time = STEP * np.arange(3000)
     command = np.concatenate([np.zeros(3500), 0.01 * np.sin(W0 * time)])
-    measured = 0.97 * command + 0.004
+    measured_displacement = 0.97 * command + 0.004
     monitor = Monitor(STRUCTURE, STEP, stretch=1000)
-    monitor.feed(command, measured)
-    error, whole = monitor.ask(draws=16), rebuild(command, measured, STEP, STRUCTURE, draws=16)
-    assert error.start.offset == pytest.approx(whole.start.offset, rel=1e-3)
-    assert error.rms.value == pytest.approx(whole.rms.value, rel=0.02)
-    assert monitor.now.rms == pytest.approx(whole.rms.value, rel=0.02)
+    monitor.feed(command, measured_displacement)
+    error, full_test = (
+        monitor.ask(draws=16),
+        rebuild(command, measured_displacement, STEP, STRUCTURE, draws=16),
+    )
+    assert error.start.offset == pytest.approx(full_test.start.offset, rel=1e-3)
+    assert error.rms.value == pytest.approx(full_test.rms.value, rel=0.02)
+    assert monitor.now.rms == pytest.approx(full_test.rms.value, rel=0.02)
 
 
 def test_a_lag_longer_than_what_is_kept_is_refused():
@@ -311,10 +320,10 @@ def test_no_error_is_stated_of_the_noise_in_a_rest_before_the_motion():
     time = STEP * np.arange(4000)
     motion = 0.01 * np.sin(W0 * time) * np.minimum(time / 6.0, 1.0)
     command = np.concatenate([1e-9 * rng.standard_normal(3200), motion])
-    measured = 0.997 * command + 2e-5 * rng.standard_normal(command.size)
+    measured_displacement = 0.997 * command + 2e-5 * rng.standard_normal(command.size)
     monitor, stated_at_rest = Monitor(STRUCTURE, STEP), []
     for begin in range(0, command.size, 64):
-        monitor.feed(command[begin : begin + 64], measured[begin : begin + 64])
+        monitor.feed(command[begin : begin + 64], measured_displacement[begin : begin + 64])
         if monitor.due:
             monitor.ask(draws=16)
         stated_at_rest.append(begin < 3200 and monitor.result is not None)

@@ -49,10 +49,10 @@ def model(**changes):
 
 def test_a_linear_model_gives_the_error_of_the_linear_equation(outcome):
     linear = rebuild(outcome.command, outcome.measured, STEP, STRUCTURE)
-    modelled = rebuild_with_specimen(outcome.command, outcome.measured, STEP, model(), draws=4)
-    assert modelled.rms.value == pytest.approx(linear.rms.value, rel=1e-3)
-    assert modelled.mte.value == pytest.approx(linear.mte.value, rel=2e-3)
-    assert np.abs(modelled.error - linear.error).max() < 2e-3 * np.abs(linear.error).max()
+    model_error = rebuild_with_specimen(outcome.command, outcome.measured, STEP, model(), draws=4)
+    assert model_error.rms.value == pytest.approx(linear.rms.value, rel=1e-3)
+    assert model_error.mte.value == pytest.approx(linear.mte.value, rel=2e-3)
+    assert np.abs(model_error.error - linear.error).max() < 2e-3 * np.abs(linear.error).max()
 
 
 @pytest.mark.default_cases(1)
@@ -61,11 +61,13 @@ def test_a_linear_model_gives_the_error_of_the_linear_equation(outcome):
     [{"sensor_scale": 0.004}, {"time_shift": 6e-4}, {"sensor_offset": 2e-4}, {"damping_ratio": 0.1}],
 )
 def test_tolerances_of_a_linear_model_widen_as_those_of_the_linear_equation(outcome, tolerances):
-    given = (outcome.command, outcome.measured, STEP)
-    stated = Tolerances(**tolerances)
-    linear = rebuild(*given, STRUCTURE, tolerances=stated, sensor_offset=0.0, draws=64)
-    modelled = rebuild_with_specimen(*given, model(), tolerances=stated, sensor_offset=0.0, draws=32)
-    ratio = np.median(modelled.draws.deviation[500:]) / np.median(linear.draws.deviation[500:])
+    arguments = (outcome.command, outcome.measured, STEP)
+    stated_values = Tolerances(**tolerances)
+    linear = rebuild(*arguments, STRUCTURE, tolerances=stated_values, sensor_offset=0.0, draws=64)
+    model_error = rebuild_with_specimen(
+        *arguments, model(), tolerances=stated_values, sensor_offset=0.0, draws=32
+    )
+    ratio = np.median(model_error.draws.deviation[500:]) / np.median(linear.draws.deviation[500:])
     assert ratio == pytest.approx(1.0, abs=0.3)
 
 
@@ -73,34 +75,34 @@ def test_draws_of_a_model_have_the_stated_deviations():
     perfect = model(effects=(FRICTION,))
     deviations = {"stiffness_n_per_m": 1.5, "coulomb_friction.force_n": 0.01}
     rng = np.random.default_rng(1)
-    drawn = [
+    draws = [
         _draw_model(perfect, deviations, frequency, ratio, rng)
         for frequency, ratio in rng.standard_normal((400, 2)) * [0.02, 0.1]
     ]
     spread = {
-        "frequency": ([one.structure.frequency for one in drawn], 1.0, 0.02),
-        "damping": ([one.structure.damping_ratio for one in drawn], 0.04, 0.004),
-        "stiffness": ([one.specimen.stiffness for one in drawn], 0.7 * W0**2, 1.5),
-        "force": ([one.effects[0].values[0] for one in drawn], 0.15, 0.01),
+        "frequency": ([single.structure.frequency for single in draws], 1.0, 0.02),
+        "damping": ([single.structure.damping_ratio for single in draws], 0.04, 0.004),
+        "stiffness": ([single.specimen.stiffness for single in draws], 0.7 * W0**2, 1.5),
+        "force": ([single.effects[0].values[0] for single in draws], 0.15, 0.01),
     }
     for name, (values, mean, deviation) in spread.items():
         assert np.mean(values) == pytest.approx(mean, abs=0.2 * deviation), name
         assert np.std(values) == pytest.approx(deviation, rel=0.15), name
-    assert len({float(one.effects[0].values[1]) for one in drawn}) == 1
+    assert len({float(single.effects[0].values[1]) for single in draws}) == 1
 
 
 def test_draws_stay_positive():
     rng = np.random.default_rng(2)
     wild = {"stiffness_n_per_m": 1e3, "coulomb_friction.regularisation_velocity_m_per_s": 10.0}
-    drawn = [
+    draws = [
         _draw_model(model(effects=(FRICTION,)), wild, frequency, ratio, rng)
         for frequency, ratio in rng.standard_normal((50, 2)) * [30.0, 90.0]
     ]
-    assert min(one.structure.frequency for one in drawn) == pytest.approx(0.05)
-    assert min(one.structure.damping_ratio for one in drawn) == pytest.approx(0.05 * 0.04)
-    assert max(one.structure.damping_ratio for one in drawn) == 0.99
-    assert min(one.specimen.stiffness for one in drawn) == 0.0
-    assert min(float(one.effects[0].values[1]) for one in drawn) == pytest.approx(0.05 * 0.01)
+    assert min(single.structure.frequency for single in draws) == pytest.approx(0.05)
+    assert min(single.structure.damping_ratio for single in draws) == pytest.approx(0.05 * 0.04)
+    assert max(single.structure.damping_ratio for single in draws) == 0.99
+    assert min(single.specimen.stiffness for single in draws) == 0.0
+    assert min(float(single.effects[0].values[1]) for single in draws) == pytest.approx(0.05 * 0.01)
 
 
 def test_the_tangent_structure_is_per_unit_mass():
@@ -109,13 +111,13 @@ def test_the_tangent_structure_is_per_unit_mass():
     assert tangent.mass[0, 0] == pytest.approx(1.0 + 0.125)
     assert tangent.stiffness[0, 0] == pytest.approx(0.3 * W0**2 + 20.0)
     assert tangent.damping[0, 0] == pytest.approx(2.0 * 0.04 * W0 + 0.75)
-    held = (tangent.specimen_stiffness, tangent.specimen_damping, tangent.specimen_mass)
-    assert held == pytest.approx((20.0, 0.75, 0.125))
+    coverage = (tangent.specimen_stiffness, tangent.specimen_damping, tangent.specimen_mass)
+    assert coverage == pytest.approx((20.0, 0.75, 0.125))
 
 
 def test_draws_are_simulated_at_200_samples_a_second_and_80_a_period():
-    for frequency, every in ((1.0, 5), (4.0, 3), (40.0, 1)):
-        assert samples_in_step_of_simulation(frequency, STEP) == every
+    for frequency, stride in ((1.0, 5), (4.0, 3), (40.0, 1)):
+        assert samples_in_step_of_simulation(frequency, STEP) == stride
 
 
 def test_a_slider_holds_at_its_limit_and_returns_elastically():
@@ -140,34 +142,39 @@ def test_a_force_of_given_shapes_leaves_what_they_do_not_hold():
 
 def test_shares_of_a_cubic_force_are_those_of_least_squares():
     time = np.arange(0.0, 40.0, 0.005)
-    moved = 0.03 * np.sin(6.0 * time) * (1.2 + np.sin(0.3 * time))
-    cubic = 3e4 * moved**3
-    check = examine_specimen(moved, 40.0 * moved + cubic, 0.005, 1.0)
-    basis = np.stack([moved, np.gradient(moved, 0.005), np.ones(time.size)]).T
-    left = cubic - basis @ np.linalg.lstsq(basis, cubic, rcond=None)[0]
-    power = np.mean((40.0 * moved + cubic) ** 2)
+    displacement = 0.03 * np.sin(6.0 * time) * (1.2 + np.sin(0.3 * time))
+    cubic = 3e4 * displacement**3
+    check = examine_specimen(displacement, 40.0 * displacement + cubic, 0.005, 1.0)
+    basis = np.stack([displacement, np.gradient(displacement, 0.005), np.ones(time.size)]).T
+    remainder = cubic - basis @ np.linalg.lstsq(basis, cubic, rcond=None)[0]
+    power = np.mean((40.0 * displacement + cubic) ** 2)
     assert check.nonlinear
-    assert check.linear_residual == pytest.approx(np.sqrt(np.mean(left**2) / power), rel=0.1)
+    assert check.linear_residual == pytest.approx(np.sqrt(np.mean(remainder**2) / power), rel=0.1)
     assert check.share == pytest.approx(check.linear_residual, rel=0.02)
     assert check.gain > 0.98
 
 
 def test_what_is_not_a_specimen_is_refused_or_linear():
     time = np.arange(0.0, 4.0, 0.005)
-    moved = np.sin(6.0 * time)
-    nothing = examine_specimen(moved, np.zeros(time.size), 0.005, 1.0)
+    displacement = np.sin(6.0 * time)
+    nothing = examine_specimen(displacement, np.zeros(time.size), 0.005, 1.0)
     assert (nothing.nonlinear, nothing.share, nothing.gain, nothing.linear_residual) == (False, 0.0, 0.0, 0.0)
     with pytest.raises(InputError, match="the same length"):
-        examine_specimen(moved, moved[1:], 0.005, 1.0)
+        examine_specimen(displacement, displacement[1:], 0.005, 1.0)
     with pytest.raises(InputError, match="at least 4 periods"):
-        examine_specimen(moved[:-1], moved[:-1], 0.005, 1.0)
+        examine_specimen(displacement[:-1], displacement[:-1], 0.005, 1.0)
     # 0.4 % of the force is the least that is called nonlinear
     time = np.arange(0.0, 40.0, 0.005)
-    moved = np.sin(6.0 * time) * np.sin(0.1 * time)
+    displacement = np.sin(6.0 * time) * np.sin(0.1 * time)
     for factor, nonlinear in ((0.5, False), (2.0, True)):
-        whole = examine_specimen(moved, 40.0 * moved + 1.0 * moved**3, 0.005, 1.0)
-        small = factor * 0.004 / whole.share
-        assert examine_specimen(moved, 40.0 * moved + small * moved**3, 0.005, 1.0).nonlinear is nonlinear
+        full_test = examine_specimen(displacement, 40.0 * displacement + 1.0 * displacement**3, 0.005, 1.0)
+        small = factor * 0.004 / full_test.share
+        assert (
+            examine_specimen(
+                displacement, 40.0 * displacement + small * displacement**3, 0.005, 1.0
+            ).nonlinear
+            is nonlinear
+        )
 
 
 @pytest.mark.parametrize(
@@ -199,18 +206,18 @@ def test_a_structure_whose_interface_no_mode_moves_is_pushed_as_a_whole():
 
 def test_a_frame_of_one_degree_of_freedom_is_its_structure():
     spring = Specimen(stiffness=5.0 * STRUCTURE.experimental_fraction * STRUCTURE.circular_frequency**2)
-    whole = Partition.from_frame(Frame.from_structure(STRUCTURE, mass=5.0), np.ones(1), spring)
+    full_test = Partition.from_frame(Frame.from_structure(STRUCTURE, mass=5.0), np.ones(1), spring)
     single = Partition.from_structure(STRUCTURE)
-    assert whole.natural_frequencies == pytest.approx(single.natural_frequencies)
+    assert full_test.natural_frequencies == pytest.approx(single.natural_frequencies)
     s = np.array([1.0 + 3.0j, 20.0j])
-    assert whole.error_transfer(s) == pytest.approx(single.error_transfer(s))
-    assert whole_structure(whole) is whole
+    assert full_test.error_transfer(s) == pytest.approx(single.error_transfer(s))
+    assert whole_structure(full_test) is full_test
 
 
 def test_what_lies_between_simulated_samples_counts(outcome):
     """Simulated at every 40th sample without anything unknown, the errors are those of all samples."""
-    given = (outcome.command, outcome.measured, STEP)
-    fine = rebuild_with_specimen(*given, model(), draws=2)
+    arguments = (outcome.command, outcome.measured, STEP)
+    fine = rebuild_with_specimen(*arguments, model(), draws=2)
     exact = Unknown(tolerances=Tolerances(), offset=0.0, error_at_start=0.0)
     rows = fine.histories.difference[::40][np.newaxis]
     coarse = sweep_model(model(), fine.histories, {}, exact, rows, 40, seed=1)

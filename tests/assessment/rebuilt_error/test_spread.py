@@ -9,35 +9,35 @@ from reliab.assessment.rebuilt_error.spread import Spread
 from reliab.core.vocabulary import Metric
 
 
-def of_two_components(length, deviation, draws=200_000):
+def draw_two_components(length, deviation, draws=200_000):
     """Draws of the length of a vector that was read with this length and normal errors."""
     components = np.random.default_rng(3).normal([[length], [0.0]], deviation, (2, draws))
     errors = np.hypot(*components)
     return Spread(rms=errors, mte=2.0 * errors, mean=np.zeros(1), deviation=np.zeros(1))
 
 
-def probability_of_a_uniform_length(below, length, deviation):
+def probability_of_a_uniform_length(lower, length, deviation):
     """Probability of a length that was uniform before a reading whose length follows Rice's distribution."""
 
     def density(size):
-        scaled = size * length / deviation**2
-        return np.exp(-0.5 * (size - length) ** 2 / deviation**2) * ive(0, scaled)
+        scaled_copy = size * length / deviation**2
+        return np.exp(-0.5 * (size - length) ** 2 / deviation**2) * ive(0, scaled_copy)
 
-    whole = quad(density, 0.0, length + 12.0 * deviation, points=[length])[0]
-    return quad(density, 0.0, below)[0] / whole
+    full_test = quad(density, 0.0, length + 12.0 * deviation, points=[length])[0]
+    return quad(density, 0.0, lower)[0] / full_test
 
 
 @pytest.mark.parametrize(("length", "deviation"), [(0.05, 0.005), (0.05, 0.02), (0.02, 0.02)])
 def test_weighted_draws_are_those_of_a_uniform_length(length, deviation):
-    spread = of_two_components(length, deviation)
-    for below in (0.7 * length, length, 1.3 * length):
-        expected = probability_of_a_uniform_length(below, length, deviation)
-        assert spread.probability_below(below, Metric.RMS) == pytest.approx(expected, abs=0.01)
-        assert spread.probability_below(2.0 * below, Metric.MTE) == pytest.approx(expected, abs=0.01)
+    spread = draw_two_components(length, deviation)
+    for lower in (0.7 * length, length, 1.3 * length):
+        expected = probability_of_a_uniform_length(lower, length, deviation)
+        assert spread.probability_below(lower, Metric.RMS) == pytest.approx(expected, abs=0.01)
+        assert spread.probability_below(2.0 * lower, Metric.MTE) == pytest.approx(expected, abs=0.01)
 
 
 def test_the_ends_of_the_interval_have_the_stated_probability():
-    spread = of_two_components(0.05, 0.02)
+    spread = draw_two_components(0.05, 0.02)
     for metric in Metric:
         low, high = spread.interval(metric)
         assert spread.probability_below(low, metric) == pytest.approx(0.05, abs=1e-3)

@@ -19,27 +19,27 @@ SHARE = 0.6
 WHITE, SLOW = 1e-5, 2e-6
 
 
-def vibrating(rest, size=4096, seed=1):
-    """A command that stands for `rest` samples and then moves by 1 cm about zero."""
-    time = STEP * np.arange(size - rest)
+def vibrating(remainder, size=4096, seed=1):
+    """A command that stands for `remainder` samples and then moves by 1 cm about zero."""
+    time = STEP * np.arange(size - remainder)
     rng = np.random.default_rng(seed)
     waves = [
         np.sin(2.0 * np.pi * f * time + p)
         for f, p in zip(rng.uniform(0.7, 2.0, 6), rng.uniform(0, 6, 6), strict=True)
     ]
-    moved = np.minimum(time, 1.0) ** 2 * np.mean(waves, axis=0)
-    return np.concatenate([np.zeros(rest), 0.01 * moved / np.abs(moved).max()])
+    displacement = np.minimum(time, 1.0) ** 2 * np.mean(waves, axis=0)
+    return np.concatenate([np.zeros(remainder), 0.01 * displacement / np.abs(displacement).max()])
 
 
-def examined(command, measured, white=WHITE, slow=SLOW, share=SHARE):
-    return examine_start(command, measured, STEP, FREQUENCY, white, slow, share)
+def examine(command, measured_displacement, white=WHITE, slow=SLOW, share=SHARE):
+    return examine_start(command, measured_displacement, STEP, FREQUENCY, white, slow, share)
 
 
-@pytest.mark.parametrize("rest", [200, 700])
-def test_an_offset_of_the_sensor_is_the_mean_of_the_rest(rest):
-    command = vibrating(rest)
+@pytest.mark.parametrize("remainder", [200, 700])
+def test_an_offset_of_the_sensor_is_the_mean_of_the_rest(remainder):
+    command = vibrating(remainder)
     noise = WHITE * np.random.default_rng(2).standard_normal(command.size)
-    start = examined(command, command + 5e-4 + noise)
+    start = examine(command, command + 5e-4 + noise)
     assert start.at_rest
     assert start.standing == start.amplitude == 0.0
     still = int(np.argmax(np.abs(command) > 2e-3 * np.abs(command).max()))
@@ -49,7 +49,7 @@ def test_an_offset_of_the_sensor_is_the_mean_of_the_rest(rest):
 
 def test_at_most_a_quarter_of_the_record_counts_as_rest():
     command = vibrating(2000)
-    start = examined(command, command + 5e-4)
+    start = examine(command, command + 5e-4)
     assert start.offset_deviation == pytest.approx(np.hypot(WHITE / np.sqrt(1024), SLOW))
 
 
@@ -58,10 +58,10 @@ def test_an_offset_within_the_noise_is_left_and_remains_uncertain():
     still = int(np.argmax(np.abs(command) > 2e-3 * np.abs(command).max()))
     deviation = np.hypot(WHITE / np.sqrt(still), SLOW)
     motion = np.abs(command[:still]).max()
-    for factor, taken in ((0.99, False), (1.01, True)):
+    for factor, duration in ((0.99, False), (1.01, True)):
         offset = factor * (4.0 * deviation + motion)
-        start = examined(command, command + offset)
-        assert start.offset == pytest.approx(offset if taken else 0.0)
+        start = examine(command, command + offset)
+        assert start.offset == pytest.approx(offset if duration else 0.0)
 
 
 def test_an_offset_in_the_loop_is_an_error_and_nothing_is_taken_away():
@@ -70,10 +70,10 @@ def test_an_offset_in_the_loop_is_an_error_and_nothing_is_taken_away():
     taper = np.minimum(STEP * np.arange(size), 1.0)
     command = vibrating(10, size) - SHARE * offset * (1.0 - np.cos(np.pi * taper)) / 2.0
     assert _loop_response(command, command + offset, offset, SHARE) is _Answer.FELT
-    assert examined(command, command + offset).offset == 0.0
+    assert examine(command, command + offset).offset == 0.0
     unmoved = vibrating(10, size)
     assert _loop_response(unmoved, unmoved + offset, offset, SHARE) is _Answer.NOT_FELT
-    start = examined(unmoved, unmoved + offset)
+    start = examine(unmoved, unmoved + offset)
     assert start.offset == pytest.approx(offset, rel=1e-6)
     assert start.offset_deviation < 0.1 * offset
 
@@ -88,7 +88,7 @@ def test_an_offset_that_the_command_cannot_judge_stays_open():
     )
     command = vibrating(10, size) + drift
     assert _loop_response(command, command + offset, offset, SHARE) is _Answer.OPEN
-    start = examined(command, command + offset)
+    start = examine(command, command + offset)
     assert start.offset == pytest.approx(offset, rel=1e-3)
     assert start.offset_deviation == pytest.approx(np.hypot(offset, SLOW), rel=0.01)
 
@@ -96,7 +96,7 @@ def test_an_offset_that_the_command_cannot_judge_stays_open():
 def test_a_command_that_stands_at_the_shifted_place_was_shifted_before_the_record():
     command = vibrating(600)
     offset = 5e-4
-    start = examined(command - SHARE * offset, command - SHARE * offset + offset)
+    start = examine(command - SHARE * offset, command - SHARE * offset + offset)
     assert start.at_rest
     assert start.standing == pytest.approx(offset)
     assert start.offset == 0.0
@@ -112,42 +112,42 @@ def test_a_command_stands_within_a_tenth_of_the_shift(place, stands):
     assert not _stands(command, offset, 2.6e-4, SHARE)
 
 
-@pytest.mark.parametrize(("fraction", "at_rest"), [(0.8e-3, True), (1.3e-3, False)])
-def test_rest_is_a_first_motion_below_a_thousandth(fraction, at_rest):
+@pytest.mark.parametrize(("fraction", "rest_error"), [(0.8e-3, True), (1.3e-3, False)])
+def test_rest_is_a_first_motion_below_a_thousandth(fraction, rest_error):
     time = STEP * np.arange(4096)
     growing = 1.0 - np.exp(-((time / 2.0) ** 4))
     command = 0.01 * (np.sin(2.0 * np.pi * time) * growing + fraction * np.cos(2.0 * np.pi * time))
-    assert examined(command, command).at_rest is at_rest
+    assert examine(command, command).at_rest is rest_error
 
 
 def test_a_test_in_motion_keeps_its_constant_as_uncertainty_unless_the_loop_felt_it():
     time = STEP * np.arange(8192)
     offset = 1e-3
     command = 0.01 * np.cos(2.0 * np.pi * time)
-    known = np.hypot(WHITE / np.sqrt(8192), SLOW)
-    start = examined(command, command + offset)
+    reference = np.hypot(WHITE / np.sqrt(8192), SLOW)
+    start = examine(command, command + offset)
     assert (start.at_rest, start.offset) == (False, 0.0)
     assert start.amplitude == pytest.approx(0.01, rel=1e-3)
-    assert start.offset_deviation == pytest.approx(np.hypot(offset, known), rel=1e-3)
-    felt = examined(command - SHARE * offset, command + (1.0 - SHARE) * offset)
-    assert felt.offset_deviation == pytest.approx(known)
+    assert start.offset_deviation == pytest.approx(np.hypot(offset, reference), rel=1e-3)
+    felt_displacement = examine(command - SHARE * offset, command + (1.0 - SHARE) * offset)
+    assert felt_displacement.offset_deviation == pytest.approx(reference)
 
 
 def test_a_period_of_ten_samples_is_enough():
-    whole = Partition(
+    full_test = Partition(
         mass=np.eye(1),
         damping=np.zeros((1, 1)),
         stiffness=np.array([[(2.0 * np.pi) ** 2]]),
         interface=np.ones(1),
         specimen_stiffness=1.0,
     )
-    assert whole.natural_frequencies[0] == 1.0
+    assert full_test.natural_frequencies[0] == 1.0
     command = np.sin(np.arange(64.0))
-    assert check_histories(command, command, 0.1, whole)[0].size == 64
+    assert check_histories(command, command, 0.1, full_test)[0].size == 64
     with pytest.raises(InputError, match="at least 10 samples"):
-        check_histories(command, command, 0.1001, whole)
+        check_histories(command, command, 0.1001, full_test)
     with pytest.raises(InputError, match="at least 64 samples"):
-        check_histories(command[1:], command[1:], 0.1, whole)
+        check_histories(command[1:], command[1:], 0.1, full_test)
 
 
 @pytest.mark.parametrize(("frequency", "step"), [(1.0, STEP), (0.25, 4.0 * STEP), (8.0, STEP / 8.0)])
@@ -156,9 +156,9 @@ def test_a_rest_concludes_once_a_structure_of_any_frequency_would_have_moved(
     frequency, step, factor, concludes
 ):
     """Its answer is four times what counts as rest; slow motion hides what the rest of the record shows."""
-    rest, size, share = 64, 4096, 0.6
-    swing = 4.0 * np.sin(2.0 * np.pi * np.arange(size - rest) / (size - rest))
-    command = np.concatenate([np.zeros(rest), vibrating(0, size - rest) + 0.01 * swing])
+    remainder, size, share = 64, 4096, 0.6
+    swing = 4.0 * np.sin(2.0 * np.pi * np.arange(size - remainder) / (size - remainder))
+    command = np.concatenate([np.zeros(remainder), vibrating(0, size - remainder) + 0.01 * swing])
     peak = np.abs(command).max()
     still = int(np.argmax(np.abs(command) > 2e-3 * peak))
     answer = 4.0 * max(np.abs(command[:still]).max(), 2e-3 * peak)

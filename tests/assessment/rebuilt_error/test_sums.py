@@ -28,7 +28,7 @@ def running(offset=OFFSET):
     return RunningError(structure, STEP, 0.0, offset)
 
 
-def by_definition(test):
+def sums_by_definition(test):
     error = test.error
     ideal = test.measured - test.offset - error
     level, doubled = 0.0, 0
@@ -42,36 +42,38 @@ def by_definition(test):
 @pytest.mark.parametrize("cuts", [(), (1,), (700, 701), (5, 1499)])
 def test_sums_are_those_of_the_error_however_the_samples_arrive(histories, cuts):
     test = running()
-    for command, measured in zip(*(np.split(history, cuts) for history in histories), strict=True):
-        test.feed(command, measured)
-        assert test.sums.values == pytest.approx(by_definition(test), rel=1e-9)
+    for command, measured_displacement in zip(
+        *(np.split(history, cuts) for history in histories), strict=True
+    ):
+        test.feed(command, measured_displacement)
+        assert test.sums.values == pytest.approx(sums_by_definition(test), rel=1e-9)
 
 
 def test_a_later_offset_changes_the_sums_to_those_of_the_changed_error(histories):
     """And what is fed after it goes on from there."""
     test = running(offset=0.0)
     test.feed(*(history[:900] for history in histories))
-    before = test.error.copy()
+    first = test.error.copy()
     test.begin_anew(OFFSET, STANDING)
-    assert np.abs(test.error - before).max() > 1e-5
-    assert test.sums.values == pytest.approx(by_definition(test), rel=1e-9)
+    assert np.abs(test.error - first).max() > 1e-5
+    assert test.sums.values == pytest.approx(sums_by_definition(test), rel=1e-9)
     test.feed(*(history[900:] for history in histories))
-    assert test.sums.values == pytest.approx(by_definition(test), rel=1e-9)
+    assert test.sums.values == pytest.approx(sums_by_definition(test), rel=1e-9)
 
 
 @pytest.mark.parametrize("count", [1, 700, 999])
 def test_what_is_forgotten_stays_in_the_sums(histories, count):
-    whole, test = running(), running()
-    for each in (whole, test):
-        each.feed(*(history[:1000] for history in histories))
+    full_test, test = running(), running()
+    for item in (full_test, test):
+        item.feed(*(history[:1000] for history in histories))
     test.forget(count)
     assert (test.kept_samples, test.size) == (1000 - count, 1000)
     assert np.array_equal(test.command, histories[0][count:1000])
-    for each in (whole, test):
-        each.feed(*(history[1000:] for history in histories))
-    assert np.array_equal(test.sums.values, whole.sums.values)
-    assert np.array_equal(test.error, whole.error[count:])
-    assert (test.sums.mean_square, test.sums.calm) == (whole.sums.mean_square, whole.sums.calm)
+    for item in (full_test, test):
+        item.feed(*(history[1000:] for history in histories))
+    assert np.array_equal(test.sums.values, full_test.sums.values)
+    assert np.array_equal(test.error, full_test.error[count:])
+    assert (test.sums.mean_square, test.sums.calm) == (full_test.sums.mean_square, full_test.sums.calm)
 
 
 def test_mean_square_is_that_of_straight_lines_between_squares():
@@ -115,8 +117,8 @@ def test_what_a_gain_and_a_delay_do_not_explain_is_the_constant(histories):
     command, _ = histories
     velocity = np.gradient(command, STEP)
     for constant in (3e-4, -2e-5):
-        measured = 0.97 * command - 0.004 * velocity + constant
-        assert _constant(command, measured, STEP) == pytest.approx(constant, rel=1e-6)
+        measured_displacement = 0.97 * command - 0.004 * velocity + constant
+        assert _constant(command, measured_displacement, STEP) == pytest.approx(constant, rel=1e-6)
 
 
 def test_the_amplitude_at_the_beginning_is_that_of_displacement_and_velocity():
@@ -128,9 +130,9 @@ def test_the_amplitude_at_the_beginning_is_that_of_displacement_and_velocity():
 
 def test_a_scaled_structure_has_the_scaled_frequency_damping_ratio_and_share():
     structure = replace(heavy(3.0, 1.5, 0.04, 0.6), specimen_damping=2.0, specimen_mass=0.5)
-    changed = structure.scale(frequency=1.2, damping_ratio=1.5, share=0.7)
+    variant = structure.scale(frequency=1.2, damping_ratio=1.5, share=0.7)
     expected = heavy(3.0, 1.2 * 1.5, 1.5 * 0.04, 0.7 * 0.6)
     for field in ("mass", "damping", "stiffness", "specimen_stiffness"):
-        assert getattr(changed, field) == pytest.approx(getattr(expected, field)), field
-    assert changed.specimen_damping == pytest.approx(2.0 * 1.2 * 0.7)
-    assert changed.specimen_mass == pytest.approx(0.5 * 0.7)
+        assert getattr(variant, field) == pytest.approx(getattr(expected, field)), field
+    assert variant.specimen_damping == pytest.approx(2.0 * 1.2 * 0.7)
+    assert variant.specimen_mass == pytest.approx(0.5 * 0.7)

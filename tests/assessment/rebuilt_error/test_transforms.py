@@ -68,10 +68,10 @@ def test_bins_are_equally_wide_on_a_logarithmic_axis():
     centre, mean, count = average_over_bins(frequency, power, 12)
     edges = np.exp(np.linspace(np.log(0.999), np.log(200.2), 13))
     members = [(frequency >= low) & (frequency < high) for low, high in pairwise(edges)]
-    members = [inside for inside in members if inside.any()]
-    assert centre == pytest.approx([frequency[inside].mean() for inside in members])
-    assert mean == pytest.approx([power[inside].mean() for inside in members])
-    assert count.tolist() == [inside.sum() for inside in members]
+    members = [member for member in members if member.any()]
+    assert centre == pytest.approx([frequency[member].mean() for member in members])
+    assert mean == pytest.approx([power[member].mean() for member in members])
+    assert count.tolist() == [member.sum() for member in members]
 
 
 @pytest.mark.parametrize("lag", [0.02, 0.05, 0.1, 0.13, 0.31])
@@ -81,12 +81,12 @@ def test_a_delay_is_exact_for_cubics_and_constant_before_the_first_sample(lag):
     values = 1.0 - 2.0 * time + 3.0 * time**2 - 0.7 * time**3
     late = delay_history(values, lag, step)
     past = int(np.ceil(lag / step)) + 3
-    at = time - lag
-    assert late[past:] == pytest.approx((1.0 - 2.0 * at + 3.0 * at**2 - 0.7 * at**3)[past:])
+    position = time - lag
+    assert late[past:] == pytest.approx((1.0 - 2.0 * position + 3.0 * position**2 - 0.7 * position**3)[past:])
     assert late[0] == pytest.approx(1.0)
-    whole = delay_history(values, 3 * step, step)
-    assert whole[3:] == pytest.approx(values[:-3])
-    assert whole[:3] == pytest.approx(np.full(3, 1.0))
+    full_test = delay_history(values, 3 * step, step)
+    assert full_test[3:] == pytest.approx(values[:-3])
+    assert full_test[:3] == pytest.approx(np.full(3, 1.0))
 
 
 @pytest.mark.parametrize("lag", [-1e-3, np.inf, np.nan])
@@ -104,14 +104,18 @@ def test_a_kernel_gives_the_derivatives_of_polynomials(frequency, step):
     assert reach * step == pytest.approx(0.5 / frequency)
     assert kernel.every == int(1.0 / (24.0 * frequency * step))
     time = step * np.arange(6 * reach)
-    seen = time[reach:-reach][:: kernel.every]
+    smooth_values = time[reach:-reach][:: kernel.every]
     assert kernel.smooth_derivative(np.full(time.size, 3.0), 0) == pytest.approx(
-        np.full(seen.size, 3.0 * mass)
+        np.full(smooth_values.size, 3.0 * mass)
     )
-    assert kernel.smooth_derivative(2.0 * time, 1) == pytest.approx(np.full(seen.size, 2.0 * mass), rel=1e-6)
-    assert kernel.smooth_derivative(time**2, 2) == pytest.approx(np.full(seen.size, 2.0 * mass), rel=1e-4)
-    assert kernel.smooth_derivative(time, 0) == pytest.approx(mass * seen)
-    assert kernel.smooth_derivative(time, 2) == pytest.approx(np.zeros(seen.size), abs=1e-6 / step)
+    assert kernel.smooth_derivative(2.0 * time, 1) == pytest.approx(
+        np.full(smooth_values.size, 2.0 * mass), rel=1e-6
+    )
+    assert kernel.smooth_derivative(time**2, 2) == pytest.approx(
+        np.full(smooth_values.size, 2.0 * mass), rel=1e-4
+    )
+    assert kernel.smooth_derivative(time, 0) == pytest.approx(mass * smooth_values)
+    assert kernel.smooth_derivative(time, 2) == pytest.approx(np.zeros(smooth_values.size), abs=1e-6 / step)
 
 
 def test_a_kernel_reaches_eight_samples_at_least():
@@ -120,15 +124,15 @@ def test_a_kernel_reaches_eight_samples_at_least():
 
 
 def test_the_highest_mode_is_swept_at_64_samples_a_period():
-    whole = Partition(
+    full_test = Partition(
         mass=np.eye(2),
         damping=np.zeros((2, 2)),
         stiffness=np.diag([(2.0 * np.pi) ** 2, (8.0 * np.pi) ** 2]),
         interface=np.ones(2),
         specimen_stiffness=1.0,
     )
-    assert samples_in_step_of_structure(whole, 1.0 / 1280.0) == 5
-    assert samples_in_step_of_structure(whole, 1.0 / 1279.0) == 4
+    assert samples_in_step_of_structure(full_test, 1.0 / 1280.0) == 5
+    assert samples_in_step_of_structure(full_test, 1.0 / 1279.0) == 4
     assert (
         samples_in_step_of_structure(
             Partition.from_structure(Structure(frequency=4.0, damping_ratio=0.1)), 0.1

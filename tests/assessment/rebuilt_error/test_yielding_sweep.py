@@ -34,18 +34,18 @@ def displacement(gain):
 
     def slope(time, state):
         x, v, z = state[:2], state[2:4], state[4]
-        moved, rate = gain * x[0], gain * v[0]
-        force = STIFFNESS * (HARDENING * moved + (1.0 - HARDENING) * YIELD * z) + DAMPING * rate
+        displacement, rate = gain * x[0], gain * v[0]
+        force = STIFFNESS * (HARDENING * displacement + (1.0 - HARDENING) * YIELD * z) + DAMPING * rate
         loads = (
             -INFLUENCE * shaken(time) - numerical_damping @ v - numerical_stiffness @ x - INTERFACE * force
         )
         loading = 0.5 * np.sign(rate * z) + 0.5
         return np.concatenate([v, loads, [rate / YIELD * (1.0 - abs(z) ** SHARPNESS * loading)]])
 
-    solved = scipy.integrate.solve_ivp(
+    solution = scipy.integrate.solve_ivp(
         slope, (0.0, TIME[-1]), np.zeros(5), "LSODA", TIME, rtol=1e-6, atol=1e-8, max_step=2.0 * STEP
     )
-    return solved.y[0]
+    return solution.y[0]
 
 
 @pytest.fixture(scope="module")
@@ -60,13 +60,13 @@ def rebuilt(command):
 
 def test_the_error_of_a_frame_that_yields_is_that_of_its_integration(command, rebuilt):
     exact = displacement(1.0)
-    strayed, peak = GAIN * command - exact, np.abs(exact).max()
+    error, peak = GAIN * command - exact, np.abs(exact).max()
     ductility = GAIN * float(np.abs(command).max()) / YIELD
     assert ductility > 2.0
     rms = errors_of_ductilities(rebuilt, Metric.RMS, (ductility,))[ductility]
-    assert rms == pytest.approx(np.sqrt(np.mean(strayed**2)) / peak, rel=0.01)
+    assert rms == pytest.approx(np.sqrt(np.mean(error**2)) / peak, rel=0.01)
     mte = errors_of_ductilities(rebuilt, Metric.MTE, (ductility,))[ductility]
-    assert mte == pytest.approx(np.abs(strayed).max() / peak, rel=0.02)
+    assert mte == pytest.approx(np.abs(error).max() / peak, rel=0.02)
     assert rebuilt.rms.value != pytest.approx(rms, rel=0.2)
 
 
