@@ -73,7 +73,7 @@ def test_own_index_is_one_on_the_boundary(ground_motions):
     assert boundary.index(1.0, 0.0) == 0.0
 
 
-def test_error_under_the_own_motion_is_that_of_the_simulated_test(simulate, ground_motions):
+def test_error_under_the_own_motion_equals_the_simulated_test(simulate, ground_motions):
     test, perfect = simulate(noise=0.0), simulate(gain=1.0, delay=0.0, noise=0.0)
     deviation = test.measured - perfect.command
     error = np.sqrt(np.mean(deviation**2)) / np.abs(perfect.command).max()
@@ -140,7 +140,7 @@ def rig_assessments(ground_motions):
         ("backlash", "leave"),
     ],
 )
-def test_rigs_whose_error_a_and_d_do_not_tell_are_warned_of_and_no_others(rig_assessments, rig, words):
+def test_only_rigs_with_errors_beyond_a_and_d_are_warned_of(rig_assessments, rig, words):
     warnings = rig_assessments[rig].warnings
     if words is None:
         assert warnings == ()
@@ -175,7 +175,7 @@ def test_summary_is_plain_json_with_the_stable_keys(simulate, ground_motions):
         assert result["phi"] == pytest.approx(-2e-3 * np.pi * result["f_eq_hz"] * result["d_ms"])
 
 
-def test_improvement_that_is_named_would_do():
+def test_named_improvement_suffices():
     result = improvement(1.002, 0.0015, 5e-5, 1.0)
     assert result.first == "delay"
     assert 0.002**2 / 5e-5 + (1e3 * result.tolerable_delay) ** 2 == pytest.approx(1.0)

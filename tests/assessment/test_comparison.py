@@ -15,13 +15,13 @@ from reliab.core.vocabulary import Metric
 
 
 @pytest.fixture(scope="module")
-def compared():
+def comparison_and_errors():
     frames, errors = runs_of(3)
     return reliab.compare(frames, f=1, xi=0.05), errors
 
 
-def test_the_smaller_error_comes_first(compared):
-    comparison, errors = compared
+def test_the_smaller_error_comes_first(comparison_and_errors):
+    comparison, errors = comparison_and_errors
     assert [test.file for test in comparison.tests] == ["data frame 2", "data frame 1"]
     second = comparison.tests[1]
     assert second.difference.low < errors[0] - errors[1] < second.difference.high
@@ -30,15 +30,15 @@ def test_the_smaller_error_comes_first(compared):
     assert comparison.notes == ()
 
 
-def test_what_is_unknown_in_both_makes_the_difference_no_less_certain(compared):
-    first, second = compared[0].tests
+def test_common_unknowns_leave_the_difference_as_certain(comparison_and_errors):
+    first, second = comparison_and_errors[0].tests
     width = second.difference.high - second.difference.low
     separate = np.hypot(*(test.error.high - test.error.low for test in (first, second)))
     assert width < 0.8 * separate
 
 
-def test_numbers_are_those_of_the_verdicts(compared):
-    comparison, _ = compared
+def test_numbers_are_those_of_the_verdicts(comparison_and_errors):
+    comparison, _ = comparison_and_errors
     content = comparison.to_dict()["tests"][0]
     separate = reliab.assess(runs_of(3)[0][1], f=1, xi=0.05).to_dict()
     assert content["rms"] == separate["error"]["rms"]
@@ -46,8 +46,8 @@ def test_numbers_are_those_of_the_verdicts(compared):
     assert list(comparison.to_dataframe()["rank"]) == [1, 2]
 
 
-def test_what_is_taken_to_be_the_same_is_said(compared):
-    comparison, _ = compared
+def test_common_assumptions_are_said(comparison_and_errors):
+    comparison, _ = comparison_and_errors
     assert (
         "what is unknown, such as the skew of the channels, is the same in all of them"
         in comparison.to_dict()["assumed"]
@@ -114,7 +114,7 @@ def errors_drawn(rows, values):
         ({"a": [3, 3, 3], "b": [1, 2, 9], "c": [2, 1, 8]}, ["c", "b", "a"]),
     ],
 )
-def test_tests_are_ranked_by_the_probabilities_that_are_said(rows, order):
+def test_tests_are_ranked_by_reported_probabilities(rows, order):
     """Whatever their values are."""
     values = dict(zip(rows, range(len(rows), 0, -1), strict=True))
     errors = errors_drawn(rows, values)

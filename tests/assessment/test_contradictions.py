@@ -98,7 +98,7 @@ CASES = {
 
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize("kind", CASES)
-def test_what_the_recording_contradicts_leaves_no_test_reliable(simulate, ground_motions, kind):
+def test_contradictions_leave_no_test_reliable(simulate, ground_motions, kind):
     make, words = CASES[kind]
     assessment = make(simulate, ground_motions)
     assert any(words in warning for warning in assessment.warnings)
@@ -121,7 +121,7 @@ def test_a_bad_test_stays_bad_unless_its_structure_may_be_another_one():
     assert limit_verdict(replace(bad, word=Word.RELIABLE), []).word is Word.RELIABLE
 
 
-def test_a_stiff_structure_that_moves_below_its_frequency_is_not_doubted(simulate):
+def test_stiff_structure_moving_below_its_frequency_is_not_doubted(simulate):
     """Under slow ground motions it follows the ground, with a resonance at its own frequency."""
     lower = 0
     for motion in range(6):

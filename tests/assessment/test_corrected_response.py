@@ -54,7 +54,7 @@ def test_all_displacements_follow_from_the_interface_and_the_ground() -> None:
     assert result == pytest.approx(true, abs=2e-4 * np.abs(true).max())
 
 
-def test_what_acts_on_the_masses_is_their_absolute_acceleration() -> None:
+def test_forces_on_masses_follow_from_absolute_accelerations() -> None:
     """Springs, dashpots and the specimen's force, beside twice the derivative of the displacements."""
     frame, partition = _two_storeys()
     shared = Substructures.from_partition(partition)
@@ -136,7 +136,7 @@ def test_several_actuators_are_corrected_at_all_degrees_of_freedom(
 
 
 @pytest.mark.slow
-def test_the_ground_motion_must_be_that_of_the_test(
+def test_foreign_ground_motion_is_refused(
     coupled_test: tuple[CoupledAssessment, np.ndarray, np.ndarray],
 ) -> None:
     """Its sign may be the opposite one; without it, or with another one, the interface alone is corrected."""

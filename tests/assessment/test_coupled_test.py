@@ -186,7 +186,7 @@ def test_a_loop_beyond_its_critical_delay_leaves_no_test_reliable(assessment):
     assert any("the loop is unstable" in words for words in late.warnings)
 
 
-def test_what_takes_one_actuator_refuses_several(recording_file):
+def test_answers_for_one_actuator_refuse_several(recording_file):
     file, path, _ = recording_file
     with pytest.raises(InputError, match="driven at one degree of freedom"):
         read_frame(path)
@@ -276,9 +276,7 @@ def test_a_skew_and_a_scale_of_all_channels_are_taken_off(recording_file, assess
 
 
 @pytest.mark.slow
-def test_what_nobody_stated_of_several_actuators_is_as_uncertain_as_equipment_leaves_it(
-    recording_file, assessment
-):
+def test_unstated_quantities_of_several_actuators_are_as_uncertain_as_equipment(recording_file, assessment):
     file, path, _ = recording_file
     exact = reliab.assess(file, path, exact=True)
     budget = {item["name"]: item for item in assessment.to_dict()["budget"]}
@@ -315,7 +313,7 @@ def test_a_fault_of_one_channel_is_stated_with_the_error_without_it(recording_fi
 
 
 @pytest.mark.slow
-def test_an_offset_that_inclined_actuators_felt_is_known_by_what_their_command_answers():
+def test_offset_of_inclined_actuators_is_known_by_the_answer_of_their_command():
     partition = Partition(
         mass=np.eye(2),
         damping=np.eye(2),
@@ -348,7 +346,7 @@ def test_an_offset_that_inclined_actuators_felt_is_known_by_what_their_command_a
 
 
 @pytest.mark.slow
-def test_actuators_that_move_alike_keep_gains_near_one():
+def test_actuators_moving_alike_keep_gains_near_one():
     partition, actuators = described(node)
     time = np.arange(0.0, 30.0, STEP)
     shaking = np.sin(9.0 * time) * np.sin(2.0 * time) * np.exp(-(((time - 15.0) / 6.0) ** 2))

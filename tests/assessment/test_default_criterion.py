@@ -42,7 +42,7 @@ def test_criterion_is_the_recommended_one_and_knows_its_motions():
 
 
 @pytest.mark.parametrize("wrong", [{"threshold": 0.5}, {"threshold": 0.0}, {"metric": "peak"}])
-def test_what_is_not_shipped_is_refused(wrong):
+def test_missing_ellipses_are_refused(wrong):
     with pytest.raises(InputError):
         default_criterion(1.0, 0.02, **wrong)
 
@@ -108,7 +108,7 @@ def test_an_earthquake_is_left_out_of_a_length():
     assert bare.provenance.n_events == everything.provenance.n_events - 1
 
 
-def test_a_posterior_that_has_not_converged_decides_nothing():
+def test_unconverged_posterior_decides_nothing():
     """Neither before a test nor after it; read from its file it says so, too."""
     sound = default_criterion(1.0, 0.02)
     settings = {**sound.provenance.settings, "converged": False}

@@ -50,7 +50,7 @@ def test_a_sound_recording_has_no_faults_whatever_the_actuator(shaken, rig):
     assert find_faults(shaken(**rig)).faults == ()
 
 
-def test_an_offset_that_the_loop_felt_counts(shaken):
+def test_offset_in_the_loop_counts(shaken):
     """The command rests beside zero, and the transient of getting there is an error."""
     peak = np.abs(shaken().ideal).max()
     test = shaken(gain=0.998, bias=0.145 * peak)
@@ -62,7 +62,7 @@ def test_an_offset_that_the_loop_felt_counts(shaken):
     assert any("the structure felt it" in warning for warning in result.warnings)
 
 
-def test_an_offset_that_the_loop_felt_before_the_recording_began_is_no_other_zero(good):
+def test_offset_in_the_loop_before_the_recording_is_no_other_zero(good):
     """The command rests at the answer to it from the first sample on."""
     offset = 0.1 * np.abs(good.command).max()
     result = find_faults(good, good.measured, good.command - offset)
@@ -97,7 +97,7 @@ def test_a_spike_is_stated_and_not_counted(good, channel, samples, size):
     assert any("no actuator moves like that" in warning for warning in result.warnings)
 
 
-def test_a_standstill_that_turns_the_verdict_leaves_it_open(good):
+def test_decisive_standstill_leaves_the_verdict_open(good):
     frozen = good.measured.copy()
     frozen[3000:3300] = frozen[3000]
     result = find_faults(good, frozen)
@@ -154,7 +154,7 @@ def test_a_release_from_a_displacement_has_its_zero_where_it_comes_to_rest():
 
 
 @pytest.mark.parametrize("missing", ["samples", "end"])
-def test_a_command_that_jumps_leaves_no_test_reliable(good, missing):
+def test_jumping_command_leaves_no_test_reliable(good, missing):
     command, measured_displacement = good.command, good.measured
     place = int(np.argmax(np.abs(command)))
     if missing == "samples":

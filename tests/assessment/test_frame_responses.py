@@ -212,7 +212,7 @@ def test_floors_and_storeys_of_several_actuators_are_those_of_the_simulation():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("reference", ["by its force", "not"])
-def test_intervals_hold_the_errors_of_floors_beside_a_specimen_that_yields(reference):
+def test_intervals_hold_the_errors_of_floors_beside_a_yielding_specimen(reference):
     ground = shaken(11)
     outcome = run_yielding(TWO_STOREYS, 1.02, 150.0, ground, 1.0 / RATE, ductility=2.0)
     recording = Recording(

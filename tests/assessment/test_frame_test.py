@@ -67,7 +67,7 @@ def simulate_frame(partition, motion, seed):
     return recording, error
 
 
-def test_the_error_is_that_against_the_undivided_frame(frame, test_and_truth):
+def test_error_is_against_the_undivided_frame(frame, test_and_truth):
     recording, truth = test_and_truth
     assessment = assess_frame(recording, frame, stated={"feedback_lag": LAG})
     assert truth > 0.02
@@ -140,7 +140,7 @@ def test_a_criterion_of_another_structure_is_refused(frame, test_and_truth):
         assess_frame(test_and_truth[0], frame, criterion=published_criterion("guo_2017_18"))
 
 
-def test_a_recording_that_cannot_be_judged_is_refused(frame, test_and_truth):
+def test_unusable_recording_is_refused(frame, test_and_truth):
     recording, _ = test_and_truth
     with pytest.raises(InputError, match="opposite sign of the command"):
         assess_frame(replace(recording, measured=-recording.measured), frame)
@@ -149,7 +149,7 @@ def test_a_recording_that_cannot_be_judged_is_refused(frame, test_and_truth):
         assess_frame(short, frame)
 
 
-def test_tracking_over_frequency_is_that_of_the_servo(frame, test_and_truth):
+def test_tracking_over_frequency_equals_the_servo(frame, test_and_truth):
     recording, _ = test_and_truth
     assessment = assess_frame(recording, frame, stated={"feedback_lag": LAG})
     summary = assessment.to_dict()
@@ -185,7 +185,7 @@ def test_the_report_shows_tracking_and_parts(frame, test_and_truth):
     assert any(error in str(piece) for piece in document.verdict)
 
 
-def test_what_the_equation_of_the_error_does_not_hold_for_is_refused(frame, test_and_truth):
+def test_cases_outside_the_error_equation_are_refused(frame, test_and_truth):
     recording, _ = test_and_truth
     friction = find_effect("coulomb_friction")(force_n=1.0, regularisation_velocity_m_per_s=0.01)
     rubbing = replace(frame, partition=replace(frame.partition, effects=(friction,)))
@@ -254,7 +254,7 @@ def test_frequencies_are_not_stated_beside_mass_and_stiffness():
 
 
 @pytest.mark.slow
-def test_what_nobody_stated_of_a_frame_is_as_uncertain_as_equipment_leaves_it(frame, test_and_truth):
+def test_unstated_quantities_of_a_frame_are_as_uncertain_as_equipment(frame, test_and_truth):
     recording, _ = test_and_truth
     assumptions = assess_frame(recording, frame, equipment=ordinary_equipment())
     exact = assess_frame(recording, frame)

@@ -101,7 +101,7 @@ QUICK = ("damping", "modes", "storeys alike", "entries")
 @pytest.mark.parametrize(
     "case", [case if case in QUICK else pytest.param(case, marks=pytest.mark.slow) for case in CASES]
 )
-def test_an_interval_holds_where_tolerances_state_what_is_off(case):
+def test_interval_holds_with_true_tolerances(case):
     tested_frame, stated_values, names = CASES[case]
     recording, true = simulate_frame(tested_frame)
     exact, result = (assess_frame(recording, single) for single in (frame(), frame(**stated_values)))
@@ -112,7 +112,7 @@ def test_an_interval_holds_where_tolerances_state_what_is_off(case):
 
 
 @pytest.mark.slow
-def test_parts_replace_what_is_assumed_of_the_whole():
+def test_parts_replace_assumptions_about_the_whole():
     recording, _ = simulate_frame(TWO_STOREYS)
     stated_values = {"storey_stiffnesses": 0.05, "storey_dampings": 0.25}
     budget = assess_frame(recording, frame(**stated_values), equipment=ordinary_equipment()).to_dict()[

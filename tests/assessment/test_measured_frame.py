@@ -31,7 +31,7 @@ def _simulate_family(family: str, seed: int) -> Any:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("family", ["bilinear", "Bouc-Wen", "cubic"])
-def test_the_error_is_that_against_a_perfect_actuator(family: str) -> None:
+def test_error_is_against_a_perfect_actuator(family: str) -> None:
     test = _simulate_family(family, 1)
     assessment = assess_frame(test.recording, test.frame, measured_specimen=True)
     size = assessment.error.estimate(Metric.RMS)

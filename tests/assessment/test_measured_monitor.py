@@ -123,7 +123,7 @@ _STATED = {"f": 1, "xi": 0.02}
         ({"specimen": "measured", "mass": -1.0}, "`mass` must be between"),
     ],
 )
-def test_what_cannot_be_followed_is_refused(stated_values: dict[str, Any], says: str) -> None:
+def test_untrackable_test_is_refused(stated_values: dict[str, Any], says: str) -> None:
     with pytest.raises(InputError, match=says):
         list(follow_test("sample_test", **_STATED, **stated_values, wait=0.05))
 
@@ -143,7 +143,7 @@ def _write_recording(path: Path, family: str, seconds: float) -> tuple[Any, dict
 
 
 @pytest.mark.slow
-def test_the_end_is_what_assess_finds_and_errors_so_far_are_true(tmp_path: Path) -> None:
+def test_end_equals_assess_and_errors_so_far_are_true(tmp_path: Path) -> None:
     test, stated_values = _write_recording(tmp_path / "test.csv", "bilinear", 20.0)
     messages = {**stated_values, "specimen": "measured"}
     *running, end = (
@@ -169,9 +169,7 @@ def test_the_end_is_what_assess_finds_and_errors_so_far_are_true(tmp_path: Path)
 
 
 @pytest.mark.slow
-def test_the_command_says_that_it_is_still_learning(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_command_reports_learning(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A force that is noise is never learned: the exit code is 0, and the answer undecided."""
     _, stated_values = _write_recording(tmp_path / "test.csv", "linear", 12.0)
     table = pd.read_csv(tmp_path / "test.csv")

@@ -255,7 +255,7 @@ def test_a_spring_has_the_exact_response_of_the_linear_equation() -> None:
     assert response == pytest.approx(expected, abs=1e-4 * np.abs(expected - _SINE).max())
 
 
-def test_a_response_that_diverges_ends_at_once() -> None:
+def test_diverging_response_ends_at_once() -> None:
     """Smooth hysteresis goes on in parts of its yield displacement, of which there would be no end."""
     full_test = Partition.from_structure(Structure(frequency=0.7, damping_ratio=0.05))
     late, numerical = 0.9 * _SINE, Recursion.from_force(full_test.numerical_substructure, _STEP)
@@ -276,7 +276,7 @@ def test_elements_are_seen_as_the_channels_are() -> None:
 
 
 @pytest.mark.parametrize(("residual", "differ"), [(0.0, None), (0.03, 0.03)])
-def test_members_differ_by_what_their_family_misses(residual: float, differ: float | None) -> None:
+def test_members_differ_by_the_misfit_of_their_family(residual: float, differ: float | None) -> None:
     """A spring that grows stiffer by a tenth in the course of the test."""
     noise = SensorNoise(time_step=_STEP, weights=np.ones(6), band=5.0)
     force = _SINE * (1.0 + 0.1 * _TIMES / _TIMES[-1])
@@ -299,7 +299,7 @@ def test_members_differ_by_what_their_family_misses(residual: float, differ: flo
         assert np.sqrt(np.mean(np.var(forces, axis=0))) / force.std() == pytest.approx(differ, rel=0.35)
 
 
-def test_a_stop_that_was_hardly_touched_is_not_learned() -> None:
+def test_hardly_touched_stop_is_not_learned() -> None:
     """Its stiffness would be that of the noise over next to nothing, and the response diverge beyond it."""
     noise = SensorNoise(time_step=_STEP, weights=np.ones(6), band=5.0)
     force = _SINE + np.where(_SINE > 2.9999, 1.0, 0.0)
@@ -399,7 +399,7 @@ def test_parts_and_budget_are_those_of_the_measured_specimen() -> None:
         ({"friction": 0.02}, ["friction_n=0.02±0.004"]),
     ],
 )
-def test_what_stands_between_load_cell_and_specimen_is_taken_away_and_widens(
+def test_parts_between_load_cell_and_specimen_are_removed_and_widen(
     force_values: dict[str, float], stated_values: list[str]
 ) -> None:
     test = _simulate_family("bilinear", 8, **force_values)
@@ -509,13 +509,13 @@ def test_the_corrected_response_of_a_linear_test_is_written_as_text(tmp_path: Pa
         ({"specimen": "measured"}, "needs its force"),
     ],
 )
-def test_what_cannot_be_learned_is_refused(stated_values: dict[str, object], says: str) -> None:
+def test_unlearnable_specimen_is_refused(stated_values: dict[str, object], says: str) -> None:
     with pytest.raises(InputError, match=says):
         assess("sample_test", f=1, xi=0.02, **stated_values)
 
 
 @pytest.mark.slow
-def test_a_specimen_that_no_element_explains_leaves_the_test_undecided() -> None:
+def test_unexplained_specimen_leaves_the_test_undecided() -> None:
     """A force that half follows chance is predicted nowhere, and the verdict says so."""
     test = _simulate_family("bilinear", 8)
     chance = np.convolve(np.random.default_rng(1).standard_normal(_TIMES.size), np.hanning(200), mode="same")

@@ -49,7 +49,7 @@ def test_change_of_amplitude_shows_in_the_amplitude_only(base):
     assert result.delay_range < 1e-4
 
 
-def test_test_that_is_too_short_has_no_windows(base):
+def test_short_test_has_no_windows(base):
     count = int(6.0 / base.time_step)
     short = Recording(
         command=base.command[2000 : 2000 + count],

@@ -49,7 +49,7 @@ def test_a_frequency_within_its_stated_tolerance_is_not_contradicted(assessments
     assert result.equation.wrong == ()
 
 
-def test_a_wrong_damping_ratio_that_decides_leaves_the_verdict_open(assessments):
+def test_decisive_wrong_damping_ratio_leaves_the_verdict_open(assessments):
     _, result = assessments(damping_ratio=0.031)
     assert result.equation.wrong == ("xi",)
     assert result.verdict == "undecided"
@@ -57,7 +57,7 @@ def test_a_wrong_damping_ratio_that_decides_leaves_the_verdict_open(assessments)
 
 
 @pytest.mark.parametrize("assumptions", [0.02, 0.05])
-def test_a_damping_ratio_that_nobody_stated_is_that_of_the_test(assessments, assumptions):
+def test_unstated_damping_ratio_comes_from_the_test(assessments, assumptions):
     """Simulated with 0.02; as uncertain as the skew of the channels leaves it."""
     messages = ("No damping ratio was stated.",)
     test, result = assessments(damping_ratio=assumptions, assumed=messages, equipment=ordinary_equipment())
@@ -105,7 +105,7 @@ def test_an_absolute_acceleration_is_no_ground_acceleration(assessments, frequen
     assert any("absolute acceleration" in warning for warning in result.warnings)
 
 
-def test_a_channel_that_contradicts_the_test_leaves_none_reliable(assessments):
+def test_contradicting_channel_leaves_no_test_reliable(assessments):
     assert assessments(threshold=0.3)[1].verdict == "reliable"
     _, result = assessments(sign=6.0, threshold=0.3)
     assert result.verdict == "undecided"
@@ -120,7 +120,7 @@ def test_a_frequency_far_from_the_stated_one_is_not_taken(assessments):
 
 
 @pytest.mark.parametrize(("cubic", "open_"), [(0.0, False), (3000.0, True)])
-def test_a_specimen_that_looks_nonlinear_leaves_the_verdict_open(assessments, cubic, open_):
+def test_apparently_nonlinear_specimen_leaves_the_verdict_open(assessments, cubic, open_):
     _, result = assessments(force=lambda displacement: 39.5 * displacement + cubic * displacement**3)
     assert bool(result.equation.nonlinear) is open_
     assert (result.verdict == "undecided") is open_

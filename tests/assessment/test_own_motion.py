@@ -52,7 +52,7 @@ def test_a_test_shorter_than_its_record_is_judged_over_its_own_duration(motion, 
 
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize("ground", [False, True])
-def test_a_test_that_begins_in_motion_is_found_in_its_record(motion, ground, simulate):
+def test_test_beginning_in_motion_is_found_in_its_record(motion, ground, simulate):
     test = simulate(motion.acceleration, motion.time_step, seconds=30.0, gain=0.998, delay=0.0008)
     own_value = assess_motion(test, motion, begin=7.0, ground=ground).placement
     assert own_value.alignment.matched
@@ -112,7 +112,7 @@ def test_own_motion_may_be_longer_or_shorter_than_the_test(motion, simulate):
     assert assess_motion(test, short).placement.error == pytest.approx(test.rms, rel=0.03)
 
 
-def test_the_interval_on_a_motion_itself_is_that_of_the_draws_of_gain_and_delay(monkeypatch):
+def test_interval_on_the_own_motion_follows_draws_of_gain_and_delay(monkeypatch):
     class Boundary:
         """Whose error is the gain's distance from one, and grows with the delay."""
 

@@ -184,7 +184,7 @@ def test_a_force_that_differs_a_little_from_what_is_stated_is_remarked(displacem
     assert messages is (ratio != 1.0)
 
 
-def test_a_specimen_that_yields_is_no_wrong_unit(displacement):
+def test_yielding_specimen_is_no_wrong_unit(displacement):
     """Its stiffness over the test is a fourth of the stated one, like that of a force in pounds."""
     test = record_test(displacement, "yielding")
     require_plausible(test, stiffness=STIFFNESS, linear=True)
@@ -202,7 +202,7 @@ def test_a_force_that_lags_in_motion_of_one_frequency_is_not_reversed(lag):
 
 
 @pytest.mark.parametrize("share", [0.05, 0.3, 1.0, 2.0])
-def test_a_share_that_is_stated_wrongly_is_no_wrong_unit(displacement, share):
+def test_wrongly_stated_share_is_no_wrong_unit(displacement, share):
     test = record_test(displacement, "spring")
     require_plausible(replace(test, force=share * test.force), stiffness=STIFFNESS)
 
@@ -241,7 +241,7 @@ def test_a_displacement_sensor_that_drifts_is_no_exchange_of_columns(displacemen
 
 @pytest.mark.parametrize("specimen", ["spring", "hardening"])
 @pytest.mark.parametrize("lead", [0.0, 0.004, 0.02])
-def test_an_actuator_that_leads_has_its_columns_where_they_belong(displacement, specimen, lead):
+def test_leading_actuator_has_its_columns_in_order(displacement, specimen, lead):
     """The sensor is read half a sample early, and the force then follows the command more closely."""
     test = record_test(displacement, specimen, late=-lead, noise=0.0)
     places = np.arange(test.command.size)
@@ -266,12 +266,12 @@ def test_force_of_a_free_vibration_is_remarked_and_not_refused(rate):
 
 
 @pytest.mark.parametrize("specimen", SPECIMENS)
-def test_forces_that_resist_raise_no_doubt(displacement, specimen):
+def test_resisting_forces_raise_no_doubt(displacement, specimen):
     assert list(doubts_of_force(record_test(displacement, specimen))) == []
 
 
 @pytest.mark.parametrize("drift", [0.05, 0.3])
-def test_leading_sensor_that_drifts_and_is_limited_is_remarked_and_not_refused(displacement, drift):
+def test_drifting_limited_leading_sensor_is_remarked_and_not_refused(displacement, drift):
     """The force follows the command, yet no lead explains what the displacement misses."""
     test = record_test(displacement, "spring", late=-0.003)
     places = np.arange(test.force.size)
@@ -282,7 +282,7 @@ def test_leading_sensor_that_drifts_and_is_limited_is_remarked_and_not_refused(d
     assert any("more closely than the measured" in doubt for doubt in doubts_of_force(recording))
 
 
-def test_noisy_reading_that_leads_is_not_exchanged_with_its_clean_command(displacement):
+def test_leading_noisy_reading_is_not_exchanged_with_its_clean_command(displacement):
     """Clocks that differ look like exchanged columns, but only a reading is noisy."""
     test = record_test(displacement, "spring", late=-0.008)
     require_plausible(replace(test, force=STIFFNESS * test.command))
@@ -299,7 +299,7 @@ def test_a_brace_that_buckles_takes_work_and_is_not_reversed():
 
 
 @pytest.mark.parametrize("is_equal", [1.0, 1e-2, 1e-6])
-def test_what_passive_elements_leave_over_is_that_of_least_squares_without_negative_coefficients(is_equal):
+def test_remainder_of_passive_elements_equals_nonnegative_least_squares(is_equal):
     """Terms that are hardly independent, and two of opposite sign; against SciPy."""
     rng = np.random.default_rng(3)
     for _ in range(40):

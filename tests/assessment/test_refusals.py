@@ -28,12 +28,12 @@ STRUCTURE = Structure(frequency=1.0, damping_ratio=0.05)
         ),
     ],
 )
-def test_what_cannot_be_is_refused_by_its_own_rule(make, rule):
+def test_impossible_input_is_refused_by_its_own_rule(make, rule):
     with pytest.raises(InputError, match=rule):
         make()
 
 
-def test_a_force_that_is_not_late_is_fed_back_as_it_is():
+def test_prompt_force_is_fed_back_unchanged():
     values = np.arange(8.0)
     assert delay_history(values, 0.0, 1.0) is values
 

@@ -44,47 +44,47 @@ def yielding_runs():
 
 
 @pytest.fixture(scope="module")
-def same_test(yielding_runs):
+def assessments(yielding_runs):
     return assess_runs(yielding_runs)
 
 
 @pytest.mark.slow
-def test_a_specimen_that_yields_has_its_true_error_from_three_runs(yielding_runs, same_test):
-    joint = same_test.same_test()
+def test_yielding_specimen_has_its_true_error_from_three_runs(yielding_runs, assessments):
+    joint = assessments.same_test()
     exact = yielding_runs[0].ideal
     assert np.sqrt(np.mean((joint.response - exact) ** 2)) < 0.1 * yielding_runs[1].rms * np.abs(exact).max()
-    for run, outcome in zip(joint.runs, yielding_runs, strict=True):
-        assert run.error.value == pytest.approx(outcome.rms, rel=0.2)
-        assert run.error.low < outcome.rms < run.error.high
+    for estimate, outcome in zip(joint.runs, yielding_runs, strict=True):
+        assert estimate.error.value == pytest.approx(outcome.rms, rel=0.2)
+        assert estimate.error.low < outcome.rms < estimate.error.high
 
 
 @pytest.mark.slow
-def test_the_dictionary_holds_every_run_with_its_own_error(same_test):
-    content = same_test.same_test().to_dict()
+def test_the_dictionary_holds_every_run_with_its_own_error(assessments):
+    content = assessments.same_test().to_dict()
     assert [single["file"] for single in content["runs"]] == ["run 0", "run 1", "run 2"]
     assert [single["d_ms"] for single in content["runs"]] == pytest.approx([1.5, 3.0, 4.5], rel=0.05)
-    first = same_test.judged["run 0"].error.estimate(same_test.judged["run 0"].error.metric)
+    first = assessments.judged["run 0"].error.estimate(assessments.judged["run 0"].error.metric)
     assert content["runs"][0]["alone"]["value"] == first.value
     assert content["reliable"] == all(single["verdict"] == Word.RELIABLE for single in content["runs"])
     assert content["line_against_parabola"] < 0.05
 
 
 @pytest.mark.slow
-def test_a_structure_that_is_not_as_stated_is_contradicted(yielding_runs):
+def test_wrongly_stated_structure_is_contradicted(yielding_runs):
     joint = assess_runs(yielding_runs, f=1.02, exact=True).same_test()
     assert any(run.contradicts for run in joint.runs)
     assert any("not as stated" in sentence for sentence in joint.sentences)
     assert joint.runs[1].error.value == pytest.approx(yielding_runs[1].rms, rel=0.25)
 
 
-def test_two_runs_are_a_line_and_say_so(same_test):
-    joint = combine_runs(dict(list(same_test.judged.items())[:2]))
+def test_two_runs_are_a_line_and_say_so(assessments):
+    joint = combine_runs(dict(list(assessments.judged.items())[:2]))
     assert joint.checked is None
     assert "third run" in joint.sentences[0]
 
 
-def test_runs_that_cannot_be_combined_are_refused(same_test):
-    first = same_test.judged["run 0"]
+def test_incompatible_runs_are_refused(assessments):
+    first = assessments.judged["run 0"]
     with pytest.raises(InputError, match="at least two runs"):
         combine_runs({"a": first})
     with pytest.raises(InputError, match="differ in gain or delay"):

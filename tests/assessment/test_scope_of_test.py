@@ -38,7 +38,7 @@ def test_a_response_off_resonance_is_outside(criterion):
     assert any("error's frequency" in sentence for sentence in result.sentences)
 
 
-def test_a_criterion_that_states_no_motions_is_not_compared():
+def test_criterion_without_motions_is_not_compared():
     result = compare_test(published_criterion("guo_2017_12"), {"length": 1.0})
     assert result.position is None
     assert not result.is_outside

@@ -54,7 +54,7 @@ def rebuilt(linear):
 
 
 @pytest.mark.parametrize("reduction", [2.0, 3.5])
-def test_the_error_of_a_specimen_that_yields_is_that_of_its_simulation(linear, reduction):
+def test_error_of_a_yielding_specimen_equals_its_simulation(linear, reduction):
     displacement = float(np.abs(linear.command).max()) / reduction
     yielding = replace(LAB, specimen=HYSTERESIS, shape=(displacement, 0.03, 8.0))
     outcome = run(yielding, synthetic_ground(2, 15.0))
@@ -65,7 +65,7 @@ def test_the_error_of_a_specimen_that_yields_is_that_of_its_simulation(linear, r
     assert result.rms.value != pytest.approx(outcome.rms, rel=0.2)
 
 
-def test_the_smallest_ductility_is_the_first_that_crosses_the_threshold(linear, rebuilt):
+def test_smallest_ductility_is_the_first_beyond_the_threshold(linear, rebuilt):
     recording = Recording(command=linear.command, measured=linear.measured, time_step=STEP)
     sizes = errors_of_ductilities(rebuilt, Metric.RMS)
     assert sizes[6.0] < sizes[2.0] < 0.9 * rebuilt.rms.value
@@ -80,7 +80,7 @@ def test_the_smallest_ductility_is_the_first_that_crosses_the_threshold(linear, 
     assert "same verdict" in upper.sentences[0]
 
 
-def test_the_error_of_a_specimen_that_hardens_is_that_of_its_simulation(linear):
+def test_error_of_a_hardening_specimen_equals_its_simulation(linear):
     largest = float(np.abs(linear.command).max())
     hardening = replace(LAB, specimen=CUBIC, shape=(0.3 / largest**2, 0.0, 0.0))
     outcome = run(hardening, synthetic_ground(2, 15.0))
@@ -91,7 +91,7 @@ def test_the_error_of_a_specimen_that_hardens_is_that_of_its_simulation(linear):
     assert result.rms.value != pytest.approx(outcome.rms, rel=0.05)
 
 
-def test_the_smallest_hardening_is_the_first_that_crosses_the_threshold(linear, rebuilt):
+def test_smallest_hardening_is_the_first_beyond_the_threshold(linear, rebuilt):
     recording = Recording(command=linear.command, measured=linear.measured, time_step=STEP)
     sizes = errors_of_hardenings(rebuilt, Metric.RMS)
     threshold = 0.5 * (sizes[0.1] + sizes[0.15])
@@ -120,7 +120,7 @@ def test_a_filter_on_one_channel_changes_the_error_as_its_removal_does(linear):
     assert bare == pytest.approx(linear.rms, rel=0.05)
 
 
-def test_the_highest_filter_is_the_first_that_crosses_the_threshold(linear, rebuilt):
+def test_highest_filter_is_the_first_beyond_the_threshold(linear, rebuilt):
     recording = Recording(command=linear.command, measured=linear.measured, time_step=STEP)
     largest = _errors_if_filtered(error_under(rebuilt, 1.0))
     threshold = 0.5 * (largest[100.0] + largest[80.0])
@@ -148,7 +148,7 @@ def test_a_specimen_may_have_yielded_whose_force_nobody_recorded_or_stated(linea
     assert not make_question(1.0).may_have_yielded(replace(recording, force=linear.force))
 
 
-def test_assess_states_what_would_turn_its_verdict(linear):
+def test_assess_states_turning_points_of_its_verdict(linear):
     recording = Recording(command=linear.command, measured=linear.measured, time_step=STEP)
     content = assess(recording, STRUCTURE, equipment=ordinary_equipment(), threshold=0.2).to_dict()
     assert content["verdict"] == "reliable"
@@ -163,7 +163,7 @@ def test_assess_states_what_would_turn_its_verdict(linear):
 
 
 @pytest.mark.slow
-def test_a_specimen_that_yielded_turns_a_verdict_by_its_odds():
+def test_yielded_specimen_turns_a_verdict_by_its_odds():
     lab = Lab(0.6, 0.05, 1.0, DELAY, (0.98, 0.0, 0.0, 0.0))
     outcome = run(lab, synthetic_ground(5, 15.0))
     recording = Recording(command=outcome.command, measured=outcome.measured, time_step=STEP)

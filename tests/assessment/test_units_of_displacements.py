@@ -47,7 +47,7 @@ def test_a_rig_that_is_so_late_that_it_attenuates_has_no_wrong_unit():
         require_plausible(recording(2.54, late=0.05))
 
 
-def test_what_follows_in_part_only_has_no_wrong_unit():
+def test_partly_following_force_has_no_wrong_unit():
     noise = np.random.default_rng(3).standard_normal(TIME.size)
     second = np.convolve(noise, np.hanning(50), "same")
     second *= 0.5 * np.linalg.norm(COMMAND) / np.linalg.norm(second)

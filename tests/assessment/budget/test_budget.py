@@ -39,7 +39,7 @@ def assessment(recording):
     return assess(recording, ONE_HERTZ, equipment=ordinary_equipment())
 
 
-def test_what_is_not_stated_has_the_size_of_ordinary_equipment():
+def test_unstated_quantities_have_the_size_of_ordinary_equipment():
     stated_values = {"f": StatedValue(1.0, 0.002), "xi": StatedValue(0.03), "skew": StatedValue(0.1, 0.05)}
     sizes = sizes_of_unknown(stated_values, ONE_HERTZ, ordinary_equipment(), 1.0 / 1024.0)
     assert {name: size.source for name, size in sizes.items()} == {
@@ -56,7 +56,7 @@ def test_what_is_not_stated_has_the_size_of_ordinary_equipment():
     assert tolerances.experimental_fraction == 0.0
 
 
-def test_only_what_is_stated_is_unknown_without_equipment():
+def test_only_stated_deviations_are_unknown_without_equipment():
     sizes = sizes_of_unknown({"xi": StatedValue(0.03, 0.003)}, ONE_HERTZ, exact_equipment(), 1.0 / 1024.0)
     assert list(sizes) == ["damping_ratio"]
     assert sizes["damping_ratio"].deviation == pytest.approx(0.1)
@@ -89,7 +89,7 @@ def test_a_file_of_other_names_or_numbers_is_refused(tmp_path, text):
         read_equipment(file)
 
 
-def test_a_verdict_carries_what_its_laboratory_does_not_know(recording, assessment):
+def test_verdict_carries_unknowns_of_its_laboratory(recording, assessment):
     exact = assess(recording, ONE_HERTZ)
     wide, narrow = (result.error.rebuilt.rms for result in (assessment, exact))
     assert wide.value == pytest.approx(narrow.value, rel=0.1)
@@ -118,7 +118,7 @@ def test_contributions_add_up_to_the_interval(assessment):
 
 @pytest.mark.parametrize(("of_sensor", "expected"), [(None, 0.002), (StatedValue(1.0, 0.0015), 0.0025)])
 @pytest.mark.parametrize("equipment", [exact_equipment(), ordinary_equipment()])
-def test_what_is_stated_of_both_scales_is_one_deviation(of_sensor, expected, equipment):
+def test_both_stated_scales_make_one_deviation(of_sensor, expected, equipment):
     stated_values = {"command_scale": StatedValue(2.0, 0.004)} | (
         {} if of_sensor is None else {"scale": of_sensor}
     )
@@ -146,7 +146,7 @@ def test_a_slow_recording_whose_skew_was_not_stated_says_what_is_assumed():
     assert replace(equipment, skew_ms=0.1).doubt_of_skew(1.0 / 256.0) == ""
 
 
-def test_force_and_ground_motion_pass_the_filter_that_is_stated_of_the_displacement(recording):
+def test_force_and_ground_motion_pass_the_stated_filter_of_the_displacement(recording):
     """Else the force of a spring leads the displacement, and its specimen is another one."""
     low_pass = LowPass(corner=20.0)
     smooth_values = low_pass.apply(recording.measured, recording.time_step)

@@ -70,7 +70,7 @@ def test_one_actuator_is_followed_as_by_the_monitor_of_one():
 
 
 @pytest.mark.slow
-def test_what_is_asked_at_the_end_is_what_is_rebuilt_afterwards():
+def test_answer_at_the_end_equals_the_error_rebuilt_afterwards():
     partition, command, measured_displacement = simulate_frame()
     monitor = CoupledMonitor(partition, 1.0 / RATE)
     for rows in zip(
@@ -91,7 +91,7 @@ def test_what_is_asked_at_the_end_is_what_is_rebuilt_afterwards():
     assert monitor.result.estimate(Metric.RMS) == governing.rms
 
 
-def test_the_alarm_of_the_error_is_that_of_any_displacement():
+def test_alarm_of_the_error_follows_any_displacement():
     partition = Partition(
         mass=np.eye(2),
         damping=0.5 * np.eye(2),

@@ -116,7 +116,7 @@ def test_stated_offsets_are_taken_away_and_none_is_left_open(frame, run):
     assert result == pytest.approx(expected, rel=1e-6)
 
 
-def test_a_test_that_begins_in_motion_is_judged_with_an_uncertain_structure(frame, run):
+def test_test_beginning_in_motion_is_judged_with_an_uncertain_structure(frame, run):
     """Each draw begins with a motion of its own structure."""
     later = replace(run, command=run.command[:, 1000:], measured=run.measured[:, 1000:])
     exact, result = (
@@ -128,7 +128,7 @@ def test_a_test_that_begins_in_motion_is_judged_with_an_uncertain_structure(fram
         assert uncertain.rms.high - uncertain.rms.low > certain.rms.high - certain.rms.low
 
 
-def test_a_mode_that_rings_below_the_noise_is_part_of_the_error(frame):
+def test_mode_ringing_below_the_noise_is_part_of_the_error(frame):
     """Theta's mode of 24 Hz hardly decays in the loop; their noise hides its motion."""
     lags = ((lag(1.0, 850.0), lag(0.03, 850.0)), (None, lag(1.0, 850.0)))
     time = STEP * np.arange(ground(1).size)
@@ -141,7 +141,7 @@ def test_a_mode_that_rings_below_the_noise_is_part_of_the_error(frame):
     assert theta.low <= true <= theta.high
 
 
-def test_noise_that_both_sensors_share_is_none_of_their_difference(frame, run):
+def test_common_noise_of_both_sensors_cancels_in_their_difference(frame, run):
     """Theta is the difference of two parallel actuators: it stays as it is where both have one noise."""
     command, measured_displacement = frame.kinematics @ run.command, frame.kinematics @ run.measured
     generator = np.random.default_rng(5)
@@ -168,7 +168,7 @@ def test_stated_tolerances_widen_the_interval(frame, run):
     assert widths[1].high - widths[1].low > 2.0 * (widths[0].high - widths[0].low)
 
 
-def test_a_degree_that_does_not_move_is_not_judged(run):
+def test_degree_at_rest_is_not_judged(run):
     command, measured_displacement = run.command.copy(), run.measured.copy()
     command[1], measured_displacement[1] = 0.0, 1e-9 * np.random.default_rng(0).normal(size=command.shape[1])
     scarcely = np.diag([1.0, 1.0])

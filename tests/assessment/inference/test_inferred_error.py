@@ -74,7 +74,7 @@ def test_ground_acceleration_and_force_narrow_the_interval(late):
     assert all(single.low < late.rms < single.high for single in result)
 
 
-def test_a_specimen_that_may_have_yielded_does_not_keep_a_bad_test_from_being_one():
+def test_possible_yielding_leaves_a_bad_test_bad():
     ground = earthquake(duration=30.0, time_step=STEP, seed=4)
     bad = simulate(frequency=1.0, damping_ratio=0.03, delay=0.006, ground=ground, time_step=STEP, noise=0.003)
     assert bad.rms > 0.1

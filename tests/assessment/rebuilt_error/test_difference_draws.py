@@ -212,7 +212,7 @@ def test_least_squares_have_their_closed_form():
     assert mean == pytest.approx(covariance @ (rows * weight) @ reading.observed.ravel(), rel=1e-5, abs=1e-12)
 
 
-def test_what_follows_the_command_is_acceleration_displacement_and_velocity_times_polynomials():
+def test_following_rows_are_acceleration_displacement_and_velocity_times_polynomials():
     following = _following(COMMAND, STEP, 2, 64)
     assert np.mean(following**2, axis=(1, 2)) == pytest.approx(np.ones(7))
     rate = np.gradient(COMMAND, STEP)
@@ -260,7 +260,7 @@ def test_without_noise_the_reading_itself_is_drawn():
 
 
 @pytest.mark.parametrize(("swing", "white_left"), [(0.0, 0.5), (4e3, 0.0)])
-def test_what_rounding_explains_is_no_white_noise(swing, white_left):
+def test_rounding_is_no_white_noise(swing, white_left):
     """Where a motion stands still rounding adds nothing; a fast one makes it white, step²/12."""
     step, variance = 0.01, 0.01**2 / 12.0
     motion = 0.3 + step * swing * np.random.default_rng(2).standard_normal(SIZE)

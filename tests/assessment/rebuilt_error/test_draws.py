@@ -112,7 +112,7 @@ def test_a_tolerance_of_the_structure_moves_the_error_by_its_derivative(historie
     assert spread.deviation == pytest.approx(0.002 * np.abs(derivative), rel=0.05, abs=1e-6)
 
 
-def test_offsets_that_are_stated_and_estimated_add_as_variances(histories):
+def test_stated_and_estimated_offsets_add_as_variances(histories):
     _, effect = disturbances(histories)["sensor_offset"]
     spread = swept(histories, sensor_offset=3e-4, offset=4e-4)
     assert spread.deviation == pytest.approx(5e-4 * np.abs(effect), rel=0.02, abs=1e-7)
@@ -128,7 +128,7 @@ def test_an_unknown_start_is_a_free_vibration(histories):
     assert spread.deviation == pytest.approx(deviation * np.hypot(slow, fast), rel=0.05)
 
 
-def test_what_is_not_known_is_independent(histories):
+def test_unknown_quantities_are_independent(histories):
     """Variances of all unknowns together are the sum of those of each alone."""
     deviations = {"sensor_scale": 0.004, "time_shift": 4e-4, "frequency": 0.002, "damping_ratio": 0.05}
     deviations |= {"experimental_fraction": 0.005, "sensor_offset": 1e-4, "feedback_lag": 3e-4}
@@ -158,7 +158,7 @@ def test_parts_of_no_error_have_no_share(histories):
     assert (nothing.share, nothing.rms, nothing.remaining_mte) == (0.0, 0.0, 0.0)
 
 
-def test_a_structure_that_stood_under_an_offset_stays_there():
+def test_structure_at_rest_under_an_offset_stays_there():
     """x_c − x_m = 2 mm for ever: the error is 2 mm times the specimen's share, and nothing vibrates."""
     command = 0.01 * np.sin(2.0 * np.pi * TIME) * (TIME > 4.0)
     still = Histories(
@@ -177,7 +177,7 @@ def test_a_structure_that_stood_under_an_offset_stays_there():
 
 
 @pytest.mark.parametrize("stride", [1, 3, 8])
-def test_what_lies_between_swept_samples_counts(histories, stride):
+def test_motion_between_swept_samples_counts(histories, stride):
     error = response(histories.difference) - histories.difference
     ideal = np.abs(histories.command - error - histories.difference).max()
     spread = swept(histories, stride)
@@ -310,7 +310,7 @@ def test_parts_are_gain_delay_and_rest_of_least_squares(histories):
         assert part.remaining_mte == pytest.approx(np.abs(remainder).max() / ideal, rel=1e-3)
 
 
-def test_an_actuator_that_is_described_exactly_accounts_for_the_whole_error(histories):
+def test_exactly_described_actuator_accounts_for_the_whole_error(histories):
     part = part_of_tracking(histories, STRUCTURE, histories.measured)
     assert part.share == pytest.approx(1.0)
     assert part.remaining_rms == pytest.approx(0.0, abs=1e-12)
@@ -321,7 +321,7 @@ def test_an_actuator_that_is_described_exactly_accounts_for_the_whole_error(hist
     assert half.remaining_mte == pytest.approx(0.5 * np.abs(part.history).max() / ideal)
 
 
-def test_what_two_sensors_make_together_is_no_effect_of_others():
+def test_joint_effects_of_two_sensors_are_no_effect_of_others():
     """A rotation feels the difference of two skews, whose squares hold their product."""
     names = ("time_shift_1", "time_shift_2", "damping_ratio")
     draws = dict(zip(names, normal_points(3, 256, seed=1), strict=True))

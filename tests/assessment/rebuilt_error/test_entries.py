@@ -36,13 +36,13 @@ def test_a_draw_has_the_entries_that_move_its_frequency():
     assert draws["damping_ratio"].tolist() == [0.0, 1.0, 2.0]
 
 
-def test_what_no_entry_explains_stays_with_the_frequency():
+def test_unexplained_deviation_stays_with_the_frequency():
     entries = EntriesOfStructure.from_parts(STRUCTURE, {ENTRY: 0.02})
     draws = entries.match_frequencies({ENTRY: np.array([-0.01, 0.01]), "frequency": np.array([0.2, 0.2])})
     assert draws["frequency"] == pytest.approx(np.full(2, 1.2 / lowest(-0.01) - 1.0))
 
 
-def test_the_frequency_is_open_by_what_entries_leave_of_it():
+def test_entries_leave_the_frequency_open():
     slope = (lowest(1e-4) - lowest(-1e-4)) / 2e-4
     deviation = EntriesOfStructure.from_parts(STRUCTURE, {ENTRY: 0.01}).deviation
     assert deviation == pytest.approx(0.01 * abs(slope), rel=0.05)

@@ -66,7 +66,7 @@ def test_history_and_errors_are_those_of_the_simulation(test_of):
     assert np.abs(rebuilt.reference - outcome.ideal).max() < 1e-4 * np.abs(outcome.ideal).max()
 
 
-def test_forgetting_that_the_force_was_late_hides_an_error():
+def test_unstated_lag_of_the_force_hides_an_error():
     lab = LABS["late force"]
     outcome = run(lab, synthetic_ground(1, 20.0))
     forgotten = rebuild(outcome.command, outcome.measured, STEP, structure_of(lab))
@@ -143,7 +143,7 @@ def three_storeys(time_constant: float, ground):
 
 
 @pytest.mark.slow
-def test_three_storeys_of_which_one_is_tested():
+def test_one_tested_storey_of_three():
     ground = synthetic_ground(3, 8.0)
     tested_frame, full_test = three_storeys(0.003, ground)
     ideal, _ = three_storeys(0.0, ground)
@@ -152,7 +152,7 @@ def test_three_storeys_of_which_one_is_tested():
     assert np.sqrt(np.mean((rebuilt.error - true) ** 2) / np.mean(true**2)) < 1e-4
 
 
-def test_a_wrong_force_that_stays_bends_the_structure_as_its_stiffness_says():
+def test_constant_wrong_force_bends_the_structure_by_its_stiffness():
     two = Partition(
         mass=np.diag([1.0, 1.5]),
         damping=np.array([[12.0, -4.0], [-4.0, 6.0]]),

@@ -83,7 +83,7 @@ def test_exact_histories_give_the_parameters_back(lag):
     assert bare.experimental_fraction is bare.feedback_lag is None
 
 
-def test_the_misfit_is_the_share_of_an_acceleration_that_nothing_explains():
+def test_misfit_is_the_unexplained_share_of_an_acceleration():
     """Both are seen through the kernel; a sine at 3.5 Hz is no response to anything here."""
     command, measured_displacement, ground, force = histories()
     strange = 0.5 * np.sin(2.0 * np.pi * 3.5 * TIME)
@@ -116,7 +116,7 @@ def test_a_stated_value_is_wrong_by_three_standard_errors_and_more_than_matters(
     assert IdentifiedParameter(value=1.0 + off, deviation=deviation, stated=1.0).departs(0.02) is departs
 
 
-def test_what_matters_is_relative_except_for_a_lag():
+def test_deviations_are_relative_except_for_a_lag():
     """0.5 % of the frequency, 2 % of the damping ratio, 2 % of the share, 0.1 ms of the lag."""
 
     def identification(factor):

@@ -91,7 +91,7 @@ def test_a_sensor_offset_at_rest_is_taken_away(outcome):
 
 
 @pytest.mark.parametrize(("alpha", "stride"), [(1.0, 2), (0.5, 8)])
-def test_an_offset_that_the_loop_felt_is_part_of_the_error(alpha, stride):
+def test_offset_in_the_loop_is_part_of_the_error(alpha, stride):
     bias = 0.01 * np.abs(run(Lab(1.0, 0.03, alpha), synthetic_ground(7, 20.0)).ideal).max()
     felt_displacement = run(Lab(1.0, 0.03, alpha, BIAS, (0.998, bias, 0.0, 0.0)), synthetic_ground(7, 20.0))
     structure = Structure(frequency=1.0, damping_ratio=0.03, experimental_fraction=alpha)
@@ -110,7 +110,7 @@ def test_an_offset_that_the_loop_felt_is_part_of_the_error(alpha, stride):
     assert shift.rms.value == pytest.approx(unfelt.rms, rel=0.05)
 
 
-def test_a_test_that_begins_in_motion_says_so(outcome):
+def test_beginning_in_motion_is_reported(outcome):
     begin = int(np.argmax(np.abs(outcome.command)))
     rebuilt = rebuild(outcome.command[begin:], outcome.measured[begin:], STEP, STRUCTURE)
     error = (outcome.measured - outcome.ideal)[begin:]
@@ -121,7 +121,7 @@ def test_a_test_that_begins_in_motion_says_so(outcome):
 
 
 @pytest.mark.slow
-def test_an_error_that_had_grown_before_the_record_is_held():
+def test_error_grown_before_the_record_is_held():
     """A late actuator makes the command larger than the exact response: its error is no chance direction."""
     coverage, tests = 0, 16
     for seed in range(tests):
@@ -139,7 +139,7 @@ def test_an_error_that_had_grown_before_the_record_is_held():
     assert coverage >= 0.8 * tests
 
 
-def test_an_actuator_that_passes_for_slow_noise_keeps_its_peak():
+def test_actuator_like_slow_noise_keeps_its_peak():
     assembly = Lab(1.0, 0.03, 1.0, BACKLASH, (0.002, 0.0, 0.0, 0.0))
     play_output = run(assembly, synthetic_ground(5, 20.0))
     level = 0.01 * np.sqrt(np.mean(play_output.measured**2))
@@ -149,7 +149,7 @@ def test_an_actuator_that_passes_for_slow_noise_keeps_its_peak():
     assert rebuilt.mte.value == pytest.approx(play_output.mte, rel=0.05)
 
 
-def test_parts_add_up_and_name_what_is_wrong(outcome):
+def test_parts_add_up_and_name_the_fault(outcome):
     parts = rebuild(outcome.command, outcome.measured, STEP, STRUCTURE).parts()
     assert parts.gain == pytest.approx(0.997, abs=1e-4)
     assert parts.delay == pytest.approx(0.0012, rel=0.01)
@@ -159,7 +159,7 @@ def test_parts_add_up_and_name_what_is_wrong(outcome):
     assert parts.by_name["delay"].remaining_rms == pytest.approx(better.rms, rel=0.1)
 
 
-def test_noise_is_no_part_that_could_be_improved(outcome):
+def test_noise_is_no_part_to_improve(outcome):
     """A sensor with noise of the size of the actuator's error: what would remain is that without noise."""
     noise = (
         0.4
@@ -182,7 +182,7 @@ def test_noise_is_no_part_that_could_be_improved(outcome):
         assert residual < 0.7 * missed_with_noise
 
 
-def test_parts_that_cancel_leave_nothing_to_improve_first():
+def test_cancelling_parts_leave_nothing_to_improve_first():
     """Two parts of opposite sign, each larger than their sum."""
     displacement = np.sin(0.1 * np.arange(500.0))
     parts = parts_of(1.0, 0.0, {"amplitude": 3.0 * displacement, "delay": -2.5 * displacement}, 1.0)

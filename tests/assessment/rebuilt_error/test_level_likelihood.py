@@ -11,7 +11,7 @@ LEVELS = np.array([1e-8, 1e-3, 1.0, 1e3])
 
 @pytest.mark.parametrize("frames_of_noise", [1, 5])
 @pytest.mark.parametrize("coefficients", [1, 7, 19])
-def test_likelihood_is_that_of_normal_coefficients(frames_of_noise, coefficients):
+def test_likelihood_equals_normal_coefficients(frames_of_noise, coefficients):
     rng = np.random.default_rng(coefficients)
     size, band = coefficients + 5, slice(2, 2 + coefficients)
     remainder = rng.normal(size=(5, size))

@@ -56,7 +56,7 @@ def test_errors_so_far_are_those_of_the_history_so_far(outcome):
     assert monitor.now.mte == pytest.approx(np.abs(error).max() / peak, rel=1e-9)
 
 
-def test_an_offset_found_later_is_taken_away_from_all_that_went_before(outcome):
+def test_later_offset_is_removed_from_all_earlier_samples(outcome):
     command = np.concatenate([np.zeros(1024), outcome.command])
     measured_displacement = np.concatenate([np.zeros(1024), outcome.measured]) + 0.02
     monitor = feed_chunks(command, measured_displacement, (5000,))
@@ -66,7 +66,7 @@ def test_an_offset_found_later_is_taken_away_from_all_that_went_before(outcome):
     assert monitor.now.error == pytest.approx(full_test.error[-1], rel=1e-9)
 
 
-def test_an_equilibrium_found_later_is_taken_into_all_that_went_before(outcome):
+def test_later_equilibrium_applies_to_all_earlier_samples(outcome):
     """An offset that the loop felt before the test began moved the command the other way."""
     command = np.concatenate([np.zeros(1024), outcome.command]) - 0.02
     measured_displacement = np.concatenate([np.zeros(1024), outcome.measured])
@@ -86,7 +86,7 @@ def test_a_loop_that_will_diverge_is_known_before_its_motion_is_twice_the_exact_
     assert monitor.gains_energy_since < stop * STEP
 
 
-def test_a_stable_loop_keeps_the_damping_that_its_delay_leaves(outcome):
+def test_stable_loop_keeps_the_damping_after_its_delay(outcome):
     monitor = feed_chunks(outcome.command, outcome.measured, (400,))
     assert monitor.gains_energy_since is None
     assert monitor.now.damping.ratio == pytest.approx(0.02 - np.pi * 0.001, rel=0.05)

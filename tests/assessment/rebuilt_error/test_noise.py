@@ -45,7 +45,7 @@ def test_white_noise_has_one_density():
 
 
 @pytest.mark.parametrize("band", [6.0, 40.0])
-def test_the_filter_keeps_the_band_and_stops_what_lies_above(band):
+def test_filter_keeps_the_band_and_stops_higher_frequencies(band):
     noise = SensorNoise(time_step=STEP, weights=np.eye(6)[0], band=band)
     frequency = np.array([0.0, 0.3 * band, 0.9 * band, 1.7 * band, 3.0 * band])
     gain = np.abs(scipy.signal.freqz(noise.filter, worN=frequency, fs=1.0 / STEP)[1])
@@ -136,7 +136,7 @@ def test_both_ends_of_a_record_are_continued_alike():
     assert noise.smooth(history[::-1])[::-1] == pytest.approx(noise.smooth(history), abs=1e-9)
 
 
-def test_what_follows_several_commands_is_kept_up_to_the_fastest_of_them():
+def test_parts_of_several_commands_are_kept_up_to_the_fastest():
     """Also where one moves slowly, and what is faster than both is noise that they must not explain."""
     time = STEP * np.arange(8192)
     swell = np.sin(np.pi * time / time[-1]) ** 2

@@ -34,7 +34,7 @@ def test_a_filter_is_seen_with_its_delay(corner, order):
     assert result.delay == pytest.approx(LowPass(corner=corner, order=order).delay, rel=0.15)
 
 
-def test_noise_that_is_white_slow_or_of_a_converter_shows_none():
+def test_white_slow_or_converter_noise_shows_no_filter():
     slow = scipy.signal.lfilter([1.0 - 0.9], [1.0, -0.9], NOISE)
     step = 2.0 * np.ptp(MOVED) / 2**12
     for read in (

@@ -38,7 +38,7 @@ def net_of(error, **manner):
 
 
 @pytest.mark.parametrize("slope", [-0.004, 0.003, 0.0])
-def test_net_damping_is_that_of_the_pole_with_the_error(slope):
+def test_net_damping_equals_the_pole_with_the_error(slope):
     """s² + 2ξω₀s + ω₀² + αω₀²(a + b s) = 0; its error is that of weighted least squares."""
     noise = 2e-5 * np.random.default_rng(1).standard_normal(TIME.size)
     velocity = np.gradient(COMMAND, STEP)
@@ -90,7 +90,7 @@ def test_an_alarm_needs_half_of_the_largest_power(share, large):
     assert EnergyAlarm(smallest=0.0).look(net) is large
 
 
-def test_an_alarm_needs_an_error_that_noise_does_not_hide():
+def test_alarm_needs_an_error_above_noise():
     slope = -4.0 * XI / (SHARE * W0) * np.gradient(COMMAND, STEP)
     noise = np.random.default_rng(4).standard_normal(TIME.size)
     reference = [bool(net_of(slope + level * noise).known) for level in (1e-5, 1e-3, 1e-1)]
@@ -99,7 +99,7 @@ def test_an_alarm_needs_an_error_that_noise_does_not_hide():
     assert not EnergyAlarm(smallest=0.0).look(replace(net_of(slope), known=False))
 
 
-def test_an_alarm_grants_more_than_the_play_that_an_error_shows():
+def test_alarm_grants_more_than_the_apparent_play():
     net = net_of(-8.0 * XI / (SHARE * W0) * np.gradient(COMMAND, STEP))
     shares = np.linspace(0.0, 1.0, 101)
     granted = np.array([net.damping_loss(share * net.amplitude) for share in shares])
@@ -161,7 +161,7 @@ def frame_of(share):
 
 
 @pytest.mark.parametrize("place", [0, 1])
-def test_the_net_damping_of_a_mode_of_a_frame_is_that_of_its_pole(place):
+def test_net_damping_of_a_frame_mode_equals_its_pole(place):
     """The error moves the other mode as well, by whose motion it is changed."""
     frame = frame_of(0.6)
     mode = next(single for single in select_modes(frame, STEP) if single.place == place)
@@ -217,14 +217,14 @@ def test_intervals_are_due_after_four_periods_and_again_after_half_as_much():
     assert long.due
 
 
-def test_a_test_that_stands_still_is_not_due():
+def test_test_at_rest_is_not_due():
     still = Monitor(STRUCTURE, STEP)
     still.feed(np.zeros(5000), np.zeros(5000))
     assert not still.due
     assert (still.now.rms, still.now.mte, still.now.damping) == (0.0, 0.0, None)
 
 
-def test_the_time_is_that_of_the_last_sample_and_one_sample_is_enough():
+def test_time_of_the_last_sample_counts_and_one_sample_is_enough():
     monitor = fed(1)
     assert (monitor.samples, monitor.now.samples, monitor.now.time) == (1, 1, 0.0)
     assert fed(129).now.time == pytest.approx(1.0)
@@ -289,7 +289,7 @@ def test_a_longer_test_learns_its_frequency_from_two_stretches_and_has_the_error
         assert single.high - single.low < 2.0 * width
 
 
-def test_a_rest_that_is_forgotten_still_counts_as_time():
+def test_forgotten_rest_still_counts_as_time():
     time = STEP * np.arange(3000)
     command = np.concatenate([np.zeros(3500), 0.01 * np.sin(W0 * time)])
     measured_displacement = 0.97 * command + 0.004
@@ -332,7 +332,7 @@ def test_no_error_is_stated_of_the_noise_in_a_rest_before_the_motion():
     assert monitor.result.estimate(Metric.RMS).value < 0.05
 
 
-def test_a_skew_that_is_not_known_is_no_gain_of_energy():
+def test_unknown_skew_is_no_gain_of_energy():
     """Recorded half a sample late the loop seems to gain energy; if it is later than that, it does."""
     velocity = np.gradient(COMMAND, STEP)
     skew = 0.5 * STEP

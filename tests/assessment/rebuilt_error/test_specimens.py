@@ -154,7 +154,7 @@ def test_shares_of_a_cubic_force_are_those_of_least_squares():
     assert check.gain > 0.98
 
 
-def test_what_is_not_a_specimen_is_refused_or_linear():
+def test_force_of_no_specimen_is_refused_or_linear():
     time = np.arange(0.0, 4.0, 0.005)
     displacement = np.sin(6.0 * time)
     nothing = examine_specimen(displacement, np.zeros(time.size), 0.005, 1.0)
@@ -187,12 +187,12 @@ def test_what_is_not_a_specimen_is_refused_or_linear():
         ({"mass": -np.eye(1)}, "must not be negative"),
     ],
 )
-def test_what_is_no_structure_is_refused(changes, rule):
+def test_impossible_structure_is_refused(changes, rule):
     with pytest.raises(InputError, match=rule):
         replace(Partition.from_structure(STRUCTURE), **changes)
 
 
-def test_a_structure_whose_interface_no_mode_moves_is_pushed_as_a_whole():
+def test_structure_with_unmoved_interface_is_pushed_as_a_whole():
     """With an interface that nothing moves there is no mode to find: the interface itself is the shape."""
     two = Partition(
         mass=np.eye(2),
@@ -214,7 +214,7 @@ def test_a_frame_of_one_degree_of_freedom_is_its_structure():
     assert whole_structure(full_test) is full_test
 
 
-def test_what_lies_between_simulated_samples_counts(outcome):
+def test_motion_between_simulated_samples_counts(outcome):
     """Simulated at every 40th sample without anything unknown, the errors are those of all samples."""
     arguments = (outcome.command, outcome.measured, STEP)
     fine = rebuild_with_specimen(*arguments, model(), draws=2)

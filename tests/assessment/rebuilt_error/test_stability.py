@@ -33,7 +33,7 @@ def first_alarm(lab: Lab, offset: float = 0.0) -> tuple[float, float]:
     return np.inf, end / RATE
 
 
-def test_a_loop_that_diverges_is_told_before():
+def test_diverging_loop_is_reported_in_advance():
     alarm, diverged = first_alarm(Lab(1.0, XI, 1.0, DELAY, (1.0, 2.0 * CRITICAL, 0.0, 0.0)))
     assert alarm < diverged - 2.0
 

@@ -78,7 +78,7 @@ def test_an_offset_in_the_loop_is_an_error_and_nothing_is_taken_away():
     assert start.offset_deviation < 0.1 * offset
 
 
-def test_an_offset_that_the_command_cannot_judge_stays_open():
+def test_undecidable_offset_stays_open():
     """Slow ground motion as large as the offset's answer hides it: the whole offset is uncertain."""
     size, offset = 4096, 2e-4
     drift = (

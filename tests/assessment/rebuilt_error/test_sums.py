@@ -62,7 +62,7 @@ def test_a_later_offset_changes_the_sums_to_those_of_the_changed_error(histories
 
 
 @pytest.mark.parametrize("count", [1, 700, 999])
-def test_what_is_forgotten_stays_in_the_sums(histories, count):
+def test_forgotten_samples_stay_in_the_sums(histories, count):
     full_test, test = running(), running()
     for item in (full_test, test):
         item.feed(*(history[:1000] for history in histories))
@@ -76,7 +76,7 @@ def test_what_is_forgotten_stays_in_the_sums(histories, count):
     assert (test.sums.mean_square, test.sums.calm) == (full_test.sums.mean_square, full_test.sums.calm)
 
 
-def test_mean_square_is_that_of_straight_lines_between_squares():
+def test_mean_square_joins_squares_by_straight_lines():
     assert mean_square(np.array([0.0, 2.0, 0.0])) == pytest.approx(2.0)
     assert mean_square(np.array([2.0, 0.0, 4.0])) == pytest.approx((4.0 / 2.0 + 16.0 / 2.0) / 2.0)
 
@@ -102,7 +102,7 @@ def test_damping_of_the_first_mode_does_not_depend_on_the_mass(mass):
     assert mode.forgetting ** (3.0 * mode.samples) == pytest.approx(np.exp(-1.0))
 
 
-def test_the_first_mode_is_the_lowest_that_moves_the_interface_by_one():
+def test_first_mode_is_the_lowest_with_unit_interface_motion():
     still = Partition(
         mass=np.diag([2.0, 1.0]),
         damping=np.zeros((2, 2)),
@@ -113,7 +113,7 @@ def test_the_first_mode_is_the_lowest_that_moves_the_interface_by_one():
     assert still.first_mode == pytest.approx([0.0, 0.5])
 
 
-def test_what_a_gain_and_a_delay_do_not_explain_is_the_constant(histories):
+def test_remainder_of_gain_and_delay_is_the_constant(histories):
     command, _ = histories
     velocity = np.gradient(command, STEP)
     for constant in (3e-4, -2e-5):
@@ -121,7 +121,7 @@ def test_what_a_gain_and_a_delay_do_not_explain_is_the_constant(histories):
         assert _constant(command, measured_displacement, STEP) == pytest.approx(constant, rel=1e-6)
 
 
-def test_the_amplitude_at_the_beginning_is_that_of_displacement_and_velocity():
+def test_amplitude_at_the_beginning_counts_displacement_and_velocity():
     place = np.arange(400)
     command = 3e-3 + 2e-5 * place + 1e-8 * place**2
     amplitude = np.hypot(3e-3, 2e-5 / STEP / (2.0 * np.pi * 1.5))

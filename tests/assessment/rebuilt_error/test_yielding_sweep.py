@@ -58,7 +58,7 @@ def rebuilt(command):
     return rebuild(command, GAIN * command, STEP, FRAME, draws=32)
 
 
-def test_the_error_of_a_frame_that_yields_is_that_of_its_integration(command, rebuilt):
+def test_error_of_a_yielding_frame_equals_its_integration(command, rebuilt):
     exact = displacement(1.0)
     error, peak = GAIN * command - exact, np.abs(exact).max()
     ductility = GAIN * float(np.abs(command).max()) / YIELD
@@ -70,7 +70,7 @@ def test_the_error_of_a_frame_that_yields_is_that_of_its_integration(command, re
     assert rebuilt.rms.value != pytest.approx(rms, rel=0.2)
 
 
-def test_a_specimen_that_hardly_yields_has_the_error_of_a_linear_one(rebuilt):
+def test_hardly_yielding_specimen_has_the_error_of_a_linear_one(rebuilt):
     assert errors_of_ductilities(rebuilt, Metric.RMS, (0.1,))[0.1] == pytest.approx(
         rebuilt.rms.value, rel=2e-3
     )
