@@ -27,11 +27,11 @@ def good(shaken):
     return shaken(gain=0.998, delay=0.0004)
 
 
-def find_faults(test, measured_displacement=None, command=None):
+def find_faults(test, measured=None, command=None):
     return assess(
         Recording(
             command=test.command if command is None else command,
-            measured=test.measured if measured_displacement is None else measured_displacement,
+            measured=test.measured if measured is None else measured,
             time_step=1.0 / 256.0,
         ),
         ONE_HERTZ,

@@ -170,7 +170,7 @@ def skewed_assessments(ground_motions, simulate_rig):
 def test_a_skew_or_a_wrong_damping_ratio_leaves_the_verdict_open(
     skewed_assessments, force_case, delay, late, stated_ratio
 ):
-    _, result = skewed_assessments(delay=delay, late=late, with_force=force_case, stated_ratio=stated_ratio)
+    _, result = skewed_assessments(delay=delay, late=late, force_case=force_case, stated_ratio=stated_ratio)
     assert result.verdict == "undecided"
     assert any("state how uncertain it is" in remedy for remedy in result.would_decide)
 
@@ -179,7 +179,7 @@ def test_a_skew_or_a_wrong_damping_ratio_leaves_the_verdict_open(
 @pytest.mark.parametrize("force_case", [False, True])
 @pytest.mark.parametrize("delay", [BAD, GOOD])
 def test_sound_channels_lose_nothing(skewed_assessments, force_case, delay):
-    test, result = skewed_assessments(delay=delay, with_force=force_case)
+    test, result = skewed_assessments(delay=delay, force_case=force_case)
     assert result.equation.contradictions == ()
     assert result.verdict == ("reliable" if delay == GOOD else "not_reliable")
     assert result.error.rebuilt.rms.value == pytest.approx(test.rms, rel=0.015)  # as far as the noise lets

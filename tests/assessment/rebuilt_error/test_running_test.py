@@ -24,17 +24,17 @@ TIME = STEP * np.arange(1500)
 COMMAND = 0.01 * np.sin(W0 * TIME) * (1.0 + 0.3 * np.sin(0.9 * TIME))
 
 
-def sums_of(command, error, *, displacement=1000.0, share=1.0):
+def sums_of(command, error, *, moving_samples=1000.0, share=1.0):
     """Forgetting sums of the products of x_c, x_c' and x_m − x_c; `share` of the largest power."""
     rows = np.stack([command, np.gradient(command, STEP), error])
     weight = MODE.forgetting ** np.arange(command.size - 1, -1, -1)
     steps = np.diff(rows)
     moments = np.stack([(weight * rows) @ rows.T, (weight[1:] * steps) @ steps.T])
-    return Sums(moments=moments, weight=weight.sum(), moved=displacement, power=moments[0, 1, 1] / share)
+    return Sums(moments=moments, weight=weight.sum(), moved=moving_samples, power=moments[0, 1, 1] / share)
 
 
-def net_of(error, **manner):
-    return net_damping(MODE, sums_of(COMMAND, error, **manner), 1)
+def net_of(error, **options):
+    return net_damping(MODE, sums_of(COMMAND, error, **options), 1)
 
 
 @pytest.mark.parametrize("slope", [-0.004, 0.003, 0.0])
@@ -75,7 +75,7 @@ def test_more_windows_need_more_standard_errors_and_all_together_are_wrong_once_
         allowed = []
         for window in range(1, 400):
             net = net_damping(
-                MODE, sums_of(COMMAND, noise, displacement=(window - 0.5) * 3.0 * MODE.samples), modes
+                MODE, sums_of(COMMAND, noise, moving_samples=(window - 0.5) * 3.0 * MODE.samples), modes
             )
             allowed.append(scipy.stats.norm.sf((net.high - net.ratio) / net.deviation))
         assert allowed[0] == pytest.approx(0.005 / modes)
@@ -141,8 +141,8 @@ def test_play_takes_no_more_damping_away_than_is_granted(first, ratio):
 
 def test_damping_waits_for_one_period_of_motion():
     samples = 1.0 / (FREQUENCY * STEP)
-    assert net_of(0.01 * COMMAND, moved=samples - 0.5) is None
-    assert net_of(0.01 * COMMAND, moved=samples + 0.5) is not None
+    assert net_of(0.01 * COMMAND, moving_samples=samples - 0.5) is None
+    assert net_of(0.01 * COMMAND, moving_samples=samples + 0.5) is not None
     still = Sums(moments=np.zeros((2, 3, 3)), weight=1.0, moved=1000.0, power=0.0)
     assert net_damping(MODE, still, 1) is None
 
