@@ -86,7 +86,7 @@ def solve_step_by_step(
     names = ("gain", "lag", "delay", "backlash", "bias", "drift", "lead")
     values = {"gain": 1.0, **dict.fromkeys(names[1:], 0.0), **rig}
     structure = (2.0 * np.pi * f, xi, 1.0 / (stride * rate), seconds)
-    command, measured_displacement, smooth_values = _run(
+    command, measured_displacement, acceleration = _run(
         ground, step, structure, stride, tuple(values[name] for name in names)
     )
     perfect = _run(ground, step, structure, stride, (1.0, *(0.0,) * (len(names) - 1)))
@@ -100,7 +100,7 @@ def solve_step_by_step(
         command=command,
         measured=measured_displacement + noise,
         ideal=perfect[0],
-        ground=smooth_values,
+        ground=acceleration,
     )
 
 
@@ -109,7 +109,7 @@ def _run(ground, step, structure, stride, rig):
     circular, xi, dt, seconds = structure
     gain, lag, delay, backlash, bias, drift, lead = rig
     count = round(seconds / dt)
-    kept_part = np.zeros((3, count // stride + 1))
+    histories = np.zeros((3, count // stride + 1))
     past = np.zeros(int(delay / dt) + 3)
     x, v, piston, play = 0.0, 0.0, 0.0, 0.0
     for k in range(count + 1):
@@ -123,10 +123,10 @@ def _run(ground, step, structure, stride, rig):
         play = min(max(play, piston - 0.5 * backlash), piston + 0.5 * backlash)
         read = (play if backlash > 0.0 else piston) + bias + drift * k / count
         if k % stride == 0:
-            kept_part[0, k // stride], kept_part[1, k // stride], kept_part[2, k // stride] = x, read, a
+            histories[0, k // stride], histories[1, k // stride], histories[2, k // stride] = x, read, a
         v += dt * (-a - 2.0 * xi * circular * v - circular**2 * read)
         x += dt * v
-    return kept_part
+    return histories
 
 
 @pytest.fixture(scope="session")
