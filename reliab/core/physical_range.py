@@ -135,7 +135,7 @@ def require_physical(
 
     `zero`, `signed`: whether it may be zero, and negative; `label`: its name, where it has one of its own.
 
-    >>> require_physical("mass", 1e-320, called="mass of the specimen", where="frame.toml")
+    >>> require_physical("mass", 1e-320, label="mass of the specimen", where="frame.toml")
     Traceback (most recent call last):
     ...
     reliab.core.errors.InputError: frame.toml: The mass of the specimen must be between 1e-09 and 1e+12 kg;

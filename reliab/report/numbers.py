@@ -66,7 +66,7 @@ class Significant(Number):
     >>> [Significant(digits=3)(value).digits for value in (23.268, 0.3333, 1234.0)]
     ['23.3', '0.333', '1234']
     >>> Significant(digits=2)(1.77e-5)
-    Written(digits='1.8', exponent=-5)
+    WrittenNumber(digits='1.8', exponent=-5)
     """
 
     digits: int = 3  # Significant digits
@@ -85,7 +85,7 @@ class Scientific(Number):
     """A mantissa with a fixed number of decimals and a power of ten.
 
     >>> Scientific(decimals=1)(5.29e-5)
-    Written(digits='5.3', exponent=-5)
+    WrittenNumber(digits='5.3', exponent=-5)
     """
 
     decimals: int = 2  # Decimals of the mantissa

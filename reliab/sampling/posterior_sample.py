@@ -76,7 +76,7 @@ def diagnose(draws: Array, names: tuple[str, ...], thin: int) -> Diagnostics:
     `draws`: without the beginning that is left out; `thin`: steps from one draw to the next.
 
     >>> draws = np.random.default_rng(1).normal(size=(4, 500, 8, 1))
-    >>> diagnose(draws, ("mean",), 1).converged
+    >>> diagnose(draws, ("mean",), 1).has_converged
     True
     """
     from arviz_stats.base import array_stats

@@ -125,7 +125,7 @@ def assess(
     --------
     >>> verdict = assess("sample_test", f=1, xi=0.02)
     >>> str(verdict.verdict), round(verdict.error.rms.value, 3)
-    ('reliable', 0.022)
+    ('reliable', 0.023)
     """
     judge = _Terms(structure, options).judge()
     reading = Channels.from_question(options)
