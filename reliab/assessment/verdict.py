@@ -74,7 +74,7 @@ def error_in_words(
     >>> size = Estimate(value=0.0576, low=0.0051, high=0.0847)
     >>> error_in_words("RMS error", size, 0.05, 0.61)
     'RMS error 0.5 to 8.5 %, 61 % likely to be below 5 %'
-    >>> error_in_words("RMS error", size, 0.05, 0.004, with_interval=True)
+    >>> error_in_words("RMS error", size, 0.05, 0.004, show_interval=True)
     'RMS error 5.8 % (90 % interval 0.5 to 8.5 %), less than 1 % likely to be below 5 %'
     """
     word = Word.RELIABLE if size.value < threshold else Word.NOT_RELIABLE
