@@ -507,7 +507,7 @@ def test_a_test_in_the_plane_of_amplitude_and_delay(windows, delay):
         assert level(place) == [0.0]
     assert (level(plane), upright(plane)) == ([0.0], [0.0])
     assert not any(label.get_visible() for label in above.get_xticklabels())
-    assert above.get_shared_x_axes().join(above, below)
+    assert above.get_shared_x_axes().joined(above, below)
     assert plane.margins() == pytest.approx((0.12, 0.12))
 
 
