@@ -175,7 +175,7 @@ def test_yielded_specimen_turns_a_verdict_by_its_odds():
     assert result.probability > 0.95
     likely = result.probability / (1.0 + result.turning.odds) >= 0.95
     messages = result.warnings if likely else result.reasons
-    assert any("if it yielded, up to a ductility of 6" in sentence for sentence in messages)
+    assert any("(ductility up to 6)" in sentence for sentence in messages)
     assert result.reliable == likely
     linear = assess(recording, structure, equipment=reference, threshold=0.026, linear_specimen=True)
     assert not any("yielded" in reason for reason in linear.reasons)
