@@ -281,27 +281,32 @@ def _judge(
     error, effects = error_of_one_with_faults(recording, faults, question)
     if error.inferred is None:
         return _Judgement(error=error, effects=effects, equation=OwnEquation())
-    equation = compare_with_stated(clean, structure, ground, question.stated)
-    if not question.equipment.is_exact:
-        equation = _compare_with_posterior(error.inferred.posterior, equation, ground, question)
+    if question.equipment.is_exact:
+        equation = compare_with_stated(clean, structure, ground, question.stated, nonlinear=nonlinear)
+    else:
+        equation = _compare_with_posterior(error.inferred.posterior, ground, question, nonlinear=nonlinear)
     return _Judgement(error=error, effects=effects, equation=equation)
 
 
 def _compare_with_posterior(
-    posterior: TestPosterior, equation: OwnEquation, ground: ShownGround, question: Question
+    posterior: TestPosterior, ground: ShownGround, question: Question, *, nonlinear: str
 ) -> OwnEquation:
-    """Compare stated values with what the channels show where no value is exact."""
+    """Compare stated values with what the channels show where no value is exact.
+
+    `nonlinear`: as of `OwnEquation`.
+    """
     structure = question.structure
     conflicts = tuple(find_conflicts(posterior, structure, question.stated))
     identification = None
     if ground.identified is not None:
         misfit = ground.identified.misfit
         identification = identify_structure(posterior, structure, question.feedback_lag, misfit)
-    return replace(
-        equation,
+    return OwnEquation(
         identified=identification,
         wrong=tuple(conflict.option for conflict in conflicts if conflict.option),
         contradictions=tuple(conflict.finding for conflict in conflicts),
+        nonlinear=nonlinear,
+        notes=ground.notes,
         doubts=(*ground.doubts, *(conflict for conflict in conflicts if conflict.remedy)),
     )
 

@@ -45,14 +45,19 @@ class OwnEquation:
 
 
 def compare_with_stated(
-    recording: Recording, structure: Structure, ground: ShownGround, stated_values: Mapping[str, StatedValue]
+    recording: Recording,
+    structure: Structure,
+    ground: ShownGround,
+    stated_values: Mapping[str, StatedValue],
+    *,
+    nonlinear: str,
 ) -> OwnEquation:
     """Compare what ground acceleration and force show with the values stated as exact, or nearly so.
 
     A quantity of the structure and one of the channels can look alike, so that a value that differs is told,
-    and the verdict left open, but none is replaced.
+    and the verdict left open, but none is replaced. `nonlinear`: as of `OwnEquation`.
     """
-    identification, nonlinear = ground.identified, looks_nonlinear(recording, structure)
+    identification = ground.identified
     estimates = {
         _QUANTITIES[name][0]: _sentence(name, getattr(identification, name))
         for name in (() if identification is None else identification.disagreements())

@@ -26,7 +26,7 @@ def infer_coupled(
     tolerances: Mapping[str, float],
     left_by_faults: Mapping[str, float],
 ) -> tuple[CoupledError, InferredError] | None:
-    """Infer the errors of all interface displacements; None where the channels determine no posterior.
+    """Infer the errors of all interface displacements; None where a test does not begin at rest.
 
     `nominal_error`: the error with all as stated but for the sensors' noise; `command`,
     `measured_displacement` [m], shape (p, n), at the sensors; `ground`: acceleration [m/s²]; the others as of

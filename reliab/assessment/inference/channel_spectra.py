@@ -36,7 +36,7 @@ class ChannelSpectra:
     noise_left: Array
     # What one standard deviation of each coefficient, by which `tracked` follows the command, would add, as
     # far as noise leaves these open [m], shape (p, 3, K)
-    follow_left: Spectrum
+    follow_noise: Spectrum
     noise: Array  # Variance of a sample of the displacement sensors' noise [m²], shape (p,)
     constant: Spectrum  # Of a channel that is 1 throughout, shape (K,)
     ramp: Spectrum  # Of one that rises from −½ to ½ over the record
@@ -82,7 +82,7 @@ class ChannelSpectra:
         noise = np.array([white_noise(row, time_step, band.flat, corner) for row in measured_displacement])
         places = np.linspace(-0.5, 0.5, command.shape[-1])
         command_spectrum, read = band.spectrum(command), band.spectrum(measured_displacement)
-        tracked_spectrum, noise_left, follow_left = _remove_noise(band, command_spectrum, read, noise, hop)
+        tracked_spectrum, noise_left, follow_noise = _remove_noise(band, command_spectrum, read, noise, hop)
         offset, drift = slow_parts(command, measured_displacement, time_step)
         return cls(
             band=band,
@@ -91,7 +91,7 @@ class ChannelSpectra:
             measured=read,
             tracked=tracked_spectrum,
             noise_left=noise_left,
-            follow_left=follow_left,
+            follow_noise=follow_noise,
             noise=noise,
             constant=band.spectrum(np.ones(command.shape[-1])),
             ramp=band.spectrum(places),
@@ -109,8 +109,8 @@ class ChannelSpectra:
     def draw_noise(self, generator: np.random.Generator) -> Spectrum:
         """Draw the noise that may be left in `tracked` [m], shape (p, K)."""
         cells = self.noise_left * generator.standard_normal(self.noise_left.shape)
-        follows = generator.standard_normal(self.follow_left.shape[:2])
-        remainder = np.einsum("pc,pck->pk", follows, self.follow_left)
+        follows = generator.standard_normal(self.follow_noise.shape[:2])
+        remainder = np.einsum("pc,pck->pk", follows, self.follow_noise)
         return np.asarray(self.band.coarse_spectrum(synthesise(cells, self.band.samples)) + remainder)
 
     @cached_property
@@ -164,7 +164,7 @@ def _remove_noise(
     """
     answer = np.empty_like(measured_displacement)
     remainder = np.zeros((len(measured_displacement), *analyse(np.zeros(band.samples), hop).shape))
-    follow_left = np.zeros((len(measured_displacement), 3, band.bins), dtype=np.complex128)
+    follow_noise = np.zeros((len(measured_displacement), 3, band.bins), dtype=np.complex128)
     columns = max(int(2.0 * hop * band.time_step * band.flat), 2)
     for row, variance in enumerate(noise):
         level = variance * band.noise_gain
@@ -172,7 +172,7 @@ def _remove_noise(
             answer[row] = measured_displacement[row]
             continue
         follows, directions = _follow(command[row], measured_displacement[row], band)
-        follow_left[row] = np.sqrt(level) * directions
+        follow_noise[row] = np.sqrt(level) * directions
         history = band.history(measured_displacement[row] - follows)
         cells = analyse(history, hop)
         power = scipy.ndimage.gaussian_filter(cells[:, :columns] ** 2, (1.5, 0.8), mode="nearest")
@@ -182,7 +182,7 @@ def _remove_noise(
         remainder[row] = np.sqrt(gain * level)
         smooth_part = synthesise((cells * gain)[np.newaxis], history.size)[0]
         answer[row] = follows + band.coarse_spectrum(smooth_part)
-    return answer, remainder, follow_left
+    return answer, remainder, follow_noise
 
 
 def _follow(
@@ -196,7 +196,7 @@ def _follow(
     basis = np.stack([command, band.s / scale * command, (band.s / scale) ** 2 * command])
     shapes, sizes, components = np.linalg.svd(band.history(basis), full_matrices=False)
     inverse = np.where(sizes > _COLLINEAR * sizes[0], 1.0 / np.maximum(sizes, np.finfo(float).tiny), 0.0)
-    directions = (shapes * inverse).T @ basis  # whose histories are the orthonormal rows of `turned`
+    directions = (shapes * inverse).T @ basis  # whose histories are the orthonormal rows of `components`
     return np.asarray(components @ band.history(measured_displacement) @ directions), directions
 
 
@@ -236,12 +236,8 @@ def slow_parts(command: Array, measured_displacement: Array, time_step: float) -
         basis = np.stack([command_row, np.gradient(command_row, time_step), np.ones_like(place), place])
         size = np.abs(basis).max(axis=1, keepdims=True) + np.finfo(float).tiny
         scaled_basis = basis / size
-        coefficients = (
-            np.linalg.lstsq(scaled_basis @ scaled_basis.T, scaled_basis @ (read - command_row), rcond=1e-12)[
-                0
-            ]
-            / size[:, 0]
-        )
+        normal, right = scaled_basis @ scaled_basis.T, scaled_basis @ (read - command_row)
+        coefficients = np.linalg.lstsq(normal, right, rcond=1e-12)[0] / size[:, 0]
         offset[row], drift[row] = coefficients[2], coefficients[3]
     return offset, drift
 

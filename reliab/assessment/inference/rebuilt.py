@@ -45,9 +45,9 @@ def rebuild(channels: ChannelSpectra, partition: Partition, experiment: Experime
     error = _interface_motion(response, difference)
     if experiment.initial_displacement or experiment.initial_velocity:
         error = error + _free_vibration(structure, experiment, channels.band.s)
-    stood = np.multiply.outer(channels.standing, channels.constant)
+    standing_part = np.multiply.outer(channels.standing, channels.constant)
     return RebuiltResponse(
-        exact=channels.interface_command - error, displacement=displacement + stood, response=response
+        exact=channels.interface_command - error, displacement=displacement + standing_part, response=response
     )
 
 
