@@ -1,10 +1,13 @@
 """A test with recorded ground acceleration tells a structure that was stated wrongly, and is not obeyed."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from reliab.assessment.assess import assess
 from reliab.assessment.budget.sizes import ordinary_equipment
+from reliab.assessment.recorded_ground import examine_ground
 from reliab.core.errors import InputError
 from reliab.core.stated_value import StatedValue
 from reliab.recordings.recording import Recording
@@ -54,6 +57,23 @@ def test_decisive_wrong_damping_ratio_leaves_the_verdict_open(assessments):
     assert result.equation.wrong == ("xi",)
     assert result.verdict == "undecided"
     assert any("damping ratio of 0.0" in reason for reason in result.reasons)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_short_pulse_belongs_to_its_test(simulate_rig, sign):
+    """After it the ground rests, and the equation leaves nothing but noise."""
+    step = 1.0 / 256.0
+    pulse = np.where(np.arange(0.0, 30.0, step) < 0.2, 1.0, 0.0)
+    test = simulate_rig(pulse, step, seconds=30.0, delay=0.0022, db=40.0)
+    recording = Recording(
+        command=test.command, measured=test.measured, time_step=step, ground=sign * test.ground
+    )
+    structure = Structure(frequency=1.0, damping_ratio=0.02)
+    shown = examine_ground(recording, structure, mass=None, feedback_lag=0.0)
+    assert not shown.doubts
+    assert shown.identified.frequency.value == pytest.approx(1.0, rel=0.02)
+    shifted = replace(recording, ground=np.roll(recording.ground, 1000))
+    assert examine_ground(shifted, structure, mass=None, feedback_lag=0.0).doubts
 
 
 @pytest.mark.parametrize("assumptions", [0.02, 0.05])

@@ -109,7 +109,7 @@ class Identification:
     # ratio is right; None without a recorded force
     experimental_fraction: IdentifiedParameter | None
     feedback_lag: IdentifiedParameter | None
-    # RMS of the equation's residual over the RMS of the ground acceleration, both seen through the kernel [-]
+    # Residual of the equation over the ground acceleration while that acts, both seen through the kernel [-]
     misfit: float
 
     def disagreements(self) -> tuple[str, ...]:
@@ -252,8 +252,13 @@ def _relative(square_variance: float, w0: float) -> float:
 
 
 def _misfit(residual: Array, shaken: Array) -> float:
-    power = float(shaken @ shaken)
-    return float(np.sqrt(residual @ residual / power)) if power > 0.0 else 0.0
+    """RMS of the residual over that of the ground acceleration, each weighted by the latter's power.
+
+    After a short pulse only the sensors' noise is left, of which the ground acceleration explains nothing.
+    """
+    power = shaken**2
+    total = float(power @ power)
+    return float(np.sqrt(power @ residual**2 / total)) if total > 0.0 else 0.0
 
 
 def _check(
