@@ -1,29 +1,39 @@
-"""Judge a test by its command and measured displacement."""
+"""Judge a test by its command and measured displacement.
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+Every test goes the same way: its faults are found and repaired, the error follows from what is left and the
+verdict from the error, and what the recording contradicts limits the verdict. What only a frame needs is in
+`frame_test`.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
 
 from reliab.assessment.assessment import Assessment
-from reliab.assessment.budget.sizes import Equipment, exact_equipment, sizes_of_unknown, tolerances_of
+from reliab.assessment.budget.sizes import Equipment, exact_equipment, tolerances_of
 from reliab.assessment.conflicts import damping_from_channels, find_conflicts, identify_structure
 from reliab.assessment.contradictions import (
+    Contradiction,
     contradict_columns,
     contradict_frequency,
+    contradict_ground,
     contradict_motion,
     contradict_specimen,
     contradict_stability,
 )
 from reliab.assessment.default_criterion import criterion_of_test
-from reliab.assessment.doubts import doubt_rest, verdict_of_error
+from reliab.assessment.doubts import doubt_entries, doubt_rest, verdict_of_error
 from reliab.assessment.error_of_test import ErrorOfTest, Question, error_of_test
-from reliab.assessment.fault_effects import FaultEffect, error_of_one_with_faults
+from reliab.assessment.error_with_threshold import ErrorOfSeveral
+from reliab.assessment.fault_effects import error_with_faults
 from reliab.assessment.faults import Fault, faults_of_channel, repair_recording
 from reliab.assessment.inference.posterior import TestPosterior, favours_frequency
+from reliab.assessment.judged_test import JudgedError
 from reliab.assessment.own_equation import OwnEquation, compare_with_stated, looks_nonlinear
 from reliab.assessment.placement import place
 from reliab.assessment.plausibility import require_drawable, require_length, require_plausible
-from reliab.assessment.recorded_force import stiffness_from_mass
 from reliab.assessment.recorded_ground import ShownGround, examine_ground, require_unit_of_force
 from reliab.assessment.scope_of_test import place_by_response, scope_of_test
 from reliab.assessment.tracking_index import TrackingIndex, measure_tracking, track, track_windows
@@ -31,29 +41,34 @@ from reliab.assessment.turning import examine_turning
 from reliab.assessment.verdict import word_of_probability
 from reliab.core.significant_digits import significant
 from reliab.core.stated_value import StatedValue
-from reliab.core.vocabulary import MILLI, Metric
+from reliab.core.vocabulary import Metric
 from reliab.criterion.criterion import Criterion
+from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
 from reliab.recordings.spikes import remove_spikes
-from reliab.structures.partition import whole_structure
 from reliab.structures.structure import Structure
 
 if TYPE_CHECKING:
+    from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment
     from reliab.assessment.measured_specimen.force_channel import ForceChannel
     from reliab.assessment.own_motion import OwnPlacement
     from reliab.motions.motion import Motion
+    from reliab.simulation.frames.frame_file import FrameUnderTest
     from reliab.simulation.hybrid_test.model_file import UpdatedModel
+
+AnyAssessment: TypeAlias = "Assessment | FrameAssessment | CoupledAssessment"
 
 _LEARNED_NOTE = (
     "The recorded force is that of a nonlinear specimen, which was therefore learned from it, as with "
     "`specimen` measured. State it as linear if it was."
 )
 _ANY_RATIO = 0.86  # of a ratio that nobody stated, as of one that lies anywhere from 0.5 to 10 %
+_SMALL_MOTION = 0.02  # of the largest command: below it, faults of a channel cannot be told from coupling
 
 
 def assess(
-    recording: Recording,
-    structure: Structure,
+    recording: Recording | CoupledRecording,
+    structure: "Structure | FrameUnderTest",
     *,
     stated: Mapping[str, StatedValue] | None = None,
     equipment: Equipment | None = None,
@@ -67,30 +82,33 @@ def assess(
     linear_specimen: bool = False,
     force_channel: "ForceChannel | None" = None,
     assumed: tuple[str, ...] = (),
-    taper: str = "hann",
     seed: int = 0,
-) -> Assessment:
+) -> AnyAssessment:
     """Judge a test by its command and measured displacement.
 
     Parameters
     ----------
-    recording : Recording
-        The test.
-    structure : Structure
-        The structure under test.
+    recording : Recording or CoupledRecording
+        The test; of a frame command and measured displacement at the interface, or those of several
+        actuators.
+    structure : Structure or FrameUnderTest
+        The structure under test. The specimen of a frame must be linear, or with one actuator measured.
     stated : mapping of str to StatedValue, optional
-        Tolerances of its frequency "f" [Hz], damping ratio "xi" and share "alpha", and the "scale" of the
-        sensor of the measured displacement over that of the command.
+        Tolerances of its frequency "f" [Hz], damping ratio "xi" and share "alpha", which the file of a frame
+        states itself; the "scale" of the sensor of the measured displacement over that of the command [-],
+        the time "feedback_lag" by which the force was fed back late [ms], and the deviations of what the
+        recording was corrected for.
     equipment : Equipment, optional
         What a laboratory does not know where the test states nothing, `ordinary_equipment()` for one as many
         are. By default everything is taken to be exact: channels, structure and specimen.
     motion : Motion, optional
         Its ground motion; the index is then that of this motion's own boundary, exact by simulation, over
-        the part of the record that the test saw, as the error of the test is.
+        the part of the record that the test saw, as the error of the test is. Errors of floors and storeys
+        of a frame are stated over their peaks under it, by default under the recorded ground acceleration.
     criterion : Criterion, optional
         The criterion; by default the one that ships with the package, for the threshold, metric and
-        confidence given and for tests of this length. A given criterion has its own threshold, metric and
-        confidence.
+        confidence given and for tests of this length, and none for a frame. A given criterion has its own
+        threshold, metric and confidence; that of a frame must be derived for it, with one actuator.
     threshold : float, optional
         Error of the whole test [-].
     confidence : float, optional
@@ -98,10 +116,11 @@ def assess(
     metric : str, optional
         Which error, "rms" or "mte".
     model : UpdatedModel, optional
-        Calibrated model of a nonlinear specimen, as `reliab diagnose` writes it.
+        Calibrated model of a nonlinear specimen, as `reliab diagnose` writes it; not for frames.
     measured_specimen : bool, optional
         Whether the specimen is known by its recorded force only: what it does is learned from the test
-        itself, with the "mass" among what is stated; f and ξ then set the numerical substructure.
+        itself, with the "mass" among what is stated; f and ξ then set the numerical substructure, or all of
+        the frame but its specimen.
     linear_specimen : bool, optional
         Whether somebody states that the specimen is linear. Where nobody does and no force was recorded, the
         interval holds that it may have yielded, as likely as `equipment` says.
@@ -111,181 +130,265 @@ def assess(
         Sentences saying that no damping ratio was stated and which one is assumed; repeated among the
         warnings. The interval then allows for any ratio from 0.5 to 10 %, as far as the channels do not show
         it.
-    taper : str, optional
-        Window of the evaluation index.
     seed : int, optional
         Seed of the draws.
 
     Returns
     -------
-    Assessment
-        Error of the test with its interval, verdict, index, stability margin and what to improve first.
+    Assessment, FrameAssessment or CoupledAssessment
+        Error of the test with its interval, verdict, A and d, stability margin, and of one mass the index and
+        what to improve first.
 
     Raises
     ------
     InputError
-        If the test is too short or too long, sampled too coarsely, has two units or signs, or the measured
-        displacement does not follow the command.
+        If the test is too short or too long, sampled too coarsely, has two units or signs, the measured
+        displacement does not follow the command, recording, criterion or what is asked do not fit the
+        structure, or the specimen of a frame is nonlinear and not measured.
     """
-    learned_notes: tuple[str, ...] = ()
-    equipment = equipment or exact_equipment()
-    if not (equipment.is_exact or measured_specimen or linear_specimen or model is not None):
-        nonlinear = "mass" in (stated or {}) and looks_nonlinear(remove_spikes(recording)[0], structure)
-        measured_specimen = bool(nonlinear)
-        learned_notes = (_LEARNED_NOTE,) if nonlinear else ()
-    linear = model is None and not measured_specimen
-    _require_judgeable(recording, structure, stated or {}, linear=linear)
-    stated = dict(stated or {})
-    tolerances_of(sizes_of_unknown(stated, structure, equipment, recording.time_step))
-    criterion_arguments = structure.frequency, structure.damping_ratio, threshold, confidence
-    criterion_used = criterion or criterion_of_test(
-        *criterion_arguments, metric=metric, duration=recording.duration
-    )
     question = Question(
-        structure=structure,
-        stated=stated,
-        equipment=equipment,
-        metric=Metric(criterion_used.metric),
-        threshold=criterion_used.threshold,
+        structure=structure if isinstance(structure, Structure) else structure.governing_mode,
+        stated=dict(stated or {}),
+        equipment=equipment or exact_equipment(),
+        metric=Metric(metric if criterion is None else criterion.metric),
+        threshold=threshold if criterion is None else criterion.threshold,
         model=model,
         measured_specimen=measured_specimen,
         linear_specimen=linear_specimen,
         force_channel=force_channel,
         seed=seed,
+        frame=None if isinstance(structure, Structure) else structure,
     )
-    return _examine(recording, question, criterion_used, motion, (assumed, learned_notes), taper)
+    if question.frame is not None:
+        from reliab.assessment.frame_test import fit_to_frame
+
+        recording, question = fit_to_frame(recording, question, criterion)
+    elif _shows_nonlinear_specimen(recording, question):
+        question = replace(question, measured_specimen=True)
+    _require_judgeable(recording, question)
+    if criterion is None and question.frame is None:
+        arguments = question.structure.frequency, question.structure.damping_ratio, threshold, confidence
+        criterion = criterion_of_test(*arguments, metric=metric, duration=recording.duration)
+    judged = _judge(recording, question, criterion, motion, has_damping=not assumed)
+    if assumed and judged.error.inferred is not None:
+        question, assumed = _take_shown_damping(question, judged.error.inferred.posterior)
+        judged = replace(judged, question=question)
+    if question.measured_specimen and not measured_specimen:
+        assumed = (*assumed, _LEARNED_NOTE)
+    if question.frame is None:
+        assessment: AnyAssessment = _conclude_mass(judged, assumed)
+    else:
+        from reliab.assessment.frame_test import conclude_frame
+
+        assessment = conclude_frame(judged)
+    return assessment.add_contradictions(*_contradict(assessment, judged))
 
 
-def _examine(
-    recording: Recording,
+def _shows_nonlinear_specimen(recording: Recording | CoupledRecording, question: Question) -> bool:
+    """Whether a specimen of which nothing is stated is nonlinear by its recorded force."""
+    is_open = question.linear and not (question.linear_specimen or question.equipment.is_exact)
+    if not is_open or "mass" not in question.stated or isinstance(recording, CoupledRecording):
+        return False
+    return bool(looks_nonlinear(remove_spikes(recording)[0], question.structure))
+
+
+def _require_judgeable(recording: Recording | CoupledRecording, question: Question) -> None:
+    """Refuse a recording that cannot be that of the test."""
+    require_length(recording, question.structure.frequency)
+    if isinstance(recording, Recording):
+        require_drawable(recording, question.full_structure)
+    for number, channel in _moving_channels(recording):
+        stiffness = question.stiffness_of_specimen(number)
+        require_plausible(channel, stiffness=stiffness, linear=question.linear)
+    if isinstance(recording, Recording) and question.mass is not None and question.linear:
+        sound, *_ = remove_spikes(recording)
+        require_unit_of_force(
+            sound, question.structure, mass=question.mass, feedback_lag=question.feedback_lag
+        )
+    tolerances_of(question.sizes(recording.time_step))
+
+
+def _moving_channels(recording: Recording | CoupledRecording) -> Iterator[tuple[int, Recording]]:
+    """Give the channels of all actuators that move, each with its place."""
+    if isinstance(recording, Recording):
+        yield 0, recording
+        return
+    ranges = np.ptp(recording.command, axis=1)
+    for number in np.flatnonzero(ranges > _SMALL_MOTION * ranges.max()).tolist():
+        yield number, recording.select_actuator(number)
+
+
+def _find_faults(
+    recording: Recording | CoupledRecording, question: Question
+) -> tuple[tuple[Fault, ...], TrackingIndex | None]:
+    """Find the faults of all channels, and how an only actuator tracked but for its spikes."""
+    shares = question.full_structure.shares_at_sensors(question.to_interface)
+    faults: list[Fault] = []
+    tracking = None
+    for number, channel in _moving_channels(recording):
+        found, tracking = faults_of_channel(
+            channel,
+            threshold=question.threshold,
+            experimental_fraction=float(shares[number]),
+            seed=question.seed,
+        )
+        if isinstance(recording, CoupledRecording):
+            found = tuple(fault.assign_actuator(number, recording) for fault in found)
+        faults += found
+    return tuple(faults), tracking if isinstance(recording, Recording) else None
+
+
+def _judge(
+    recording: Recording | CoupledRecording,
     question: Question,
-    criterion: Criterion,
+    criterion: Criterion | None,
     motion: "Motion | None",
-    notes: tuple[tuple[str, ...], tuple[str, ...]],
-    taper: str,
-) -> Assessment:
-    assumptions, learned_notes = notes
-    faults, tracking = faults_of_channel(
-        recording,
-        threshold=question.threshold,
-        experimental_fraction=question.structure.experimental_fraction,
-        window=taper,
-        seed=question.seed,
-    )
-    clean = repair_recording(recording, faults)
-    if faults:
-        tracking = track(clean, window=taper, seed=question.seed)
-    outcome = _judge(recording, clean, faults, _broaden_damping(question) if assumptions else question)
-    if assumptions and outcome.error.inferred is not None:
-        question, assumptions = _take_shown_damping(question, outcome.error.inferred.posterior)
-    structure = question.structure
-    turning = examine_turning(outcome.error, recording, question)
-    verdict = verdict_of_error(outcome.error, outcome.effects, outcome.equation)
-    verdict = doubt_rest(verdict, outcome.error, clean)
-    assessment = Assessment(
+    *,
+    has_damping: bool,
+) -> JudgedError:
+    """Judge a test by its error, and examine what its recording shows of the structure.
+
+    `has_damping`: whether a damping ratio was stated.
+    """
+    faults, tracking = _find_faults(recording, question)
+    sound = repair_recording(recording, faults)
+    if isinstance(sound, Recording) and faults:
+        tracking = track(sound, seed=question.seed)
+    asked = question if has_damping else _broaden_damping(question)
+    ground, nonlinear, evidence = ShownGround(), "", recording
+    is_linear_mass = question.frame is None and question.linear
+    if is_linear_mass and isinstance(recording, Recording) and isinstance(sound, Recording):
+        ground = examine_ground(
+            sound, question.structure, mass=question.mass, feedback_lag=question.feedback_lag
+        )
+        nonlinear = looks_nonlinear(sound, question.structure)
+        force = None if nonlinear else recording.force
+        evidence = replace(recording, ground=ground.evidence(recording.ground), force=force)
+    error, effects = error_with_faults(evidence, faults, asked)
+    equation = _compare_with_stated(error, sound, asked, ground, nonlinear=nonlinear)
+    turning = examine_turning(error, recording, question)
+    verdict = doubt_entries(verdict_of_error(error, effects, equation), error)
+    return JudgedError(
         recording=recording,
+        sound=sound,
+        question=question,
+        criterion=criterion,
+        motion=motion,
+        tracking=tracking,
+        error=error,
+        effects=effects,
+        equation=equation,
+        turning=turning,
+        verdict=turning.limit(doubt_rest(verdict, error, sound), error.probability),
+    )
+
+
+def _compare_with_stated(
+    error: ErrorOfTest | ErrorOfSeveral,
+    sound: Recording | CoupledRecording,
+    question: Question,
+    ground: ShownGround,
+    *,
+    nonlinear: str,
+) -> OwnEquation:
+    """Compare stated values with what the channels show; `nonlinear`: as of `OwnEquation`."""
+    if question.frame is not None:
+        return OwnEquation(doubts=tuple(_contradict_frame(error, question, sound.time_step)))
+    if error.inferred is None or isinstance(sound, CoupledRecording):
+        return OwnEquation()
+    if question.equipment.is_exact:
+        return compare_with_stated(sound, question.structure, ground, question.stated, nonlinear=nonlinear)
+    return _compare_with_posterior(error.inferred.posterior, ground, question, nonlinear=nonlinear)
+
+
+def _contradict_frame(
+    error: ErrorOfTest | ErrorOfSeveral, question: Question, time_step: float
+) -> Iterator[Contradiction]:
+    """Say where the channels contradict a frame as stated; `time_step` [s]."""
+    if error.inferred is None or question.equipment.is_exact:
+        yield from contradict_ground(
+            error.shown_by_ground, question.sizes(time_step), question.full_structure
+        )
+    if error.inferred is not None:
+        conflicts = find_conflicts(error.inferred.posterior, question.structure, question.stated)
+        yield from (conflict for conflict in conflicts if conflict.remedy)
+
+
+def _conclude_mass(judged: JudgedError, assumed: tuple[str, ...]) -> Assessment:
+    """Place a test of one mass in the (A, d) plane, and put together what was found."""
+    recording, sound, error, tracking = judged.recording, judged.sound, judged.error, judged.tracking
+    question, criterion = judged.question, judged.criterion
+    if not (
+        isinstance(recording, Recording)
+        and isinstance(sound, Recording)
+        and isinstance(error, ErrorOfTest)
+        and tracking is not None
+        and criterion is not None
+    ):
+        raise AssertionError  # one mass has one actuator
+    structure, reference = question.structure, error.reference
+    return Assessment(
+        **judged.common,
         structure=structure,
         stated=question.stated,
         criterion=criterion,
         tracking=tracking,
-        measures=measure_tracking(clean),
-        windows=track_windows(clean, tracking, window=taper),
+        measures=measure_tracking(sound),
+        windows=track_windows(sound, tracking),
         population=place(criterion, structure, tracking.amplitude, tracking.delay, tracking.draws),
-        scope=scope_of_test(criterion, clean, structure, outcome.error.reference),
-        by_response=place_by_response(clean, question, outcome.error.reference, criterion, tracking),
-        placement=None if motion is None else _place_test(motion, clean, tracking, outcome.error, question),
-        error=outcome.error,
-        faults=outcome.effects,
-        equation=outcome.equation,
-        judgement=turning.limit(verdict, outcome.error.probability),
-        turning=turning,
-        assumed=(*assumptions, *learned_notes),
+        scope=scope_of_test(criterion, sound, structure, reference),
+        by_response=place_by_response(sound, question, reference, criterion, tracking),
+        placement=None
+        if judged.motion is None
+        else _place_test(judged.motion, sound, tracking, error, question),
+        equation=judged.equation,
+        assumed=assumed,
         column_doubts=tuple(contradict_columns(recording, tracking)),
     )
-    return _add_contradictions(assessment, clean, question)
 
 
-def _require_judgeable(
-    recording: Recording, structure: Structure, stated_values: Mapping[str, StatedValue], *, linear: bool
-) -> None:
-    require_length(recording, structure.frequency)
-    require_drawable(recording, whole_structure(structure))
-    require_plausible(recording, stiffness=stiffness_from_mass(structure, stated_values), linear=linear)
-    if "mass" in stated_values and not linear:
-        lag = stated_values.get("feedback_lag", StatedValue(0.0)).value / MILLI
-        sound, *_ = remove_spikes(recording)
-        require_unit_of_force(sound, structure, mass=stated_values["mass"].value, feedback_lag=lag)
+def _contradict(assessment: AnyAssessment, judged: JudgedError) -> Iterator[Contradiction]:
+    """Say where the recording contradicts what is stated, which limits the verdict."""
+    sound, error, question, tracking = judged.sound, judged.error, judged.question, judged.tracking
+    if isinstance(sound, Recording) and tracking is not None and question.linear:
+        doubts = contradict_frequency(sound, tracking, question.full_structure.modes[0].tolist())
+        yield from (doubt for doubt in doubts if not _accepts_frequency(error, tracking, question))
+    yield from contradict_stability(assessment.stability_margin)
+    if isinstance(assessment, Assessment):
+        yield from contradict_motion(assessment.placement)
+    yield from judged.equation.doubts
+    if isinstance(error, ErrorOfTest):
+        yield from contradict_specimen(error.specimen)
+    if isinstance(judged.recording, Recording) and isinstance(sound, Recording) and tracking is not None:
+        columns = list(contradict_columns(judged.recording, tracking))
+        yield from columns if columns and _depends_on_columns(sound, error, question) else ()
 
 
-def _add_contradictions(assessment: Assessment, clean: Recording, question: Question) -> Assessment:
-    """Add where the recording contradicts what is stated, which limits the verdict."""
-    stated_contradictions = contradict_frequency(clean, assessment.tracking, [question.structure.frequency])
-    return assessment.add_contradictions(
-        *(doubt for doubt in stated_contradictions if question.linear and not _accepts_frequency(assessment)),
-        *contradict_stability(assessment.stability_margin),
-        *contradict_motion(assessment.placement),
-        *assessment.equation.doubts,
-        *contradict_specimen(assessment.error.specimen),
-        *(assessment.column_doubts if _depends_on_columns(assessment, clean, question) else ()),
-    )
-
-
-def _accepts_frequency(assessment: Assessment) -> bool:
+def _accepts_frequency(
+    error: ErrorOfTest | ErrorOfSeveral, tracking: TrackingIndex, question: Question
+) -> bool:
     """Whether the channels are no likelier with a structure that resonates where the command mainly moves."""
-    posterior_error = assessment.error.inferred
-    if posterior_error is None:
+    if error.inferred is None:
         return False
-    moves = assessment.tracking.plain.equivalent_frequency
-    return not favours_frequency(posterior_error.posterior, moves / assessment.structure.frequency)
+    moves = tracking.plain.equivalent_frequency
+    return not favours_frequency(error.inferred.posterior, moves / question.structure.frequency)
 
 
-def _depends_on_columns(assessment: Assessment, clean: Recording, question: Question) -> bool:
-    """Tell whether the columns may be swapped, and the verdict would then be another one."""
-    if not assessment.column_doubts:
-        return False
-    swapped_error = error_of_test(replace(clean, command=clean.measured, measured=clean.command), question)
-    return word_of_probability(swapped_error.probability) is not word_of_probability(
-        assessment.error.probability
-    )
+def _depends_on_columns(sound: Recording, error: ErrorOfTest | ErrorOfSeveral, question: Question) -> bool:
+    """Tell whether the verdict would be another one if the columns are swapped."""
+    swapped_error = error_of_test(replace(sound, command=sound.measured, measured=sound.command), question)
+    return word_of_probability(swapped_error.probability) is not word_of_probability(error.probability)
 
 
 def _place_test(
-    motion: "Motion", clean: Recording, tracking: TrackingIndex, error: ErrorOfTest, question: Question
+    motion: "Motion", sound: Recording, tracking: TrackingIndex, error: ErrorOfTest, question: Question
 ) -> "OwnPlacement":
     """Place the test against the boundary of its own ground motion."""
     from reliab.assessment.alignment import align
     from reliab.assessment.own_motion import place_on_own
 
-    alignment = align(clean, error.reference, question.structure, motion)
+    alignment = align(sound, error.reference, question.structure, motion)
     return place_on_own(motion, tracking, alignment, question)
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Judgement:
-    """The error, and the circumstances that could change it."""
-
-    error: ErrorOfTest
-    effects: tuple[FaultEffect, ...]
-    equation: OwnEquation
-
-
-def _judge(
-    recording: Recording, clean: Recording, faults: tuple[Fault, ...], question: Question
-) -> _Judgement:
-    """Error of the test, and what its recording shows of the structure."""
-    structure, nonlinear, ground = question.structure, "", ShownGround()
-    if question.linear:
-        ground, nonlinear = _examine_ground(clean, question), looks_nonlinear(clean, structure)
-        force = None if nonlinear else recording.force
-        recording = replace(recording, ground=ground.evidence(recording.ground), force=force)
-    error, effects = error_of_one_with_faults(recording, faults, question)
-    if error.inferred is None:
-        return _Judgement(error=error, effects=effects, equation=OwnEquation())
-    if question.equipment.is_exact:
-        equation = compare_with_stated(clean, structure, ground, question.stated, nonlinear=nonlinear)
-    else:
-        equation = _compare_with_posterior(error.inferred.posterior, ground, question, nonlinear=nonlinear)
-    return _Judgement(error=error, effects=effects, equation=equation)
 
 
 def _compare_with_posterior(
@@ -308,16 +411,6 @@ def _compare_with_posterior(
         nonlinear=nonlinear,
         notes=ground.notes,
         doubts=(*ground.doubts, *(conflict for conflict in conflicts if conflict.remedy)),
-    )
-
-
-def _examine_ground(clean: Recording, question: Question) -> ShownGround:
-    stated_values = question.stated
-    return examine_ground(
-        clean,
-        question.structure,
-        mass=stated_values["mass"].value if "mass" in stated_values else None,
-        feedback_lag=question.feedback_lag,
     )
 
 

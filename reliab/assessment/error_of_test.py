@@ -1,9 +1,9 @@
 """The error of one test, rebuilt from its command and measured displacement."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import TYPE_CHECKING, Any, Final, TypedDict
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any, Final, TypedDict, overload
 
 import numpy as np
 
@@ -15,27 +15,33 @@ from reliab.assessment.budget.sizes import (
     sizes_of_unknown,
     tolerances_of,
 )
-from reliab.assessment.error_with_threshold import ErrorWithThreshold
+from reliab.assessment.error_with_threshold import ErrorOfSeveral, ErrorWithThreshold
 from reliab.assessment.rebuilt_error.interval import Histories
 from reliab.assessment.rebuilt_error.noise import filter_of_noise
 from reliab.assessment.rebuilt_error.parts import Part, Parts
 from reliab.assessment.rebuilt_error.rebuild import RebuiltError
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.widenings import Widening
+from reliab.assessment.recorded_force import stiffness_from_mass
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import MILLI, Metric
+from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
 from reliab.structures.partition import Partition, whole_structure
 from reliab.structures.structure import Structure
 
 if TYPE_CHECKING:
+    from reliab.assessment.coupled_error.coupled_error import CoupledError
     from reliab.assessment.coupled_error.ground_motion import ShownByGround
+    from reliab.assessment.inferred_error import InferredError
     from reliab.assessment.measured_specimen.force_channel import ForceChannel
     from reliab.assessment.measured_specimen.rebuild import MeasuredSpecimen
     from reliab.simulation.frames.frame_file import FrameUnderTest
     from reliab.simulation.hybrid_test.model_file import UpdatedModel
+
+_DRAWS_AS_STATED = 64
 
 PART_NAMES: Final[Mapping[str, str]] = {
     "amplitude": "amplitude",
@@ -85,6 +91,17 @@ class Question:
         return whole_structure(self.structure) if self.frame is None else self.frame.partition
 
     @property
+    def mass(self) -> float | None:
+        """Mass of one mass [kg], where it is stated."""
+        return self.stated["mass"].value if "mass" in self.stated else None
+
+    def stiffness_of_specimen(self, number: int) -> float | None:
+        """Stiffness against the motion of an actuator [N/m]; None where no mass is stated."""
+        if self.frame is not None:
+            return float(self.frame.partition.specimen_stiffness[number, number])
+        return stiffness_from_mass(self.structure, self.stated)
+
+    @property
     def resolution(self) -> float | None:
         """Step of the converter of the measured displacement [m], where it is stated."""
         return self.stated["resolution"].value / MILLI if "resolution" in self.stated else None
@@ -100,10 +117,16 @@ class Question:
         sizes = {} if self.frame is None else sizes_of_structure(self.frame)
         return {name: size.deviation for name, size in sizes.items()}
 
-    def may_have_yielded(self, recording: Recording) -> bool:
+    @property
+    def to_interface(self) -> Array:
+        """Interface displacements per unit of each channel [-], shape (p, p)."""
+        return np.eye(1) if self.frame is None else self.frame.to_interface
+
+    def may_have_yielded(self, recording: Recording | CoupledRecording) -> bool:
         """Whether the specimen may have yielded, of which nothing was stated and no force recorded."""
         return (
-            self.linear
+            isinstance(recording, Recording)
+            and self.linear
             and not self.linear_specimen
             and recording.force is None
             and self.equipment.yielding > 0.0
@@ -189,16 +212,42 @@ def part_in_words(name: str) -> str:
     return PART_NAMES[name]
 
 
+@overload
 def error_of_test(
     recording: Recording,
     question: Question,
     *,
-    sensor_offset: float | None = None,
+    known_offsets: Collection[int] = ...,
+    left_by_repairs: Mapping[str, Size] | None = ...,
+) -> ErrorOfTest: ...
+@overload
+def error_of_test(
+    recording: CoupledRecording,
+    question: Question,
+    *,
+    known_offsets: Collection[int] = ...,
+    left_by_repairs: Mapping[str, Size] | None = ...,
+) -> ErrorOfSeveral: ...
+
+
+def error_of_test(
+    recording: Recording | CoupledRecording,
+    question: Question,
+    *,
+    known_offsets: Collection[int] = (),
     left_by_repairs: Mapping[str, Size] | None = None,
-) -> ErrorOfTest:
-    """Rebuild the error of a test; `sensor_offset` [m]."""
+) -> ErrorOfTest | ErrorOfSeveral:
+    """Compute the error of a test.
+
+    `known_offsets`: places of the actuators whose sensors have no offset; `left_by_repairs`: what repairs of
+    the recording leave unknown.
+    """
+    repairs = left_by_repairs or {}
+    if isinstance(recording, CoupledRecording):
+        return _error_of_several(recording, question, known_offsets, repairs)
     measured_displacement = recording.measured / question.stated.get("scale", StatedValue(1.0)).value
-    sizes = {**_sizes(recording, question), **(left_by_repairs or {})}
+    sensor_offset = 0.0 if 0 in known_offsets else None
+    sizes = {**_sizes(recording, question), **repairs}
     if question.linear:
         return _infer(recording, measured_displacement, question, sizes, sensor_offset)
     arguments = _CommonArguments(
@@ -370,4 +419,73 @@ def _learn_specimen(
         force_channel=question.force_channel,
         resolution=question.resolution,
         **arguments,
+    )
+
+
+def _error_of_several(
+    recording: CoupledRecording,
+    question: Question,
+    known_offsets: Collection[int],
+    repairs: Mapping[str, Size],
+) -> ErrorOfSeveral:
+    """Compute the errors of all interface displacements; arguments as of `error_of_test`."""
+    from reliab.assessment.coupled_error.rebuild import rebuild_coupled
+
+    frame = question.frame
+    if frame is None:
+        raise AssertionError  # one mass has one actuator
+    sizes = {**question.sizes(recording.time_step), **repairs}
+    recording = replace(
+        recording,
+        command=frame.straighten(recording.command),
+        measured=frame.straighten(recording.measured),
+    )
+    offsets = np.array([0.0 if place in known_offsets else np.nan for place in range(len(recording.command))])
+    rebuild = partial(
+        rebuild_coupled,
+        recording.command,
+        recording.measured,
+        recording.time_step,
+        frame.partition,
+        to_interface=frame.to_interface,
+        feedback_lag=question.feedback_lag,
+        sensor_offsets=offsets,
+    )
+    combine = partial(ErrorOfSeveral, metric=question.metric, threshold=question.threshold, sizes=sizes)
+    if recording.ground is not None:
+        ground_fit, inference = _infer_several(
+            recording, recording.ground, rebuild(draws=_DRAWS_AS_STATED), question, repairs
+        )
+        combine = partial(combine, shown_by_ground=ground_fit)
+        if inference is not None:
+            return combine(rebuilt=inference[0], inferred=inference[1])
+    error = rebuild(tolerances=tolerances_of(sizes))
+    if (own_frequency := error.unknown.own_frequency) is not None:
+        sizes["frequency"] = Size(deviation=own_frequency.deviation, source=Source.LEARNED)
+    return combine(rebuilt=error)
+
+
+def _infer_several(
+    recording: CoupledRecording,
+    ground: Array,
+    nominal_error: "CoupledError",
+    question: Question,
+    repairs: Mapping[str, Size],
+) -> "tuple[ShownByGround | None, tuple[CoupledError, InferredError] | None]":
+    """Infer the errors from a recorded ground acceleration [m/s²], if it is that of the test."""
+    from reliab.assessment.coupled_error.ground_motion import compare_with_ground
+    from reliab.assessment.coupled_error.posterior_errors import infer_coupled
+
+    ground_fit = compare_with_ground(nominal_error.histories, nominal_error.reduced, ground)
+    if ground_fit is None or ground_fit.is_other_motion:
+        return ground_fit, None
+    return ground_fit, infer_coupled(
+        nominal_error,
+        recording.command,
+        recording.measured,
+        ground_fit.evidence(ground),
+        stated=question.stated,
+        equipment=question.equipment,
+        tolerances=question.tolerances,
+        left_by_faults={name: size.deviation for name, size in repairs.items()},
     )

@@ -1,19 +1,16 @@
 """Effects of the faults of a recording on the error of the test."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any
 
 from reliab.assessment.budget.sizes import Size, Source
 from reliab.assessment.error_of_test import ErrorOfTest, Question, error_of_test
-from reliab.assessment.error_with_threshold import ErrorWithThreshold
+from reliab.assessment.error_with_threshold import ErrorOfSeveral, ErrorWithThreshold
 from reliab.assessment.faults import Fault, repair_recording
 from reliab.core.plain_values import finite
 from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
-
-AnyRecording = TypeVar("AnyRecording", Recording, CoupledRecording)
-_Error = TypeVar("_Error", bound=ErrorWithThreshold)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -41,43 +38,30 @@ class FaultEffect:
 
 
 def error_with_faults(
-    recording: AnyRecording,
-    faults: Sequence[Fault],
-    rebuilt: Callable[[AnyRecording, frozenset[int], Mapping[str, Size]], _Error],
-) -> tuple[_Error, tuple[FaultEffect, ...]]:
+    recording: Recording | CoupledRecording, faults: Sequence[Fault], question: Question
+) -> tuple[ErrorOfTest | ErrorOfSeveral, tuple[FaultEffect, ...]]:
     """Error of the test without the faults that the loop did not feel, and the effect of each fault on it.
 
-    `rebuilt` takes a recording, the places of sensors whose offsets are known, since the faults say what they
-    read, and what repairs leave unknown.
     Returns `effects`: for each fault the error without it, or with it where `error` already excludes it.
     """
     unfelt = [fault for fault in faults if fault.in_loop is False]
-    sensors = frozenset(fault.place for fault in faults if fault.size)
-    error = rebuilt(repair_recording(recording, unfelt), sensors, _sizes_left(unfelt) | _sizes_open(faults))
-    effects = []
-    for fault in faults:
-        other_faults = (
-            [fault] if fault.in_loop is not False else [effect for effect in unfelt if effect is not fault]
-        )
-        repaired_recording = (
-            rebuilt(repair_recording(recording, other_faults), sensors, _sizes_left(other_faults))
-            if fault.repairable
-            else None
-        )
-        effects.append(FaultEffect(fault=fault, otherwise=repaired_recording))
-    return error, tuple(effects)
+    known_offsets = {fault.place for fault in faults if fault.size}
 
+    def error_without(some: Sequence[Fault], open_sizes: Mapping[str, Size]) -> ErrorOfTest | ErrorOfSeveral:
+        return error_of_test(
+            repair_recording(recording, some),
+            question,
+            known_offsets=known_offsets,
+            left_by_repairs={**_sizes_left(some), **open_sizes},
+        )
 
-def error_of_one_with_faults(
-    recording: Recording, faults: Sequence[Fault], question: Question
-) -> tuple[ErrorOfTest, tuple[FaultEffect, ...]]:
-    """Error of a test with one actuator, and the effect of each fault on it; see `error_with_faults`."""
-    return error_with_faults(
-        recording,
-        faults,
-        lambda test, sensors, repairs: error_of_test(
-            test, question, sensor_offset=0.0 if sensors else None, left_by_repairs=repairs
-        ),
+    def others(fault: Fault) -> Sequence[Fault]:
+        return [other for other in unfelt if other is not fault] if fault.in_loop is False else [fault]
+
+    error = error_without(unfelt, _sizes_open(faults))
+    return error, tuple(
+        FaultEffect(fault=fault, otherwise=error_without(others(fault), {}) if fault.repairable else None)
+        for fault in faults
     )
 
 

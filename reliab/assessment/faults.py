@@ -26,7 +26,7 @@ from reliab.signals.cubic_path import CubicPath
 COPY_TOLERANCE: Final = 1e-6
 """Largest difference of a copied channel, over the command's peak [-]; sensors are noisier."""
 
-AnyRecording = TypeVar("AnyRecording", Recording, CoupledRecording)
+AnyRecording = TypeVar("AnyRecording", bound=Recording | CoupledRecording)
 _FEWEST_BLOCKS, _MOST_BLOCKS = 6, 40
 _PERIODS_OF_A_BLOCK = 2.0
 _SIGNIFICANT = 4.0  # standard errors

@@ -9,14 +9,18 @@ import numpy as np
 
 from reliab.assessment import brief
 from reliab.assessment.contradictions import Contradiction, limit_verdict
-from reliab.assessment.error_with_threshold import ErrorWithThreshold
+from reliab.assessment.error_of_test import ErrorOfTest, Question
+from reliab.assessment.error_with_threshold import ErrorOfSeveral, ErrorWithThreshold
 from reliab.assessment.fault_effects import FaultEffect
+from reliab.assessment.own_equation import OwnEquation
 from reliab.assessment.rebuilt_error.spread import Estimate
+from reliab.assessment.tracking_index import TrackingIndex
 from reliab.assessment.turning import Turning
 from reliab.assessment.verdict import Verdict, Word, probability_text
 from reliab.core.plain_values import PlainResult, html_table
 from reliab.core.significant_digits import percent, percent_with_interval, significant
 from reliab.core.vocabulary import ERROR_NAMES, MILLI, PERCENT, Metric
+from reliab.criterion.criterion import Criterion
 from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
 
@@ -24,10 +28,40 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
+    from reliab.motions.motion import Motion
+
 _COLUMNS: Final = (
     *("test", "verdict", "probability", "metric", "threshold"),
     *("A", "d_ms", "index", "stability_margin"),
 )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class JudgedError:
+    """A test that was judged by its error, before it is compared with anything but what is stated of it."""
+
+    recording: Recording | CoupledRecording  # The test
+    sound: Recording | CoupledRecording  # The same without its faults
+    question: Question
+    criterion: Criterion | None  # The criterion beside which it is shown, if there is one
+    motion: "Motion | None"  # Its ground motion, where it is given
+    tracking: TrackingIndex | None  # A and d with their uncertainty; None where there are several actuators
+    error: ErrorOfTest | ErrorOfSeveral
+    effects: tuple[FaultEffect, ...]  # Faults of the recording and what they do to the error
+    equation: OwnEquation  # What the channels show of the structure
+    turning: Turning  # What was not stated and would turn the verdict
+    verdict: Verdict
+
+    @property
+    def common(self) -> dict[str, Any]:
+        """What every assessment has."""
+        return {
+            "recording": self.recording,
+            "error": self.error,
+            "judgement": self.verdict,
+            "faults": self.effects,
+            "turning": self.turning,
+        }
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)

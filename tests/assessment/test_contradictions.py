@@ -9,7 +9,6 @@ from reliab.assessment import contradictions
 from reliab.assessment.assess import assess
 from reliab.assessment.contradictions import contradict_frequency, limit_verdict
 from reliab.assessment.findings import Findings
-from reliab.assessment.frame_test import assess_frame
 from reliab.assessment.tracking_index import track
 from reliab.assessment.verdict import Verdict, Word
 from reliab.core.shipped import shipped
@@ -72,7 +71,7 @@ def ground_case(simulate, ground_motions):
     ideal = ideal_response(frame.partition, motion.acceleration, step)
     command = frame.kinematics @ ideal
     chance = np.random.default_rng(1).standard_normal(command.shape)
-    return assess_frame(
+    return assess(
         CoupledRecording(
             command=command,
             measured=0.999 * command + 1e-5 * command.std(axis=1, keepdims=True) * chance,
@@ -142,7 +141,7 @@ def test_a_frame_is_doubted_as_well(simulate):
         frame=full_test, interface=floor_interface(full_test, 1), specimen=Specimen(stiffness=2e7)
     )
     frame = FrameUnderTest(name="stiff", partition=partition, output=None, error_of="interface")
-    result = assess_frame(simulate(noise=0.001, delay=1e-4, gain=0.999), frame)
+    result = assess(simulate(noise=0.001, delay=1e-4, gain=0.999), frame)
     assert result.error.probability > 0.95
     assert result.verdict is Word.UNDECIDED
     assert any("no resonance" in warning for warning in result.to_dict()["warnings"])

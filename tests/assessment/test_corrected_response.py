@@ -10,9 +10,9 @@ from coupled_structures import coupled_response
 
 import reliab
 from reliab.app.cli import run
+from reliab.assessment.assess import assess
 from reliab.assessment.corrected_response import correct_response
 from reliab.assessment.frame_assessment import CoupledAssessment
-from reliab.assessment.frame_test import assess_frame
 from reliab.assessment.substructures import Substructures
 from reliab.core.shipped import shipped
 from reliab.recordings.coupled_recording import CoupledRecording
@@ -102,7 +102,7 @@ def coupled_test() -> tuple[CoupledAssessment, np.ndarray, np.ndarray]:
         stiffness=partition.stiffness,
         influence=partition.influence,
     )
-    return assess_frame(recording, frame), reference_response(full_test, _GROUND, _STEP), ran.measured
+    return assess(recording, frame), reference_response(full_test, _GROUND, _STEP), ran.measured
 
 
 def _shaken_by(result: CoupledAssessment, ground: np.ndarray | None) -> xr.Dataset:

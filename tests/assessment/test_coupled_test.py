@@ -10,7 +10,7 @@ from coupled_structures import coupled_response, described, node
 
 import reliab
 from reliab.app import cli
-from reliab.assessment.frame_test import assess_frame
+from reliab.assessment.assess import assess
 from reliab.core.errors import InputError
 from reliab.core.shipped import shipped
 from reliab.motions.motion import Motion
@@ -93,7 +93,7 @@ def test_large_rotations_are_read_by_the_geometry_of_the_actuators():
     error, peak = run.measured - run.reference, np.abs(run.reference).max(axis=1)
     true = np.sqrt(np.mean(error**2, axis=1)) / peak
     exact, by_matrix = (
-        [degree.rms.value for degree in assess_frame(recording, single).error.displacements]
+        [degree.rms.value for degree in assess(recording, single).error.displacements]
         for single in (replace(frame, geometry=geometry), frame)
     )
     assert exact == pytest.approx(true, rel=2e-3)
@@ -340,7 +340,7 @@ def test_offset_of_inclined_actuators_is_known_by_the_answer_of_their_command():
             measured=measured_displacement - felt_displacement * answer + offset,
             time_step=STEP,
         )
-        result = [effect.fault for effect in assess_frame(recording, frame).faults]
+        result = [effect.fault for effect in assess(recording, frame).faults]
         faults = [fault for fault in result if fault.actuator == "1"]
         assert [(fault.kind, fault.in_loop) for fault in faults] == [("offset", felt_displacement)]
 
@@ -363,7 +363,7 @@ def test_actuators_moving_alike_keep_gains_near_one():
         kinematics=actuators.kinematics,
         channels_at_interface=False,
     )
-    result = assess_frame(recording, frame)
+    result = assess(recording, frame)
     np.testing.assert_allclose(result.error.parts.gain, np.eye(3), atol=0.2)
     assert result.limit_of_gains
     assert 0.0 < result.stability_margin < 1.0

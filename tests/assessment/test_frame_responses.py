@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from assessment.frames_by_matrices import TWO_STOREYS, Outcome, run, run_yielding, shear
 
+from reliab.assessment.assess import assess
 from reliab.assessment.budget.sizes import ordinary_equipment
-from reliab.assessment.frame_test import assess_frame
 from reliab.core.errors import InputError
 from reliab.motions.motion import Motion
 from reliab.recordings.coupled_recording import CoupledRecording
@@ -56,7 +56,7 @@ def test_and_truth():
 def assessment_and_truth(test_and_truth):
     """The test with its ground motion."""
     recording, motion, _ = test_and_truth
-    return assess_frame(recording, STATED, motion=motion)
+    return assess(recording, STATED, motion=motion)
 
 
 def test_errors_of_floors_and_storeys_are_those_of_the_simulation(assessment_and_truth, test_and_truth):
@@ -92,7 +92,7 @@ def test_the_largest_error_stands_first_and_its_storey_governs(assessment_and_tr
 
 
 def test_without_the_ground_motion_errors_are_lengths(test_and_truth, assessment_and_truth):
-    separate = assess_frame(test_and_truth[0], STATED).responses
+    separate = assess(test_and_truth[0], STATED).responses
     assert "the ground motion of the test is needed" in separate.sentence
     assert separate.to_dict()["needs"] == separate.sentence
     with_motion = {single.name: single.rms_mm.value for single in assessment_and_truth.responses.each}
@@ -103,7 +103,7 @@ def test_without_the_ground_motion_errors_are_lengths(test_and_truth, assessment
 def test_a_recorded_ground_acceleration_is_the_ground_motion(test_and_truth, assessment_and_truth):
     recording, motion, _ = test_and_truth
     with_channel = replace(recording, ground=np.array(motion.acceleration))
-    item = assess_frame(with_channel, STATED).responses.each
+    item = assess(with_channel, STATED).responses.each
     assert [single.rms.value for single in item] == pytest.approx(
         [single.rms.value for single in assessment_and_truth.responses.each]
     )
@@ -114,7 +114,7 @@ def test_another_ground_motion_is_noticed(test_and_truth, assessment_and_truth):
     recording, motion, _ = test_and_truth
     acceleration = np.array(motion.acceleration)
     half, unlike = (
-        assess_frame(
+        assess(
             recording, STATED, motion=Motion(name="other", acceleration=second, time_step=motion.time_step)
         )
         for second in (0.5 * acceleration, np.random.default_rng(9).permutation(acceleration))
@@ -131,7 +131,7 @@ def test_another_ground_motion_is_noticed(test_and_truth, assessment_and_truth):
 def test_a_recorded_ground_acceleration_in_another_unit_is_refused(test_and_truth, factor, unit):
     recording, motion, _ = test_and_truth
     with pytest.raises(InputError, match=unit):
-        assess_frame(replace(recording, ground=factor * np.array(motion.acceleration)), STATED)
+        assess(replace(recording, ground=factor * np.array(motion.acceleration)), STATED)
 
 
 @pytest.mark.slow
@@ -143,10 +143,7 @@ def test_the_interval_holds_the_errors_of_another_structure_within_tolerances():
     motion = Motion(name="ground", acceleration=ground, time_step=1.0 / RATE)
     loose = replace(STATED, tolerances=TolerancesTable(storey_stiffnesses=0.05))
     exact, coverage = (
-        {
-            single.name: single.rms
-            for single in assess_frame(recording, stated_values, motion=motion).responses.each
-        }
+        {single.name: single.rms for single in assess(recording, stated_values, motion=motion).responses.each}
         for stated_values in (STATED, loose)
     )
     for name, place in (("floor low", 0), ("floor top", 1)):
@@ -201,11 +198,11 @@ def test_floors_and_storeys_of_several_actuators_are_those_of_the_simulation():
     recording = CoupledRecording(
         command=outcome.command, measured=outcome.measured, time_step=1.0 / RATE, ground=ground
     )
-    result = assess_frame(recording, stated_values).responses
+    result = assess(recording, stated_values).responses
     errors = {single.name: single.rms.value for single in result.each}
     assert errors == pytest.approx(true_errors(outcome, names), rel=0.01)
     assert result.to_dict()["governing_storey"] in result.sentence
-    lengths = assess_frame(replace(recording, ground=None), stated_values).responses
+    lengths = assess(replace(recording, ground=None), stated_values).responses
     assert all(single.rms is None for single in lengths.each)
     assert "the ground motion of the test is needed" in lengths.sentence
 
@@ -222,7 +219,7 @@ def test_intervals_hold_the_errors_of_floors_beside_a_yielding_specimen(referenc
         ground=ground,
         time_step=1.0 / RATE,
     )
-    result = assess_frame(
+    result = assess(
         recording, STATED, equipment=ordinary_equipment(), measured_specimen=reference == "by its force"
     ).responses
     assert {single.name for single in result.each} == {*true_errors(outcome, ("low", "top"))}

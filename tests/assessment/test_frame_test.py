@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from reliab_studies.laboratory.laboratory import Rig, Sensors, run_laboratory
 
+from reliab.assessment.assess import assess
 from reliab.assessment.budget.sizes import Source, ordinary_equipment
-from reliab.assessment.frame_test import assess_frame
 from reliab.core.errors import InputError
 from reliab.core.shipped import shipped
 from reliab.core.stated_value import StatedValue
@@ -69,7 +69,7 @@ def simulate_frame(partition, motion, seed):
 
 def test_error_is_against_the_undivided_frame(frame, test_and_truth):
     recording, truth = test_and_truth
-    assessment = assess_frame(recording, frame, stated={"feedback_lag": LAG})
+    assessment = assess(recording, frame, stated={"feedback_lag": LAG})
     assert truth > 0.02
     assert assessment.error.estimate(Metric.RMS).value == pytest.approx(truth, rel=0.05)
     assert assessment.faults == ()
@@ -84,7 +84,7 @@ def test_a_spike_is_stated_and_does_not_move_the_error(frame, test_and_truth):
     recording, truth = test_and_truth
     spiky = recording.measured.copy()
     spiky[3000] += 0.5 * np.abs(recording.command).max()
-    spoilt = assess_frame(replace(recording, measured=spiky), frame, stated={"feedback_lag": LAG})
+    spoilt = assess(replace(recording, measured=spiky), frame, stated={"feedback_lag": LAG})
     assert [(effect.fault.kind, effect.fault.in_loop) for effect in spoilt.faults] == [("spike", False)]
     assert spoilt.error.estimate(Metric.RMS).value == pytest.approx(truth, rel=0.05)
     assert spoilt.to_dict()["faults"][0]["kind"] == "spike"
@@ -94,7 +94,7 @@ def test_a_spike_is_stated_and_does_not_move_the_error(frame, test_and_truth):
 def test_an_offset_is_stated_with_the_error_without_it(frame, test_and_truth):
     recording, truth = test_and_truth
     shift = recording.measured + 0.05 * np.abs(recording.command).max()
-    spoilt = assess_frame(replace(recording, measured=shift), frame, stated={"feedback_lag": LAG})
+    spoilt = assess(replace(recording, measured=shift), frame, stated={"feedback_lag": LAG})
     (effect,) = spoilt.faults
     assert effect.fault.kind == "offset"
     bare = spoilt.error if effect.fault.in_loop is False else effect.otherwise
@@ -103,7 +103,7 @@ def test_an_offset_is_stated_with_the_error_without_it(frame, test_and_truth):
 
 def test_a_copied_channel_is_not_called_reliable(frame, test_and_truth):
     recording, _ = test_and_truth
-    duplicate = assess_frame(replace(recording, measured=recording.command.copy()), frame)
+    duplicate = assess(replace(recording, measured=recording.command.copy()), frame)
     assert not duplicate.reliable
     assert any("identical" in warning for warning in duplicate.warnings)
 
@@ -114,7 +114,7 @@ def test_a_criterion_of_the_frame_gives_an_index_beside_the_error(frame, test_an
         published_criterion("guo_2017_18").provenance, experimental_fraction=mode.experimental_fraction
     )
     criterion = replace(published_criterion("guo_2017_18"), provenance=provenance)
-    assessment = assess_frame(test_and_truth[0], frame, criterion=criterion)
+    assessment = assess(test_and_truth[0], frame, criterion=criterion)
     index_content = assessment.to_dict()["by_index"]
     a, b = (float(limit) for limit in criterion.limits(mode.frequency, mode.damping_ratio))
     amplitude, delay = assessment.tracking.amplitude, 1e3 * assessment.tracking.delay
@@ -128,7 +128,7 @@ def test_a_criterion_for_a_case_outside_of_its_population_promises_nothing_for_a
     output = published_criterion("guo_2017_18")
     changes = {"experimental_fraction": mode.experimental_fraction, "position": "outside"}
     criterion = replace(output, provenance=replace(output.provenance, **changes))
-    assessment = assess_frame(test_and_truth[0], frame, criterion=criterion)
+    assessment = assess(test_and_truth[0], frame, criterion=criterion)
     index_content = assessment.to_dict()["by_index"]
     assert (index_content["confidence"], index_content["verdict"]) == (None, "undecided")
     facts = frame_assessment_report(assessment, provenance={}).facts
@@ -137,21 +137,21 @@ def test_a_criterion_for_a_case_outside_of_its_population_promises_nothing_for_a
 
 def test_a_criterion_of_another_structure_is_refused(frame, test_and_truth):
     with pytest.raises(InputError, match="must be that of the frame"):
-        assess_frame(test_and_truth[0], frame, criterion=published_criterion("guo_2017_18"))
+        assess(test_and_truth[0], frame, criterion=published_criterion("guo_2017_18"))
 
 
 def test_unusable_recording_is_refused(frame, test_and_truth):
     recording, _ = test_and_truth
     with pytest.raises(InputError, match="opposite sign of the command"):
-        assess_frame(replace(recording, measured=-recording.measured), frame)
+        assess(replace(recording, measured=-recording.measured), frame)
     short = replace(recording, command=recording.command[:400], measured=recording.measured[:400])
     with pytest.raises(InputError, match="2 periods"):
-        assess_frame(short, frame)
+        assess(short, frame)
 
 
 def test_tracking_over_frequency_equals_the_servo(frame, test_and_truth):
     recording, _ = test_and_truth
-    assessment = assess_frame(recording, frame, stated={"feedback_lag": LAG})
+    assessment = assess(recording, frame, stated={"feedback_lag": LAG})
     summary = assessment.to_dict()
     result, coverage = assessment.over_frequency, 0.5 / RATE
     servo = SERVO.transfer(2j * np.pi * result.frequency, frame.partition.specimen)
@@ -168,15 +168,15 @@ def test_tracking_over_frequency_equals_the_servo(frame, test_and_truth):
 @pytest.mark.slow
 def test_a_linear_servo_leaves_nothing_beside_its_amplitude_and_delay(frame, test_and_truth):
     recording, _ = test_and_truth
-    assessment = assess_frame(recording, frame)
+    assessment = assess(recording, frame)
     assert assessment.resolved.rms == pytest.approx(assessment.error.estimate(Metric.RMS).value, rel=0.02)
     assert assessment.resolved.remaining_rms < 0.02 * assessment.resolved.rms
     stuck = replace(recording, measured=np.round(recording.measured / 2e-3) * 2e-3)
-    assert assess_frame(stuck, frame).resolved.remaining_rms > 2.0 * assessment.resolved.remaining_rms
+    assert assess(stuck, frame).resolved.remaining_rms > 2.0 * assessment.resolved.remaining_rms
 
 
 def test_the_report_shows_tracking_and_parts(frame, test_and_truth):
-    assessment = assess_frame(test_and_truth[0], frame, stated={"feedback_lag": LAG})
+    assessment = assess(test_and_truth[0], frame, stated={"feedback_lag": LAG})
     document = frame_assessment_report(assessment, provenance={"file": "frame.csv"})
     titles = [section.title for section in document.blocks]
     assert titles[0] == "The error of this test"
@@ -190,21 +190,21 @@ def test_cases_outside_the_error_equation_are_refused(frame, test_and_truth):
     friction = find_effect("coulomb_friction")(force_n=1.0, regularisation_velocity_m_per_s=0.01)
     rubbing = replace(frame, partition=replace(frame.partition, effects=(friction,)))
     with pytest.raises(InputError, match=r"linear specimen.*coulomb_friction"):
-        assess_frame(recording, rubbing)
+        assess(recording, rubbing)
     elsewhere = replace(frame, output=np.array([1.0, 0.0]), error_of="degree of freedom 0")
     with pytest.raises(InputError, match="interface displacement"):
-        assess_frame(recording, elsewhere)
+        assess(recording, elsewhere)
 
 
 def test_a_stated_scale_is_taken_off_the_reading(frame, test_and_truth):
     recording, truth = test_and_truth
     scaled_copy = replace(recording, measured=1.02 * recording.measured)
-    correction = assess_frame(scaled_copy, frame, stated={"feedback_lag": LAG, "scale": StatedValue(1.02)})
+    correction = assess(scaled_copy, frame, stated={"feedback_lag": LAG, "scale": StatedValue(1.02)})
     assert correction.error.estimate(Metric.RMS).value == pytest.approx(truth, rel=0.05)
 
 
 def test_a_loop_beyond_its_critical_delay_is_called_unstable(frame, test_and_truth):
-    assessment = assess_frame(test_and_truth[0], frame, stated={"feedback_lag": LAG})
+    assessment = assess(test_and_truth[0], frame, stated={"feedback_lag": LAG})
     margins = {0.0: None, 0.5 * assessment.tracking.delay: -1.0, np.inf: 1.0}
     for critical, margin in margins.items():
         verdict = replace(assessment, limit=replace(assessment.limit, delay=critical))
@@ -227,9 +227,7 @@ def test_intervals_hold_where_the_stiffness_is_known_to_three_per_cent(frame):
         true = Partition.from_frame(frame=assembly, interface=frame.partition.direction, specimen=specimen)
         recording, error = simulate_frame(true, motion, seed)
         for name, reference in (("exact", frame), ("uncertain", uncertain)):
-            interval = assess_frame(recording, reference, stated={"feedback_lag": LAG}).error.estimate(
-                Metric.RMS
-            )
+            interval = assess(recording, reference, stated={"feedback_lag": LAG}).error.estimate(Metric.RMS)
             coverage[name] += interval.low <= error <= interval.high
     assert coverage["exact"] <= 0.5 * len(motions)
     assert coverage["uncertain"] >= 10  # 12 intervals of 90 % hold fewer in 11 % of cases
@@ -237,7 +235,7 @@ def test_intervals_hold_where_the_stiffness_is_known_to_three_per_cent(frame):
 
 def test_the_tolerances_of_a_frame_stand_in_its_budget(frame, test_and_truth):
     tolerances = TolerancesTable(mass=0.03, stiffness=0.04, damping_ratio=0.1, specimen_stiffness=0.02)
-    budget = assess_frame(test_and_truth[0], replace(frame, tolerances=tolerances)).to_dict()["budget"]
+    budget = assess(test_and_truth[0], replace(frame, tolerances=tolerances)).to_dict()["budget"]
     sizes = {item["name"]: item["size"] for item in budget}
     assert 0.0 < sizes["frequency"] < 2.5
     assert sizes["damping_ratio"] == pytest.approx(10.0, rel=0.05)
@@ -256,20 +254,20 @@ def test_frequencies_are_not_stated_beside_mass_and_stiffness():
 @pytest.mark.slow
 def test_unstated_quantities_of_a_frame_are_as_uncertain_as_equipment(frame, test_and_truth):
     recording, _ = test_and_truth
-    assumptions = assess_frame(recording, frame, equipment=ordinary_equipment())
-    exact = assess_frame(recording, frame)
+    assumptions = assess(recording, frame, equipment=ordinary_equipment())
+    exact = assess(recording, frame)
     sources = {item.name: item.source for item in assumptions.error.budget}
     expected = {"damping_ratio", "sensor_scale", "time_shift", "filter_delay", "feedback_lag"}
     assert expected <= {name for name, source in sources.items() if source is Source.DEFAULT}
     widths = [result.error.estimate(Metric.RMS) for result in (assumptions, exact)]
     assert widths[0].high - widths[0].low > 5.0 * (widths[1].high - widths[1].low)
     assert 0.01 <= assumptions.error.probability <= 0.99
-    stated_values = assess_frame(
+    stated_values = assess(
         recording, frame, stated={"skew": StatedValue(0.0, 0.01)}, equipment=ordinary_equipment()
     )
     (skew,) = [item for item in stated_values.error.budget if item.name == "time_shift"]
     assert (skew.source, skew.size) == (Source.STATED, pytest.approx(0.01))
-    linear = assess_frame(recording, frame, equipment=ordinary_equipment(), linear_specimen=True)
+    linear = assess(recording, frame, equipment=ordinary_equipment(), linear_specimen=True)
     assert linear.turning.error_if_yielding is None
     assert sources["yielding"] is Source.DEFAULT
     assert "yielding" not in {item.name for item in linear.error.budget}

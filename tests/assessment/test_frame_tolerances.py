@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from assessment.frames_by_matrices import TWO_STOREYS, run
 
+from reliab.assessment.assess import assess
 from reliab.assessment.budget.sizes import ordinary_equipment
-from reliab.assessment.frame_test import assess_frame
 from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
 from reliab.simulation.frames.frame_file import FrameUnderTest
@@ -104,7 +104,7 @@ QUICK = ("damping", "modes", "storeys alike", "entries")
 def test_interval_holds_with_true_tolerances(case):
     tested_frame, stated_values, names = CASES[case]
     recording, true = simulate_frame(tested_frame)
-    exact, result = (assess_frame(recording, single) for single in (frame(), frame(**stated_values)))
+    exact, result = (assess(recording, single) for single in (frame(), frame(**stated_values)))
     low, high = exact.error.rebuilt.rms.low, exact.error.rebuilt.rms.high
     assert not low <= true <= high  # what is off matters
     assert result.error.rebuilt.rms.low <= true <= result.error.rebuilt.rms.high
@@ -115,9 +115,7 @@ def test_interval_holds_with_true_tolerances(case):
 def test_parts_replace_assumptions_about_the_whole():
     recording, _ = simulate_frame(TWO_STOREYS)
     stated_values = {"storey_stiffnesses": 0.05, "storey_dampings": 0.25}
-    budget = assess_frame(recording, frame(**stated_values), equipment=ordinary_equipment()).to_dict()[
-        "budget"
-    ]
+    budget = assess(recording, frame(**stated_values), equipment=ordinary_equipment()).to_dict()["budget"]
     names = {item["name"] for item in budget}
     assert {"storey_stiffness_1", "storey_damping_2", "sensor_scale"} <= names
     assert not {"frequency", "damping_ratio"} & names
@@ -141,7 +139,7 @@ def test_several_actuators_have_the_same_tolerances(case):
         actuators=("1",),
         name="one",
     )
-    result = assess_frame(
+    result = assess(
         has_several,
         FrameUnderTest(
             has_several=True,

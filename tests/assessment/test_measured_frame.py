@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from reliab.assessment.frame_test import assess_frame
+from reliab.assessment.assess import assess
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import Metric
 
@@ -33,13 +33,13 @@ def _simulate_family(family: str, seed: int) -> Any:
 @pytest.mark.parametrize("family", ["bilinear", "Bouc-Wen", "cubic"])
 def test_error_is_against_a_perfect_actuator(family: str) -> None:
     test = _simulate_family(family, 1)
-    assessment = assess_frame(test.recording, test.frame, measured_specimen=True)
+    assessment = assess(test.recording, test.frame, measured_specimen=True)
     size = assessment.error.estimate(Metric.RMS)
     assert size.value == pytest.approx(test.error, rel=0.1)
     assert 0.9 * size.low < test.error < 1.1 * size.high
     remainder = np.sqrt(np.mean((assessment.error.reference - test.exact) ** 2))
     assert remainder < 0.25 * np.sqrt(np.mean((test.moved - test.exact) ** 2))
-    stated_values = assess_frame(test.recording, test.frame, linear_specimen=True).error.estimate(Metric.RMS)
+    stated_values = assess(test.recording, test.frame, linear_specimen=True).error.estimate(Metric.RMS)
     assert abs(size.value - test.error) < 0.5 * abs(stated_values.value - test.error)
     summary = assessment.to_dict()
     assert summary["specimen"]["known"] == "measured"
@@ -51,7 +51,7 @@ def test_error_is_against_a_perfect_actuator(family: str) -> None:
 def test_a_linear_specimen_of_a_frame_loses_nothing() -> None:
     test = _simulate_family("linear", 2)
     measured_displacement, stated_values = (
-        assess_frame(test.recording, test.frame, **{reference: True}).error.estimate(Metric.RMS)
+        assess(test.recording, test.frame, **{reference: True}).error.estimate(Metric.RMS)
         for reference in ("measured_specimen", "linear_specimen")
     )
     assert measured_displacement.value == pytest.approx(stated_values.value, rel=0.01)
@@ -64,8 +64,8 @@ def test_a_linear_specimen_of_a_frame_loses_nothing() -> None:
 def test_a_measured_specimen_of_a_frame_needs_its_force_and_no_mass() -> None:
     test = _simulate_family("bilinear", 1)
     with pytest.raises(InputError, match="needs its force"):
-        assess_frame(replace(test.recording, force=None), test.frame, measured_specimen=True)
+        assess(replace(test.recording, force=None), test.frame, measured_specimen=True)
     partition = test.frame.partition
     heavy = replace(partition, specimen_mass=np.array([[10.0]]))
     with pytest.raises(InputError, match=r"no mass of its own; found mass_kg = 10"):
-        assess_frame(test.recording, replace(test.frame, partition=heavy), measured_specimen=True)
+        assess(test.recording, replace(test.frame, partition=heavy), measured_specimen=True)

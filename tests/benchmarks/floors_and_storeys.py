@@ -26,8 +26,8 @@ from assessment.rebuilt_error.laboratory import read_at2  # noqa: E402
 from benchmarks.several_actuators import read_by_chance  # noqa: E402
 from benchmarks.uncertain_frames import true_errors  # noqa: E402
 
+from reliab.assessment.assess import assess  # noqa: E402
 from reliab.assessment.budget.sizes import ordinary_equipment  # noqa: E402
-from reliab.assessment.frame_test import assess_frame  # noqa: E402
 from reliab.recordings.coupled_recording import CoupledRecording  # noqa: E402
 from reliab.recordings.recording import Recording  # noqa: E402
 from reliab.simulation.frames.frame_file import FrameUnderTest  # noqa: E402
@@ -119,10 +119,10 @@ def judged(kind: str, seed: int, records: list[Path]) -> dict[str, object]:
         recording = CoupledRecording(
             command=outcome.command, measured=read, time_step=1.0 / RATE, ground=ground
         )
-        found = assess_frame(recording, frame, equipment=ordinary_equipment())
+        found = assess(recording, frame, equipment=ordinary_equipment())
         sizes, of = [degree.rms for degree in found.error.displacements], found.responses
     else:
-        alone = assess_frame(
+        alone = assess(
             Recording(
                 command=outcome.command,
                 measured=read[0],

@@ -32,8 +32,8 @@ from benchmarks.several_actuators import (  # noqa: E402
 )
 from coupled_structures import CoupledResponse, coupled_response  # noqa: E402
 
+from reliab.assessment.assess import assess  # noqa: E402
 from reliab.assessment.budget.sizes import ordinary_equipment  # noqa: E402
-from reliab.assessment.frame_test import assess_frame  # noqa: E402
 from reliab.core.errors import InputError  # noqa: E402
 from reliab.core.shipped import shipped  # noqa: E402
 from reliab.core.vocabulary import Metric  # noqa: E402
@@ -75,7 +75,7 @@ def judged(name: str, seed: int, records: list[Path], clock: float) -> Iterator[
     read += 10.0 ** (-DECIBELS / 20.0) * read.std() * rng.standard_normal(read.size)
     recording = Recording(command=run.command[0], measured=read, time_step=1.0 / RATE, name=name)
     for known, equipment in (("ordinary equipment", ordinary_equipment()), ("all exact", None)):
-        found = assess_frame(recording, frame, equipment=equipment)
+        found = assess(recording, frame, equipment=equipment)
         size, word = found.error.estimate(Metric.RMS), str(found.verdict)
         yield {
             "frame": name,

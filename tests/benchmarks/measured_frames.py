@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from reliab.assessment.frame_test import assess_frame
+from reliab.assessment.assess import assess
 from reliab.motions.loading import load_motions
 from reliab.motions.motion import Motion
 from reliab.study import folders  # noqa: F401 - makes the studies importable
@@ -41,7 +41,7 @@ def drawn(family: str, motions: list[Motion], draw: np.random.Generator, decibel
 
 def judged(family: str, test: FrameTest) -> dict[str, object]:
     """Judge a test by its force, and that of a linear specimen as it is stated, too."""
-    found = assess_frame(test.recording, test.frame, measured_specimen=True)
+    found = assess(test.recording, test.frame, measured_specimen=True)
     rebuilt, original = found.error.rebuilt, test.moved - test.exact
     row = {
         "family": family,
@@ -54,7 +54,7 @@ def judged(family: str, test: FrameTest) -> dict[str, object]:
         "left": np.sqrt(np.mean((rebuilt.reference - test.exact) ** 2) / np.mean(original**2)),
     }
     if family == "linear":
-        stated = assess_frame(test.recording, test.frame, linear_specimen=True).error.rebuilt.rms
+        stated = assess(test.recording, test.frame, linear_specimen=True).error.rebuilt.rms
         row["width"] = (rebuilt.rms.high - rebuilt.rms.low) / (stated.high - stated.low)
     return row
 

@@ -26,8 +26,8 @@ from assessment.frames_by_matrices import Matrices, Outcome, run  # noqa: E402
 from assessment.rebuilt_error.laboratory import read_at2  # noqa: E402
 from blind_campaigns.scoring import wilson_interval  # noqa: E402
 
+from reliab.assessment.assess import assess  # noqa: E402
 from reliab.assessment.budget.sizes import ordinary_equipment  # noqa: E402
-from reliab.assessment.frame_test import assess_frame  # noqa: E402
 from reliab.core.shipped import shipped  # noqa: E402
 from reliab.motions.motion import Motion  # noqa: E402
 from reliab.recordings.recording import Recording  # noqa: E402
@@ -153,7 +153,7 @@ def judged(row: str, name: str, seed: int, records: list[Path], rate: float = RA
         whole.degrees_of_freedom, whole.mass, whole.damping, whole.stiffness
     )
     thinned = slice(None, None, round(RATE / rate))
-    found = assess_frame(
+    found = assess(
         Recording(command=outcome.command[thinned], measured=read[thinned], time_step=1.0 / rate, name=name),
         replace(frame, tolerances=tolerances),
         equipment=ordinary_equipment() if stated is None else None,

@@ -21,7 +21,7 @@ from reliab.app.api.arguments import (
 )
 from reliab.app.api.channels import Channels, Judge, Test, assess_each, is_test, name_of_test
 from reliab.app.declaration import asks
-from reliab.assessment.assess import assess as assess_structure
+from reliab.assessment.assess import AnyAssessment, assess as assess_structure
 from reliab.assessment.assessment import Assessment
 from reliab.assessment.budget.corrections import correct_recording, delays_of_filters
 from reliab.core.errors import InputError
@@ -192,6 +192,8 @@ class _Terms:
 
             motion = read_motion(motion)
         return {
+            "threshold": parse_threshold(self.stated["threshold"]),
+            "metric": Metric.parse(self.stated["metric"] or Metric.RMS),
             "criterion": Criterion.read(criterion) if isinstance(criterion, str | Path) else criterion,
             "equipment": read_equipment(self.stated["equipment"], exact=self.stated["exact"]),
             "motion": motion,
@@ -208,7 +210,7 @@ class _Terms:
             model = read_model(model)
         numbers = {**({} if structure is None else exactly_stated(structure)), **self.numbers}
 
-        def judge(channels: Channels, test: Test) -> Assessment:
+        def judge(channels: Channels, test: Test) -> AnyAssessment:
             recording = channels.read(test)
             filters = channels.filters(self.filters, recording.stated)
             of_options = numbers | delays_of_filters(filters)
@@ -226,9 +228,7 @@ class _Terms:
                 correct_recording(recording, complete, filters),
                 structure_of(complete),
                 stated=complete,
-                threshold=parse_threshold(self.stated["threshold"]),
                 confidence=0.95 if self.stated["confidence"] is None else float(self.stated["confidence"]),
-                metric=str(self.stated["metric"] or Metric.RMS),
                 model=model,
                 assumed=assumed,
                 **shared,
@@ -247,7 +247,7 @@ class _Terms:
                 )
 
     def _judge_of_frames(self, structure: "FrameUnderTest | str | Path") -> Judge:
-        from reliab.assessment.frame_test import assess_frame, require_answerable
+        from reliab.assessment.frame_test import require_answerable
         from reliab.simulation.frames.frame_file import read_structure
 
         self._refuse_beside_a_frame()
@@ -261,16 +261,14 @@ class _Terms:
             measured_specimen=shared["measured_specimen"],
         )
 
-        def judge(channels: Channels, test: Test) -> "FrameAssessment | CoupledAssessment":
+        def judge(channels: Channels, test: Test) -> AnyAssessment:
             recording = channels.read_several_actuators(test) if frame.has_several else channels.read(test)
             filters = channels.filters(self.filters, recording.stated)
             stated = {**recording.stated, **self.numbers}
             require_sound(stated)
-            return assess_frame(
+            return assess_structure(
                 correct_recording(recording, stated, filters),
                 frame,
-                threshold=parse_threshold(self.stated["threshold"]),
-                metric=Metric.parse(self.stated["metric"] or Metric.RMS),
                 stated={**stated, **delays_of_filters(filters)},
                 **shared,
             )

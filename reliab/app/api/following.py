@@ -27,7 +27,6 @@ from reliab.core.vocabulary import Metric
 from reliab.recordings.following import chunks_of_text, rows_as_written
 from reliab.recordings.recording import Part
 from reliab.simulation.frames.frame_file import FrameUnderTest, read_structure
-from reliab.simulation.frames.governing_mode import governing_mode
 from reliab.simulation.hybrid_test.model_file import UpdatedModel, read_model
 from reliab.structures.structure import Structure
 
@@ -186,7 +185,7 @@ def refuse_beside(name: str, request: questions.Followed, *others: str) -> None:
 def _mode(model: UpdatedModel | None, frame: FrameUnderTest | None) -> Structure | None:
     """Structure whose frequency, damping and share stand for those of a model or a frame."""
     if frame is not None:
-        return frame.partition.lowest_mode if frame.has_several else governing_mode(frame.partition)
+        return frame.governing_mode
     return None if model is None else model.test.structure
 
 

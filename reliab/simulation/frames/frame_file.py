@@ -101,6 +101,7 @@ from reliab.core.arrays import Array
 from reliab.core.described_files import read_toml, validate_description
 from reliab.core.errors import InputError
 from reliab.simulation.frames.frame_tables import FrameDescription
+from reliab.simulation.frames.governing_mode import governing_mode
 from reliab.simulation.frames.matrix_files import read_matrices
 from reliab.simulation.frames.planar_geometry import PlanarGeometry
 from reliab.simulation.frames.tolerances_table import TolerancesTable
@@ -108,6 +109,7 @@ from reliab.simulation.frames.transfer_table import rig_of_table
 from reliab.simulation.transfer_systems.transfer_function import ActuatorMatrix, TransferSystem, invertible
 from reliab.structures.frame import square_matrix
 from reliab.structures.partition import Partition
+from reliab.structures.structure import Structure
 
 EXACT = TolerancesTable()
 """Tolerances of a structure that is known exactly."""
@@ -145,6 +147,11 @@ class FrameUnderTest:
         if self.channels_at_interface:
             return np.eye(self.partition.degrees)
         return np.asarray(np.linalg.inv(self.kinematics), dtype=np.float64)
+
+    @property
+    def governing_mode(self) -> Structure:
+        """Mode that governs the error; of several actuators the lowest one."""
+        return self.partition.lowest_mode if self.has_several else governing_mode(self.partition, self.output)
 
     def order_of_channels(self, numbers: tuple[str, ...], location: str) -> list[int]:
         """Places of the channels of a test in the order of the interface, by their numbers or its names."""

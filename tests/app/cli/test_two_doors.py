@@ -16,7 +16,6 @@ import reliab
 from reliab.app import cli, questions
 from reliab.app.api import assessment
 from reliab.app.cli.commands import as_options
-from reliab.assessment import frame_test
 from reliab.criterion.criterion import Criterion
 from reliab.motions.loading import read_motion
 from reliab.simulation.frames.frame_file import read_frame
@@ -148,7 +147,6 @@ def agree(capsys, tests, stated):
 def test_drawn_inputs_reach_the_numerical_rooms_as_one(folder, monkeypatch, capsys):
     monkeypatch.chdir(folder)
     monkeypatch.setattr(assessment, "assess_structure", Answer)
-    monkeypatch.setattr(frame_test, "assess_frame", Answer)
     codes = [agree(capsys, *drawn(number)) for number in range(DRAWS)]
     assert codes.count(0) > 0.2 * DRAWS
     assert codes.count(2) > 0.2 * DRAWS
@@ -179,7 +177,6 @@ def test_a_drawn_input_is_answered_as_one(folder, monkeypatch, capsys, number):
 def test_objects_say_what_their_files_say(folder, monkeypatch):
     monkeypatch.chdir(folder)
     monkeypatch.setattr(assessment, "assess_structure", Answer)
-    monkeypatch.setattr(frame_test, "assess_frame", Answer)
     readers = {
         "criterion": ("criterion.json", Criterion.read),
         "model": ("model.toml", read_model),
