@@ -36,7 +36,7 @@ def read_results(subject: str, table: str | None = None) -> pd.DataFrame:
 def write_result(row: pd.Series) -> str:
     """Write a figure with its interval, or with the number it is out of."""
     counts = not NO_COUNT.search(row["quantity"]) and float(row["value"]).is_integer()
-    if counts and pd.notna(row["of"]) and row["value"] <= row["of"]:
+    if counts and pd.notna(row["of"]) and 0 <= row["value"] <= row["of"]:
         return join_words(f"{row['value']:,.0f} of {row['of']:,.0f}")
     value = write_number(row["value"]) if pd.notna(row["value"]) else ""
     if pd.isna(row["low"]) or pd.isna(row["high"]):
