@@ -93,9 +93,9 @@ def calibrate_channels(
     measured displacement that moves otherwise than the command, and a test that never rests although an
     actuator's own motion is in it.
 
-    >>> time = np.arange(0.0, 20.0, 0.001)
+    >>> time = np.arange(0.0, 20.0, 0.004)
     >>> command, late = 0.02 * np.sin(6.0 * time), 0.02 * np.sin(6.0 * (time - 4e-4))
-    >>> measured = calibrate_channels(Recording(command=command, measured=1.01 * late, time_step=0.001))
+    >>> measured = calibrate_channels(Recording(command=command, measured=1.01 * late, time_step=0.004))
     >>> round(measured.skew_ms.value, 3), round(measured.scale.value, 4)
     (0.4, 1.01)
     """

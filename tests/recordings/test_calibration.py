@@ -13,6 +13,8 @@ from reliab.recordings.calibration import _Channels, calibrate_channels
 from reliab.recordings.recording import Recording
 
 FINER = 8
+RATE = 256.0
+SAMPLE_MS = 1e3 / RATE
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,7 +47,7 @@ def steps(time, _rng):
     return np.convolve(time_history, window / window.sum(), "same")
 
 
-def calibration(shape, seed, *, rate=1024.0, actuator=None):
+def calibration(shape, seed, *, rate=RATE, actuator=None):
     rng = np.random.default_rng(seed)
     time = np.arange(round(rng.uniform(15.0, 30.0) * rate) * FINER) / (rate * FINER)
     amplitude = rng.uniform(0.005, 0.05)
@@ -73,17 +75,17 @@ def calibration(shape, seed, *, rate=1024.0, actuator=None):
 def test_skew_scale_and_hysteresis_come_back(shape):
     truth, recording = calibration(shape, seed=3)
     reading = calibrate_channels(recording)
-    assert reading.skew_ms.value == pytest.approx(truth.skew_ms, abs=0.1 / 1.024)
+    assert reading.skew_ms.value == pytest.approx(truth.skew_ms, abs=0.1 * SAMPLE_MS)
     assert reading.scale.value == pytest.approx(truth.scale, abs=5e-4)
     assert reading.hysteresis.value == pytest.approx(truth.hysteresis, rel=0.2)
 
 
 def test_leading_reading_after_fast_motion_is_calibrated():
     """Its last samples belong to a motion after the end, of which nothing is known."""
-    truth, recording = calibration(sweep, seed=1010, rate=1024.0)
-    assert truth.skew_ms < -1.5
+    truth, recording = calibration(sweep, seed=1010)
+    assert truth.skew_ms < -1.5 * SAMPLE_MS
     reading = calibrate_channels(recording)
-    assert reading.skew_ms.value == pytest.approx(truth.skew_ms, abs=0.05 / 1.024)
+    assert reading.skew_ms.value == pytest.approx(truth.skew_ms, abs=0.05 * SAMPLE_MS)
     assert reading.hysteresis.value == pytest.approx(truth.hysteresis, rel=0.2)
 
 
@@ -177,7 +179,7 @@ def test_deviations_hold_scatter_bias_and_a_floor_of_estimates_from_stretches():
 
 
 @pytest.mark.default_cases(1)
-@pytest.mark.parametrize(("length", "slower"), [(1e3, 1.0), (1.0, 10.0)])
+@pytest.mark.parametrize(("length", "slower"), [(1e3, 1.0), (1.0, 4.0)])
 def test_units_of_length_and_time_change_nothing_but_the_units(length, slower):
     _, recording = calibration(sweep, seed=3)
     alternative = Recording(

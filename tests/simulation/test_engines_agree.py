@@ -42,7 +42,7 @@ def differences(loop: Loop, cells: Cells, second: Engine) -> dict[Metric, float]
     }
 
 
-@pytest.mark.default_cases(20)
+@pytest.mark.default_cases(6)
 @pytest.mark.parametrize("seed", range(60))
 def test_automatic_engine_agrees_with_the_spectral_one(random_record, seed):
     rng = np.random.default_rng(seed)
@@ -52,7 +52,7 @@ def test_automatic_engine_agrees_with_the_spectral_one(random_record, seed):
     assert result[Metric.MTE] < 2e-3
 
 
-@pytest.mark.parametrize("count", [20, pytest.param(300, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [6, pytest.param(300, marks=pytest.mark.slow)])
 def test_engines_agree_on_many_cells_of_the_real_records(real_motions_folder, count):
     rng = np.random.default_rng(2017)
     motions = load_motions(real_motions_folder)

@@ -182,7 +182,7 @@ def calibrate(
     Examples
     --------
     >>> import numpy as np
-    >>> time = np.arange(0.0, 20.0, 0.001)
+    >>> time = np.arange(0.0, 20.0, 0.004)
     >>> command, late = 0.02 * np.sin(6.0 * time), 0.02 * np.sin(6.0 * (time - 4e-4))
     >>> frame = pd.DataFrame({"time_s": time, "command_m": command, "measured_m": 1.01 * late})
     >>> measured = calibrate(frame)

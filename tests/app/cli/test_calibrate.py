@@ -12,7 +12,7 @@ from reliab.recordings.channels_file import read_channels_file
 
 @pytest.fixture
 def sine(tmp_path):
-    time = np.arange(0.0, 20.0, 1e-3)
+    time = np.arange(0.0, 8.0, 1e-3)
     rng = np.random.default_rng(2)
     frame = pd.DataFrame(
         {
