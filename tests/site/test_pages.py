@@ -94,6 +94,11 @@ def test_the_plugin_on_its_page_is_known_by_its_name(tmp_path):
     assert limits["b"] > 0.0
 
 
+def test_the_answer_on_the_first_page_is_that_of_the_readme():
+    (shown,) = blocks((SITE / "index.md").read_text(encoding="utf-8"), "text")
+    assert shown in README.read_text(encoding="utf-8")
+
+
 def test_every_link_between_pages_leads_somewhere():
     for page in PAGES:
         for target in re.findall(r"\]\(([^)#]+?)(?:#[^)]*)?\)", page.read_text(encoding="utf-8")):
