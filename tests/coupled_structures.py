@@ -7,7 +7,6 @@ import scipy
 
 from reliab.core.arrays import Array, Spectrum
 from reliab.core.errors import InputError
-from reliab.simulation.frames.exact_loop import ideal_response
 from reliab.simulation.transfer_systems.transfer_function import ActuatorMatrix, TransferFunction
 from reliab.structures.frame import exact_step, follow_load
 from reliab.structures.partition import Partition
@@ -15,6 +14,26 @@ from reliab.structures.specimen import Specimen
 
 _WELL_POSED = 1e12
 _ANY = Specimen(stiffness=1.0)  # transfer functions do not depend on it
+
+
+def ideal_response(partition: Partition, ground: Array, time_step: float) -> Array:
+    """Interface displacements of the undivided structure from rest [m], shape (p, n).
+
+    Exact for a ground acceleration that is linear between samples: `ground` [m/s²], shape (n,); `time_step`
+    [s].
+    """
+    gamma, size = partition.interface, partition.size
+    inverse = np.linalg.inv(partition.numerical_mass + gamma @ partition.specimen_mass @ gamma.T)
+    dynamics = np.zeros((2 * size, 2 * size))
+    dynamics[:size, size:] = np.eye(size)
+    stiffness = partition.numerical_stiffness + gamma @ partition.specimen_stiffness @ gamma.T
+    damping = partition.numerical_damping + gamma @ partition.specimen_damping @ gamma.T
+    dynamics[size:, :size], dynamics[size:, size:] = -inverse @ stiffness, -inverse @ damping
+    load = np.concatenate([np.zeros(size), -inverse @ partition.mass @ partition.influence])
+    transition, early, late = exact_step(dynamics, load[:, np.newaxis], time_step)
+    ground = np.ascontiguousarray(ground, dtype=np.float64)
+    displacement = follow_load(transition, early[:, 0].copy(), late[:, 0].copy(), ground, size)
+    return np.asarray(gamma.T @ displacement)
 
 
 def lag(gain, corner):

@@ -13,12 +13,10 @@ import numpy as np
 
 from reliab.assessment.assessment import Assessment
 from reliab.assessment.budget.sizes import Equipment, exact_equipment, tolerances_of
-from reliab.assessment.conflicts import damping_from_channels, find_conflicts, identify_structure
+from reliab.assessment.conflicts import damping_from_channels
 from reliab.assessment.contradictions import (
-    Contradiction,
     contradict_columns,
     contradict_frequency,
-    contradict_ground,
     contradict_motion,
     contradict_specimen,
     contradict_stability,
@@ -31,14 +29,19 @@ from reliab.assessment.fault_effects import error_with_faults
 from reliab.assessment.faults import Fault, faults_of_channel, repair_recording
 from reliab.assessment.inference.posterior import TestPosterior, favours_frequency
 from reliab.assessment.judged_test import JudgedError
-from reliab.assessment.own_equation import OwnEquation, compare_with_stated, looks_nonlinear
+from reliab.assessment.own_equation import (
+    OwnEquation,
+    compare_with_posterior,
+    compare_with_stated,
+    looks_nonlinear,
+)
 from reliab.assessment.placement import place
 from reliab.assessment.plausibility import require_drawable, require_length, require_plausible
-from reliab.assessment.recorded_ground import ShownGround, examine_ground, require_unit_of_force
+from reliab.assessment.recorded_ground import require_unit_of_force
 from reliab.assessment.scope_of_test import place_by_response, scope_of_test
 from reliab.assessment.tracking_index import TrackingIndex, measure_tracking, track, track_windows
 from reliab.assessment.turning import examine_turning
-from reliab.assessment.verdict import word_of_probability
+from reliab.assessment.verdict import Contradiction, word_of_probability
 from reliab.core.significant_digits import significant
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import Metric
@@ -255,17 +258,11 @@ def _judge(
     if isinstance(sound, Recording) and faults:
         tracking = track(sound, seed=question.seed)
     asked = question if has_damping else _broaden_damping(question)
-    ground, nonlinear, evidence = ShownGround(), "", recording
-    is_linear_mass = question.frame is None and question.linear
-    if is_linear_mass and isinstance(recording, Recording) and isinstance(sound, Recording):
-        ground = examine_ground(
-            sound, question.structure, mass=question.mass, feedback_lag=question.feedback_lag
-        )
+    nonlinear = ""
+    if isinstance(sound, Recording) and question.frame is None and question.linear:
         nonlinear = looks_nonlinear(sound, question.structure)
-        force = None if nonlinear else recording.force
-        evidence = replace(recording, ground=ground.evidence(recording.ground), force=force)
-    error, effects = error_with_faults(evidence, faults, asked)
-    equation = _compare_with_stated(error, sound, asked, ground, nonlinear=nonlinear)
+    error, effects = error_with_faults(recording, faults, replace(asked, ignores_force=bool(nonlinear)))
+    equation = _compare_with_stated(error, sound, asked, nonlinear=nonlinear)
     turning = examine_turning(error, recording, question)
     verdict = doubt_entries(verdict_of_error(error, effects, equation), error)
     return JudgedError(
@@ -287,31 +284,17 @@ def _compare_with_stated(
     error: ErrorOfTest | ErrorOfSeveral,
     sound: Recording | CoupledRecording,
     question: Question,
-    ground: ShownGround,
     *,
     nonlinear: str,
 ) -> OwnEquation:
     """Compare stated values with what the channels show; `nonlinear`: as of `OwnEquation`."""
-    if question.frame is not None:
-        return OwnEquation(doubts=tuple(_contradict_frame(error, question, sound.time_step)))
-    if error.inferred is None or isinstance(sound, CoupledRecording):
-        return OwnEquation()
+    structure, stated_values, ground = question.structure, question.stated, error.ground
+    if error.inferred is None:
+        return OwnEquation(notes=ground.notes, doubts=ground.doubts)
+    posterior = error.inferred.posterior
     if question.equipment.is_exact:
-        return compare_with_stated(sound, question.structure, ground, question.stated, nonlinear=nonlinear)
-    return _compare_with_posterior(error.inferred.posterior, ground, question, nonlinear=nonlinear)
-
-
-def _contradict_frame(
-    error: ErrorOfTest | ErrorOfSeveral, question: Question, time_step: float
-) -> Iterator[Contradiction]:
-    """Say where the channels contradict a frame as stated; `time_step` [s]."""
-    if error.inferred is None or question.equipment.is_exact:
-        yield from contradict_ground(
-            error.shown_by_ground, question.sizes(time_step), question.full_structure
-        )
-    if error.inferred is not None:
-        conflicts = find_conflicts(error.inferred.posterior, question.structure, question.stated)
-        yield from (conflict for conflict in conflicts if conflict.remedy)
+        return compare_with_stated(posterior, sound, structure, ground, stated_values, nonlinear=nonlinear)
+    return compare_with_posterior(posterior, structure, ground, stated_values, nonlinear=nonlinear)
 
 
 def _conclude_mass(judged: JudgedError, assumed: tuple[str, ...]) -> Assessment:
@@ -357,8 +340,7 @@ def _contradict(assessment: AnyAssessment, judged: JudgedError) -> Iterator[Cont
     if isinstance(assessment, Assessment):
         yield from contradict_motion(assessment.placement)
     yield from judged.equation.doubts
-    if isinstance(error, ErrorOfTest):
-        yield from contradict_specimen(error.specimen)
+    yield from contradict_specimen(error.specimen)
     if isinstance(judged.recording, Recording) and isinstance(sound, Recording) and tracking is not None:
         columns = list(contradict_columns(judged.recording, tracking))
         yield from columns if columns and _depends_on_columns(sound, error, question) else ()
@@ -389,29 +371,6 @@ def _place_test(
 
     alignment = align(sound, error.reference, question.structure, motion)
     return place_on_own(motion, tracking, alignment, question)
-
-
-def _compare_with_posterior(
-    posterior: TestPosterior, ground: ShownGround, question: Question, *, nonlinear: str
-) -> OwnEquation:
-    """Compare stated values with what the channels show where no value is exact.
-
-    `nonlinear`: as of `OwnEquation`.
-    """
-    structure = question.structure
-    conflicts = tuple(find_conflicts(posterior, structure, question.stated))
-    identification = None
-    if ground.identified is not None:
-        misfit = ground.identified.misfit
-        identification = identify_structure(posterior, structure, question.feedback_lag, misfit)
-    return OwnEquation(
-        identified=identification,
-        wrong=tuple(conflict.option for conflict in conflicts if conflict.option),
-        contradictions=tuple(conflict.finding for conflict in conflicts),
-        nonlinear=nonlinear,
-        notes=ground.notes,
-        doubts=(*ground.doubts, *(conflict for conflict in conflicts if conflict.remedy)),
-    )
 
 
 def _take_shown_damping(question: Question, posterior: TestPosterior) -> tuple[Question, tuple[str, ...]]:

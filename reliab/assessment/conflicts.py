@@ -1,13 +1,13 @@
 """Stated values that the channels of a test contradict: those far from their posterior."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 
-from reliab.assessment.budget.sizes import Source
-from reliab.assessment.contradictions import Contradiction
-from reliab.assessment.inference.posterior import TestPosterior
+from reliab.assessment.budget.sizes import Source, ordinary_equipment
+from reliab.assessment.inference.posterior import TestPosterior, infer
 from reliab.assessment.inference.quantities import Unknown
-from reliab.assessment.inference.uncertain_quantity import Shape
-from reliab.assessment.rebuilt_error.identification import Identification, IdentifiedParameter
+from reliab.assessment.inference.uncertain_quantity import Prior, Shape
+from reliab.assessment.verdict import Contradiction
 from reliab.core.significant_digits import significant
 from reliab.core.stated_value import StatedValue
 from reliab.structures.structure import Structure
@@ -16,6 +16,45 @@ _FAR = 3.0  # standard deviations of what the prior lets expect
 _STRUCTURE_OPTIONS = ("f", "xi", "alpha")
 _ERROR_OPTIONS = (*_STRUCTURE_OPTIONS, "scale", "skew", "filter_delay", "feedback_lag", "hysteresis")
 _UNITS = {"f": " Hz", "mass": " kg"}
+_SIGNIFICANT = 3.0  # standard deviations
+_MATTERS = {"frequency": 0.005, "damping_ratio": 0.02, "experimental_fraction": 0.02, "feedback_lag": 1e-4}
+
+
+@dataclass(frozen=True, kw_only=True)
+class IdentifiedParameter:
+    """A parameter estimated from the test, together with its stated value."""
+
+    value: float  # value, deviation: Value and standard error, in the parameter's own unit (Hz, -, s)
+    deviation: float
+    stated: float  # What the user stated
+
+    def departs(self, least: float) -> bool:
+        """Whether the stated value is wrong by three standard errors and by more than `least`."""
+        off = abs(self.value - self.stated)
+        return off > _SIGNIFICANT * self.deviation and off > least
+
+
+@dataclass(frozen=True, kw_only=True)
+class Identification:
+    """Parameters of the structure as the channels show them."""
+
+    frequency: IdentifiedParameter  # f [Hz]
+    damping_ratio: IdentifiedParameter  # ξ [-]
+    # experimental_fraction, feedback_lag: α [-], and the lag of the fed-back force [s]; None where they are
+    # exact
+    experimental_fraction: IdentifiedParameter | None
+    feedback_lag: IdentifiedParameter | None
+    # What the ground acceleration does not explain over what it does, while it acts [-]
+    misfit: float
+
+    def disagreements(self) -> tuple[str, ...]:
+        """Names of stated values from which the test differs significantly and not negligibly."""
+        return tuple(
+            name
+            for name, least in _MATTERS.items()
+            if (estimate := getattr(self, name)) is not None
+            and estimate.departs(least if name == "feedback_lag" else least * abs(estimate.stated))
+        )
 
 
 def find_conflicts(
@@ -73,10 +112,31 @@ def _value_as_stated(
     return stated_values.get(option, nothing).value
 
 
-def identify_structure(
-    posterior: TestPosterior, structure: Structure, feedback_lag: float, misfit: float
-) -> Identification:
-    """Put what the channels show of the structure into an identification; `feedback_lag` [s]."""
+def identify_exact(posterior: TestPosterior, structure: Structure, misfit: float) -> Identification:
+    """Say what the channels show of a structure that is stated as exact.
+
+    They show the damping ratio if the lag of the fed-back force is as stated, and with a recorded force that
+    lag if the damping ratio is: each acts as the other.
+    """
+    known, usual = posterior.circumstances, ordinary_equipment()
+
+    # a force tells the share of a structure that is all specimen as stated, too
+    share = {"experimental_fraction": Prior(deviation=usual.alpha)} if known.specimen_force else {}
+
+    def identify(*names: str) -> Identification:
+        equipment = replace(known.equipment, **{name: getattr(usual, name) for name in names})
+        circumstances = replace(known, equipment=equipment, learned={**share, **known.learned})
+        return identify_structure(infer(circumstances), structure, misfit)
+
+    shown = identify("f", "xi", "alpha")
+    if not known.specimen_force:
+        return shown
+    return replace(shown, feedback_lag=identify("f", "alpha", "feedback_lag_ms").feedback_lag)
+
+
+def identify_structure(posterior: TestPosterior, structure: Structure, misfit: float) -> Identification:
+    """Put what the channels show of the structure into an identification."""
+    feedback_lag = posterior.circumstances.feedback_lag
 
     def identify_parameter(name: str, stated_value: float, size: float) -> IdentifiedParameter | None:
         if name not in posterior.means:

@@ -1,23 +1,18 @@
 """Where a recording contradicts what is stated of the test: its verdict is then undecided at best."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.assessment.budget.sizes import Size, Source
 from reliab.assessment.tracking_index import TrackingIndex, is_noisier, power_of
-from reliab.assessment.verdict import Verdict, Word
+from reliab.assessment.verdict import Contradiction
 from reliab.core.significant_digits import percent, significant
 from reliab.core.vocabulary import MILLI
 from reliab.recordings.recording import Recording
-from reliab.structures.partition import Partition
-from reliab.structures.parts_of_structure import is_part
 
 if TYPE_CHECKING:
-    from reliab.assessment.coupled_error.ground_motion import ShownByGround
     from reliab.assessment.measured_specimen.rebuild import MeasuredSpecimen
     from reliab.assessment.own_motion import OwnPlacement
 
@@ -34,23 +29,6 @@ _RESONANCE_RATIOS, _LOWER_RATIOS, _UPPER_RATIOS = (
 _LEAD = 1e-5  # s
 _RANGE_EXCESS = 0.1  # of the measured range, by which the exact response may leave it
 _LATE = 5e-4  # s, by which a force may seem late
-
-
-@dataclass(frozen=True, kw_only=True)
-class Contradiction:
-    """A stated quantity that the recording contradicts."""
-
-    finding: str  # What contradicts it, a sentence
-    remedy: str  # What would resolve it, a sentence
-    option: str = ""  # Under which it is stated; empty of what has none
-    of_structure: bool = False  # Whether the structure may be another one: no bad test is surely bad then
-
-
-def limit_verdict(verdict: Verdict, contradictions: Sequence[Contradiction]) -> Verdict:
-    """Return a verdict that is undecided where the recording contradicts what is stated."""
-    bad = verdict.word is Word.NOT_RELIABLE
-    doubts = [contradiction for contradiction in contradictions if contradiction.of_structure or not bad]
-    return verdict.add_doubts([doubt.finding for doubt in doubts], [doubt.remedy for doubt in doubts])
 
 
 def contradict_frequency(
@@ -158,42 +136,3 @@ def contradict_columns(recording: Recording, tracking: TrackingIndex) -> Iterato
             "and the other is measured: the columns may be swapped.",
             remedy=remedy,
         )
-
-
-def contradict_ground(
-    ground_fit: "ShownByGround | None", sizes: Mapping[str, Size], partition: Partition
-) -> Iterator[Contradiction]:
-    """Say where the recorded ground motion contradicts the structure, known as `sizes` say."""
-    if ground_fit is None:
-        return
-    if ground_fit.is_other_motion:
-        yield Contradiction(
-            finding=f"The recorded ground acceleration leaves {percent(ground_fit.misfit)} of the response "
-            "unexplained: it does not belong to this test, or the structure is not as stated.",
-            remedy="Check channel and unit of the ground acceleration, and the description of the structure.",
-            of_structure=True,
-        )
-    elif ground_fit.contradicts(_frequency_deviation(sizes, partition)):
-        lowest = float(partition.natural_frequencies[0])
-        scatter = (
-            f"{significant(ground_fit.frequency * lowest, 4)} ± "
-            f"{significant(ground_fit.deviation * lowest, 1)} Hz"
-        )
-        yield Contradiction(
-            finding=f"The recorded ground motion shows a lowest natural frequency of {scatter}; "
-            f"{significant(lowest, 4)} Hz follows from the structure as stated.",
-            remedy="Correct stiffness or mass of the structure, or state their tolerances.",
-            of_structure=True,
-        )
-
-
-def _frequency_deviation(sizes: Mapping[str, Size], partition: Partition) -> float:
-    """Relative standard deviation of the lowest natural frequency that follows from what is stated."""
-    lowest = float(partition.natural_frequencies[0])
-    stated_deviations = {name: size.deviation for name, size in sizes.items() if size.source is Source.STATED}
-    part_deviations = [
-        float(partition.change_parts({name: deviation}).natural_frequencies[0]) / lowest - 1.0
-        for name, deviation in stated_deviations.items()
-        if is_part(name)
-    ]
-    return float(np.linalg.norm([stated_deviations.get("frequency", 0.0), *part_deviations]))

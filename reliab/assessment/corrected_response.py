@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from reliab.assessment.alignment import own_ground
-from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.exact_response import (
     ExactResponse,
     ExactTest,
@@ -86,17 +85,16 @@ def correct_response(findings: Findings | JudgedFrame) -> "xr.Dataset":
         test=test,
         ground=ground,
         has_names=isinstance(findings, CoupledAssessment),
-        only_displacements=isinstance(findings.error, ErrorOfTest) and findings.error.modelled,
+        only_displacements=findings.error.modelled,
         has_forces=not isinstance(findings, Findings) or "mass" in findings.stated,
     )
-    specimen_source = findings.error.specimen_known if isinstance(findings.error, ErrorOfTest) else "stated"
     columns, sizes = table.columns_with_bands()
     return xr.Dataset(
         {name: ("time_s", values) for name, values in columns.items()},
         coords={"time_s": np.arange(test.measured.shape[1]) * test.time_step},
         attrs={
             "test": findings.recording.name,
-            "specimen": _SPECIMENS[specimen_source],
+            "specimen": _SPECIMENS[findings.error.specimen_known],
             "note": " ".join(_notes(test, ground)),
             **sizes,
         },

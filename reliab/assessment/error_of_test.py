@@ -16,13 +16,16 @@ from reliab.assessment.budget.sizes import (
     tolerances_of,
 )
 from reliab.assessment.error_with_threshold import ErrorOfSeveral, ErrorWithThreshold
-from reliab.assessment.rebuilt_error.interval import Histories
+from reliab.assessment.inference.channel_spectra import ChannelSpectra
+from reliab.assessment.inference.uncertain_quantity import Circumstances
 from reliab.assessment.rebuilt_error.noise import filter_of_noise
 from reliab.assessment.rebuilt_error.parts import Part, Parts
+from reliab.assessment.rebuilt_error.readings import require_lag
 from reliab.assessment.rebuilt_error.rebuild import RebuiltError
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.widenings import Widening
 from reliab.assessment.recorded_force import stiffness_from_mass
+from reliab.assessment.recorded_ground import ShownGround, examine_ground
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.stated_value import StatedValue
@@ -33,9 +36,6 @@ from reliab.structures.partition import Partition, whole_structure
 from reliab.structures.structure import Structure
 
 if TYPE_CHECKING:
-    from reliab.assessment.coupled_error.coupled_error import CoupledError
-    from reliab.assessment.coupled_error.ground_motion import ShownByGround
-    from reliab.assessment.inferred_error import InferredError
     from reliab.assessment.measured_specimen.force_channel import ForceChannel
     from reliab.assessment.measured_specimen.rebuild import MeasuredSpecimen
     from reliab.simulation.frames.frame_file import FrameUnderTest
@@ -84,6 +84,7 @@ class Question:
     # The frame under test, of which `structure` is the mode that governs the error; None for one mass
     frame: "FrameUnderTest | None" = None
     damping_shown: bool = False  # Whether the test itself showed its damping ratio, which nobody stated
+    ignores_force: bool = False  # Whether the recorded force is not that of a linear specimen
 
     @property
     def full_structure(self) -> Partition:
@@ -137,6 +138,21 @@ class Question:
         """Time by which the force is stated to be fed back late [s]."""
         return self.stated.get("feedback_lag", StatedValue(0.0)).value / MILLI
 
+    def circumstances(
+        self, channels: ChannelSpectra, ground: ShownGround, left_by_faults: Mapping[str, float]
+    ) -> Circumstances:
+        """Put together what is known before the channels are weighed; `left_by_faults` [SI units]."""
+        return Circumstances(
+            partition=self.full_structure,
+            channels=replace(channels, ground=ground.evidence(channels.ground)),
+            stated=self.stated,
+            equipment=self.equipment,
+            tolerances=self.tolerances,
+            specimen_force=channels.force is not None and not self.ignores_force,
+            feedback_lag=self.feedback_lag,
+            left_by_faults=left_by_faults,
+        )
+
     def sizes(self, time_step: float) -> dict[str, Size]:
         """Sizes of what is not known of a test that was recorded at a time step [s]."""
         sizes = sizes_of_unknown(
@@ -153,21 +169,11 @@ class ErrorOfTest(ErrorWithThreshold):
 
     rebuilt: RebuiltError
     damping_ratio: float  # ξ of the structure with which it was rebuilt [-]
-    # What was learned of the specimen from its own force, where it is known by that only
-    specimen: "MeasuredSpecimen | None" = None
-    modelled: bool = False  # Whether a calibrated model says what the specimen does
 
     @property
     def displacements(self) -> tuple[RebuiltError]:
         """The error of the one interface displacement."""
         return (self.rebuilt,)
-
-    @property
-    def specimen_known(self) -> str:
-        """How the specimen is known: "stated" as linear, "modelled" or "measured"."""
-        if self.specimen is not None:
-            return "measured"
-        return "modelled" if self.modelled else "stated"
 
     @property
     def plain_specimen(self) -> dict[str, Any]:
@@ -297,61 +303,34 @@ def _infer(
 
     `measured_displacement`, `sensor_offset` [m].
     """
-    from reliab.assessment.inferred_error import infer_error
+    from reliab.assessment.inferred_error import Readings, infer_errors
 
-    ground_fit = None
-    if question.frame is not None and recording.ground is not None:
-        ground_fit = _compare_with_ground(recording, measured_displacement, question.full_structure)
-        ground = (
-            None
-            if ground_fit is None or ground_fit.is_other_motion
-            else ground_fit.evidence(recording.ground)
-        )
-        recording = replace(recording, ground=ground)
-    equipment_sizes = question.sizes(recording.time_step)
-    inferred_error, rebuilt = infer_error(
+    structure, equipment_sizes = question.full_structure, question.sizes(recording.time_step)
+    require_lag(question.feedback_lag, recording.duration)
+    readings = Readings.from_recording(
         recording,
         measured_displacement,
-        question.full_structure,
-        stated_values=question.stated,
-        equipment=question.equipment,
-        tolerances=question.tolerances,
-        left_by_faults={
-            name: size.deviation for name, size in sizes.items() if equipment_sizes.get(name) != size
-        },
+        structure,
+        mass=question.mass,
         sensor_offset=sensor_offset,
         resolution=question.resolution,
-        seed=question.seed,
+    )
+    ground = examine_ground(recording, readings.channels, structure, feedback_lag=question.feedback_lag)
+    left_by_faults = {
+        name: size.deviation for name, size in sizes.items() if equipment_sizes.get(name) != size
+    }
+    inferred_error = infer_errors(
+        question.circumstances(readings.channels, ground, left_by_faults), readings.stride, question.seed
     )
     return ErrorOfTest(
-        rebuilt=rebuilt,
+        rebuilt=readings.rebuilt(inferred_error, question.seed),
         metric=question.metric,
         threshold=question.threshold,
         damping_ratio=question.structure.damping_ratio,
         sizes=sizes,
         inferred=inferred_error,
-        shown_by_ground=ground_fit,
+        ground=ground,
     )
-
-
-def _compare_with_ground(
-    recording: Recording, measured_displacement: Array, structure: Partition
-) -> "ShownByGround | None":
-    """Compare a frame with its recorded ground acceleration; `measured_displacement` [m]."""
-    from reliab.assessment.coupled_error.ground_motion import compare_with_ground
-
-    if recording.ground is None:
-        return None
-    command, measured_displacement = recording.command[np.newaxis], measured_displacement[np.newaxis]
-    histories = Histories(
-        command=command,
-        measured=measured_displacement,
-        fed_back=command - measured_displacement,
-        time_step=recording.time_step,
-        carry=np.eye(1),
-        smooth=True,
-    )
-    return compare_with_ground(histories, structure, recording.ground)
 
 
 def _sizes_of_force(specimen: "MeasuredSpecimen | None") -> dict[str, Size]:
@@ -429,7 +408,9 @@ def _error_of_several(
     repairs: Mapping[str, Size],
 ) -> ErrorOfSeveral:
     """Compute the errors of all interface displacements; arguments as of `error_of_test`."""
+    from reliab.assessment.coupled_error.posterior_errors import channels_of_several, take_from_posterior
     from reliab.assessment.coupled_error.rebuild import rebuild_coupled
+    from reliab.assessment.inferred_error import infer_errors
 
     frame = question.frame
     if frame is None:
@@ -453,39 +434,18 @@ def _error_of_several(
     )
     combine = partial(ErrorOfSeveral, metric=question.metric, threshold=question.threshold, sizes=sizes)
     if recording.ground is not None:
-        ground_fit, inference = _infer_several(
-            recording, recording.ground, rebuild(draws=_DRAWS_AS_STATED), question, repairs
-        )
-        combine = partial(combine, shown_by_ground=ground_fit)
-        if inference is not None:
-            return combine(rebuilt=inference[0], inferred=inference[1])
+        nominal_error = rebuild(draws=_DRAWS_AS_STATED)
+        channels = channels_of_several(nominal_error, recording)
+        ground = examine_ground(recording, channels, frame.partition, feedback_lag=question.feedback_lag)
+        combine = partial(combine, ground=ground)
+        if ground.fits and not any(start.standing or not start.at_rest for start in nominal_error.starts):
+            left_by_faults = {name: size.deviation for name, size in repairs.items()}
+            inferred_error = infer_errors(
+                question.circumstances(channels, ground, left_by_faults), nominal_error.every, seed=0
+            )
+            error = take_from_posterior(nominal_error, inferred_error, recording)
+            return combine(rebuilt=error, inferred=inferred_error)
     error = rebuild(tolerances=tolerances_of(sizes))
     if (own_frequency := error.unknown.own_frequency) is not None:
         sizes["frequency"] = Size(deviation=own_frequency.deviation, source=Source.LEARNED)
     return combine(rebuilt=error)
-
-
-def _infer_several(
-    recording: CoupledRecording,
-    ground: Array,
-    nominal_error: "CoupledError",
-    question: Question,
-    repairs: Mapping[str, Size],
-) -> "tuple[ShownByGround | None, tuple[CoupledError, InferredError] | None]":
-    """Infer the errors from a recorded ground acceleration [m/s²], if it is that of the test."""
-    from reliab.assessment.coupled_error.ground_motion import compare_with_ground
-    from reliab.assessment.coupled_error.posterior_errors import infer_coupled
-
-    ground_fit = compare_with_ground(nominal_error.histories, nominal_error.reduced, ground)
-    if ground_fit is None or ground_fit.is_other_motion:
-        return ground_fit, None
-    return ground_fit, infer_coupled(
-        nominal_error,
-        recording.command,
-        recording.measured,
-        ground_fit.evidence(ground),
-        stated=question.stated,
-        equipment=question.equipment,
-        tolerances=question.tolerances,
-        left_by_faults={name: size.deviation for name, size in repairs.items()},
-    )

@@ -10,14 +10,15 @@ from reliab.assessment.budget.sizes import Size, Source, as_certain_as
 from reliab.assessment.rebuilt_error.parts import Parts
 from reliab.assessment.rebuilt_error.spread import LEVEL, Estimate
 from reliab.assessment.rebuilt_error.widenings import Widening
+from reliab.assessment.recorded_ground import ShownGround
 from reliab.assessment.uncertainty_budget import BudgetItem, budget_of_error
 from reliab.core.significant_digits import significant
 from reliab.core.vocabulary import PERCENT, Metric
 
 if TYPE_CHECKING:
     from reliab.assessment.coupled_error.coupled_error import CoupledError, DegreeError
-    from reliab.assessment.coupled_error.ground_motion import ShownByGround
     from reliab.assessment.inferred_error import InferredError
+    from reliab.assessment.measured_specimen.rebuild import MeasuredSpecimen
     from reliab.assessment.rebuilt_error.rebuild import RebuiltError
     from reliab.assessment.rebuilt_error.spread import DisplacementError
 
@@ -38,13 +39,22 @@ class ErrorWithThreshold(ABC):
     # Sizes of what is not known of the test, by the names of the tolerances
     sizes: Mapping[str, Size] = field(default_factory=dict)
     inferred: "InferredError | None" = None  # The posterior behind it, where there is one
-    # What the recorded ground acceleration of a frame shows of it, where it was recorded
-    shown_by_ground: "ShownByGround | None" = None
+    ground: ShownGround = ShownGround()  # noqa: RUF009 - What the recorded ground acceleration shows
+    # What was learned of the specimen from its own force, where it is known by that only
+    specimen: "MeasuredSpecimen | None" = None
+    modelled: bool = False  # Whether a calibrated model says what the specimen does
 
     @property
     @abstractmethod
     def displacements(self) -> "tuple[DisplacementError, ...]":
         """Errors of the interface displacements, in their order."""
+
+    @property
+    def specimen_known(self) -> str:
+        """How the specimen is known: "stated" as linear, "modelled" or "measured"."""
+        if self.specimen is not None:
+            return "measured"
+        return "modelled" if self.modelled else "stated"
 
     def estimate(self, metric: Metric) -> Estimate:
         """Error by one metric, with its 90 % interval [-]; of several displacements the largest one."""

@@ -75,7 +75,7 @@ def exact_test(
     `degrees`: names of all degrees of freedom; `ground` [m/s²]; `mass` [kg] by which matrices of a test with
     one actuator are multiplied.
     """
-    specimen = error.specimen if isinstance(error, ErrorOfTest) else None
+    specimen = error.specimen
     rebuilt, step, rows = error.rebuilt, error.rebuilt.time_step, error.displacements
     exact = np.stack([row.reference for row in rows])
     measured_displacement = exact + np.stack([row.smooth_error for row in rows])
@@ -96,8 +96,7 @@ def exact_test(
             )
             yield from (_respond_to_force(*response) for response in draws_of_specimen)
             return
-        inferred_error = error.inferred if isinstance(error, ErrorOfTest) else None
-        for structure, response in (inferred_error or rebuilt).exact():
+        for structure, response in (error.inferred or rebuilt).exact():
             yield _linear(_scale_by_mass(structure, mass), response, rebuilt.every * step)
 
     return ExactTest(

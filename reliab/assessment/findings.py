@@ -6,14 +6,13 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from reliab.assessment.contradictions import Contradiction
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.judged_test import JudgedTest
 from reliab.assessment.own_equation import OwnEquation
 from reliab.assessment.placement import Placement
 from reliab.assessment.scope_of_test import ScopeOfTest, reasons_without_promise
 from reliab.assessment.tracking_index import TrackingIndex, TrackingMeasures, Windows
-from reliab.assessment.verdict import Verdict, verdict_by_index
+from reliab.assessment.verdict import Contradiction, Verdict, verdict_by_index
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import MILLI
 from reliab.criterion.criterion import Criterion

@@ -3,7 +3,7 @@
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -28,9 +28,6 @@ from reliab.simulation.frames.frame_file import FrameUnderTest
 from reliab.structures.critical_delay import StabilityLimit
 from reliab.structures.structure import Structure
 from reliab.tracking.indices.frequency_evaluation import TrackingOverFrequency
-
-if TYPE_CHECKING:
-    from reliab.assessment.coupled_error.ground_motion import ShownByGround
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,7 +105,9 @@ class JudgedFrame(JudgedTest, ABC):
             *(effect.fault.sentence for effect in self.faults),
             *self.error.not_judged,
             *self.error.frequency_shown,
-            *dict.fromkeys(contradiction.finding for contradiction in contradictions),
+            *dict.fromkeys(
+                [*self.error.ground.notes, *(contradiction.finding for contradiction in contradictions)]
+            ),
             *self.turning.warnings(self.judgement),
             *self.responses.warnings,
         )
@@ -203,8 +202,6 @@ class CoupledAssessment(JudgedFrame):
     error: ErrorOfSeveral
     # Whether `limit` is with the measured gains; else they are too uncertain, and exact ones are taken
     limit_of_gains: bool = True
-    # What the recorded ground acceleration shows of the structure; None where it was not recorded
-    shown_by_ground: "ShownByGround | None" = None
 
     error_of = "the measured interface displacements"
 
@@ -222,8 +219,6 @@ class CoupledAssessment(JudgedFrame):
                 "The actuators' gains cannot be told apart by this motion: the stability margin is that of "
                 "actuators without gain errors."
             )
-        if self.shown_by_ground is not None and self.shown_by_ground.opposite:
-            sentences.append("The ground acceleration has the opposite sign.")
         return tuple(sentences)
 
     def to_dict(self) -> dict[str, Any]:
@@ -245,7 +240,7 @@ class CoupledAssessment(JudgedFrame):
             }
             for place, number in enumerate(self.recording.actuators)
         ]
-        are_interface_channels, ground_fit = self.frame.channels_at_interface, self.shown_by_ground
+        are_interface_channels = self.frame.channels_at_interface
         directions = zip(self.frame.partition.names, self.limit.direction.tolist(), strict=True)
         return {
             **super().to_dict(),
@@ -256,7 +251,7 @@ class CoupledAssessment(JudgedFrame):
             "A": actuators[worst]["A"],
             "d_ms": actuators[worst]["d_ms"],
             "critical_direction": dict(directions),
-            "shown_by_ground": None if ground_fit is None else ground_fit.to_dict(),
+            "shown_by_ground": self.error.ground.to_dict(),
         }
 
 

@@ -72,7 +72,6 @@ def conclude_frame(judged: JudgedError) -> FrameAssessment | CoupledAssessment:
             responses=responses,
             limit=limit,
             limit_of_gains=gain_margin,
-            shown_by_ground=error.shown_by_ground,
         )
     if tracking is None or not isinstance(judged.sound, Recording):
         raise AssertionError  # of one actuator both are known

@@ -1,11 +1,11 @@
-"""The error of a test with one actuator, from the posterior of everything that is uncertain about it."""
+"""The error of a test, from the posterior of everything that is uncertain about it."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reliab.assessment.budget.sizes import Equipment, Source
+from reliab.assessment.budget.sizes import Source
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.error_draws import (
     ErrorsOfTest,
@@ -25,7 +25,6 @@ from reliab.assessment.inference.uncertain_quantity import Circumstances, Descri
 from reliab.assessment.rebuilt_error.initial import Start, check_histories, start_of_test
 from reliab.assessment.rebuilt_error.interval import EXACT, Histories, samples_in_step
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
-from reliab.assessment.rebuilt_error.readings import require_lag
 from reliab.assessment.rebuilt_error.rebuild import RebuiltError
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.spread import Spread
@@ -33,8 +32,7 @@ from reliab.assessment.rebuilt_error.widenings import Widening
 from reliab.assessment.rebuilt_error.yielding_sweep import additional_displacement
 from reliab.assessment.uncertainty_budget import BudgetItem, describe
 from reliab.core.arrays import Array
-from reliab.core.stated_value import StatedValue
-from reliab.core.vocabulary import MILLI, Metric
+from reliab.core.vocabulary import Metric
 from reliab.effects.effect import SteppedEffect
 from reliab.recordings.recording import Recording
 from reliab.structures.partition import Partition
@@ -172,45 +170,6 @@ def _deviation_for_half(share: float, spread: float, deviation: float) -> float 
     return deviation * spread * float(np.sqrt(remainder / (1.0 - remainder)))
 
 
-def infer_error(
-    recording: Recording,
-    measured_displacement: Array,
-    structure: Partition,
-    *,
-    stated_values: Mapping[str, StatedValue],
-    equipment: Equipment,
-    tolerances: Mapping[str, float],
-    left_by_faults: Mapping[str, float],
-    sensor_offset: float | None,
-    resolution: float | None,
-    seed: int,
-) -> tuple[InferredError, RebuiltError]:
-    """Infer the error of a test with one actuator.
-
-    `measured_displacement` [m]: with its stated scale taken away; ground acceleration and force of the
-    recording are evidence. `tolerances`: relative standard deviations that the file of a frame states, by
-    names of quantities and parts [-]; `left_by_faults`: what faults of the channels leave unknown, by names
-    of quantities [SI units]; `sensor_offset`, `resolution` [m].
-    """
-    lag = stated_values.get("feedback_lag", StatedValue(0.0)).value / MILLI
-    require_lag(lag, recording.duration)
-    readings = _Readings.from_recording(
-        recording, measured_displacement, structure, stated_values, sensor_offset, resolution
-    )
-    circumstances = Circumstances(
-        partition=structure,
-        channels=readings.channels,
-        stated=stated_values,
-        equipment=equipment,
-        tolerances=tolerances,
-        specimen_force=readings.channels.force is not None,
-        feedback_lag=lag,
-        left_by_faults=left_by_faults,
-    )
-    inferred_error = infer_errors(circumstances, readings.stride, seed)
-    return inferred_error, readings.rebuilt(inferred_error, seed)
-
-
 def infer_errors(circumstances: Circumstances, stride: int, seed: int) -> InferredError:
     """Infer the errors of all interface displacements.
 
@@ -222,7 +181,7 @@ def infer_errors(circumstances: Circumstances, stride: int, seed: int) -> Inferr
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _Readings:
+class Readings:
     """Channels of a test, and how they begin."""
 
     command: Array  # [m], shape (n,)
@@ -239,11 +198,16 @@ class _Readings:
         recording: Recording,
         measured_displacement: Array,
         structure: Partition,
-        stated_values: Mapping[str, StatedValue],
+        *,
+        mass: float | None,
         sensor_offset: float | None,
         resolution: float | None,
-    ) -> "_Readings":
-        """Check the channels, and transform them; arguments as of `infer_error`."""
+    ) -> "Readings":
+        """Check the channels, and transform them.
+
+        `measured_displacement` [m]: with its stated scale taken away; `mass` [kg] of the structure, without
+        which a recorded force is left out; `sensor_offset`, `resolution` [m].
+        """
         step, force = recording.time_step, recording.force
         command, measured_displacement = check_histories(
             recording.command, measured_displacement, step, structure
@@ -263,9 +227,7 @@ class _Readings:
             step,
             structure,
             ground=recording.ground,
-            force=None
-            if force is None or "mass" not in stated_values
-            else force[np.newaxis] / stated_values["mass"].value,
+            force=None if force is None or mass is None else force[np.newaxis] / mass,
         )
         channels = replace(
             channels,

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, Final, Self
 import numpy as np
 
 from reliab.assessment import brief
-from reliab.assessment.contradictions import Contradiction, limit_verdict
 from reliab.assessment.error_of_test import ErrorOfTest, Question
 from reliab.assessment.error_with_threshold import ErrorOfSeveral, ErrorWithThreshold
 from reliab.assessment.fault_effects import FaultEffect
@@ -16,7 +15,7 @@ from reliab.assessment.own_equation import OwnEquation
 from reliab.assessment.rebuilt_error.spread import Estimate
 from reliab.assessment.tracking_index import TrackingIndex
 from reliab.assessment.turning import Turning
-from reliab.assessment.verdict import Verdict, Word, probability_text
+from reliab.assessment.verdict import Contradiction, Verdict, Word, limit_verdict, probability_text
 from reliab.core.plain_values import PlainResult, html_table
 from reliab.core.significant_digits import percent, percent_with_interval, significant
 from reliab.core.vocabulary import ERROR_NAMES, MILLI, PERCENT, Metric

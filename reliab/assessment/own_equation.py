@@ -1,22 +1,38 @@
-"""What a test shows of its structure, compared with what was stated."""
+"""What a test shows of its structure, compared with what was stated.
+
+A linear specimen's force is f = k x + c x'. Where the displacement was recorded late by s against the force,
+x(t) = x_r(t + s), the force is k x_r + k s x_r' to first order. Thus c/k is a time, and whether it is a skew
+between the two channels, a dashpot in the specimen or a force that comes late (c/k < 0), they cannot tell.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from reliab.assessment.contradictions import Contradiction
-from reliab.assessment.rebuilt_error.identification import Identification, IdentifiedParameter, fit_spring
-from reliab.assessment.rebuilt_error.kernel import Kernel
+import numpy as np
+
+from reliab.assessment.conflicts import (
+    Identification,
+    IdentifiedParameter,
+    find_conflicts,
+    identify_exact,
+    identify_structure,
+)
+from reliab.assessment.inference.posterior import TestPosterior
+from reliab.assessment.rebuilt_error.kernel import Kernel, fit_equation
 from reliab.assessment.rebuilt_error.noise import estimate_noise
 from reliab.assessment.rebuilt_error.specimen_check import examine_specimen
 from reliab.assessment.recorded_ground import ShownGround
+from reliab.assessment.verdict import Contradiction
 from reliab.core.arrays import Array
 from reliab.core.significant_digits import percent, significant
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import MILLI
+from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
 from reliab.structures.structure import Structure
 
 _FEWEST_PERIODS = 5.0
+_CLEAR = 10.0  # standard errors: a stiffness that is less certain is none
 _AGREES = 2.0  # stated standard deviations
 _SIGNIFICANT = 3.0  # standard errors
 _LEAST_SKEW = 0.1  # ms
@@ -45,7 +61,8 @@ class OwnEquation:
 
 
 def compare_with_stated(
-    recording: Recording,
+    posterior: TestPosterior,
+    recording: Recording | CoupledRecording,
     structure: Structure,
     ground: ShownGround,
     stated_values: Mapping[str, StatedValue],
@@ -57,7 +74,7 @@ def compare_with_stated(
     A quantity of the structure and one of the channels can look alike, so that a value that differs is told,
     and the verdict left open, but none is replaced. `nonlinear`: as of `OwnEquation`.
     """
-    identification = ground.identified
+    identification = identify_exact(posterior, structure, ground.misfit or 0.0) if ground.fits else None
     estimates = {
         _QUANTITIES[name][0]: _sentence(name, getattr(identification, name))
         for name in (() if identification is None else identification.disagreements())
@@ -66,7 +83,8 @@ def compare_with_stated(
         )
     }
     ground_alone = identification is not None and identification.feedback_lag is None
-    if not (nonlinear or ground_alone):  # else the displacement itself was compared with the ground
+    # else the displacement itself was compared with the ground
+    if isinstance(recording, Recording) and not (nonlinear or ground_alone):
         lag = stated_values.get("feedback_lag", StatedValue(0.0)).deviation
         if sentence := _skew_of_force(recording, structure, lag):
             estimates["skew"] = sentence
@@ -80,6 +98,29 @@ def compare_with_stated(
         nonlinear=nonlinear,
         notes=ground.notes,
         doubts=(*ground.doubts, *doubts),
+    )
+
+
+def compare_with_posterior(
+    posterior: TestPosterior,
+    structure: Structure,
+    ground: ShownGround,
+    stated_values: Mapping[str, StatedValue],
+    *,
+    nonlinear: str,
+) -> OwnEquation:
+    """Compare stated values with what the channels show where no value is exact.
+
+    `nonlinear`: as of `OwnEquation`.
+    """
+    conflicts = tuple(find_conflicts(posterior, structure, stated_values))
+    return OwnEquation(
+        identified=identify_structure(posterior, structure, ground.misfit or 0.0) if ground.fits else None,
+        wrong=tuple(conflict.option for conflict in conflicts if conflict.option),
+        contradictions=tuple(conflict.finding for conflict in conflicts),
+        nonlinear=nonlinear,
+        notes=ground.notes,
+        doubts=(*ground.doubts, *(conflict for conflict in conflicts if conflict.remedy)),
     )
 
 
@@ -103,6 +144,48 @@ def looks_nonlinear(recording: Recording, structure: Structure) -> str:
 def _force_of_specimen(recording: Recording, structure: Structure) -> Array | None:
     """Return the recorded force [N], shape (n,); None if it has too few periods to show its specimen."""
     return recording.force if recording.duration * structure.frequency >= _FEWEST_PERIODS else None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Spring:
+    """A specimen's spring by its recorded force."""
+
+    # stiffness, stiffness_deviation: k with its standard error, in units of force over metres
+    stiffness: float
+    stiffness_deviation: float
+    # late, late_deviation: c/k with its standard error [s]: time by which the displacement was recorded later
+    # than the force
+    late: float
+    late_deviation: float
+
+
+def fit_spring(measured_displacement: Array, force: Array, kernel: Kernel) -> Spring:
+    """Fit k and c to a recorded force.
+
+    `measured_displacement` [m].
+
+    >>> time = np.arange(0.0, 30.0, 0.005)
+    >>> force = 40.0 * np.sin(6.0 * time) * np.sin(0.1 * time)
+    >>> recorded = np.sin(6.0 * (time - 0.002)) * np.sin(0.1 * (time - 0.002))
+    >>> spring = fit_spring(recorded, force, Kernel.from_frequency(1.0, 0.005))
+    >>> round(spring.stiffness, 2), round(1e3 * spring.late, 3)
+    (40.0, 2.0)
+    """
+    columns = np.stack(
+        [
+            kernel.smooth_derivative(measured_displacement, 0),
+            kernel.smooth_derivative(measured_displacement, 1),
+        ]
+    )
+    columns = np.vstack([columns, np.ones(columns.shape[1])])
+    (stiffness, damping, _), covariance, _ = fit_equation(columns, kernel.smooth_derivative(force, 0), kernel)
+    follows = stiffness > _CLEAR * np.sqrt(covariance[0, 0])
+    return Spring(
+        stiffness=float(stiffness),
+        stiffness_deviation=float(np.sqrt(covariance[0, 0])),
+        late=float(damping / stiffness) if follows else 0.0,
+        late_deviation=float(np.sqrt(covariance[1, 1]) / stiffness) if follows else 0.0,
+    )
 
 
 def _skew_of_force(recording: Recording, structure: Structure, tolerated_skew: float) -> str:

@@ -1,25 +1,29 @@
 """Recorded ground accelerations as the motion of the test shows them.
 
-The loop's equation of motion is fitted with the channel as it is recorded; where that does not explain the
-motion, with the channel reversed, in other units, and as the absolute acceleration of the structure.
+The equation of motion is fitted with the channel as it is recorded and reversed; where neither explains the
+motion, in other units, and for one mass as its absolute acceleration.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Final
 
 import numpy as np
 
-from reliab.assessment.contradictions import Contradiction
-from reliab.assessment.rebuilt_error.identification import Identification, identify
+from reliab.assessment.inference.channel_spectra import ChannelSpectra
+from reliab.assessment.inference.evidence import interface_forces, main_frequency
+from reliab.assessment.inference.structure_response import respond
 from reliab.assessment.rebuilt_error.kernel import Kernel, fit_equation
 from reliab.assessment.recorded_force import other_unit_of_force, unit_like
-from reliab.core.arrays import Array
+from reliab.assessment.verdict import Contradiction
+from reliab.core.arrays import Array, Spectrum
 from reliab.core.errors import InputError
 from reliab.core.significant_digits import percent, significant
 from reliab.core.vocabulary import STANDARD_GRAVITY
 from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Part, Recording
+from reliab.structures.partition import Partition, whole_structure
 from reliab.structures.structure import Structure
 
 UNITS_OF_GROUND: Final = {
@@ -33,13 +37,20 @@ UNITS_OF_GROUND: Final = {
 """Units of an acceleration [m/s²], as the names of columns hold them."""
 
 _LARGEST_MISFIT = 0.3
-"""Largest residual over ground acceleration; above it the channel is not this test's ground motion."""
+"""Largest share of the ground's forces that is not explained; above it the channel is of another test."""
 
 _FARTHEST = 0.25  # of the stated frequency, by which an identified one may differ
 _UNIT_TOLERANCE = 0.25
 _SAME_FORCE = 0.2
 _SAME_UNIT = 0.05  # of a unit, by which a calibrated channel may differ from it
 _FEWEST_PERIODS = 5.0
+_REACH = 2.0  # times the main frequencies of the motion, up to which it is compared
+_STEPS = 4
+_LARGEST_STEP = 0.15
+_CHANGE = 1e-3  # by which frequencies and damping ratios are changed
+_PRIORS = np.array([0.1, 0.3])  # standard deviations of their factors before the test
+_LEFT_OPEN = 0.004  # of the frequency, one standard deviation: what scales and clocks are taken for
+_NEAR = 2.0  # factor between the best factor of a channel and that of its unit
 _TOO_SHORT = "The test is too short for its structure to be identified from the recorded ground acceleration."
 _SIGN_NOTE = "The ground acceleration has the opposite sign."
 _ABSOLUTE = (
@@ -54,69 +65,176 @@ _REMEDY = "Check channel, unit and range of the ground acceleration, and the des
 class ShownGround:
     """What a recorded ground acceleration shows."""
 
-    identified: Identification | None = None  # The structure; None where the channel does not show it
+    fits: bool = False  # Whether it explains the motion of the test by a structure like the stated one
+    sign: float = 1.0  # −1 where the channel has the opposite sign
+    # frequency, deviation: Natural frequencies with which it does so best over those stated, and their
+    # standard deviation [-]
+    frequency: float = 1.0
+    deviation: float = 0.0
+    misfit: float | None = None  # Share that it does not explain [-]; None where it was not compared
     notes: tuple[str, ...] = ()  # What was found about the channel, in sentences
     doubts: tuple[Contradiction, ...] = ()  # Where it contradicts the test
-    sign: float = 1.0  # −1 where the channel has the opposite sign
 
-    def evidence(self, ground: Array | None) -> Array | None:
+    def evidence(self, ground: Spectrum | None) -> Spectrum | None:
         """Return the ground acceleration of the test by its channel [m/s²]; None where it shows nothing."""
-        return None if ground is None or self.identified is None else self.sign * ground
+        return self.sign * ground if ground is not None and self.fits else None
 
-
-@dataclass(frozen=True, kw_only=True)
-class _Reading:
-    """A way to read the channel."""
-
-    factor: float  # To m/s², with its sign [-]
-    absolute: bool = False  # Whether it is the absolute acceleration
+    def to_dict(self) -> dict[str, float] | None:
+        """Put it into plain values; None where nothing was compared."""
+        if self.misfit is None:
+            return None
+        return {"frequency_ratio": self.frequency, "deviation": self.deviation, "unexplained": self.misfit}
 
 
 def examine_ground(
-    recording: Recording, structure: Structure, *, mass: float | None, feedback_lag: float
+    recording: Recording | CoupledRecording,
+    channels: ChannelSpectra,
+    structure: Partition,
+    *,
+    feedback_lag: float,
 ) -> ShownGround:
-    """Identify the structure from the recorded ground acceleration, or say why it cannot be this test's.
+    """Compare a test with its recorded ground acceleration, or say why that cannot be this test's.
 
-    `mass` of the structure [kg], with which a recorded force is used too; `feedback_lag` [s].
+    Where that of the specimen as stated does not explain the motion, a recorded force among the `channels`
+    takes its place; `feedback_lag` [s].
     Raises InputError where the channel explains the motion in another unit only.
     """
-    if recording.ground is None:
+    if channels.ground is None:
         return ShownGround()
-    if recording.duration * structure.frequency < _FEWEST_PERIODS:
+    lowest = float(structure.natural_frequencies[0])
+    if recording.duration * lowest < _FEWEST_PERIODS:
         return ShownGround(notes=(_TOO_SHORT,))
-    force = recording.force / mass if recording.force is not None and mass is not None else None
-    ground = recording.ground
+    linear = _GroundFit(channels=channels, structure=structure, feedback_lag=feedback_lag)
+    readings = [linear] if channels.force is None else [linear, replace(linear, by_force=True)]
+    fits = [replace(reading, factor=sign).fit() for reading in readings for sign in (1.0, -1.0)]
+    for fit in sorted(fits, key=lambda fit: (fit.by_force, fit.misfit)):
+        if fit.is_explained:
+            return fit.shown(*() if fit.factor > 0.0 else (_SIGN_NOTE,))
+    best = min(fits[:2], key=lambda fit: fit.misfit)
+    if structure.size == 1:
+        readings += [replace(reading, absolute=True) for reading in readings]
+    likely = min(
+        (fit for reading in readings for fit in reading.fits_in_units() if fit.is_explained),
+        key=lambda fit: fit.misfit,
+        default=None,
+    )
+    if likely is None:
+        doubt = _other_ground(best, lowest, has_force=channels.force is not None)
+        return replace(best.shown(doubt.finding), doubts=(doubt,))
+    if likely.absolute:
+        return best.shown(_ABSOLUTE)
+    raise other_unit_of_ground(recording, abs(likely.factor))
 
-    def read(reading: _Reading) -> Identification:
-        return identify(
-            recording.command,
-            recording.measured,
-            np.asarray(reading.factor * ground),
-            recording.time_step,
-            structure,
-            force=force,
-            feedback_lag=feedback_lag,
-            absolute=reading.absolute,
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _GroundFit:
+    """A way to read the channel, and the structure with which it explains the motion best.
+
+    The forces that keep the interface moving as commanded, less those of the specimen, are those that the
+    ground acceleration causes there. Frequencies and damping ratios, all by one factor each, are fitted until
+    they are (Gauss and Newton), over time and frequency (see `inference.evidence`).
+    """
+
+    channels: ChannelSpectra
+    structure: Partition
+    feedback_lag: float  # [s]
+    factor: float = 1.0  # To m/s², with its sign [-]
+    absolute: bool = False  # Whether it is the absolute acceleration
+    by_force: bool = False  # Whether the specimen's force is the recorded one, which shows no frequency
+    frequency: float = 1.0  # frequency, damping_ratio: factors of all [-]
+    damping_ratio: float = 1.0
+    deviation: float = 0.0  # Of the factor of frequency [-]
+
+    @property
+    def is_explained(self) -> bool:
+        """Whether this reading explains the motion by a structure like the stated one."""
+        return self.misfit <= _LARGEST_MISFIT and abs(self.frequency - 1.0) <= _FARTHEST
+
+    def shown(self, *notes: str) -> ShownGround:
+        """Say what this reading shows."""
+        return ShownGround(
+            fits=self.is_explained,
+            sign=self.factor,
+            frequency=self.frequency,
+            deviation=self.deviation,
+            misfit=self.misfit,
+            notes=notes,
         )
 
-    signs = {_Reading(factor=1.0): (), _Reading(factor=-1.0): (_SIGN_NOTE,)}
-    identifications = {reading: read(reading) for reading in signs}
-    best = min(identifications, key=lambda reading: identifications[reading].misfit)
-    if _is_explained(identifications[best], structure):
-        return ShownGround(identified=identifications[best], notes=signs[best], sign=best.factor)
-    other_identifications = {reading: read(reading) for reading in _other_readings()}
-    explained_readings = [
-        reading
-        for reading in other_identifications
-        if _is_explained(other_identifications[reading], structure)
-    ]
-    if not explained_readings:
-        doubt = _other_ground(identifications[best], structure, has_force=force is not None)
-        return ShownGround(notes=(doubt.finding,), doubts=(doubt,))
-    likely = min(explained_readings, key=lambda reading: other_identifications[reading].misfit)
-    if likely.absolute:
-        return ShownGround(notes=(_ABSOLUTE,))
-    raise other_unit_of_ground(recording, abs(likely.factor))
+    def fit(self) -> "_GroundFit":
+        """Fit the structure."""
+        fit = self
+        for _ in range(_STEPS):
+            residual = fit.residual
+            columns = np.stack(
+                [
+                    (replace(fit, frequency=fit.frequency * (1.0 + _CHANGE)).residual - residual) / _CHANGE,
+                    (replace(fit, damping_ratio=fit.damping_ratio * (1.0 + _CHANGE)).residual - residual)
+                    / _CHANGE,
+                ]
+            )
+            power = max(float(np.mean(residual**2)), np.finfo(float).tiny)
+            columns[0] *= not fit.by_force
+            covariance = np.linalg.inv(columns @ columns.T / power + np.diag(_PRIORS**-2.0))
+            change = np.clip(-covariance @ columns @ residual / power, -_LARGEST_STEP, _LARGEST_STEP)
+            fit = replace(
+                fit,
+                frequency=fit.frequency * (1.0 + float(change[0])),
+                damping_ratio=fit.damping_ratio * (1.0 + float(change[1])),
+                deviation=float(np.hypot(np.sqrt(covariance[0, 0]), _LEFT_OPEN)),
+            )
+        return fit
+
+    def fits_in_units(self) -> Iterator["_GroundFit"]:
+        """Fit with the factors of other units that are near the best one, and of an absolute one as it is."""
+        required_forces, caused_forces = self.forces
+        likely = -float(required_forces @ caused_forces) / float(caused_forces @ caused_forces)
+        for size in (*_factors_of_units(), *([1.0] if self.absolute else [])):
+            if 1.0 / _NEAR < abs(likely) / size < _NEAR:
+                yield replace(self, factor=float(np.copysign(size, likely))).fit()
+
+    @cached_property
+    def misfit(self) -> float:
+        """RMS of what is not explained over that of the ground's forces, each weighted by their power.
+
+        After a short pulse only the sensors' noise is left, of which the ground explains nothing.
+        """
+        power = (self.factor * self.forces[1]) ** 2
+        total = float(power @ power)
+        return float(np.sqrt(power @ self.residual**2 / total)) if total > 0.0 else np.inf
+
+    @cached_property
+    def residual(self) -> Array:
+        required_forces, caused_forces = self.forces
+        return np.asarray(required_forces + self.factor * caused_forces)
+
+    @cached_property
+    def forces(self) -> tuple[Array, Array]:
+        """Forces that the motion asks of the ground, and those that its acceleration causes.
+
+        At all interface displacements, over the size of the specimen's, over time and frequency, shape (m,).
+        """
+        channels, command = self.channels, self.channels.interface_command
+        ground = channels.ground
+        if ground is None:
+            raise AssertionError  # only a recorded one is compared
+        structure = self.structure.scale(frequency=self.frequency, damping_ratio=self.damping_ratio)
+        response = respond(structure, channels.band)
+        borne = interface_forces(response.impedance, command)
+        acting = channels.force if self.by_force else None
+        if acting is None:
+            acting = interface_forces(response.impedance, channels.to_interface @ channels.measured)
+        acting = acting * np.exp(-self.feedback_lag * channels.band.s)
+        required_forces = interface_forces(response.stiffness, command) - borne + acting
+        if self.absolute:
+            required_forces = required_forces - response.ground_load.T * channels.band.s**2 * command
+        highest = _REACH * max(float(self.structure.natural_frequencies[0]), main_frequency(channels))
+        required_cells, caused_cells, borne_cells = (
+            channels.cells(forces, highest)
+            for forces in (required_forces, response.ground_load.T * ground, borne)
+        )
+        size = np.sqrt(np.mean(borne_cells**2, axis=(1, 2), keepdims=True))
+        return (required_cells / size).ravel(), (caused_cells / size).ravel()
 
 
 def require_unit_of_force(
@@ -192,26 +310,12 @@ def _factors_of_units() -> Iterator[float]:
         yield from (size, 1.0 / size) if size != 1.0 else ()
 
 
-def _other_readings() -> Iterator[_Reading]:
-    for sign in (1.0, -1.0):
-        yield _Reading(factor=sign, absolute=True)
-        for factor in _factors_of_units():
-            yield _Reading(factor=sign * factor)
-            yield _Reading(factor=sign * factor, absolute=True)
-
-
-def _is_explained(identification: Identification, structure: Structure) -> bool:
-    """Whether a reading explains the motion by a structure like the stated one."""
-    frequency_error = abs(identification.frequency.value / structure.frequency - 1.0)
-    return identification.misfit <= _LARGEST_MISFIT and frequency_error <= _FARTHEST
-
-
-def _other_ground(best: Identification, structure: Structure, *, has_force: bool) -> Contradiction:
-    """Say that the channel does not belong to the test."""
+def _other_ground(best: _GroundFit, lowest: float, *, has_force: bool) -> Contradiction:
+    """Say that the channel does not belong to the test; `lowest`: natural frequency as stated [Hz]."""
     if best.misfit <= _LARGEST_MISFIT:
         reason = (
-            f"with it the structure would have {significant(best.frequency.value)} Hz, and "
-            f"{significant(structure.frequency)} Hz was stated"
+            f"with it the structure would have {significant(best.frequency * lowest)} Hz, and "
+            f"{significant(lowest)} Hz was stated"
         )
     else:
         share = percent(best.misfit, decimals=0)
@@ -229,8 +333,18 @@ def doubts_of_ground(recording: Recording, structure: Structure, mass: float) ->
 
     `mass` [kg].
     """
-    too_short = recording.duration * structure.frequency < _FEWEST_PERIODS
+    if recording.ground is None or recording.duration * structure.frequency < _FEWEST_PERIODS:
+        return ()
+    full_structure = whole_structure(structure)
+    channels = ChannelSpectra.from_channels(
+        recording.command[np.newaxis],
+        recording.measured[np.newaxis],
+        recording.time_step,
+        full_structure,
+        ground=recording.ground,
+        force=None if recording.force is None else recording.force[np.newaxis] / mass,
+    )
     try:
-        return () if too_short else examine_ground(recording, structure, mass=mass, feedback_lag=0.0).notes
+        return examine_ground(recording, channels, full_structure, feedback_lag=0.0).notes
     except InputError as error:
         return (f"{error.rule}; found {error.value}. {error.remedy}.",)

@@ -52,6 +52,23 @@ class Verdict:
         )
 
 
+@dataclass(frozen=True, kw_only=True)
+class Contradiction:
+    """A stated quantity that the recording contradicts."""
+
+    finding: str  # What contradicts it, a sentence
+    remedy: str  # What would resolve it, a sentence
+    option: str = ""  # Under which it is stated; empty of what has none
+    of_structure: bool = False  # Whether the structure may be another one: no bad test is surely bad then
+
+
+def limit_verdict(verdict: Verdict, contradictions: Sequence[Contradiction]) -> Verdict:
+    """Return a verdict that is undecided where the recording contradicts what is stated."""
+    bad = verdict.word is Word.NOT_RELIABLE
+    doubts = [contradiction for contradiction in contradictions if contradiction.of_structure or not bad]
+    return verdict.add_doubts([doubt.finding for doubt in doubts], [doubt.remedy for doubt in doubts])
+
+
 def word_of_probability(probability: float) -> Word:
     """Turn the probability that the error stays below the threshold into a verdict.
 

@@ -99,7 +99,7 @@ def _row(
         found = assess(recording, structure, stated=stated, threshold=threshold, measured_specimen=True)
     except InputError as error:
         return row | {"word": "refused", "refusal": str(error)}
-    rebuilt, original = found.error.rebuilt, test.moved - test.exact
+    (rebuilt,), original = found.error.displacements, test.moved - test.exact
     inside = (rebuilt.low <= original) & (original <= rebuilt.high)
     row |= {
         "value": rebuilt.rms.value,
@@ -118,7 +118,7 @@ def _as_stated(
 ) -> Iterator[tuple[str, float | str]]:
     """Judge the test of a linear specimen as it is stated."""
     found = assess(recording, structure, threshold=threshold, linear_specimen=True)
-    size = found.error.rebuilt.rms
+    size = found.error.rms
     yield from (("stated_value", size.value), ("stated_low", size.low), ("stated_high", size.high))
     yield "stated_word", str(found.verdict)
 

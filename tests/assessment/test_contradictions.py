@@ -4,17 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from coupled_structures import ideal_response
 
 from reliab.assessment import contradictions
 from reliab.assessment.assess import assess
-from reliab.assessment.contradictions import contradict_frequency, limit_verdict
+from reliab.assessment.contradictions import contradict_frequency
 from reliab.assessment.findings import Findings
 from reliab.assessment.tracking_index import track
-from reliab.assessment.verdict import Verdict, Word
+from reliab.assessment.verdict import Contradiction, Verdict, Word, limit_verdict
 from reliab.core.shipped import shipped
 from reliab.core.stated_value import StatedValue
 from reliab.recordings.coupled_recording import CoupledRecording
-from reliab.simulation.frames.exact_loop import ideal_response
 from reliab.simulation.frames.frame_file import FrameUnderTest, read_structure
 from reliab.structures.frame import Frame, modal_damping
 from reliab.structures.partition import Partition
@@ -83,7 +83,7 @@ def ground_case(simulate, ground_motions):
 
 
 CASES = {
-    "contradict_ground": (ground_case, "does not belong to this test"),
+    "ground": (ground_case, "does not belong to this test"),
     "contradict_frequency": (
         frequency_case,
         "the structure is stated at 5 Hz, where the command shows no resonance",
@@ -108,12 +108,13 @@ def test_contradictions_leave_no_test_reliable(simulate, ground_motions, kind):
 
 
 def test_every_kind_of_contradiction_has_its_case():
-    assert {name for name in vars(contradictions) if name.startswith("contradict_")} == set(CASES)
+    kinds = {name for name in vars(contradictions) if name.startswith("contradict_")}
+    assert {*kinds, "ground"} == set(CASES)
 
 
 def test_a_bad_test_stays_bad_unless_its_structure_may_be_another_one():
     bad = Verdict(word=Word.NOT_RELIABLE, reasons=("The error is large.",))
-    doubt = contradictions.Contradiction(finding="It is doubted.", remedy="Find out.")
+    doubt = Contradiction(finding="It is doubted.", remedy="Find out.")
     assert limit_verdict(bad, [doubt]) is bad
     assert limit_verdict(bad, [doubt, replace(doubt, of_structure=True)]).word is Word.UNDECIDED
     assert limit_verdict(replace(bad, word=Word.RELIABLE), [doubt]).word is Word.UNDECIDED

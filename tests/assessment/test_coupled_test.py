@@ -378,9 +378,9 @@ def off(path, factor, **tolerances):
 
 @pytest.mark.slow
 def test_a_recorded_ground_motion_agrees_with_the_structure(recording_file, ground_file):
-    screen = reliab.assess(ground_file, recording_file[1]).shown_by_ground
-    assert screen.frequency == pytest.approx(1.0, abs=0.01)
-    assert not any((screen.opposite, screen.is_other_motion, screen.contradicts(0.0)))
+    shown = reliab.assess(ground_file, recording_file[1]).error.ground
+    assert shown.frequency == pytest.approx(1.0, abs=0.01)
+    assert (shown.fits, shown.sign, shown.notes) == (True, 1.0, ())
 
 
 @pytest.mark.slow
@@ -397,7 +397,7 @@ def test_a_recorded_ground_motion_contradicts_another_structure(recording_file, 
     assert doubt.to_dict()["verdict"] == "undecided"
     assert "shows a natural frequency of 2.2" in doubt.reasons[0]
     specimen = reliab.assess(ground_file, off(recording_file[1], 1.03))
-    assert specimen.shown_by_ground.frequency == pytest.approx(1.0 / 1.03, abs=0.01)
+    assert specimen.error.ground.frequency == pytest.approx(1.0 / 1.03, abs=0.01)
     assert "natural frequency" not in " ".join(specimen.reasons)
     assert specimen.to_dict()["verdict"] == "not_reliable"
     for degree, true in zip(specimen.error.displacements, recording_file[2], strict=True):
@@ -412,4 +412,7 @@ def test_a_ground_motion_of_another_test_is_noticed(recording_file, ground_file)
         in reliab.assess(rotation, recording_file[1]).warnings
     )
     second = ground_file.assign(ground_acceleration_m_s2=np.roll(shaking()[1], 700))
-    assert "does not belong to this test" in reliab.assess(second, recording_file[1]).reasons[0]
+    other = reliab.assess(second, recording_file[1])
+    assert any("does not belong to this test" in warning for warning in other.warnings)
+    assert not other.error.ground.fits
+    assert other.error.inferred is None

@@ -7,7 +7,6 @@ import pytest
 
 from reliab.assessment.assess import assess
 from reliab.assessment.budget.sizes import ordinary_equipment
-from reliab.assessment.recorded_ground import examine_ground
 from reliab.core.errors import InputError
 from reliab.core.stated_value import StatedValue
 from reliab.recordings.recording import Recording
@@ -69,11 +68,11 @@ def test_short_pulse_belongs_to_its_test(simulate_rig, sign):
         command=test.command, measured=test.measured, time_step=step, ground=sign * test.ground
     )
     structure = Structure(frequency=1.0, damping_ratio=0.02)
-    shown = examine_ground(recording, structure, mass=None, feedback_lag=0.0)
+    shown = assess(recording, structure).error.ground
     assert not shown.doubts
-    assert shown.identified.frequency.value == pytest.approx(1.0, rel=0.02)
+    assert shown.frequency == pytest.approx(1.0, rel=0.02)
     shifted = replace(recording, ground=np.roll(recording.ground, 1000))
-    assert examine_ground(shifted, structure, mass=None, feedback_lag=0.0).doubts
+    assert assess(shifted, structure).error.ground.doubts
 
 
 @pytest.mark.parametrize("assumptions", [0.02, 0.05])

@@ -38,7 +38,7 @@ sys.path.insert(0, str(ROOT / "tests/assessment"))
 
 from rebuilt_error import laboratory as lab  # noqa: E402
 
-from reliab.assessment.rebuilt_error.identification import identify  # noqa: E402
+from reliab.assessment.assess import assess  # noqa: E402
 from reliab.assessment.rebuilt_error.interval import sweep  # noqa: E402
 from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_with_specimen  # noqa: E402
 from reliab.assessment.rebuilt_error.rebuild import RebuiltError, rebuild  # noqa: E402
@@ -46,8 +46,10 @@ from reliab.assessment.rebuilt_error.running_error import Monitor  # noqa: E402
 from reliab.assessment.rebuilt_error.specimen_check import examine_specimen  # noqa: E402
 from reliab.assessment.rebuilt_error.spread import Spread  # noqa: E402
 from reliab.assessment.rebuilt_error.tolerances import Tolerances  # noqa: E402
+from reliab.core.stated_value import StatedValue  # noqa: E402
 from reliab.core.vocabulary import Metric  # noqa: E402
 from reliab.effects.registry import find_effect  # noqa: E402
+from reliab.recordings.recording import Recording  # noqa: E402
 from reliab.simulation.hybrid_test.model import HybridTest  # noqa: E402
 from reliab.structures.specimen import Specimen  # noqa: E402
 from reliab.structures.structure import Structure  # noqa: E402
@@ -337,9 +339,17 @@ def parameters(series: Series, number: int) -> Iterator[Row]:
         row: Row = {"force": with_force}
         for name, factor in (("right", 1.0), ("wrong", float(rng.choice([0.98, 1.02])))):
             stated = replace(test.structure, frequency=factor * test.lab.f)
-            shown = identify(
-                *(o.command, measured, ground, STEP, stated), force=force if with_force else None
+            recording = Recording(
+                command=o.command,
+                measured=measured,
+                time_step=STEP,
+                ground=ground,
+                force=force if with_force else None,
             )
+            mass = {"mass": StatedValue(1.0)} if with_force else {}
+            shown = assess(recording, stated, stated=mass).equation.identified
+            if shown is None:
+                continue
             row[f"{name}_contradicted"] = "frequency" in shown.disagreements()
         row["f_off"] = abs(shown.frequency.value / test.lab.f - 1.0)
         row["xi_off"] = abs(shown.damping_ratio.value / test.lab.xi - 1.0)

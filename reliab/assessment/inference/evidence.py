@@ -108,13 +108,14 @@ def residual(channels: ChannelSpectra, partition: Partition, experiment: Experim
     if experiment.integration:
         square = (channels.band.s * channels.band.record_step) ** 2
         difference = difference - experiment.integration * square * command
-    acting = _times(response.impedance, difference)
+    acting = interface_forces(response.impedance, difference)
     if experiment.slip is not None:
-        acting = acting + _times(response.impedance, experiment.slip)
-    return np.asarray(_times(response.stiffness, driven) - acting)
+        acting = acting + interface_forces(response.impedance, experiment.slip)
+    return np.asarray(interface_forces(response.stiffness, driven) - acting)
 
 
-def _times(impedance: Spectrum, displacement: Spectrum) -> Spectrum:
+def interface_forces(impedance: Spectrum, displacement: Spectrum) -> Spectrum:
+    """Return the forces [N] of displacements at the interface [m], each shape (p, K)."""
     if impedance.shape[-1] == 1:
         return np.asarray(impedance[:, 0].T * displacement)
     return np.asarray((impedance @ displacement.T[..., np.newaxis])[..., 0].T)

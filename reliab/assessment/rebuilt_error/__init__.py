@@ -19,8 +19,6 @@ x_m) for one degree of freedom, and x_m − x_I = e − (x_c − x_m). Start wit
 :class:`~reliab.structures.partition.Partition` (matrices M, C, K with an interface and a linear specimen).
 Further tools:
 
-- :func:`identify`: f, ξ, α and the lag of the fed-back force from the loop's own equation where the ground
-  acceleration (and the force) are recorded, and `disagreements()` with what was stated;
 - :func:`examine_specimen`: whether the force shows a nonlinear specimen;
 - :func:`rebuild_with_specimen`: the error of a test whose specimen is nonlinear and has a calibrated model;
 - :class:`Monitor`: the same numbers while the test runs, and the damping that the actuator leaves.

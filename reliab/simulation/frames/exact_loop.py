@@ -23,7 +23,6 @@ from reliab.simulation.deviation import Deviation, peak_of_history
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop.spectral import TransformLine
 from reliab.simulation.transfer_systems.transfer_function import ActuatorMatrix, TransferSystem
-from reliab.structures.frame import exact_step, follow_load
 from reliab.structures.partition import Partition
 
 _MOVES = 1e-4  # of the largest strain energy of the specimen: a displacement with less is not judged
@@ -258,23 +257,3 @@ def _deviation_spectra(
                 value = value * error[k] + series[power, i, k]
             difference_spectra[i, k] = value * factor
     return difference_spectra, denominators
-
-
-def ideal_response(partition: Partition, ground: Array, time_step: float) -> Array:
-    """Interface displacements of the undivided structure from rest [m], shape (p, n).
-
-    Exact for a ground acceleration that is linear between samples: `ground` [m/s²], shape (n,); `time_step`
-    [s].
-    """
-    gamma, size = partition.interface, partition.size
-    inverse = np.linalg.inv(partition.numerical_mass + gamma @ partition.specimen_mass @ gamma.T)
-    dynamics = np.zeros((2 * size, 2 * size))
-    dynamics[:size, size:] = np.eye(size)
-    stiffness = partition.numerical_stiffness + gamma @ partition.specimen_stiffness @ gamma.T
-    damping = partition.numerical_damping + gamma @ partition.specimen_damping @ gamma.T
-    dynamics[size:, :size], dynamics[size:, size:] = -inverse @ stiffness, -inverse @ damping
-    load = np.concatenate([np.zeros(size), -inverse @ partition.mass @ partition.influence])
-    transition, early, late = exact_step(dynamics, load[:, np.newaxis], time_step)
-    ground = np.ascontiguousarray(ground, dtype=np.float64)
-    displacement = follow_load(transition, early[:, 0].copy(), late[:, 0].copy(), ground, size)
-    return np.asarray(gamma.T @ displacement)

@@ -15,13 +15,15 @@ from rebuilt_error.laboratory import (
     run,
     synthetic_ground,
 )
-from reliab.assessment.rebuilt_error.identification import identify
+from reliab.assessment.assess import assess
 from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_with_specimen
 from reliab.assessment.rebuilt_error.rebuild import rebuild
 from reliab.assessment.rebuilt_error.specimen_check import examine_specimen
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.core.errors import InputError
+from reliab.core.stated_value import StatedValue
 from reliab.effects.registry import find_effect
+from reliab.recordings.recording import Recording
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.structures.specimen import Specimen
 from reliab.structures.structure import Structure
@@ -40,36 +42,38 @@ def channels(request):
     return lab, run(lab, synthetic_ground(6, 20.0))
 
 
+def identify(outcome, structure, *, level=0.0, force_case=True):
+    """What noisy channels show of a structure that is stated as exact."""
+    recording = Recording(
+        command=outcome.command,
+        measured=noisy(outcome.measured, level),
+        ground=noisy(outcome.ground, level),
+        force=noisy(outcome.force, level) if force_case else None,
+        time_step=STEP,
+    )
+    stated = {"mass": StatedValue(1.0)} if force_case else {}
+    return assess(recording, structure, stated=stated).equation.identified
+
+
 @pytest.mark.parametrize("force_case", [True, False])
 def test_frequency_and_damping_come_back_from_noisy_channels(channels, force_case):
     lab, outcome = channels
     stated_values = Structure(frequency=1.02 * lab.f, damping_ratio=lab.xi, experimental_fraction=lab.alpha)
-    result = identify(
-        outcome.command,
-        noisy(outcome.measured),
-        noisy(outcome.ground),
-        STEP,
-        stated_values,
-        force=noisy(outcome.force) if force_case else None,
-    )
-    assert result.frequency.value == pytest.approx(lab.f, rel=0.002)
-    assert result.damping_ratio.value == pytest.approx(lab.xi, rel=0.05)
+    result = identify(outcome, stated_values, level=0.01, force_case=force_case)
+    assert result.frequency.value == pytest.approx(lab.f, rel=0.0005)
+    assert result.damping_ratio.value == pytest.approx(lab.xi, rel=0.01)
     assert result.disagreements() == ("frequency",)
+    assert result.misfit < 2e-3
     if force_case:
-        assert result.experimental_fraction.value == pytest.approx(lab.alpha, abs=0.01)
+        assert result.experimental_fraction.value == pytest.approx(lab.alpha, abs=0.002)
+    else:
+        assert result.feedback_lag is None
 
 
 def test_right_parameters_are_not_contradicted(channels):
     lab, outcome = channels
     stated_values = Structure(frequency=lab.f, damping_ratio=lab.xi, experimental_fraction=lab.alpha)
-    result = identify(
-        outcome.command,
-        noisy(outcome.measured),
-        noisy(outcome.ground),
-        STEP,
-        stated_values,
-        force=noisy(outcome.force),
-    )
+    result = identify(outcome, stated_values, level=0.01)
     assert result.disagreements() == ()
     assert result.frequency.deviation < 0.002 * lab.f
 
@@ -77,14 +81,7 @@ def test_right_parameters_are_not_contradicted(channels):
 def test_a_late_force_is_found():
     lab = Lab(1.0, 0.02, 1.0, DELAY, (1.0, 0.0005, 0.0, 0.0), feedback_lag=0.0005)
     outcome = run(lab, synthetic_ground(6, 20.0))
-    result = identify(
-        outcome.command,
-        outcome.measured,
-        outcome.ground,
-        STEP,
-        Structure(frequency=1.0, damping_ratio=0.02),
-        force=outcome.force,
-    )
+    result = identify(outcome, Structure(frequency=1.0, damping_ratio=0.02))
     assert result.feedback_lag.value == pytest.approx(0.0005, rel=0.02)
     assert "feedback_lag" in result.disagreements()
 

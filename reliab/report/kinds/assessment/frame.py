@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib.figure import Figure as Drawing
 
-from reliab.assessment.error_of_test import ErrorOfTest, part_in_words
+from reliab.assessment.error_of_test import part_in_words
 from reliab.assessment.error_with_threshold import ErrorOfSeveral
 from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment, JudgedFrame, ModeOfTest
 from reliab.assessment.tracking_index import LEVEL
@@ -140,7 +140,7 @@ def _cautions(assessment: JudgedFrame) -> list[Prose]:
     error = assessment.error
     of_what = (
         "a linear frame with the stated matrices"
-        if not isinstance(error, ErrorOfTest) or error.specimen is None
+        if error.specimen is None
         else "the frame whose matrices without the specimen are as stated, and whose specimen was learned "
         "from its force"
     )
