@@ -125,14 +125,14 @@ REGISTRIES = {
         "criterion/laws/registry.py",
         "",
         "from reliab.criterion.laws.constant import Constant\n",
-        "shipped=(",
+        "items=(",
         "Constant,",
     ),
     "method": (
         "criterion/methods/registry.py",
         "",
         "from reliab.criterion.methods.least import Least\n",
-        "shipped=(",
+        "items=(",
         "Least,",
     ),
 }

@@ -7,15 +7,15 @@ stand in place of a name, an empty word is left to the shell, which offers files
 from collections.abc import Callable, Iterable
 
 
-def _any_of(*names: str, beside_files: bool = False) -> Callable[[str], list[str]]:
+def _any_of(*names: str, takes_files: bool = False) -> Callable[[str], list[str]]:
     """Complete one of some names; `beside_files`: whether a file may stand in its place."""
-    return lambda incomplete: _complete_names(incomplete, names) if incomplete or not beside_files else []
+    return lambda incomplete: _complete_names(incomplete, names) if incomplete or not takes_files else []
 
 
-samples = _any_of("sample_test", beside_files=True)
-campaigns = _any_of("rig_a", "rig_b", "rig_c", beside_files=True)
-suites = _any_of("synthetic", beside_files=True)
-results = _any_of("real_suite", beside_files=True)
+samples = _any_of("sample_test", takes_files=True)
+campaigns = _any_of("rig_a", "rig_b", "rig_c", takes_files=True)
+suites = _any_of("synthetic", takes_files=True)
+results = _any_of("real_suite", takes_files=True)
 metrics = _any_of("rms", "mte")
 papers = _any_of("a4", "letter")
 

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, Final, ForwardRef, TypeVar, Union, get_args, get_origin
 
 from reliab.core.files import require_ending
+from reliab.core.progress import Progress, Show
 from reliab.core.stated_value import StatedValue
 from reliab.sweep.several import Names, Numbers
 
@@ -57,8 +58,8 @@ class Option:
 
     def flags(self, name: str) -> tuple[str, ...]:
         """Names on the command line."""
-        own = f"--{name.replace('_', '-')}"
-        return tuple(flag or own for flag in self.names) or (own,)
+        default_flag = f"--{name.replace('_', '-')}"
+        return tuple(flag or default_flag for flag in self.names) or (default_flag,)
 
     def check_value(self, value: Any) -> Any:  # noqa: ANN401 - of many types
         """Refuse a file to write that is of another kind; take units off numbers."""
@@ -75,7 +76,7 @@ class Option:
         if self.unit and isinstance(value, str):
             return remove_units(value, self.unit)
         if self.unit and isinstance(value, list | tuple):
-            return [self.remove_unit(one) for one in value]
+            return [self.remove_unit(item) for item in value]
         return value
 
 
@@ -98,7 +99,7 @@ class Panel:
         """Declare an argument that has a name on the command line."""
         return Option(metavar=metavar, help=help, panel=self.title, **details)
 
-    def further(self, metavar: str, help: str, **details: Any) -> Option:  # noqa: A002, ANN401
+    def advanced(self, metavar: str, help: str, **details: Any) -> Option:  # noqa: A002, ANN401
         """Declare one that few need; --help-all shows it."""
         return self.option(metavar, help, is_advanced=True, **details)
 
@@ -106,24 +107,25 @@ class Panel:
         """Declare one that is true if it is named."""
         return self.option("", help, default=False, **details)
 
-    def further_flag(self, help: str, **details: Any) -> Option:  # noqa: A002, ANN401
+    def advanced_flag(self, help: str, **details: Any) -> Option:  # noqa: A002, ANN401
         """Declare one of these that few need."""
         return self.flag(help, is_advanced=True, **details)
 
 
 def argument(metavar: str, help: str, **details: Any) -> Option:  # noqa: A002, ANN401
     """Declare what stands without a name on the command line; it is required unless a default is given."""
-    needed = "default" not in details
-    return Option(metavar=metavar, help=help, panel="", is_named=False, is_required=needed, **details)
+    is_required = "default" not in details
+    return Option(metavar=metavar, help=help, panel="", is_named=False, is_required=is_required, **details)
 
 
-def collect_options(question: type) -> dict[str, tuple[Any, Option]]:
-    """Types and declarations of a question's arguments by their names."""
-    found = {}
-    for name, annotation in question.__annotations__.items():
-        kind, declaration = get_args(annotation)
-        found[name] = _plain(kind), declaration
-    return found
+def collect_options(*questions: type) -> dict[str, tuple[Any, Option]]:
+    """Types and declarations of the arguments of questions by their names."""
+    options = {}
+    for question in questions:
+        for name, annotation in question.__annotations__.items():
+            kind, declaration = get_args(annotation)
+            options[name] = _plain(kind), declaration
+    return options
 
 
 def _plain(kind: Any) -> Any:  # noqa: ANN401 - a type
@@ -131,65 +133,88 @@ def _plain(kind: Any) -> Any:  # noqa: ANN401 - a type
     if isinstance(kind, ForwardRef):
         return kind.__forward_arg__.removesuffix(" | None")
     if get_origin(kind) in _NOT_ONE:
-        stated = tuple(part for part in get_args(kind) if part is not types.NoneType)
-        return Union[stated]  # noqa: UP007 - of a tuple
+        kinds = tuple(part for part in get_args(kind) if part is not types.NoneType)
+        return Union[kinds]  # noqa: UP007 - of a tuple
     return kind
 
 
-def asks(question: type) -> Callable[[_Function], _Function]:
-    """Complete a function that takes a question as keywords: its signature, docstring and defaults.
+def asks(*questions: type) -> Callable[[_Function], _Function]:
+    """Complete a function that takes questions as keywords: its signature, docstring and defaults.
 
-    It is called with all arguments, which are checked; an unknown name is a TypeError.
+    It is called with all arguments, which are checked; an unknown name is a TypeError. An argument of its
+    own that a question declares is checked and documented alike.
     """
-    options = collect_options(question)
+    options = collect_options(*questions)
 
     def complete(function: _Function) -> _Function:
-        own = [
-            item for item in signature(function).parameters.values() if item.kind is not Parameter.VAR_KEYWORD
-        ]
-        known = {*options, *(item.name for item in own)}
+        parameters = {
+            name: item
+            for name, item in signature(function).parameters.items()
+            if item.kind is not Parameter.VAR_KEYWORD
+        }
+        defaults = {name: option.default for name, (_, option) in options.items() if name not in parameters}
+
+        def check(name: str, value: Any) -> Any:  # noqa: ANN401 - of many types
+            return options[name][1].check_value(value) if name in options else value
 
         @wraps(function)
-        def ask(*values: Any, **stated: Any) -> Any:  # noqa: ANN401 - as the function
-            if strange := stated.keys() - known:
-                raise TypeError(f"{function.__name__}() has no argument {', '.join(sorted(strange))}")
-            arguments = {name: declaration.default for name, (_, declaration) in options.items()}
-            for name, value in stated.items():
-                arguments[name] = options[name][1].check_value(value) if name in options else value
-            return function(*values, **arguments)
+        def ask(*values: Any, **keywords: Any) -> Any:  # noqa: ANN401 - as the function
+            if unknown := keywords.keys() - parameters.keys() - options.keys():
+                raise TypeError(f"{function.__name__}() has no argument {', '.join(sorted(unknown))}")
+            positional = [*map(check, parameters, values), *values[len(parameters) :]]
+            arguments = {name: check(name, value) for name, value in keywords.items()}
+            return function(*positional, **{**defaults, **arguments})
 
-        named = (
-            Parameter(name, Parameter.KEYWORD_ONLY, default=declaration.default, annotation=_text_of(kind))
-            for name, (kind, declaration) in options.items()
+        option_parameters = (
+            Parameter(name, Parameter.KEYWORD_ONLY, default=default, annotation=_text_of(options[name][0]))
+            for name, default in defaults.items()
         )
-        returned = signature(function).return_annotation
+        return_annotation = signature(function).return_annotation
         ask.__signature__ = Signature(  # type: ignore[attr-defined]
-            [*sorted(own, key=lambda item: item.kind), *named], return_annotation=returned
+            [*sorted(parameters.values(), key=lambda item: item.kind), *option_parameters],
+            return_annotation=return_annotation,
         )
-        ask.__doc__ = _document_options(cleandoc(function.__doc__ or ""), options)
+        ask.__doc__ = _document(cleandoc(function.__doc__ or ""), parameters, options)
         return ask  # type: ignore[return-value]
 
     return complete
 
 
 _SECTION = "Parameters\n----------\n"
+_TASKS: Mapping[str, str] = {
+    "progress": "Called after each test, motion or file with how many are done, and how many there are.",
+    "show": "Takes the name of a task and shows its progress.",
+    "setting": "Paper, title, date, and name and logo of the laboratory of a report.",
+}
+"""Texts of arguments that no command line states."""
 
 
-def _document_options(text: str, options: Mapping[str, tuple[Any, Option]]) -> str:
-    """Add arguments to the section of parameters of a docstring, before what is returned."""
-    entries = "".join(
-        f"{name} : {_text_of(kind)}, optional\n    {declaration.help}\n"
-        for name, (kind, declaration) in options.items()
-    )
-    before, section, after = text.partition(_SECTION)
-    if section:
-        own, gap, rest = after.partition("\n\n")
-        return f"{before}{section}{own}\n{entries}{gap.removeprefix(chr(10))}{rest}"
-    head, gap, rest = text.partition("\n\nReturns\n")
-    return f"{head}\n\n{_SECTION}{entries}{gap.removeprefix(chr(10))}{rest}"
+def _document(
+    text: str, parameters: Mapping[str, Parameter], options: Mapping[str, tuple[Any, Option]]
+) -> str:
+    """Add arguments that a docstring lacks to its section of parameters, before what is returned."""
+    head, section, tail = text.partition(_SECTION)
+    existing, _, remainder = tail.partition("\n\n")
+    if not section:
+        head, returns, remainder = text.partition("\n\nReturns\n")
+        head, existing, remainder = f"{head}\n\n", "", f"{returns.lstrip()}{remainder}"
+    kinds = {name: kind for name, (kind, _) in options.items() if name not in parameters}
+    kinds = {name: item.annotation for name, item in parameters.items()} | kinds
+    texts = {**_TASKS, **{name: option.help for name, (_, option) in options.items()}}
+    entries = [
+        f"{name} : {_text_of(kind)}{_optional(parameters.get(name))}\n    {texts[name]}"
+        for name, kind in kinds.items()
+        if name in texts and f"\n{name} : " not in f"\n{existing}"
+    ]
+    section_text = "\n".join(filter(None, (existing, *entries)))
+    return f"{head}{_SECTION}{section_text}\n\n{remainder}".rstrip()
 
 
-_IN_WORDS: Mapping[Any, str] = {
+def _optional(parameter: Parameter | None) -> str:
+    return "" if parameter is not None and parameter.default is Parameter.empty else ", optional"
+
+
+_TYPE_WORDS: Mapping[Any, str] = {
     Quantity: "float, str or StatedValue",
     Quantities: "float, str or StatedValue, or several of them",
     Numbers: "float or sequence of float",
@@ -197,12 +222,14 @@ _IN_WORDS: Mapping[Any, str] = {
     str | Path: "str or pathlib.Path",
     Iterable[str]: "iterable of str",
     Files: "str, pathlib.Path or sequence of these",
+    Progress: "callable",
+    Show: "callable",
 }
 
 
 def _text_of(kind: Any) -> str:  # noqa: ANN401 - a type
     """Type as a docstring names it."""
-    if kind in _IN_WORDS:
-        return _IN_WORDS[kind]
-    text = kind.__name__ if isinstance(kind, type) else str(kind)
+    if kind in _TYPE_WORDS:
+        return _TYPE_WORDS[kind]
+    text = kind.__name__ if isinstance(kind, type) else str(kind).removesuffix(" | None")
     return re.sub(r"\b(?:typing|collections\.abc)\.", "", text).replace(" | ", " or ")

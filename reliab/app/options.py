@@ -28,14 +28,14 @@ PANELS: Final = (STRUCTURE, MOTIONS, TEST, FILE, SENSORS, GOOD, METHOD, OUTPUT, 
 """Parts of the help in their order."""
 
 FREQUENCY_NAMES, _DAMPING, _SHARE = ("", "--frequency"), ("", "--damping"), ("", "--share")
-_IN_PLACE = ("structure",)
+_REPLACED_BY = ("structure",)
 
 
 _FREQUENCY = STRUCTURE.option(
     "HZ",
     "Natural frequency of the whole structure [Hz]: 1.2, or 1.2±0.01 (± one standard deviation).",
     names=FREQUENCY_NAMES,
-    idle_beside=_IN_PLACE,
+    idle_beside=_REPLACED_BY,
 )
 
 
@@ -60,7 +60,7 @@ class DampingAndShare(TypedDict, total=False):
             "RATIO",
             "Damping ratio of the whole structure: 0.02 for 2 %, or 0.02±0.002.",
             names=_DAMPING,
-            idle_beside=_IN_PLACE,
+            idle_beside=_REPLACED_BY,
         ),
     ]
     alpha: Annotated[
@@ -69,7 +69,7 @@ class DampingAndShare(TypedDict, total=False):
             "SHARE",
             "Fraction of the stiffness that is tested physically (default 1).",
             names=_SHARE,
-            idle_beside=_IN_PLACE,
+            idle_beside=_REPLACED_BY,
         ),
     ]
 
@@ -90,7 +90,7 @@ class Structures(TypedDict, total=False):
     ]
     alpha: Annotated[
         Numbers | None,
-        STRUCTURE.further(
+        STRUCTURE.advanced(
             "SHARE...",
             "Fractions of the stiffness that are tested physically; by default those of the source, or 1.",
             names=_SHARE,
@@ -114,7 +114,7 @@ class SimulatedModel(TypedDict, total=False):
 
     model: Annotated[
         "str | Path | HybridTest | None",
-        STRUCTURE.further(
+        STRUCTURE.advanced(
             "MODEL.toml", "Updated model with its structure, as `reliab diagnose --out` writes it."
         ),
     ]
@@ -131,7 +131,7 @@ class MotionSets(TypedDict, total=False):
 
     sets: Annotated[
         Names | None,
-        MOTIONS.further("NAME...", "Sets of a catalogue to use; held_out is used only if you name it."),
+        MOTIONS.advanced("NAME...", "Sets of a catalogue to use; held_out is used only if you name it."),
     ]
 
 
@@ -187,7 +187,7 @@ class ErrorMetric(TypedDict, total=False):
 
     metric: Annotated[
         str | None,
-        GOOD.further(
+        GOOD.advanced(
             "rms|mte",
             "Error that counts: root mean square (rms, default) or largest value (mte).",
             completion=completion.metrics,
@@ -201,7 +201,7 @@ class ErrorWindow(TypedDict, total=False):
 
     window: Annotated[
         str | None,
-        GOOD.further(
+        GOOD.advanced(
             "record|SECONDS|arias",
             "Part of the record over which the error is computed; by default that of the source.",
         ),
@@ -230,7 +230,7 @@ class Confidence(TypedDict, total=False):
 
     confidence: Annotated[
         float | None,
-        GOOD.further(
+        GOOD.advanced(
             "SHARE",
             "Fraction of comparable ground motions that the limits must cover (default 0.95).",
             idle_beside=("structure", "criterion"),
@@ -256,7 +256,7 @@ class Joint(TypedDict, total=False):
 
     joint: Annotated[
         bool | None,
-        METHOD.further(
+        METHOD.advanced(
             "",
             "Apply the confidence to a and b together, or to each alone; by default the method decides.",
             names=("--joint/--each",),
@@ -267,19 +267,19 @@ class Joint(TypedDict, total=False):
 class Rate(TypedDict, total=False):
     """How often a test is sampled."""
 
-    rate: Annotated[float | None, FILE.further("HZ", "Sampling rate [Hz], if there is no time column.")]
+    rate: Annotated[float | None, FILE.advanced("HZ", "Sampling rate [Hz], if there is no time column.")]
 
 
 class Columns(Rate, total=False):
     """Which columns of a file are which channels."""
 
     command: Annotated[
-        str | None, FILE.further("NAME", "Name of the command column, if reliab does not find it.")
+        str | None, FILE.advanced("NAME", "Name of the command column, if reliab does not find it.")
     ]
     measured: Annotated[
-        str | None, FILE.further("NAME", "Name of the measured column, if reliab does not find it.")
+        str | None, FILE.advanced("NAME", "Name of the measured column, if reliab does not find it.")
     ]
-    time: Annotated[str | None, FILE.further("NAME", "Name of the time column, if reliab does not find it.")]
+    time: Annotated[str | None, FILE.advanced("NAME", "Name of the time column, if reliab does not find it.")]
     units: Annotated[
         str | None, FILE.option("m|mm|in...", "Unit of both displacements, if the file does not state it.")
     ]
@@ -300,9 +300,9 @@ class TestFile(Columns, total=False):
         FILE.option("NAME", "Name of the test, if the file holds several; all for all.", names=("--test",)),
     ]
     time_units: Annotated[
-        str | None, FILE.further("s|ms", "Unit of the time, if the file does not state it.")
+        str | None, FILE.advanced("s|ms", "Unit of the time, if the file does not state it.")
     ]
-    delimiter: Annotated[str | None, FILE.further("SIGN", "Column separator of a text file, such as ';'.")]
+    delimiter: Annotated[str | None, FILE.advanced("SIGN", "Column separator of a text file, such as ';'.")]
 
 
 class Mass(TypedDict, total=False):
@@ -310,10 +310,10 @@ class Mass(TypedDict, total=False):
 
     mass: Annotated[
         Quantity | None,
-        STRUCTURE.further(
+        STRUCTURE.advanced(
             "KG",
             "Mass of the structure [kg]; also checks the unit of a recorded force.",
-            idle_beside=_IN_PLACE,
+            idle_beside=_REPLACED_BY,
         ),
     ]
 
@@ -323,14 +323,14 @@ class Specimen(TypedDict, total=False):
 
     specimen: Annotated[
         str | None,
-        STRUCTURE.further(
+        STRUCTURE.advanced(
             "linear|measured",
             "linear: it stayed elastic; measured: learn it from its force (with `mass` or `structure`).",
         ),
     ]
     force_channel: Annotated[
         Iterable[str] | None,
-        SENSORS.further(
+        SENSORS.advanced(
             "NAME=VALUE",
             "Lag, attached mass or friction of the force: lag_ms=2±0.5, attached_kg=12±1, friction_n=40±20.",
         ),
@@ -342,10 +342,10 @@ class NonlinearModel(TypedDict, total=False):
 
     model: Annotated[
         "str | Path | UpdatedModel | None",
-        STRUCTURE.further(
+        STRUCTURE.advanced(
             "MODEL.toml",
             "Model of a nonlinear specimen, as `reliab diagnose` writes it.",
-            idle_beside=_IN_PLACE,
+            idle_beside=_REPLACED_BY,
         ),
     ]
 
@@ -362,7 +362,7 @@ class Loop(TypedDict, total=False):
     ]
     feedback_lag: Annotated[
         Quantity | None,
-        SENSORS.further("MS", "Delay of the fed-back force [ms] (default 0)."),
+        SENSORS.advanced("MS", "Delay of the fed-back force [ms] (default 0)."),
     ]
 
 
@@ -378,7 +378,7 @@ class Accuracy(TypedDict, total=False):
     ]
     exact: Annotated[
         bool,
-        SENSORS.further_flag(
+        SENSORS.advanced_flag(
             "Assume that the channels and all values without a standard deviation are exact."
         ),
     ]
@@ -389,7 +389,7 @@ class Skew(TypedDict, total=False):
 
     skew: Annotated[
         Quantity | None,
-        SENSORS.further(
+        SENSORS.advanced(
             "MS",
             "Time offset of the measured channel relative to the command [ms], such as 0±0.05.",
         ),
@@ -425,7 +425,7 @@ class Covariates(TypedDict, total=False):
 
     covariate: Annotated[
         Iterable[str] | None,
-        TEST.further(
+        TEST.advanced(
             "NAME=NUMBER...", "Quantities that may affect the rig, such as current=0.4 or peak_mm=40."
         ),
     ]

@@ -23,21 +23,21 @@ class Json(TypedDict, total=False):
 class Cover(TypedDict, total=False):
     """How a report is set."""
 
-    title: Annotated[str | None, COVER.further("TEXT", "Title of the report, in place of its own.")]
+    title: Annotated[str | None, COVER.advanced("TEXT", "Title of the report, in place of its own.")]
     date: Annotated[
         datetime | None,
-        COVER.further(
+        COVER.advanced(
             "DATE",
             "Date on the report, 2026-03-01, in place of that of the results.",
             limits={"formats": ["%Y-%m-%d"]},
         ),
     ]
     paper: Annotated[
-        str, COVER.further("a4|letter", "Paper of the report.", default="a4", completion=completion.papers)
+        str, COVER.advanced("a4|letter", "Paper of the report.", default="a4", completion=completion.papers)
     ]
-    laboratory: Annotated[str | None, COVER.further("NAME", "Name of the laboratory on the report.")]
+    laboratory: Annotated[str | None, COVER.advanced("NAME", "Name of the laboratory on the report.")]
     logo: Annotated[
-        str | Path | None, COVER.further("FILE.svg|png|jpg", "Logo of the laboratory on the report.")
+        str | Path | None, COVER.advanced("FILE.svg|png|jpg", "Logo of the laboratory on the report.")
     ]
 
 

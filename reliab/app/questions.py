@@ -59,7 +59,7 @@ class TracedBoundaries(Structures, SimulatedModel, Thresholds, ErrorWindow, tota
 
     first_order: Annotated[
         bool,
-        METHOD.further_flag(
+        METHOD.advanced_flag(
             "Predict ellipses from spectra instead of simulating: fast, but too generous at 5 %."
         ),
     ]
@@ -76,12 +76,12 @@ class Boundaries(TracedBoundaries, ResultSource, ErrorMetric, total=False):
     ]
 
 
-class Sweep(Structures, SimulatedModel, total=False):
-    """What `reliab.simulate` is asked."""
+class SweptGrid(Structures, SimulatedModel, total=False):
+    """What is simulated for every ground motion."""
 
     grid: Annotated[
         str,
-        METHOD.further(
+        METHOD.advanced(
             "scaled|paper",
             "Gains and delays to simulate: scaled to each structure, or those of the paper.",
             default="scaled",
@@ -89,24 +89,33 @@ class Sweep(Structures, SimulatedModel, total=False):
     ]
     window: Annotated[
         Names | None,
-        GOOD.further(
+        GOOD.advanced(
             "record|SECONDS|arias...",
             "Part of the record over which errors are computed; several may be stored.",
         ),
     ]
     engine: Annotated[
         str,
-        METHOD.further(
+        METHOD.advanced(
             "automatic|pole|delay|spectral", "How the equation of motion is solved.", default="automatic"
         ),
     ]
+
+
+class SweepRun(TypedDict, total=False):
+    """How a sweep is run."""
+
     resume: Annotated[bool, OUTPUT.flag("Continue the store of an interrupted run.")]
     workers: Annotated[
-        int | None, METHOD.further("N", "Threads; all processors by default.", limits={"min": 1})
+        int | None, METHOD.advanced("N", "Threads; all processors by default.", limits={"min": 1})
     ]
     scheduler: Annotated[
-        str | None, METHOD.further("ADDRESS", "Address of a dask scheduler whose workers solve the motions.")
+        str | None, METHOD.advanced("ADDRESS", "Address of a dask scheduler whose workers solve the motions.")
     ]
+
+
+class Sweep(SweptGrid, SweepRun, total=False):
+    """What `reliab.simulate` is asked."""
 
 
 class Simulation(Sweep, MotionSource, total=False):
@@ -130,20 +139,20 @@ class CriterionQuestion(
 
     actuator: Annotated[
         int | None,
-        STRUCTURE.further(
+        STRUCTURE.advanced(
             "N", "The one actuator of `structure` that errs, counted from 1; by default all err alike."
         ),
     ]
     duration: Annotated[
         float | None,
-        MOTIONS.further(
+        MOTIONS.advanced(
             "SECONDS",
             "Length of your records; by default like those of the motions behind the criterion.",
         ),
     ]
     suite: Annotated[
         Files | None,
-        MOTIONS.further(
+        MOTIONS.advanced(
             "NAME|FOLDER...",
             "A few records of expected earthquakes, pooled with the motions behind the criterion.",
         ),
@@ -158,10 +167,10 @@ class CriterionQuestion(
     ]
     assurance: Annotated[
         float | None,
-        METHOD.further("SHARE", "Probability that the confidence is kept, for methods that take it."),
+        METHOD.advanced("SHARE", "Probability that the confidence is kept, for methods that take it."),
     ]
     distribution: Annotated[
-        str | None, METHOD.further("NAME", "Family of distributions for the method quantile.")
+        str | None, METHOD.advanced("NAME", "Family of distributions for the method quantile.")
     ]
     law: Annotated[
         str,
@@ -173,18 +182,18 @@ class CriterionQuestion(
         ),
     ]
     steps: Annotated[
-        int | None, METHOD.further("N", "Steps of the hierarchical methods' chains, a multiple of 4.")
+        int | None, METHOD.advanced("N", "Steps of the hierarchical methods' chains, a multiple of 4.")
     ]
     chains: Annotated[
         str | Path | None,
-        METHOD.further(
+        METHOD.advanced(
             "FILE.h5", "Keep the chains of the hierarchical methods, so that a run can go on with them."
         ),
     ]
-    compare: Annotated[bool, METHOD.further_flag("Test distributions and laws on unseen earthquakes, too.")]
+    compare: Annotated[bool, METHOD.advanced_flag("Test distributions and laws on unseen earthquakes, too.")]
     figures: Annotated[
         str | Path | None,
-        OUTPUT.further("FOLDER", "Folder for figures of the criteria and their posteriors."),
+        OUTPUT.advanced("FOLDER", "Folder for figures of the criteria and their posteriors."),
     ]
     out: Annotated[
         str | Path | None,
@@ -199,7 +208,7 @@ class Trials(TypedDict, total=False):
 
     trials: Annotated[
         int | None,
-        METHOD.further(
+        METHOD.advanced(
             "N",
             "Tests for each structure, 512 by default.",
             limits={"min": 1},
@@ -223,14 +232,14 @@ class Validation(JudgedCriteria, Confidences, Joint, total=False):
     """What `reliab.validate_criteria` is asked."""
 
     leave_out: Annotated[
-        str | None, METHOD.further("f|xi", "Leave out each frequency or damping ratio in turn, too.")
+        str | None, METHOD.advanced("f|xi", "Leave out each frequency or damping ratio in turn, too.")
     ]
     learn: Annotated[
-        Names | None, MOTIONS.further("SET...", "Sets of `motions` to learn from, or real_suite.")
+        Names | None, MOTIONS.advanced("SET...", "Sets of `motions` to learn from, or real_suite.")
     ]
     judge: Annotated[
         Names | None,
-        MOTIONS.further("SET...", "Sets of `motions` to judge; all of them with `learn=real_suite`."),
+        MOTIONS.advanced("SET...", "Sets of `motions` to judge; all of them with `learn=real_suite`."),
     ]
     method: Annotated[
         Names | None,
@@ -242,7 +251,7 @@ class Validation(JudgedCriteria, Confidences, Joint, total=False):
     ]
     law: Annotated[
         Names | None,
-        METHOD.further(
+        METHOD.advanced(
             "NAME...",
             "Fitted or printed laws; table and the printed ones by default.",
             completion=completion.laws,
@@ -268,29 +277,29 @@ class StatedOfTest(
     """What `reliab.assess` is told of a test."""
 
     command_scale: Annotated[
-        Quantity | None, SENSORS.further("RATIO", "Scale of the recorded command, such as 1±0.001.")
+        Quantity | None, SENSORS.advanced("RATIO", "Scale of the recorded command, such as 1±0.001.")
     ]
     hysteresis: Annotated[
         Quantity | None,
-        SENSORS.further(
+        SENSORS.advanced(
             "SHARE",
             "Hysteresis of the displacement sensor over the span of its motion, such as 0.001±0.0003.",
         ),
     ]
     resolution: Annotated[
         Quantity | None,
-        SENSORS.further("MM", "ADC step of the displacement sensor [mm]."),
+        SENSORS.advanced("MM", "ADC step of the displacement sensor [mm]."),
     ]
     filter: Annotated[
         Iterable[str] | None,
-        SENSORS.further(
+        SENSORS.advanced(
             "CHANNEL=HZ",
             "Analogue low-pass filter of a channel: measured=200, or command=200/4 with its order.",
         ),
     ]
     motion: Annotated[
         "str | Path | Motion | None",
-        STRUCTURE.further(
+        STRUCTURE.advanced(
             "FILE", "Ground motion of this test; the limits for A and d are then those of this record."
         ),
     ]
@@ -301,21 +310,21 @@ class Design(Frequencies, DampingAndShare, CriterionFile, Threshold, Confidences
 
     structure: Annotated[
         str | Path | None,
-        STRUCTURE.further("FRAME.toml", "Refused with what to ask of a frame.", limits={"hidden": True}),
+        STRUCTURE.advanced("FRAME.toml", "Refused with what to ask of a frame.", limits={"hidden": True}),
     ]
 
 
-class Followed(OneStructure, FrameFile, NonlinearModel, Loop, Threshold, ErrorMetric, total=False):
+class MonitoredTest(OneStructure, FrameFile, NonlinearModel, Loop, Threshold, ErrorMetric, total=False):
     """What every monitor is told of its test."""
 
 
-class FollowedTest(Followed, Mass, Specimen, Accuracy, Columns, total=False):
+class FollowedTest(MonitoredTest, Mass, Specimen, Accuracy, Columns, total=False):
     """What `reliab.follow_test` is asked."""
 
-    every: Annotated[float, OUTPUT.further("SECONDS", "Test time between two messages.", default=0.5)]
+    every: Annotated[float, OUTPUT.advanced("SECONDS", "Test time between two messages.", default=0.5)]
     wait: Annotated[
         float,
-        FILE.further(
+        FILE.advanced(
             "SECONDS",
             "Pause after which the test counts as finished; longer than any pause in it.",
             default=10.0,
@@ -323,7 +332,7 @@ class FollowedTest(Followed, Mass, Specimen, Accuracy, Columns, total=False):
     ]
     start_within: Annotated[
         float,
-        FILE.further(
+        FILE.advanced(
             "SECONDS",
             "How long to wait for the first row; Ctrl-C stops waiting.",
             default=600.0,
@@ -331,19 +340,24 @@ class FollowedTest(Followed, Mass, Specimen, Accuracy, Columns, total=False):
     ]
 
 
-class MonitorInLoop(Followed, Rate, total=False):
+class MonitorInLoop(MonitoredTest, Rate, total=False):
     """What `reliab.export_monitor` is asked; the rate is that of the loop."""
 
 
-class RecordedTest(OneStructure, Mass, TestFile, About, total=False):
+class TestOrigin(About, total=False):
+    """Where and by whom a test was made."""
+
+    rig: Annotated[str | None, TEST.option("TEXT", "Rig of the test.")]
+    operator: Annotated[str | None, TEST.option("TEXT", "Operator.")]
+
+
+class RecordedTest(OneStructure, Mass, TestFile, TestOrigin, total=False):
     """What `reliab.record` is asked."""
 
     csv: Annotated[
         str | Path | None,
         OUTPUT.option("TEST.csv", "The recognised channels as CSV, in SI units.", endings=(".csv",)),
     ]
-    rig: Annotated[str | None, TEST.option("TEXT", "Rig of the test.")]
-    operator: Annotated[str | None, TEST.option("TEXT", "Operator.")]
 
 
 class CalibrationTest(TestFile, total=False):
@@ -391,7 +405,7 @@ class NextTest(ComingMotion, RigReport, FrameFile, About, Covariates, total=Fals
 
     suite: Annotated[
         str | None,
-        MOTIONS.further(
+        MOTIONS.advanced(
             "NAME", "Suite from which the next motion will be taken: real_suite, synthetic, or a folder."
         ),
     ]
@@ -400,7 +414,7 @@ class NextTest(ComingMotion, RigReport, FrameFile, About, Covariates, total=Fals
 class MotionFiles(MotionSets, total=False):
     """How records of ground motions are read."""
 
-    time_step: Annotated[float | None, MOTIONS.further("SECONDS", "Time step of records that state none.")]
+    time_step: Annotated[float | None, MOTIONS.advanced("SECONDS", "Time step of records that state none.")]
     units: Annotated[str | None, MOTIONS.option("g|cm/s2|m/s2", "Unit of records that state none.")]
 
 
@@ -426,7 +440,6 @@ class Explorer(OneStructure, EllipseFile, Threshold, ErrorMetric, Confidence, to
     ]
 
 
-def only_those_of(question: type, request: Mapping[str, Any]) -> dict[str, Any]:
-    """Take what another question is asked among what is stated."""
-    known = collect_options(question)
-    return {name: value for name, value in request.items() if name in known and value is not None}
+def select_stated(question: type, request: Mapping[str, Any]) -> dict[str, Any]:
+    """Select what another question is asked among what is stated."""
+    return {name: request[name] for name in collect_options(question) if request.get(name) is not None}

@@ -65,7 +65,7 @@ class Comparison(ResultWithRows):
     """Tests ranked by their errors."""
 
     rows_in = "tests"
-    shown: ClassVar[Columns] = {
+    table_columns: ClassVar[Columns] = {
         "Test": ("file", ""),
         "RMS error (90 % interval)": ("rms", _interval),
         "Largest error (90 % interval)": ("mte", _interval),

@@ -73,7 +73,7 @@ class SameTest(ResultWithRows):
     """Runs of one test, and the response to which they extrapolate."""
 
     rows_in = "runs"
-    shown: ClassVar[Columns] = {
+    table_columns: ClassVar[Columns] = {
         "run": ("file", ""),
         "verdict": ("verdict", lambda word: Word(word).phrase, "left"),
         "gain": ("gain", ".3f"),

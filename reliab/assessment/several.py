@@ -28,7 +28,7 @@ def _size(test: Mapping[str, Any], write: Callable[[Mapping[str, Any]], str]) ->
 class Assessments(ResultWithRows):
     """What is found about several tests."""
 
-    shown: ClassVar[Columns] = {
+    table_columns: ClassVar[Columns] = {
         "test": ("file", ""),
         "verdict": ("verdict", lambda word: Word(word).phrase if word else "not judged", "left"),
         "error": ("", lambda test: _size(test, lambda size: percent_and_interval(**size)[0])),

@@ -25,7 +25,7 @@ _Kernel = TypeVar("_Kernel", bound=Callable[..., object])
 _FAST = frozenset({"contract", "reassoc", "nsz", "arcp"})
 
 _NEWEST_TESTED: Final = (0, 68)
-_TESTED: Final = tuple(map(int, numba.__version__.split(".")[:2])) <= _NEWEST_TESTED
+_IS_TESTED_NUMBA: Final = tuple(map(int, numba.__version__.split(".")[:2])) <= _NEWEST_TESTED
 
 
 class _Runtime:
@@ -64,8 +64,8 @@ class _MachineCode(_DiskCache):
 
 def _disk_cache(function: Callable[..., object]) -> Any:  # noqa: ANN401
     """Where the code of a kernel is kept; raises RuntimeError where no folder can be written."""
-    own = function.__module__.partition(".")[0] == __name__.partition(".")[0]
-    return (_MachineCode if own and _TESTED else _DiskCache)(function)  # type: ignore[no-untyped-call]
+    is_own = function.__module__.partition(".")[0] == __name__.partition(".")[0]
+    return (_MachineCode if is_own and _IS_TESTED_NUMBA else _DiskCache)(function)  # type: ignore[no-untyped-call]
 
 
 def compiled(function: _Kernel) -> _Kernel:
@@ -76,8 +76,8 @@ def compiled(function: _Kernel) -> _Kernel:
 
 def compile_callback(signature: object, function: Callable[..., float]) -> Any:  # noqa: ANN401 - Numba states no type
     """Compile a function that other kernels call by its address, cached where a disk allows it."""
-    typed, options = normalize_signature(signature), {"nopython": True, "error_model": "numpy"}  # type: ignore[no-untyped-call]
-    callback = _attach_cache(CFunc(function, typed, {}, options), function)
+    signature_types, options = normalize_signature(signature), {"nopython": True, "error_model": "numpy"}  # type: ignore[no-untyped-call]
+    callback = _attach_cache(CFunc(function, signature_types, {}, options), function)
     callback.compile()
     return callback
 

@@ -95,29 +95,29 @@ def parse_json(text: str, *, rule: str, remedy: str, where: str = "") -> Any:  #
     return content
 
 
-def _finite(number: str, where: str) -> float:
+def _finite(number: str, source: str) -> float:
     value = float(number)
     if not math.isfinite(value):
-        raise InputError("Not a finite number", value=number, remedy="Correct it", where=where)
+        raise InputError("Not a finite number", value=number, remedy="Correct it", where=source)
     return value
 
 
-def _require_bounded(content: object, where: str) -> None:
+def _require_bounded(content: object, source: str) -> None:
     """Refuse what lies too deep, or is a whole number of more than 64 bits."""
     level, depth = [content], 0
     while level:
         depth += 1
         if depth > DEEPEST:
-            raise _too_deep(where)
+            raise _too_deep(source)
         for value in level:
             if isinstance(value, int) and abs(value) >= _LARGEST_WHOLE:
-                raise _too_large(f"one of {value.bit_length()} bits", where)
+                raise _too_large(f"one of {value.bit_length()} bits", source)
         level = [item for value in level for item in _parts(value)]
 
 
-def _too_large(value: str, where: str) -> InputError:
+def _too_large(value: str, source: str) -> InputError:
     rule, remedy = "A whole number must be below 2⁶³", "Write it with a decimal point"
-    return InputError(rule, value=value, remedy=remedy, where=where)
+    return InputError(rule, value=value, remedy=remedy, where=source)
 
 
 def _parts(value: object) -> list[Any]:
@@ -126,11 +126,11 @@ def _parts(value: object) -> list[Any]:
     return value if isinstance(value, list) else []
 
 
-def _too_deep(where: str) -> InputError:
+def _too_deep(source: str) -> InputError:
     return InputError(
         f"Tables and lists are nested more than {DEEPEST} deep",
         remedy="Write the description as its examples are written",
-        where=where,
+        where=source,
     )
 
 
@@ -158,16 +158,16 @@ def keys_of(location: Iterable[str | int]) -> list[str]:
 
 def _fault(details: Mapping[str, Any]) -> str:
     place = ".".join(keys_of(details["loc"])) or "the file"
-    given = details["input"]
+    entry = details["input"]
     if details["type"] == "extra_forbidden":
-        return f"{place} is not a known {'table' if isinstance(given, Mapping) else 'key'}"
+        return f"{place} is not a known {'table' if isinstance(entry, Mapping) else 'key'}"
     if details["type"] == "missing":
         return f"{place} is missing"
     error = details.get("ctx", {}).get("error")
     refusal = (
         error if isinstance(error, InputError) else InputError(details["msg"].removeprefix("Value error, "))
     )
-    value = f", not {given!r}" if isinstance(given, str | int | float | bool) else ""
+    value = f", not {entry!r}" if isinstance(entry, str | int | float | bool) else ""
     advice = f" ({_as_clause(refusal.remedy)})" if refusal.remedy else ""
     return f"{place}: {_as_clause(refusal.rule)}{value}{advice}"
 

@@ -36,9 +36,9 @@ def make_unfinished_name(place: Path) -> Path:
     return place.with_name(f"{UNFINISHED}{uuid.uuid4().hex}{place.suffix}")
 
 
-def remove_abandoned(unfinished: Iterable[Path]) -> None:
+def remove_abandoned(paths: Iterable[Path]) -> None:
     """Remove what killed processes were writing."""
-    for path in unfinished:
+    for path in paths:
         with contextlib.suppress(OSError):
             if stat.S_IFMT(path.lstat().st_mode) not in (stat.S_IFREG, stat.S_IFDIR):
                 continue
@@ -126,13 +126,13 @@ def is_annexed(link: str | Path) -> bool:
     return False
 
 
-def refuse_links(folder: Path, *beside: Path, reads: bool = False) -> None:
+def refuse_links(folder: Path, *neighbours: Path, reads: bool = False) -> None:
     """Refuse a folder with links among its files before it is read or written to.
 
     A folder may come from someone else: what is read or written where a link stands would be the file that
     it names, anywhere on this machine. A folder that one `reads` may lie under git-annex.
     """
-    for entry in (*beside, *folder.rglob("*")):
+    for entry in (*neighbours, *folder.rglob("*")):
         if entry.is_symlink() and not (reads and is_annexed(entry)):
             raise InputError(
                 "A folder of results must not contain links",
@@ -159,8 +159,8 @@ def decoding(rule: str, *, remedy: str, where: object) -> Iterator[None]:
         raise
     except FileNotFoundError as error:
         missing = Path(error.filename or str(where))
-        inside = missing.name != Path(str(where)).name
-        place = f"{where}: {missing.name}" if inside else str(where)
+        is_member = missing.name != Path(str(where)).name
+        place = f"{where}: {missing.name}" if is_member else str(where)
         raise InputError("No such file", remedy="Check the name", where=place) from error
     except IsADirectoryError as error:
         raise InputError("This is a folder", remedy="Name a file in it", where=str(where)) from error
@@ -200,19 +200,19 @@ def written_whole(path: str | Path) -> Iterator[Path]:
         yield place  # a pipe or a device, such as /dev/null, is written to as it is
         return
     remove_abandoned(place.parent.glob(f"{UNFINISHED}*"))
-    unfinished, held = _lock_unfinished(place)
+    temporary, lock = _lock_unfinished(place)
     try:
-        with held:
-            yield unfinished
-            _sync(unfinished)
+        with lock:
+            yield temporary
+            _sync(temporary)
             if sys.platform != "win32":  # where an open file cannot be renamed
-                unfinished.replace(place)  # while it is held, so that nobody takes it for abandoned
+                temporary.replace(place)  # while it is held, so that nobody takes it for abandoned
         if sys.platform == "win32":
-            unfinished.replace(place)
+            temporary.replace(place)
         _sync(place.parent)
     except BaseException:
         with contextlib.suppress(OSError):
-            unfinished.unlink(missing_ok=True)
+            temporary.unlink(missing_ok=True)
         raise
 
 
@@ -222,11 +222,11 @@ def _lock_unfinished(place: Path) -> tuple[Path, IO[bytes]]:
     Another process may take it for abandoned before it is held, and remove it; then the next is made.
     """
     while True:
-        unfinished = make_unfinished_name(place)
-        file = unfinished.open("xb")
+        temporary = make_unfinished_name(place)
+        file = temporary.open("xb")
         hold(file.fileno())
-        if unfinished.exists():
-            return unfinished, file
+        if temporary.exists():
+            return temporary, file
         file.close()
 
 
@@ -278,17 +278,17 @@ def folder_written_whole(place: Path) -> Iterator[Path]:
     OSError.
     """
     place = Path(os.path.realpath(place))
-    unfinished = make_unfinished_name(place)
-    unfinished.mkdir(parents=True)
+    temporary = make_unfinished_name(place)
+    temporary.mkdir(parents=True)
     try:
-        with _lock_folder(unfinished):
+        with _lock_folder(temporary):
             remove_abandoned(place.parent.glob(f"{UNFINISHED}*"))
-            yield unfinished
+            yield temporary
             if place.exists():
                 place.rmdir()
-            unfinished.rename(place)
+            temporary.rename(place)
     finally:
-        shutil.rmtree(unfinished, ignore_errors=True)
+        shutil.rmtree(temporary, ignore_errors=True)
 
 
 @contextlib.contextmanager

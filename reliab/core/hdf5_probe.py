@@ -27,13 +27,13 @@ def _read(path: str) -> None:
     import h5py
 
     with contextlib.suppress(Exception), h5py.File(path, "r") as file:
-        visited = set()
+        addresses = set()
         waiting: list[h5py.HLObject] = [file]
         while waiting:
             item = waiting.pop()
-            if (place := h5py.h5o.get_info(item.id).addr) in visited:
+            if (place := h5py.h5o.get_info(item.id).addr) in addresses:
                 continue
-            visited.add(place)
+            addresses.add(place)
             for name in item.attrs:
                 with contextlib.suppress(Exception):
                     item.attrs[name]

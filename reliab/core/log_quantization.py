@@ -74,8 +74,10 @@ def numbers_of(
 
 def _fill_gaps(values: Array, axis: int) -> Array:
     """Values in which the one before stands for one that is not finite, and 1 where there is none before."""
-    along = np.moveaxis(values, axis, -1)
-    places = np.where(np.isfinite(along), np.arange(along.shape[-1]), -1)
-    before = np.maximum.accumulate(places, axis=-1)
-    filled = np.where(before < 0, 1.0, np.take_along_axis(along, np.maximum(before, 0), axis=-1))
-    return np.moveaxis(filled, -1, axis)
+    lanes = np.moveaxis(values, axis, -1)
+    places = np.where(np.isfinite(lanes), np.arange(lanes.shape[-1]), -1)
+    last_places = np.maximum.accumulate(places, axis=-1)
+    complete_lanes = np.where(
+        last_places < 0, 1.0, np.take_along_axis(lanes, np.maximum(last_places, 0), axis=-1)
+    )
+    return np.moveaxis(complete_lanes, -1, axis)

@@ -112,7 +112,7 @@ RANGES: Final[Mapping[str, PhysicalRange]] = {
 }
 """Ranges by the words in which users are told."""
 
-OF_DIMENSIONS: Final[Mapping[str, str]] = {
+QUANTITIES_BY_DIMENSION: Final[Mapping[str, str]] = {
     "f": "natural frequency",
     "xi": "damping ratio",
     "alpha": "share of the stiffness in the laboratory",
@@ -154,14 +154,14 @@ def require_physical(
 
 def _demand(limits: PhysicalRange, value: float, *, zero: bool, signed: bool) -> str:
     """Say what a number must be, as shortly as the number that was found allows."""
-    in_size = " in size" if signed else ""
+    suffix = " in size" if signed else ""
     if limits.lowest > SMALLEST or 0.0 < abs(value) < SMALLEST:
-        return f"{'0, or ' if zero else ''}{limits.span}{in_size}"
+        return f"{'0, or ' if zero else ''}{limits.span}{suffix}"
     is_open = limits.highest == LARGEST and limits.below == math.inf
     if is_open and not math.isfinite(value):
         return "finite"
     if signed or value > 0.0:
-        return f"{limits.upper_bound}{in_size}"
+        return f"{limits.upper_bound}{suffix}"
     least = "0 or positive" if zero else "positive"
     return least if is_open else f"{least}, and {limits.upper_bound}"
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-AS_SHOWN: Final[Mapping[str, Any]] = {"max_rows": 20, "float_format": "{:.4g}".format}
+TABLE_FORMAT: Final[Mapping[str, Any]] = {"max_rows": 20, "float_format": "{:.4g}".format}
 """How pandas writes a table in a summary and in a notebook."""
 
 
@@ -56,7 +56,7 @@ class PlainResult:
         """Say the answer as plain text: a line for each value, or a table of the first rows."""
         table = self.to_dataframe()
         if len(table) != 1:
-            return str(table.to_string(index=False, **AS_SHOWN))
+            return str(table.to_string(index=False, **TABLE_FORMAT))
         values = {name: value for name, value in table.iloc[0].items() if not isinstance(value, list)}
         return "\n".join(f"{name}: {_as_text(value)}" for name, value in values.items())
 
@@ -77,12 +77,12 @@ class PlainResult:
     def _repr_html_(self) -> str:
         """Table for notebooks."""
         table = self.to_dataframe()
-        shown = table.T if len(table) == 1 else table
-        return str(shown.to_html(na_rep="", **AS_SHOWN))
+        rows = table.T if len(table) == 1 else table
+        return str(rows.to_html(na_rep="", **TABLE_FORMAT))
 
 
-def _part(whole: Any, name: str) -> Any:  # noqa: ANN401 - of any result
-    return whole[name] if isinstance(whole, Mapping) else getattr(whole, name)
+def _part(container: Any, name: str) -> Any:  # noqa: ANN401 - of any result
+    return container[name] if isinstance(container, Mapping) else getattr(container, name)
 
 
 def _fields(dataclass: Any) -> dict[str, Any]:  # noqa: ANN401 - any dataclass
@@ -124,8 +124,11 @@ class ResultWithRows(PlainResult):
 
     rows_in: ClassVar[str]  # The key of `to_dict` that holds the rows
     # Columns on a screen, in `summary` and in notebooks, or names of those of the table; all by default
-    shown: ClassVar[Columns | tuple[str, ...]] = ()
-    plotted: ClassVar[tuple[str, str]] = ("", "")  # Columns that `plot` draws; row, first number by default
+    table_columns: ClassVar[Columns | tuple[str, ...]] = ()
+    plot_columns: ClassVar[tuple[str, str]] = (
+        "",
+        "",
+    )  # Columns that `plot` draws; row, first number by default
 
     def plain_rows(self) -> list[dict[str, Any]]:
         """Give the rows as plain values."""
@@ -140,20 +143,20 @@ class ResultWithRows(PlainResult):
 
     def summary(self) -> str:
         """Say the answer as plain text: a table of the first rows."""
-        return str(self._select_columns().to_string(index=False, **AS_SHOWN))
+        return str(self._select_columns().to_string(index=False, **TABLE_FORMAT))
 
     def _repr_html_(self) -> str:
         """Table for notebooks."""
-        return str(self._select_columns().to_html(index=False, na_rep="", **AS_SHOWN))
+        return str(self._select_columns().to_html(index=False, na_rep="", **TABLE_FORMAT))
 
     def _select_columns(self) -> "pd.DataFrame":
-        if isinstance(self.shown, Mapping):
+        if isinstance(self.table_columns, Mapping):
             import pandas as pd
 
-            cells = write_cells(self.shown, self.plain_rows())
-            return pd.DataFrame(cells, columns=list(self.shown))
+            cells = write_cells(self.table_columns, self.plain_rows())
+            return pd.DataFrame(cells, columns=list(self.table_columns))
         table = self.to_dataframe()
-        return table[list(self.shown)] if self.shown and len(table) else table
+        return table[list(self.table_columns)] if self.table_columns and len(table) else table
 
     def plot(self, axes: "Axes | None" = None) -> "Axes":
         """Draw the rows as points, and return the axes.
@@ -164,18 +167,18 @@ class ResultWithRows(PlainResult):
 
         plot_axes = axes if axes is not None else plt.figure().gca()
         table = self.to_dataframe()
-        across, up = self.plotted
+        x_column, y_column = self.plot_columns
         numbers = table.select_dtypes("number").columns
-        plot_axes.plot(table[across] if across else table.index, table[up or numbers[0]], "o")
-        plot_axes.set(xlabel=across or "row", ylabel=up or numbers[0])
+        plot_axes.plot(table[x_column] if x_column else table.index, table[y_column or numbers[0]], "o")
+        plot_axes.set(xlabel=x_column or "row", ylabel=y_column or numbers[0])
         return plot_axes
 
 
 def write_table(table: "pd.DataFrame", path: str | Path, *, index: bool = False) -> None:
     """Write a table as CSV, whole or not at all; texts that a spreadsheet would compute stay texts."""
-    escaped = _map_texts(table, as_cell)
+    safe_table = _map_texts(table, as_cell)
     with refuse_unwritable("Cannot write the table's file", where=path), written_whole(path) as file:
-        escaped.to_csv(file, index=index, errors="backslashreplace")
+        safe_table.to_csv(file, index=index, errors="backslashreplace")
 
 
 def read_table(path: str | Path) -> "pd.DataFrame":
@@ -188,8 +191,8 @@ def read_table(path: str | Path) -> "pd.DataFrame":
 def _map_texts(table: "pd.DataFrame", change: Callable[[str], str]) -> "pd.DataFrame":
     """Change the texts of a table, in its cells and in the names of its columns."""
     texts = table.select_dtypes(exclude=["number", "bool"])
-    changed = texts.map(lambda cell: change(cell) if isinstance(cell, str) else cell)
-    return table.assign(**changed).rename(columns=lambda name: change(str(name)))
+    new_texts = texts.map(lambda cell: change(cell) if isinstance(cell, str) else cell)
+    return table.assign(**new_texts).rename(columns=lambda name: change(str(name)))
 
 
 def html_table(title: str, rows: Mapping[str, str], notes: Iterable[str] = ()) -> str:
@@ -202,5 +205,5 @@ def html_table(title: str, rows: Mapping[str, str], notes: Iterable[str] = ()) -
         f'<tr><th scope="row">{escape(name)}</th><td>{escape(value)}</td></tr>'
         for name, value in rows.items()
     )
-    below = "".join(f"<p>{escape(note)}</p>" for note in notes)
-    return f"<table><caption>{escape(title)}</caption>{lines}</table>{below}"
+    paragraphs = "".join(f"<p>{escape(note)}</p>" for note in notes)
+    return f"<table><caption>{escape(title)}</caption>{lines}</table>{paragraphs}"

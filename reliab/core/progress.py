@@ -8,7 +8,7 @@ Progress = Callable[[int, int], None]
 """Called with the number of pieces done and their total."""
 
 
-def silent(done: int, total: int) -> None:
+def silent(count: int, total: int) -> None:
     """Report nothing."""
 
 
@@ -16,9 +16,9 @@ Show = Callable[[str], AbstractContextManager[Progress]]
 """Takes the name of a task and shows its progress."""
 
 
-def quietly(what: str) -> AbstractContextManager[Progress]:
+def quietly(task: str) -> AbstractContextManager[Progress]:
     """Show nothing of a task."""
-    del what
+    del task
     return nullcontext(silent)
 
 
@@ -35,10 +35,10 @@ def shows_tasks(show: Show) -> Iterator[None]:
         _SHOW.reset(token)
 
 
-def show_task(what: str) -> AbstractContextManager[Progress]:
+def show_task(task: str) -> AbstractContextManager[Progress]:
     """Show the progress of a task as whoever called it shows tasks; nothing where nobody does.
 
     >>> with show_task("Counting") as progress:
     ...     progress(1, 1)
     """
-    return _SHOW.get()(what)
+    return _SHOW.get()(task)

@@ -28,17 +28,17 @@ class Registry(Mapping[str, Item]):
 
     >>> from fractions import Fraction
     >>> halves = Registry(
-    ...     noun="fraction", base=Fraction, group="example", shipped=(Fraction(1, 2),), name_of=str
+    ...     noun="fraction", base=Fraction, group="example", items=(Fraction(1, 2),), name_of=str
     ... )
     >>> halves.find("1/2")
     Fraction(1, 2)
     """
 
     def __init__(
-        self, *, noun: str, base: type, group: str, shipped: tuple[Item, ...], name_of: Callable[[Item], str]
+        self, *, noun: str, base: type, group: str, items: tuple[Item, ...], name_of: Callable[[Item], str]
     ) -> None:
         self._noun, self._base, self._group = noun, base, group
-        self._shipped, self._name_of = shipped, name_of
+        self._shipped, self._name_of = items, name_of
 
     def add(self, item: Item) -> None:
         """Offer an item in this process, in place of one of the same name."""

@@ -23,7 +23,7 @@ DATA_VARIABLE = "RELIAB_DATA"
 CHECKSUMS = "SHA256SUMS"
 """File that lists checksums below the folder of its kind, as `sha256sum` writes them."""
 
-_INSTALLED = Path(__file__).parents[1] / "shipped"
+_PACKAGE_FOLDER = Path(__file__).parents[1] / "shipped"
 _CHECKOUT = Path(__file__).parents[2]
 
 
@@ -92,10 +92,10 @@ def checksum_of(path: Path) -> str:
 
 
 @cache
-def _verify(path: Path, changed: int, expected: str) -> None:
+def _verify(path: Path, modified: int, checksum: str) -> None:
     """Compare a file, as it was at a time, with its checksum."""
-    del changed  # a file that changes is compared again
-    if (actual := checksum_of(path)) != expected:
+    del modified  # a file that changes is compared again
+    if (actual := checksum_of(path)) != checksum:
         raise InputError(
             "A file that came with reliab has changed",
             value=f"SHA-256 {actual}",
@@ -106,7 +106,7 @@ def _verify(path: Path, changed: int, expected: str) -> None:
 
 def find_shipped_folder(kind: str) -> Path:
     """Return the folder of what ships of a kind; it need not exist: the product runs without the studies."""
-    folder = _INSTALLED / kind
+    folder = _PACKAGE_FOLDER / kind
     return folder if folder.is_dir() else _CHECKOUT / kind
 
 
@@ -123,12 +123,12 @@ def or_shipped(path: Path, kind: str, file: str) -> Path:
     if path.suffix or len(path.parts) != 1 or is_own_data(path, "zarr.json"):
         return path
     present = {entry.name for entry in find_shipped_folder(kind).glob("*") if (entry / file).exists()}
-    listed = {name.removesuffix(f"/{file}") for name in checksums(kind) if name.endswith(f"/{file}")}
-    if path.name not in present | listed:
+    names = {name.removesuffix(f"/{file}") for name in checksums(kind) if name.endswith(f"/{file}")}
+    if path.name not in present | names:
         if path.exists():
             return path
         raise InputError(
             f"{path} not found",
-            remedy=f"Check the path, or name {' or '.join(sorted(present | listed))}",
+            remedy=f"Check the path, or name {' or '.join(sorted(present | names))}",
         )
     return shipped(kind, f"{path}/{file}")

@@ -47,8 +47,8 @@ def lines_of(text: str) -> list[str]:
 
 def is_comment(line: str) -> bool:
     """Whether a line is empty or a comment."""
-    stripped = line.strip()
-    return not stripped or stripped.startswith(COMMENTS)
+    text = line.strip()
+    return not text or text.startswith(COMMENTS)
 
 
 def cells_of(line: str, delimiter: str) -> tuple[str, ...]:
@@ -114,8 +114,8 @@ def has_decimal_comma(cell: str) -> bool:
 
 def may_be_thousands(cells: Sequence[str]) -> bool:
     """Whether the commas of cells that hold one may all part thousands, since three digits follow each."""
-    with_comma = [cell for cell in cells if _DECIMAL_COMMA.fullmatch(cell)]
-    return 0 < len(with_comma) < len(cells) and all(map(_PERHAPS_THOUSANDS.fullmatch, with_comma))
+    comma_cells = [cell for cell in cells if _DECIMAL_COMMA.fullmatch(cell)]
+    return 0 < len(comma_cells) < len(cells) and all(map(_PERHAPS_THOUSANDS.fullmatch, comma_cells))
 
 
 def time_of_day(cell: str) -> float | None:
@@ -164,11 +164,11 @@ class Line:
     def holds_numbers(self) -> bool:
         """Whether all cells are numbers, times of day or gaps between them, and more than gaps."""
         numbers = [number_of(cell) for cell in self.cells]
-        every = all(
+        is_numeric = all(
             n is not None or time_of_day(cell) is not None
             for n, cell in zip(numbers, self.cells, strict=True)
         )
-        return every and any(number is not None and np.isfinite(number) for number in numbers)
+        return is_numeric and any(number is not None and np.isfinite(number) for number in numbers)
 
     @property
     def numbers(self) -> int:
@@ -182,8 +182,8 @@ _USUAL_MARKS = frozenset(
 _LARGEST_NUMBER = 1e10  # from which a number marks gaps: 1e20, 9.97e36 of netCDF, 1.7e38 of SMC
 _STANDING_OUT = 1.5  # times the largest deviation of the others, from which a usual mark is one
 _FAR_OUT = 3.0  # times the largest deviation of the others, from which any repeated number is a mark
-_REPEATED = 3  # times that a mark is repeated exactly
-_VARIED = 10  # fewest different numbers of a history
+_FEWEST_REPETITIONS = 3  # times that a mark is repeated exactly
+_FEWEST_VALUES = 10  # fewest different numbers of a history
 
 
 def missing_mark(values: Array, *, any_repeated: bool = False) -> float | None:
@@ -201,8 +201,11 @@ def missing_mark(values: Array, *, any_repeated: bool = False) -> float | None:
     is_usual = abs(mark) in _USUAL_MARKS or abs(mark) >= _LARGEST_NUMBER
     if not (is_usual or any_repeated):
         return None
-    others = deviations[values != mark]
-    if not others.size or deviations.max() <= _STANDING_OUT * others.max():
+    other_deviations = deviations[values != mark]
+    if not other_deviations.size or deviations.max() <= _STANDING_OUT * other_deviations.max():
         return None
-    is_repeated = values.size - others.size >= _REPEATED and deviations.max() > _FAR_OUT * others.max()
-    return mark if (is_usual or is_repeated) and np.unique(values).size >= _VARIED else None
+    is_repeated = (
+        values.size - other_deviations.size >= _FEWEST_REPETITIONS
+        and deviations.max() > _FAR_OUT * other_deviations.max()
+    )
+    return mark if (is_usual or is_repeated) and np.unique(values).size >= _FEWEST_VALUES else None

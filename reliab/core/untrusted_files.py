@@ -40,8 +40,8 @@ def resolve_within(folder: Path, name: str, *, where: str) -> Path:
     """
     path = folder / name
     with decoding("A file must have a name that the system allows", remedy="Correct it", where=where):
-        inside = Path(os.path.realpath(path)).is_relative_to(os.path.realpath(folder))
-    if ".." in PurePath(name).parts or not (inside or is_annexed(path)):
+        is_inside = Path(os.path.realpath(path)).is_relative_to(os.path.realpath(folder))
+    if ".." in PurePath(name).parts or not (is_inside or is_annexed(path)):
         raise InputError(
             "The file lies outside the folder that names it",
             value=repr(name),
@@ -84,8 +84,8 @@ def lists_of_scales(item: "h5py.Dataset") -> "list[NDArray[np.object_]]":
     name = "DIMENSION_LIST"
     if name not in item.attrs:
         return []
-    held = h5py.check_vlen_dtype(item.attrs.get_id(name).dtype)
-    refers = held is not None and h5py.check_ref_dtype(held) is h5py.Reference
+    dtype = h5py.check_vlen_dtype(item.attrs.get_id(name).dtype)
+    refers = dtype is not None and h5py.check_ref_dtype(dtype) is h5py.Reference
     lists = np.asarray(item.attrs[name] if refers else 0.0)
     if lists.shape != (item.ndim,):
         raise InputError(
@@ -214,12 +214,12 @@ def objects_of(file: "h5py.File") -> "Iterator[tuple[str, h5py.HLObject]]":
     import h5py
 
     waiting: list[tuple[str, h5py.HLObject]] = [("", file)]
-    visited = set()
+    addresses = set()
     while waiting:
         path, item = waiting.pop()
-        if (place := h5py.h5o.get_info(item.id).addr) in visited:
+        if (place := h5py.h5o.get_info(item.id).addr) in addresses:
             continue
-        visited.add(place)
+        addresses.add(place)
         if path:
             yield path, item
         if not isinstance(item, h5py.Group):

@@ -15,7 +15,7 @@ import xarray as xr
 from reliab.core.encodings import encoding_of_file
 from reliab.core.errors import InputError
 from reliab.core.files import LIMITS, decoding, ordinary
-from reliab.core.physical_range import OF_DIMENSIONS, RANGES
+from reliab.core.physical_range import QUANTITIES_BY_DIMENSION, RANGES
 from reliab.core.shipped import or_shipped
 from reliab.core.vocabulary import LABELS, Dimension, Metric
 from reliab.sweep.shares import select_share
@@ -113,7 +113,7 @@ def _name_columns(table: pd.DataFrame, path: str) -> pd.DataFrame:
 
 def _require_range(column: "pd.Series[str]", name: str, path: str) -> "pd.Series[float]":
     numbers = pd.to_numeric(column, errors="coerce")
-    limits = RANGES[OF_DIMENSIONS.get(name, "number")]
+    limits = RANGES[QUANTITIES_BY_DIMENSION.get(name, "number")]
     wrong = ~limits.includes(numbers)
     if wrong.any():
         raise InputError(

@@ -52,5 +52,5 @@ def desk(request: Request) -> None:
         port=request.port,
         browser=not request.no_browser,
         say=tell,
-        name_options=request.in_options,
+        name_options=request.write_as_options,
     )

@@ -17,10 +17,10 @@ _COLOURS: Final = (BLUE, RED, "#1b6e3c", "#6a3d9a", "#7a5a00")
 _ANGLES: Final = 181
 
 
-def _blank(height: int, x_label: str, y_label: str, **more: Any) -> Any:  # noqa: ANN401 - Bokeh's
+def _blank(height: int, x_label: str, y_label: str, **settings: Any) -> Any:  # noqa: ANN401 - Bokeh's
     place = figure(
         height=height, sizing_mode="stretch_width", tools="xbox_zoom,xpan,reset", toolbar_location="above",
-        x_axis_label=x_label, y_axis_label=y_label, **more,
+        x_axis_label=x_label, y_axis_label=y_label, **settings,
     )  # fmt: skip
     place.toolbar.logo = None
     place.xgrid.grid_line_color = place.ygrid.grid_line_color = "#e3e3e3"
@@ -36,10 +36,10 @@ def draw_traces(traces: Sequence[Trace]) -> pn.Column:
     for trace in traces:
         traces_by_unit.setdefault(trace.unit, []).append(trace)
     places: list[Any] = []
-    for unit, together in traces_by_unit.items():
+    for unit, group in traces_by_unit.items():
         shared = {"x_range": places[0].x_range} if places else {}
         place = _blank(190, "Time [s]", f"[{unit}]" if unit else "", **shared)
-        for rank, trace in enumerate(together):
+        for rank, trace in enumerate(group):
             place.line(
                 trace.time, trace.values, color=_COLOURS[rank % 5], legend_label=trace.name, line_width=1.2
             )
@@ -120,10 +120,10 @@ def _close_region(sides: Mapping[str, tuple[float, float]]) -> tuple[Array, Arra
     halves = [half_ellipse(a, b, lead=side == "lead") for side, (a, b) in sides.items()]
     if not halves:
         return np.zeros(0), np.zeros(0)
-    first, *others = halves
+    first, *other_halves = halves
     return (
-        np.concatenate([first[0], *(half[0][::-1] for half in others)]),
-        np.concatenate([first[1], *(half[1][::-1] for half in others)]),
+        np.concatenate([first[0], *(half[0][::-1] for half in other_halves)]),
+        np.concatenate([first[1], *(half[1][::-1] for half in other_halves)]),
     )
 
 
@@ -158,22 +158,25 @@ class LiveDrawing:
 
     def update(self, messages: Sequence[Mapping[str, Any]], threshold: float) -> None:
         """Draw all messages so far."""
-        sized = [(message["time_s"], message["error"]["rms"]) for message in messages if message.get("error")]
+        sizes = [(message["time_s"], message["error"]["rms"]) for message in messages if message.get("error")]
         self._error.data = {
-            "time": [time for time, _ in sized],
-            **{end: [_percent(size[end]) for _, size in sized] for end in ("value", "low", "high")},
+            "time": [time for time, _ in sizes],
+            **{end: [_percent(size[end]) for _, size in sizes] for end in ("value", "low", "high")},
         }
-        damped = [
+        dampings = [
             (message["time_s"], PERCENT * message["net_damping_ratio"])
             for message in messages
             if message.get("net_damping_ratio") is not None
         ]
-        self._damping.data = {"time": [time for time, _ in damped], "ratio": [ratio for _, ratio in damped]}
+        self._damping.data = {
+            "time": [time for time, _ in dampings],
+            "ratio": [ratio for _, ratio in dampings],
+        }
         self._bound.location = PERCENT * threshold
-        latest = [_percent(size["high"]) for _, size in sized[len(sized) // 2 :] if size["high"] is not None]
+        latest = [_percent(size["high"]) for _, size in sizes[len(sizes) // 2 :] if size["high"] is not None]
         self._above.x_range.end = max(10.0, messages[-1]["time_s"])
         self._above.y_range.end = 1.2 * max([PERCENT * threshold, *latest])
-        ratios = [ratio for _, ratio in damped[len(damped) // 2 :]]
+        ratios = [ratio for _, ratio in dampings[len(dampings) // 2 :]]
         self._below.y_range.update(start=min([0.0, *ratios]) - 0.2, end=1.2 * max([1.0, *ratios]))
 
 

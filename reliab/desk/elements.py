@@ -101,10 +101,10 @@ def _remember_value(memory: PageMemory, name: str, widget: Any) -> Any:  # noqa:
     return widget
 
 
-def button(name: str, pressed: Callable[[], None], kind: str = "default") -> pn.widgets.Button:
+def button(name: str, callback: Callable[[], None], kind: str = "default") -> pn.widgets.Button:
     """Offer an action."""
     widget = pn.widgets.Button(name=name, button_type=kind, sizing_mode="stretch_width")
-    widget.on_click(lambda _event: pressed())
+    widget.on_click(lambda _event: callback())
     return widget
 
 

@@ -77,9 +77,9 @@ class DeskFolder:
     def within(self, name: str) -> Path:
         """Return the path of a file or folder that the user names, which must lie in the desk's folder."""
         path = Path(name.strip())
-        inside = Path(os.path.relpath(path, self.path)) if path.is_absolute() else path
+        relative = Path(os.path.relpath(path, self.path)) if path.is_absolute() else path
         try:
-            return resolve_within(self.path, str(inside), where="")
+            return resolve_within(self.path, str(relative), where="")
         except InputError:
             raise InputError(
                 f"The desk reads only in its folder, {self.path}",
@@ -127,8 +127,8 @@ def unpack_archive(archive: Path) -> Path:
     """
     rule, remedy = "A campaign must be a zip of its folder", "Pack the folder with campaign.toml again"
     folder = archive.parent / "unpacked"
-    with decoding(rule, remedy=remedy, where=archive.name), zipfile.ZipFile(archive) as packed:
-        entries = [entry for entry in packed.infolist() if not entry.is_dir()]
+    with decoding(rule, remedy=remedy, where=archive.name), zipfile.ZipFile(archive) as contents:
+        entries = [entry for entry in contents.infolist() if not entry.is_dir()]
         size = sum(entry.file_size for entry in entries)
         if len(entries) > _MOST_FILES or size > LIMITS["test"].bytes:
             raise InputError(
@@ -150,7 +150,7 @@ def unpack_archive(archive: Path) -> Path:
         for entry in entries:
             path = folder / entry.filename
             path.parent.mkdir(parents=True, exist_ok=True)
-            with packed.open(entry) as source, written_whole(path) as file, file.open("wb") as target:
+            with contents.open(entry) as source, written_whole(path) as file, file.open("wb") as target:
                 shutil.copyfileobj(source, target)  # a link becomes a plain file
     descriptions = sorted(folder.rglob("campaign.toml"), key=lambda path: len(path.parts))
     return descriptions[0].parent if descriptions else folder

@@ -22,7 +22,7 @@ class Desk:
 
     folder: DeskFolder
     jobs: Jobs
-    in_options: Callable[[str], str]  # Writes the arguments that a message names as options
+    write_as_options: Callable[[str], str]  # Writes the arguments that a message names as options
 
 
 class Page:
@@ -60,14 +60,14 @@ class Page:
                 self._seen[kind] = state
                 self.show(kind, job)
         waiting = [job for job in self.memory.jobs.values() if not job.is_over]
-        refused = [job for job in self.memory.jobs.values() if job.refusal]
-        text = progress_html(waiting[0]) if waiting else "".join(map(self._refusal, refused))
+        refusals = [job for job in self.memory.jobs.values() if job.refusal]
+        text = progress_html(waiting[0]) if waiting else "".join(map(self._refusal, refusals))
         if self.status.object != text:
             self.status.object = text
         self.stop.visible = bool(waiting)
 
     def _refusal(self, job: Job) -> str:
-        return refusal(self.desk.in_options(job.refusal))
+        return refusal(self.desk.write_as_options(job.refusal))
 
     def start(self, kind: str, work: Callable[..., Any], **arguments: Any) -> None:  # noqa: ANN401
         """Start work; earlier work of the same kind is given up."""

@@ -17,8 +17,8 @@ def select_filled(values: Mapping[str, Any], names: Iterable[str]) -> dict[str, 
     >>> select_filled({"f": " 1±0.01 ", "xi": "", "threshold": "0,05"}, ("f", "xi", "threshold"))
     {'f': '1±0.01', 'threshold': 0.05}
     """
-    given = {name: values.get(name) for name in names}
-    texts = {name: value.strip() if isinstance(value, str) else value for name, value in given.items()}
+    entries = {name: values.get(name) for name in names}
+    texts = {name: value.strip() if isinstance(value, str) else value for name, value in entries.items()}
     return {
         name: number(value, name) if name in _NUMBERS else value
         for name, value in texts.items()

@@ -87,7 +87,7 @@ def serve_desk(
     jobs = Jobs(str(place.work))
     try:
         token, port = new_token(), port or _free_port()
-        server = _server(Desk(folder=place, jobs=jobs, in_options=name_options), token, port)
+        server = _server(Desk(folder=place, jobs=jobs, write_as_options=name_options), token, port)
         address = f"http://{ADDRESS}:{port}/{token}/"
         server.start()
         say(address)

@@ -82,9 +82,9 @@ class VerdictView:
                 f"<li>{mark.begin:.2f} to {mark.end:.2f} s: {escape(mark.finding)}</li>"
                 for mark in judgement.marks
             )
-            shaded = f"<p>Shaded in red:</p><ul>{places}</ul>" if places else ""
+            shading_text = f"<p>Shaded in red:</p><ul>{places}</ul>" if places else ""
             parts += [
-                html(f"<h2>The error over the test</h2>{shaded}"),
+                html(f"<h2>The error over the test</h2>{shading_text}"),
                 draw_error(judgement.histories, judgement.bound, judgement.marks),
             ]
         parts += self._contributions(content)
@@ -95,10 +95,10 @@ class VerdictView:
         self._files.clear()
         self.column[:] = [*parts, self._details]
 
-    def file(self, filed: Filed) -> None:
+    def file(self, files: Filed) -> None:
         """Show the report, and offer the files."""
-        self._details.object = f"<details><summary>The whole report</summary>{filed.html}</details>"
-        self._files[:] = [downloads(filed.files)]
+        self._details.object = f"<details><summary>The whole report</summary>{files.html}</details>"
+        self._files[:] = [downloads(files.files)]
 
     def _contributions(self, content: Mapping[str, Any]) -> list[Any]:
         budget = content.get("budget", [])

@@ -33,9 +33,8 @@ from reliab.report.kinds.comparison import comparison_report
 from reliab.report.pdf import write_pdf
 
 if TYPE_CHECKING:
-    from reliab.assessment.frame_assessment import FrameAssessment
+    from reliab.assessment.assess import AnyAssessment
 
-    AnyAssessment = Assessment | FrameAssessment | CoupledAssessment
 
 _POINTS: Final = 2000  # pairs of least and greatest value in which a history is drawn
 
@@ -65,15 +64,17 @@ class Look:
 
 def look_at(path: str, **arguments: Any) -> Look:  # noqa: ANN401 - those of `reliab.record`
     """Recognise the channels of a test; a file whose channels cannot be told still lists its columns."""
-    by_name = {columns.test: tuple(columns.series) for columns in read_tests(path)}
-    several = len(by_name) > 1
-    first = next(iter(by_name))
-    name = arguments.get("test_name") or (first if several else None)
-    listed = Look(columns=by_name.get(name or first, ()), tests=tuple(by_name) if several else ())
+    columns_by_name = {columns.test: tuple(columns.series) for columns in read_tests(path)}
+    has_several = len(columns_by_name) > 1
+    first = next(iter(columns_by_name))
+    name = arguments.get("test_name") or (first if has_several else None)
+    look = Look(
+        columns=columns_by_name.get(name or first, ()), tests=tuple(columns_by_name) if has_several else ()
+    )
     try:
         record = api_record(path, **{**arguments, "test_name": name})
     except InputError as error:
-        return replace(listed, refusal=str(error))
+        return replace(look, refusal=str(error))
     histories, content = record.histories, record.to_dict()
     traces = tuple(
         _trace(key, _UNITS.get(str(channel.part), ""), histories.values[key], histories.time_step)
@@ -81,7 +82,7 @@ def look_at(path: str, **arguments: Any) -> Look:  # noqa: ANN401 - those of `re
         if key in histories.values
     )
     return replace(
-        listed,
+        look,
         channels=content["recording"]["channels"],
         traces=traces,
         rate=content["rate_hz"],
@@ -108,9 +109,9 @@ def thin_histories(time: Array, *values: Array) -> tuple[Array, ...]:
     if time.size <= 2 * _POINTS:
         return (time, *values)
     length = -(-time.size // _POINTS)
-    padded = np.pad(values[0], (0, -values[0].size % length), mode="edge").reshape(-1, length)
-    begins = length * np.arange(padded.shape[0])
-    places = np.unique(np.concatenate([begins + padded.argmin(axis=1), begins + padded.argmax(axis=1)]))
+    complete = np.pad(values[0], (0, -values[0].size % length), mode="edge").reshape(-1, length)
+    begins = length * np.arange(complete.shape[0])
+    places = np.unique(np.concatenate([begins + complete.argmin(axis=1), begins + complete.argmax(axis=1)]))
     places = places[places < time.size]
     return (time[places], *(history[places] for history in values))
 
@@ -185,8 +186,8 @@ def _marks(assessment: "AnyAssessment") -> Iterator[Mark]:
     step = assessment.recording.time_step
     for effect in assessment.faults:
         fault = effect.fault
-        for added in (fault.in_measured, fault.in_command):
-            places = np.flatnonzero(added) if added is not None else np.zeros(0, dtype=int)
+        for offset in (fault.in_measured, fault.in_command):
+            places = np.flatnonzero(offset) if offset is not None else np.zeros(0, dtype=int)
             if 0 < places.size < assessment.recording.command.size // 2:
                 yield Mark(begin=step * places[0], end=step * (places[-1] + 1), finding=fault.finding)
 
@@ -232,8 +233,8 @@ def compare(tests: Sequence[str], folder: str, arguments: Mapping[str, Any]) -> 
     """Rank tests of one folder by their errors; they are called by their names."""
     place = Path(folder)
     with chdir(Path(tests[0]).parent), show_task("Judging the tests") as progress:
-        judged = assess([Path(test).name for test in tests], **arguments, progress=progress)
-    comparison = compare_assessments(judged)
+        assessments = assess([Path(test).name for test in tests], **arguments, progress=progress)
+    comparison = compare_assessments(assessments)
     write_tests(comparison, place / "ranking.csv")
     write_json_file(comparison.to_dict(), place / "ranking.json")
     document = comparison_report(comparison)
@@ -258,8 +259,8 @@ def show_rig(rig: str, folder: str, arguments: Mapping[str, Any]) -> Filed:
 def points_of_rig(rig: str) -> list[tuple[str, float, float]]:
     """List the tests of a rig with A [-] and d [ms]; those without are left out."""
     rows = list_rig(rig).to_dict()["tests"]
-    tracked = (row for row in rows if None not in (row.get("A"), row.get("d_ms")))
-    return [(str(row["name"]), float(row["A"]), float(row["d_ms"])) for row in tracked]
+    points = (row for row in rows if None not in (row.get("A"), row.get("d_ms")))
+    return [(str(row["name"]), float(row["A"]), float(row["d_ms"])) for row in points]
 
 
 def diagnose(campaign: str, folder: str, tell: Tell) -> Filed:

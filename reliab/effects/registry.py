@@ -80,7 +80,7 @@ _LIBRARY: Registry[type[Effect]] = Registry(
     noun="effect",
     base=Effect,
     group=ENTRY_POINT_GROUP,
-    shipped=_SHIPPED,
+    items=_SHIPPED,
     name_of=lambda effect: str(effect.name),
 )
 

@@ -62,10 +62,13 @@ def sort_by_length(windows: Mapping[str, xr.Dataset]) -> dict[str, xr.Dataset]:
     Those of whole records are carried to each length to which the records can be cut; where nothing is known
     of that, the windows of the first seconds stand for lengths.
     """
-    whole = windows.get(_RECORD)
-    if whole is not None and "length" in whole.coords:
-        cuts = (float(length) for length in whole["length"])
-        return {_RECORD: whole, **{f"{length:g}": carry_to_length(whole, length) for length in cuts}}
+    full_record = windows.get(_RECORD)
+    if full_record is not None and "length" in full_record.coords:
+        cuts = (float(length) for length in full_record["length"])
+        return {
+            _RECORD: full_record,
+            **{f"{length:g}": carry_to_length(full_record, length) for length in cuts},
+        }
     return {label: table for label, table in windows.items() if label != _ARIAS} or dict(windows)
 
 
@@ -83,11 +86,11 @@ def write_page(
         file.write_text(content, encoding="utf-8", newline="\n")
 
 
-def render(packed: Mapping[str, Any], settings: Settings, *, source: str) -> str:
+def render(content: Mapping[str, Any], settings: Settings, *, source: str) -> str:
     """Write packed ellipses, scripts and style into the template."""
     data = {
-        "ellipses": dict(packed),
-        "settings": _opening(packed, settings),
+        "ellipses": dict(content),
+        "settings": _opening(content, settings),
         "provenance": f"Written by reliab {__version__} from {source}.",
     }
     script, style = bundle_script(), (_FOLDER / "style.css").read_text(encoding="utf-8")
@@ -114,8 +117,8 @@ def bundle_script() -> str:
 
 
 def _as_function(name: str, text: str) -> str:
-    exported = ", ".join(_EXPORT.findall(text))
-    return f"const module_{name} = (() => {{\n{_body(text)}return {{ {exported} }};\n}})();\n"
+    names = ", ".join(_EXPORT.findall(text))
+    return f"const module_{name} = (() => {{\n{_body(text)}return {{ {names} }};\n}})();\n"
 
 
 def _body(text: str) -> str:
@@ -171,8 +174,8 @@ def pack(ellipses: Mapping[str, xr.Dataset]) -> dict[str, Any]:
     powers of two: sixteen bits above an offset hold it exactly. Zero stands for a motion without an ellipse.
     Other ellipses are rounded to the same digits, 2.4e-4 relative.
     """
-    protected = [protect_over_lengths(dataset) for dataset in ellipses.values()]
-    tables = [_select_inscribed_ellipses(dataset) for dataset in protected]
+    protected_ellipses = [protect_over_lengths(dataset) for dataset in ellipses.values()]
+    tables = [_select_inscribed_ellipses(dataset) for dataset in protected_ellipses]
     first = tables[0]
     bits = [
         np.stack([_bits(table[name].values.astype(np.float64)) for table in tables]) for name in ("a", "b")
@@ -228,12 +231,12 @@ def _meaningless(ellipses: xr.Dataset) -> list[list[list[float]]] | None:
     n_known = np.maximum(np.isfinite(errors).sum(axis=0), 1)
     place = np.floor(MOST_AT_REST * n_known).astype(int)
     least = np.take_along_axis(errors, place[np.newaxis], axis=0)[0]
-    listed: list[list[list[float]]] = np.nan_to_num(least, nan=_NEVER, posinf=_NEVER).tolist()
-    return listed
+    table: list[list[list[float]]] = np.nan_to_num(least, nan=_NEVER, posinf=_NEVER).tolist()
+    return table
 
 
 def _bits(values: NDArray[np.float64]) -> NDArray[np.int64]:
     """Sign, exponent and eleven bits of mantissa as a float32; zero where there is no ellipse."""
-    rounded = np.ascontiguousarray(values, dtype=np.float32).view(np.uint32).astype(np.int64)
-    rounded = (rounded + (1 << (_DROPPED_BITS - 1))) >> _DROPPED_BITS
-    return np.where(is_ellipse(values, values), rounded, 0)
+    patterns = np.ascontiguousarray(values, dtype=np.float32).view(np.uint32).astype(np.int64)
+    patterns = (patterns + (1 << (_DROPPED_BITS - 1))) >> _DROPPED_BITS
+    return np.where(is_ellipse(values, values), patterns, 0)

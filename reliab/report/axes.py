@@ -49,8 +49,8 @@ def plain(text: str, *, longest: int = 60) -> str:
     >>> print(plain("A name that is long", longest=6))
     A nam…
     """
-    drawn = "".join(_substitute_glyph(character) for character in " ".join(text.split()))
-    short = drawn if len(drawn) <= longest else f"{drawn[: longest - 1]}…"
+    text_drawn = "".join(_substitute_glyph(character) for character in " ".join(text.split()))
+    short = text_drawn if len(text_drawn) <= longest else f"{text_drawn[: longest - 1]}…"
     return short.replace("$", r"\$")
 
 
@@ -75,9 +75,9 @@ def name_axes(axes: Axes, x: str, y: str) -> None:
 def legend_below(figure: Figure, *axes: Axes, columns: int = 4) -> None:
     """Put one legend for all axes below them, where it can cover nothing; each name stands once."""
     entries = [entry for place in axes for entry in zip(*place.get_legend_handles_labels(), strict=True)]
-    named = {name: handle for handle, name in reversed(entries)}
+    handles_by_name = {name: handle for handle, name in reversed(entries)}
     names = list(dict.fromkeys(name for _, name in entries))
-    handles = [named[name] for name in names]
+    handles = [handles_by_name[name] for name in names]
     figure.legend(handles, names, loc="outside lower center", ncols=min(columns, len(names)))
 
 
@@ -116,13 +116,13 @@ def round_numbers(low: float, high: float, largest_count: int) -> NDArray[np.flo
     ([1.0, 2.0, 5.0, 10.0, 20.0], [3e-05, 4e-05, 5e-05, 6e-05, 7e-05])
     """
     decades = np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1.0)
-    inside = np.empty(0)
+    ticks = np.empty(0)
     for steps in _STEPS:
         candidates = (10.0 ** decades[:, None] * np.asarray(steps)).ravel()
-        inside = candidates[(candidates >= low) & (candidates <= high)]
-        if inside.size <= largest_count:
+        ticks = candidates[(candidates >= low) & (candidates <= high)]
+        if ticks.size <= largest_count:
             break
-    return np.asarray(inside[:: -(-inside.size // largest_count) if inside.size else 1])
+    return np.asarray(ticks[:: -(-ticks.size // largest_count) if ticks.size else 1])
 
 
 def _write_tick(value: float, _: int | None = None) -> str:

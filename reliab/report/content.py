@@ -52,9 +52,9 @@ class _Writer:
 
     def __init__(self, document: Document) -> None:
         self._document = document
-        referred = document.list_references()
-        cited = [source for source in document.sources if source.label in referred]
-        self._sources: list[Source] = sorted(cited, key=lambda source: referred.index(source.label))
+        references = document.list_references()
+        cited_sources = [source for source in document.sources if source.label in references]
+        self._sources: list[Source] = sorted(cited_sources, key=lambda source: references.index(source.label))
         self._numbers = {source.label: k for k, source in enumerate(self._sources, start=1)}
         self._figures: dict[str, bytes] = {}
 
@@ -75,8 +75,8 @@ class _Writer:
         }
         text = json.dumps(content, ensure_ascii=False)
         terms = [[self._prose(term.name), self._prose(term.meaning)] for term in glossary_of(text)]
-        whole = json.dumps({**content, "glossary": terms}, ensure_ascii=False)
-        return {CONTENT_FILE: whole.encode(), **self._figures}
+        content_text = json.dumps({**content, "glossary": terms}, ensure_ascii=False)
+        return {CONTENT_FILE: content_text.encode(), **self._figures}
 
     def _prose(self, text: Prose) -> list[dict[str, Any]]:
         return [self._piece(piece) for piece in ((text,) if isinstance(text, str) else text)]
@@ -177,8 +177,8 @@ def _is_appended(block: Block) -> bool:
 def _cell(cell: str | tuple[WrittenNumber, str]) -> dict[str, Any]:
     if isinstance(cell, str):
         return {"text": literal(cell)}
-    written, lacks = cell
-    return {"digits": written.digits, "exponent": written.exponent, "lacks": lacks}
+    text, lacks = cell
+    return {"digits": text.digits, "exponent": text.exponent, "lacks": lacks}
 
 
 CONTENT_RULE: Final = "A report is set from its content as `reliab run` wrote it"
@@ -194,9 +194,9 @@ def save_content(document: Document, folder: Path) -> None:
 
     `folder`: folder for its content and figures, replaced if it is there.
     """
-    with folder_written_whole(folder) as unfinished:
+    with folder_written_whole(folder) as temporary:
         for name, content in files_of(document).items():
-            (unfinished / name).write_bytes(content)
+            (temporary / name).write_bytes(content)
         shutil.rmtree(folder, ignore_errors=True)
 
 
@@ -215,8 +215,8 @@ def read_content(folder: Path) -> dict[str, bytes]:
                 require_formula(piece[key])
         figures = {piece["file"] for piece in parts if piece.get("kind") == "figure"}
         # What was checked is what the template reads, not the bytes that it was decoded from.
-        checked = json.dumps(content, ensure_ascii=False, allow_nan=False).encode()
-        return {CONTENT_FILE: checked} | {name: _figure(folder, name) for name in sorted(figures)}
+        encoded = json.dumps(content, ensure_ascii=False, allow_nan=False).encode()
+        return {CONTENT_FILE: encoded} | {name: _figure(folder, name) for name in sorted(figures)}
 
 
 def _parts(content: object) -> Iterator[dict[str, Any]]:

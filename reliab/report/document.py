@@ -82,8 +82,8 @@ def text_table(
     """Tabulate texts; a mapping says which headings stand "left" and which "right" on a terminal."""
     sides = headings if isinstance(headings, Mapping) else dict.fromkeys(headings, "left")
     names = list(headings)
-    of_rows = list(rows)
-    frame = {str(place): [row[place] for row in of_rows] for place in range(len(names))}
+    row_list = list(rows)
+    frame = {str(place): [row[place] for row in row_list] for place in range(len(names))}
     columns = tuple(
         Column(key=str(place), heading=name, wide=place == 0, right=sides[name] == "right")
         for place, name in enumerate(names)

@@ -73,11 +73,11 @@ class Significant(Number):
     factor: float = 1.0  # What the value is multiplied with first
 
     def _write(self, value: float) -> WrittenNumber:
-        scaled = self.factor * value
-        exponent = int(f"{scaled:.{self.digits - 1}e}".partition("e")[2])
+        size = self.factor * value
+        exponent = int(f"{size:.{self.digits - 1}e}".partition("e")[2])
         if not _LEAST_EXPONENT <= exponent <= _GREATEST_EXPONENT:
-            return Scientific(decimals=self.digits - 1)(scaled)
-        return Fixed(decimals=max(self.digits - 1 - exponent, 0))(scaled)
+            return Scientific(decimals=self.digits - 1)(size)
+        return Fixed(decimals=max(self.digits - 1 - exponent, 0))(size)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -130,11 +130,11 @@ def cells(values: Sequence[Any], number: Number | None) -> list[str | tuple[Writ
     """
     if number is None:
         return [_write_word(value) for value in values]
-    written = [number(float("nan") if value is None else float(value)) for value in values]
-    largest_count = max((one.decimals for one in written), default=0)
+    numbers = [number(float("nan") if value is None else float(value)) for value in values]
+    largest_count = max((item.decimals for item in numbers), default=0)
     return [
-        (one, ("." if largest_count and not one.decimals else "") + "0" * (largest_count - one.decimals))
-        for one in written
+        (item, ("." if largest_count and not item.decimals else "") + "0" * (largest_count - item.decimals))
+        for item in numbers
     ]
 
 
@@ -146,15 +146,15 @@ def _write_word(value: object) -> str:
     return MISSING if missing else str(value)
 
 
-def write_in_line(written: WrittenNumber) -> str:
+def write_in_line(number: WrittenNumber) -> str:
     """Write a number within a text, its power of ten by raised digits.
 
     >>> write_in_line(Significant()(5.29e-5)), write_in_line(Significant()(1.048))
     ('5.29·10⁻⁵', '1.05')
     """
-    if written.exponent is None:
-        return written.digits
-    return f"{written.digits}·10{str(written.exponent).translate(_RAISED)}"
+    if number.exponent is None:
+        return number.digits
+    return f"{number.digits}·10{str(number.exponent).translate(_SUPERSCRIPTS)}"
 
 
-_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")

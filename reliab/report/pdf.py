@@ -19,8 +19,8 @@ from reliab.report.setting import Setting
 from reliab.version import __version__
 
 _TEMPLATES: Final = files("reliab.report") / "templates"
-_MARKED: Final = b"/MarkInfo<</Marked true/Suspects false>>"
-_WITHOUT_DEFAULT: Final = _MARKED.replace(b"/Suspects false", b" " * len(b"/Suspects false"))
+_MARK_INFO: Final = b"/MarkInfo<</Marked true/Suspects false>>"
+_BLANKED_MARK_INFO: Final = _MARK_INFO.replace(b"/Suspects false", b" " * len(b"/Suspects false"))
 """What typst writes of a tagged file, and the same without a default that Poppler calls a syntax error; the
 length stays, so that every offset in the file holds."""
 
@@ -62,7 +62,7 @@ def _set(content: Mapping[str, bytes], setting: Setting, date: dt.date) -> bytes
         sys_inputs={"date": date.isoformat(), "version": __version__, **setting.inputs()},
         timestamp=dt.datetime.combine(date, dt.time(), tzinfo=dt.UTC),
     )
-    return bytes(pdf).replace(_MARKED, _WITHOUT_DEFAULT)
+    return bytes(pdf).replace(_MARK_INFO, _BLANKED_MARK_INFO)
 
 
 def _require_sound_logo(setting: Setting) -> None:

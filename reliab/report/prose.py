@@ -36,11 +36,11 @@ _GREEK: Final = (
     "alpha beta gamma delta epsilon zeta eta theta kappa lambda mu nu xi pi rho sigma tau phi chi psi omega "
     "Gamma Delta Theta Lambda Xi Pi Sigma Phi Psi Omega"
 )
-_OTHERS: Final = (
+_MORE_SYMBOLS: Final = (
     "abs approx arg bold cos dif dot dot.double exp frac hat in infinity integral lr ln log max min norm "
     "overline plus.minus prod quad sin sqrt sum tan tilde times upright"
 )
-_KNOWN: Final = frozenset(f"{_GREEK} {_OTHERS}".split())
+_SINGLE_CHARACTERS: Final = frozenset(f"{_GREEK} {_MORE_SYMBOLS}".split())
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -232,7 +232,7 @@ def require_formula(source: str) -> None:
     ValueError: A formula is built of numbers, letters, signs and known words, not of 'std.read'.
     """
     words = [word for word in _WORD.findall(source) if not word.startswith('"')]
-    unknown = [word for word in words if word not in _KNOWN]
+    unknown = [word for word in words if word not in _SINGLE_CHARACTERS]
     if unknown or not _SIGNS.fullmatch(source):
         first = unknown[0] if unknown else source
         message = f"A formula is built of numbers, letters, signs and known words, not of {first!r}."

@@ -18,7 +18,7 @@ def provenance_of(
     if criterion is None:
         return {"packages": _line(read_versions()), **lines}
     settings = _line(criterion.settings)
-    derived = {
+    derivations = {
         "source": criterion.source,
         "motions, earthquakes": f"{criterion.n_motions}, {criterion.n_events}",
         "records, SHA-256": criterion.records_checksum,
@@ -26,7 +26,7 @@ def provenance_of(
         "settings of the method": settings,
         "packages": _line(criterion.packages),
     }
-    return {**lines, **{name: text for name, text in derived.items() if text and name not in lines}}
+    return {**lines, **{name: text for name, text in derivations.items() if text and name not in lines}}
 
 
 def _line(value: object) -> str:

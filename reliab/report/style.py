@@ -80,7 +80,7 @@ RC: Final[dict[Any, Any]] = {
 }
 """What differs from matplotlib's defaults."""
 
-_UNDATED: Final[dict[str, dict[str, Any]]] = {
+_METADATA: Final[dict[str, dict[str, Any]]] = {
     ".svg": {"Date": None, "Creator": None},
     ".pdf": {"CreationDate": None},
     ".png": {},
@@ -176,12 +176,12 @@ def picture(figure: Figure, ending: str) -> bytes:
 
     `ending`: ending of its file: ".svg", ".pdf" or ".png".
     """
-    if ending not in _UNDATED:
+    if ending not in _METADATA:
         message = f"no picture ends in {ending!r}"
         raise ValueError(message)
     target = io.BytesIO()
     with mpl.rc_context({**mpl.rcParamsDefault, **RC}):
-        figure.savefig(target, format=ending.removeprefix("."), metadata=_UNDATED[ending])
+        figure.savefig(target, format=ending.removeprefix("."), metadata=_METADATA[ending])
     return target.getvalue()
 
 

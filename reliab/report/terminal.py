@@ -22,9 +22,9 @@ def print_document(document: Document, console: Console) -> None:
         if text:
             console.print(f"{name}: {words_of(text)}", highlight=False)
     print_blocks(document.blocks, console)
-    referred = document.list_references()
+    references = document.list_references()
     for source in document.sources:
-        if source.label in referred:
+        if source.label in references:
             console.print(f"[{source.label}] {source.text}", highlight=False)
 
 
@@ -51,7 +51,7 @@ def print_blocks(blocks: Iterable[Block], console: Console) -> None:
 
 def rich_table(table: Table) -> RichTable:
     """Make the table that Rich prints; texts are folded where the terminal is narrow, numbers never."""
-    shown = RichTable(box=box.SIMPLE, padding=(0, 1, 0, 0))
+    table_shown = RichTable(box=box.SIMPLE, padding=(0, 1, 0, 0))
     columns = []
     for column in table.columns:
         texts = [
@@ -59,12 +59,12 @@ def rich_table(table: Table) -> RichTable:
             for cell in cells(list(table.frame[column.key]), column.number)
         ]
         columns.append(texts)
-        stated = [text for text in texts if text not in _NO_NUMBER]
-        are_numbers = bool(stated) and all(map(_NUMBER.fullmatch, stated))
+        numbers = [text for text in texts if text not in _NO_NUMBER]
+        are_numbers = bool(numbers) and all(map(_NUMBER.fullmatch, numbers))
         right = column.right or column.number is not None or are_numbers
         heading = ", ".join(filter(None, map(words_of, (column.group, column.heading))))
         heading += f" [{column.unit}]" if column.unit else ""
-        shown.add_column(heading, justify="right" if right else "left", no_wrap=right, overflow="fold")
+        table_shown.add_column(heading, justify="right" if right else "left", no_wrap=right, overflow="fold")
     for row in zip(*columns, strict=True):
-        shown.add_row(*row)
-    return shown
+        table_shown.add_row(*row)
+    return table_shown

@@ -70,7 +70,7 @@ def values(numbers: Sequence[float], unit: str = "") -> str:
     ('0.02', '0.5 and 1 Hz', '0.25 to 1.25 Hz (5 values)')
     """
     words, ending = [f"{number:g}" for number in numbers], f" {unit}" if unit else ""
-    if len(words) > _FEW:
+    if len(words) > _MOST_LISTED:
         return f"{words[0]} to {words[-1]}{ending} ({len(words)} values)"
     return f"{join_words(words)}{ending}"
 
@@ -99,10 +99,10 @@ def law_in_words(name: str) -> str:
     >>> law_in_words("guo_2017_18_corrected"), law_in_words("dirichlet")
     ('equation (18) corrected', 'dirichlet')
     """
-    published = re.fullmatch(r"guo_2017_(\d+)(_corrected)?", name)
-    if published is None:
+    match = re.fullmatch(r"guo_2017_(\d+)(_corrected)?", name)
+    if match is None:
         return name
-    return f"equation ({published[1]}){' corrected' if published[2] else ''}"
+    return f"equation ({match[1]}){' corrected' if match[2] else ''}"
 
 
 def error_below(metric: str, threshold: float) -> tuple[Piece, ...]:
@@ -130,6 +130,6 @@ def ellipse(a: float, b: float) -> Math:
     return Math(source=f"(A - 1)^2 \\/ lr(({number(a)})) + d^2 \\/ {number(b)} <= 1")
 
 
-_FEW = 4
+_MOST_LISTED = 4
 _RARE = 1e-3
 _SMALLEST, _GREATEST = -2, 3

@@ -11,7 +11,7 @@ import xarray as xr
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.files import refuse_unwritable, require_ending
-from reliab.core.physical_range import OF_DIMENSIONS, RANGES, PhysicalRange
+from reliab.core.physical_range import QUANTITIES_BY_DIMENSION, RANGES, PhysicalRange
 from reliab.core.vocabulary import (
     ELLIPSE_DIMENSIONS,
     SHARE_ATTRIBUTE,
@@ -250,7 +250,7 @@ def _check_schema(dataset: xr.Dataset, path: str | Path) -> None:
     ]
     for name in (*ELLIPSE_DIMENSIONS, *extra_dimensions):
         index = dataset.indexes.get(name, pd.Index([]))
-        limits = RANGES.get(OF_DIMENSIONS.get(name, ""))
+        limits = RANGES.get(QUANTITIES_BY_DIMENSION.get(name, ""))
         sound = _are_texts(index) if limits is None else _are_in_range(index, limits)
         if index.empty or not index.is_unique or not sound:
             faults.append(f"no sound values along {name}")

@@ -22,7 +22,7 @@ QUESTIONS = [
     for item in vars(module).values()
     if isinstance(item, type) and item.__module__ == module.__name__
 ]
-BEHIND_COMMANDS = {item.__name__: item for item in (derive_criteria, simulate_suite, trace_boundaries)}
+COMMAND_FUNCTIONS = {item.__name__: item for item in (derive_criteria, simulate_suite, trace_boundaries)}
 FUNCTIONS = {
     "assess": questions.StatedOfTest,
     "design_test": questions.Design,
@@ -40,13 +40,13 @@ FUNCTIONS = {
 }
 
 
-class Asked(TypedDict, total=False):
+class ExampleQuestion(TypedDict, total=False):
     load: Annotated[Quantity | None, Panel("Method").option("KG", "Load [kg], beside `f`.")]
-    steps: Annotated[int, Panel("Method").further("N", "Number of steps.", default=3)]
+    steps: Annotated[int, Panel("Method").advanced("N", "Number of steps.", default=3)]
 
 
-@asks(Asked)
-def answer(name, *, late=0, **asked):
+@asks(ExampleQuestion)
+def answer(name, *, late=0, **question):
     """Answer.
 
     Parameters
@@ -59,7 +59,7 @@ def answer(name, *, late=0, **asked):
     tuple
         What was asked.
     """
-    return name, late, asked
+    return name, late, question
 
 
 def test_a_function_is_called_with_every_argument_and_numbers_without_their_unit():
@@ -67,7 +67,7 @@ def test_a_function_is_called_with_every_argument_and_numbers_without_their_unit
     assert answer("a", load="2 kg ± 0.1 kg", late=1) == ("a", 1, {"load": "2 ± 0.1", "steps": 3})
 
 
-def test_an_unknown_argument_is_an_error_in_which_it_is_named():
+def test_an_unknown_argument_is_named_in_its_error():
     with pytest.raises(TypeError, match=r"answer\(\) has no argument lod"):
         answer("a", lod=2)
 
@@ -86,7 +86,7 @@ def test_a_file_of_another_kind_is_refused_in_python_too(ask):
         ask()
 
 
-def test_signature_and_docstring_name_what_is_declared():
+def test_signature_and_docstring_follow_the_declaration():
     assert list(inspect.signature(answer).parameters) == ["name", "late", "load", "steps"]
     assert inspect.signature(answer).parameters["steps"].default == 3
     assert (
@@ -98,10 +98,10 @@ def test_signature_and_docstring_name_what_is_declared():
 
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_a_public_function_documents_each_of_its_arguments_once(name):
-    function = BEHIND_COMMANDS.get(name) or getattr(reliab, name)
-    declared = collect_options(FUNCTIONS[name])
-    assert set(declared) <= set(inspect.signature(function).parameters)
-    for argument, (_, option) in declared.items():
+    function = COMMAND_FUNCTIONS.get(name) or getattr(reliab, name)
+    options_declared = collect_options(FUNCTIONS[name])
+    assert set(options_declared) <= set(inspect.signature(function).parameters)
+    for argument, (_, option) in options_declared.items():
         assert function.__doc__.count(f"\n{argument} : ") == 1
         assert option.help in function.__doc__
 
@@ -115,12 +115,12 @@ def test_a_name_has_one_flag_and_a_known_panel_and_unit(question):
         assert option.metavar or option.default is False or option.names, name
 
 
-def test_a_command_takes_an_option_that_is_declared():
+def test_a_command_takes_a_declared_option():
     answers = []
 
-    @takes(Asked)
-    def command(asked):
-        answers.append((asked.steps, asked.ask(answer, "json_target", name="b")))
+    @takes(ExampleQuestion)
+    def command(question):
+        answers.append((question.steps, question.ask(answer, name="b")))
 
     app = typer.Typer()
     app.command()(command)
@@ -128,7 +128,7 @@ def test_a_command_takes_an_option_that_is_declared():
     assert answers == [(4, ("b", 0, {"load": "2", "steps": 4}))]
 
 
-ALIKE = (
+EQUIVALENT = (
     ("design --frequency 1.5Hz 2Hz --damping 0.02", "design --f 1.5 2 --xi 0.02"),
     (
         "assess sample_test --f 1.0Hz±0.01Hz --xi 0.02",
@@ -138,7 +138,7 @@ ALIKE = (
 )
 
 
-@pytest.mark.parametrize(("one", "other"), ALIKE)
+@pytest.mark.parametrize(("one", "other"), EQUIVALENT)
 def test_two_ways_of_writing_a_question_have_one_answer(one, other, capsys):
     answers = []
     for command in (one, other):
@@ -149,19 +149,19 @@ def test_two_ways_of_writing_a_question_have_one_answer(one, other, capsys):
 
 def test_a_file_after_a_number_with_its_unit_is_no_number():
     command = typer.main.get_command(application())
-    told = list(spread(["design", "--f", "1Hz", "2 Hz", "a.csv"], command))
-    assert told == ["design", "--f", "1Hz", "--f", "2 Hz", "a.csv"]
+    updates = list(spread(["design", "--f", "1Hz", "2 Hz", "a.csv"], command))
+    assert updates == ["design", "--f", "1Hz", "--f", "2 Hz", "a.csv"]
 
 
 def test_repeated_runs_are_extrapolated_as_the_same_test(tmp_path, monkeypatch, capsys):
-    asked = []
+    calls = []
     monkeypatch.setattr(
-        "reliab.app.cli.assess._verdicts", lambda _, files, *_uses: asked.append(files) or Runs()
+        "reliab.app.cli.assess._verdicts", lambda _, files, *_uses: calls.append(files) or Runs()
     )
     monkeypatch.chdir(tmp_path)
     assert run(["extrapolate", "a.csv", "b.csv", "--f", "1", "--check", "--json", "-"]) == 1
     assert json.loads(capsys.readouterr().out) == {"runs": 2}
-    assert [path.name for path in asked[0]] == ["a.csv", "b.csv"]
+    assert [path.name for path in calls[0]] == ["a.csv", "b.csv"]
 
 
 class Runs:

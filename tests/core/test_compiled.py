@@ -38,15 +38,15 @@ def test_kernels_need_no_folder_for_their_cache(tmp_path, source):
     (tmp_path / "kernel.py").write_text(source)
     (tmp_path / "__pycache__").touch()
     nowhere = {"HOME": "/dev/null", "XDG_CACHE_HOME": "/dev/null", "NUMBA_CACHE_DIR": ""}
-    done = subprocess.run(  # noqa: S603 - this very package
+    process = subprocess.run(  # noqa: S603 - this very package
         [sys.executable, "-B", str(tmp_path / "kernel.py")],
         env={**os.environ, **nowhere, "PYTHONPATH": str(Path(__file__).resolve().parents[2])},
         capture_output=True,
         text=True,
         check=False,
     )
-    assert done.stdout == "1.5\n", done.stderr
-    assert done.stderr.count("Compiled code cannot be kept") == 1
+    assert process.stdout == "1.5\n", process.stderr
+    assert process.stderr.count("Compiled code cannot be kept") == 1
 
 
 @pytest.mark.slow
@@ -108,11 +108,11 @@ def test_every_kept_kernel_is_read_without_the_compiler():
     """
     copy_rows(np.zeros((2, 2)), np.zeros((2, 2)))  # one at least; other tests compile the others
     for _ in range(2):  # what is called by its address is compiled when it is imported first
-        done = subprocess.run(  # noqa: S603 - this very package
+        process = subprocess.run(  # noqa: S603 - this very package
             [sys.executable, "-c", READ_ALL_THAT_IS_KEPT], capture_output=True, text=True, check=False
         )
-        assert done.returncode == 0, done.stderr
-    assert int(done.stdout.split()[-1]) >= 1, done.stdout
+        assert process.returncode == 0, process.stderr
+    assert int(process.stdout.split()[-1]) >= 1, process.stdout
 
 
 SUM = """
@@ -135,9 +135,9 @@ def test_compiled_code_of_another_version_is_forgotten(tmp_path):
     (tmp_path / "total.py").write_text(SUM)
     for module in ("before", "after"):
         (tmp_path / f"{module}.py").write_text(PAIR)
-        called = f"from total import total; from {module} import Pair; print(total(Pair(1.0, 2.0)))"
+        statement = f"from total import total; from {module} import Pair; print(total(Pair(1.0, 2.0)))"
         run = subprocess.run(  # noqa: S603 - this very package
-            [sys.executable, "-c", called], cwd=tmp_path, capture_output=True, text=True, check=False
+            [sys.executable, "-c", statement], cwd=tmp_path, capture_output=True, text=True, check=False
         )
         assert run.stdout == "3.0\n", run.stderr
         assert list((tmp_path / "__pycache__").glob("total.total*.nbi"))

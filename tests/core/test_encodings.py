@@ -21,9 +21,9 @@ RECORD = HEADER + "".join(f"{0.1 * k:.2f}\r\n" for k in range(9))
 TEST = "time_s,command_m,measured_m\r\n" + "".join(f"{k / 64},{k % 7},{k % 5}\r\n" for k in range(80))
 
 
-def written(text, encoding, place):
-    name, _, marked = encoding.partition(" ")
-    place.write_bytes((f"\ufeff{text}" if marked else text).encode(name))
+def encode_text(text, encoding, place):
+    name, _, mark = encoding.partition(" ")
+    place.write_bytes((f"\ufeff{text}" if mark else text).encode(name))
     return place
 
 
@@ -33,38 +33,41 @@ def encoding(request):
 
 
 def test_ground_motions(tmp_path, encoding):
-    (motion,) = load_motions(written(RECORD, encoding, tmp_path / "a.txt"))
+    (motion,) = load_motions(encode_text(RECORD, encoding, tmp_path / "a.txt"))
     np.testing.assert_allclose(motion.acceleration, 0.1 * np.arange(9))
     assert motion.event == "Köln"
 
 
 def test_catalogues(tmp_path, encoding):
-    written(RECORD, encoding, tmp_path / "a.txt")
-    written("motion,event,file\r\nä,Köln,a.txt\r\n", encoding, tmp_path / "catalog.csv")
+    encode_text(RECORD, encoding, tmp_path / "a.txt")
+    encode_text("motion,event,file\r\nä,Köln,a.txt\r\n", encoding, tmp_path / "catalog.csv")
     (motion,) = load_motions(tmp_path)
     assert (motion.name, motion.event) == ("ä", "Köln")
 
 
 def test_recordings(tmp_path, encoding):
-    columns = read_test(written(TEST, encoding, tmp_path / "a.csv"))
+    columns = read_test(encode_text(TEST, encoding, tmp_path / "a.csv"))
     assert list(columns.values) == ["time_s", "command_m", "measured_m"]
     np.testing.assert_array_equal(columns.values["measured_m"], np.arange(80) % 5)
 
 
 def test_tests_of_a_campaign(tmp_path, encoding):
     text = TEST.replace("command_m", "force_n")
-    channels, _ = read_channels(written(text, encoding, tmp_path / "a.csv"), 64.0, StatedChannels())
+    channels, _ = read_channels(encode_text(text, encoding, tmp_path / "a.csv"), 64.0, StatedChannels())
     np.testing.assert_array_equal(channels[Channel.MEASURED], np.arange(80) % 5)
 
 
 def test_tables_of_ellipses(tmp_path, encoding):
     text = "motion,a,b\r\nä/1,1e-4,20\r\nö/2,2e-4,30\r\n"
-    assert read_ellipses(written(text, encoding, tmp_path / "a.csv"))["event"].values.tolist() == ["ä", "ö"]
+    assert read_ellipses(encode_text(text, encoding, tmp_path / "a.csv"))["event"].values.tolist() == [
+        "ä",
+        "ö",
+    ]
 
 
 @pytest.mark.parametrize("size", [2, 3, 1000])
 def test_a_running_test_in_pieces(tmp_path, encoding, size):
-    content = written(TEST, encoding, tmp_path / "a.csv").read_bytes()
+    content = encode_text(TEST, encoding, tmp_path / "a.csv").read_bytes()
     pieces = [content[k : k + size] for k in range(0, len(content), size)]
     rows = rows_as_written(iter([*pieces, b"", *pieces]), name="a.csv", declarations={})
     measured = np.concatenate([row.measured for row in rows])

@@ -32,7 +32,7 @@ def test_files_and_missing_files_are_left_to_the_reader(tmp_path):
     assert ordinary(str(tmp_path)) == tmp_path
 
 
-def test_names_that_no_system_allows_are_an_error_of_the_system():
+def test_impossible_file_names_are_system_errors():
     with pytest.raises(OSError, match="null"):
         ordinary("a\0b")
 
@@ -56,23 +56,23 @@ def fail(error):
 def test_a_file_appears_when_it_is_complete(tmp_path):
     place = tmp_path / "a.txt"
     place.write_text("before")
-    with written_whole(place) as unfinished:
-        unfinished.write_text("after")
+    with written_whole(place) as temporary:
+        temporary.write_text("after")
         assert place.read_text() == "before"
     assert place.read_text() == "after"
     assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
 
 
-def test_a_writer_that_fails_leaves_the_file_before(tmp_path):
+def test_a_failed_writer_leaves_the_earlier_file(tmp_path):
     place = tmp_path / "a.txt"
     place.write_text("before")
-    with pytest.raises(RuntimeError), written_whole(place) as unfinished:
-        interrupted(unfinished)
+    with pytest.raises(RuntimeError), written_whole(place) as temporary:
+        interrupt(temporary)
     assert place.read_text() == "before"
     assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
 
 
-def interrupted(unfinished):
+def interrupt(unfinished):
     unfinished.write_text("half")
     raise RuntimeError
 
@@ -80,14 +80,14 @@ def interrupted(unfinished):
 def test_a_quota_leaves_the_file_before(tmp_path):
     place = tmp_path / "a.txt"
     place.write_text("before")
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    original = resource.getrlimit(resource.RLIMIT_FSIZE)
     handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     try:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (1000, before[1]))
-        with pytest.raises(OSError, match="too large"), written_whole(place) as unfinished:
-            unfinished.write_text("x" * 5000)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (1000, original[1]))
+        with pytest.raises(OSError, match="too large"), written_whole(place) as temporary:
+            temporary.write_text("x" * 5000)
     finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+        resource.setrlimit(resource.RLIMIT_FSIZE, original)
         signal.signal(signal.SIGXFSZ, handler)
     assert place.read_text() == "before"
 
@@ -95,26 +95,26 @@ def test_a_quota_leaves_the_file_before(tmp_path):
 def test_a_link_stays_a_link_and_its_file_is_replaced(tmp_path):
     (tmp_path / "data.txt").write_text("before")
     (tmp_path / "link.txt").symlink_to("data.txt")
-    with written_whole(tmp_path / "link.txt") as unfinished:
-        unfinished.write_text("after")
+    with written_whole(tmp_path / "link.txt") as temporary:
+        temporary.write_text("after")
     assert (tmp_path / "link.txt").is_symlink()
     assert (tmp_path / "data.txt").read_text() == "after"
 
 
 def test_a_device_is_written_to_as_it_is():
-    with written_whole("/dev/null") as unfinished:
-        assert str(unfinished) == "/dev/null"
-        unfinished.write_text("nothing")
+    with written_whole("/dev/null") as temporary:
+        assert str(temporary) == "/dev/null"
+        temporary.write_text("nothing")
 
 
-def test_the_ending_of_a_name_is_kept_for_those_who_choose_a_format_by_it(tmp_path):
-    with written_whole(tmp_path / "a.svg") as unfinished:
-        assert unfinished.suffix == ".svg"
-        assert unfinished.name.startswith(UNFINISHED)
-        unfinished.write_text("")
+def test_temporary_files_keep_the_ending_of_the_name(tmp_path):
+    with written_whole(tmp_path / "a.svg") as temporary:
+        assert temporary.suffix == ".svg"
+        assert temporary.name.startswith(UNFINISHED)
+        temporary.write_text("")
 
 
-def test_the_next_writer_removes_what_a_killed_process_left(tmp_path):
+def test_the_next_writer_removes_abandoned_files(tmp_path):
     script = (
         "import os, signal, sys\n"
         "from reliab.core.files import folder_written_whole, written_whole\n"
@@ -125,15 +125,15 @@ def test_the_next_writer_removes_what_a_killed_process_left(tmp_path):
         "    os.kill(os.getpid(), signal.SIGKILL)\n"
     )
     command = [sys.executable, "-c", script, tmp_path / "suite", tmp_path / "a.txt"]
-    killed = subprocess.run(command, check=False)  # noqa: S603 - our own interpreter
-    assert killed.returncode == -signal.SIGKILL
+    process = subprocess.run(command, check=False)  # noqa: S603 - our own interpreter
+    assert process.returncode == -signal.SIGKILL
     assert len([path for path in tmp_path.iterdir() if path.name.startswith(UNFINISHED)]) == 2
-    with written_whole(tmp_path / "b.txt") as unfinished:
-        unfinished.write_text("whole")
+    with written_whole(tmp_path / "b.txt") as temporary:
+        temporary.write_text("whole")
     assert [path.name for path in tmp_path.iterdir()] == ["b.txt"]
 
 
-def test_what_another_writer_still_writes_is_left(tmp_path):
+def test_files_of_a_running_writer_are_kept(tmp_path):
     with written_whole(tmp_path / "a.txt") as first, folder_written_whole(tmp_path / "suite") as folder:
         (folder / "one").write_text("1")
         with written_whole(tmp_path / "b.txt") as second:
@@ -147,8 +147,8 @@ def test_links_and_pipes_of_such_a_name_are_not_touched(tmp_path):
     (tmp_path / "precious").write_text("data")
     (tmp_path / f"{UNFINISHED}link").symlink_to("precious")
     os.mkfifo(tmp_path / f"{UNFINISHED}pipe")
-    with written_whole(tmp_path / "a.txt") as unfinished:
-        unfinished.write_text("a")
+    with written_whole(tmp_path / "a.txt") as temporary:
+        temporary.write_text("a")
     assert len(list(tmp_path.iterdir())) == 4
     assert (tmp_path / "precious").read_text() == "data"
 

@@ -15,8 +15,8 @@ from reliab.sweep.netcdf import pack, read_netcdf, write_netcdf
 @pytest.mark.parametrize("axes", [[0], [1], [0, 2], [2, 1, 0]])
 def test_numbers_are_rounded_by_half_a_step(axes):
     values = np.exp(np.random.default_rng(8).normal(0.0, 6.0, size=(4, 5, 6)))
-    found = from_steps(to_steps(values, 0.004, axes), 0.004, axes)
-    assert np.abs(np.log(found / values)).max() <= 0.00201
+    result = from_steps(to_steps(values, 0.004, axes), 0.004, axes)
+    assert np.abs(np.log(result / values)).max() <= 0.00201
 
 
 def test_a_file_has_its_unknown_numbers_and_its_labels(tmp_path):
@@ -28,31 +28,31 @@ def test_a_file_has_its_unknown_numbers_and_its_labels(tmp_path):
             "unknown": (("x", "y"), np.isnan(values).astype(np.int8)),
         }
     )
-    stored = pack(dataset, ("a",), step=0.01, dimensions=("y", "x"), unknown="unknown")
-    write_netcdf(stored, tmp_path / "packed.nc")
-    found = read_netcdf(tmp_path / "packed.nc", "A file", "Make it")
-    np.testing.assert_allclose(found["a"], values, rtol=0.00501)
-    assert found["a"].attrs == {"units": "1"}
+    packed_dataset = pack(dataset, ("a",), step=0.01, dimensions=("y", "x"), unknown="unknown")
+    write_netcdf(packed_dataset, tmp_path / "packed.nc")
+    result = read_netcdf(tmp_path / "packed.nc", "A file", "Make it")
+    np.testing.assert_allclose(result["a"], values, rtol=0.00501)
+    assert result["a"].attrs == {"units": "1"}
 
 
 @pytest.mark.slow
-def test_both_readers_of_what_ships_agree():
+def test_both_readers_of_shipped_data_agree():
     path = shipped("datasets", "real_suite/ellipses.nc")
     windows = open_windows(path)
     for curve, window, metric in (("inscribed", "record", "rms"), ("ellipse", "20", "mte")):
-        labelled = windows[window].sel(curve=[curve], metric=[metric])
+        selection = windows[window].sel(curve=[curve], metric=[metric])
         table = read_shipped_ellipses(curve, window, metric)
-        np.testing.assert_array_equal(table.a, labelled["a"])
-        np.testing.assert_array_equal(table.b, labelled["b"])
-        np.testing.assert_array_equal(table.error_at_rest, labelled["error_at_rest"])
-    labelled = read_netcdf(shipped("datasets", "real_suite/first_order.nc"), "Measures", "")
+        np.testing.assert_array_equal(table.a, selection["a"])
+        np.testing.assert_array_equal(table.b, selection["b"])
+        np.testing.assert_array_equal(table.error_at_rest, selection["error_at_rest"])
+    selection = read_netcdf(shipped("datasets", "real_suite/first_order.nc"), "Measures", "")
     scales = read_shipped_measures(0.5 * np.pi).scales
-    np.testing.assert_array_equal(scales.least, labelled["scale"])
-    near = labelled["scale_towards"].sel(direction=[90.0, 112.5])
+    np.testing.assert_array_equal(scales.least, selection["scale"])
+    near = selection["scale_towards"].sel(direction=[90.0, 112.5])
     np.testing.assert_array_equal(scales.towards, near)
 
 
-def test_what_ships_has_an_ellipse_wherever_no_reason_against_it_is_stored():
+def test_shipped_data_have_an_ellipse_or_a_reason():
     ellipses = read_ellipses("real_suite")
     assert (np.isfinite(ellipses["a"]) == (ellipses["no_ellipse"] == 0)).all()
 

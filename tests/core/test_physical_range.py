@@ -14,7 +14,7 @@ from reliab.recordings.channels_file import read_channels_file
 from reliab.simulation.frames.frame_file import read_structure
 from reliab.simulation.hybrid_test.model_file import read_model
 
-BEYOND = (5e-324, 1e-320, 1e300, -1e300, math.inf, math.nan)
+EXTREME_NUMBERS = (5e-324, 1e-320, 1e300, -1e300, math.inf, math.nan)
 MODEL = """
 format = 1
 structure = {{frequency_hz = 1.0, damping_ratio = 0.02, mass_kg = {mass}}}
@@ -45,14 +45,14 @@ def test_ends_of_a_range_belong_to_it(quantity):
             require_physical(quantity, value)
 
 
-def test_squares_of_what_is_allowed_are_numbers():
+def test_squares_of_allowed_sizes_are_finite():
     for limits in RANGES.values():
         assert limits.lowest >= SMALLEST
         assert limits.highest <= LARGEST
         assert 0.0 < limits.lowest**2 < limits.highest**2 < math.inf
 
 
-@pytest.mark.parametrize("value", BEYOND)
+@pytest.mark.parametrize("value", EXTREME_NUMBERS)
 @pytest.mark.parametrize("name", [name for name in vars(ordinary_equipment()) if name != "skew_ms"])
 def test_equipment_of_no_laboratory_is_refused(tmp_path, name, value):
     (tmp_path / "equipment.toml").write_text(f"{name} = {value!r}\n")
@@ -62,7 +62,7 @@ def test_equipment_of_no_laboratory_is_refused(tmp_path, name, value):
         Equipment(**{**vars(ordinary_equipment()), name: value})
 
 
-@pytest.mark.parametrize("value", BEYOND)
+@pytest.mark.parametrize("value", EXTREME_NUMBERS)
 @pytest.mark.parametrize("name", SOUND)
 def test_model_of_no_test_is_refused(tmp_path, name, value):
     (tmp_path / "model.toml").write_text(MODEL.format(**{**SOUND, name: value}))
@@ -70,7 +70,7 @@ def test_model_of_no_test_is_refused(tmp_path, name, value):
         read_model(tmp_path / "model.toml")
 
 
-@pytest.mark.parametrize("value", BEYOND)
+@pytest.mark.parametrize("value", EXTREME_NUMBERS)
 @pytest.mark.parametrize("name", ["mass", "stiffness", "ratio"])
 def test_frame_of_no_structure_is_refused(tmp_path, name, value):
     sound = {"mass": 1000.0, "stiffness": 2e6, "ratio": 0.02}
@@ -79,7 +79,7 @@ def test_frame_of_no_structure_is_refused(tmp_path, name, value):
         read_structure(tmp_path / "frame.toml")
 
 
-def test_mass_that_is_rounding_beside_others_is_none(tmp_path):
+def test_negligible_mass_is_none(tmp_path):
     rows = "mass_matrix_kg = [[1e-320, 0.0], [0.0, 1000.0]]"
     text = FRAME.format(mass=1.0, stiffness=2e6, ratio=0.02).replace("masses_kg = [1.0, 1000.0]", rows)
     (tmp_path / "frame.toml").write_text(text)
@@ -87,7 +87,7 @@ def test_mass_that_is_rounding_beside_others_is_none(tmp_path):
         read_structure(tmp_path / "frame.toml")
 
 
-@pytest.mark.parametrize("value", BEYOND)
+@pytest.mark.parametrize("value", EXTREME_NUMBERS)
 @pytest.mark.parametrize("key", ["skew_ms", "scale", "hysteresis", "noise_m"])
 def test_calibration_of_no_channel_is_refused(tmp_path, key, value):
     (tmp_path / "channels.toml").write_text(f"[calibration]\n{key} = {value!r}\n")
@@ -112,7 +112,7 @@ def test_followed_times_of_no_clock_are_refused(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("changed", "rule"),
+    ("options", "rule"),
     [
         ({"f": 1e-320}, "stated|number|natural frequency"),
         ({"xi": 1e-13}, "damping ratio must be at least 1e-12"),
@@ -120,6 +120,6 @@ def test_followed_times_of_no_clock_are_refused(tmp_path):
         ({"rate": 1e12}, "`rate` must be between"),
     ],
 )
-def test_options_share_the_ranges_of_files(changed, rule):
+def test_options_share_the_ranges_of_files(options, rule):
     with pytest.raises(InputError, match=rule):
-        reliab.assess(shipped("datasets", "sample_test/test.csv"), **{"f": 1, "xi": 0.02, **changed})
+        reliab.assess(shipped("datasets", "sample_test/test.csv"), **{"f": 1, "xi": 0.02, **options})

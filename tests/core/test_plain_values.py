@@ -28,7 +28,7 @@ class Part(PlainResult):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Whole(PlainResult):
+class Nest(PlainResult):
     keys: ClassVar[Mapping[str, str]] = {
         "delay_ms": "delay",
         "first_side": "first.side",
@@ -46,19 +46,19 @@ class Whole(PlainResult):
         return self.parts[0]
 
 
-def test_a_result_writes_the_values_that_it_names():
-    whole = Whole(
+def test_a_result_writes_its_named_values():
+    complete = Nest(
         parts=(Part(sizes=(1.0, 2.0)),),
         by_name={Side.LEAD: StatedValue(value=3.0, deviation=0.5)},
         delay=np.float64(2.5),
     )
-    assert json.loads(json.dumps(whole.to_dict())) == {
+    assert json.loads(json.dumps(complete.to_dict())) == {
         "delay_ms": 2.5,
         "first_side": "lead",
         "parts": [{"sizes": [1.0, 2.0], "side": "lead"}],
         "by_name": {"lead": {"value": 3.0, "sd": 0.5}},
     }
-    assert type(whole.to_dict()["first_side"]) is str
+    assert type(complete.to_dict()["first_side"]) is str
 
 
 def test_a_key_without_a_value_is_an_error():
@@ -77,7 +77,7 @@ class Fault:
 
 
 @dataclass(frozen=True)
-class Written(PlainResult):
+class FileResult(PlainResult):
     keys: ClassVar[Mapping[str, str]] = {"folder": "place", "low": "interval.low", "faults": "faults"}
 
     place: Path
@@ -86,8 +86,8 @@ class Written(PlainResult):
 
 
 def test_paths_parts_of_mappings_and_plain_dataclasses_are_written():
-    written = Written(Path("a/b"), {"low": 0.5}, (Fault("No rate.", None),))
-    assert json.loads(json.dumps(written.to_dict())) == {
+    text = FileResult(Path("a/b"), {"low": 0.5}, (Fault("No rate.", None),))
+    assert json.loads(json.dumps(text.to_dict())) == {
         "folder": "a/b",
         "low": 0.5,
         "faults": [{"rule": "No rate.", "line": None}],

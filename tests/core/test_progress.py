@@ -50,10 +50,10 @@ FRAME = {
 @pytest.fixture(scope="module")
 def ellipses() -> xr.Dataset:
     """Ellipses of late actuators under twelve motions."""
-    drawn = np.random.default_rng(2).lognormal(0.0, 0.3, (12, 2, 2, 2, 1, 1, 1, 1))
+    figure = np.random.default_rng(2).lognormal(0.0, 0.3, (12, 2, 2, 2, 1, 1, 1, 1))
     names = ("motion", "f", "xi", "threshold", "metric", "curve", "side")
     return xr.Dataset(
-        {"a": (names, 2e-4 * drawn[:, 0]), "b": (names, 3.0 * drawn[:, 1])},
+        {"a": (names, 2e-4 * figure[:, 0]), "b": (names, 3.0 * figure[:, 1])},
         coords={
             "motion": [f"M{place}" for place in range(12)],
             "event": ("motion", [f"E{place}" for place in range(12)]),
@@ -73,16 +73,16 @@ def results(tmp_path_factory):
     return reliab.simulate(MOTIONS, f=[1.0, 2.0], xi=[0.02, 0.05], out=folder / "results.zarr")
 
 
-def of_chains(progress, ellipses):
-    few = ellipses.sel(f=[1.0], xi=[0.02])
-    derive_criterion(few, method="hierarchical", law="power", steps=40, progress=progress)
+def progress_of_chains(progress, ellipses):
+    subset = ellipses.sel(f=[1.0], xi=[0.02])
+    derive_criterion(subset, method="hierarchical", law="power", steps=40, progress=progress)
 
 
-def of_several_tests(progress):
+def progress_of_several_tests(progress):
     reliab.assess(["none.csv", "neither.csv", "nor.csv"], progress=progress)  # each is done with, if refused
 
 
-def of_posteriors(progress, monkeypatch):
+def progress_of_posteriors(progress, monkeypatch):
     """Two of three blocks have effects; what is made of their posteriors is tested beside diagnoses."""
     blocks = [
         SimpleNamespace(
@@ -95,13 +95,13 @@ def of_posteriors(progress, monkeypatch):
     adding.add(SimpleNamespace(blocks=blocks), progress=progress)
 
 
-def of_folds(progress, ellipses):
+def progress_of_folds(progress, ellipses):
     candidate = DerivedCandidate(name="quantile", method=method_of("quantile"))
     folds = k_fold(ellipses["event"].values, 3)
     cross_validate(ellipses, folds, [candidate], scheme="k", confidences=[0.5], trials=8, progress=progress)
 
 
-def of_shares(progress, tmp_path):
+def progress_of_shares(progress, tmp_path):
     results = reliab.simulate(MOTIONS, alpha=[0.5, 1.0], out=tmp_path / "results.zarr")
     results.reliab.ellipses(progress=progress)
 
@@ -120,7 +120,7 @@ CASES = {
     ),
     "ellipses": lambda progress: reliab.ellipses(MOTIONS, threshold=0.02, progress=progress),
     "ellipses, stored": lambda progress, results: reliab.ellipses(results, progress=progress),
-    "ellipses, of shares": of_shares,
+    "ellipses, of shares": progress_of_shares,
     "trace_ellipses": lambda progress: trace_ellipses(MOTIONS, REQUEST, progress=progress),
     "predict_ellipses": lambda progress: predict_ellipses(MOTIONS, REQUEST, progress=progress),
     "trace_frame_ellipses": lambda progress: trace_frame_ellipses(
@@ -141,14 +141,14 @@ CASES = {
     "errors_of_rig": lambda progress: errors_of_rig(
         FRAME_UNDER_TEST, MOTIONS, window=Window(), progress=progress
     ),
-    "assess": of_several_tests,
-    "derive_criterion": of_chains,
+    "assess": progress_of_several_tests,
+    "derive_criterion": progress_of_chains,
     "sample": lambda progress: sample(VALUES, QUICK, progress=progress),
     "probability_calibration": lambda progress, ellipses: probability_calibration(
         ellipses, trials=8, progress=progress
     ),
-    "cross_validate": of_folds,
-    "add": of_posteriors,
+    "cross_validate": progress_of_folds,
+    "add": progress_of_posteriors,
 }
 PASSED_ON = {  # by a case of the function that calls it
     "from_ellipses": "derive_criterion",
@@ -168,9 +168,9 @@ def test_every_piece_is_reported_once_and_the_last_is_the_total(name, request):
     work = CASES[name]
     fixtures = list(inspect.signature(work).parameters)[1:]
     work(lambda *call: calls.append(call), *map(request.getfixturevalue, fixtures))
-    done, totals = zip(*calls, strict=True)
-    assert list(done) == sorted(set(done))
-    assert set(totals) == {done[-1]}
+    process, totals = zip(*calls, strict=True)
+    assert list(process) == sorted(set(process))
+    assert set(totals) == {process[-1]}
 
 
 def test_whatever_takes_a_progress_has_a_case():
@@ -181,6 +181,6 @@ def test_whatever_takes_a_progress_has_a_case():
         if isinstance(node, ast.FunctionDef)
         and any(argument.arg == "progress" for argument in node.args.kwonlyargs)
     }
-    tried = {name.partition(",")[0] for name in CASES}
-    assert takers == tried | set(PASSED_ON) | set(ELSEWHERE)
-    assert set(PASSED_ON.values()) <= tried
+    names = {name.partition(",")[0] for name in CASES}
+    assert takers == names | set(PASSED_ON) | set(ELSEWHERE)
+    assert set(PASSED_ON.values()) <= names

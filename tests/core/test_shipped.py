@@ -17,13 +17,13 @@ ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture
-def installed(tmp_path, monkeypatch):
+def installation(tmp_path, monkeypatch):
     """An installation without the large file, and an empty data folder."""
     folder = tmp_path / "datasets" / "real_suite"
     folder.mkdir(parents=True)
     for name in ("SHA256SUMS", "real_suite/results_of_six.nc"):
         shutil.copy(shipped.shipped("datasets", name), tmp_path / "datasets" / name)
-    monkeypatch.setattr(shipped, "_INSTALLED", tmp_path)
+    monkeypatch.setattr(shipped, "_PACKAGE_FOLDER", tmp_path)
     monkeypatch.setenv(shipped.DATA_VARIABLE, str(tmp_path / "data"))
     shipped.checksums.cache_clear()
     yield tmp_path
@@ -31,8 +31,8 @@ def installed(tmp_path, monkeypatch):
 
 
 def test_every_listed_file_has_its_checksum():
-    for name, expected in shipped.checksums("datasets").items():
-        assert shipped.checksum_of(shipped.shipped("datasets", name)) == expected, name
+    for name, reference in shipped.checksums("datasets").items():
+        assert shipped.checksum_of(shipped.shipped("datasets", name)) == reference, name
 
 
 def test_every_file_in_netcdf_is_listed():
@@ -41,8 +41,8 @@ def test_every_file_in_netcdf_is_listed():
     assert files <= set(shipped.checksums("datasets"))
 
 
-def test_a_changed_file_is_refused(installed):
-    file = installed / "datasets" / "real_suite" / "results_of_six.nc"
+def test_a_changed_file_is_refused(installation):
+    file = installation / "datasets" / "real_suite" / "results_of_six.nc"
     assert real_results([1.0], [0.02]) == file
     content = bytearray(file.read_bytes())
     content[1000] ^= 1
@@ -51,48 +51,48 @@ def test_a_changed_file_is_refused(installed):
         real_results([1.0], [0.02])
 
 
-def test_what_does_not_ship_is_asked_for_and_fetched(installed, capsys):
+def test_missing_data_are_fetched(installation, capsys):
     source = ROOT / "datasets" / "real_suite" / "results.nc"
     with pytest.raises(InputError, match="Run `reliab fetch"):
         real_results([0.75], [0.02])
     assert cli.run(["fetch", str(source)]) == 0
-    assert real_results([0.75], [0.02]).is_relative_to(installed / "data")
+    assert real_results([0.75], [0.02]).is_relative_to(installation / "data")
     assert "the checksum is as listed" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("wrong", ["content", "name", "scheme", "missing"])
-def test_nothing_else_is_fetched(installed, tmp_path, wrong, capsys):
+def test_nothing_else_is_fetched(installation, tmp_path, wrong, capsys):
     file = tmp_path / ("results.nc" if wrong != "name" else "other.nc")
     if wrong != "missing":
         file.write_bytes(b"no results")
     source = "http://example.org/results.nc" if wrong == "scheme" else str(file)
     assert cli.run(["fetch", source]) == 2
-    assert not list((installed / "data").rglob("*.nc"))
+    assert not list((installation / "data").rglob("*.nc"))
     words = {"content": "checksum", "name": "by its name", "scheme": "https only", "missing": "readable"}
     assert words[wrong] in capsys.readouterr().err
 
 
 @pytest.mark.slow
 def test_the_small_file_holds_the_values_of_the_large_one_to_its_precision():
-    small, large = (open_results(real_results(*which)) for which in (([1.0], [0.02]), (None, None)))
-    of_six = large.sel(f=small["f"], xi=small["xi"])
+    small, large = (open_results(real_results(*selection)) for selection in (([1.0], [0.02]), (None, None)))
+    subset = large.sel(f=small["f"], xi=small["xi"])
     for name in ("rms", "mte"):
-        assert (small[name].values == 0.0).sum() == (of_six[name].values == 0.0).sum()
-        np.testing.assert_allclose(small[name].values, of_six[name].values, rtol=1.3e-3)
+        assert (small[name].values == 0.0).sum() == (subset[name].values == 0.0).sum()
+        np.testing.assert_allclose(small[name].values, subset[name].values, rtol=1.3e-3)
     assert {**small.attrs, "precision": ""} == {**large.attrs, "precision": ""}
 
 
 @pytest.mark.parametrize("name", ["sample_test", "rig_a", "real_suite"])
-def test_a_folder_without_data_hides_nothing_that_ships(name, tmp_path, monkeypatch):
-    found = {
+def test_an_empty_folder_does_not_hide_shipped_data(name, tmp_path, monkeypatch):
+    result = {
         "sample_test": lambda: or_shipped(Path("sample_test"), "datasets", "test.csv"),
         "rig_a": lambda: campaign_folder("rig_a"),
         "real_suite": lambda: find_results(Path("real_suite"), (1.0,), (0.02,)),
     }[name]
     monkeypatch.chdir(tmp_path)
-    before = found()
+    original = result()
     Path(name).mkdir()
-    assert found() == before
+    assert result() == original
 
 
 def test_a_file_and_a_store_of_results_are_the_users_own(tmp_path, monkeypatch):

@@ -53,14 +53,14 @@ def test_no_sentence_is_written_past_it():
     lower=st.floats(1e-3, 1e3),
     upper=st.floats(1e-3, 1e3),
 )
-def test_a_value_has_the_digits_that_its_interval_allows(value, lower, upper):
+def test_digits_of_a_value_follow_its_interval(value, lower, upper):
     """Rounding moves no number by more than a tenth of the shorter side."""
     low, high = value - lower, value + upper
     shorter = min(value - low, high - value)
-    written, interval = value_and_interval(value, low, high)
-    for number, text in zip((value, low, high), (written, *interval.split(" to ")), strict=True):
+    contents, interval = value_and_interval(value, low, high)
+    for number, text in zip((value, low, high), (contents, *interval.split(" to ")), strict=True):
         assert abs(float(text) - number) <= max(0.1 * shorter, 0.5 if "." not in text else 0.0) + 1e-9
-    decimals = len(written.partition(".")[2])
+    decimals = len(contents.partition(".")[2])
     assert decimals == 0 or 10.0**-decimals > 0.01 * shorter
 
 
@@ -73,7 +73,7 @@ def test_a_value_has_the_digits_that_its_interval_allows(value, lower, upper):
         (0.0123, 0.0123, 0.0123, "1.23 % (1.23 to 1.23 %)"),
     ],
 )
-def test_an_error_has_the_digits_that_its_interval_allows(value, low, high, written):
+def test_digits_of_an_error_follow_its_interval(value, low, high, written):
     assert percent_with_interval(value, low, high) == written
 
 
@@ -98,7 +98,7 @@ def test_every_way_of_writing_it_gives_the_same(text):
         *("", "±", "1±", "±0.01", "1±-0.01", "1±nan", "inf", "1e999", "1..0", "1±0.01\udcc2", "1\ud8000.01"),
     ],
 )
-def test_what_may_mean_something_else_is_refused(text):
+def test_ambiguous_values_are_refused(text):
     with pytest.raises(InputError, match="is no number"):
         StatedValue.parse(text)
 
@@ -110,7 +110,7 @@ def test_what_may_mean_something_else_is_refused(text):
     sign=st.sampled_from(["±", "+-", "+/-", ", "]),
 )
 def test_any_number_comes_back(value, deviation, sign):
-    written = f"{value:.12e}{sign}{deviation:.6e}"
-    found = StatedValue.parse(written)
-    assert math.isclose(found.value, value, rel_tol=1e-10)
-    assert math.isclose(found.deviation, deviation, rel_tol=1e-5)
+    text = f"{value:.12e}{sign}{deviation:.6e}"
+    result = StatedValue.parse(text)
+    assert math.isclose(result.value, value, rel_tol=1e-10)
+    assert math.isclose(result.deviation, deviation, rel_tol=1e-5)

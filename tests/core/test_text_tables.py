@@ -37,8 +37,8 @@ NAMES = "Time (s),Command (mm),Measured (mm)"
     ],
 )
 def test_a_number_in_any_notation(cell, number):
-    found = number_of(cell)
-    assert found is number is None or found == pytest.approx(number, nan_ok=True)
+    result = number_of(cell)
+    assert result is number is None or result == pytest.approx(number, nan_ok=True)
 
 
 @pytest.mark.parametrize(
@@ -61,10 +61,10 @@ def test_a_time_of_day_in_any_notation(cell, seconds):
 
 def test_times_of_day_are_counted_beyond_midnight_in_any_pieces():
     seconds = np.array([86398.5, 86399.5, 0.5, 1.5, 86399.0, 0.25])
-    counted = TimesOfDay()
-    pieces = [counted.count_seconds(piece) for piece in (seconds[:2], seconds[2:2], seconds[2:])]
-    expected = [0.0, 1.0, 2.0, 3.0, 86400.5, 86401.75]
-    np.testing.assert_allclose(np.concatenate(pieces), expected)
+    counter = TimesOfDay()
+    pieces = [counter.count_seconds(piece) for piece in (seconds[:2], seconds[2:2], seconds[2:])]
+    reference = [0.0, 1.0, 2.0, 3.0, 86400.5, 86401.75]
+    np.testing.assert_allclose(np.concatenate(pieces), reference)
 
 
 def rows(times=None, command=COMMAND, measured=MEASURED, number="{:.6f}"):
@@ -73,7 +73,7 @@ def rows(times=None, command=COMMAND, measured=MEASURED, number="{:.6f}"):
     return [",".join(row) for row in zip(times, *cells, strict=True)]
 
 
-def written(folder, *lines):
+def write_lines(folder, *lines):
     (folder / "t.csv").write_text("\n".join(lines), encoding="utf-8")
     return folder / "t.csv"
 
@@ -88,16 +88,16 @@ def times_of_day(begin, *, half_day):
 @pytest.mark.parametrize("half_day", [True, False])
 @pytest.mark.parametrize("begin", [43198.0, 86398.0], ids=["noon", "midnight"])
 def test_clocks_of_twelve_and_of_twenty_four_hours_are_times_at_every_door(tmp_path, begin, half_day):
-    path = written(tmp_path, NAMES.replace(" (s)", ""), *rows(times_of_day(begin, half_day=half_day)))
+    path = write_lines(tmp_path, NAMES.replace(" (s)", ""), *rows(times_of_day(begin, half_day=half_day)))
     test = read_recording(path)
     assert test.time_step == pytest.approx(1.0 / RATE, rel=1e-6)
     np.testing.assert_allclose(test.measured, 1e-3 * MEASURED, atol=1e-8)
-    followed = list(rows_as_written(iter([path.read_bytes() + b"\n"]), name="t.csv", declarations={}))
-    np.testing.assert_allclose(np.concatenate([part.time for part in followed]), TIME, atol=1e-6)
+    texts = list(rows_as_written(iter([path.read_bytes() + b"\n"]), name="t.csv", declarations={}))
+    np.testing.assert_allclose(np.concatenate([part.time for part in texts]), TIME, atol=1e-6)
 
 
 def test_exponents_of_fortran_are_numbers_at_every_door(tmp_path):
-    path = written(tmp_path, NAMES, *(row.replace("e", "D") for row in rows(number="{:.9e}")))
+    path = write_lines(tmp_path, NAMES, *(row.replace("e", "D") for row in rows(number="{:.9e}")))
     np.testing.assert_allclose(read_recording(path).command, 1e-3 * COMMAND, atol=1e-9)
     (part,) = rows_as_written(iter([path.read_bytes() + b"\n"]), name="t.csv", declarations={})
     np.testing.assert_allclose(part.command, 1e-3 * COMMAND, atol=1e-9)
@@ -108,16 +108,16 @@ def test_thousands_in_quotation_marks_are_numbers(tmp_path):
         '"{:,.3f}","{:,.3f}","{:,.3f}"'.format(*row)
         for row in zip(TIME, 1e3 * COMMAND, 1e3 * MEASURED, strict=True)
     )
-    test = read_recording(written(tmp_path, "Time (s),Command (um),Measured (um)", *cells), rate_hz=None)
+    test = read_recording(write_lines(tmp_path, "Time (s),Command (um),Measured (um)", *cells), rate_hz=None)
     np.testing.assert_allclose(test.command, 1e-3 * COMMAND, atol=1e-9)
 
 
-def test_commas_that_may_be_decimal_or_part_thousands_are_asked_about(tmp_path):
+def test_ambiguous_commas_are_refused(tmp_path):
     cells = (
         f"{t:.6f}\t{c:,.0f}\t{m:,.0f}" for t, c, m in zip(TIME, 1e3 * COMMAND, 1e3 * MEASURED, strict=True)
     )
     with pytest.raises(InputError, match=r"t\.csv, line 2: It is unclear whether the comma is a decimal"):
-        read_recording(written(tmp_path, "Time (s)\tCommand (um)\tMeasured (um)", *cells))
+        read_recording(write_lines(tmp_path, "Time (s)\tCommand (um)\tMeasured (um)", *cells))
 
 
 @pytest.mark.parametrize(
@@ -147,15 +147,17 @@ def test_a_sampling_rate_in_any_notation(lines, hertz, width):
     assert (header.names, header.units) == (names, [""] * width)
 
 
-def test_a_sign_between_thousands_is_that_which_is_not_decimal(tmp_path):
+def test_a_separator_of_thousands_is_not_decimal(tmp_path):
     cells = (f"{c:.5f};{m:.5f}".replace(".", ",") for c, m in zip(COMMAND, MEASURED, strict=True))
-    path = written(tmp_path, "# Abtastrate", "# sample rate: 1.024 Hz", "Sollweg [mm];Istweg [mm]", *cells)
+    path = write_lines(
+        tmp_path, "# Abtastrate", "# sample rate: 1.024 Hz", "Sollweg [mm];Istweg [mm]", *cells
+    )
     assert read_recording(path).time_step == pytest.approx(1.0 / 1024.0)
 
 
-def test_a_sampling_rate_that_no_test_has_is_refused(tmp_path):
+def test_an_impossible_sampling_rate_is_refused(tmp_path):
     cells = (f"{c:.5f},{m:.5f}" for c, m in zip(COMMAND, MEASURED, strict=True))
-    path = written(tmp_path, "# sample rate: 1.024 Hz", "command_mm,measured_mm", *cells)
+    path = write_lines(tmp_path, "# sample rate: 1.024 Hz", "command_mm,measured_mm", *cells)
     with pytest.raises(InputError, match=r"t\.csv: The file states a sampling rate of 1\.024 Hz.*`rate`"):
         read_recording(path)
     assert read_recording(path, rate_hz=1024.0).time_step == pytest.approx(1.0 / 1024.0)
@@ -166,12 +168,12 @@ def test_scales_above_a_table_are_asked_about(tmp_path, header):
     with pytest.raises(
         InputError, match=r"t\.csv: The file states .* but not whether its numbers contain it"
     ):
-        read_recording(written(tmp_path, header, "time_s,command_mm,measured_mm", *rows()))
+        read_recording(write_lines(tmp_path, header, "time_s,command_mm,measured_mm", *rows()))
 
 
 def test_a_comment_states_the_units_of_columns_without_any(tmp_path):
     table = rows([f"{1e3 * time:.9f}" for time in TIME])
-    path = written(tmp_path, "# units: mm", "# time unit: ms", "time,command,measured", *table)
+    path = write_lines(tmp_path, "# units: mm", "# time unit: ms", "time,command,measured", *table)
     test = read_recording(path)
     np.testing.assert_allclose(test.command, 1e-3 * COMMAND, atol=1e-8)
     assert test.time_step == pytest.approx(1.0 / RATE)

@@ -67,7 +67,7 @@ def run_of_a_study():
     return {"report/document.json": json.dumps(parts).encode(), "report/figure-1.svg": figure}
 
 
-def finished_run():
+def finish_run():
     return {"manifest.json": b'{"stages": {}}', **run_of_a_study()}
 
 
@@ -110,7 +110,7 @@ PLACES = {
     "report's content": Place(
         run_of_a_study, lambda folder: read_content(folder / "report"), "document.json"
     ),
-    "run's manifest": Place(finished_run, open_run, "manifest.json"),
+    "run's manifest": Place(finish_run, open_run, "manifest.json"),
     "store's chunk": Place(lambda: corpus.stores()[0], results, a_chunk()),
     "store's description": Place(lambda: corpus.stores()[0], results, "results.zarr/zarr.json"),
     "resumed store's chunk": Place(lambda: corpus.stores()[0], resumed, a_chunk()),
@@ -137,29 +137,31 @@ def test_a_sound_folder_is_read(name, folder):
 
 @pytest.mark.parametrize("kind", ["absolute", "relative"])
 @pytest.mark.parametrize("name", PLACES)
-def test_a_link_that_leads_out_of_the_folder_is_refused(name, kind, folder, tmp_path):
+def test_a_link_leading_out_of_the_folder_is_refused(name, kind, folder, tmp_path):
     """What the link leads to is sound, so that nothing but the link is wrong."""
     place = PLACES[name]
     write(place.make(), folder)
-    own = next(path for path in folder.rglob(Path(place.file).name) if path.as_posix().endswith(place.file))
-    elsewhere = Path(shutil.move(own, tmp_path / "elsewhere"))
-    own.symlink_to(os.path.relpath(elsewhere, own.parent) if kind == "relative" else elsewhere)
+    own_files = next(
+        path for path in folder.rglob(Path(place.file).name) if path.as_posix().endswith(place.file)
+    )
+    elsewhere = Path(shutil.move(own_files, tmp_path / "elsewhere"))
+    own_files.symlink_to(os.path.relpath(elsewhere, own_files.parent) if kind == "relative" else elsewhere)
     with pytest.raises(InputError, match=r"lies outside the folder|must not contain links"):
         place.read(folder)
 
 
 @pytest.mark.parametrize("written", ["../NAME", "FOLDER/NAME", "b/../../NAME", "b/../NAME", "link/NAME"])
 @pytest.mark.parametrize("name", [name for name, place in PLACES.items() if place.listed])
-def test_a_name_that_leads_out_of_the_folder_is_refused(name, written, folder):
+def test_a_name_leading_out_of_the_folder_is_refused(name, written, folder):
     place = PLACES[name]
     write(place.make(), folder)
-    own = stands_at(folder, place)
-    (own.parent / "b").mkdir()
-    (own.parent / "link").symlink_to(own.parent.parent)
-    shutil.copy(own, own.parent.parent / own.name)
-    hostile = written.replace("NAME", own.name).replace("FOLDER", str(own.parent.parent))
-    listed = folder / place.listed
-    listed.write_text(listed.read_text().replace(place.file, hostile, 1))
+    own_files = stands_at(folder, place)
+    (own_files.parent / "b").mkdir()
+    (own_files.parent / "link").symlink_to(own_files.parent.parent)
+    shutil.copy(own_files, own_files.parent.parent / own_files.name)
+    hostile = written.replace("NAME", own_files.name).replace("FOLDER", str(own_files.parent.parent))
+    names = folder / place.listed
+    names.write_text(names.read_text().replace(place.file, hostile, 1))
     with pytest.raises(InputError, match=r"lies outside the folder|a figure of the name"):
         place.read(folder)
 
@@ -172,19 +174,19 @@ def test_one_file_under_two_names_is_one_file(folder):
         read_campaign(folder)
 
 
-def test_a_folder_that_is_a_link_itself_is_read(folder, tmp_path):
+def test_a_linked_folder_is_read(folder, tmp_path):
     write(corpus.campaign()[0], folder)
     (tmp_path / "link").symlink_to(folder)
     assert len(read_campaign(tmp_path / "link").tests) == 2
 
 
 @pytest.mark.parametrize("name", ["a\0b", "../a", "/a", ".."])
-def test_names_that_are_none_are_refused(name, folder):
+def test_invalid_names_are_refused(name, folder):
     with pytest.raises(InputError, match=r"catalog\.csv, line 2: (The|A) file"):
         resolve_within(folder, name, where="catalog.csv, line 2")
 
 
-def resumed_chains(path):
+def resume_chains(path):
     draw(corpus.CHAIN_MODEL, corpus.CHAIN_SETTINGS, file=path, group="run")
 
 
@@ -193,7 +195,7 @@ HDF5 = {
     "ellipses": (corpus.ellipse_files, open_ellipses),
     "results": (corpus.ellipse_files, open_results),
     "a run": (corpus.ellipse_files, read_run_dataset),
-    "chains": (corpus.chains, resumed_chains),
+    "chains": (corpus.chains, resume_chains),
 }
 """Seeds of everything that is read from HDF5, and its reader."""
 
@@ -207,14 +209,14 @@ def hdf5_of(seeds, folder):
     raise LookupError
 
 
-def replaced(path, kind):
+def replace_group(path, kind):
     """Put the data of the largest dataset into another file, and name that."""
     with h5py.File(path, "r+") as file:
         parts = [(name, item) for name, item in objects_of(file) if isinstance(item, h5py.Dataset)]
         name, item = max(parts, key=lambda part: part[1].size * (part[1].dtype.kind == "f"))
         values = item[...]
-        with h5py.File(path.with_name("other.h5"), "w") as other:
-            other["x"] = values
+        with h5py.File(path.with_name("other.h5"), "w") as second:
+            second["x"] = values
         values.tofile(path.with_name("raw.bin"))
         del file[name]
         if kind == "external link":
@@ -238,7 +240,7 @@ def replaced(path, kind):
 def test_data_of_another_hdf5_file_are_refused(what, kind, tmp_path):
     seeds, read = HDF5[what]
     path = hdf5_of(seeds(), tmp_path)
-    replaced(path, kind)
+    replace_group(path, kind)
     with pytest.raises(InputError, match="are in another file"):
         read(path)
 
@@ -258,12 +260,12 @@ def test_many_groups_in_each_other_are_refused_without_going_through_them(tmp_pa
         group = file
         for _ in range(1000):
             group = group.create_group("g")
-    refused = pytest.raises(InputError, match="are nested more than 32 deep")
-    with refused, open_hdf5(tmp_path / "a.h5"):
+    refusal = pytest.raises(InputError, match="are nested more than 32 deep")
+    with refusal, open_hdf5(tmp_path / "a.h5"):
         pass
 
 
-class Opened:
+class OpenFile:
     """Leaves a file behind when it is unpickled."""
 
     def __init__(self, path):
@@ -273,14 +275,14 @@ class Opened:
         return open, (self.path, "w")
 
 
-def test_a_store_of_the_format_that_can_hold_code_is_refused(folder, tmp_path):
+def test_a_store_format_with_code_is_refused(folder, tmp_path):
     """Version 2 of Zarr has a filter that unpickles; version 3 has none."""
     write(corpus.stores()[0], folder)
     store = folder / "results.zarr"
-    described = json.loads((store / "zarr.json").read_text())
+    content = json.loads((store / "zarr.json").read_text())
     (store / "zarr.json").unlink()
     (store / ".zgroup").write_text('{"zarr_format": 2}')
-    (store / ".zattrs").write_text(json.dumps(described["attributes"]))
+    (store / ".zattrs").write_text(json.dumps(content["attributes"]))
     for path in store.rglob("zarr.json"):
         array = json.loads(path.read_text())
         if array["node_type"] != "array":
@@ -292,7 +294,7 @@ def test_a_store_of_the_format_that_can_hold_code_is_refused(folder, tmp_path):
         (path.parent / ".zattrs").write_text(json.dumps(names))
         (path.parent / ".zarray").write_text(json.dumps(plain | shape))
         chunk = ".".join("0" for _ in array["shape"])
-        (path.parent / chunk).write_bytes(pickle.dumps(Opened(tmp_path / "executed")))
+        (path.parent / chunk).write_bytes(pickle.dumps(OpenFile(tmp_path / "executed")))
     numcodecs = pytest.importorskip("numcodecs.pickles")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(numcodecs, "ALLOW_UNSAFE_PICKLE_DECODE", True, raising=False)  # as older ones are
@@ -315,7 +317,7 @@ DOORS = {
 LIBRARIES = {"h5py", "zarr", "xr", "np", "numpy", "pickle", "marshal", "joblib", "pd", "pandas", "typst"}
 
 
-def test_libraries_that_open_other_files_or_run_code_are_called_at_one_door_each():
+def test_unsafe_libraries_are_called_at_one_place():
     stray = {
         f"{path.relative_to(PACKAGE)}: {ast.unparse(node.func)}"
         for path in PACKAGE.rglob("*.py")
@@ -327,7 +329,7 @@ def test_libraries_that_open_other_files_or_run_code_are_called_at_one_door_each
     assert stray == {"sampling/ensembles.py: h5py.File"}  # which writes
 
 
-def test_a_file_that_ends_its_reader_is_refused(tmp_path, monkeypatch):
+def test_a_file_crashing_its_reader_is_refused(tmp_path, monkeypatch):
     """A library that fails on a file takes another process with it, not this one."""
     path = tmp_path / "a.h5"
     with h5py.File(path, "w") as file:
@@ -354,7 +356,7 @@ def test_a_file_that_ends_its_reader_is_refused(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("value", [3.0, "scale", np.arange(3)])
-def test_an_attribute_of_scales_that_holds_anything_else_is_refused(tmp_path, value):
+def test_an_unexpected_attribute_of_scales_is_refused(tmp_path, value):
     """The library reads beyond its memory there, which ended `reliab record` with a segmentation fault."""
     with h5py.File(tmp_path / "a.h5", "w") as file:
         file["a"] = np.zeros((300, 3))

@@ -7,13 +7,13 @@ from reliab.desk.jobs import Jobs
 
 @pytest.fixture
 def folder(tmp_path):
-    opened = DeskFolder.open_folder(tmp_path)
-    yield opened
-    opened.close()
+    desk_folder = DeskFolder.open_folder(tmp_path)
+    yield desk_folder
+    desk_folder.close()
 
 
 @pytest.fixture(scope="session")
 def jobs(tmp_path_factory):
-    started = Jobs(str(tmp_path_factory.mktemp("workers")))
-    yield started
-    started.close()
+    workers = Jobs(str(tmp_path_factory.mktemp("workers")))
+    yield workers
+    workers.close()

@@ -9,7 +9,7 @@ from pathlib import Path
 from headless_browser import PATIENCE
 from selenium.webdriver.support.ui import Select
 
-_EACH = """
+_VISIBLE_TEXTS = """
 const elements = [];
 const walk = (root) => { for (const element of root.querySelectorAll('*')) {
   if (element.matches(arguments[0])) elements.push(element);
@@ -37,7 +37,7 @@ class DeskBrowser:
         self.until(lambda: self.elements("button, select"))
 
     def elements(self, selector):
-        return self.chrome.execute_script(_EACH, selector)
+        return self.chrome.execute_script(_VISIBLE_TEXTS, selector)
 
     def text(self):
         return re.sub(r"\s+", " ", self.chrome.execute_script(_TEXT))
@@ -64,7 +64,7 @@ class DeskBrowser:
         button.click()
 
     def field(self, label, kind="input"):
-        labels = [one for one in self.elements("label") if one.text.strip() == label]
+        labels = [item for item in self.elements("label") if item.text.strip() == label]
         return self.chrome.execute_script(
             f"return arguments[0].getRootNode().querySelector('{kind}')", labels[0]
         )

@@ -13,15 +13,15 @@ def test_without_panel_the_command_says_how_to_install_it(tmp_path, monkeypatch,
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "panel", None)
     assert run(["desk", str(tmp_path)]) == 2
-    said = " ".join(capsys.readouterr().err.split())
-    assert 'pip install "reliab[desk]"' in said
-    assert "Traceback" not in said
+    errors = " ".join(capsys.readouterr().err.split())
+    assert 'pip install "reliab[desk]"' in errors
+    assert "Traceback" not in errors
 
 
 @pytest.mark.parametrize(
     ("arguments", "sentence"), [(["nothing_here"], "no such folder"), ([".", "--port", "99999"], "--port")]
 )
-def test_what_cannot_be_served_is_refused(tmp_path, monkeypatch, capsys, arguments, sentence):
+def test_invalid_settings_of_the_server_are_refused(tmp_path, monkeypatch, capsys, arguments, sentence):
     monkeypatch.chdir(tmp_path)
     assert run(["desk", "--no-browser", *arguments]) == 2
     assert sentence in " ".join(capsys.readouterr().err.split())

@@ -6,18 +6,20 @@ from tornado.httputil import HTTPHeaders
 from reliab.desk.server import is_allowed, new_token
 
 HOST = "127.0.0.1:5000"
-OWN = {"Host": HOST, "Origin": f"http://{HOST}", "Sec-Fetch-Site": "same-origin"}
+OWN_HEADERS = {"Host": HOST, "Origin": f"http://{HOST}", "Sec-Fetch-Site": "same-origin"}
 
 
-def allowed(path="/secret/judge", **changes):
-    headers = HTTPHeaders({name: value for name, value in (OWN | changes).items() if value is not None})
+def passes_guard(path="/secret/judge", **changes):
+    headers = HTTPHeaders(
+        {name: value for name, value in (OWN_HEADERS | changes).items() if value is not None}
+    )
     return is_allowed(path, headers, token="secret", hosts=frozenset({HOST}))  # noqa: S106 - of a test
 
 
 @pytest.mark.parametrize("path", ["/secret", "/secret/", "/secret/judge", "/secret/static/js/bokeh.min.js"])
 def test_a_page_with_the_token_is_answered(path):
-    assert allowed(path)
-    assert allowed(path, **{"Origin": None, "Sec-Fetch-Site": "none"})  # an address that was typed
+    assert passes_guard(path)
+    assert passes_guard(path, **{"Origin": None, "Sec-Fetch-Site": "none"})  # an address that was typed
 
 
 @pytest.mark.parametrize(
@@ -25,7 +27,7 @@ def test_a_page_with_the_token_is_answered(path):
     ["/", "", "/judge", "/Secret/judge", "/secre/judge", "/secret2/judge", "//secret/judge", "/é/judge"],
 )
 def test_a_page_without_the_token_is_not(path):
-    assert not allowed(path)
+    assert not passes_guard(path)
 
 
 @pytest.mark.parametrize(
@@ -42,7 +44,7 @@ def test_a_page_without_the_token_is_not(path):
     ],
 )
 def test_requests_of_other_origins_are_refused_even_with_the_token(headers):
-    assert not allowed(**headers)
+    assert not passes_guard(**headers)
 
 
 def test_tokens_are_long_and_new():

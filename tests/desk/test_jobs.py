@@ -52,27 +52,27 @@ def work(tmp_path, monkeypatch):
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     desk_work = import_module("desk_work")
 
-    started = Jobs(str(tmp_path))
-    yield started, desk_work
-    started.close()
+    workers = Jobs(str(tmp_path))
+    yield workers, desk_work
+    workers.close()
     sys.modules.pop("desk_work")
 
 
 @pytest.mark.slow
-def test_work_tells_progress_and_news_and_ends_with_its_outcome_or_why_not(work):
+def test_work_reports_progress_and_ends_with_outcome_or_reason(work):
     jobs, functions = work
     first = jobs.start(functions.steps)
     until(lambda: first.is_over)
     assert (first.state, first.outcome, first.news, first.task) == ("finished", "all", [0, 1, 2], "Counting")
-    refused, failed, dead = map(jobs.start, (functions.refuse, functions.fail, functions.die))
-    until(lambda: refused.is_over and failed.is_over and dead.is_over)
-    assert refused.refusal == str(InputError("It must be even", value=3, remedy="Give 4"))
-    assert "RuntimeError: a bug" in failed.refusal
-    assert "says nothing about the test" in failed.refusal
+    refusal, failure, dead = map(jobs.start, (functions.refuse, functions.fail, functions.die))
+    until(lambda: refusal.is_over and failure.is_over and dead.is_over)
+    assert refusal.refusal == str(InputError("It must be even", value=3, remedy="Give 4"))
+    assert "RuntimeError: a bug" in failure.refusal
+    assert "says nothing about the test" in failure.refusal
     assert "ended without an answer" in dead.refusal
-    again = jobs.start(functions.steps)
-    until(lambda: again.is_over)
-    assert again.outcome == "all"
+    second_run = jobs.start(functions.steps)
+    until(lambda: second_run.is_over)
+    assert second_run.outcome == "all"
 
 
 @pytest.mark.slow
@@ -85,9 +85,9 @@ def test_cancelled_work_stops_its_process_at_once(work, tmp_path):
     jobs.cancel(job)
     assert job.state == "cancelled"
     assert process.poll() is not None
-    after = jobs.start(functions.steps)
-    until(lambda: after.is_over)
-    assert (after.outcome, job.state) == ("all", "cancelled")
+    next_job = jobs.start(functions.steps)
+    until(lambda: next_job.is_over)
+    assert (next_job.outcome, job.state) == ("all", "cancelled")
 
 
 def test_work_beyond_the_workers_waits_and_may_be_cancelled_before_it_begins(work, tmp_path):
@@ -115,7 +115,7 @@ def test_workers_end_with_the_desk(work, tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="processes are stopped otherwise there")
-def test_a_worker_that_the_system_ends_is_told_in_a_sentence(work, tmp_path):
+def test_a_worker_ended_by_the_system_is_explained(work, tmp_path):
     jobs, functions = work
     job = jobs.start(functions.wait, file=str(tmp_path / "began"))
     until((tmp_path / "began").exists)
@@ -130,25 +130,25 @@ def test_hostile_files_are_refused_with_the_sentence_of_the_command_line(jobs, t
     assert run(["assess", str(path), "--f", "1"]) == 2
     job = jobs.start(look_at, path=str(path))
     until(lambda: job.is_over)
-    shown = as_options(job.refusal, typer.main.get_command(application("assess")))
-    assert " ".join(capsys.readouterr().err.split()) == f"Error: {shown}"
+    output = as_options(job.refusal, typer.main.get_command(application("assess")))
+    assert " ".join(capsys.readouterr().err.split()) == f"Error: {output}"
     assert Path(path).name in job.refusal
 
 
 def test_tabs_do_not_mix_and_forged_keys_open_nothing():
     memories = Memories()
     first, pages = memories.find_tab("")
-    second, others = memories.find_tab("")
+    second, remaining = memories.find_tab("")
     assert first != second
-    assert pages is not others
+    assert pages is not remaining
     assert memories.find_tab(first) == (first, pages)
-    for forged in ("a" * 20, "../../x", "<script>", first + "x"):
-        key, new = memories.find_tab(forged)
-        assert key != forged
+    for token in ("a" * 20, "../../x", "<script>", first + "x"):
+        key, new = memories.find_tab(token)
+        assert key != token
         assert new == {}
 
 
-def test_tabs_that_were_not_used_for_longest_are_forgotten():
+def test_least_recently_used_tabs_are_forgotten():
     memories = Memories()
     keys = [memories.find_tab("")[0] for _ in range(60)]
     assert memories.find_tab(keys[-1])[0] == keys[-1]

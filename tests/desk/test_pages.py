@@ -29,10 +29,10 @@ def folder(tmp_path_factory):
 def address(folder):
     command = [sys.executable, "-m", "reliab", "desk", str(folder), "--no-browser", "--json", "-"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as desk:  # noqa: S603
-        printed = ""
-        while not printed.rstrip().endswith("}"):
-            printed += desk.stdout.readline()
-        yield json.loads(printed)["address"]
+        output = ""
+        while not output.rstrip().endswith("}"):
+            output += desk.stdout.readline()
+        yield json.loads(output)["address"]
         desk.send_signal(2)  # Ctrl+C
         assert desk.wait(30) == 0
     assert [path.name for path in folder.iterdir() if path.name.startswith(".")] == []
@@ -42,9 +42,9 @@ def address(folder):
 def chrome(tmp_path_factory):
     if programs() is None:
         pytest.skip("neither chromium nor its driver is installed here")
-    started = start(tmp_path_factory.mktemp("profile"), width=1280, height=1000)
-    yield started
-    started.quit()
+    workers = start(tmp_path_factory.mktemp("profile"), width=1280, height=1000)
+    yield workers
+    workers.quit()
 
 
 @pytest.fixture
@@ -89,10 +89,10 @@ def test_requests_without_the_token_or_of_other_origins_are_not_answered(address
             {"Origin": "http://evil.example", "Upgrade": "websocket", "Connection": "Upgrade"},
         ),
     ):
-        with pytest.raises(urllib.error.HTTPError) as refused:
+        with pytest.raises(urllib.error.HTTPError) as refusal:
             urllib.request.urlopen(urllib.request.Request(url, headers=headers))  # noqa: S310 - of this machine
-        with refused.value:
-            assert refused.value.code == 404
+        with refusal.value:
+            assert refusal.value.code == 404
     with urllib.request.urlopen(f"{address}judge") as page:  # noqa: S310
         assert page.status == 200
 
@@ -168,10 +168,10 @@ def test_two_tabs_do_not_mix(desk, tmp_path):
 def test_the_region_follows_the_sliders_by_keyboard_and_shows_a_rig_and_a_record(desk, tmp_path):
     desk.open("before")
     desk.wait_for("but not both at once")
-    slider = next(one for one in desk.elements("input[type=range]") if one.get_attribute("max") == "0.1")
-    before = desk.text()
+    slider = next(item for item in desk.elements("input[type=range]") if item.get_attribute("max") == "0.1")
+    original = desk.text()
     slider.send_keys("\ue014" * 10)  # right arrow
-    desk.until(lambda: desk.text() != before)
+    desk.until(lambda: desk.text() != original)
     desk.wait_for("--xi 0.03")
     desk.choose("Show the tests of a rig", "the rig that comes with reliab")
     motion = tmp_path / "motion.csv"
@@ -243,8 +243,8 @@ def test_a_diagnosis_survives_a_reload_and_is_cancelled(desk, tmp_path):
     desk.press("Cancel")
     desk.until(lambda: "Searching" not in desk.text())
     archive = tmp_path / "evil.zip"
-    with zipfile.ZipFile(archive, "w") as packed:
-        packed.writestr("../campaign.toml", "x")
+    with zipfile.ZipFile(archive, "w") as archive_file:
+        archive_file.writestr("../campaign.toml", "x")
     desk.press("Remove all files")
     desk.drop(archive)
     desk.until(lambda: desk.text().count("evil.zip") > 2)

@@ -15,17 +15,17 @@ from reliab.desk.pages.judge import corrections_of
 from reliab.desk.questions import channels_toml, command_line, number, python_line
 
 SAMPLE = shipped("datasets", "sample_test/test.csv")
-ASKED = {"f": "1±0.01", "xi": "0.02±0.002", "threshold": 0.04, "specimen": "linear"}
+QUESTION = {"f": "1±0.01", "xi": "0.02±0.002", "threshold": 0.04, "specimen": "linear"}
 
 
 @pytest.mark.slow
 def test_command_and_python_line_of_a_page_give_its_answer(capsys):
-    expected = reliab.assess(SAMPLE, **ASKED).to_dict()
-    command = shlex.split(command_line("assess", [str(SAMPLE)], ASKED))
+    content = reliab.assess(SAMPLE, **QUESTION).to_dict()
+    command = shlex.split(command_line("assess", [str(SAMPLE)], QUESTION))
     assert run([*command[1:], "--json", "-"]) == 0
-    assert json.loads(capsys.readouterr().out) == json.loads(json.dumps(expected))
-    line = python_line("assess", [str(SAMPLE)], ASKED)
-    assert eval(line, {"reliab": reliab}).to_dict() == expected  # noqa: S307 - what a user would run
+    assert json.loads(capsys.readouterr().out) == json.loads(json.dumps(content))
+    line = python_line("assess", [str(SAMPLE)], QUESTION)
+    assert eval(line, {"reliab": reliab}).to_dict() == content  # noqa: S307 - what a user would run
 
 
 @pytest.mark.parametrize("name", ["my test.csv", "$(id).csv", "-rf", "a'b\".csv", "é;rm.csv"])
@@ -45,13 +45,13 @@ def test_any_name_of_a_column_is_read_back_from_the_file_of_channels(column):
     }
 
 
-def test_corrections_change_what_is_read_as_the_file_of_channels_does(tmp_path):
+def test_corrections_act_like_the_file_of_channels(tmp_path):
     values = {"column_measured": "command_m", "column_command": "measured_m", "unit_command": "mm"}
     path = tmp_path / "channels.toml"
     path.write_text(channels_toml(corrections_of({**values, "sign_measured": "-1"})), encoding="utf-8")
-    plain, corrected = reliab.read_recording(SAMPLE), reliab.read_recording(SAMPLE, channels=path)
-    assert corrected.command[5000] == pytest.approx(1e-3 * plain.measured[5000])
-    assert corrected.measured[5000] == pytest.approx(-plain.command[5000])
+    plain, corrected_recording = reliab.read_recording(SAMPLE), reliab.read_recording(SAMPLE, channels=path)
+    assert corrected_recording.command[5000] == pytest.approx(1e-3 * plain.measured[5000])
+    assert corrected_recording.measured[5000] == pytest.approx(-plain.command[5000])
 
 
 def test_nothing_corrected_makes_no_file():

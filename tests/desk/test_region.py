@@ -13,13 +13,13 @@ STRUCTURES = [(1.0, 0.02, 1.0), (1.3, 0.035, 0.6), (4.9, 0.04, 0.5)]
 @pytest.mark.parametrize(("f", "xi", "alpha"), STRUCTURES)
 def test_the_region_has_the_limits_of_the_design(f, xi, alpha):
     region = tolerable_sides(f=f, xi=xi, alpha=alpha, threshold=0.04, confidence=0.9)
-    (expected,) = tolerable_errors([f], xi, threshold=0.04, confidences=[0.9], experimental_fraction=alpha)
-    assert region["lag"] == pytest.approx((expected.a, expected.b))
+    (reference,) = tolerable_errors([f], xi, threshold=0.04, confidences=[0.9], experimental_fraction=alpha)
+    assert region["lag"] == pytest.approx((reference.a, reference.b))
     assert region["lead"][1] > region["lag"][1]
 
 
 @pytest.mark.parametrize(("f", "xi", "alpha"), STRUCTURES)
-def test_nearly_all_motions_allow_what_the_region_does(f, xi, alpha):
+def test_nearly_all_motions_allow_the_region(f, xi, alpha):
     """The region protects 95 % of the population; of its own sample a few motions more or fewer."""
     region = tolerable_sides(f=f, xi=xi, alpha=alpha, duration=40.0)
     a, b = boundaries_of_motions(f=f, xi=xi, alpha=alpha)
@@ -49,7 +49,7 @@ def test_the_drawing_closes_both_sides():
 
 
 def test_limits_are_said_in_milliseconds_and_per_cent():
-    asked = {"confidence": 0.95, "threshold": 0.05}
-    text = limits_html({"lag": (1e-4, 4.0), "lead": (1e-4, 9.0)}, asked)
+    arguments = {"confidence": 0.95, "threshold": 0.05}
+    text = limits_html({"lag": (1e-4, 4.0), "lead": (1e-4, 9.0)}, arguments)
     assert "<b>2 ms</b> late, or 3 ms early, or <b>1.00 %</b>" in text
-    assert "No test would be accepted" in limits_html({"lag": (0.0, 0.0)}, asked)
+    assert "No test would be accepted" in limits_html({"lag": (0.0, 0.0)}, arguments)

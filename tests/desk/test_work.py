@@ -16,36 +16,36 @@ from reliab.desk.work import compare, judge, look_at, points_of_rig
 
 SAMPLE = shipped("datasets", "sample_test/test.csv")
 FIRST = (layouts.mts_793, layouts.tdms)
-EACH = [pytest.param(write, marks=[] if write in FIRST else pytest.mark.slow) for write in layouts.LAYOUTS]
+CASES = [pytest.param(write, marks=[] if write in FIRST else pytest.mark.slow) for write in layouts.LAYOUTS]
 
 
 @pytest.mark.default_cases(2)
-@pytest.mark.parametrize("write", EACH)
+@pytest.mark.parametrize("write", CASES)
 def test_a_dropped_file_of_any_layout_gives_the_numbers_of_the_command_line(folder, tmp_path, capsys, write):
     path = write(tmp_path)
-    dropped = folder.keep(path.name, path.read_bytes())
-    look = look_at(str(dropped))
+    uploaded = folder.keep(path.name, path.read_bytes())
+    look = look_at(str(uploaded))
     assert {channel["channel"] for channel in look.channels} >= {"command", "measured"}
     assert look.refusal == ""
     news = []
-    filed = judge(str(dropped), str(folder.new_place()), {"f": "1", "xi": "0.02"}, news.append)
+    files = judge(str(uploaded), str(folder.new_place()), {"f": "1", "xi": "0.02"}, news.append)
     capsys.readouterr()
     assert run(["assess", str(path), "--f", "1", "--xi", "0.02", "--json", "-"]) == 0
-    expected = json.loads(capsys.readouterr().out)
-    assert json.loads(json.dumps(news[0].content)) == expected
-    assert json.loads(Path(filed.files["Numbers (JSON)"]).read_text(encoding="utf-8")) == expected
+    reference = json.loads(capsys.readouterr().out)
+    assert json.loads(json.dumps(news[0].content)) == reference
+    assert json.loads(Path(files.files["Numbers (JSON)"]).read_text(encoding="utf-8")) == reference
 
 
 @pytest.mark.slow
 def test_an_answer_keeps_its_report_and_files_in_its_folder(folder):
     place = folder.new_place()
-    filed = judge(str(SAMPLE), str(place), {"f": 1.0, "xi": 0.02}, lambda _news: None)
+    files = judge(str(SAMPLE), str(place), {"f": 1.0, "xi": 0.02}, lambda _news: None)
     assert sorted(path.name for path in place.iterdir()) == ["corrected.csv", "report.pdf", "verdict.json"]
     assert (place / "report.pdf").read_bytes().startswith(b"%PDF")
-    assert "What to improve" in filed.html
+    assert "What to improve" in files.html
 
 
-def test_a_file_whose_channels_are_not_recognised_lists_its_columns_so_that_they_can_be_chosen(tmp_path):
+def test_an_unrecognised_file_lists_its_columns(tmp_path):
     path = tmp_path / "test.csv"
     lines = SAMPLE.read_text(encoding="utf-8").splitlines()
     header = next(k for k, line in enumerate(lines) if line.startswith("time_s"))
@@ -55,14 +55,14 @@ def test_a_file_whose_channels_are_not_recognised_lists_its_columns_so_that_they
     look = look_at(str(path))
     assert look.columns == ("time_s", "first", "second")
     assert "first" in look.refusal
-    stated = tmp_path / "channels.toml"
-    stated.write_text('[channels.command]\ncolumn = "first"\n[channels.measured]\ncolumn = "second"\n')
-    chosen = look_at(str(path), channels=str(stated))
-    assert [trace.name for trace in chosen.traces] == ["command", "measured"]
-    assert chosen.rate == pytest.approx(256.0, rel=1e-6)
+    values = tmp_path / "channels.toml"
+    values.write_text('[channels.command]\ncolumn = "first"\n[channels.measured]\ncolumn = "second"\n')
+    choices = look_at(str(path), channels=str(values))
+    assert [trace.name for trace in choices.traces] == ["command", "measured"]
+    assert choices.rate == pytest.approx(256.0, rel=1e-6)
 
 
-def test_a_file_that_is_no_test_is_refused(tmp_path):
+def test_an_invalid_test_file_is_refused(tmp_path):
     path = tmp_path / "test.csv"
     path.write_bytes(b"\x7fELF" + bytes(2000))
     with pytest.raises(InputError, match="reliab does not read"):
@@ -74,9 +74,9 @@ def test_tests_are_compared_by_their_names(folder):
     place = folder.new_place()
     text = SAMPLE.read_text(encoding="utf-8")
     files = [folder.keep(name, text, place=place) for name in ("none.csv", "adaptive.csv")]
-    filed = compare(list(map(str, files)), str(folder.new_place()), {"f": "1", "xi": "0.02"})
-    assert "none.csv" in filed.html
-    ranking = json.loads(Path(filed.files["Numbers (JSON)"]).read_text(encoding="utf-8"))
+    results = compare(list(map(str, files)), str(folder.new_place()), {"f": "1", "xi": "0.02"})
+    assert "none.csv" in results.html
+    ranking = json.loads(Path(results.files["Numbers (JSON)"]).read_text(encoding="utf-8"))
     assert {test["file"] for test in ranking["tests"]} == {"none.csv", "adaptive.csv"}
 
 
@@ -90,12 +90,14 @@ def test_the_tests_of_a_rig_are_points_with_amplitude_and_delay():
 def test_a_frame_takes_the_place_of_f_and_xi_and_its_verdict_is_shown(folder, tmp_path):
     frame = shipped("datasets", "frames/two_actuators.toml")
     time = np.arange(0.0, 20.0, 1.0 / 128.0)
-    moved = {f"command_{k}_m": 0.01 * np.sin((3.0 + k) * time) * np.sin(0.15 * time) ** 2 for k in (1, 2)}
-    late = {name.replace("command", "measured"): np.roll(values, 1) for name, values in moved.items()}
+    displacement = {
+        f"command_{k}_m": 0.01 * np.sin((3.0 + k) * time) * np.sin(0.15 * time) ** 2 for k in (1, 2)
+    }
+    late = {name.replace("command", "measured"): np.roll(values, 1) for name, values in displacement.items()}
     path = tmp_path / "two.csv"
-    pd.DataFrame({"time_s": time, **moved, **late}).to_csv(path, index=False)
+    pd.DataFrame({"time_s": time, **displacement, **late}).to_csv(path, index=False)
     news = []
-    filed = judge(str(path), str(folder.new_place()), {"structure": str(frame)}, news.append)
+    files = judge(str(path), str(folder.new_place()), {"structure": str(frame)}, news.append)
     assert len(news[0].content["error"]["degrees_of_freedom"]) == 2
     assert interval_html(news[0].content) != ""
-    assert "Report (PDF)" in filed.files
+    assert "Report (PDF)" in files.files

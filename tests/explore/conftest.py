@@ -21,24 +21,24 @@ def shipped_ellipses():
 
 
 @pytest.fixture(scope="session")
-def packed(shipped_ellipses):
+def archive(shipped_ellipses):
     return pack(shipped_ellipses)
 
 
 @pytest.fixture(scope="session")
-def by_javascript(packed):
+def javascript(archive):
     """Answer questions by the scripts of the page, run by node."""
     node = shutil.which("node")
     if node is None:
         pytest.skip("the page's scripts are run by node, and there is none here")
 
     def ask(*questions):
-        table = packed if any(kind in ("limits", "band") for kind, _ in questions) else None
+        table = archive if any(kind in ("limits", "band") for kind, _ in questions) else None
         job = json.dumps({"packed": table, "questions": questions})
         script = Path(__file__).with_name("numbers.mjs")
-        done = subprocess.run(  # noqa: S603
+        process = subprocess.run(  # noqa: S603
             [node, str(script), str(WEB)], input=job, capture_output=True, text=True, check=True, timeout=120
         )
-        return json.loads(done.stdout)
+        return json.loads(process.stdout)
 
     return ask

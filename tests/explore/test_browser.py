@@ -52,17 +52,17 @@ def test_the_page_requests_nothing_and_complains_of_nothing(page, address):
         if (message := json.loads(entry["message"])["message"])["method"] == "Network.requestWillBeSent"
     ]
     of_browser = ("chrome://", "chrome-untrusted://")  # its own page of a new profile
-    by_page = [each for each in requests if not each["documentURL"].startswith(of_browser)]
-    assert {each["request"]["url"] for each in by_page} == {address}
+    by_page = [row for row in requests if not row["documentURL"].startswith(of_browser)]
+    assert {row["request"]["url"] for row in by_page} == {address}
     assert page.get_log("browser") == []
 
 
 def test_sliders_answer_to_the_keyboard_and_the_region_follows(page):
-    before = text(page, "answer")
+    original = text(page, "answer")
     slider = page.find_element("id", "damping")
     slider.send_keys("\ue014" * 20)  # right arrow
     assert text(page, "damping-value") == "4 %"
-    assert text(page, "answer") != before
+    assert text(page, "answer") != original
     plane = page.find_element("id", "plane")
     page.execute_script("arguments[0].focus()", plane)
     plane.send_keys("\ue013" * 3)  # up arrow: a later actuator
@@ -78,13 +78,13 @@ def test_two_criteria_stand_side_by_side(page):
         "return ['region', 'compared']"
         ".map((name) => document.querySelector(`#plane .${name}`).getAttribute('d'))"
     )
-    own, compared = page.execute_script(regions)
-    assert own != compared
+    own_files, compared = page.execute_script(regions)
+    assert own_files != compared
     page.execute_script(
         "const e = document.getElementById('compared'); e.value = 'printed';"
         "e.dispatchEvent(new Event('input', {bubbles: true}))"
     )
-    assert page.execute_script(regions)[1] not in (own, compared)
+    assert page.execute_script(regions)[1] not in (own_files, compared)
     until(page, "return document.querySelectorAll('#delay-law .band').length === 1")
 
 

@@ -33,7 +33,7 @@ QUESTIONS = [
 ]
 
 
-def asked(f, xi, threshold, confidence, metric, duration):
+def question_of(f, xi, threshold, confidence, metric, duration):
     return {
         "frequency": f,
         "dampingRatio": xi,
@@ -44,87 +44,87 @@ def asked(f, xi, threshold, confidence, metric, duration):
     }
 
 
-def by_python(question, side, **options):
+def python_answer(question, side, **options):
     f, xi, threshold, confidence, metric, duration = question
     criterion = default_criterion(f, xi, threshold, confidence, metric=metric, duration=duration, **options)
     return scale_limits(criterion, Structure(frequency=f, damping_ratio=xi), Side(side))[:2]
 
 
 @pytest.mark.slow
-def test_special_functions(by_javascript):
+def test_special_functions(javascript):
     places = np.linspace(-8.0, 8.0, 33).tolist()
     pairs = [[h, a] for h in (-3.0, 0.0, 0.4, 2.0, 6.0) for a in (-9.0, -0.5, 0.0, 0.3, 1.0, 2.5)]
     degrees = [[x, n] for x in (-20.0, -2.5, -0.1, 0.0, 1.0, 7.0) for n in (1.0, 2.7, 18.4, 99.0)]
     shares = np.geomspace(1e-12, 0.999, 25).tolist()
-    answers = by_javascript(
+    answers = javascript(
         ("special", {"name": "normalCumulative", "values": [[x] for x in places]}),
         ("special", {"name": "normalQuantile", "values": [[p] for p in shares]}),
         ("special", {"name": "owensT", "values": pairs}),
         ("special", {"name": "studentCumulative", "values": degrees}),
     )
-    expected = (
+    reference = (
         ndtr(places),
         ndtri(shares),
         owens_t(*np.transpose(pairs)),
         student.cdf(*np.transpose(degrees)),
     )
-    for answer, values in zip(answers, expected, strict=True):
+    for answer, values in zip(answers, reference, strict=True):
         np.testing.assert_allclose(answer, values, rtol=1e-10, atol=1e-15)
 
 
 @pytest.mark.slow
-def test_limits_are_those_of_python(by_javascript):
+def test_limits_are_those_of_python(javascript):
     sides = ("lag", "lead")
-    answers = by_javascript(
-        *[("limits", {**asked(*question), "side": side}) for question in QUESTIONS for side in sides]
+    answers = javascript(
+        *[("limits", {**question_of(*question), "side": side}) for question in QUESTIONS for side in sides]
     )
-    expected = [by_python(question, side) for question in QUESTIONS for side in sides]
-    np.testing.assert_allclose(answers, expected, rtol=ROUNDED)
+    reference = [python_answer(question, side) for question in QUESTIONS for side in sides]
+    np.testing.assert_allclose(answers, reference, rtol=ROUNDED)
     assert answers[-1] == [0.0, 0.0]  # 19 earthquakes do not carry 99.5 %
 
 
 @pytest.mark.slow
-def test_a_threshold_that_an_actuator_at_rest_keeps_accepts_nothing(by_javascript):
+def test_a_threshold_kept_by_an_actuator_at_rest_accepts_nothing(javascript):
     questions = [(f, xi, 0.2, 0.9, "rms", None) for f in (0.25, 0.6, 1.0, 2.0) for xi in (0.02, 0.05, 0.1)]
-    answers = by_javascript(*[("limits", {**asked(*question), "side": "lag"}) for question in questions])
-    refused = 0
+    answers = javascript(*[("limits", {**question_of(*question), "side": "lag"}) for question in questions])
+    refusal = 0
     for question, answer in zip(questions, answers, strict=True):
         try:
-            assert answer == pytest.approx(by_python(question, "lag"), rel=ROUNDED)
+            assert answer == pytest.approx(python_answer(question, "lag"), rel=ROUNDED)
         except InputError:
             assert answer == [0.0, 0.0]
-            refused += 1
-    assert 0 < refused < len(questions)
+            refusal += 1
+    assert 0 < refusal < len(questions)
 
 
 @pytest.mark.slow
-def test_band_holds_the_criterion_without_one_earthquake(by_javascript, shipped_ellipses):
-    (answer,) = by_javascript(("band", {**asked(*QUESTIONS[0]), "side": "lag"}))
+def test_band_holds_the_criterion_without_one_earthquake(javascript, shipped_ellipses):
+    (answer,) = javascript(("band", {**question_of(*QUESTIONS[0]), "side": "lag"}))
     for event in np.unique(shipped_ellipses["record"]["event"].values)[::6]:
         for (low, high), limit in zip(
-            answer, by_python(QUESTIONS[0], "lag", without=str(event)), strict=True
+            answer, python_answer(QUESTIONS[0], "lag", without=str(event)), strict=True
         ):
             assert 0.99 * low <= limit <= 1.01 * high
 
 
 @pytest.mark.slow
-def test_band_is_the_criterion_without_one_earthquake_after_the_other(by_javascript, shipped_ellipses):
-    (answer,) = by_javascript(("band", {**asked(*QUESTIONS[0]), "side": "lag"}))
+def test_band_is_the_criterion_without_one_earthquake_after_the_other(javascript, shipped_ellipses):
+    (answer,) = javascript(("band", {**question_of(*QUESTIONS[0]), "side": "lag"}))
     events = np.unique(shipped_ellipses["record"]["event"].values)
-    without = np.array([by_python(QUESTIONS[0], "lag", without=str(event)) for event in events])
+    baseline = np.array([python_answer(QUESTIONS[0], "lag", without=str(event)) for event in events])
     # The page carries the population once; Python does it again without each earthquake
-    np.testing.assert_allclose(answer, np.transpose([without.min(axis=0), without.max(axis=0)]), rtol=1e-2)
+    np.testing.assert_allclose(answer, np.transpose([baseline.min(axis=0), baseline.max(axis=0)]), rtol=1e-2)
 
 
-def test_printed_law_and_index(by_javascript):
-    printed = published_criterion("guo_2017_18")
-    limits, outside, index = by_javascript(
-        ("printed", asked(1.3, 0.04, 0.05, 0.95, "rms", None)),
-        ("printed", asked(1.3, 0.04, 0.04, 0.95, "rms", None)),
+def test_printed_law_and_index(javascript):
+    output = published_criterion("guo_2017_18")
+    limits, is_outside, index = javascript(
+        ("printed", question_of(1.3, 0.04, 0.05, 0.95, "rms", None)),
+        ("printed", question_of(1.3, 0.04, 0.04, 0.95, "rms", None)),
         ("index", {"limits": [0.021 * 0.02, 0.1655], "amplitude": 1.0039, "delay": -0.39e-3}),
     )
-    assert limits == pytest.approx([float(limit) for limit in printed.limits(1.3, 0.04)], rel=1e-12)
-    assert outside is None
+    assert limits == pytest.approx([float(limit) for limit in output.limits(1.3, 0.04)], rel=1e-12)
+    assert is_outside is None
     assert index == pytest.approx(0.0039**2 / 0.00042 + 0.39**2 / 0.1655, rel=1e-12)
 
 
@@ -141,13 +141,13 @@ OTHER_CRITERION = {"threshold": 0.03, "confidence": 0.9, "metric": "mte"}
         ((0.97, 0.024, 0.9), (0.013, 0.1), OTHER_CRITERION),
     ],
 )
-def test_the_command_to_copy_is_one_that_assess_takes(
-    by_javascript, tmp_path, monkeypatch, capsys, structure, deviations, criterion
+def test_the_command_to_copy_is_accepted_by_assess(
+    javascript, tmp_path, monkeypatch, capsys, structure, deviations, criterion
 ):
     (tmp_path / "TEST.csv").write_bytes(SAMPLE.read_bytes())
     monkeypatch.chdir(tmp_path)
     f, xi, alpha = structure
-    (line,) = by_javascript(
+    (line,) = javascript(
         (
             "command",
             {

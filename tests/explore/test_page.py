@@ -23,19 +23,19 @@ def small(shipped_ellipses):
     return {"record": shipped_ellipses["record"].isel(f=[3], xi=[0], threshold=[3])}
 
 
-def test_page_is_one_small_file_that_asks_for_nothing(packed, shipped_ellipses, tmp_path):
+def test_page_is_one_small_file_without_requests(archive, shipped_ellipses, tmp_path):
     write_page(tmp_path / "page.html", shipped_ellipses, source="a test")
     page = (tmp_path / "page.html").read_text(encoding="utf-8")
     assert len(page.encode("utf-8")) < MOST_BYTES
-    assert packed["codes"] in page
+    assert archive["codes"] in page
     assert not re.search(r'(src|href)\s*=|url\((?!#)|@import|https?:(?!//www\.w3\.org/2000/svg")', page)
     policy = re.search(r'Content-Security-Policy" content="([^"]*)"', page)[1]
     assert policy.startswith("default-src 'none'; script-src 'sha256-")
     assert "unsafe" not in policy
 
 
-def test_page_has_no_verdict_of_its_own(packed):
-    page = render(packed, Settings(), source="a test").replace(packed["codes"], "")
+def test_page_has_no_verdict_of_its_own(archive):
+    page = render(archive, Settings(), source="a test").replace(archive["codes"], "")
     assert not re.search(r"\b(un)?reliable\b|\bundecided\b|\bverdict\b", page.partition("<body>")[2])
 
 
@@ -50,13 +50,13 @@ def test_no_placeholder_is_left_and_scripts_are_in_order():
 
 def test_codes_hold_the_shipped_ellipses(small):
     """Decoded by the definition of a float32, not by the page."""
-    packed = pack(small)
-    planes = np.frombuffer(zlib.decompress(base64.b64decode(packed["codes"])), np.uint8).reshape(2, -1)
+    archive_file = pack(small)
+    planes = np.frombuffer(zlib.decompress(base64.b64decode(archive_file["codes"])), np.uint8).reshape(2, -1)
     codes = planes[0].astype(np.uint32) + 256 * planes[1].astype(np.uint32)
     table = small["record"].sel(curve="inscribed")
     order = ("threshold", "metric", "side", "f", "xi", "motion")
     protecting = protect_over_lengths(small["record"]).sel(curve="inscribed")
-    for half, offset, name in zip(codes.reshape(2, -1), packed["offsets"], ("a", "b"), strict=True):
+    for half, offset, name in zip(codes.reshape(2, -1), archive_file["offsets"], ("a", "b"), strict=True):
         decoded = ((half + np.uint32(offset)) << np.uint32(12)).view(np.float32)
         shape = table[name].transpose(*order).shape
         np.testing.assert_allclose(
@@ -83,24 +83,29 @@ def test_names_in_the_data_cannot_end_the_script(small):
         Settings(metric="peak"),
     ],
 )
-def test_settings_that_the_ellipses_do_not_hold_are_refused(small, settings):
+def test_settings_missing_from_the_ellipses_are_refused(small, settings):
     with pytest.raises(InputError):
         render(pack(small), settings, source="a test")
 
 
 def test_settings_at_the_ends_of_the_ellipses_are_within_them_in_spite_of_rounding(shipped_ellipses):
-    packed = pack({"record": shipped_ellipses["record"].isel(f=[3, 4], xi=[0])})
-    for f in packed["frequencies"]:
+    archive_file = pack({"record": shipped_ellipses["record"].isel(f=[3, 4], xi=[0])})
+    for f in archive_file["frequencies"]:
         for rounded in (f * (1.0 - 1e-12), f, f * (1.0 + 1e-12)):
-            assert f'"frequency": {rounded}' in render(packed, Settings(frequency=rounded), source="a test")
-    for f in (min(packed["frequencies"]) * (1.0 - 1e-6), max(packed["frequencies"]) * (1.0 + 1e-6)):
+            assert f'"frequency": {rounded}' in render(
+                archive_file, Settings(frequency=rounded), source="a test"
+            )
+    for f in (
+        min(archive_file["frequencies"]) * (1.0 - 1e-6),
+        max(archive_file["frequencies"]) * (1.0 + 1e-6),
+    ):
         with pytest.raises(InputError, match="ellipses are of a natural frequency"):
-            render(packed, Settings(frequency=f), source="a test")
+            render(archive_file, Settings(frequency=f), source="a test")
 
 
 def test_page_opens_at_a_structure_of_its_ellipses(small):
-    moved = small["record"].assign_coords(f=[0.4], xi=[0.07])
-    page = render(pack({"record": moved}), Settings(), source="a test")
+    displacement = small["record"].assign_coords(f=[0.4], xi=[0.07])
+    page = render(pack({"record": displacement}), Settings(), source="a test")
     assert '"frequency": 0.4, "dampingRatio": 0.07, "threshold": 0.05' in page
 
 
@@ -132,6 +137,6 @@ def luminance(colour):
 @pytest.mark.parametrize("palette", palettes(), ids=["light", "dark"])
 @pytest.mark.parametrize("ground", ["paper", "card", "tinted", "field"])
 @pytest.mark.parametrize("text", ["ink", "soft", "red"])
-def test_what_is_written_stands_out_from_its_ground(palette, ground, text):
+def test_text_stands_out_from_its_ground(palette, ground, text):
     dark, bright = sorted((luminance(palette[ground]), luminance(palette[text])))
     assert (bright + 0.05) / (dark + 0.05) >= 4.5  # level AA

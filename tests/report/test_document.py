@@ -40,9 +40,9 @@ def test_a_label_is_used_once():
 
 def test_sources_are_numbered_as_they_are_referred_to():
     sources = tuple(Source(label=name, text=name) for name in ("one", "two", "three"))
-    made = document(Paragraph(text=prose("As in @three and @one.")), sources=sources)
-    content = json.loads(files_of(made)["document.json"])
-    assert [each["label"] for each in content["sources"]] == ["three", "one"]
+    report = document(Paragraph(text=prose("As in @three and @one.")), sources=sources)
+    content = json.loads(files_of(report)["document.json"])
+    assert [row["label"] for row in content["sources"]] == ["three", "one"]
 
 
 def figure(label, **options):
@@ -50,8 +50,8 @@ def figure(label, **options):
 
 
 def test_one_figure_stands_on_the_first_page_and_there_only():
-    made = document(Section(title="S", blocks=(figure("fig:a"), figure("fig:b", leads=True))))
-    content = json.loads(files_of(made)["document.json"])
+    report = document(Section(title="S", blocks=(figure("fig:a"), figure("fig:b", leads=True))))
+    content = json.loads(files_of(report)["document.json"])
     assert [part["label"] for part in content["leading"]] == ["fig:b"]
     assert [part["label"] for part in content["blocks"][0]["blocks"]] == ["fig:a"]
     with pytest.raises(ValueError, match="two are marked"):
@@ -59,8 +59,8 @@ def test_one_figure_stands_on_the_first_page_and_there_only():
 
 
 def test_an_appendix_stands_behind_the_other_sections():
-    made = document(Section(title="Method", blocks=(), appendix=True), Section(title="Result", blocks=()))
-    content = json.loads(files_of(made)["document.json"])
+    report = document(Section(title="Method", blocks=(), appendix=True), Section(title="Result", blocks=()))
+    content = json.loads(files_of(report)["document.json"])
     assert [part["title"] for part in content["blocks"]] == ["Result"]
     assert [part["title"] for part in content["appendix"]] == ["Method"]
 
@@ -82,16 +82,16 @@ def cells(values, number):
     "number", [Fixed(decimals=3), Significant(digits=3), Scientific(decimals=1), WholeNumber()]
 )
 def test_numbers_end_at_the_same_place_after_the_point(number):
-    written = cells([23.268, 0.3333, -1234.5, np.nan, np.inf, 0.0], number)
-    ends = {len(f"{cell['digits']}{cell['lacks']}".partition(".")[2]) for cell in written}
+    text = cells([23.268, 0.3333, -1234.5, np.nan, np.inf, 0.0], number)
+    ends = {len(f"{cell['digits']}{cell['lacks']}".partition(".")[2]) for cell in text}
     assert len(ends) == 1
 
 
 @pytest.mark.parametrize("value", [9.995, 0.09996, 99.96, 123456.0, -0.5, 1e-12])
 def test_significant_digits_are_kept(value):
-    written = Significant(digits=3)(value)
-    text = written.digits.replace("−", "-")
-    assert float(f"{text}e{written.exponent or 0}") == pytest.approx(float(f"{value:.2e}"), rel=6e-3)
+    contents = Significant(digits=3)(value)
+    text = contents.digits.replace("−", "-")
+    assert float(f"{text}e{contents.exponent or 0}") == pytest.approx(float(f"{value:.2e}"), rel=6e-3)
     assert len(text.lstrip("-").replace(".", "").lstrip("0")) >= 3
 
 

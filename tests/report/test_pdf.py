@@ -87,7 +87,7 @@ def test_tools_read_a_report_without_complaint(tmp_path, tool):
     assert read.stderr == ""
 
 
-def test_catalogue_of_a_tagged_report_leaves_out_a_default_that_readers_stumble_over():
+def test_catalogue_of_a_tagged_report_omits_a_harmful_default():
     pdf = compile_report(report(), date=DATE)
     assert b"/Marked true" in pdf
     assert b"/Suspects" not in pdf
@@ -100,9 +100,9 @@ def test_the_date_is_written():
 def test_every_font_is_embedded():
     pdf = compile_report(report(), date=DATE)
     content = b"\n".join([pdf, *streams(pdf)])
-    described = len(re.findall(rb"/Type\s*/FontDescriptor", content))
-    assert described >= 3
-    assert len(re.findall(rb"/FontFile[23]?\s", content)) == described
+    description = len(re.findall(rb"/Type\s*/FontDescriptor", content))
+    assert description >= 3
+    assert len(re.findall(rb"/FontFile[23]?\s", content)) == description
 
 
 @pytest.mark.parametrize("sheet", [False, True])
@@ -116,8 +116,8 @@ def test_typst_has_nothing_to_warn_of(sheet):
 def headings(document):
     files = {**templates(), **files_of(document)}
     inputs = {"date": "2026-01-01", "version": "0"}
-    found = typst.query(files, "heading", field="body", ignore_system_fonts=True, sys_inputs=inputs)
-    return found if isinstance(found, str) else str(found)
+    result = typst.query(files, "heading", field="body", ignore_system_fonts=True, sys_inputs=inputs)
+    return result if isinstance(result, str) else str(result)
 
 
 @pytest.mark.default_cases(3)
@@ -135,7 +135,7 @@ def test_any_text_can_be_set(text):
     assert pdf.startswith(b"%PDF")
 
 
-def test_a_file_that_cannot_be_written_is_explained(tmp_path):
+def test_an_unwritable_file_is_explained(tmp_path):
     with pytest.raises(InputError, match="Cannot write the file"):
         write_pdf(report(), tmp_path / "missing" / "report.pdf", date=DATE)
 

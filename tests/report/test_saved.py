@@ -57,7 +57,7 @@ def sent(tmp_path, monkeypatch):
     return folder
 
 
-def test_what_is_saved_again_replaces_the_first_and_two_at_once_have_their_own_places(tmp_path, monkeypatch):
+def test_saving_again_replaces_the_first_content(tmp_path, monkeypatch):
     """One report is being written while another is saved to the same place."""
     first, second = (Document(kind="Test", title=title, verdict="Good.", blocks=()) for title in ("A", "B"))
     place = tmp_path / "report"
@@ -76,14 +76,14 @@ def test_what_is_saved_again_replaces_the_first_and_two_at_once_have_their_own_p
     assert [path.name for path in tmp_path.iterdir()] == ["report"]
 
 
-def changed(folder, change):
+def change_content(folder, change):
     path = folder / "report" / "document.json"
     content = json.loads(path.read_text())
     change(content["blocks"])
     path.write_text(json.dumps(content))
 
 
-def refused(folder, capsys):
+def refuse_folder(folder, capsys):
     """Message with which a folder is refused; nothing was written."""
     assert run(["report", str(folder)]) == 2
     assert not (folder / "report.pdf").exists()
@@ -92,7 +92,7 @@ def refused(folder, capsys):
     return message
 
 
-def test_what_was_saved_is_set_as_the_document_itself(sent):
+def test_saved_content_is_set_like_the_document(sent):
     assert run(["report", str(sent)]) == 0
     content = read_content(sent / "report")
     assert (sent / "report.pdf").read_bytes() == compile_report(content, date=DATE)
@@ -100,11 +100,11 @@ def test_what_was_saved_is_set_as_the_document_itself(sent):
 
 
 @pytest.mark.parametrize("name", [*templates(), "logo.png", "figure-2.svg"])
-def test_files_that_the_content_does_not_name_are_not_used(sent, name):
-    expected = compile_report(read_content(sent / "report"), date=DATE)
+def test_unnamed_files_are_not_used(sent, name):
+    reference = compile_report(read_content(sent / "report"), date=DATE)
     (sent / "report" / name).write_text('#read("secret.txt")')
     assert run(["report", str(sent)]) == 0
-    assert (sent / "report.pdf").read_bytes() == expected
+    assert (sent / "report.pdf").read_bytes() == reference
 
 
 @pytest.mark.parametrize("name", templates())
@@ -117,7 +117,7 @@ def test_templates_are_those_of_the_package_whatever_the_content_is(sent, name):
 @pytest.mark.default_cases(8)
 @pytest.mark.parametrize("formula", READING)
 @pytest.mark.parametrize("place", ["line", "equation", "unused"])
-def test_a_formula_that_is_none_is_refused(sent, capsys, formula, place):
+def test_an_invalid_formula_is_refused(sent, capsys, formula, place):
     def change(blocks):
         if place == "line":
             blocks[0]["text"][1]["source"] = formula
@@ -126,11 +126,11 @@ def test_a_formula_that_is_none_is_refused(sent, capsys, formula, place):
         else:
             blocks[0]["anything"] = {"kind": "math", "source": formula}
 
-    changed(sent, change)
-    assert "A formula is built of" in refused(sent, capsys)
+    change_content(sent, change)
+    assert "A formula is built of" in refuse_folder(sent, capsys)
 
 
-def test_a_formula_that_hides_behind_a_key_of_the_same_name_is_not_set(sent):
+def test_a_formula_hidden_behind_a_repeated_key_is_not_set(sent):
     path = sent / "report" / "document.json"
     twice = '"source": "std.read(\\"secret.txt\\")", "source": "x"'
     path.write_text(path.read_text().replace('"source": "xi = 0.02"', twice))
@@ -154,9 +154,9 @@ def test_authors_of_reports_are_held_to_the_same_formulas(formula):
     ],
 )
 def test_a_figure_of_another_name_is_refused(sent, capsys, name):
-    changed(sent, lambda blocks: blocks[2].update(file=name))
+    change_content(sent, lambda blocks: blocks[2].update(file=name))
     rule = "figure-7.svg: No such file" if name == "figure-7.svg" else "A report is set from its content"
-    assert rule in refused(sent, capsys)
+    assert rule in refuse_folder(sent, capsys)
 
 
 @pytest.mark.parametrize(
@@ -172,9 +172,9 @@ def test_a_figure_of_another_name_is_refused(sent, capsys, name):
         "",
     ],
 )
-def test_a_figure_that_names_another_file_is_refused(sent, capsys, picture):
+def test_a_figure_naming_another_file_is_refused(sent, capsys, picture):
     (sent / "report" / "figure-1.svg").write_text(picture)
-    assert "A report is set from its content" in refused(sent, capsys)
+    assert "A report is set from its content" in refuse_folder(sent, capsys)
 
 
 def test_a_picture_beside_the_working_folder_cannot_be_part_of_a_logo(sent, tmp_path):
@@ -186,26 +186,28 @@ def test_a_picture_beside_the_working_folder_cannot_be_part_of_a_logo(sent, tmp_
 
 @pytest.mark.parametrize("part", ["report/figure-1.svg", "report/document.json", "report", "manifest.json"])
 def test_a_link_in_the_folder_is_refused(sent, capsys, part):
-    own = sent / part
-    elsewhere = own.rename(sent.parent / "moved")
-    own.symlink_to(elsewhere)
-    assert "must not contain links" in refused(sent, capsys)
+    own_files = sent / part
+    elsewhere = own_files.rename(sent.parent / "moved")
+    own_files.symlink_to(elsewhere)
+    assert "must not contain links" in refuse_folder(sent, capsys)
 
 
 @pytest.mark.parametrize("content", ["", "[]", "1", "null", "{}", "[" * 100_000, '{"blocks": NaN}', "\ud800"])
-def test_content_that_is_none_is_refused(sent, capsys, content):
+def test_invalid_content_is_refused(sent, capsys, content):
     (sent / "report" / "document.json").write_bytes(content.encode(errors="surrogatepass"))
     rules = ("A report is set from its content", "are nested more than 32 deep", "Not a finite number")
-    message = refused(sent, capsys)
+    message = refuse_folder(sent, capsys)
     assert any(rule in message for rule in rules)
 
 
-def test_a_report_that_is_too_large_is_refused(sent, capsys):
+def test_an_oversized_report_is_refused(sent, capsys):
     with (sent / "report" / "figure-1.svg").open("r+b") as file:
         file.truncate(60_000_000)
-    assert "larger than 50 MB" in refused(sent, capsys)
+    assert "larger than 50 MB" in refuse_folder(sent, capsys)
 
 
 def test_text_is_never_markup(sent):
-    changed(sent, lambda blocks: blocks[0].update(text=[{"kind": "text", "text": '#read("secret.txt")'}]))
+    change_content(
+        sent, lambda blocks: blocks[0].update(text=[{"kind": "text", "text": '#read("secret.txt")'}])
+    )
     assert run(["report", str(sent)]) == 0

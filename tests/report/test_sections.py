@@ -12,8 +12,8 @@ from reliab.report.document import Figure, Paragraph, Table
 from reliab.report.kinds import discrepancy_report as discrepancy
 from reliab.report.kinds.criterion.result import ReportedCriteria, result_section
 from reliab.report.sections.method import (
-    _FITTED,
-    _INSCRIBED,
+    _FITTED_ELLIPSE,
+    _INSCRIBED_ELLIPSE,
     _assumptions,
     _boundary,
     _confidence,
@@ -53,7 +53,7 @@ def rates(frequencies=(0.5, 2.0), **levels):
 
 
 def test_the_division_is_told_where_there_is_one():
-    plain, divided = (
+    plain, ratio = (
         rates_section(rates(ours=(1.0, (0.8, 0.9))), confidence=0.9, division=division)
         for division in ("", "by region")
     )
@@ -61,26 +61,26 @@ def test_the_division_is_told_where_there_is_one():
     assert plain.label == "sec:coverage"
     assert "Whole earthquakes were held out in turn" in words(plain.blocks)
     assert "Division" not in words(plain.blocks)
-    assert divided.title == "Put to the test: by region"
-    assert divided.label == "sec:coverage-by-region"
-    assert "Division: by region" in words(divided.blocks)
-    assert "Whole earthquakes" not in words(divided.blocks)
-    labels = [block.label for block in divided.blocks if isinstance(block, Figure | Table)]
+    assert ratio.title == "Put to the test: by region"
+    assert ratio.label == "sec:coverage-by-region"
+    assert "Division: by region" in words(ratio.blocks)
+    assert "Whole earthquakes" not in words(ratio.blocks)
+    labels = [block.label for block in ratio.blocks if isinstance(block, Figure | Table)]
     assert labels == [f"{kind}-by-region" for kind in ("fig:calibration", "fig:by-frequency", "tab:rates")]
 
 
-def test_the_figures_hold_what_they_are_about():
+def test_the_figures_hold_their_criteria():
     table = rates(ours=(0.95, (0.8, 0.9)), printed=(0.5, (0.9,)))
-    opening, calibration, by_frequency, shares = rates_section(table, confidence=0.89, leads=True).blocks
+    opening, calibration, frequency_section, shares = rates_section(table, confidence=0.89, leads=True).blocks
     assert isinstance(opening, Paragraph)
     assert calibration.leads
     caption = words((calibration.caption,))
     assert "Printed laws state one confidence only" in caption
-    drawn = [text.get_text() for text in calibration.drawing.legends[0].get_texts()]
-    assert drawn == ["observed as stated", "ours"]
-    names = [text.get_text() for text in by_frequency.drawing.legends[0].get_texts()]
+    figure = [text.get_text() for text in calibration.drawing.legends[0].get_texts()]
+    assert figure == ["observed as stated", "ours"]
+    names = [text.get_text() for text in frequency_section.drawing.legends[0].get_texts()]
     assert sorted(names) == ["ours", "printed", "stated 90 %"]
-    assert "at a stated 90" in words((by_frequency.caption,))
+    assert "at a stated 90" in words((frequency_section.caption,))
     assert shares.frame["confidence"].tolist() == [0.8, 0.9, 0.9]
     assert shares.frame["containment rate"].tolist() == pytest.approx([0.76, 0.855, 0.45])
     assert shares.frame["containment low"].tolist() == pytest.approx([0.71, 0.805, 0.40])
@@ -109,32 +109,32 @@ def criterion(ellipses_of):
 @pytest.mark.parametrize("curve", ["inscribed", "ellipse"])
 def test_the_boundary_names_its_curve(criterion, curve):
     provenance = dataclasses.replace(criterion.provenance, curve=curve)
-    given = dataclasses.replace(criterion, provenance=provenance)
-    said = words(_boundary(given).blocks)
-    expected, other = (_INSCRIBED, _FITTED)[:: 1 if curve == "inscribed" else -1]
-    assert expected in said
-    assert other not in said
-    assert _FITTED in words(_boundary(None).blocks)
+    arguments = dataclasses.replace(criterion, provenance=provenance)
+    sentences = words(_boundary(arguments).blocks)
+    reference, second = (_INSCRIBED_ELLIPSE, _FITTED_ELLIPSE)[:: 1 if curve == "inscribed" else -1]
+    assert reference in sentences
+    assert second not in sentences
+    assert _FITTED_ELLIPSE in words(_boundary(None).blocks)
 
 
 @pytest.mark.parametrize("joint", [True, False])
-def test_the_confidence_says_for_what_it_holds(criterion, joint):
-    said = words(_confidence(dataclasses.replace(criterion, joint=joint)).blocks)
-    assert ("for both together" in said) is joint
-    assert ("for each of them separately" in said) is not joint
+def test_the_confidence_names_its_scope(criterion, joint):
+    sentences = words(_confidence(dataclasses.replace(criterion, joint=joint)).blocks)
+    assert ("for both together" in sentences) is joint
+    assert ("for each of them separately" in sentences) is not joint
 
 
 @pytest.mark.parametrize(
     ("fraction", "sentence"), [(1.0, "All stiffness stands"), (0.4, "does not hold for a larger")]
 )
 def test_the_share_in_the_laboratory_is_told(fraction, sentence):
-    said = words(_assumptions(fraction).blocks)
-    assert sentence in said
-    assert ("40" in said) is (fraction == 0.4)
-    assert "constant gain and a constant delay" in said
+    sentences = words(_assumptions(fraction).blocks)
+    assert sentence in sentences
+    assert ("40" in sentences) is (fraction == 0.4)
+    assert "constant gain and a constant delay" in sentences
 
 
-def test_limits_begin_with_the_sentences_that_are_given():
+def test_limits_begin_with_their_sentences():
     (points,) = limits_section(["First sentence."]).blocks
     assert points.items[0] == "First sentence."
     assert len(points.items) == 3
@@ -143,9 +143,7 @@ def test_limits_begin_with_the_sentences_that_are_given():
 @pytest.mark.parametrize(
     ("explained", "said"), [(True, "does not differ from noise"), (False, "varies with no quantity")]
 )
-def test_a_residual_of_which_nothing_was_found_is_noise_only_where_all_is_explained(
-    monkeypatch, explained, said
-):
+def test_a_residual_is_noise_only_in_a_complete_model(monkeypatch, explained, said):
     monkeypatch.setattr(discrepancy, "draw_or_skip", lambda *_: ())
     section = discrepancy.location_section(SimpleNamespace(where=(), is_explained=explained, blocks=()))
     (only,) = section.blocks
@@ -154,7 +152,7 @@ def test_a_residual_of_which_nothing_was_found_is_noise_only_where_all_is_explai
 
 @pytest.mark.parametrize(("motions", "said"), [(5, 1), (100, 0)])
 def test_a_criterion_of_too_few_motions_is_said_to_promise_nothing(ellipses_of, motions, said):
-    few = ellipses_of((1.0,), (0.02,)).isel(motion=slice(0, motions))
-    criterion = derive_criterion(few, f=1.0, xi=0.02, method=method_of("dirichlet"), joint=True)
-    section = result_section(ReportedCriteria(ellipses=few, criteria=(criterion,)), "motions")
+    subset = ellipses_of((1.0,), (0.02,)).isel(motion=slice(0, motions))
+    criterion = derive_criterion(subset, f=1.0, xi=0.02, method=method_of("dirichlet"), joint=True)
+    section = result_section(ReportedCriteria(ellipses=subset, criteria=(criterion,)), "motions")
     assert words(section.blocks).count("too few for the promise at 95 %") == said

@@ -77,20 +77,20 @@ def test_letter_has_the_size_of_letter():
     assert re.findall(rb"/MediaBox\s*\[([^]]*)\]", pdf) == [b"0 0 612 792"]
 
 
-def test_what_is_no_setting_is_refused(tmp_path):
+def test_invalid_settings_are_refused(tmp_path):
     with pytest.raises(InputError, match="known format"):
         Setting(paper="a5")
     with pytest.raises(InputError, match="is no picture"):
         Setting(logo=tmp_path / "logo.txt")
     with pytest.raises(InputError, match="Cannot read the logo"):
         Setting(logo=tmp_path / "logo.svg")
-    damaged = tmp_path / "logo.png"
-    damaged.write_bytes(b"no picture")
+    logo = tmp_path / "logo.png"
+    logo.write_bytes(b"no picture")
     with pytest.raises(InputError, match="sound picture"):
-        compile_report(report(), date=DATE, setting=Setting(logo=damaged))
+        compile_report(report(), date=DATE, setting=Setting(logo=logo))
 
 
-def test_words_that_a_report_uses_are_explained_at_its_end():
+def test_terms_of_a_report_are_explained_at_its_end():
     content = json.loads(files_of(report())["document.json"])
     assert [name[0]["text"] for name, _ in content["glossary"]] == ["criterion", "delay d"]
     assert "Words" in headings(report())
@@ -121,10 +121,10 @@ def test_sections_of_an_appendix_have_letters():
     document = Document(kind="Test", title="T", verdict="V", blocks=blocks)
     inputs = {"date": "2026-01-01", "version": "0"}
     files = {**templates(), **files_of(document)}
-    found = json.loads(
+    content = json.loads(
         str(typst.query(files, "heading", field="numbering", ignore_system_fonts=True, sys_inputs=inputs))
     )
-    assert found == ["1.1", "A.1"]
+    assert content == ["1.1", "A.1"]
 
 
 def test_a_long_narrow_table_stands_in_two_halves():
@@ -134,7 +134,7 @@ def test_a_long_narrow_table_stands_in_two_halves():
         Table(frame=frame, columns=(Column(key="x", heading="X", wide=wide),), caption="C")
         for wide in (False, True)
     )
-    halves, whole = (
+    halves, complete = (
         pages_of(Document(kind="Test", title="T", verdict="V", blocks=(table,))) for table in (narrow, wide)
     )
-    assert (halves, whole) == (3, 4)
+    assert (halves, complete) == (3, 4)

@@ -34,9 +34,9 @@ NUMBERS = Table(
 )
 
 
-def lines_of(show, shown):
+def lines_of(show, item):
     stream = io.StringIO()
-    show(shown, LiteralConsole(file=stream, width=100))
+    show(item, LiteralConsole(file=stream, width=100))
     return stream.getvalue().splitlines()
 
 
@@ -63,12 +63,12 @@ def test_numbers_of_a_table_stand_at_the_right_as_in_print():
 
 def test_headings_stand_where_they_are_told():
     table = text_table([("a", "1"), ("b", "20")], {"x": "left", "y": "right"}, caption="")
-    shown = lines_of(print_blocks, (table,))
-    assert [line.rstrip() for line in shown[-3:-1]] == [" a   1", " b  20"]
+    output = lines_of(print_blocks, (table,))
+    assert [line.rstrip() for line in output[-3:-1]] == [" a   1", " b  20"]
 
 
-def test_facts_stand_before_and_sources_that_are_referred_to_behind():
-    made = Document(
+def test_facts_stand_before_and_cited_sources_behind():
+    report = Document(
         kind="K",
         title="T",
         verdict="V",
@@ -76,4 +76,4 @@ def test_facts_stand_before_and_sources_that_are_referred_to_behind():
         blocks=(Paragraph(text=prose("As in @one.")),),
         sources=(Source(label="one", text="A book."), Source(label="two", text="Another.")),
     )
-    assert lines_of(print_document, made) == ["Asked: 5 %", "As in [one].", "[one] A book."]
+    assert lines_of(print_document, report) == ["Asked: 5 %", "As in [one].", "[one] A book."]

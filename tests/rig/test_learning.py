@@ -125,8 +125,8 @@ def test_residuals_without_an_earthquake_equal_a_refit():
                 + noise
                 - np.einsum("oi,oi->i", matrix[np.ix_(rivals, is_inside)], gain)
             )
-            expected = (standard[is_inside] - gain.T @ standard[rivals]) / np.sqrt(variance)
-            assert residuals[is_inside] == pytest.approx(expected)
+            reference = (standard[is_inside] - gain.T @ standard[rivals]) / np.sqrt(variance)
+            assert residuals[is_inside] == pytest.approx(reference)
 
 
 def scatter_of(residuals):

@@ -83,8 +83,8 @@ def test_very_late_table_is_predicted_by_the_ellipse():
         tests.append(rig_test(number, **values))
     table = rig_table(tests)
     prediction = predict_under_motion(table, STRUCTURE, NextTest(), SHAKEN, threshold=0.05)
-    expected = 80.0 / np.sqrt(first_order_ellipse(SHAKEN, STRUCTURE).delay)
-    assert prediction.intervals["rms"]["median"] == pytest.approx(expected, rel=0.15)
+    reference = 80.0 / np.sqrt(first_order_ellipse(SHAKEN, STRUCTURE).delay)
+    assert prediction.intervals["rms"]["median"] == pytest.approx(reference, rel=0.15)
     assert "diverge" in prediction.basis
 
 

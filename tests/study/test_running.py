@@ -135,11 +135,11 @@ def test_a_missing_key_is_named(run_copy):
 def test_resumed_run_has_the_same_bytes(run_copy, tmp_path, small_study, monkeypatch):
     from reliab.study import steps
 
-    def killed(*_, **__):
+    def kill(*_, **__):
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr(steps, "write_ellipses", killed)
+        patch.setattr(steps, "write_ellipses", kill)
         with pytest.raises(KeyboardInterrupt):
             run_study(small_study, tmp_path / "again")
     assert stages_of(small_study, tmp_path / "again") == {
@@ -156,12 +156,12 @@ def test_resumed_run_has_the_same_bytes(run_copy, tmp_path, small_study, monkeyp
 def test_boundaries_of_shipped_records_keep_their_ratios(run_copy, small_study, monkeypatch):
     """A study of such records ended in an error of xarray: the ratios were measured once more and merged."""
 
-    def known(ellipses):
+    def ratios_of(ellipses):
         structures = ("motion", "f", "xi", "length")
         ratios = np.ones([*(ellipses.sizes[name] for name in structures[:3]), 1])
         return ellipses.assign(a_cut=(structures, ratios), b_cut=(structures, ratios), length=[10.0])
 
-    monkeypatch.setattr("reliab.sweep.results_accessor.add_known_cut_records", known)
+    monkeypatch.setattr("reliab.sweep.results_accessor.add_known_cut_records", ratios_of)
     (run_copy / ELLIPSES).unlink()
     assert "trace" in stages_of(small_study, run_copy)
     with open_ellipses(run_copy / ELLIPSES) as ellipses:

@@ -8,7 +8,6 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from reliab.app.declaration import Quantity
 from reliab.core.errors import InputError
 from reliab.core.physical_range import require_physical
 from reliab.core.stated_value import StatedValue
@@ -17,7 +16,6 @@ if TYPE_CHECKING:
     from reliab.assessment.budget.sizes import Equipment
     from reliab.recordings.recording import Recording
     from reliab.signals.filters import LowPass
-    from reliab.simulation.hybrid_test.model_file import UpdatedModel
     from reliab.structures.structure import Structure
 
 LINEAR: Final = "linear"
@@ -33,43 +31,47 @@ _QUANTITIES = {
 }
 
 
-def parse_stated_values(**quantities: Quantity | None) -> dict[str, StatedValue]:
-    """Read what is stated; None where nothing is.
+STRUCTURE: Final = ("f", "xi", "alpha")
+"""Names of what describes a structure of one mass."""
 
-    >>> parse_stated_values(f="1±0.01", xi=0.02, mass=None)
-    {'f': StatedValue(value=1.0, deviation=0.01), 'xi': StatedValue(value=0.02, deviation=0.0)}
+
+def parse_stated_values(question: Mapping[str, object], *names: str) -> dict[str, StatedValue]:
+    """Read those of some quantities that a question states.
+
+    >>> parse_stated_values({"f": "1±0.01", "xi": 0.02, "mass": None}, "f", "mass")
+    {'f': StatedValue(value=1.0, deviation=0.01)}
     """
-    return {name: _value(quantity, name) for name, quantity in quantities.items() if quantity is not None}
+    quantities = {name: question[name] for name in names if question[name] is not None}
+    return {
+        name: quantity
+        if isinstance(quantity, StatedValue)
+        else StatedValue.parse(str(quantity), f"value of `{name}`")
+        for name, quantity in quantities.items()
+    }
 
 
-def _value(quantity: Quantity, name: str) -> StatedValue:
-    if isinstance(quantity, StatedValue):
-        return quantity
-    return StatedValue.parse(str(quantity), f"value of `{name}`")
-
-
-def exact_values(**quantities: Quantity | None) -> dict[str, float]:
-    """Read what is stated before a test, without standard deviations; None where nothing is."""
-    stated = parse_stated_values(**quantities)
-    for name, quantity in stated.items():
+def parse_exact_values(question: Mapping[str, object], *names: str) -> dict[str, float]:
+    """Read quantities that are stated before a test, without standard deviations."""
+    values = parse_stated_values(question, *names)
+    for name, quantity in values.items():
         if quantity.deviation:
             raise InputError(
                 "A design takes exact values",
                 value=f"`{name}={quantity}`",
                 remedy="Leave the standard deviation out, or give several exact values",
             )
-    return {name: quantity.value for name, quantity in stated.items()}
+    return {name: quantity.value for name, quantity in values.items()}
 
 
-def require_sound(stated: Mapping[str, StatedValue]) -> None:
+def require_sound(values: Mapping[str, StatedValue]) -> None:
     """Refuse scales, a mass and properties of channels that no laboratory has.
 
     A hysteresis may be zero with a standard deviation, as a calibration finds it.
     """
     for name, quantity in _QUANTITIES.items():
-        if name in stated:
-            none_found = name == "hysteresis" and stated[name].deviation > 0.0
-            require_physical(quantity, stated[name].value, zero=none_found, label=f"value of `{name}`")
+        if name in values:
+            may_be_zero = name == "hysteresis" and values[name].deviation > 0.0
+            require_physical(quantity, values[name].value, zero=may_be_zero, label=f"value of `{name}`")
 
 
 def parse_threshold(threshold: float | None) -> float:
@@ -94,7 +96,7 @@ def read_equipment(equipment: "str | Path | Equipment | None", *, exact: bool) -
     return equipment or ordinary_equipment()
 
 
-def require_known_specimen(specimen: str | None, *, beside_model: bool = False) -> bool:
+def require_known_specimen(specimen: str | None, *, has_model: bool = False) -> bool:
     """Refuse what no specimen is known by; return whether it is measured.
 
     >>> require_known_specimen("measured"), require_known_specimen("linear"), require_known_specimen(None)
@@ -106,7 +108,7 @@ def require_known_specimen(specimen: str | None, *, beside_model: bool = False) 
             value=repr(specimen),
             remedy=f"Give `specimen` as {LINEAR} or {_MEASURED}",
         )
-    if specimen is not None and beside_model:
+    if specimen is not None and has_model:
         raise refuse_unused("specimen", "together with `model`, which describes the specimen")
     return specimen == _MEASURED
 
@@ -141,11 +143,28 @@ def refuse_unused(name: str, reason: str) -> InputError:
     return InputError(f"`{name}` has no effect {reason}", remedy="Leave it out")
 
 
-_SAME: Final = 0.01  # relative difference up to which a stated structure is that of a model
+def refuse_stated(
+    question: Mapping[str, object], *names: str, reason: str, defaults: Mapping[str, float] | None = None
+) -> None:
+    """Refuse arguments of a question that would have no effect; `reason` as of :func:`refuse_unused`.
+
+    `defaults`: values that hold anyway, so that they may be stated.
+    """
+    for name in names:
+        default = (defaults or {}).get(name)
+        if question[name] is not None and (
+            default is None or question[name] not in (default, f"{default:g}")
+        ):
+            raise refuse_unused(name, reason)
 
 
-def exactly_stated(structure: "Structure") -> dict[str, StatedValue]:
-    """Frequency, damping ratio and share of a structure, without deviations."""
+_TOLERANCE_OF_MODEL: Final = 0.01  # relative difference up to which a stated structure is that of a model
+
+
+def values_of_structure(structure: "Structure | None") -> dict[str, StatedValue]:
+    """Frequency, damping ratio and share of a structure where there is one, without deviations."""
+    if structure is None:
+        return {}
     return {
         "f": StatedValue(structure.frequency),
         "xi": StatedValue(structure.damping_ratio),
@@ -153,39 +172,36 @@ def exactly_stated(structure: "Structure") -> dict[str, StatedValue]:
     }
 
 
-def structure_of(stated: Mapping[str, StatedValue], **usual: float) -> "Structure":
+def structure_of(values: Mapping[str, StatedValue], **usual: float) -> "Structure":
     """Make a structure of what is stated, and of usual values of `f`, `xi` and `alpha` (1) for the rest."""
     from reliab.structures.structure import Structure
 
-    known = {"alpha": 1.0, **usual, **{name: quantity.value for name, quantity in stated.items()}}
-    return Structure(frequency=known["f"], damping_ratio=known["xi"], experimental_fraction=known["alpha"])
-
-
-def read_values_of_model(model: "UpdatedModel") -> dict[str, StatedValue]:
-    """Take what a model states of its structure."""
-    return {} if model.test.structure is None else exactly_stated(model.test.structure)
+    numbers = {"alpha": 1.0, **usual, **{name: quantity.value for name, quantity in values.items()}}
+    return Structure(
+        frequency=numbers["f"], damping_ratio=numbers["xi"], experimental_fraction=numbers["alpha"]
+    )
 
 
 def collect_stated_values(
-    recording: "Recording", numbers: Mapping[str, StatedValue], of_model: Mapping[str, StatedValue]
+    recording: "Recording", numbers: Mapping[str, StatedValue], values_of_model: Mapping[str, StatedValue]
 ) -> dict[str, StatedValue]:
     """Take what is stated, else what the model or the file's header states; check that they agree."""
     if "mass" in numbers and recording.force is None:
         raise refuse_unused("mass", "without a column of force")
-    stated = {**recording.stated, **of_model, **numbers}
-    require_sound(stated)
-    if "f" not in stated:
+    values = {**recording.stated, **values_of_model, **numbers}
+    require_sound(values)
+    if "f" not in values:
         raise InputError(
             "The verdict depends on the natural frequency of the structure",
             remedy='Give it in hertz: `f=1`, or `f="1±0.01"` with its standard deviation',
             where=recording.name,
         )
-    for name, value in of_model.items():
-        if abs(stated[name].value / value.value - 1.0) > _SAME:
+    for name, value in values_of_model.items():
+        if abs(values[name].value / value.value - 1.0) > _TOLERANCE_OF_MODEL:
             raise InputError(
                 "The model is of another structure",
-                value=f"{name} = {stated[name]} from you, {value} in the model",
+                value=f"{name} = {values[name]} from you, {value} in the model",
                 remedy=f"Leave `{name}` out, or calibrate the model for this structure",
                 where=recording.name,
             )
-    return stated
+    return values

@@ -7,21 +7,22 @@ from typing import TYPE_CHECKING, Any, Unpack, overload
 from reliab.app import questions
 from reliab.app.api.arguments import (
     LINEAR,
+    STRUCTURE,
     collect_stated_values,
-    exactly_stated,
     parse_filters,
     parse_stated_values,
     parse_threshold,
     read_equipment,
-    read_values_of_model,
+    refuse_stated,
     refuse_unused,
     require_known_specimen,
     require_sound,
     structure_of,
+    values_of_structure,
 )
 from reliab.app.api.channels import Channels, Judge, Test, assess_each, is_test, name_of_test
 from reliab.app.declaration import asks
-from reliab.assessment.assess import AnyAssessment, assess as assess_structure
+from reliab.assessment.assess import AnyAssessment, assess as assess_recording
 from reliab.assessment.assessment import Assessment
 from reliab.assessment.budget.corrections import correct_recording, delays_of_filters
 from reliab.core.errors import InputError
@@ -33,14 +34,16 @@ from reliab.structures.structure import Structure
 
 if TYPE_CHECKING:
     from reliab.assessment.comparison import Comparison
-    from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment
+    from reliab.assessment.frame_assessment import FrameAssessment
     from reliab.assessment.several import Assessments
+    from reliab.signals.filters import LowPass
     from reliab.simulation.frames.frame_file import FrameUnderTest
 
 _ALL_TESTS = "all"
-_OF_THE_STRUCTURE = ("f", "xi", "alpha")
 _ASSUMED_DAMPING = StatedValue(0.02)
-_ASSUMED = "No damping ratio was stated; 0.02 was assumed, and the interval allows for any from 0.005 to 0.1."
+_DAMPING_WARNING = (
+    "No damping ratio was stated; 0.02 was assumed, and the interval allows for any from 0.005 to 0.1."
+)
 
 _NOT_FOR_FRAMES = {
     "model": "The error of a frame's test is rebuilt for a linear specimen",
@@ -84,7 +87,7 @@ def assess(
     *,
     progress: Progress = silent,
     **options: Unpack[questions.StatedOfTest],
-) -> "Assessment | FrameAssessment | CoupledAssessment | Assessments":
+) -> "AnyAssessment | Assessments":
     """Judge a test, or several, by the error computed from command and measured displacement.
 
     Parameters
@@ -95,8 +98,6 @@ def assess(
     structure : Structure, FrameUnderTest, str or pathlib.Path, optional
         The structure under test, in place of `f`, `xi` and `alpha`; or a frame with its part in the
         laboratory, which one actuator drives or several, or the file of one.
-    progress : callable, optional
-        Called after each of several tests.
 
     Returns
     -------
@@ -127,153 +128,151 @@ def assess(
     >>> str(verdict.verdict), round(verdict.error.rms.value, 3)
     ('reliable', 0.023)
     """
-    judge = _Terms(structure, options).judge()
+    judge = _make_judge(structure, {**options})
     reading = Channels.from_question(options)
     if isinstance(test, str | Path) and reading.test_name == _ALL_TESTS:
-        named = ((name, channels, test) for name, channels in reading.split_by_test(test).items())
-        return assess_each(named, judge, progress)
+        named_tests = ((name, channels, test) for name, channels in reading.split_by_test(test).items())
+        return assess_each(named_tests, judge, progress)
     if is_test(test):
         return judge(reading, test)
-    several = ((name_of_test(test, place), reading, test) for place, test in enumerate(test))
-    return assess_each(several, judge, progress)
+    tests = ((name_of_test(test, place), reading, test) for place, test in enumerate(test))
+    return assess_each(tests, judge, progress)
 
 
 _NUMBERS = (
-    *("f", "xi", "alpha", "mass", "feedback_lag"),
+    *STRUCTURE,
+    *("mass", "feedback_lag"),
     *("scale", "command_scale", "skew", "hysteresis", "resolution"),
 )
 
 
-class _Terms:
-    """What a test is judged by; see `reliab.assess`."""
+def _make_judge(
+    structure: "Structure | FrameUnderTest | str | Path | None", question: Mapping[str, Any]
+) -> Judge:
+    """Read what tests share, and return what judges one of them."""
+    numbers = parse_stated_values(question, *_NUMBERS)
+    filters = parse_filters(question["filter"] or ())
+    if question["criterion"] is not None:
+        reason = "together with `criterion`, which states its own"
+        refuse_stated(question, "threshold", "confidence", "metric", reason=reason)
+    if structure is not None:
+        _refuse_beside_structure(numbers, *STRUCTURE)
+    if structure is None or isinstance(structure, Structure):
+        return _make_judge_of_structure(structure, question, numbers, filters)
+    _refuse_beside_structure(numbers, "mass", "resolution")
+    return _make_judge_of_frame(structure, question, numbers, filters)
 
-    def __init__(
-        self, structure: "Structure | FrameUnderTest | str | Path | None", stated: questions.StatedOfTest
-    ) -> None:
-        self.structure = structure
-        self.stated: Mapping[str, Any] = {**stated}
-        self.numbers = parse_stated_values(**{name: self.stated[name] for name in _NUMBERS})
-        self.filters = parse_filters(self.stated["filter"] or ())
-        self.force_channel = tuple(self.stated["force_channel"] or ())
 
-    def judge(self) -> Judge:
-        """Read what tests share, and return what judges one of them."""
-        if self.stated["criterion"] is not None:
-            for name in ("threshold", "confidence", "metric"):
-                if self.stated[name] is not None:
-                    raise refuse_unused(name, "together with `criterion`, which states its own")
-        if self.structure is not None:
-            for name in _OF_THE_STRUCTURE:
-                self._refuse_beside_structure(name)
-        if self.structure is None or isinstance(self.structure, Structure):
-            return self._judge_of_structures(self.structure)
-        return self._judge_of_frames(self.structure)
-
-    def _refuse_beside_structure(self, name: str) -> None:
-        if name in self.numbers:
+def _refuse_beside_structure(numbers: Mapping[str, StatedValue], *names: str) -> None:
+    for name in names:
+        if name in numbers:
             raise InputError(
                 f"`{name}` has no effect together with `structure`",
                 remedy="Leave it out; the structure describes the test",
             )
 
-    def _shared(self) -> dict[str, Any]:
-        """Read what one mass and frames are judged by alike."""
-        criterion, motion, specimen = (self.stated[name] for name in ("criterion", "motion", "specimen"))
-        measured = require_known_specimen(specimen, beside_model=self.stated["model"] is not None)
-        if self.force_channel and not measured:
+
+def _read_shared(question: Mapping[str, Any]) -> dict[str, Any]:
+    """Read what one mass and frames are judged by alike."""
+    criterion, motion, specimen = (question[name] for name in ("criterion", "motion", "specimen"))
+    is_measured = require_known_specimen(specimen, has_model=question["model"] is not None)
+    statements = tuple(question["force_channel"] or ())
+    force_channel = None
+    if statements:
+        if not is_measured:
             raise refuse_unused("force_channel", "unless the `specimen` is measured")
-        of_force = None
-        if self.force_channel:
-            from reliab.assessment.measured_specimen.force_channel import ForceChannel
+        from reliab.assessment.measured_specimen.force_channel import ForceChannel
 
-            of_force = ForceChannel.parse(self.force_channel)
-        if isinstance(motion, str | Path):
-            from reliab.motions.loading import read_motion
+        force_channel = ForceChannel.parse(statements)
+    if isinstance(motion, str | Path):
+        from reliab.motions.loading import read_motion
 
-            motion = read_motion(motion)
-        return {
-            "threshold": parse_threshold(self.stated["threshold"]),
-            "metric": Metric.parse(self.stated["metric"] or Metric.RMS),
-            "criterion": Criterion.read(criterion) if isinstance(criterion, str | Path) else criterion,
-            "equipment": read_equipment(self.stated["equipment"], exact=self.stated["exact"]),
-            "motion": motion,
-            "measured_specimen": measured,
-            "linear_specimen": specimen == LINEAR,
-            "force_channel": of_force,
+        motion = read_motion(motion)
+    return {
+        "criterion": Criterion.read(criterion) if isinstance(criterion, str | Path) else criterion,
+        "equipment": read_equipment(question["equipment"], exact=question["exact"]),
+        "motion": motion,
+        "measured_specimen": is_measured,
+        "linear_specimen": specimen == LINEAR,
+        "force_channel": force_channel,
+        "threshold": parse_threshold(question["threshold"]),
+        "metric": Metric.parse(question["metric"] or Metric.RMS),
+    }
+
+
+def _make_judge_of_structure(
+    structure: Structure | None,
+    question: Mapping[str, Any],
+    numbers: Mapping[str, StatedValue],
+    filters: "Mapping[str, LowPass]",
+) -> Judge:
+    model, shared = question["model"], _read_shared(question)
+    if isinstance(model, str | Path):
+        from reliab.simulation.hybrid_test.model_file import read_model
+
+        model = read_model(model)
+    values_of_model = {} if model is None else values_of_structure(model.test.structure)
+    values = {**values_of_structure(structure), **numbers}
+    confidence = 0.95 if question["confidence"] is None else float(question["confidence"])
+
+    def judge(channels: Channels, test: Test) -> AnyAssessment:
+        recording = channels.read(test)
+        low_passes = channels.filters(filters, recording.stated)
+        stated_values = collect_stated_values(
+            recording, values | delays_of_filters(low_passes), values_of_model
+        )
+        complete = {
+            "xi": _ASSUMED_DAMPING,
+            **dict.fromkeys(("alpha", "scale"), StatedValue(1.0)),
+            "feedback_lag": StatedValue(0.0),
+            **stated_values,
         }
-
-    def _judge_of_structures(self, structure: Structure | None) -> Judge:
-        model, shared = self.stated["model"], self._shared()
-        if isinstance(model, str | Path):
-            from reliab.simulation.hybrid_test.model_file import read_model
-
-            model = read_model(model)
-        numbers = {**({} if structure is None else exactly_stated(structure)), **self.numbers}
-
-        def judge(channels: Channels, test: Test) -> AnyAssessment:
-            recording = channels.read(test)
-            filters = channels.filters(self.filters, recording.stated)
-            of_options = numbers | delays_of_filters(filters)
-            stated = collect_stated_values(
-                recording, of_options, {} if model is None else read_values_of_model(model)
-            )
-            assumed = () if "xi" in stated else (_ASSUMED,)
-            complete = {
-                "xi": _ASSUMED_DAMPING,
-                **dict.fromkeys(("alpha", "scale"), StatedValue(1.0)),
-                "feedback_lag": StatedValue(0.0),
-                **stated,
-            }
-            return assess_structure(
-                correct_recording(recording, complete, filters),
-                structure_of(complete),
-                stated=complete,
-                confidence=0.95 if self.stated["confidence"] is None else float(self.stated["confidence"]),
-                model=model,
-                assumed=assumed,
-                **shared,
-            )
-
-        return judge
-
-    def _refuse_beside_a_frame(self) -> None:
-        for name in ("mass", "resolution"):
-            self._refuse_beside_structure(name)
-        for name, reason in _NOT_FOR_FRAMES.items():
-            if self.stated[name] is not None:
-                raise InputError(
-                    f"`{name}` has no effect together with the `structure` of a frame. {reason}",
-                    remedy="Leave it out",
-                )
-
-    def _judge_of_frames(self, structure: "FrameUnderTest | str | Path") -> Judge:
-        from reliab.assessment.frame_test import require_answerable
-        from reliab.simulation.frames.frame_file import read_structure
-
-        self._refuse_beside_a_frame()
-        shared = self._shared()
-        frame = read_structure(structure) if isinstance(structure, str | Path) else structure
-        require_answerable(
-            frame,
-            criterion=shared["criterion"] is not None,
-            specimen=self.stated["specimen"] is not None,
-            force_channel=shared["force_channel"] is not None,
-            measured_specimen=shared["measured_specimen"],
+        return assess_recording(
+            correct_recording(recording, complete, low_passes),
+            structure_of(complete),
+            stated=complete,
+            confidence=confidence,
+            model=model,
+            assumed=() if "xi" in stated_values else (_DAMPING_WARNING,),
+            **shared,
         )
 
-        def judge(channels: Channels, test: Test) -> AnyAssessment:
-            recording = channels.read_several_actuators(test) if frame.has_several else channels.read(test)
-            filters = channels.filters(self.filters, recording.stated)
-            stated = {**recording.stated, **self.numbers}
-            require_sound(stated)
-            return assess_structure(
-                correct_recording(recording, stated, filters),
-                frame,
-                stated={**stated, **delays_of_filters(filters)},
-                **shared,
-            )
+    return judge
 
-        return judge
+
+def _make_judge_of_frame(
+    structure: "FrameUnderTest | str | Path",
+    question: Mapping[str, Any],
+    numbers: Mapping[str, StatedValue],
+    filters: "Mapping[str, LowPass]",
+) -> Judge:
+    from reliab.assessment.frame_test import require_answerable
+    from reliab.simulation.frames.frame_file import read_structure
+
+    for name, reason in _NOT_FOR_FRAMES.items():
+        refuse_stated(question, name, reason=f"together with the `structure` of a frame. {reason}")
+    shared = _read_shared(question)
+    frame = read_structure(structure) if isinstance(structure, str | Path) else structure
+    require_answerable(
+        frame,
+        measured_specimen=shared["measured_specimen"],
+        **{name: question[name] is not None for name in ("criterion", "specimen")},
+        force_channel=shared["force_channel"] is not None,
+    )
+
+    def judge(channels: Channels, test: Test) -> AnyAssessment:
+        recording = channels.read_several_actuators(test) if frame.has_several else channels.read(test)
+        low_passes = channels.filters(filters, recording.stated)
+        stated_values = {**recording.stated, **numbers}
+        require_sound(stated_values)
+        return assess_recording(
+            correct_recording(recording, stated_values, low_passes),
+            frame,
+            stated={**stated_values, **delays_of_filters(low_passes)},
+            **shared,
+        )
+
+    return judge
 
 
 def compare(
@@ -323,13 +322,15 @@ def compare_assessments(assessments: "Assessments") -> "Comparison":
     from reliab.assessment.comparison import rank_tests
     from reliab.assessment.frame_assessment import CoupledAssessment
 
-    judged = {
-        file: found for file, found in assessments.judged.items() if not isinstance(found, CoupledAssessment)
+    comparable = {
+        file: assessment
+        for file, assessment in assessments.judged.items()
+        if not isinstance(assessment, CoupledAssessment)
     }
-    if len(judged) < len(assessments.judged):
+    if len(comparable) < len(assessments.judged):
         raise InputError(
             "Only tests of one actuator can be compared",
             value="a frame with several",
             remedy="Judge each with `reliab assess`: its governing displacement is listed first",
         )
-    return rank_tests(judged, assessments.faults)
+    return rank_tests(comparable, assessments.faults)

@@ -13,14 +13,14 @@ from reliab.core.shipped import or_shipped
 
 if TYPE_CHECKING:
     from reliab.app.api.design import Design
+    from reliab.assessment.assess import AnyAssessment
     from reliab.assessment.comparison import Comparison
-    from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment
     from reliab.report.document import Document
     from reliab.report.setting import Setting
 
 
 def file_report(
-    assessment: "Assessment | FrameAssessment | CoupledAssessment",
+    assessment: "AnyAssessment",
     report: str | Path,
     *,
     test: str | Path,
@@ -40,7 +40,7 @@ def file_report(
 
 
 def document_of_test(
-    assessment: "Assessment | FrameAssessment | CoupledAssessment",
+    assessment: "AnyAssessment",
     *,
     test: str | Path,
     structure: str | Path | None = None,
@@ -90,17 +90,17 @@ def draw_chart(answer: "Design | Comparison", figure: str | Path) -> None:
     from reliab.report.figures.tests_by_error import draw_ranked_tests, tolerable_errors_over_frequency
     from reliab.report.style import picture
 
-    drawn = (
+    chart = (
         tolerable_errors_over_frequency(answer.chart)
         if isinstance(answer, Design)
         else draw_ranked_tests(answer)
     )
     require_ending(figure, ".svg", ".png", ".pdf")
     with refuse_unwritable("Cannot write the figure", where=figure), written_whole(figure) as file:
-        file.write_bytes(picture(drawn, Path(figure).suffix.lower()))
+        file.write_bytes(picture(chart, Path(figure).suffix.lower()))
 
 
-def write_corrected(assessment: "Assessment | FrameAssessment | CoupledAssessment", out: str | Path) -> str:
+def write_corrected(assessment: "AnyAssessment", out: str | Path) -> str:
     """Write the response that a perfect actuator would have produced.
 
     `out`: the file: CSV, or NetCDF with the attributes of `reliab.assessment.corrected_response`. Returns how

@@ -1,11 +1,11 @@
 """A test as users give it, and what they state of its file."""
 
 from collections.abc import Callable, Iterable
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from reliab.app.api.arguments import parse_filters, refuse_unused
+from reliab.app.api.arguments import parse_filters, refuse_stated, refuse_unused
 from reliab.core.errors import InputError
 from reliab.core.physical_range import require_physical
 from reliab.core.progress import Progress
@@ -13,17 +13,18 @@ from reliab.core.shipped import or_shipped
 from reliab.recordings.coupled_recording import CoupledRecording, read_coupled_recording
 from reliab.recordings.readers.columns import is_frame
 from reliab.recordings.readers.registry import read_tests
-from reliab.recordings.reading import declare_channels, read_recording
+from reliab.recordings.reading import Histories, declare_channels, read_recording
+from reliab.recordings.record import About, record_test
 from reliab.recordings.recording import Part, Recording, StatedChannels
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     import pandas as pd
+    import xarray as xr
     from typing_extensions import TypeIs
 
-    from reliab.assessment.assessment import Assessment
-    from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment
+    from reliab.assessment.assess import AnyAssessment
     from reliab.assessment.several import Assessments
     from reliab.core.stated_value import StatedValue
     from reliab.signals.filters import LowPass
@@ -71,20 +72,22 @@ class Channels:
         }
 
     def filters(
-        self, of_options: "Mapping[str, LowPass]", of_test: "Mapping[str, StatedValue]"
+        self, option_filters: "Mapping[str, LowPass]", test_values: "Mapping[str, StatedValue]"
     ) -> "dict[str, LowPass]":
         """Return the filters of the channels, by options before those of the laboratory's file.
 
         `of_test`: what is stated of the test, with a skew that was calibrated where "filter_delay" is.
         """
-        of_file: Mapping[str, str] = {}
+        file_filters: Mapping[str, str] = {}
         if self.channels is not None:
             from reliab.recordings.channels_file import read_channels_file
 
-            of_file = read_channels_file(self.channels).filters
-        texts = (f"{channel}={text}" for channel, text in of_file.items() if channel not in of_options)
-        filters = {**parse_filters(texts), **of_options}
-        if filters and "filter_delay" in of_test:
+            file_filters = read_channels_file(self.channels).filters
+        texts = (
+            f"{channel}={text}" for channel, text in file_filters.items() if channel not in option_filters
+        )
+        filters = {**parse_filters(texts), **option_filters}
+        if filters and "filter_delay" in test_values:
             raise refuse_unused(
                 "filter", "together with a calibrated skew, which includes the delay of the filters"
             )
@@ -92,11 +95,8 @@ class Channels:
 
     def read_several_actuators(self, test: Test) -> CoupledRecording:
         """Read a test with several actuators."""
-        for name in ("command", "measured"):
-            if getattr(self, name) is not None:
-                raise refuse_unused(
-                    name, "together with a `structure` with several actuators; name the columns command_1, …"
-                )
+        reason = "together with a `structure` with several actuators; name the columns command_1, …"
+        refuse_stated(vars(self), "command", "measured", reason=reason)
         if isinstance(test, Recording):
             raise InputError(
                 "This structure has several actuators, and the test needs the channels of all of them",
@@ -108,7 +108,7 @@ class Channels:
         self._require_sound(test)
         return read_coupled_recording(
             test if is_frame(test) else Path(test),
-            declare_channels(self.channels, {}, self.units, None if self.rate is None else float(self.rate)),
+            self.laboratory(),
             delimiter=self.delimiter,
             test=self.test_name,
             time_units=self.time_units,
@@ -116,10 +116,8 @@ class Channels:
 
     def read(self, test: Test) -> Recording:
         """Read a test."""
-        given = [name for name, value in asdict(self).items() if value is not None]
         if isinstance(test, Recording):
-            if given:
-                raise refuse_unused(given[0], "together with a test that was already read")
+            refuse_stated(vars(self), *vars(self), reason="together with a test that was already read")
             return test
         if isinstance(test, CoupledRecording):
             raise InputError(
@@ -128,29 +126,34 @@ class Channels:
                 remedy="Give the file of the frame with `structure`",
             )
         self._require_sound(test)
+        arguments = {**vars(self)}
         return read_recording(
             test if is_frame(test) else or_shipped(Path(test), "datasets", "test.csv"),
-            command=self.command,
-            measured=self.measured,
-            time=self.time,
-            rate_hz=None if self.rate is None else float(self.rate),
-            units=self.units,
+            rate_hz=arguments.pop("rate"),
+            test=arguments.pop("test_name"),
+            **arguments,
+        )
+
+    def record(self, path: Path, about: About) -> "tuple[xr.Dataset, Histories]":
+        """Make the record of a test, and say what was recognised."""
+        return record_test(
+            path,
+            laboratory=self.laboratory(),
+            test=self.test_name,
+            about=about,
             time_units=self.time_units,
             delimiter=self.delimiter,
-            test=self.test_name,
-            channels=self.channels,
         )
 
     def _require_sound(self, test: Test) -> None:
         """Refuse a rate that is none, and what a data frame does not have."""
         if self.rate is not None:
             require_physical("sampling rate", float(self.rate), label="value of `rate`")
-        for name in ("delimiter", "test_name") if is_frame(test) else ():
-            if getattr(self, name) is not None:
-                raise refuse_unused(name, "together with a data frame")
+        if is_frame(test):
+            refuse_stated(vars(self), "delimiter", "test_name", reason="together with a data frame")
 
 
-Judge: TypeAlias = Callable[[Channels, Test], "Assessment | FrameAssessment | CoupledAssessment"]
+Judge: TypeAlias = "Callable[[Channels, Test], AnyAssessment]"
 """Reads and judges a test."""
 
 
@@ -160,27 +163,27 @@ def assess_each(
     """Judge tests, each with its name and what is stated of its channels."""
     from reliab.assessment.several import Assessments
 
-    by_file: dict[str, tuple[Channels, Test]] = {}
+    tests_by_name: dict[str, tuple[Channels, Test]] = {}
     for file, channels, test in tests:
-        if file in by_file:
+        if file in tests_by_name:
             raise InputError(
                 f"{file} is given twice",
                 remedy="Leave it out once, or give the recordings different names",
             )
-        by_file[file] = channels, test
-    if not by_file:
+        tests_by_name[file] = channels, test
+    if not tests_by_name:
         raise InputError(
             "No test given",
             remedy="Name its file; before a test use `reliab design`, in Python `reliab.design_test`",
         )
-    judged, faults = {}, {}
-    for done, (file, (channels, test)) in enumerate(by_file.items(), start=1):
+    assessments, faults = {}, {}
+    for count, (file, (channels, test)) in enumerate(tests_by_name.items(), start=1):
         try:
-            judged[file] = judge(channels, test)
+            assessments[file] = judge(channels, test)
         except InputError as error:
             faults[file] = str(error)
-        progress(done, len(by_file))
-    return Assessments(files=tuple(by_file), judged=judged, faults=faults)
+        progress(count, len(tests_by_name))
+    return Assessments(files=tuple(tests_by_name), judged=assessments, faults=faults)
 
 
 def name_of_test(test: Test, place: int) -> str:

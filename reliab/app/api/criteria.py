@@ -1,8 +1,8 @@
 """`derive_criteria`: how much amplitude error and delay a test may have under the coming earthquake."""
 
 import itertools
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Unpack
 
@@ -22,7 +22,7 @@ from reliab.app.api.sources import (
     select_rows_with_room,
     select_structures,
 )
-from reliab.app.declaration import Files, asks
+from reliab.app.declaration import asks
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.progress import Show, quietly
@@ -41,7 +41,6 @@ from reliab.criterion.published import published_criterion
 from reliab.motions.loading import load_motions
 from reliab.sweep.netcdf import read_netcdf
 from reliab.sweep.response_measures import measure_responses
-from reliab.sweep.several import Numbers, as_names
 from reliab.sweep.shares import select_share, share_of, shares_of
 from reliab.tracking.indices.window import Window
 
@@ -49,107 +48,6 @@ POPULATION = "real_suite"
 """Ellipses from which a case is answered unless others are given."""
 
 _MEASURES = "real_suite/first_order.nc"
-
-
-@dataclass(frozen=True, kw_only=True)
-class Case:
-    """What is known of the earthquake; at most one of the three."""
-
-    duration: float | None = None  # Length of the records [s]
-    motion: str | Path | None = None  # A record
-    suite: Files | None = None  # A few records, pooled with the population
-
-    def __post_init__(self) -> None:
-        if len(self.stated) > 1:
-            raise InputError(
-                "Only one of `motion`, `suite` and `duration` can be given",
-                value=" and ".join(f"`{name}`" for name in self.stated),
-                remedy="Give the most specific one you know: `motion`, else `suite`, else `duration`",
-            )
-
-    @property
-    def stated(self) -> list[str]:
-        """Names of what is stated."""
-        names = ("duration", "motion", "suite")
-        return [name for name in names if getattr(self, name) is not None]
-
-    def carry_ellipses(
-        self, ellipses: xr.Dataset, source: EllipseSource, f: Numbers | None, xi: Numbers | None, show: Show
-    ) -> xr.Dataset:
-        """Carry the ellipses of a population to the case; as they are where nothing is known of it."""
-        if not self.stated:
-            return ellipses
-        _require_whole_records(ellipses)
-        population = ellipses.sel(metric=[source.metric])
-        if self.duration is not None:
-            return carry_to_length(population, self.duration)
-        places = {
-            name: list(as_names(population[name].values.tolist() if values is None else values))
-            for name, values in (("f", f), ("xi", xi))
-        }
-        if self.motion is not None:
-            with show("Measuring responses") as progress:
-                response = measure_responses(
-                    load_motions(self.motion)[:1],
-                    frequencies=places["f"],
-                    damping_ratios=places["xi"],
-                    progress=progress,
-                )
-            return carry_to_response(population, self._measures(population, source, show), response)
-        records = EllipseSource(
-            motions=self.suite,
-            f=places["f"],
-            xi=places["xi"],
-            threshold=population["threshold"].values.tolist(),
-            metric=source.metric,
-        )
-        return carry_to_suite(population, records.dataset(show))
-
-    def own_boundaries(
-        self, source: EllipseSource, f: Numbers | None, xi: Numbers | None, show: Show
-    ) -> dict[str, Any]:
-        """Ellipses inscribed in the record's own boundaries, which hold for a test under this very record."""
-        if self.motion is None or f is None or xi is None:
-            return {}
-        records = EllipseSource(
-            motions=self.motion, f=f, xi=xi, threshold=source.threshold, metric=source.metric
-        )
-        ellipses = records.dataset(show).isel(motion=0).sel(curve=str(CurveName.INSCRIBED))
-        rows = ellipses[["a", "b"]].stack(cell=("f", "xi", "threshold", "metric"))
-        return {
-            "own_boundary": [
-                {
-                    "motion": str(ellipses["motion"].item()),
-                    **{name: float(cell[name]) for name in ("f", "xi", "threshold")},
-                    **{
-                        f"{name}{'' if side == Side.LAG else '_lead'}": float(cell[name].sel(side=str(side)))
-                        for name in ("a", "b")
-                        for side in Side
-                    },
-                }
-                for cell in (rows.isel(cell=place) for place in range(rows.sizes["cell"]))
-            ]
-        }
-
-    def _measures(self, population: xr.Dataset, source: EllipseSource, show: Show) -> xr.Dataset:
-        """Measure the responses of the population's own motions, or look them up."""
-        if source.motions is not None:
-            behind = set(population["motion"].values.tolist())
-            suite = load_motions(*paths(source.motions), sets=source.sets)
-            motions = [motion for motion in suite if motion.name in behind]
-            places = {name: population[name].values.tolist() for name in ("f", "xi")}
-            with show("Measuring responses of the population") as progress:
-                return measure_responses(
-                    motions, frequencies=places["f"], damping_ratios=places["xi"], progress=progress
-                )
-        if POPULATION not in {str(source.ellipses), str(source.results)}:
-            raise InputError(
-                "This source has no responses of its motions, so it cannot be transferred to a record",
-                value=f"{source.ellipses or source.results}, which holds none",
-                remedy=f"Give the records as `motions`, or leave the source out; the default is {POPULATION}",
-            )
-        rule, remedy = "Measures of responses must be a NetCDF file", "Install the package again"
-        return read_netcdf(shipped("datasets", _MEASURES), rule, remedy)
 
 
 def _require_whole_records(ellipses: xr.Dataset) -> None:
@@ -179,37 +77,35 @@ def derive_criteria(*, show: Show = quietly, **request: Unpack[questions.Criteri
     >>> [round(row["b"], 2) for row in derived.rows]
     [1.48, 1.2]
     """
-    return _Question(request, show).answer()
+    return _Question({**request}, show).answer()
 
 
-_Derived = tuple[tuple[Criterion, ...], xr.Dataset | None, tuple[Derivation, ...]]
-
-
-_OF_RECORDS = ("sets", "model", "window", "alpha", "structure", "actuator")
-_OF_EARTHQUAKES = ("duration", "motion", "suite")
-_OF_METHODS = ("assurance", "distribution", "steps")
+_RECORD_OPTIONS = ("sets", "model", "window", "alpha", "structure", "actuator")
+_EARTHQUAKE_OPTIONS = ("duration", "motion", "suite")
+"""What is known of the earthquake, at most one of: length of the records, a record, a few of them."""
+_METHOD_OPTIONS = ("assurance", "distribution", "steps")
 
 
 class _Question:
     """What is asked of a criterion; see :func:`derive_criteria`."""
 
-    def __init__(self, request: Mapping[str, Any], show: Show) -> None:
-        self.asked, self.show = request, show
-        self.law, self.method, self.joint, self.compare = (
-            request[name] for name in ("law", "method", "joint", "compare")
-        )
-        self.case = Case(**{name: request[name] for name in _OF_EARTHQUAKES})
-        self.structures = request["f"], request["xi"]
-        self.of_source = {name: request[name] for name in _OF_RECORDS}
-        self.settings = {name: request[name] for name in _OF_METHODS}
-        self.errors, self.confidences = as_list(request["threshold"]), as_list(request["confidence"])
-        self.metric, self.out = str(request["metric"] or Metric.RMS), request["out"]
+    def __init__(self, question: dict[str, Any], show: Show) -> None:
+        self.asked, self.show = question, show
+        self.law, self.f, self.xi = question["law"], question["f"], question["xi"]
+        self.errors, self.confidences = as_list(question["threshold"]), as_list(question["confidence"])
+        self.metric = str(question["metric"] or Metric.RMS)
         self.chains, self.figures = (
-            None if request[name] is None else Path(request[name]) for name in ("chains", "figures")
+            None if question[name] is None else Path(question[name]) for name in ("chains", "figures")
         )
-        self.origin = {name: request[name] for name in ("motions", "results", "ellipses")}
+        self.earthquake = [name for name in _EARTHQUAKE_OPTIONS if question[name] is not None]
+        if len(self.earthquake) > 1:
+            raise InputError(
+                "Only one of `motion`, `suite` and `duration` can be given",
+                value=" and ".join(f"`{name}`" for name in self.earthquake),
+                remedy="Give the most specific one you know: `motion`, else `suite`, else `duration`",
+            )
         if not self.has_source and self._is_of_the_population():
-            self.origin["ellipses"] = POPULATION
+            question["ellipses"] = POPULATION
         require_thresholds(self.errors)
         if self.figures is not None and self.figures.exists() and not self.figures.is_dir():
             raise InputError("This is no folder for figures", value=self.figures, remedy="Name a folder")
@@ -217,43 +113,58 @@ class _Question:
     @property
     def has_source(self) -> bool:
         """Whether ellipses come from somewhere."""
-        return any(self.origin.values())
+        return any(self.asked[name] for name in ("motions", "results", "ellipses"))
 
     def _is_of_the_population(self) -> bool:
         """Whether the shipped ellipses answer a question that names none."""
-        needs_motions = any(self.of_source[name] for name in ("sets", "model", "structure", "actuator"))
+        needs_motions = any(self.asked[name] for name in ("sets", "model", "structure", "actuator"))
         is_fitted = self.law not in MANY_MOTION_LAWS and not needs_motions
-        return is_fitted or bool(self.case.stated)
+        return is_fitted or bool(self.earthquake)
 
     def source(self) -> EllipseSource:
         """Take the source of the ellipses; what is fitted over structures needs all of them."""
-        asked_alone = self.origin["motions"] or (self.law == "table" and self.case.motion is None)
-        every = {} if asked_alone else {"f": None, "xi": None}
-        return EllipseSource.from_question(self.asked, **self.origin, **every)
+        needs_all = not self.asked["motions"] and (self.law != "table" or self.asked["motion"] is not None)
+        return EllipseSource.from_question(self.asked, **({"f": None, "xi": None} if needs_all else {}))
 
-    def derive_from_published_law(self) -> _Derived:
+    def _collect(
+        self,
+        criteria: Iterable[Criterion],
+        dataset: xr.Dataset | None,
+        derivations: Sequence[Derivation] = (),
+    ) -> Criteria:
+        """Collect criteria for the structures that are asked for, or all that the ellipses are of."""
+        all_f = [ONE_HERTZ] if dataset is None else dataset["f"].values.tolist()
+        all_xi = [TWO_PERCENT] if dataset is None else dataset["xi"].values.tolist()
+        return Criteria(
+            criteria=tuple(criteria),
+            structures=tuple(itertools.product(as_list(self.f) or all_f, as_list(self.xi) or all_xi)),
+            ellipses=dataset,
+            derivations=tuple(derivations),
+        )
+
+    def derive_from_published_law(self) -> Criteria:
         """Take the criterion of a printed law, with the ellipses beside which it is shown."""
         criterion = published_criterion(self.law)
         for error in self.errors or [criterion.threshold]:
             criterion.law.validity.require_error(error, self.metric)
         self._refuse_promises(criterion)
         self._refuse_idle_source()
-        dataset = self.source().dataset(self.show) if self.has_source else None
-        return (criterion,), dataset, ()
+        return self._collect([criterion], self.source().dataset(self.show) if self.has_source else None)
 
-    def _refuse_promises(self, printed: Criterion) -> None:
+    def _refuse_promises(self, published: Criterion) -> None:
         """Refuse what a printed law does not promise."""
-        strange = [
-            f"`confidence={share:g}`" for share in self.confidences or [] if share != printed.confidence
+        method = self.asked["method"]
+        unsupported_options = [
+            f"`confidence={share:g}`" for share in self.confidences or [] if share != published.confidence
         ]
-        strange += ["`joint`"] if self.joint else []
-        strange += [f"`method={self.method}`"] if self.method not in {None, printed.method} else []
-        settings = {**self.settings, "chains": self.chains}
-        strange += [f"`{name}={value}`" for name, value in settings.items() if value is not None]
-        if strange:
+        unsupported_options += ["`joint`"] if self.asked["joint"] else []
+        unsupported_options += [f"`method={method}`"] if method not in {None, published.method} else []
+        settings = {name: self.asked[name] for name in _METHOD_OPTIONS} | {"chains": self.chains}
+        unsupported_options += [f"`{name}={value}`" for name, value in settings.items() if value is not None]
+        if unsupported_options:
             raise InputError(
-                f"A published law is for {percent(printed.confidence)}, by the quantile of each limit",
-                value=", ".join(strange),
+                f"A published law is for {percent(published.confidence)}, by the quantile of each limit",
+                value=", ".join(unsupported_options),
                 remedy="Leave these out, or derive a criterion from ellipses",
             )
 
@@ -264,14 +175,15 @@ class _Question:
                 "`figures` needs a source of ellipses",
                 remedy="Give `motions`, `results` or `ellipses` too, real_suite for example",
             )
-        if self.has_source and self.figures is None and not self.compare:
+        if self.has_source and self.figures is None and not self.asked["compare"]:
             raise InputError(
                 "A published law needs no motions",
                 value=f"{self.law} with a source of ellipses",
                 remedy="Leave the source out, or give `figures` or `compare`",
             )
-        idle = [f"`{name}`" for name, value in self.of_source.items() if value is not None]
-        idle += [f"`{name}`" for name in self.case.stated]
+        idle = [
+            f"`{name}`" for name in (*_RECORD_OPTIONS, *_EARTHQUAKE_OPTIONS) if self.asked[name] is not None
+        ]
         if idle and not self.has_source:
             raise InputError(
                 "A published law holds for whole records and all stiffness in the laboratory",
@@ -279,12 +191,11 @@ class _Question:
                 remedy="Leave these out, or derive a criterion from ellipses",
             )
 
-    def derive_from_ellipses(self) -> _Derived:
+    def derive_from_ellipses(self) -> Criteria:
         """Derive a criterion for each share of the stiffness, error and confidence."""
-        law, method = (
-            find_law(FITTED_LAWS, self.law),
-            method_of(self.method or RECOMMENDED_METHOD, **self.settings),
-        )
+        law = find_law(FITTED_LAWS, self.law)
+        settings = {name: self.asked[name] for name in _METHOD_OPTIONS}
+        method = method_of(self.asked["method"] or RECOMMENDED_METHOD, **settings)
         if self.chains is not None and not method.samples_chains:
             raise InputError(
                 "Only the hierarchical methods have chains",
@@ -293,12 +204,12 @@ class _Question:
             )
         confidences = self.confidences or [_NINETY_FIVE]
         dataset = self._population(method)
-        stored: list[float] = dataset["threshold"].values.tolist()
-        errors = self.errors or ([FIVE_PERCENT] if FIVE_PERCENT in stored else stored)
+        stored_thresholds: list[float] = dataset["threshold"].values.tolist()
+        errors = self.errors or ([FIVE_PERCENT] if FIVE_PERCENT in stored_thresholds else stored_thresholds)
         shares = shares_of(dataset)
         self._require_one_share(shares)
         self._require_one_criterion(len(shares) * len(errors) * len(confidences))
-        learned = []
+        derivations = []
         for share, error in itertools.product(shares, errors):
             with self.show(f"Learning at {error:g}") as progress:
                 derivation = Derivation.from_ellipses(
@@ -310,90 +221,147 @@ class _Question:
                     chains=self.chains,
                     progress=progress,
                 )
-            learned.append(derivation)
+            derivations.append(derivation)
         criteria = (
-            derivation.criterion(confidence, joint=self.joint)
-            for derivation in learned
+            derivation.criterion(confidence, joint=self.asked["joint"])
+            for derivation in derivations
             for confidence in confidences
         )
-        return tuple(criteria), dataset, tuple(learned)
+        return self._collect(criteria, dataset, derivations)
 
     def _population(self, method: Method) -> xr.Dataset:
         """Ellipses behind the criteria."""
         source = self.source()
         population = drop_copies(select_rows_with_room(source.dataset(self.show)))
-        carried = self.case.carry_ellipses(population, source, *self.structures, self.show)
-        protected = protect_over_lengths(carried, metric=self.metric, curve=method.curve)
-        return select_structures(protected, *self.structures) if self.law == "table" else protected
+        if self.earthquake:
+            _require_whole_records(population)
+            population = self._carry_ellipses(population.sel(metric=[source.metric]), source)
+        protected_ellipses = protect_over_lengths(population, metric=self.metric, curve=method.curve)
+        return (
+            select_structures(protected_ellipses, self.f, self.xi)
+            if self.law == "table"
+            else protected_ellipses
+        )
+
+    def _carry_ellipses(self, population: xr.Dataset, source: EllipseSource) -> xr.Dataset:
+        """Carry the ellipses of a population to the earthquake that is asked for."""
+        if self.asked["duration"] is not None:
+            return carry_to_length(population, self.asked["duration"])
+        f, xi = (
+            as_list(values) or population[name].values.tolist()
+            for name, values in (("f", self.f), ("xi", self.xi))
+        )
+        if self.asked["motion"] is not None:
+            with self.show("Measuring responses") as progress:
+                record = load_motions(self.asked["motion"])[:1]
+                response = measure_responses(record, f, xi, progress=progress)
+            return carry_to_response(population, self._measures(population, source), response)
+        thresholds = population["threshold"].values.tolist()
+        suite = EllipseSource(
+            motions=self.asked["suite"], f=f, xi=xi, threshold=thresholds, metric=source.metric
+        )
+        return carry_to_suite(population, suite.dataset(self.show))
+
+    def _measures(self, population: xr.Dataset, source: EllipseSource) -> xr.Dataset:
+        """Measure the responses of the population's own motions, or look them up."""
+        if source.motions is not None:
+            names = set(population["motion"].values.tolist())
+            suite = load_motions(*paths(source.motions), sets=source.sets)
+            motions = [motion for motion in suite if motion.name in names]
+            f, xi = (population[name].values.tolist() for name in ("f", "xi"))
+            with self.show("Measuring responses of the population") as progress:
+                return measure_responses(motions, f, xi, progress=progress)
+        if POPULATION not in {str(source.ellipses), str(source.results)}:
+            raise InputError(
+                "This source has no responses of its motions, so it cannot be transferred to a record",
+                value=f"{source.ellipses or source.results}, which holds none",
+                remedy=f"Give the records as `motions`, or leave the source out; the default is {POPULATION}",
+            )
+        rule, remedy = "Measures of responses must be a NetCDF file", "Install the package again"
+        return read_netcdf(shipped("datasets", _MEASURES), rule, remedy)
+
+    def _trace_own_boundaries(self) -> dict[str, Any]:
+        """Ellipses inscribed in the record's own boundaries, which hold for a test under this very record."""
+        if self.asked["motion"] is None or self.f is None or self.xi is None:
+            return {}
+        source = self.source()
+        record = EllipseSource(
+            motions=self.asked["motion"],
+            f=self.f,
+            xi=self.xi,
+            threshold=source.threshold,
+            metric=source.metric,
+        )
+        ellipses = record.dataset(self.show).isel(motion=0).sel(curve=str(CurveName.INSCRIBED))
+        rows = ellipses[["a", "b"]].stack(cell=("f", "xi", "threshold", "metric"))
+        return {
+            "own_boundary": [
+                {
+                    "motion": str(ellipses["motion"].item()),
+                    **{name: float(cell[name]) for name in ("f", "xi", "threshold")},
+                    **{
+                        f"{name}{'' if side == Side.LAG else '_lead'}": float(cell[name].sel(side=str(side)))
+                        for name in ("a", "b")
+                        for side in Side
+                    },
+                }
+                for cell in (rows.isel(cell=place) for place in range(rows.sizes["cell"]))
+            ]
+        }
 
     def _require_one_share(self, shares: tuple[float, ...]) -> None:
         """Refuse what is of one share of the stiffness where there are several."""
-        of_one = {"figures": self.figures, "compare": self.compare or None, "chains": self.chains}
-        unserved = [f"`{name}`" for name, value in of_one.items() if value is not None]
-        if len(shares) > 1 and unserved:
+        idle_options = [f"`{name}`" for name in ("figures", "compare", "chains") if self.asked[name]]
+        if len(shares) > 1 and idle_options:
             raise InputError(
-                f"{' and '.join(unserved)} need one share of the stiffness",
+                f"{' and '.join(idle_options)} need one share of the stiffness",
                 value=f"α = {', '.join(f'{share:g}' for share in shares)}",
                 remedy="Give one `alpha`, or leave them out",
             )
 
     def _require_one_criterion(self, count: int) -> None:
         """Refuse a file for several criteria, before any of them is derived."""
-        if self.out is not None and count > 1:
+        if self.asked["out"] is not None and count > 1:
             raise InputError(
                 "A file holds one criterion",
                 value=f"{count} of them",
                 remedy="Give one threshold, one confidence and one share of the stiffness",
-                where=str(self.out),
+                where=str(self.asked["out"]),
             )
 
     def answer(self) -> Criteria:
         """Derive criteria, write the file of one, and add what is asked for beside them."""
-        f, xi = self.structures
-        criteria, dataset, derivations = (
-            self.derive_from_published_law() if self.law in MANY_MOTION_LAWS else self.derive_from_ellipses()
-        )
-        derived = Criteria(
-            criteria=criteria,
-            structures=_structures(f, xi, dataset),
-            ellipses=dataset,
-            derivations=derivations,
-        )
-        neighbours = self.case.own_boundaries(self.source(), f, xi, self.show) if self.case.stated else {}
-        converged = all(posterior["converged"] for posterior in derived.posteriors)
+        is_printed = self.law in MANY_MOTION_LAWS
+        result = self.derive_from_published_law() if is_printed else self.derive_from_ellipses()
+        additions = self._trace_own_boundaries()
+        has_converged = all(posterior["converged"] for posterior in result.posteriors)
         # Rows refuse structures for which a law is not valid.
-        if derived.rows and converged and self.out is not None:
-            write_criterion(derived.criteria[0], self.out)
-        if self.figures is not None and dataset is not None:
-            drawn = draw_criteria(
-                self.figures,
-                dataset,
-                derived.criteria,
-                derived.structures,
-                derived.derivations,
-                self.show,
-            )
-            neighbours |= {"figures": drawn} if drawn else {}
-        if self.compare:
-            neighbours["comparison"] = compare_candidates(
-                derived.ellipses, derived.structures, derived.criteria, self.show
-            )
-        neighbours |= {**_frame(dataset), **self._limits_of_actuators(), **_share_law(derived)}
-        return replace(derived, beside=neighbours)
+        if result.rows and has_converged and self.asked["out"] is not None:
+            write_criterion(result.criteria[0], self.asked["out"])
+        if self.figures is not None and (names := draw_criteria(self.figures, result, self.show)):
+            additions["figures"] = names
+        if self.asked["compare"]:
+            additions["comparison"] = compare_candidates(result, self.show)
+        additions |= {
+            **_frame(result.ellipses),
+            **self._limits_of_actuators(),
+            **_share_law(result),
+        }
+        return replace(result, additions=additions)
 
     def _limits_of_actuators(self) -> dict[str, Any]:
         """Compute what the motions allow and do to the actuators that a frame's description states."""
-        structure = self.of_source["structure"]
+        structure = self.asked["structure"]
         if structure is None:
             return {}
         from reliab.simulation.frames.frame_file import read_structure
         from reliab.sweep.frame_table import errors_of_rig, limits_of_coupling, summary_of_rig
 
-        frame, source, found = read_structure(structure), self.source(), {}
+        frame, source, limits_by_key = read_structure(structure), self.source(), {}
         suite = load_motions(*paths(source.motions or ()), sets=source.sets)
-        window = Window.parse(self.of_source["window"] or "record")
+        window = Window.parse(self.asked["window"] or "record")
         threshold = (self.errors or [FIVE_PERCENT])[0]
-        if frame.has_several and self.of_source["actuator"] is None:
+        if frame.has_several and self.asked["actuator"] is None:
             with self.show("Coupling the actuators") as progress:
                 limits = limits_of_coupling(
                     frame,
@@ -403,21 +371,14 @@ class _Question:
                     window=window,
                     progress=progress,
                 )
-            found["cross_coupling"] = _coupling(limits, threshold, (self.confidences or [_NINETY_FIVE])[0])
+            limits_by_key["cross_coupling"] = _coupling(
+                limits, threshold, (self.confidences or [_NINETY_FIVE])[0]
+            )
         if frame.transfer_system is not None:
             with self.show("Testing the rig") as progress:
-                tried = errors_of_rig(frame, suite, window=window, progress=progress)
-            found["rig"] = summary_of_rig(tried, self.metric, threshold)
-        return found
-
-
-def _structures(
-    f: Numbers | None, xi: Numbers | None, dataset: xr.Dataset | None
-) -> tuple[tuple[float, float], ...]:
-    """Structures that are asked for, or all that the ellipses are of."""
-    all_f = [ONE_HERTZ] if dataset is None else dataset["f"].values.tolist()
-    all_xi = [TWO_PERCENT] if dataset is None else dataset["xi"].values.tolist()
-    return tuple(itertools.product(as_list(f) or all_f, as_list(xi) or all_xi))
+                errors = errors_of_rig(frame, suite, window=window, progress=progress)
+            limits_by_key["rig"] = summary_of_rig(errors, self.metric, threshold)
+        return limits_by_key
 
 
 def _frame(dataset: xr.Dataset | None) -> dict[str, Any]:
@@ -435,9 +396,9 @@ def _coupling(limits: Array, threshold: float, share: float) -> dict[str, Any]:
     return {"threshold": threshold, "share_of_motions": share, "limits": rows}
 
 
-def _share_law(derived: Criteria) -> dict[str, Any]:
+def _share_law(criteria: Criteria) -> dict[str, Any]:
     """Compare criteria of several shares of the stiffness with the law, unless the law carried them."""
-    dataset = derived.ellipses
+    dataset = criteria.ellipses
     if dataset is None or "alpha" not in dataset.dims or "caution" in dataset.attrs:
         return {}
-    return {"share_law": compare_shares(derived.criteria, derived.structures)}
+    return {"share_law": compare_shares(criteria.criteria, criteria.structures)}

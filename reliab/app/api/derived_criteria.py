@@ -35,7 +35,7 @@ class Criteria(ResultWithRows):
     """Criteria with what they were derived from."""
 
     rows_in = "criteria"
-    shown: ClassVar[Columns] = {
+    table_columns: ClassVar[Columns] = {
         **PLACE_COLUMNS,
         "confidence [-]": ("confidence", lambda promise: "none" if promise is None else f"{promise:g}"),
         "a [-]": ("a", digits),
@@ -44,7 +44,7 @@ class Criteria(ResultWithRows):
         "lag alone ≤ [ms]": ("delay_limit_ms", digits),
         "lead alone ≤ [ms]": ("lead_limit_ms", digits),
     }
-    plotted = ("f", "delay_limit_ms")
+    plot_columns = ("f", "delay_limit_ms")
 
     # One for each share of the stiffness, error and share of the population's ground motions
     criteria: tuple[Criterion, ...]
@@ -53,7 +53,7 @@ class Criteria(ResultWithRows):
     derivations: tuple[Derivation, ...] = ()  # One for each share of the stiffness and error
     # What else was asked for: `figures`, `comparison`; of frames `frame` and `rig`, of several actuators
     # `cross_coupling`, of several shares of the stiffness `share_law`
-    beside: Mapping[str, Any] = field(default_factory=dict)
+    additions: Mapping[str, Any] = field(default_factory=dict)
 
     @cached_property
     def rows(self) -> list[dict[str, Any]]:
@@ -69,14 +69,21 @@ class Criteria(ResultWithRows):
         provenance = criterion.provenance
         for derivation in self.derivations:
             ellipses = derivation.ellipses
-            of_error = derivation.lag.grid.threshold == criterion.threshold
+            is_same_threshold = derivation.lag.grid.threshold == criterion.threshold
             if (
-                of_error
+                is_same_threshold
                 and ellipses.share == provenance.experimental_fraction
                 and population_of(ellipses) == provenance.population
             ):
                 return ellipses
         return None
+
+    @property
+    def structures_with_ellipses(self) -> list[tuple[float, float]]:
+        """Structures of which there are ellipses."""
+        if (ellipses := self.ellipses) is None:
+            return []
+        return [(f, xi) for f, xi in self.structures if f in ellipses["f"] and xi in ellipses["xi"]]
 
     @property
     def posteriors(self) -> list[Mapping[str, Any]]:
@@ -90,7 +97,7 @@ class Criteria(ResultWithRows):
             "criteria": self.rows,
             **(self.rows[0] if len(self.rows) == 1 else {}),
             **posteriors,
-            **self.beside,
+            **self.additions,
         }
 
     def require_converged(self, chains: str | Path | None = None) -> None:
@@ -98,15 +105,13 @@ class Criteria(ResultWithRows):
 
         `chains`: the file that kept the chains.
         """
-        failed = [posterior for posterior in self.posteriors if not posterior["converged"]]
-        if failed:
-            complaints = " ".join(sentence for posterior in failed for sentence in posterior["complaints"])
-            again = f"`steps={2 * failed[0]['steps']}`"
-            how = f"Resume with `chains={chains}` {again}" if chains else f"Give {again}"
-            message = (
-                f"THE POSTERIOR HAS NOT CONVERGED, and no limit above may be relied on. {complaints} {how}."
-            )
-            raise IncompleteError(message)
+        failures = [posterior for posterior in self.posteriors if not posterior["converged"]]
+        if failures:
+            complaints = " ".join(sentence for posterior in failures for sentence in posterior["complaints"])
+            longer_chain = f"`steps={2 * failures[0]['steps']}`"
+            advice = f"Resume with `chains={chains}` {longer_chain}" if chains else f"Give {longer_chain}"
+            message = "THE POSTERIOR HAS NOT CONVERGED, and no limit above may be relied on."
+            raise IncompleteError(f"{message} {complaints} {advice}.")
 
 
 def _row(criterion: Criterion, sample: EllipseTable | None, f: float, xi: float) -> dict[str, Any]:
@@ -122,14 +127,14 @@ def _row(criterion: Criterion, sample: EllipseTable | None, f: float, xi: float)
 def _describe_kept_share(criterion: Criterion, summary: Mapping[str, Any]) -> dict[str, Any]:
     """Measure on the real motions that ship with the package how many keep a printed law."""
     real = open_ellipses(shipped("datasets", "real_suite/ellipses.nc"), window=criterion.provenance.window)
-    kept = exact_share(criterion, real, summary["f"], summary["xi"])
+    share = exact_share(criterion, real, summary["f"], summary["xi"])
     sentence = (
-        f"Of {kept['n_motions']} real motions, {percent(kept['share'], decimals=0)} have a boundary "
-        f"that contains this ellipse at f = {kept['f']:g} Hz and ξ = {kept['xi']:g}, where the paper states "
-        f"{percent(criterion.confidence)}. This was measured on the ellipses of datasets/real_suite; "
+        f"Of {share['n_motions']} real motions, {percent(share['share'], decimals=0)} have a boundary "
+        f"that contains this ellipse at f = {share['f']:g} Hz and ξ = {share['xi']:g}, where the paper "
+        f"states {percent(criterion.confidence)}. This was measured on the ellipses of datasets/real_suite; "
         "`reliab run validation` measures it for all structures."
     )
-    return {"kept_by": kept, "warnings": [sentence, *summary["warnings"]]}
+    return {"kept_by": share, "warnings": [sentence, *summary["warnings"]]}
 
 
 def write_criterion(criterion: Criterion, out: str | Path) -> None:
@@ -139,19 +144,15 @@ def write_criterion(criterion: Criterion, out: str | Path) -> None:
         file.write_text(criterion.to_json(), encoding="utf-8")
 
 
-def compare_candidates(
-    dataset: "xr.Dataset | None",
-    structures: Sequence[tuple[float, float]],
-    criteria: "Sequence[Criterion]",
-    show: Show,
-) -> dict[str, Any]:
-    """Compare distributions of a and b at structures, and laws over all structures of the dataset.
+def compare_candidates(result: Criteria, show: Show) -> dict[str, Any]:
+    """Compare distributions of a and b at structures, and laws over all structures of the ellipses.
 
     Returns `distributions`, a list with `f`, `xi`, `threshold`, `parameter`, p-values of `lognormality` and
     `scores` of each distribution; `laws`, a list over threshold, law and f, empty for one structure.
     """
     import numpy as np
 
+    dataset, criteria = result.ellipses, result.criteria
     if dataset is None:
         raise InputError(
             "`compare` needs a source of ellipses",
@@ -166,17 +167,16 @@ def compare_candidates(
             value=1,
             remedy="Give motions of more earthquakes, or leave `compare` out",
         )
-    held = [(f, xi) for f, xi in structures if f in dataset["f"] and xi in dataset["xi"]]
-    jobs = [(f, xi, threshold) for f, xi in held for threshold in thresholds]
+    jobs = [(f, xi, threshold) for f, xi in result.structures_with_ellipses for threshold in thresholds]
     distributions: list[dict[str, Any]] = []
     with show("Comparing distributions") as progress:
-        for done, (f, xi, threshold) in enumerate(jobs, start=1):
+        for count, (f, xi, threshold) in enumerate(jobs, start=1):
             distributions += _distributions(dataset, f, xi, threshold, metric, curve)
-            progress(done, len(jobs))
-    several = dataset.sizes["f"] * dataset.sizes["xi"] > 1
+            progress(count, len(jobs))
+    has_structures = dataset.sizes["f"] * dataset.sizes["xi"] > 1
     laws = (
         [row for threshold in thresholds for row in _laws(dataset, threshold, metric, confidence, curve)]
-        if several
+        if has_structures
         else []
     )
     return {"distributions": distributions, "laws": laws}
@@ -194,10 +194,10 @@ def _distributions(
     sample = sample_of(
         dataset, frequency=f, damping_ratio=xi, threshold=threshold, metric=metric, curve=curve
     )
-    where = {"f": f, "xi": xi, "threshold": threshold}
+    coordinates = {"f": f, "xi": xi, "threshold": threshold}
     return [
         {
-            **where,
+            **coordinates,
             "parameter": name,
             "lognormality": asdict(lognormality(values)),
             "scores": compare_distributions(values, sample.events)
@@ -220,40 +220,36 @@ def _laws(
     ]
 
 
-def draw_criteria(
-    folder: Path,
-    dataset: "xr.Dataset",
-    criteria: "Sequence[Criterion]",
-    structures: Sequence[tuple[float, float]],
-    derivations: "Sequence[Derivation]",
-    show: Show,
-) -> list[str]:
+def draw_criteria(folder: Path, result: Criteria, show: Show) -> list[str]:
     """Draw every structure and posterior into a folder, as SVG; keep posteriors for ArviZ."""
     from reliab.report.style import FigureWarning
 
-    held = [(f, xi) for f, xi in structures if f in dataset["f"] and xi in dataset["xi"]]
-    if missing := [f"f = {f:g} Hz, ξ = {xi:g}" for f, xi in structures if (f, xi) not in held]:
-        more = f" and {len(missing) - 1} more" if len(missing) > 1 else ""
+    dataset, criteria, structures = result.ellipses, result.criteria, result.structures_with_ellipses
+    if dataset is None:
+        return []
+    missing = [f"f = {f:g} Hz, ξ = {xi:g}" for f, xi in result.structures if (f, xi) not in structures]
+    if missing:
+        remainder = f" and {len(missing) - 1} more" if len(missing) > 1 else ""
         warnings.warn(
-            f"No figure for {missing[0]}{more}: the motions have no ellipses there. Choose f among "
+            f"No figure for {missing[0]}{remainder}: the motions have no ellipses there. Choose f among "
             f"{_list_values(dataset, 'f')} and ξ among {_list_values(dataset, 'xi')} for one.",
             FigureWarning,
             stacklevel=2,
         )
     errors = list(dict.fromkeys((criterion.threshold, str(criterion.metric)) for criterion in criteria))
-    jobs = [(*structure, *error) for structure in held for error in errors]
+    jobs = [(*structure, *error) for structure in structures for error in errors]
     names = []
     with show("Drawing") as progress:
-        for done, (f, xi, threshold, metric) in enumerate(jobs, start=1):
-            alike = [
+        for count, (f, xi, threshold, metric) in enumerate(jobs, start=1):
+            candidates = [
                 criterion
                 for criterion in criteria
                 if (criterion.threshold, str(criterion.metric)) == (threshold, metric)
             ]
-            drawn = _plane(dataset, alike, f, xi)
-            names.append(_write(folder, f"criterion_f{f:g}_xi{xi:g}_{metric}{threshold:g}.svg", drawn))
-            progress(done, len(jobs))
-    return names + _write_posteriors(folder, derivations)
+            figure = _plane(dataset, candidates, f, xi)
+            names.append(_write(folder, f"criterion_f{f:g}_xi{xi:g}_{metric}{threshold:g}.svg", figure))
+            progress(count, len(jobs))
+    return names + _write_posteriors(folder, result.derivations)
 
 
 def _write_posteriors(folder: Path, derivations: "Sequence[Derivation]") -> list[str]:
@@ -261,15 +257,15 @@ def _write_posteriors(folder: Path, derivations: "Sequence[Derivation]") -> list
     from reliab.core.vocabulary import Side
 
     names = []
-    for learned in (part for derivation in derivations for part in derivation.side_limits):
-        if learned.posterior_sample is None:
+    for side_limits in (part for derivation in derivations for part in derivation.side_limits):
+        if side_limits.posterior_sample is None:
             continue
-        side = "" if learned.grid.side == Side.LAG else f"_{learned.grid.side}"
-        error = f"{learned.grid.metric}{learned.grid.threshold:g}{side}"
-        for name, drawn in _posterior_figures(learned.posterior_sample).items():
-            names.append(_write(folder, f"{name}_{error}.svg", drawn))
+        side = "" if side_limits.grid.side == Side.LAG else f"_{side_limits.grid.side}"
+        error = f"{side_limits.grid.metric}{side_limits.grid.threshold:g}{side}"
+        for name, figure in _posterior_figures(side_limits.posterior_sample).items():
+            names.append(_write(folder, f"{name}_{error}.svg", figure))
         names.append(f"posterior_{error}.nc")
-        learned.posterior_sample.write_netcdf(folder / names[-1])
+        side_limits.posterior_sample.write_netcdf(folder / names[-1])
     return names
 
 
@@ -277,12 +273,12 @@ def _list_values(dataset: "xr.Dataset", name: str) -> str:
     return ", ".join(f"{value:g}" for value in dataset[name].values)
 
 
-def _plane(dataset: "xr.Dataset", alike: "Sequence[Criterion]", f: float, xi: float) -> "Figure":
+def _plane(dataset: "xr.Dataset", criteria: "Sequence[Criterion]", f: float, xi: float) -> "Figure":
     from reliab.criterion.ellipse_sample import sample_of
     from reliab.report.figures.parameter_distributions import ellipses_and_criterion
     from reliab.report.style import VERMILION
 
-    first = alike[0]
+    first = criteria[0]
     sample = sample_of(
         dataset,
         frequency=f,
@@ -291,15 +287,15 @@ def _plane(dataset: "xr.Dataset", alike: "Sequence[Criterion]", f: float, xi: fl
         metric=str(first.metric),
         curve=first.provenance.curve,
     )
-    named = {}
-    for criterion in alike:
+    parameters_by_label = {}
+    for criterion in criteria:
         a, b = (float(limit) for limit in criterion.limits(f, xi))
         if a > 0.0 and b > 0.0:
-            named[_share_in_words(criterion)] = (a, b)
-    drawn = ellipses_and_criterion(sample, named)
+            parameters_by_label[_share_in_words(criterion)] = (a, b)
+    figure = ellipses_and_criterion(sample, parameters_by_label)
     if not first.provenance.settings.get("converged", True):
-        drawn.axes[0].set_title("POSTERIOR NOT CONVERGED: not to be relied on", color=VERMILION)
-    return drawn
+        figure.axes[0].set_title("POSTERIOR NOT CONVERGED: not to be relied on", color=VERMILION)
+    return figure
 
 
 def _share_in_words(criterion: "Criterion") -> str:
@@ -327,11 +323,11 @@ def _posterior_figures(posterior: "PosteriorSample") -> Mapping[str, "Figure"]:
     }
 
 
-def _write(folder: Path, name: str, drawn: Any) -> str:  # noqa: ANN401 - matplotlib's figure
+def _write(folder: Path, name: str, figure: Any) -> str:  # noqa: ANN401 - matplotlib's figure
     from reliab.report.style import svg
 
     with refuse_unwritable("Cannot write to the folder of the figures", where=folder):
         folder.mkdir(parents=True, exist_ok=True)
         with written_whole(folder / name) as file:
-            file.write_bytes(svg(drawn))
+            file.write_bytes(svg(figure))
     return name

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, ClassVar, Unpack
 
 from reliab.app import questions
-from reliab.app.api.arguments import exact_values, parse_threshold, refuse_unused
+from reliab.app.api.arguments import STRUCTURE, parse_exact_values, parse_threshold, refuse_stated
 from reliab.app.declaration import Quantity, asks
 from reliab.assessment.design import CONFIDENCES, Tolerance, chart_frequencies, tolerable_errors
 from reliab.core.columns import Columns
@@ -26,7 +26,7 @@ class Design(ResultWithRows):
 
     rows_in = "design"
     keys: ClassVar[Mapping[str, str]] = {"design": "tolerances", "chart": "chart"}
-    shown: ClassVar[Columns] = {
+    table_columns: ClassVar[Columns] = {
         "f [Hz]": ("", lambda row: f"{row['f']:g}{'*' if row['outside_validity'] else ''}"),
         "confidence": ("confidence", lambda share: "none" if share is None else percent(share, decimals=0)),
         "|A − 1| alone": ("amplitude_limit", ".4f"),
@@ -34,7 +34,7 @@ class Design(ResultWithRows):
         "|A − 1| and": ("amplitude_limit_of_both", ".4f"),
         "d together [ms]": ("delay_limit_of_both_ms", ".3f"),
     }
-    plotted = ("f", "delay_limit_ms")
+    plot_columns = ("f", "delay_limit_ms")
 
     # Of the structures that were asked for, by frequency, then by confidence
     tolerances: tuple[Tolerance, ...]
@@ -73,20 +73,19 @@ def design_test(**request: Unpack[questions.Design]) -> Design:
             "the next one from earlier tests of it with `reliab rig predict RIG --structure FRAME`",
         )
     criterion, confidence = request["criterion"], request["confidence"]
-    stated = exact_values(xi=request["xi"], alpha=request["alpha"])
-    share = stated.get("alpha", 1.0)
+    values = parse_exact_values({**request}, "xi", "alpha")
+    share = values.get("alpha", 1.0)
     if criterion is not None:
-        given: dict[str, Any] = {**request, "alpha": None if share == 1.0 else share}
-        for name in ("threshold", "confidence", "metric", "alpha"):
-            if given[name] is not None:
-                raise refuse_unused(name, "together with `criterion`, which states its own")
+        options = {**request, "alpha": None if share == 1.0 else share}
+        reason = "together with `criterion`, which states its own"
+        refuse_stated(options, "threshold", "confidence", "metric", "alpha", reason=reason)
     read = Criterion.read(criterion) if isinstance(criterion, str | Path) else criterion
 
     def tolerances(frequencies: list[float]) -> tuple[Tolerance, ...]:
         return tuple(
             tolerable_errors(
                 frequencies,
-                stated.get("xi", 0.02),
+                values.get("xi", 0.02),
                 threshold=parse_threshold(request["threshold"]),
                 confidences=CONFIDENCES if confidence is None else as_names(confidence),
                 metric=str(request["metric"] or Metric.RMS),
@@ -97,7 +96,7 @@ def design_test(**request: Unpack[questions.Design]) -> Design:
 
     f: Any = 1.0 if request["f"] is None else request["f"]
     several_f = [f] if isinstance(f, int | Quantity) else f
-    frequencies = [exact_values(f=frequency)["f"] for frequency in several_f]
+    frequencies = [parse_exact_values({"f": frequency}, "f")["f"] for frequency in several_f]
     return Design(tolerances=tolerances(frequencies), chart=tolerances(chart_frequencies(read)))
 
 
@@ -145,11 +144,11 @@ def write_explorer(**request: Unpack[questions.Explorer]) -> ExplorerPage:
     out, ellipses = Path(request["out"]), Path(request["ellipses"] or REAL)
     windows = open_windows(or_shipped(ellipses, "datasets", "ellipses.nc"))
     lengths = sort_by_length(windows)
-    stated = exact_values(f=request["f"], xi=request["xi"], alpha=request["alpha"])
+    values = parse_exact_values({**request}, *STRUCTURE)
     settings = Settings(
-        frequency=stated.get("f"),
-        damping_ratio=stated.get("xi"),
-        experimental_fraction=stated.get("alpha", 1.0),
+        frequency=values.get("f"),
+        damping_ratio=values.get("xi"),
+        experimental_fraction=values.get("alpha", 1.0),
         threshold=request["threshold"],
         confidence=_NINETY_FIVE if request["confidence"] is None else request["confidence"],
         metric=request["metric"],

@@ -33,12 +33,12 @@ def diagnose_campaign(
     report. `tell` is called with the diagnosis once it is there, before its posteriors are sampled.
     """
     folder = campaign_folder(campaign)
-    measured = read_campaign(folder)
+    tests = read_campaign(folder)
     if out is not None:
         with refuse_unwritable("Cannot write to the folder for the diagnosis", where=out):
             Path(out).mkdir(parents=True, exist_ok=True)
     with show("Searching the blocks") as progress:
-        diagnosis = diagnose(measured, progress=progress)
+        diagnosis = diagnose(tests, progress=progress)
     tell(diagnosis)
     with show("Sampling posteriors") as progress:
         addition = add(diagnosis, out=None if out is None else Path(out), progress=progress)

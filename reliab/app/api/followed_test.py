@@ -30,6 +30,7 @@ from reliab.assessment.rebuilt_error.loop_energy import FALSE_ALARMS
 from reliab.assessment.rebuilt_error.rebuild import DRAWS
 from reliab.assessment.rebuilt_error.running_error import Monitor
 from reliab.assessment.rebuilt_error.running_test import FALSE_ERROR_ALARMS
+from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.verdict import Word, error_in_words, word_of_probability
 from reliab.core.encodings import pieces_as_utf8
 from reliab.core.files import written_whole
@@ -48,10 +49,10 @@ from reliab.recordings.recording import StatedChannels
 from reliab.simulation.frames.frame_file import FrameUnderTest
 from reliab.simulation.hybrid_test.model_file import UpdatedModel
 from reliab.structures.partition import Partition, whole_structure
+from reliab.structures.structure import Structure
 
 if TYPE_CHECKING:
-    from reliab.assessment.assessment import Assessment
-    from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment
+    from reliab.assessment.assess import AnyAssessment
 
 
 AnyMonitor = Monitor | MeasuredMonitor | CoupledMonitor
@@ -59,9 +60,13 @@ AnyMonitor = Monitor | MeasuredMonitor | CoupledMonitor
 _MILLISECONDS = 1e-3
 _CELLS = re.compile(rb"[^\s,;]+")
 _FEWEST_PERIODS = 2.0  # of the structure, from which a reversed sign is told
-_OF_ERROR = ("rms", "mte", "governing", "degrees_of_freedom")
+_ERROR_KEYS = ("rms", "mte", "governing", "degrees_of_freedom")
 _NOT_KNOWN = "No error of the whole test is known."
-_BY_HEADER = ("alpha", "scale", "skew")  # what is taken from the file of a test, where no option states it
+_HEADER_VALUES = (
+    "alpha",
+    "scale",
+    "skew",
+)  # what is taken from the file of a test, where no option states it
 _GLANCE = 0.1  # s of the test between two looks at the alarms
 
 
@@ -75,7 +80,7 @@ class Message(PlainResult):
     alarms: Mapping[str, str]  # Sentences of the alarms that were raised so far, by name
     # At the end, what :func:`reliab.assess` answers of the same rows; None of a test that is too long to be
     # held, or whose file was replaced
-    assessment: "Assessment | FrameAssessment | CoupledAssessment | None" = None
+    assessment: "AnyAssessment | None" = None
 
     def to_dict(self) -> dict[str, Any]:
         """Plain numbers with stable keys."""
@@ -89,7 +94,7 @@ class WholeText:
         self.name = name
         self._pieces: list[bytes] | None = []
 
-    def kept(self, pieces: Iterator[bytes]) -> Iterator[bytes]:
+    def keep(self, pieces: Iterator[bytes]) -> Iterator[bytes]:
         """Keep the pieces that pass, as UTF-8; an empty one says that another file begins."""
         for piece in pieces_as_utf8(pieces):
             if not piece:
@@ -120,16 +125,16 @@ class FollowedTest:
     """Follows rows, and says what is known."""
 
     text: WholeText
-    judge: "Callable[[Path], Assessment | FrameAssessment | CoupledAssessment]"  # Assesses a finished test
-    stated: dict[str, StatedValue]  # By options, until the first row came
+    judge: "Callable[[Path], AnyAssessment]"  # Assesses a finished test
+    values: dict[str, StatedValue]  # By options, until the first row came
     laboratory: StatedChannels
     model: UpdatedModel | None
     frame: FrameUnderTest | None
-    of_force: ForceChannel | None  # What is stated of a measured specimen's force; None without one
+    force_channel: ForceChannel | None  # What is stated of a measured specimen's force; None without one
     equipment: Equipment
     threshold: float  # [-]
     metric: Metric
-    every: float  # [s]
+    message_interval: float  # [s]
     sizes: dict[str, Size] = field(default_factory=dict)  # Of what is not known
     alarms: dict[str, str] = field(default_factory=dict)  # Sentences of those that were raised, by name
     sign: RunningSign = field(default_factory=RunningSign)
@@ -139,57 +144,51 @@ class FollowedTest:
 
         `rate` [Hz].
         """
-        step, rows = step_of_rows(self._with_header(rows), rate)
+        step, rows = step_of_rows(self._read_header(rows), rate)
         if skew := self._value("skew") * _MILLISECONDS:
             rows = rows_without_skew(rows, skew / step)
         monitor = self._monitor(step)
-        between, glance = (max(round(seconds / step), 1) for seconds in (self.every, _GLANCE))
+        message_interval, alarm_interval = (
+            max(round(seconds / step), 1) for seconds in (self.message_interval, _GLANCE)
+        )
         for part in rows_about_zero(rows_at_equal_steps(rows, step), step):
             begin, size = 0, part.command.shape[-1]
             while begin < size:
-                to_next = min(count - monitor.samples % count for count in (between, glance))
-                end = min(begin + to_next, size)
+                remaining = min(
+                    count - monitor.samples % count for count in (message_interval, alarm_interval)
+                )
+                end = min(begin + remaining, size)
                 self._feed(monitor, part, slice(begin, end))
                 if not monitor.is_whole:
                     self.text.drop()
-                if monitor.samples % glance == 0 or monitor.samples % between == 0:
+                if monitor.samples % alarm_interval == 0 or monitor.samples % message_interval == 0:
                     yield from self._new_alarms(monitor)
-                if monitor.samples % between == 0:
+                if monitor.samples % message_interval == 0:
                     yield self._update(monitor)
                 begin = end
         yield self._end(monitor)
 
-    def _with_header(self, rows: Iterator[Rows]) -> Iterator[Rows]:
+    def _read_header(self, rows: Iterator[Rows]) -> Iterator[Rows]:
         """Take what the file of the test states, where no option does."""
         first = list(islice(rows, 1))
         header = first[0].stated if first else {}
-        of_file = self.laboratory.merge_statements(
-            {name: header[name] for name in _BY_HEADER if name in header}
+        file_values = self.laboratory.merge_statements(
+            {name: header[name] for name in _HEADER_VALUES if name in header}
         )
-        self.stated.update({**dict.fromkeys(("alpha", "scale"), StatedValue(1.0)), **of_file, **self.stated})
-        require_sound(self.stated)
+        self.values.update(
+            {**dict.fromkeys(("alpha", "scale"), StatedValue(1.0)), **file_values, **self.values}
+        )
+        require_sound(self.values)
         return chain(first, rows)
 
     def _value(self, name: str) -> float:
         """Value of what is stated; zero where it is not."""
-        return self.stated[name].value if name in self.stated else 0.0
+        return self.values[name].value if name in self.values else 0.0
 
     def _monitor(self, step: float) -> AnyMonitor:
-        structure, lag = structure_of(self.stated), self.stated["feedback_lag"].value * _MILLISECONDS
-        calibrated = self.model is not None
-        self.sizes.update(
-            sizes_of_unknown(self.stated, structure, self.equipment, step, calibrated=calibrated)
-        )
-        if self.frame is not None:
-            self.sizes.update(sizes_of_structure(self.frame))
-        tolerances = tolerances_of(self.sizes)
-        if self._value("hysteresis"):  # which is not taken off here, nor are filters
-            tolerances = replace(tolerances, lagging_hysteresis=self._value("hysteresis"))
-        if filters := parse_filters(f"{name}={text}" for name, text in self.laboratory.filters.items()):
-            apart = filters["measured"].delay if "measured" in filters else 0.0
-            apart -= filters["command"].delay if "command" in filters else 0.0
-            tolerances = replace(tolerances, filter_delay=float(np.hypot(tolerances.filter_delay, apart)))
-        followed = structure if self.frame is None else self.frame.partition
+        structure, lag = structure_of(self.values), self.values["feedback_lag"].value * _MILLISECONDS
+        tolerances = self._tolerances(structure, step)
+        assessed_structure = structure if self.frame is None else self.frame.partition
         if self.frame is not None and self.frame.has_several:
             return CoupledMonitor(
                 self.frame.partition,
@@ -199,23 +198,43 @@ class FollowedTest:
                 tolerances=tolerances,
                 metric=self.metric,
             )
-        if self.of_force is None:
-            return Monitor(self.model or followed, step, feedback_lag=lag, tolerances=tolerances)
-        mass = self.stated.get("mass")
+        if self.force_channel is None:
+            return Monitor(self.model or assessed_structure, step, feedback_lag=lag, tolerances=tolerances)
+        mass = self.values.get("mass")
         return MeasuredMonitor(
-            whole_structure(followed) if mass is None else Partition.from_structure(structure, mass.value),
+            whole_structure(assessed_structure)
+            if mass is None
+            else Partition.from_structure(structure, mass.value),
             step,
             StatedForce(
                 mass_deviation=0.0 if mass is None else mass.deviation / mass.value,
                 feedback_lag=lag,
-                channel=self.of_force,
+                channel=self.force_channel,
                 tolerances=tolerances,
             ),
         )
 
+    def _tolerances(self, structure: Structure, step: float) -> Tolerances:
+        """Collect what is uncertain; hysteresis and filters are not taken off here."""
+        is_calibrated = self.model is not None
+        self.sizes.update(
+            sizes_of_unknown(self.values, structure, self.equipment, step, calibrated=is_calibrated)
+        )
+        if self.frame is not None:
+            self.sizes.update(sizes_of_structure(self.frame))
+        tolerances = tolerances_of(self.sizes)
+        if hysteresis := self._value("hysteresis"):
+            tolerances = replace(tolerances, lagging_hysteresis=hysteresis)
+        if filters := parse_filters(f"{name}={text}" for name, text in self.laboratory.filters.items()):
+            delay_difference = filters["measured"].delay if "measured" in filters else 0.0
+            delay_difference -= filters["command"].delay if "command" in filters else 0.0
+            total = float(np.hypot(tolerances.filter_delay, delay_difference))
+            tolerances = replace(tolerances, filter_delay=total)
+        return tolerances
+
     def _feed(self, monitor: AnyMonitor, rows: Rows, part: slice) -> None:
         """Feed a part of some rows, in the scale of the displacement sensor."""
-        command, measured = rows.command[..., part], rows.measured[..., part] / self.stated["scale"].value
+        command, measured = rows.command[..., part], rows.measured[..., part] / self.values["scale"].value
         self.sign.add(command, measured)
         if isinstance(monitor, MeasuredMonitor):
             if rows.force is not None:
@@ -254,7 +273,7 @@ class FollowedTest:
                 + (
                     f"at most {percent(FALSE_ERROR_ALARMS)} of simulated tests that end below "
                     f"that threshold raised this alarm"
-                    if self.of_force is None
+                    if self.force_channel is None
                     else "how often this alarm is false was not measured for learned specimens"
                 ),
             )
@@ -279,55 +298,55 @@ class FollowedTest:
         """Judge the whole test: as it is assessed where it was kept, else by the running intervals."""
         with TemporaryDirectory() as folder:
             file = self.text.write_to(folder) if monitor.moves else None
-            found = None if file is None else self.judge(file)
-        if found is not None and isinstance(monitor, MeasuredMonitor):
-            return self._assessed(monitor, found)
+            assessment = None if file is None else self.judge(file)
+        if assessment is not None and isinstance(monitor, MeasuredMonitor):
+            return self._report_assessment(monitor, assessment)
         request = monitor.ask(draws=DRAWS) if isinstance(monitor, Monitor) else monitor.ask(at_end=True)
-        if found is not None:
-            return self._assessed(monitor, found)
+        if assessment is not None:
+            return self._report_assessment(monitor, assessment)
         if monitor.result is None:
-            return self._message(monitor, "end", **self._told(Word.UNDECIDED, [_NOT_KNOWN], []))
+            return self._message(monitor, "end", **self._describe_verdict(Word.UNDECIDED, [_NOT_KNOWN], []))
         error, size = self._intervals(request, monitor), monitor.result.estimate(self.metric)
         reason = error_in_words(ERROR_NAMES[self.metric], size, self.threshold, error["probability"])
-        told = self._told(word_of_probability(error["probability"]), [f"{reason}."], [])
-        return self._message(monitor, "end", error=error, **told)
+        verdict = self._describe_verdict(word_of_probability(error["probability"]), [f"{reason}."], [])
+        return self._message(monitor, "end", error=error, **verdict)
 
-    def _assessed(
-        self, monitor: AnyMonitor, found: "Assessment | FrameAssessment | CoupledAssessment"
-    ) -> Message:
+    def _report_assessment(self, monitor: AnyMonitor, assessment: "AnyAssessment") -> Message:
         """Tell the end of a test by its assessment."""
-        content, now = found.to_dict(), monitor.now
+        content, now = assessment.to_dict(), monitor.now
         error = {
-            **{key: content["error"][key] for key in _OF_ERROR if key in content["error"]},
-            "probability": found.probability,
+            **{key: content["error"][key] for key in _ERROR_KEYS if key in content["error"]},
+            "probability": assessment.probability,
             "until_s": now.time,
             "metric": str(self.metric),
             "threshold": self.threshold,
         }
-        told = self._told(Word(content["verdict"]), content["reasons"], content["would_decide"])
-        learned = found.error.specimen if isinstance(found.error, ErrorOfTest) else None
-        if learned is not None:
-            told["specimen"] = {
-                "learning": not learned.learned,
-                "held_out": learned.held_out,
+        verdict = self._describe_verdict(
+            Word(content["verdict"]), content["reasons"], content["would_decide"]
+        )
+        specimen = assessment.error.specimen if isinstance(assessment.error, ErrorOfTest) else None
+        if specimen is not None:
+            verdict["specimen"] = {
+                "learning": not specimen.learned,
+                "held_out": specimen.held_out,
                 "until_s": now.time,
             }
-            told |= {metric: error[metric]["value"] for metric in Metric}
-            told["error_m"] = learned.rebuilt.error[-1].item()
-        return replace(self._message(monitor, "end", error=error, **told), assessment=found)
+            verdict |= {metric: error[metric]["value"] for metric in Metric}
+            verdict["error_m"] = specimen.rebuilt.error[-1].item()
+        return replace(self._message(monitor, "end", error=error, **verdict), assessment=assessment)
 
-    def _told(self, word: Word, reasons: list[str], steps: list[str]) -> dict[str, Any]:
+    def _describe_verdict(self, word: Word, reasons: list[str], steps: list[str]) -> dict[str, Any]:
         """Put a verdict into plain values."""
-        above = None if word is Word.UNDECIDED else word is Word.NOT_RELIABLE
+        exceeds = None if word is Word.UNDECIDED else word is Word.NOT_RELIABLE
         return {
             "verdict": str(word),
             "reliable": word is Word.RELIABLE,
             "reasons": reasons,
             "would_decide": steps,
-            "above_threshold": above,
+            "above_threshold": exceeds,
         }
 
-    def _message(self, monitor: AnyMonitor, kind: str, **more: Any) -> Message:  # noqa: ANN401 - of JSON
+    def _message(self, monitor: AnyMonitor, kind: str, **additions: Any) -> Message:  # noqa: ANN401 - of JSON
         now = monitor.now
         content = {
             "kind": kind,
@@ -342,19 +361,19 @@ class FollowedTest:
             "alarms": list(self.alarms),
             "false_alarm_rates": {
                 "unstable": FALSE_ALARMS,
-                "error": FALSE_ERROR_ALARMS if self.of_force is None else None,
+                "error": FALSE_ERROR_ALARMS if self.force_channel is None else None,
             },
             **_values_of_monitor(monitor),
-            **more,
+            **additions,
         }
         return Message(kind=kind, content=content, monitor=monitor, alarms=self.alarms)
 
     def _intervals(self, request: object, monitor: AnyMonitor) -> dict[str, Any]:
         """Give intervals of the error that was asked for, of several actuators those of each displacement."""
-        by_degree: dict[str, Any] = {}
+        displacements: dict[str, Any] = {}
         if isinstance(request, CoupledError):
             governing = request.governing(self.metric)
-            by_degree = {
+            displacements = {
                 "governing": None if governing is None else governing.name,
                 "degrees_of_freedom": {
                     degree.name: {
@@ -370,7 +389,7 @@ class FollowedTest:
             "until_s": monitor.now.time,
             "metric": str(self.metric),
             "threshold": self.threshold,
-            **by_degree,
+            **displacements,
         }
 
     def _errors(self, error: Any) -> dict[str, Any]:  # noqa: ANN401 - of any kind of test
@@ -391,10 +410,10 @@ def _values_of_monitor(monitor: AnyMonitor) -> dict[str, Any]:
         return {"governing": monitor.governing, "degrees_of_freedom": errors}
     if isinstance(monitor, MeasuredMonitor):
         held_out = None if monitor.specimen is None else monitor.specimen.held_out
-        learned = {
+        state = {
             "learning": monitor.now.rms is None,
             "held_out": held_out,
             "until_s": monitor.learning_time,
         }
-        return {"specimen": learned}
+        return {"specimen": state}
     return {}

@@ -1,22 +1,25 @@
 """`reliab.follow_test`: the error of a test while it runs, message by message, and its verdict at the end."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Unpack
 
 from reliab.app import questions
 from reliab.app.api.arguments import (
+    STRUCTURE,
     parse_stated_values,
     parse_threshold,
     read_equipment,
+    refuse_stated,
     refuse_unused,
     require_known_specimen,
     require_sound,
+    values_of_structure,
 )
 from reliab.app.api.assessment import assess
 from reliab.app.api.channels import Channels
 from reliab.app.api.followed_test import FollowedTest, Message, WholeText
-from reliab.app.declaration import Quantity, asks
+from reliab.app.declaration import asks
 from reliab.assessment.frame_test import require_linear_interface
 from reliab.assessment.measured_specimen.force_channel import ForceChannel
 from reliab.core.errors import InputError
@@ -30,7 +33,7 @@ from reliab.simulation.frames.frame_file import FrameUnderTest, read_structure
 from reliab.simulation.hybrid_test.model_file import UpdatedModel, read_model
 from reliab.structures.structure import Structure
 
-_USUAL = {"alpha": 1.0, "feedback_lag": 0.0}
+_DEFAULTS = {"alpha": 1.0, "feedback_lag": 0.0}
 
 
 @asks(questions.FollowedTest)
@@ -75,41 +78,37 @@ def follow_test(
     >>> end.kind, end.to_dict()["verdict"]
     ('end', 'reliable')
     """
-    model, structure, specimen = request["model"], request["structure"], request["specimen"]
     force_channel = None if request["force_channel"] is None else list(request["force_channel"])
-    _require_clock(request["rate"], **{name: request[name] for name in ("every", "wait", "start_within")})
+    question: dict[str, Any] = {**request, "force_channel": force_channel}
+    _require_clock(request["rate"], **{name: question[name] for name in ("every", "wait", "start_within")})
     path = str(source) if str(source) == "-" else str(or_shipped(Path(source), "datasets", "test.csv"))
     laboratory = Channels.from_question(request).laboratory()
-    updated = None if model is None else model_of(model, request)
-    frame = None
-    if structure is not None:
-        refuse_beside("structure", request, "f", "xi", "alpha", "model")
-        frame = frame_of(structure, measured=require_known_specimen(specimen))
-    of_force = _channel_of_force(specimen, request["mass"], force_channel, updated, frame)
-    of_test = _collect_stated_values(request, _mode(updated, frame))
+    model, frame = read_followed_model(question), read_followed_frame(question)
+    channel = _parse_force_channel(question)
+    values = _collect_stated_values(question, _find_mode(model, frame))
     text = WholeText("standard input" if path == "-" else Path(path).name)
     rows = rows_as_written(
-        text.kept(chunks_of_text(path, request["wait"], request["start_within"], say)),
+        text.keep(chunks_of_text(path, request["wait"], request["start_within"], say)),
         name=text.name,
         declarations=laboratory.declarations,
-        also=() if of_force is None else (Part.FORCE,),
+        also=() if channel is None else (Part.FORCE,),
         has_several=frame is not None and frame.has_several,
     )
-    as_assessed = questions.only_those_of(questions.StatedOfTest, {**request, "force_channel": force_channel})
-    watch = FollowedTest(
+    terms = questions.select_stated(questions.StatedOfTest, question)
+    test = FollowedTest(
         text=text,
-        judge=lambda file: assess(file, structure, **as_assessed),
-        stated=of_test,
+        judge=lambda file: assess(file, request["structure"], **terms),
+        values=values,
         laboratory=laboratory,
-        model=updated,
+        model=model,
         frame=frame,
-        of_force=of_force,
+        force_channel=channel,
         equipment=read_equipment(request["equipment"], exact=request["exact"]),
         threshold=parse_threshold(request["threshold"]),
         metric=Metric.parse(request["metric"] or Metric.RMS),
-        every=request["every"],
+        message_interval=request["every"],
     )
-    return watch.follow(rows, laboratory.rate_hz)
+    return test.follow(rows, laboratory.rate_hz)
 
 
 def _require_clock(rate: float | None, **seconds: float) -> None:
@@ -120,96 +119,72 @@ def _require_clock(rate: float | None, **seconds: float) -> None:
         require_physical("number", value, label=f"value of `{name}`", remedy="Give it in seconds")
 
 
-def model_of(model: str | Path | UpdatedModel, request: questions.Followed) -> UpdatedModel:
+def read_followed_model(question: Mapping[str, Any]) -> UpdatedModel | None:
     """Read the model of a test that is followed, beside which its structure must not be stated again."""
-    stated: Mapping[str, Any] = {**request}
-    for name in ("f", "xi", "alpha", "feedback_lag"):
-        if stated[name] is not None and not _is_usual(name, stated[name]):
-            raise refuse_unused(
-                name, "together with `model`, which states it, and whose force is fed back without delay"
-            )
+    model = question["model"]
+    if model is None:
+        return None
+    reason = "together with `model`, which states it, and whose force is fed back without delay"
+    refuse_stated(question, *STRUCTURE, "feedback_lag", reason=reason, defaults=_DEFAULTS)
     return read_model(model) if isinstance(model, str | Path) else model
 
 
-def _is_usual(name: str, value: Any) -> bool:  # noqa: ANN401 - of many types
-    """Tell whether a value is the one that holds if nothing is stated."""
-    return name in _USUAL and value in (_USUAL[name], f"{_USUAL[name]:g}")
-
-
-def _channel_of_force(
-    specimen: str | None,
-    mass: Quantity | None,
-    force_channel: Iterable[str] | None,
-    model: UpdatedModel | None,
-    frame: FrameUnderTest | None,
-) -> ForceChannel | None:
-    """Read what is stated of the force of a measured specimen; None where the specimen is not measured."""
-    if require_known_specimen(specimen, beside_model=model is not None):
-        if mass is None and frame is None:
-            raise InputError(
-                "A measured specimen needs the `mass` of the structure", remedy="State it in kilograms"
-            )
-        if mass is not None and frame is not None:
-            raise refuse_unused("mass", "together with `structure`, which describes the test")
-        return ForceChannel.parse(force_channel or ())
-    for name, value in {"mass": mass, "force_channel": force_channel}.items():
-        if value is not None:
-            raise refuse_unused(name, "unless the `specimen` is measured")
-    return None
-
-
-def frame_of(structure: str | Path | FrameUnderTest, *, measured: bool = False) -> FrameUnderTest:
-    """Read the frame of a test that is followed.
-
-    `measured`: whether its specimen is learned from its force.
-    """
+def read_followed_frame(question: Mapping[str, Any]) -> FrameUnderTest | None:
+    """Read the frame of a test that is followed, whose specimen may be learned from its force."""
+    structure = question["structure"]
+    if structure is None:
+        return None
+    reason = "together with `structure`, which describes the test"
+    refuse_stated(question, *STRUCTURE, "model", reason=reason, defaults=_DEFAULTS)
+    is_measured = require_known_specimen(question["specimen"])
     frame = read_structure(structure) if isinstance(structure, str | Path) else structure
-    if frame.has_several:
-        if measured:
-            raise refuse_unused(
-                "specimen", "together with a `structure` with several actuators, whose specimen is linear"
-            )
-        return frame
-    require_linear_interface(frame, measured_specimen=measured)
+    if not frame.has_several:
+        require_linear_interface(frame, measured_specimen=is_measured)
+    elif is_measured:
+        raise refuse_unused(
+            "specimen", "together with a `structure` with several actuators, whose specimen is linear"
+        )
     return frame
 
 
-def refuse_beside(name: str, request: questions.Followed, *others: str) -> None:
-    """Refuse what a frame or a model states itself."""
-    stated: Mapping[str, Any] = {**request}
-    for other in others:
-        if stated[other] is not None and not _is_usual(other, stated[other]):
-            raise refuse_unused(other, f"together with `{name}`, which describes the test")
+def _parse_force_channel(question: Mapping[str, Any]) -> ForceChannel | None:
+    """Read what is stated of the force of a measured specimen; None if the specimen is not measured."""
+    mass, has_frame = question["mass"], question["structure"] is not None
+    if not require_known_specimen(question["specimen"], has_model=question["model"] is not None):
+        refuse_stated(question, "mass", "force_channel", reason="unless the `specimen` is measured")
+        return None
+    if mass is None and not has_frame:
+        raise InputError(
+            "A measured specimen needs the `mass` of the structure", remedy="State it in kilograms"
+        )
+    if has_frame:
+        refuse_stated(question, "mass", reason="together with `structure`, which describes the test")
+    return ForceChannel.parse(question["force_channel"] or ())
 
 
-def _mode(model: UpdatedModel | None, frame: FrameUnderTest | None) -> Structure | None:
+def _find_mode(model: UpdatedModel | None, frame: FrameUnderTest | None) -> Structure | None:
     """Structure whose frequency, damping and share stand for those of a model or a frame."""
     if frame is not None:
         return frame.governing_mode
     return None if model is None else model.test.structure
 
 
-def _collect_stated_values(request: questions.FollowedTest, mode: Structure | None) -> dict[str, StatedValue]:
+def _collect_stated_values(question: Mapping[str, Any], mode: Structure | None) -> dict[str, StatedValue]:
     """Read what is stated of structure, sensor and feedback, which must be complete.
 
     `mode` stands for the structure of a model or a frame.
     """
-    of_structure: dict[str, Quantity | None] = {name: request[name] for name in ("f", "xi", "alpha")}
-    if mode is not None:
-        of_structure = {
-            "f": mode.frequency,
-            "xi": mode.damping_ratio,
-            "alpha": mode.experimental_fraction,
-        }
-    for name, what, remedy in (
+    names = STRUCTURE if mode is None else ()
+    values = {
+        "feedback_lag": StatedValue(0.0),
+        **values_of_structure(mode),
+        **parse_stated_values(question, *names, "scale", "feedback_lag", "mass"),
+    }
+    for name, meaning, remedy in (
         ("f", "natural frequency", "Give it in hertz"),
         ("xi", "damping ratio", "Give 0.02 for 2 %, or 0.02±0.002"),
     ):
-        if of_structure[name] is None:
-            raise InputError(f"A test needs `{name}`, the structure's {what}", remedy=remedy)
-    lag = 0.0 if request["feedback_lag"] is None else request["feedback_lag"]
-    stated = parse_stated_values(
-        **of_structure, scale=request["scale"], feedback_lag=lag, mass=request["mass"]
-    )
-    require_sound(stated)
-    return stated
+        if name not in values:
+            raise InputError(f"A test needs `{name}`, the structure's {meaning}", remedy=remedy)
+    require_sound(values)
+    return values

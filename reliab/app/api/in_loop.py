@@ -5,8 +5,15 @@ from pathlib import Path
 from typing import Unpack
 
 from reliab.app import questions
-from reliab.app.api.arguments import parse_stated_values, parse_threshold, require_sound, structure_of
-from reliab.app.api.following import model_of, refuse_beside
+from reliab.app.api.arguments import (
+    STRUCTURE,
+    parse_stated_values,
+    parse_threshold,
+    refuse_stated,
+    require_sound,
+    structure_of,
+)
+from reliab.app.api.following import read_followed_model
 from reliab.app.declaration import asks
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
@@ -91,26 +98,26 @@ def _monitor(request: questions.MonitorInLoop) -> LoopMonitor:
         raise InputError("The monitor needs `rate`, the rate of the loop", remedy="Give it in hertz")
     threshold = parse_threshold(request["threshold"])
     require_physical("sampling rate", rate, label="value of `rate`")
-    stated = {
+    values = {
         "scale": StatedValue(1.0),
         "feedback_lag": StatedValue(0.0),
-        **parse_stated_values(scale=request["scale"], feedback_lag=request["feedback_lag"]),
+        **parse_stated_values({**request}, "scale", "feedback_lag"),
     }
-    require_sound(stated)
-    lag = stated["feedback_lag"].value
+    require_sound(values)
+    lag = values["feedback_lag"].value
     if not 0.0 <= lag <= _LONGEST_LAG:
         raise InputError(
             f"`feedback_lag` must be 0 to {_LONGEST_LAG:g} ms",
             value=f"{lag:g} ms",
             remedy="State it in milliseconds",
         )
-    tested, to_interface = _structure(request)
+    structure, interface_matrix = _structure(request)
     return LoopMonitor(
-        structure=tested,
-        to_interface=to_interface,
+        structure=structure,
+        to_interface=interface_matrix,
         time_step=1.0 / rate,
         feedback_lag=lag * _MILLISECONDS,
-        sensor_scale=stated["scale"].value,
+        sensor_scale=values["scale"].value,
         threshold=threshold,
         metric=Metric.parse(request["metric"] or Metric.RMS),
     )
@@ -118,28 +125,29 @@ def _monitor(request: questions.MonitorInLoop) -> LoopMonitor:
 
 def _structure(request: questions.MonitorInLoop) -> tuple[Partition | HybridTest, Array | None]:
     """Return the structure, and interface displacements per unit of each channel of several."""
-    frame, model = request["structure"], request["model"]
-    if frame is not None and model is not None:
+    frame, question = request["structure"], {**request}
+    if frame is not None and request["model"] is not None:
         raise InputError(
             "A monitor in a loop needs either a `structure` or a `model`", remedy="Leave one out"
         )
     if frame is not None:
-        refuse_beside("structure", request, "f", "xi", "alpha")
+        reason = "together with `structure`, which describes the test"
+        refuse_stated(question, *STRUCTURE, reason=reason, defaults={"alpha": 1.0})
         return _partition_of_frame(read_structure(frame), str(frame))
-    if model is not None:
-        return model_of(model, request).test, None
-    for name, value in {"f": request["f"], "xi": request["xi"]}.items():
-        if value is None:
+    if (model := read_followed_model(question)) is not None:
+        return model.test, None
+    for name in ("f", "xi"):
+        if question[name] is None:
             raise InputError(
                 f"A monitor in a loop needs `{name}`, or the `structure` of a frame, or a `model`",
                 remedy="State one of them",
             )
-    stated = parse_stated_values(f=request["f"], xi=request["xi"], alpha=request["alpha"])
-    require_sound(stated)
-    return Partition.from_structure(structure_of(stated)), None
+    values = parse_stated_values(question, *STRUCTURE)
+    require_sound(values)
+    return Partition.from_structure(structure_of(values)), None
 
 
-def _partition_of_frame(frame: FrameUnderTest, where: str) -> tuple[Partition, Array | None]:
+def _partition_of_frame(frame: FrameUnderTest, source: str) -> tuple[Partition, Array | None]:
     """Return the structure of a frame with a linear specimen."""
     if frame.has_several:
         if frame.geometry is not None and not frame.channels_at_interface:
@@ -148,7 +156,7 @@ def _partition_of_frame(frame: FrameUnderTest, where: str) -> tuple[Partition, A
                 value="[kinematics.geometry]",
                 remedy=f"Give matrix = {frame.kinematics.round(6).tolist()} if rotations are small, or take "
                 'channels at the "interface"',
-                where=where,
+                where=source,
             )
         return frame.partition, frame.to_interface
     if frame.output is not None:
@@ -156,14 +164,14 @@ def _partition_of_frame(frame: FrameUnderTest, where: str) -> tuple[Partition, A
             "A monitor in a loop computes the error of the measured interface displacement",
             value=frame.error_of,
             remedy='Leave [error] out, or give of = "interface"',
-            where=where,
+            where=source,
         )
     if frame.partition.effects:
         raise InputError(
             "A monitor in a loop of a frame is made for a linear specimen",
             value=", ".join(effect.name for effect in frame.partition.effects),
             remedy="Leave [[specimen.effects]] out if the specimen is nearly linear",
-            where=where,
+            where=source,
         )
     return frame.partition, None
 
@@ -172,5 +180,5 @@ def _write(content: dict[Path, bytes]) -> None:
     for path, data in content.items():
         with refuse_unwritable("Cannot write the folder or file of a monitor", where=path):
             path.parent.mkdir(parents=True, exist_ok=True)
-            with written_whole(path) as unfinished:
-                unfinished.write_bytes(data)
+            with written_whole(path) as temporary:
+                temporary.write_bytes(data)

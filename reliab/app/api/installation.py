@@ -8,6 +8,8 @@ from pathlib import Path, PurePosixPath
 from typing import IO, Any
 from urllib.parse import urlsplit
 
+from reliab.app import subjects
+from reliab.app.declaration import asks
 from reliab.core.errors import InputError
 from reliab.core.files import ordinary, refuse_unwritable, written_whole
 from reliab.core.shipped import KINDS, checksum_of, checksums, find_fetched, find_shipped_folder, shipped
@@ -84,13 +86,9 @@ def _describe_compiled_code() -> str:
     return "__pycache__ beside each module" if folder.name == "__pycache__" else str(folder.parent)
 
 
+@asks(subjects.SampleFolder)
 def copy_samples(folder: str | Path = "datasets") -> tuple[Path, ...]:
     """Write the samples that come with reliab into a folder; files with other content are not overwritten.
-
-    Parameters
-    ----------
-    folder : str or pathlib.Path, optional
-        Where they are written.
 
     Returns
     -------
@@ -109,8 +107,8 @@ def copy_samples(folder: str | Path = "datasets") -> tuple[Path, ...]:
         _refuse_others(contents)
         for path, content in contents.items():
             path.parent.mkdir(parents=True, exist_ok=True)
-            with written_whole(path) as unfinished:
-                unfinished.write_bytes(content)
+            with written_whole(path) as temporary:
+                temporary.write_bytes(content)
     return tuple(folder / sample for sample in _SAMPLES)
 
 
@@ -129,13 +127,9 @@ def _refuse_others(contents: dict[Path, bytes]) -> None:
             )
 
 
+@asks(subjects.ListedData)
 def fetch_dataset(source: str | Path) -> Path:
     """Bring shipped data that the wheel leaves out, and compare its checksum.
-
-    Parameters
-    ----------
-    source : str or pathlib.Path
-        The file in the project's sources, or its https address.
 
     Returns
     -------

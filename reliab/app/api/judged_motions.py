@@ -58,13 +58,13 @@ def open_judged_ellipses(source: EllipseSource, show: Show) -> xr.Dataset:
     """
     dataset = select_share(source.dataset(show))
     for name in ("f", "xi"):
-        held = dataset[name].values.tolist()
+        values = dataset[name].values.tolist()
         for value in as_list(getattr(source, name)) or []:
-            if not any(math.isclose(value, stored, rel_tol=1e-9) for stored in held):
+            if not any(math.isclose(value, existing, rel_tol=1e-9) for existing in values):
                 raise InputError(
                     "The source has no boundaries for this structure",
                     value=f"`{name}={value:g}`",
-                    remedy=f"Choose among {', '.join(f'{stored:g}' for stored in held)}, or give `motions`",
+                    remedy=f"Choose among {', '.join(map('{:g}'.format, values))}, or give `motions`",
                 )
     for error in as_list(source.threshold) or []:
         dataset = interpolate_threshold(dataset, error)
@@ -81,12 +81,12 @@ def true_errors(source: EllipseSource, dataset: xr.Dataset) -> Truth:
             window=Window.parse(str(dataset.attrs["window"])),
             experimental_fraction=share_of(dataset),
         )
-    stored = source.results or (source.ellipses if str(source.ellipses) == REAL else None)
-    if stored is None:
+    results_source = source.results or (source.ellipses if str(source.ellipses) == REAL else None)
+    if results_source is None:
         return EllipseTruth(dataset)
     window = str(dataset.attrs.get("window", "record"))
     structures = (dataset[name].values.tolist() for name in ("f", "xi"))
-    results = open_results(find_results(Path(stored), *structures), window=window).sel(motion=names)
+    results = open_results(find_results(Path(results_source), *structures), window=window).sel(motion=names)
     return StoredTruth(select_share(results, share_of(dataset)))
 
 
@@ -103,19 +103,7 @@ class Division:
     folds: list[Fold]  # The pairs of both
     name: str  # What the division is called
     learn_from: xr.Dataset | None = None  # Ellipses of another suite that is learned from
-    recognised: int = 0  # Motions whose earthquake that suite holds too
-
-
-def require_one_division(
-    scheme: str | None, learn: Sequence[str] | None, judge: Sequence[str] | None
-) -> None:
-    """Refuse a scheme of earthquakes where sets divide the motions."""
-    if scheme is not None and (learn is not None or judge is not None):
-        raise InputError(
-            "`scheme` has no effect here: `learn` and `judge` divide the motions",
-            value=scheme,
-            remedy="Leave it out",
-        )
+    recognised_motions: int = 0  # Motions whose earthquake that suite holds too
 
 
 def divide(
@@ -179,7 +167,7 @@ def _from_shipped_suite(dataset: xr.Dataset, source: EllipseSource, judge: Seque
         folds=list(from_another(among, learn_from["event"].values)),
         name=f"learned from {REAL}",
         learn_from=learn_from,
-        recognised=sum(name is not None for name in among),
+        recognised_motions=sum(name is not None for name in among),
     )
 
 
@@ -200,7 +188,7 @@ def _divide_by_sets(
 
 
 def list_kept_shares(
-    rows: Sequence[Mapping[str, Any]], of_side: str = "", whose: str = "the motions"
+    rows: Sequence[Mapping[str, Any]], side_phrase: str = "", motions_phrase: str = "the motions"
 ) -> Iterator[str]:
     """Say of each method and law whether the share that it states is kept, and by which motions.
 
@@ -213,37 +201,40 @@ def list_kept_shares(
     power may keep what it states (too few earthquakes to tell): it protects 100.0 % of the motions at 95 %.
     """
     for candidate in dict.fromkeys(row["candidate"] for row in rows):
-        judged = [
+        rates = [
             (row["containment"], row["confidence"])
             for row in rows
             if row["candidate"] == candidate and row["containment"]["rate"] is not None
         ]
-        if not judged:
+        if not rates:
             continue
         shares = ", ".join(
-            f"{percent(rate['rate'], decimals=1)} at {percent(stated, decimals=0)}" for rate, stated in judged
+            f"{percent(rate['rate'], decimals=1)} at {percent(confidence, decimals=0)}"
+            for rate, confidence in rates
         )
-        first, others = shares.split(" at", 1)
-        yield f"{candidate} {_keeps(judged)}{of_side}: it protects {first} of {whose} at{others}."
+        first_share, later_shares = shares.split(" at", 1)
+        verdict = f"{candidate} {_keeps(rates)}{side_phrase}"
+        yield f"{verdict}: it protects {first_share} of {motions_phrase} at{later_shares}."
 
 
-def _keeps(judged: Sequence[tuple[Mapping[str, Any], float]]) -> str:
+def _keeps(rates: Sequence[tuple[Mapping[str, Any], float]]) -> str:
     """Whether shares are kept: their intervals lie above what is stated, below it, or hold it."""
     phrases: dict[str, list[str]] = {
         "does not keep what it states": [],
         "keeps what it states": [],
         "may keep what it states": [],
     }
-    broken, kept, open_ = phrases
-    for rate, stated in judged:
+    fails, keeps, is_open = phrases
+    for rate, confidence in rates:
         low, high = (rate[end] if rate[end] is not None else rate["rate"] for end in ("low", "high"))
-        phrase = kept if low >= stated else broken if high < stated else open_
-        phrases[phrase].append(percent(stated, decimals=0))
-    said = {phrase: shares for phrase, shares in phrases.items() if shares}
+        phrase = keeps if low >= confidence else fails if high < confidence else is_open
+        phrases[phrase].append(percent(confidence, decimals=0))
+    filled_phrases = {phrase: shares for phrase, shares in phrases.items() if shares}
     sentences = [
-        phrase if len(said) == 1 else f"{phrase} at {', '.join(shares)}" for phrase, shares in said.items()
+        phrase if len(filled_phrases) == 1 else f"{phrase} at {', '.join(shares)}"
+        for phrase, shares in filled_phrases.items()
     ]
-    if open_ in said:
+    if is_open in filled_phrases:
         sentences[-1] += " (too few earthquakes to tell)"
     return "; it ".join(sentences)
 
@@ -256,34 +247,34 @@ def sentences_of_outside(ellipses: xr.Dataset, division: Division) -> Iterator[s
 
     `ellipses`: of the motions that are judged, with their lengths where they are known.
     """
-    scopes, known = list(_scopes(ellipses, division)), _quantities(ellipses)
-    for name, quantity in product(dict.fromkeys(map(_group, division.folds)), known):
-        judged: list[float] = []
-        outside: list[float] = []
+    scopes, quantities = list(_scopes(ellipses, division)), _quantities(ellipses)
+    for name, quantity in product(dict.fromkeys(map(_group, division.folds)), quantities):
+        judged_values: list[float] = []
+        outside_values: list[float] = []
         ends: list[float] = []
         for fold, scope in scopes:
             if _group(fold) == name and quantity in scope and fold.judged.any():
-                values = known[quantity][fold.judged].tolist()
-                judged += values
+                values = quantities[quantity][fold.judged].tolist()
+                judged_values += values
                 ends += [scope[quantity][0], scope[quantity][-1]]
-                outside += [value for value in values if _is_outside(scope, quantity, value)]
-        if outside:
+                outside_values += [value for value in values if _is_outside(scope, quantity, value)]
+        if outside_values:
             unit = _UNITS[quantity]
             yield (
-                f"No promise for {len(outside)} of the {len(judged)} motions of {name}, of {quantity} "
-                f"{_range(outside)}{unit}: their criterion was learned from motions of "
+                f"No promise for {len(outside_values)} of the {len(judged_values)} motions of {name}, of "
+                f"{quantity} {_range(outside_values)}{unit}: their criterion was learned from motions of "
                 f"{_range(ends)}{unit}."
             )
 
 
 def motions_outside(ellipses: xr.Dataset, division: Division) -> NDArray[np.bool_]:
     """Which motions lie outside of those from which a criterion that judges them is learned, (motions,)."""
-    outside = np.zeros(ellipses.sizes["motion"], dtype=np.bool_)
+    is_outside = np.zeros(ellipses.sizes["motion"], dtype=np.bool_)
     for fold, scope in _scopes(ellipses, division):
         for quantity, values in _quantities(ellipses).items():
-            beyond = [_is_outside(scope, quantity, float(value)) for value in values]
-            outside |= fold.judged & np.array(beyond, dtype=np.bool_)
-    return outside
+            flags = [_is_outside(scope, quantity, float(value)) for value in values]
+            is_outside |= fold.judged & np.array(flags, dtype=np.bool_)
+    return is_outside
 
 
 def _scopes(ellipses: xr.Dataset, division: Division) -> Iterator[tuple[Fold, dict[str, list[float]]]]:

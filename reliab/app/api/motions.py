@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar, Unpack
 
-from reliab.app import questions
+from reliab.app import questions, subjects
 from reliab.app.api.sources import as_list, paths
 from reliab.app.declaration import Files, asks
 from reliab.core.columns import Columns, digits
@@ -33,7 +33,7 @@ class MotionList(ResultWithRows):
 
     rows_in = "motions"
     keys: ClassVar[Mapping[str, str]] = {"motions": "rows", "faults": "faults", "skipped": "skipped"}
-    shown: ClassVar[Columns] = {
+    table_columns: ClassVar[Columns] = {
         "motion": ("motion", ""),
         "event": ("event", ""),
         "set": ("set", ""),
@@ -44,21 +44,16 @@ class MotionList(ResultWithRows):
         "D5-95 [s]": ("significant_duration", ".2f"),
         "T_m [s]": ("mean_period", ".3f"),
     }
-    plotted = ("duration", "pga_g")
+    plot_columns = ("duration", "pga_g")
 
     rows: list[dict[str, Any]]
     faults: tuple[Fault, ...] = ()
     skipped: tuple[Fault, ...] = ()
 
 
-@asks(questions.MotionFiles)
+@asks(questions.MotionFiles, subjects.MotionSources)
 def list_motions(sources: Files, **read: Unpack[questions.MotionFiles]) -> MotionList:
     """List motions with their events and measures of intensity; records with faults are left out and named.
-
-    Parameters
-    ----------
-    sources : str, pathlib.Path or sequence of these
-        Files, folders or a built-in suite.
 
     Returns
     -------
@@ -75,9 +70,9 @@ def list_motions(sources: Files, **read: Unpack[questions.MotionFiles]) -> Motio
     >>> len(list_motions("synthetic").rows)
     100
     """
-    named = paths(sources)
-    suite, found = find_motions(*named, **_reading(read))
-    rows, faults = [], list(found)
+    named_sources = paths(sources)
+    suite, initial_faults = find_motions(*named_sources, **_reading(read))
+    rows, faults = [], list(initial_faults)
     for entry in suite.entries:
         try:
             rows.append(_describe(entry.load()))
@@ -85,8 +80,8 @@ def list_motions(sources: Files, **read: Unpack[questions.MotionFiles]) -> Motio
             faults.append(fault_of(error, entry.name))
     if not rows:
         raise faults[0].error()
-    skipped = [note for source in named for note in list_skipped_files(source)]
-    return MotionList(rows, tuple(faults), tuple(skipped))
+    skipped_files = [note for source in named_sources for note in list_skipped_files(source)]
+    return MotionList(rows, tuple(faults), tuple(skipped_files))
 
 
 def _describe(motion: Motion) -> dict[str, Any]:
@@ -115,14 +110,9 @@ class MotionCheck(PlainResult):
     notes: tuple[Fault, ...]
 
 
-@asks(questions.MotionFiles)
+@asks(questions.MotionFiles, subjects.MotionSources)
 def check_motions(sources: Files, **read: Unpack[questions.MotionFiles]) -> MotionCheck:
     """Read every record, and state all faults, not only the first.
-
-    Parameters
-    ----------
-    sources : str, pathlib.Path or sequence of these
-        Files, folders or a built-in suite.
 
     Returns
     -------
@@ -152,18 +142,11 @@ def _reading(read: questions.MotionFiles) -> dict[str, Any]:
     return {"sets": as_list(read["sets"]), "time_step": read["time_step"], "units": read["units"]}
 
 
-@asks(questions.ImportedMotions)
+@asks(questions.ImportedMotions, subjects.MotionSources, subjects.NewSuite)
 def import_motions(
     sources: Files, *, out: str | Path, **request: Unpack[questions.ImportedMotions]
 ) -> WrittenSuite:
     """Rewrite motions as a suite: one text format in m/s² and a catalogue.
-
-    Parameters
-    ----------
-    sources : str, pathlib.Path or sequence of these
-        Files, folders or a built-in suite.
-    out : str or pathlib.Path
-        New or empty folder.
 
     Returns
     -------
@@ -175,22 +158,19 @@ def import_motions(
     InputError
         If a record is bad or the folder is neither new nor empty.
     """
-    named, event = paths(sources), request["event"]
-    suite = load_motions(*named, **_reading(request))
-    written = _write_suite(
+    named_sources, event = paths(sources), request["event"]
+    suite = load_motions(*named_sources, **_reading(request))
+    result = _write_suite(
         suite, write_suite(suite, out, event=event), suite.events if event is None else [event]
     )
-    return replace(written, skipped=tuple(note for source in named for note in list_skipped_files(source)))
+    return replace(
+        result, skipped=tuple(note for source in named_sources for note in list_skipped_files(source))
+    )
 
 
-@asks(questions.SyntheticSuite)
+@asks(questions.SyntheticSuite, subjects.NewSuite)
 def synthesize_motions(*, out: str | Path, **request: Unpack[questions.SyntheticSuite]) -> WrittenSuite:
     """Write the synthetic suite, which needs no record.
-
-    Parameters
-    ----------
-    out : str or pathlib.Path
-        New or empty folder.
 
     Returns
     -------

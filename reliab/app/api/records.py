@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, Unpack
 import numpy as np
 import pandas as pd
 
-from reliab.app import questions
-from reliab.app.api.arguments import parse_stated_values, require_sound, structure_of
+from reliab.app import questions, subjects
+from reliab.app.api.arguments import STRUCTURE, parse_stated_values, require_sound, structure_of
 from reliab.app.api.channels import Channels
 from reliab.app.declaration import asks
 from reliab.core.errors import InputError
@@ -18,7 +18,7 @@ from reliab.core.plain_values import PlainResult
 from reliab.core.shipped import or_shipped
 from reliab.recordings.calibration import ChannelCalibration, calibrate_channels, calibration_in_toml
 from reliab.recordings.reading import Histories
-from reliab.recordings.record import About, check_record, record_test, write_csv, write_record
+from reliab.recordings.record import About, check_record, write_csv, write_record
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -53,14 +53,14 @@ class Record(PlainResult):
         """Draw the channels over time [s], in SI units."""
         from matplotlib import pyplot as plt
 
-        shown = plt.subplots(figsize=(8.0, 3.0))[1] if axes is None else axes
+        plot_axes = plt.subplots(figsize=(8.0, 3.0))[1] if axes is None else axes
         for name, values in self.histories.values.items():
-            shown.plot(
+            plot_axes.plot(
                 np.arange(values.size) * self.histories.time_step, values, linewidth=0.8, label=str(name)
             )
-        shown.set(xlabel="time [s]", title=self.source.name)
-        shown.legend(frameon=False)
-        return shown
+        plot_axes.set(xlabel="time [s]", title=self.source.name)
+        plot_axes.legend(frameon=False)
+        return plot_axes
 
     @property
     def _list_used_columns(self) -> set[str]:
@@ -100,37 +100,22 @@ def record(
     if out is not None:
         require_ending(out, ".nc")
     path = or_shipped(Path(source), "datasets", "test.csv")
-    structure = parse_stated_values(
-        f=options["f"], xi=options["xi"], alpha=options["alpha"], mass=options["mass"]
-    )
+    structure = parse_stated_values({**options}, *STRUCTURE, "mass")
     require_sound(structure)
     structure_of(structure, **_USUAL)  # refuses values that no structure has
-    about = About(
-        **{name: str(value) for name, value in structure.items()},
-        specimen=options["specimen"] or "",
-        rig=options["rig"] or "",
-        operator=options["operator"] or "",
-        date=options["date"] or "",
-        further=dict(attributes or {}),
-    )
-    reading = Channels.from_question(options)
-    dataset, histories = record_test(
-        path,
-        laboratory=reading.laboratory(),
-        test=reading.test_name,
-        about=about,
-        time_units=reading.time_units,
-        delimiter=reading.delimiter,
-    )
-    written = []
+    statements = {**structure, **questions.select_stated(questions.TestOrigin, {**options})}
+    texts = {name: str(value) for name, value in statements.items()}
+    about = About(**texts, further=dict(attributes or {}))
+    dataset, histories = Channels.from_question(options).record(path, about)
+    files = []
     with refuse_unwritable("Cannot write the record", where=out or csv):
         if out is not None:
             write_record(dataset, out)
-            written.append(Path(out))
+            files.append(Path(out))
         if csv is not None:
             write_csv(dataset, histories, csv)
-            written.append(Path(csv))
-    return Record(source=path, files=tuple(written), histories=histories)
+            files.append(Path(csv))
+    return Record(source=path, files=tuple(files), histories=histories)
 
 
 def check_records(sources: list[Path]) -> dict[str, list[str]]:
@@ -154,7 +139,7 @@ def check_records(sources: list[Path]) -> dict[str, list[str]]:
     return {str(path): check_record(path) for path in sources}
 
 
-@asks(questions.CalibrationTest)
+@asks(questions.CalibrationTest, subjects.CalibrationFile)
 def calibrate(
     test: str | Path | pd.DataFrame, **options: Unpack[questions.CalibrationTest]
 ) -> ChannelCalibration:
@@ -162,12 +147,6 @@ def calibrate(
 
     The file `out` also keeps what the file `channels` states; one that exists is replaced only if it is that
     file.
-
-    Parameters
-    ----------
-    test : str, pathlib.Path or pandas.DataFrame
-        Recording of one motion by both channels: sines, a sweep or steps with rests, of an actuator without
-        a specimen or of one signal that is fed to both; of a locked actuator noise and resolution only.
 
     Returns
     -------
@@ -191,11 +170,11 @@ def calibrate(
     """
     reading, out = Channels.from_question(options), options["out"]
     recording = reading.read(test)
-    delay = parse_stated_values(actuator_delay=options["actuator_delay"]).get("actuator_delay")
+    delay = parse_stated_values({**options}, "actuator_delay").get("actuator_delay")
     calibration = calibrate_channels(recording, actuator_delay_ms=delay)
     if out is not None:
-        former = None if reading.channels is None else Path(reading.channels)
-        _write(calibration, Path(out), former, recording.name)
+        previous_file = None if reading.channels is None else Path(reading.channels)
+        _write(calibration, Path(out), previous_file, recording.name)
     return calibration
 
 
@@ -206,6 +185,6 @@ def _write(calibration: ChannelCalibration, out: Path, channels: Path | None, so
             f"{out} exists already",
             remedy=f"Name another file, or give `channels` = {out} to keep what it states",
         )
-    described = "" if channels is None else channels.read_text(encoding="utf-8")
+    previous_text = "" if channels is None else channels.read_text(encoding="utf-8")
     with written_whole(out) as file:
-        file.write_text(calibration_in_toml(calibration, described, source), encoding="utf-8")
+        file.write_text(calibration_in_toml(calibration, previous_text, source), encoding="utf-8")

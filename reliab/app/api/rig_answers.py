@@ -9,8 +9,15 @@ from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
 import numpy as np
 
-from reliab.app import questions
-from reliab.app.api.arguments import parse_stated_values, parse_threshold, refuse_unused, structure_of
+from reliab.app import questions, subjects
+from reliab.app.api.arguments import (
+    STRUCTURE,
+    parse_stated_values,
+    parse_threshold,
+    refuse_stated,
+    refuse_unused,
+    structure_of,
+)
 from reliab.app.api.rigs import parse_covariates
 from reliab.app.declaration import asks
 from reliab.assessment.default_criterion import ellipses_of_motions
@@ -59,17 +66,12 @@ class RigPrediction(PlainResult):
         return plot_errors({"next test": size}, Metric.RMS, self.prediction.threshold, axes)
 
 
-@asks(questions.NextTest)
+@asks(questions.NextTest, subjects.RigFolder)
 def predict_rig(rig: str | Path, **request: Unpack[questions.NextTest]) -> RigPrediction:
     """Predict the next test of a rig from all that it has done.
 
     Without a ground motion the error follows from those of the rig's own tests; with one the loop is
     simulated with actuators drawn from the posterior. Of a frame the rig must have tests of the same frame.
-
-    Parameters
-    ----------
-    rig : str or pathlib.Path
-        The folder, with at least three tests.
 
     Returns
     -------
@@ -94,23 +96,21 @@ def predict_rig(rig: str | Path, **request: Unpack[questions.NextTest]) -> RigPr
 
 
 def _structure(request: questions.NextTest) -> Structure:
-    stated = parse_stated_values(f=request["f"], xi=request["xi"], alpha=request["alpha"])
-    if "f" not in stated:
+    values = parse_stated_values({**request}, *STRUCTURE)
+    if "f" not in values:
         raise InputError(
             "The natural frequency of the structure is missing",
             remedy="Give it in hertz, `f=1`, or a frame as `structure`",
         )
-    return structure_of(stated, xi=_USUAL["xi"])
+    return structure_of(values, xi=_USUAL["xi"])
 
 
 def _predict_for_frame(
     table: RigTable, following: NextTest, limit: float, request: questions.NextTest
 ) -> Prediction:
-    stated: Mapping[str, Any] = {**request}
-    for name in ("f", "xi", "alpha", "motion", "suite"):
-        if stated[name] is not None:
-            raise refuse_unused(name, "together with the `structure` of a frame")
-    frame = read_structure(stated["structure"])
+    reason = "together with the `structure` of a frame"
+    refuse_stated({**request}, *STRUCTURE, "motion", "suite", reason=reason)
+    frame = read_structure(request["structure"] or "")
     return predict_next(table, None, following, threshold=limit, frame=frame.name)
 
 
@@ -142,7 +142,7 @@ def _predict_for_structure(
     return predict_under_suite(table, structure, following, pairs, threshold=limit, suite=suite)
 
 
-@asks(questions.RigReport)
+@asks(questions.RigReport, subjects.RigPdf)
 def report_rig(
     rig: str | Path,
     out: str | Path,
@@ -153,15 +153,6 @@ def report_rig(
     """Write the report of a rig: two pages for the head of the laboratory, and an appendix.
 
     What is not stated of the next test is as in the last one.
-
-    Parameters
-    ----------
-    rig : str or pathlib.Path
-        The folder, with at least three tests.
-    out : str or pathlib.Path
-        The PDF.
-    setting : Setting, optional
-        Paper, title, date (today by default), and name and logo of the laboratory.
 
     Returns
     -------
@@ -181,7 +172,7 @@ def report_rig(
     return Path(out)
 
 
-@asks(questions.RigReport)
+@asks(questions.RigReport, subjects.RigFolder)
 def document_of_rig(rig: str | Path, **request: Unpack[questions.RigReport]) -> "Document":
     """Make the document that :func:`report_rig` sets as a PDF; arguments and errors are the same."""
     from reliab.report.kinds.rig_report import rig_report
@@ -211,6 +202,6 @@ def document_of_rig(rig: str | Path, **request: Unpack[questions.RigReport]) -> 
 
 def _structure_of_next(last: Mapping[str, Any], request: questions.RigReport) -> Structure:
     """Return what is stated of the next structure, and the rest as in the last test."""
-    stated = parse_stated_values(f=request["f"], xi=request["xi"], alpha=request["alpha"])
-    of_last = {name: float(last[name]) for name in ("f", "xi", "alpha") if last[name] is not None}
-    return structure_of(stated, **{**_USUAL, **of_last})
+    values = parse_stated_values({**request}, *STRUCTURE)
+    last_values = {name: float(last[name]) for name in STRUCTURE if last[name] is not None}
+    return structure_of(values, **{**_USUAL, **last_values})

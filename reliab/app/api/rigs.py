@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, ClassVar, Unpack, cast
 
-from reliab.app import questions
+from reliab.app import questions, subjects
 from reliab.app.api.assessment import assess
 from reliab.app.api.channels import Channels
 from reliab.app.declaration import asks
@@ -22,7 +22,7 @@ from reliab.core.progress import Progress, silent
 from reliab.core.shipped import or_shipped
 from reliab.core.significant_digits import percent, significant
 from reliab.core.stated_value import StatedValue
-from reliab.recordings.record import About, record_test
+from reliab.recordings.record import About
 from reliab.rig.rig_folder import RigFolder
 from reliab.rig.rig_table import COLUMNS, RigTable, describe_test, require_date
 
@@ -33,7 +33,7 @@ class RigList(ResultWithRows):
 
     rows_in = "tests"
     keys: ClassVar[Mapping[str, str]] = {"rig": "rig", "tests": "table.whole_rows", "faults": "table.faults"}
-    shown: ClassVar[Columns] = {
+    table_columns: ClassVar[Columns] = {
         "test": ("name", ""),
         "SHA-256": ("sha256", lambda checksum: checksum[:8], "left"),
         "date": ("date", lambda moment: moment[:10], "left"),
@@ -45,19 +45,15 @@ class RigList(ResultWithRows):
         "verdict": ("verdict", lambda word: word.replace("_", " "), "left"),
         "change": ("change", lambda sentence: sentence or "", "left"),
     }
-    plotted = ("d_ms", "rms")
+    plot_columns = ("d_ms", "rms")
 
     rig: Path
     table: RigTable
 
 
+@asks(subjects.RigFolder)
 def list_rig(rig: str | Path) -> RigList:
     """List the tests of a rig in the order of their dates.
-
-    Parameters
-    ----------
-    rig : str or pathlib.Path
-        The folder.
 
     Returns
     -------
@@ -73,15 +69,9 @@ def list_rig(rig: str | Path) -> RigList:
     return RigList(rig=folder.path, table=folder.table())
 
 
+@asks(subjects.KeptTest)
 def show_rig_test(rig: str | Path, test: str) -> dict[str, Any]:
     """Return all that is kept of a test.
-
-    Parameters
-    ----------
-    rig : str or pathlib.Path
-        The folder.
-    test : str
-        Name of the test, or the first digits of its checksum.
 
     Returns
     -------
@@ -99,15 +89,9 @@ def show_rig_test(rig: str | Path, test: str) -> dict[str, Any]:
     return {**content, "record": str(folder.record_path(sha256))}
 
 
+@asks(subjects.KeptTests)
 def remove_from_rig(rig: str | Path, tests: str | Iterable[str]) -> tuple[str, ...]:
     """Remove tests from a rig.
-
-    Parameters
-    ----------
-    rig : str or pathlib.Path
-        The folder.
-    tests : str or iterable of str
-        Names, or first digits of checksums.
 
     Returns
     -------
@@ -127,15 +111,9 @@ def remove_from_rig(rig: str | Path, tests: str | Iterable[str]) -> tuple[str, .
     return tuple(row["name"] for row in rows)
 
 
+@asks(subjects.RigTable)
 def export_rig(rig: str | Path, out: str | Path) -> int:
     """Write the table of a rig as CSV.
-
-    Parameters
-    ----------
-    rig : str or pathlib.Path
-        The folder.
-    out : str or pathlib.Path
-        The file.
 
     Returns
     -------
@@ -160,7 +138,7 @@ _TERMS = (
     *("equipment", "criterion", "structure", "threshold", "exact"),
 )
 """What is stated of a test, in the order in which it is kept."""
-_TAKEN = ("day", "change", "file_state")
+_RESERVED_NAMES = ("day", "change", "file_state")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -174,7 +152,7 @@ class AddedTests(PlainResult):
     tests: int  # In the rig now
 
 
-@asks(questions.AddedTest)
+@asks(questions.AddedTest, subjects.NewTests)
 def add_to_rig(
     rig: str | Path,
     tests: str | Path | Iterable[str | Path],
@@ -185,14 +163,11 @@ def add_to_rig(
     """Judge tests and keep them in the folder of their rig.
 
     The order of the tests, and what changed with time, follow from their dates. Tests of one earthquake are
-    not independent, so state it if you know it. A test is predicted by its covariates, too.
+    not independent, so state it if you know it. A test is predicted by its covariates, too. The folder is
+    made if there is none; a file that is in the rig already stays as it is.
 
     Parameters
     ----------
-    rig : str or pathlib.Path
-        The folder, made if there is none.
-    tests : str or pathlib.Path, or several of them
-        Files in any format that `reliab.assess` reads. A file that is in the rig already stays as it is.
     show : callable, optional
         Called after each file.
 
@@ -209,14 +184,16 @@ def add_to_rig(
     files = [tests] if isinstance(tests, str | Path) else list(tests)
     if not files:
         raise InputError("No test given", remedy="Name its file")
-    stated: Mapping[str, Any] = {**request}
+    question: Mapping[str, Any] = {**request}
     moment = require_date(request["date"]) if request["date"] else None
-    labels = {"date": moment, **{name: stated[name] for name in ("event", "specimen", "note")}}
+    labels = {"date": moment, **{name: question[name] for name in ("event", "specimen", "note")}}
     keeper = _Keeper(
         folder=RigFolder(Path(rig)),
         reading=Channels.from_question(request),
         terms={
-            name: stated[name] for name in _TERMS if stated[name] is not None and stated[name] is not False
+            name: question[name]
+            for name in _TERMS
+            if question[name] is not None and question[name] is not False
         },
         labels={name: as_text(value) for name, value in labels.items() if value},
         covariates=parse_covariates(request["covariate"] or ()),
@@ -224,7 +201,7 @@ def add_to_rig(
     return keeper.keep(files, show)
 
 
-def parse_covariates(texts: Iterable[str], measured: tuple[str, ...] = ()) -> dict[str, float]:
+def parse_covariates(texts: Iterable[str], measured_columns: tuple[str, ...] = ()) -> dict[str, float]:
     """Read covariates as users write them; `measured` are columns of every test that may be among them.
 
     >>> parse_covariates(["current=0.4"])
@@ -233,7 +210,11 @@ def parse_covariates(texts: Iterable[str], measured: tuple[str, ...] = ()) -> di
     covariates: dict[str, float] = {}
     for text in texts:
         name, sign, number = text.partition("=")
-        if not sign or not name.isidentifier() or name in {*COLUMNS, *_TAKEN} - {*measured} | {*covariates}:
+        if (
+            not sign
+            or not name.isidentifier()
+            or name in {*COLUMNS, *_RESERVED_NAMES} - {*measured_columns} | {*covariates}
+        ):
             raise InputError(
                 "A `covariate` is a new name and a number",
                 value=repr(text),
@@ -254,36 +235,40 @@ class _Keeper:
     covariates: Mapping[str, float]
 
     def keep(self, files: Iterable[str | Path], progress: Progress) -> AddedTests:
-        every = [Path(file) for file in files]
-        added: list[dict[str, Any]] = []
-        present: list[str] = []
+        paths = [Path(file) for file in files]
+        new_rows: list[dict[str, Any]] = []
+        present_names: list[str] = []
         faults: dict[str, str] = {}
-        for count, file in enumerate(every, start=1):
+        for count, file in enumerate(paths, start=1):
             try:
                 for name, reading in self._readings_of(file).items():
                     row = self._keep_test(file, name, reading)
                     if row is None:
-                        present.append(name)
+                        present_names.append(name)
                     else:
-                        added.append(row)
+                        new_rows.append(row)
             except InputError as error:
-                if len(every) == 1:
+                if len(paths) == 1:
                     raise
                 faults[str(file)] = str(error)
-            progress(count, len(every))
-        tests = len(self.folder.table()) if added or present else 0
+            progress(count, len(paths))
+        tests = len(self.folder.table()) if new_rows or present_names else 0
         return AddedTests(
-            rig=self.folder.path, added=tuple(added), present=tuple(present), faults=faults, tests=tests
+            rig=self.folder.path,
+            added=tuple(new_rows),
+            present=tuple(present_names),
+            faults=faults,
+            tests=tests,
         )
 
     def _readings_of(self, file: Path) -> dict[str, Channels]:
         """How each test of a file is read, by its name."""
         if self.reading.test_name == _ALL_TESTS:
             return self.reading.split_by_test(file)
-        named = f", {self.reading.test_name}" if self.reading.test_name else ""
-        return {f"{file.name}{named}": self.reading}
+        suffix = f", {self.reading.test_name}" if self.reading.test_name else ""
+        return {f"{file.name}{suffix}": self.reading}
 
-    def _stated(self) -> dict[str, str]:
+    def _collect_texts(self) -> dict[str, str]:
         """Put what is stated of the test into texts."""
         numbers = {name: f"{value:.17g}" for name, value in self.covariates.items()}
         return {**{name: as_text(str(value)) for name, value in self.terms.items()}, **self.labels, **numbers}
@@ -312,37 +297,30 @@ class _Keeper:
             **self.labels,
         }
         test = describe_test(assessment, texts, self.covariates)
-        record, _ = record_test(
-            path,
-            laboratory=reading.laboratory(),
-            test=reading.test_name,
-            about=self._about(),
-            time_units=reading.time_units,
-            delimiter=reading.delimiter,
-        )
-        self.folder.add(test, record, assessment.to_dict(), self._stated())
+        record, _ = reading.record(path, self._about())
+        self.folder.add(test, record, assessment.to_dict(), self._collect_texts())
         return test.to_dict()
 
     def _about(self) -> About:
-        named = {name: str(self.terms[name]) for name in ("f", "xi", "alpha", "mass") if name in self.terms}
-        further = {name: text for name, text in self.labels.items() if name in ("event", "note")}
-        further |= {name: f"{value:.17g}" for name, value in self.covariates.items()}
+        values = {name: str(self.terms[name]) for name in ("f", "xi", "alpha", "mass") if name in self.terms}
+        attributes = {name: text for name, text in self.labels.items() if name in ("event", "note")}
+        attributes |= {name: f"{value:.17g}" for name, value in self.covariates.items()}
         return About(
-            **named,
+            **values,
             date=self.labels.get("date", ""),
             specimen=self.labels.get("specimen", ""),
             rig=self.folder.path.name,
-            further=further,
+            further=attributes,
         )
 
     def _require_same(self, checksum: str, path: Path) -> None:
         """Refuse a test that is there already if something else is stated of it now."""
-        former = cast("Mapping[str, str]", self.folder.read(checksum).get("terms", {}))
-        for name, text in self._stated().items():
-            if former.get(name) != text:
+        previous_terms = cast("Mapping[str, str]", self.folder.read(checksum).get("terms", {}))
+        for name, text in self._collect_texts().items():
+            if previous_terms.get(name) != text:
                 raise InputError(
                     "The rig holds this test with other statements",
-                    value=f"{name} {text} now, {former.get(name) or 'nothing'} then",
+                    value=f"{name} {text} now, {previous_terms.get(name) or 'nothing'} then",
                     remedy="Remove it first with `reliab rig remove` to add it anew",
                     where=str(path),
                 )

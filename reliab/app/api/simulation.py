@@ -1,27 +1,29 @@
 """`reliab.simulate`: motions for all structures and actuators, stored."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Unpack
 
 import xarray as xr
 
-from reliab.app import questions
+from reliab.app import questions, subjects
 from reliab.app.api.sources import as_list, paths
 from reliab.app.declaration import asks
 from reliab.core.plain_values import PlainResult
 from reliab.core.progress import Progress, Show, quietly, silent
 from reliab.motions.loading import load_motions
-from reliab.sweep.plain import WHOLLY_EXPERIMENTAL, Motions, suite_of, sweep_request
+from reliab.motions.suite import MotionSuite
+from reliab.sweep.plain import Motions, suite_of, sweep_request
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.results import open_results
 from reliab.sweep.run import run_sweep
 from reliab.sweep.store_layout import attributes
 
-_STATED = ("grid", "windows", "engine", "tolerance", "experimental_fraction", "model", "study_hash")
+_ATTRIBUTES = ("grid", "windows", "engine", "tolerance", "experimental_fraction", "model", "study_hash")
 
 
-@asks(questions.Sweep)
+@asks(questions.Sweep, subjects.NewStore)
 def simulate(
     motions: Motions, *, out: str | Path, progress: Progress = silent, **request: Unpack[questions.Sweep]
 ) -> xr.Dataset:
@@ -36,10 +38,6 @@ def simulate(
     motions : MotionSuite, Motion, str or pathlib.Path
         The ground motions, as `load_motions` gives them, one of them, or what it would read: a folder, a file
         or the name of a suite.
-    out : str or pathlib.Path
-        The Zarr store to write.
-    progress : callable, optional
-        Called after each motion.
 
     Returns
     -------
@@ -63,25 +61,17 @@ def simulate(
     >>> results["rms"].dims, results["rms"].shape
     (('motion', 'f', 'xi', 'kp', 'tau'), (2, 1, 1, 41, 57))
     """
-    return open_results(
-        run_sweep(suite_of(motions), _request(request), out, **_run(request), progress=progress)
-    )
+    _, store = _run(suite_of(motions), out, {**request}, progress)
+    return open_results(store)
 
 
-def _request(request: questions.Sweep) -> SweepRequest:
-    return sweep_request(
-        f=request["f"],
-        xi=request["xi"],
-        grid=request["grid"],
-        window=request["window"] or "record",
-        alpha=WHOLLY_EXPERIMENTAL if request["alpha"] is None else request["alpha"],
-        model=request["model"],
-        engine=request["engine"],
-    )
-
-
-def _run(request: questions.Sweep) -> dict[str, Any]:
-    return {"resume": request["resume"], "workers": request["workers"], "scheduler": request["scheduler"]}
+def _run(
+    suite: MotionSuite, out: str | Path, question: Mapping[str, Any], progress: Progress
+) -> tuple[SweepRequest, Path]:
+    """Simulate a suite and store the results; return what was simulated, and where it is stored."""
+    request = sweep_request(**questions.select_stated(questions.SweptGrid, question))
+    settings = questions.select_stated(questions.SweepRun, question)
+    return request, run_sweep(suite, request, out, **settings, progress=progress)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,24 +88,23 @@ class Simulation(PlainResult):
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values with stable keys: what was simulated, and where it is stored."""
-        described = self.request.describe()
-        stated = attributes(self.request, self.request.windows[0].label)
+        description = self.request.describe()
+        stored_attributes = attributes(self.request, self.request.windows[0].label)
         return {
             "store": str(self.store),
             "motions": self.motions,
-            **{name: described[name] for name in ("f", "xi", "kp", "tau")},
+            **{name: description[name] for name in ("f", "xi", "kp", "tau")},
             "alpha": list(self.request.experimental_fractions),
-            **{name: stated[name] for name in _STATED if name in stated},
+            **{name: stored_attributes[name] for name in _ATTRIBUTES if name in stored_attributes},
         }
 
 
-@asks(questions.Simulation)
+@asks(questions.Simulation, subjects.NewStore)
 def simulate_suite(
-    *, out: str | Path, show: Show = quietly, **asked: Unpack[questions.Simulation]
+    *, out: str | Path, show: Show = quietly, **request: Unpack[questions.Simulation]
 ) -> Simulation:
     """Simulate motions from several sources and sets as :func:`simulate` does, and say what was stored."""
-    suite = load_motions(*paths(asked["motions"] or "synthetic"), sets=as_list(asked["sets"]))
-    request = _request(asked)
+    suite = load_motions(*paths(request["motions"] or "synthetic"), sets=as_list(request["sets"]))
     with show("Simulating") as progress:
-        run_sweep(suite, request, out, **_run(asked), progress=progress)
-    return Simulation(store=Path(out), motions=len(suite), request=request)
+        simulated_request, store = _run(suite, out, {**request}, progress)
+    return Simulation(store=store, motions=len(suite), request=simulated_request)

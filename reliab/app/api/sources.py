@@ -36,7 +36,7 @@ def ellipses(
     metric: Names = ("rms",),
     curves: Sequence[type[Curve]] = CURVES,
     progress: Progress = silent,
-    **asked: Unpack[questions.TracedBoundaries],
+    **question: Unpack[questions.TracedBoundaries],
 ) -> xr.Dataset:
     """Trace the boundary of equal error of each motion, for late and early actuators, as ellipses.
 
@@ -55,8 +55,6 @@ def ellipses(
     curves : sequence of type, optional
         Curves that stand for a boundary; the ellipse of least squares (the paper's) and the largest ellipse
         inside the boundary by default.
-    progress : callable, optional
-        Called after each motion, or structure of stored results.
 
     Returns
     -------
@@ -82,38 +80,35 @@ def ellipses(
     metrics = tuple(
         one_of(name, {str(choice): choice for choice in Metric}, "metric") for name in as_names(metric)
     )
-    thresholds = as_names((0.05,) if asked["threshold"] is None else asked["threshold"])
+    thresholds = as_names((0.05,) if question["threshold"] is None else question["threshold"])
     if isinstance(source, str | Path) and _holds_results(Path(source)):
         from reliab.sweep.results import open_results
 
         source = open_results(source)
     if isinstance(source, xr.Dataset):
-        if asked["first_order"]:
+        if question["first_order"]:
             raise InputError(
                 "A prediction of ellipses needs ground motions",
                 value="stored results",
                 remedy="Give the ground motions, or leave the prediction out",
             )
-        stored: xr.Dataset = source.reliab.ellipses(thresholds, metrics, curves, progress=progress)
-        return stored
-    stated = StatedStructures.from_plain(
-        f=asked["f"],
-        xi=asked["xi"],
-        alpha=WHOLLY_EXPERIMENTAL if asked["alpha"] is None else asked["alpha"],
-        model=asked["model"],
+        stored_ellipses: xr.Dataset = source.reliab.ellipses(thresholds, metrics, curves, progress=progress)
+        return stored_ellipses
+    structures = StatedStructures.from_plain(
+        f=question["f"],
+        xi=question["xi"],
+        alpha=WHOLLY_EXPERIMENTAL if question["alpha"] is None else question["alpha"],
+        model=question["model"],
     )
     request = EllipseRequest(
-        frequencies=stated.frequencies,
-        damping_ratios=stated.damping_ratios,
+        **vars(structures),
         thresholds=thresholds,
         metrics=metrics,
         curves=tuple(curves),
-        window=Window.parse(asked["window"] or "record"),
-        experimental_fractions=stated.experimental_fractions,
-        model=stated.model,
-        sides=tuple(Side) if stated.model is None else (Side.LAG,),
+        window=Window.parse(question["window"] or "record"),
+        sides=tuple(Side) if structures.model is None else (Side.LAG,),
     )
-    trace = predict_ellipses if asked["first_order"] else trace_ellipses
+    trace = predict_ellipses if question["first_order"] else trace_ellipses
     return trace(suite_of(source), request, progress=progress)
 
 
@@ -125,7 +120,7 @@ def _holds_results(path: Path) -> bool:
 ONE_HERTZ, TWO_PERCENT, FIVE_PERCENT = 1.0, 0.02, 0.05
 """The paper's structure and threshold, which hold where nothing else is stated."""
 
-_RECORD, _WHOLE = "record", 1.0
+_RECORD, _WHOLE_STIFFNESS = "record", 1.0
 
 
 def paths(files: Files) -> tuple[str | Path, ...]:
@@ -140,42 +135,40 @@ def as_list(values: Any) -> list[Any] | None:  # noqa: ANN401 - numbers or names
 
 @dataclass(frozen=True, kw_only=True)
 class EllipseSource:
-    """Where the ellipses that a question is about come from."""
+    """Where the ellipses that a question is about come from; `reliab.app.options` describes the fields.
 
-    motions: Files | None = None  # Sources of ground motions
-    sets: Sequence[str] | None = None  # Sets of their catalogue
-    results: str | Path | None = None  # Stored results instead
-    ellipses: str | Path | None = None  # A file of ellipses instead, CSV or NetCDF
-    # f, xi: Natural frequencies [Hz] and damping ratios [-]; of stored results and ellipses all that they
-    # hold, by default and where one that is asked for is not among them
+    Stored results and files are taken with all structures that they hold, unless all that are asked for are
+    among them; they must be of the fractions `alpha`, or of 1, from which a law carries them.
+    """
+
+    motions: Files | None = None
+    sets: Sequence[str] | None = None
+    results: str | Path | None = None
+    ellipses: str | Path | None = None
     f: Numbers | None = None
     xi: Numbers | None = None
-    threshold: Numbers | None = None  # Errors on the boundary [-]
-    metric: str = Metric.RMS  # Error of the whole test
-    # Part of the record over which the error is computed; None leaves it to the source, which is the whole
-    # record for records
+    threshold: Numbers | None = None
+    metric: str = Metric.RMS
     window: str | None = None
-    # Experimental fractions [-]; 1 for records unless given. Stored results and files must be of these
-    # fractions, or of 1, from which a law carries them
     alpha: Numbers | None = None
-    model: str | Path | None = None  # Model with effects instead of structures, for records
-    structure: str | Path | None = None  # Description of a frame instead of structures, for records
-    actuator: int | None = None  # Number of the only actuator of the frame that errs; all alike by default
-    first_order: bool = False  # Whether ellipses are predicted from the spectra of records instead of traced
+    model: str | Path | None = None
+    structure: str | Path | None = None
+    actuator: int | None = None
+    first_order: bool = False
 
     @classmethod
     def from_question(cls, question: Mapping[str, Any], **changes: Any) -> Self:  # noqa: ANN401 - values of many types
         """Take what a question says of its source, with changes."""
         names = {item.name for item in fields(cls)}
-        taken = {name: value for name, value in question.items() if name in names and value is not None}
-        return cls(**{**taken, "sets": as_list(question["sets"]), **changes})
+        values = {name: value for name, value in question.items() if name in names and value is not None}
+        return cls(**{**values, "sets": as_list(question["sets"]), **changes})
 
     def __post_init__(self) -> None:
-        given = [source for source in (self.motions, self.results, self.ellipses) if source is not None]
-        if len(given) != 1:
+        sources = [source for source in (self.motions, self.results, self.ellipses) if source is not None]
+        if len(sources) != 1:
             raise InputError(
-                "Give one source of ellipses" if given else "No source of ellipses",
-                value=f"{len(given)} of them" if given else None,
+                "Give one source of ellipses" if sources else "No source of ellipses",
+                value=f"{len(sources)} of them" if sources else None,
                 remedy="Choose `motions` (records or synthetic), `results` or `ellipses`, such as real_suite",
             )
         if self.motions is None:
@@ -234,18 +227,8 @@ class EllipseSource:
 
         suite = load_motions(*paths(self.motions or ()), sets=self.sets)
         with show("Reading spectra" if self.first_order else "Tracing boundaries") as progress:
-            return ellipses(
-                suite,
-                f=self.f,
-                xi=self.xi,
-                threshold=self._thresholds,
-                metric=[self.metric],
-                window=self.window,
-                alpha=self.alpha,
-                model=self.model,
-                first_order=self.first_order,
-                progress=progress,
-            )
+            question = questions.select_stated(questions.TracedBoundaries, vars(self))
+            return ellipses(suite, metric=[self.metric], progress=progress, **question)
 
     def _read(self, path: Path) -> xr.Dataset:
         """Read a file of ellipses."""
@@ -265,11 +248,11 @@ class EllipseSource:
 
     def _read_traced(self, path: Path, show: Show) -> xr.Dataset:
         """Trace the boundaries in stored results."""
-        stored = open_results(
+        stored_results = open_results(
             find_results(path, as_list(self.f), as_list(self.xi)), window=self.window or _RECORD
         )
         with show("Tracing boundaries") as progress:
-            ellipses: xr.Dataset = select_structures(stored, self.f, self.xi).reliab.ellipses(
+            ellipses: xr.Dataset = select_structures(stored_results, self.f, self.xi).reliab.ellipses(
                 self._thresholds, (Metric(self.metric),), progress=progress
             )
         return ellipses
@@ -279,11 +262,13 @@ class EllipseSource:
         from reliab.simulation.frames.frame_file import read_structure
         from reliab.sweep.frame_table import FrameRequest, trace_frame_ellipses
 
-        given = [f"`{name}`" for name in ("f", "xi", "alpha", "model") if getattr(self, name) is not None]
-        if given:
+        idle_options = [
+            f"`{name}`" for name in ("f", "xi", "alpha", "model") if getattr(self, name) is not None
+        ]
+        if idle_options:
             raise InputError(
                 "The file of a frame already states frequencies, damping ratios and shares",
-                value=f"`structure` with {', '.join(given)}",
+                value=f"`structure` with {', '.join(idle_options)}",
                 remedy="Leave them out",
             )
         request = FrameRequest(
@@ -307,16 +292,16 @@ def require_thresholds(threshold: Numbers | None) -> None:
         parse_threshold(error)
 
 
-def _require_column(dataset: xr.Dataset, name: str, values: Any, path: Path) -> None:  # noqa: ANN401
+def _require_column(dataset: xr.Dataset, name: str, requested_values: Any, path: Path) -> None:  # noqa: ANN401
     """Refuse to relabel a table that is of one structure and error."""
-    held = dataset[name].values
-    numeric = held.dtype.kind == "f"
-    for value in () if values is None else as_names(values):
-        known = np.isclose(held, value, rtol=1e-9).any() if numeric else value in held.tolist()
-        if not known and held.size == 1:
+    values = dataset[name].values
+    numeric = values.dtype.kind == "f"
+    for value in () if requested_values is None else as_names(requested_values):
+        is_present = np.isclose(values, value, rtol=1e-9).any() if numeric else value in values.tolist()
+        if not is_present and values.size == 1:
             raise InputError(
                 f"These ellipses were traced for another {name}",
-                value=f"{value} instead of {held[0]}",
+                value=f"{value} instead of {values[0]}",
                 remedy=(
                     f"Leave `{name}` out, or add the column {name} to the table if its "
                     f"ellipses are of another"
@@ -341,15 +326,15 @@ def _select_share(dataset: xr.Dataset, alpha: float, path: Path) -> xr.Dataset:
     shares = shares_of(dataset)
     if _near(alpha, shares):
         return select_share(dataset, alpha)
-    stated = "alpha" in dataset.coords or SHARE_ATTRIBUTE in dataset.attrs
-    if not stated or not _near(_WHOLE, shares):
+    states_share = "alpha" in dataset.coords or SHARE_ATTRIBUTE in dataset.attrs
+    if not states_share or not _near(_WHOLE_STIFFNESS, shares):
         raise InputError(
             "The boundaries are of another share of the stiffness",
             value=f"`alpha={alpha:g}`, where it is {', '.join(f'{share:g}' for share in shares)}",
             remedy="Leave `alpha` out, or give `motions`, whose boundaries are computed for any fraction",
             where=str(path),
         )
-    return carry_to_share(select_share(dataset, _WHOLE), alpha)
+    return carry_to_share(select_share(dataset, _WHOLE_STIFFNESS), alpha)
 
 
 def _near(alpha: float, shares: tuple[float, ...]) -> bool:
@@ -362,8 +347,8 @@ def select_structures(dataset: xr.Dataset, f: Numbers | None, xi: Numbers | None
     `f`, `xi` [Hz, -].
     """
     for name, values in (("f", as_list(f)), ("xi", as_list(xi))):
-        held = dataset[name].values
-        if values and all(np.isclose(held, value, rtol=1e-9).any() for value in values):
+        stored_values = dataset[name].values
+        if values and all(np.isclose(stored_values, value, rtol=1e-9).any() for value in values):
             dataset = dataset.sel({name: values}, method="nearest")
     return dataset
 

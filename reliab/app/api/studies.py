@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar, Unpack
 
-from reliab.app import options
+from reliab.app import options, outputs, subjects
 from reliab.app.api.sources import as_list
 from reliab.app.declaration import asks
 from reliab.core.plain_values import PlainResult, ResultWithRows
@@ -36,28 +36,20 @@ class PerformedStudy(PlainResult):
     answer: str = ""  # What the report says in one sentence
 
 
-@asks(options.MotionSource)
+@asks(subjects.Study, outputs.Folder)
 def run_study(
     study: str | Path = "quick",
     *,
     out: str | Path | None = None,
     setting: Setting | None = None,
     show: Show = quietly,
-    tell: Callable[[str, bool], None] = lambda _name, _done: None,
+    tell: Callable[[str, bool], None] = lambda _name, _is_new: None,
     **request: Unpack[options.MotionSource],
 ) -> PerformedStudy:
     """Run a study: simulate, fit, derive, validate, report.
 
     Parameters
     ----------
-    study : str or pathlib.Path, optional
-        Folder or file of a study, or the name of one that comes with reliab. Code in the folder is executed.
-    out : str or pathlib.Path, optional
-        The run folder; reliab-run/STUDY by default.
-    setting : Setting, optional
-        How the report is set.
-    show : callable, optional
-        Takes the name of a task and shows its progress.
     tell : callable, optional
         Called after each stage with its name and whether there was something to do.
 
@@ -71,22 +63,22 @@ def run_study(
     InputError
         If there is no such study, it asks for what is not there, or the folder holds something else.
     """
-    described = open_study(study)
+    description = open_study(study)
     if request["motions"] or request["sets"]:
-        described = described.replace_motions(as_list(request["motions"]), as_list(request["sets"]))
+        description = description.replace_motions(as_list(request["motions"]), as_list(request["sets"]))
     place = Path(study).resolve()
     name = place.parent.name if place.name == "study.toml" else place.stem
     folder = _OUT / name if out is None else Path(out)
     stages: dict[str, bool] = {}
 
-    def count(stage: str, done: bool) -> None:  # noqa: FBT001 - called by position
-        stages[stage] = done
-        tell(stage, done)
+    def count(stage: str, is_new: bool) -> None:  # noqa: FBT001 - called by position
+        stages[stage] = is_new
+        tell(stage, is_new)
 
-    report = running.run_study(described, folder, show=show, tell=count, setting=setting)
-    said = folder / ANSWER
-    answer = said.read_text(encoding="utf-8") if said.exists() else ""
-    return PerformedStudy(title=described.title, folder=folder, report=report, stages=stages, answer=answer)
+    report = running.run_study(description, folder, show=show, tell=count, setting=setting)
+    answer_file = folder / ANSWER
+    answer = answer_file.read_text(encoding="utf-8") if answer_file.exists() else ""
+    return PerformedStudy(title=description.title, folder=folder, report=report, stages=stages, answer=answer)
 
 
 @dataclass(frozen=True)
@@ -123,6 +115,7 @@ class WrittenReport(PlainResult):
     report: Path
 
 
+@asks(subjects.RunFolder)
 def report_run(folder: str | Path, *, setting: Setting | None = None) -> WrittenReport:
     """Write the PDF of a finished run again, from its folder alone."""
     return WrittenReport(folder=Path(folder), report=write_report(folder, setting=setting))

@@ -18,7 +18,7 @@ from reliab.core.vocabulary import CurveName, NoEllipse, Side
 from reliab.sweep.ellipse_dataset import write_ellipses
 from reliab.sweep.shares import share_of
 
-_WHERE: Final = ["motion", "f", "xi", "alpha", "threshold", "metric"]
+_PLACE: Final = ["motion", "f", "xi", "alpha", "threshold", "metric"]
 _VALUES = ("a", "b", "sse", "n", "no_ellipse")
 _HEADINGS = {"_lead": ", lead", "_inscribed": ", inscribed", "_lead_inscribed": ", inscribed, lead"}
 _SUFFIXES: Final = {
@@ -32,13 +32,13 @@ _SUFFIXES: Final = {
 def _parameter(name: str, ending: str, form: str) -> Callable[[Mapping[str, Any]], str]:
     """Write a or b of one ellipse of a row, or in place of a why there is none."""
 
-    def written(row: Mapping[str, Any]) -> str:
+    def write(row: Mapping[str, Any]) -> str:
         value, reason = row.get(f"{name}{ending}"), row.get(f"no_ellipse{ending}")
         if reason is not None:
             return str(reason).replace("_", " ") if name == "a" else ""
         return "" if value is None else format(value, form)
 
-    return written
+    return write
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -46,7 +46,7 @@ class Boundaries(ResultWithRows):
     """Boundaries of equal error."""
 
     rows_in = "ellipses"
-    shown: ClassVar[Columns] = {
+    table_columns: ClassVar[Columns] = {
         "motion": ("motion", ""),
         **PLACE_COLUMNS,
         "a [-]": ("", _parameter("a", "", ".3e")),
@@ -58,7 +58,7 @@ class Boundaries(ResultWithRows):
         },
         "points": ("n", "d"),
     }
-    plotted = ("a", "b")
+    plot_columns = ("a", "b")
 
     # `a` [-], `b` [ms²], `sse` [ms⁴] and `n` over motion, structure, error, curve and side, as
     # :func:`reliab.ellipses` returns them
@@ -71,7 +71,7 @@ class Boundaries(ResultWithRows):
         return caution
 
     def __len__(self) -> int:
-        return math.prod(self.ellipses.sizes.get(dimension, 1) for dimension in _WHERE)
+        return math.prod(self.ellipses.sizes.get(dimension, 1) for dimension in _PLACE)
 
     def rows(self) -> Iterator[dict[str, Any]]:
         """Give one row to each boundary, with both sides and both curves in columns.
@@ -83,9 +83,9 @@ class Boundaries(ResultWithRows):
         dataset = self.ellipses
         if "alpha" not in dataset.dims:
             dataset = dataset.expand_dims(alpha=[share_of(dataset)])
-        boundaries = list(dataset[[*_WHERE]].stack(row=_WHERE)["row"].values.tolist())
+        boundaries = list(dataset[[*_PLACE]].stack(row=_PLACE)["row"].values.tolist())
         columns = {
-            f"{name}{suffix}": dataset[name].sel(curve=curve, side=side).transpose(*_WHERE).values.ravel()
+            f"{name}{suffix}": dataset[name].sel(curve=curve, side=side).transpose(*_PLACE).values.ravel()
             for suffix, (curve, side) in _SUFFIXES.items()
             if curve in dataset["curve"].values and side in dataset["side"].values
             for name in _VALUES
@@ -93,7 +93,7 @@ class Boundaries(ResultWithRows):
         }
         for k, boundary in enumerate(boundaries):
             yield {
-                **dict(zip(_WHERE, boundary, strict=True)),
+                **dict(zip(_PLACE, boundary, strict=True)),
                 **{name: _plain(name, values[k]) for name, values in columns.items()},
             }
 

@@ -1,6 +1,6 @@
 """`reliab.validate_criteria`, `reliab.calibrate_probabilities`: whether criteria hold on unseen motions."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, ClassVar, Unpack
@@ -17,7 +17,6 @@ from reliab.app.api.judged_motions import (
     list_kept_shares,
     motions_outside,
     open_judged_ellipses,
-    require_one_division,
     require_one_share,
     sentences_of_outside,
     true_errors,
@@ -30,7 +29,6 @@ from reliab.core.plain_values import ResultWithRows
 from reliab.core.progress import Show, quietly
 from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import Metric, Side
-from reliab.criterion.laws.law import Law
 from reliab.criterion.laws.registry import FITTED_LAWS, MANY_MOTION_LAWS, find_law
 from reliab.criterion.methods.registry import RECOMMENDED_METHOD, method_of
 from reliab.criterion.scope import population_of
@@ -67,7 +65,7 @@ class Validation(ResultWithRows):
     """How often criteria hold on motions from which they were not learned."""
 
     rows_in = "rows"
-    shown: ClassVar[Columns] = {
+    table_columns: ClassVar[Columns] = {
         "criterion": ("candidate", ""),
         "stated": ("confidence", partial(percent, decimals=0)),
         "contained (95 % interval)": ("containment", _interval),
@@ -75,7 +73,7 @@ class Validation(ResultWithRows):
         "false-safe": ("false_safe", _interval),
         "good tests accepted": ("accepted_share", _interval),
     }
-    plotted = ("confidence", "containment_rate")
+    plot_columns = ("confidence", "containment_rate")
 
     counts: CrossValidation
     ellipses: xr.Dataset
@@ -93,7 +91,7 @@ class Validation(ResultWithRows):
             "alpha": share_of(self.ellipses),
             "n_motions": int(counts.sizes["motion"]),
             "n_events": len(set(counts["event"].values.tolist())),
-            "n_of_learned_earthquakes": self.division.recognised,
+            "n_of_learned_earthquakes": self.division.recognised_motions,
             "truth": self.counts.truth,
             "unresolved": int(counts["unresolved"].sum()),
             "not_carried": _not_carried(self.counts),
@@ -111,11 +109,6 @@ class Validation(ResultWithRows):
 def validate_criteria(*, show: Show = quietly, **request: Unpack[questions.Validation]) -> Validation:
     """Test criteria on earthquakes from which they were not learned.
 
-    Parameters
-    ----------
-    show : callable, optional
-        Takes the name of a task and shows its progress.
-
     Returns
     -------
     Validation
@@ -126,20 +119,18 @@ def validate_criteria(*, show: Show = quietly, **request: Unpack[questions.Valid
     InputError
         If the source cannot serve what is asked for, or an argument would have no effect.
     """
-    require_one_share(request["alpha"])
-    learn, judge, scheme = as_list(request["learn"]), as_list(request["judge"]), request["scheme"]
-    require_one_division(scheme, learn, judge)
+    learn, judge = as_list(request["learn"]), as_list(request["judge"])
+    if request["scheme"] is not None and (learn is not None or judge is not None):
+        raise InputError(
+            "`scheme` has no effect here: `learn` and `judge` divide the motions",
+            value=request["scheme"],
+            remedy="Leave it out",
+        )
     confidences = list(dict.fromkeys(as_list(request["confidence"]) or _CONFIDENCES))
-    threshold, metric = _error_of(request)
-    question = _Candidates(error=threshold, metric=metric, confidences=confidences)
-    candidates = question.from_question(
-        as_list(request["law"]), as_list(request["method"]), joint=request["joint"]
-    )
-    source = EllipseSource.from_question(request, threshold=[threshold])
-    dataset = open_judged_ellipses(source, show)
-    truth = true_errors(source, dataset)
+    candidates = _make_candidates(request, confidences)
+    source, dataset, test = _open_test(request, show)
     division = divide(
-        dataset, source, scheme=scheme, leave_out=request["leave_out"], learn=learn, judge=judge
+        dataset, source, scheme=request["scheme"], leave_out=request["leave_out"], learn=learn, judge=judge
     )
     with show("Cross-validating") as progress:
         counts = cross_validate(
@@ -148,12 +139,9 @@ def validate_criteria(*, show: Show = quietly, **request: Unpack[questions.Valid
             candidates,
             scheme=division.name,
             confidences=confidences,
-            threshold=threshold,
-            metric=metric,
-            truth=truth,
-            trials=request["trials"] or _TRIALS,
             learn_from=division.learn_from,
             progress=progress,
+            **test,
         )
     return Validation(counts=counts, ellipses=dataset, division=division)
 
@@ -164,51 +152,57 @@ def _error_of(request: questions.JudgedCriteria) -> tuple[float, str]:
     return FIVE_PERCENT if threshold is None else threshold, str(metric or Metric.RMS)
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Candidates:
-    """Criteria that are judged at an error and its confidences."""
+def _open_test(
+    request: questions.JudgedCriteria, show: Show
+) -> tuple[EllipseSource, xr.Dataset, dict[str, Any]]:
+    """Open the motions on which criteria are judged: their source, ellipses, and how errors are judged."""
+    require_one_share(request["alpha"])
+    threshold, metric = _error_of(request)
+    source = EllipseSource.from_question(request, threshold=[threshold])
+    dataset = open_judged_ellipses(source, show)
+    return (
+        source,
+        dataset,
+        {
+            "threshold": threshold,
+            "metric": metric,
+            "truth": true_errors(source, dataset),
+            "trials": request["trials"] or _TRIALS,
+        },
+    )
 
-    error: float
-    metric: str
-    confidences: list[float]
 
-    def from_question(
-        self, laws: list[str] | None, methods: list[str] | None, *, joint: bool | None
-    ) -> list[Candidate]:
-        """Make the criteria of every law and method that is asked for."""
-        has_printed = (self.error, self.metric) == (FIVE_PERCENT, "rms")
-        names = laws or ["table", *(("guo_2017_15", "guo_2017_18") if has_printed else ())]
-        candidates: list[Candidate] = []
-        for name in names:
-            if name in MANY_MOTION_LAWS:
-                candidates.append(self._make_published(name, MANY_MOTION_LAWS[name], request=bool(laws)))
-                continue
-            fitted = find_law(FITTED_LAWS, name)
-            for method in methods or [RECOMMENDED_METHOD]:
-                label = method if name == "table" else f"{method}, {name}"
-                candidates.append(
-                    DerivedCandidate(name=label, method=method_of(method), joint=joint, law=fitted)
+def _make_candidates(request: questions.Validation, confidences: Sequence[float]) -> list[Candidate]:
+    """Make the criteria of every law and method that is asked for, which are judged at some confidences."""
+    laws, methods, joint = as_list(request["law"]), as_list(request["method"]), request["joint"]
+    error = _error_of(request)
+    has_printed = error == (FIVE_PERCENT, Metric.RMS)
+    names = laws or ["table", *(("guo_2017_15", "guo_2017_18") if has_printed else ())]
+    candidates: list[Candidate] = []
+    for name in names:
+        if name in MANY_MOTION_LAWS:
+            MANY_MOTION_LAWS[name].validity.require_error(*error)
+            published = PrintedCandidate(name=name, law=MANY_MOTION_LAWS[name])
+            if laws and not any(published.promises(confidence) for confidence in confidences):
+                raise InputError(
+                    f"The law {name} has a confidence of {percent(published.confidence, decimals=0)}",
+                    value=", ".join(f"{confidence:g}" for confidence in confidences),
+                    remedy=f"Ask for `confidence={published.confidence:g}`, or leave the law out",
                 )
-        idle = "`method`" if methods else "`joint`" if joint is not None else ""
-        if idle and not any(isinstance(candidate, DerivedCandidate) for candidate in candidates):
-            raise InputError(
-                f"{idle} has no effect on published laws",
-                value=", ".join(names),
-                remedy="Leave it out",
+            candidates.append(published)
+            continue
+        fitted_law = find_law(FITTED_LAWS, name)
+        for method in methods or [RECOMMENDED_METHOD]:
+            label = method if name == "table" else f"{method}, {name}"
+            candidates.append(
+                DerivedCandidate(name=label, method=method_of(method), joint=joint, law=fitted_law)
             )
-        return candidates
-
-    def _make_published(self, name: str, law: Law, *, request: bool) -> Candidate:
-        """Take a printed law, which states one confidence for one error."""
-        law.validity.require_error(self.error, self.metric)
-        candidate = PrintedCandidate(name=name, law=law)
-        if request and not any(candidate.promises(confidence) for confidence in self.confidences):
-            raise InputError(
-                f"The law {name} has a confidence of {percent(candidate.confidence, decimals=0)}",
-                value=", ".join(f"{confidence:g}" for confidence in self.confidences),
-                remedy=f"Ask for `confidence={candidate.confidence:g}`, or leave the law out",
-            )
-        return candidate
+    idle = "`method`" if methods else "`joint`" if joint is not None else ""
+    if idle and not any(isinstance(candidate, DerivedCandidate) for candidate in candidates):
+        raise InputError(
+            f"{idle} has no effect on published laws", value=", ".join(names), remedy="Leave it out"
+        )
+    return candidates
 
 
 def _describe_judged(ellipses: xr.Dataset, scheme: str) -> str:
@@ -229,30 +223,34 @@ def _sentences(
     """
     if copies := str(validation.ellipses.attrs.get("copies", "")):
         yield copies
-    outside, counts = motions_outside(validation.ellipses, validation.division), validation.counts
-    whose = "the motions that do not lie outside" if outside.any() else "the motions"
-    if outside.all():
+    is_outside, counts = motions_outside(validation.ellipses, validation.division), validation.counts
+    motions_phrase = "the motions that do not lie outside" if is_outside.any() else "the motions"
+    if is_outside.all():
         yield (
             "All motions lie outside of the populations from which their criteria are learned: no share "
             "is promised."
         )
-    for side, of_side, of_all in (("lag", "", rows), ("lead", " for leads", leads)):
-        inside = of_all
-        if outside.any():
-            inner = replace(counts, counts=counts.counts.isel(motion=~outside))
-            inside = [] if outside.all() else _rows(inner, ("f", "xi"), side)
-        yield from list_kept_shares([row for row in inside if not _is_printed(row)], of_side, whose)
-        yield from list_kept_shares([row for row in of_all if _is_printed(row)], of_side)
+    for side, side_phrase, all_rows in (("lag", "", rows), ("lead", " for leads", leads)):
+        inside_rows = all_rows
+        if is_outside.any():
+            inner = replace(counts, counts=counts.counts.isel(motion=~is_outside))
+            inside_rows = [] if is_outside.all() else _rows(inner, ("f", "xi"), side)
+        yield from list_kept_shares(
+            [row for row in inside_rows if not _is_printed(row)], side_phrase, motions_phrase
+        )
+        yield from list_kept_shares([row for row in all_rows if _is_printed(row)], side_phrase)
 
 
 def _is_printed(row: Mapping[str, Any]) -> bool:
     return row["candidate"] in MANY_MOTION_LAWS
 
 
-def _rows(validation: CrossValidation, over: tuple[str, ...], side: str = "lag") -> list[dict[str, Any]]:
+def _rows(
+    validation: CrossValidation, dimensions: tuple[str, ...], side: str = "lag"
+) -> list[dict[str, Any]]:
     """Rates with intervals and the confusion matrix, one row for each candidate and confidence."""
     rows = []
-    for line in tabulate(validation, over, side=Side(side)).to_dict(orient="records"):
+    for line in tabulate(validation, dimensions, side=Side(side)).to_dict(orient="records"):
         row: dict[str, Any] = {
             str(name): line[name] for name in ("candidate", "confidence", "f", "xi") if name in line
         }
@@ -267,13 +265,13 @@ def _rows(validation: CrossValidation, over: tuple[str, ...], side: str = "lag")
 def _not_carried(validation: CrossValidation) -> list[dict[str, Any]]:
     """Criteria and confidences for which every fold has too few motions."""
     counts = validation.counts
-    touched = (counts["judged"] + counts["unresolved"]).sum(["side", "f", "xi", "motion"])
+    judged_counts = (counts["judged"] + counts["unresolved"]).sum(["side", "f", "xi", "motion"])
     return [
         {"candidate": candidate, "confidence": confidence}
         for candidate in counts["candidate"].values.tolist()
         for confidence in counts["confidence"].values.tolist()
         if candidate not in MANY_MOTION_LAWS
-        and not int(touched.sel(candidate=candidate, confidence=confidence))
+        and not int(judged_counts.sel(candidate=candidate, confidence=confidence))
     ]
 
 
@@ -282,7 +280,7 @@ class Calibration(ResultWithRows):
     """Probabilities that were stated for tests, against how many of the tests are good."""
 
     rows_in = "bins"
-    shown: ClassVar[Columns] = {
+    table_columns: ClassVar[Columns] = {
         "stated probability": ("stated", _share),
         "good tests (95 % interval)": ("", lambda row: _interval({**row, "rate": row["observed"]})),
         "tests": ("tests", "d"),
@@ -305,11 +303,6 @@ def calibrate_probabilities(
 ) -> Calibration:
     """Compare the probabilities that are stated for tests with how many of the tests are good.
 
-    Parameters
-    ----------
-    show : callable, optional
-        Takes the name of a task and shows its progress.
-
     Returns
     -------
     Calibration
@@ -320,19 +313,8 @@ def calibrate_probabilities(
     InputError
         If the source cannot serve what is asked for.
     """
-    require_one_share(request["alpha"])
-    scheme, (threshold, metric) = request["scheme"] or DEFAULT_SCHEME, _error_of(request)
-    source = EllipseSource.from_question(request, threshold=[threshold])
-    dataset = open_judged_ellipses(source, show)
-    truth = true_errors(source, dataset)
+    scheme = request["scheme"] or DEFAULT_SCHEME
+    _, dataset, test = _open_test(request, show)
     with show("Comparing probabilities") as progress:
-        bins = probability_calibration(
-            dataset,
-            scheme=scheme,
-            threshold=threshold,
-            metric=metric,
-            truth=truth,
-            trials=request["trials"] or _TRIALS,
-            progress=progress,
-        )
-    return Calibration(scheme=scheme, truth=truth.name, bins=bins)
+        bins = probability_calibration(dataset, scheme=scheme, progress=progress, **test)
+    return Calibration(scheme=scheme, truth=test["truth"].name, bins=bins)

@@ -71,8 +71,8 @@ _MODULES = {
 """Modules of commands that share one or stand in a folder; the others have one of their name."""
 
 
-def _show_version(wanted: bool) -> None:  # noqa: FBT001 - Typer's callback
-    if wanted:
+def _show_version(is_asked: bool) -> None:  # noqa: FBT001 - Typer's callback
+    if is_asked:
         typer.echo(__version__)
         raise typer.Exit
 
@@ -122,9 +122,9 @@ def _commands(*names: str) -> Any:  # noqa: ANN401 - Typer hides its type
 @cache
 def _make_group(*names: str) -> Any:  # noqa: ANN401 - Typer hides its type
     """Make commands, all by default; help that Rich shows is escaped once."""
-    shown = typer.main.get_command(application(*names))
-    take_help_literally(shown)
-    return shown
+    command = typer.main.get_command(application(*names))
+    take_help_literally(command)
+    return command
 
 
 def _find_command(arguments: Sequence[str]) -> Any:  # noqa: ANN401 - Typer hides its type
@@ -141,10 +141,10 @@ def take_help_literally(command: Any) -> None:  # noqa: ANN401 - Typer hides its
     """Escape a command's help and that of all below it, once: a unit in brackets is no markup of Rich."""
     from rich.markup import escape
 
-    for shown in (command, *command.params):
+    for documented in (command, *command.params):
         for name in ("help", "epilog"):
-            if text := getattr(shown, name, None):
-                setattr(shown, name, escape(text))
+            if text := getattr(documented, name, None):
+                setattr(documented, name, escape(text))
     for inner in getattr(command, "commands", {}).values():
         take_help_literally(inner)
 
@@ -212,23 +212,27 @@ def _not_installed(error: ModuleNotFoundError) -> InputError | None:
 
 def spread(arguments: Sequence[str], command: Any) -> Iterator[str]:  # noqa: ANN401 - Typer hides its type
     """Write `--option a b` as `--option a --option b` for options that may be repeated."""
-    repeated: dict[str, list[str]] = {}  # by option, the words that it takes beside numbers
+    words_by_option: dict[str, list[str]] = {}  # by option, the words that it takes beside numbers
     current: str | None = None
     first = numeric = False
     for argument in arguments:
         if argument in (commands := getattr(command, "commands", {})):
             command = commands[argument]
-            repeated = {
+            words_by_option = {
                 name: str(option.metavar).removesuffix("...").split("|")
                 for option in command.params
                 if option.multiple
                 for name in option.opts
             }
         if argument.startswith("-") and not _is_number(argument) and argument != "-":
-            current, first = (argument, True) if argument in repeated else (None, False)
+            current, first = (argument, True) if argument in words_by_option else (None, False)
         elif first:
             first, numeric = False, _is_number(argument)
-        elif current in repeated and numeric and not (_is_number(argument) or argument in repeated[current]):
+        elif (
+            current in words_by_option
+            and numeric
+            and not (_is_number(argument) or argument in words_by_option[current])
+        ):
             current = None  # a file after numbers is no number
         elif current is not None:
             yield current

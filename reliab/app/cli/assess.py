@@ -9,7 +9,7 @@ import typer
 
 from reliab.app import outputs, questions
 from reliab.app.cli.commands import Request, files_of, takes
-from reliab.app.cli.output import say, say_population, show_rows
+from reliab.app.cli.output import progress_bar, say, say_population, show_rows, write_json
 from reliab.app.options import OUTPUT
 from reliab.core.errors import InputError
 from reliab.core.progress import silent
@@ -18,12 +18,11 @@ from reliab.core.vocabulary import MILLI
 
 if TYPE_CHECKING:
     from reliab.app.api.design import Design
-    from reliab.assessment.assessment import Assessment
+    from reliab.assessment.assess import AnyAssessment
     from reliab.assessment.design import Tolerance
-    from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment
     from reliab.assessment.several import Assessments
 
-_USED = ("tests", "out", "check", "json_target")
+_COMMON_OPTIONS = ("tests", "out", "check")
 
 
 class _OneTest(outputs.Tests, outputs.Check, outputs.Cover, total=False):
@@ -36,7 +35,7 @@ class _OneTest(outputs.Tests, outputs.Check, outputs.Cover, total=False):
     ]
     corrected: Annotated[
         Path | None,
-        OUTPUT.further(
+        OUTPUT.advanced(
             "FILE.csv|nc",
             "Write the response that a perfect actuator would have produced, with its band.",
             endings=(".csv", ".nc"),
@@ -60,13 +59,12 @@ def design(request: Request) -> None:
     """Print how much amplitude error and delay are tolerable, before a test."""
     from reliab.app.api.assessment_files import draw_chart
     from reliab.app.api.design import design_test
-    from reliab.app.cli.output import write_json
 
-    found = request.ask(design_test, "figure", "json_target")
+    result = request.ask(design_test, "figure")
     if request.figure is not None:
-        draw_chart(found, request.figure)
-    if not write_json(found.to_dict(), request.json_target):
-        show_design(found)
+        draw_chart(result, request.figure)
+    if not write_json(result.to_dict(), request.json_target):
+        show_design(result)
 
 
 @takes(questions.StatedOfTest, outputs.Tests, outputs.Check)
@@ -76,32 +74,30 @@ def extrapolate(request: Request) -> None:
     The extrapolation itself uses neither structure nor specimen.
     """
     from reliab.app.api.assessment_files import write_tests
-    from reliab.app.cli.output import write_json
     from reliab.app.cli.shown_verdict import show_same_test
 
     files = files_of(request.tests, request.out)
     if len(files) == 1 and request.test_name != "all":
         raise InputError("`reliab extrapolate` needs two tests or more", remedy="Name every run of the test")
     runs = _verdicts(request, files)
-    together = runs.same_test()
+    extrapolation = runs.same_test()
     if request.out is not None:
-        write_tests([{"file": file, **found} for file, found in runs.to_dict().items()], request.out)
-    if not write_json(together.to_dict(), request.json_target):
-        show_same_test(together)
-    if request.check and not together.reliable:
+        write_tests([{"file": file, **content} for file, content in runs.to_dict().items()], request.out)
+    if not write_json(extrapolation.to_dict(), request.json_target):
+        show_same_test(extrapolation)
+    if request.check and not extrapolation.reliable:
         raise typer.Exit(1)
 
 
 def _verdicts(request: Request, files: Sequence[Path], *uses: str) -> Any:  # noqa: ANN401 - of one test or several
     """Judge tests."""
     from reliab.app.api.assessment import assess as api_assess
-    from reliab.app.cli.output import progress_bar
 
-    several = len(files) != 1 or request.test_name == "all"
-    with progress_bar("tests") if several else nullcontext(silent) as progress:
+    has_several = len(files) != 1 or request.test_name == "all"
+    with progress_bar("tests") if has_several else nullcontext(silent) as progress:
         return request.ask(
             api_assess,
-            *_USED,
+            *_COMMON_OPTIONS,
             *uses,
             test=files[0] if len(files) == 1 else files,
             progress=progress,
@@ -110,20 +106,18 @@ def _verdicts(request: Request, files: Sequence[Path], *uses: str) -> Any:  # no
 
 def _answer_tests(request: Request) -> bool:
     """Judge tests; write and print what is found; return whether all are reliable."""
-    from reliab.app.api.arguments import refuse_unused
+    from reliab.app.api.arguments import refuse_stated
     from reliab.app.api.assessment_files import file_report
 
     files = files_of(request.tests, request.out)
-    several = len(files) != 1 or request.test_name == "all"
-    if request.report is not None and several and files:
-        raise refuse_unused("report", "together with several tests, since a report is of one test")
-    if request.corrected is not None and several and files:
-        raise refuse_unused(
-            "corrected", "together with several tests, since the response is that of one test"
-        )
+    has_several = len(files) != 1 or request.test_name == "all"
+    if has_several and files:
+        for name, content in (("report", "a report is of"), ("corrected", "the response is that of")):
+            reason = f"together with several tests, since {content} one test"
+            refuse_stated({name: getattr(request, name)}, name, reason=reason)
     cover = outputs.Cover.__annotations__ if request.report is not None else ()
     verdicts = _verdicts(request, files, "corrected", "details", "report", *cover)
-    if several:
+    if has_several:
         _write_several(verdicts, request)
         return bool(verdicts.reliable)
     _write_one(verdicts, files[0], request)
@@ -134,11 +128,8 @@ def _answer_tests(request: Request) -> bool:
     return bool(verdicts.reliable)
 
 
-def _write_one(
-    assessment: "Assessment | FrameAssessment | CoupledAssessment", test: Path, request: Request
-) -> None:
+def _write_one(assessment: "AnyAssessment", test: Path, request: Request) -> None:
     from reliab.app.api.assessment_files import write_corrected, write_tests
-    from reliab.app.cli.output import say, write_json
     from reliab.app.cli.shown_verdict import show_briefly, show_degrees, show_details
 
     content = assessment.to_dict()
@@ -147,7 +138,7 @@ def _write_one(
     note = None if request.corrected is None else write_corrected(assessment, request.corrected)
     if write_json(content, request.json_target):
         return
-    show_briefly(content, without_details=not request.details)
+    show_briefly(content, omits_details=not request.details)
     if request.details:
         show_details(assessment, content["recording"]["channels"])
     else:
@@ -158,11 +149,13 @@ def _write_one(
 
 def _write_several(assessments: "Assessments", request: Request) -> None:
     from reliab.app.api.assessment_files import write_tests
-    from reliab.app.cli.output import write_json
     from reliab.app.cli.shown_verdict import show_several
 
     contents = [
-        {"file": file, **({"fault": request.in_options(content["fault"])} if "fault" in content else content)}
+        {
+            "file": file,
+            **({"fault": request.write_as_options(content["fault"])} if "fault" in content else content),
+        }
         for file, content in assessments.to_dict().items()
     ]
     if request.out is not None:
@@ -191,7 +184,7 @@ def show_design(design: "Design") -> None:
     title = (
         f"Tolerable errors at ξ = {first.damping_ratio:g}{share} for an error of {percent(first.threshold)}"
     )
-    show_rows(title, Design.shown, (row.to_dict() for row in rows))
+    show_rows(title, Design.table_columns, (row.to_dict() for row in rows))
     if any(tolerance.outside_validity for tolerance in rows):
         say("Note: the criterion does not cover *; these limits are scaled from the nearest structure.")
     _show_chart(design.chart)
@@ -204,10 +197,10 @@ def _show_chart(chart: "Sequence[Tolerance]") -> None:
     from reliab.app.api.design import Design
 
     confidence = min((point.confidence for point in chart), key=lambda value: abs(value - _NINETY_FIVE))
-    chosen = [point for point in chart if point.confidence == confidence]
-    promise, longest = chosen[0].promise, max(MILLI * point.delay for point in chosen)
+    points = [point for point in chart if point.confidence == confidence]
+    promise, longest = points[0].promise, max(MILLI * point.delay for point in points)
     share = "no share promised" if promise is None else f"at {percent(promise, decimals=0)}"
-    columns = {name: Design.shown[name] for name in ("f [Hz]", "|A − 1| alone", "d alone [ms]")} | {
+    columns = {name: Design.table_columns[name] for name in ("f [Hz]", "|A − 1| alone", "d alone [ms]")} | {
         "d": ("delay_limit_ms", lambda late: "█" * max(round(_BAR * late / longest), 1), "left")
     }
-    show_rows(f"Over the frequency, {share}", columns, (point.to_dict() for point in chosen))
+    show_rows(f"Over the frequency, {share}", columns, (point.to_dict() for point in points))

@@ -1,12 +1,10 @@
 """`reliab calibrate`: what the two displacement channels add to a motion."""
 
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, TypedDict
+from typing import TYPE_CHECKING
 
-from reliab.app import questions
+from reliab.app import questions, subjects
 from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import say, show_table
-from reliab.app.declaration import argument
 from reliab.core.significant_digits import significant
 
 if TYPE_CHECKING:
@@ -14,18 +12,7 @@ if TYPE_CHECKING:
     from reliab.recordings.calibration import ChannelCalibration
 
 
-class _File(TypedDict):
-    test: Annotated[
-        Path,
-        argument(
-            "FILE",
-            "Test in which both channels record one motion: a sine, a sweep, or steps with pauses, "
-            "without a specimen.",
-        ),
-    ]
-
-
-@takes(questions.CalibrationTest, _File)
+@takes(questions.CalibrationTest, subjects.CalibrationFile)
 def calibrate(request: Request) -> None:
     """Measure skew, scale, hysteresis, noise and resolution of the two displacement channels."""
     from reliab.app.api.records import calibrate as api_calibrate

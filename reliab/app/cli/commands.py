@@ -49,7 +49,7 @@ def _is_table(path: Path) -> bool:
         return True  # it is not there yet
 
 
-WRITTEN = ("json_target", "out", "csv", "report", "corrected", "figure")
+OUTPUT_OPTIONS = ("json_target", "out", "csv", "report", "corrected", "figure")
 """Options that name a file to write."""
 
 _BROUGHT_UP_TO_DATE = {"out": ("channels", "tests")}  # a table among the tests of a pattern is no test
@@ -76,15 +76,16 @@ class Request:
         *,
         options: Mapping[str, Option],
         given: tuple[str, ...] = (),
-        in_options: Callable[[str], str] = str,
+        write_as_options: Callable[[str], str] = str,
         belongs_to: Mapping[str, str] | None = None,
     ) -> None:
         """Keep what is asked.
 
-        `in_options` writes arguments that a message names as options; `belongs_to`: by option what it needs.
+        `write_as_options` writes arguments that a message names as options; `belongs_to`: by option what it
+        needs.
         """
         self._values, self._options, self._belongs_to = values, options, belongs_to or {}
-        self.given, self.in_options = given, in_options
+        self.given_names, self.write_as_options = given, write_as_options
 
     def __getattr__(self, name: str) -> Any:  # noqa: ANN401 - of many types
         if name.startswith("_") or name not in self._values:
@@ -98,15 +99,17 @@ class Request:
         reason: str = "",
         **arguments: Any,  # noqa: ANN401 - whatever the service takes
     ) -> _Answer:
-        """Ask a service with the options that it takes by name; refuse others, but what the command uses.
+        """Ask a service with the options that it takes by name; refuse others, but --json and what is used.
 
         `reason`: beside or without what the others have no meaning; `arguments`: what else it is told.
         """
-        taken = [name for name in inspect.signature(service).parameters if name in self._values]
-        self.refuse_all_but({*taken, *uses}, reason)
-        stated = {**{name: self._values[name] for name in taken}, **arguments}
-        used = (name for name, value in stated.items() if value is not None and not self._is_idle(name))
-        return service(**{name: stated[name] for name in used})
+        service_options = [name for name in inspect.signature(service).parameters if name in self._values]
+        self.refuse_all_but({*service_options, *uses, "json_target"}, reason)
+        call_arguments = {**{name: self._values[name] for name in service_options}, **arguments}
+        effective = (
+            name for name, value in call_arguments.items() if value is not None and not self._is_idle(name)
+        )
+        return service(**{name: call_arguments[name] for name in effective})
 
     def answer(
         self,
@@ -122,7 +125,7 @@ class Request:
         """
         from reliab.app.cli.output import write_json
 
-        answer = self.ask(service, *uses, "json_target", **arguments)
+        answer = self.ask(service, *uses, **arguments)
         target = self._values["json_target"]
         if target is None or not write_json(content(answer), target):
             screen(answer)
@@ -143,11 +146,13 @@ class Request:
     def _is_idle(self, name: str) -> bool:
         """Tell whether a laboratory's default has no effect beside what is stated."""
         neighbours = self._options[name].idle_beside if name in self._options else ()
-        return name not in self.given and any(self._values.get(other) is not None for other in neighbours)
+        return name not in self.given_names and any(
+            self._values.get(neighbour) is not None for neighbour in neighbours
+        )
 
     def refuse_to_overwrite(self) -> None:
         """Refuse to write over a file that the command reads, such as the only recording of a test."""
-        for name in WRITTEN:
+        for name in OUTPUT_OPTIONS:
             target = self._values.get(name)
             if target is None or not Path(target).is_file():
                 continue
@@ -160,40 +165,40 @@ class Request:
                         where=str(source),
                     )
 
-    def _read_beside(self, written: str) -> Iterator[Path]:
+    def _read_beside(self, output: str) -> Iterator[Path]:
         """Give the files that may be read, but those that an option may bring up to date."""
         for name, value in self._values.items():
-            if name not in (*WRITTEN, *_BROUGHT_UP_TO_DATE.get(written, ())):
-                named = value if isinstance(value, list) else [value]
-                yield from (Path(one) for one in named if isinstance(one, str | Path))
+            if name not in (*OUTPUT_OPTIONS, *_BROUGHT_UP_TO_DATE.get(output, ())):
+                paths = value if isinstance(value, list) else [value]
+                yield from (Path(path) for path in paths if isinstance(path, str | Path))
 
     def refuse_all_but(self, names: Collection[str], reason: str = "") -> None:
         """Refuse what the command line states and nothing would use."""
-        for name in self.given:
+        for name in self.given_names:
             if name not in names:
                 raise refuse_unused(name, reason or f"without `{self._belongs_to[name]}`")
 
 
 def takes(
-    *questions: type, needs: Mapping[str, str] | None = None, further: Collection[str] = ()
+    *questions: type, needs: Mapping[str, str] | None = None, advanced: Collection[str] = ()
 ) -> Callable[[Callable[[Request], None]], Callable[..., None]]:
     """Make a command of a function; its options are the arguments of the questions, and --json.
 
     `needs`: by option the one without which it has no effect; `further`: those that few need here.
     """
-    declared = {name: item for question in questions for name, item in collect_options(question).items()}
-    for name, item in collect_options(Json).items():
-        declared.setdefault(name, item)
-    for name in further:
-        declared[name] = declared[name][0], replace(declared[name][1], is_advanced=True)
-    options = {name: option for name, (_, option) in declared.items()}
+    declarations = {**collect_options(*questions), **collect_options(Json)}
+    for name in advanced:
+        declarations[name] = declarations[name][0], replace(declarations[name][1], is_advanced=True)
+    options = {name: option for name, (_, option) in declarations.items()}
 
     def declare(command: Callable[[Request], None]) -> Callable[..., None]:
         @wraps(command)
         def run(context: typer.Context, **values: Any) -> None:  # noqa: ANN401 - of many types
-            given = tuple(name for name in values if _is_given(context, name))
+            given_names = tuple(name for name in values if _is_given(context, name))
             say = partial(_name_options, root=context.find_root())
-            request = Request(values, options=options, given=given, in_options=say, belongs_to=needs)
+            request = Request(
+                values, options=options, given=given_names, write_as_options=say, belongs_to=needs
+            )
             request.refuse_to_overwrite()
             from reliab.app.cli.output import progress_bar, speaking
 
@@ -201,10 +206,10 @@ def takes(
                 command(request)
 
         context = inspect.Parameter("context", inspect.Parameter.KEYWORD_ONLY, annotation=typer.Context)
-        shown = sorted(declared.items(), key=lambda item: _place(item[1][1]))
-        parameters = [context, *(_parameter(name, *item, options) for name, item in shown)]
+        ordered = sorted(declarations.items(), key=lambda item: _place(item[1][1]))
+        parameters = [context, *(_parameter(name, *item, options) for name, item in ordered)]
         run.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
-        run.further = frozenset(  # type: ignore[attr-defined]
+        run.advanced_names = frozenset(  # type: ignore[attr-defined]
             name for name, option in options.items() if option.is_advanced
         )
         return run
@@ -228,7 +233,7 @@ def _parameter(
 ) -> inspect.Parameter:
     """Parameter of which Typer makes the option."""
     read_as: Any = Path if isinstance(kind, str) else _READ_AS[kind]
-    flags = {other: declared.flags(other)[0] for other, declared in options.items()}
+    flags = {option_name: declaration.flags(option_name)[0] for option_name, declaration in options.items()}
     help_ = _replace_by_flags(option.help, flags)
     details: dict[str, Any] = {"metavar": option.metavar or None, "help": help_, **option.limits}
     if option.completion is not None:
@@ -238,15 +243,15 @@ def _parameter(
     if option.unit and read_as == list[float]:
         details["parser"] = partial(_number, option)
     if option.is_named:
-        shown = typer.Option(*option.flags(name), rich_help_panel=option.panel, **details)
+        typer_parameter = typer.Option(*option.flags(name), rich_help_panel=option.panel, **details)
     else:
-        shown = typer.Argument(**details)
+        typer_parameter = typer.Argument(**details)
     if option.default is None and not option.is_required:
         read_as = read_as | None
     return inspect.Parameter(
         name,
         inspect.Parameter.KEYWORD_ONLY,
-        annotation=Annotated[read_as, shown],
+        annotation=Annotated[read_as, typer_parameter],
         default=inspect.Parameter.empty if option.is_required else option.default,
     )
 
@@ -274,38 +279,40 @@ class Command(TyperCommand):
     """A command whose help leaves out what few need, unless it is asked for all."""
 
     @property
-    def further(self) -> frozenset[str]:
+    def advanced_names(self) -> frozenset[str]:
         """Names of what few need."""
-        return getattr(self.callback, "further", frozenset())
+        return getattr(self.callback, "advanced_names", frozenset())
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:  # noqa: ANN401 - Typer hides its types
         """Read the arguments; refuse two values of an option that takes one."""
-        rest: list[str] = super().parse_args(ctx, list(args))
-        _, _, stated = self.make_parser(ctx).parse_args(args)
-        for parameter in stated:
+        remaining: list[str] = super().parse_args(ctx, list(args))
+        _, _, parameters = self.make_parser(ctx).parse_args(args)
+        for parameter in parameters:
             takes_one = parameter.nargs == 1 and not (
                 parameter.multiple or getattr(parameter, "is_flag", False)
             )
-            if takes_one and stated.count(parameter) > 1:
+            if takes_one and parameters.count(parameter) > 1:
                 raise InputError(f"`{parameter.name}` takes one value", value="several", remedy="Give one")
-        return rest
+        return remaining
 
     def get_params(self, ctx: Any) -> list[Any]:  # noqa: ANN401 - Typer hides its types
         """Return the parameters; the help's own stand in the last panel."""
         params: list[Any] = list(super().get_params(ctx))
-        shown = params.pop()
-        shown.rich_help_panel = HELP.title
-        if not self.further:
-            return [*params, shown]
-        every = copy(shown)
-        every.opts, every.name, every.callback = ["--help-all"], "help_all", _show_all
-        every.help = "Show further options, too."
-        return [*params, every, shown]
+        help_option = params.pop()
+        help_option.rich_help_panel = HELP.title
+        if not self.advanced_names:
+            return [*params, help_option]
+        help_all = copy(help_option)
+        help_all.opts, help_all.name, help_all.callback = ["--help-all"], "help_all", _show_all
+        help_all.help = "Show further options, too."
+        return [*params, help_all, help_option]
 
     def format_help(self, ctx: Any, formatter: Any) -> None:  # noqa: ANN401 - as above
         """Print the help."""
         left_out = (
-            [] if ctx.meta.get(_SHOWS_ALL) else [item for item in self.params if item.name in self.further]
+            []
+            if ctx.meta.get(_SHOWS_ALL)
+            else [item for item in self.params if item.name in self.advanced_names]
         )
         for item in left_out:
             item.hidden = True  # type: ignore[attr-defined]
@@ -314,8 +321,8 @@ class Command(TyperCommand):
             item.hidden = False  # type: ignore[attr-defined]
 
 
-def _show_all(context: Any, _option: Any, wanted: bool) -> None:  # noqa: ANN401, FBT001 - Click's callback
-    if wanted:
+def _show_all(context: Any, _option: Any, is_asked: bool) -> None:  # noqa: ANN401, FBT001 - Click's callback
+    if is_asked:
         context.meta[_SHOWS_ALL] = True
         typer.echo(context.get_help())
         raise typer.Exit

@@ -23,7 +23,7 @@ def compare(request: Request) -> None:
     with progress_bar("tests") as progress:
         verdicts: Any = request.ask(
             assess,
-            *("tests", "out", "figure", "json_target"),
+            *("tests", "out", "figure"),
             test=files[0] if len(files) == 1 and request.test_name == "all" else files,
             progress=progress,
         )
@@ -31,9 +31,9 @@ def compare(request: Request) -> None:
     if request.out is not None:
         write_tests(comparison, request.out)
     content = comparison.to_dict()
-    content["faults"] = {file: request.in_options(fault) for file, fault in content["faults"].items()}
+    content["faults"] = {file: request.write_as_options(fault) for file, fault in content["faults"].items()}
     if not write_json(content, request.json_target):
-        document = comparison_report(replace(comparison, faults=content["faults"]), drawn=False)
+        document = comparison_report(replace(comparison, faults=content["faults"]), has_figure=False)
         print_document(document, console())
     if request.figure is not None:
         draw_chart(comparison, request.figure)

@@ -30,10 +30,10 @@ def criterion(request: Request) -> None:
         return
     from reliab.app.api.criteria import derive_criteria
 
-    derived = request.answer(
+    result = request.answer(
         derive_criteria, lambda criteria: show_criteria(criteria.to_dict()), show=progress_bar
     )
-    derived.require_converged(request.chains)
+    result.require_converged(request.chains)
 
 
 _DIAGNOSTICS: Columns = {
@@ -88,10 +88,10 @@ def _show_limits(rows: Sequence[Mapping[str, Any]], posteriors: Sequence[Mapping
     say_population(((row["confidence"], row["population"]) for row in rows), first["position"])
     for posterior in posteriors:
         _show_posterior(posterior)
-    behind = f"{first['n_motions']} {first['motions']} of {first['n_events']} earthquakes"
-    show_rows(f"(A − 1)²/a + d²/b ≤ 1 from {behind}", Criteria.shown, rows)
-    together = "a and b together" if first["joint"] else "a and b separately"
-    say(f"Method: {first['method']}, {together}. Law: {first['law']}.")
+    sample = f"{first['n_motions']} {first['motions']} of {first['n_events']} earthquakes"
+    show_rows(f"(A − 1)²/a + d²/b ≤ 1 from {sample}", Criteria.table_columns, rows)
+    joint_phrase = "a and b together" if first["joint"] else "a and b separately"
+    say(f"Method: {first['method']}, {joint_phrase}. Law: {first['law']}.")
     say(*_definitions(rows))
     say(*dict.fromkeys(f"Note: {warning}" for row in rows for warning in row["warnings"]))
 
@@ -100,7 +100,7 @@ def _definitions(rows: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
     """Say what the limits and the error mean."""
     from reliab.core.vocabulary import LABELS
 
-    alone = (
+    limit_definition = (
         "Each limit alone is that of a test without the other error; a test with both errors "
         "must lie inside the ellipse."
     )
@@ -108,7 +108,7 @@ def _definitions(rows: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
     error = f"Error: {LABELS[first['metric']].long_name}. Window: {first['window']}."
     shares = ", ".join(dict.fromkeys(f"{row['alpha']:g}" for row in rows))
     fraction = f"Share α of the stiffness in the laboratory: {shares}."
-    return alone, f"{error} {fraction} Ellipses: {_CURVES[first['curve']]}."
+    return limit_definition, f"{error} {fraction} Ellipses: {_CURVES[first['curve']]}."
 
 
 def _show_posterior(posterior: Mapping[str, Any]) -> None:
@@ -129,12 +129,12 @@ def _show_posterior(posterior: Mapping[str, Any]) -> None:
 def _show_frame(frame: Mapping[str, Any]) -> None:
     """Print what the limits of a frame are of."""
     erring = frame["erring_actuator"]
-    whose = (
+    actuators = (
         "all actuators, which err alike"
         if erring == "all alike"
         else f"actuator {erring}; others are perfect"
     )
-    say(f"Frame: {frame['name']}. Error of {frame['error_of']}. A and d of {whose}.")
+    say(f"Frame: {frame['name']}. Error of {frame['error_of']}. A and d of {actuators}.")
 
 
 def _show_coupling(coupling: Mapping[str, Any]) -> None:
@@ -175,12 +175,12 @@ def _show_shares(share_law: Mapping[str, Any]) -> None:
     title = "Limits over the share of the stiffness, and the law (1 + s)/(1 + s α²) with s = 1/8ξ²"
     show_rows(title, _SHARES, share_law["ratios"])
     for fit in share_law["fits"]:
-        where = f"f = {fit['f']:g} Hz, ξ = {fit['xi']:g}, error {fit['threshold']:g}"
+        place = f"f = {fit['f']:g} Hz, ξ = {fit['xi']:g}, error {fit['threshold']:g}"
         for name in ("a", "b"):
             strength, deviation = fit[f"{name}_strength"], fit[f"{name}_largest_deviation"]
             if strength is not None:
                 say(
-                    f"{name} at {where}: s = {significant(strength)} fits best, off by "
+                    f"{name} at {place}: s = {significant(strength)} fits best, off by "
                     f"{percent(deviation, decimals=1)} "
                     f"at most; by the law s = {significant(fit['white_noise'])}."
                 )
@@ -192,26 +192,29 @@ def _show_shares(share_law: Mapping[str, Any]) -> None:
 
 def _show_comparison(comparison: Mapping[str, Any]) -> None:
     """Print how distributions and laws compare."""
-    for judged in comparison["distributions"]:
+    for distribution in comparison["distributions"]:
         tests = ", ".join(
-            f"{name.replace('_', '-')} {significant(p, 2)}" for name, p in judged["lognormality"].items()
+            f"{name.replace('_', '-')} {significant(p, 2)}"
+            for name, p in distribution["lognormality"].items()
         )
-        where = f"f = {judged['f']:g} Hz, ξ = {judged['xi']:g}, error {judged['threshold']:g}"
-        heading = f"Distributions of {judged['parameter']} at {where}, earthquakes held out."
+        place = (
+            f"f = {distribution['f']:g} Hz, ξ = {distribution['xi']:g}, error {distribution['threshold']:g}"
+        )
+        heading = f"Distributions of {distribution['parameter']} at {place}, earthquakes held out."
         say(f"{heading} p of lognormality: {tests}.")
-        show_rows("", _SCORES, judged["scores"])
+        show_rows("", _SCORES, distribution["scores"])
     for threshold in dict.fromkeys(row["threshold"] for row in comparison["laws"]):
-        alike = [row for row in comparison["laws"] if row["threshold"] == threshold]
-        _show_laws(f"error {threshold:g}", alike)
+        threshold_rows = [row for row in comparison["laws"] if row["threshold"] == threshold]
+        _show_laws(f"error {threshold:g}", threshold_rows)
 
 
 def _show_laws(error: str, rows: Sequence[Mapping[str, Any]]) -> None:
     frequencies = list(dict.fromkeys(row["f"] for row in rows))
-    for key, what in (
+    for key, quantity in (
         ("log_score", "held-out log score"),
         ("region_at_f", "accepted region at equal coverage"),
     ):
-        say(f"Laws at {error}: {what} by f [Hz].")
+        say(f"Laws at {error}: {quantity} by f [Hz].")
         cells = [
             (law, *(significant(row[key]) for row in rows if row["law"] == law))
             for law in dict.fromkeys(row["law"] for row in rows)
@@ -233,8 +236,8 @@ def show_choices() -> None:
 
 
 def _describe_method(method: Any) -> str:  # noqa: ANN401 - a class of the registry
-    assured = any(field.name == "assurance" for field in fields(method))
-    return f"{method.meaning}{' (takes --assurance)' if assured else ''}"
+    takes_assurance = any(field.name == "assurance" for field in fields(method))
+    return f"{method.meaning}{' (takes --assurance)' if takes_assurance else ''}"
 
 
 def _show_meanings(option: str, meanings: dict[str, str]) -> None:
@@ -246,8 +249,8 @@ def _show_own_boundary(rows: Sequence[Mapping[str, Any]]) -> None:
     from reliab.app.api.derived_criteria import Criteria
 
     title = f"Boundary of {rows[0]['motion']} itself: for a test under this very record"
-    shown = ("f [Hz]", "ξ [-]", "error [-]", "a [-]", "b [ms²]")
-    show_rows(title, {name: Criteria.shown[name] for name in shown}, rows)
+    headings = ("f [Hz]", "ξ [-]", "error [-]", "a [-]", "b [ms²]")
+    show_rows(title, {name: Criteria.table_columns[name] for name in headings}, rows)
 
 
 _BESIDE: Final[dict[str, Callable[[Any], None]]] = {

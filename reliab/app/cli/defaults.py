@@ -21,7 +21,7 @@ from typing import Any, Final
 
 import typer
 
-from reliab.app.cli.commands import WRITTEN
+from reliab.app.cli.commands import OUTPUT_OPTIONS
 from reliab.core.described_files import read_toml
 from reliab.core.errors import InputError
 
@@ -36,7 +36,7 @@ OPTION: Final = "--config"
 
 COMMAND_LINE_ONLY: Final = frozenset(
     (
-        *WRITTEN,
+        *OUTPUT_OPTIONS,
         *("figures", "chains", "export", "tests"),  # written, too
         *("check", "threshold", "confidence", "metric", "criterion", "exact"),  # what judges a test
     )
@@ -70,32 +70,32 @@ def remove_config(arguments: Sequence[str]) -> tuple[list[str], str | None]:
     >>> remove_config(["assess", "--config", "lab.toml", "test.csv"])
     (['assess', 'test.csv'], 'lab.toml')
     """
-    kept, named = [], None
-    rest = iter(arguments)
-    for argument in rest:
+    remaining, config = [], None
+    iterator = iter(arguments)
+    for argument in iterator:
         name, equals, value = argument.partition("=")
         if name != OPTION:
-            kept.append(argument)
+            remaining.append(argument)
             continue
-        named = value if equals else next(rest, "")
-        if not named:
+        config = value if equals else next(iterator, "")
+        if not config:
             raise InputError(f"{OPTION} needs a file", remedy="Name it")
-    return kept, named
+    return remaining, config
 
 
-def read_defaults(commands: Callable[[], Any], named: str | None = None) -> Defaults:
+def read_defaults(commands: Callable[[], Any], config: str | None = None) -> Defaults:
     """Read a laboratory's defaults, which may be of any of the commands that are made where there are some.
 
     `named`: the file that the command line names; by default that of the environment or of the user's folder.
     """
-    chosen = named or os.environ.get(VARIABLE)
-    path = Path(chosen) if chosen else user_file()
-    if not chosen and not path.is_file():
+    config_path = config or os.environ.get(VARIABLE)
+    path = Path(config_path) if config_path else user_file()
+    if not config_path and not path.is_file():
         return Defaults()
     content = read_toml(
         path,
         rule="The file of defaults must be readable TOML",
-        remedy="Correct it, or name another" if named else f"Correct it, or name another with {OPTION}",
+        remedy="Correct it, or name another" if config else f"Correct it, or name another with {OPTION}",
     )
     group = commands()
     return Defaults(
@@ -120,9 +120,9 @@ def _defaults_of_command(name: str, table: object, group: Any, path: Path) -> di
         for flag in option.opts
         if flag.startswith("--") and flag != "--help"
     }
-    allowed = sorted(key for key, option in options.items() if option.name not in COMMAND_LINE_ONLY)
+    allowed_names = sorted(key for key, option in options.items() if option.name not in COMMAND_LINE_ONLY)
     for key in table:
-        if key in options and key not in allowed:
+        if key in options and key not in allowed_names:
             raise InputError(
                 "Outputs, and what decides a verdict, cannot be defaults",
                 value=f"{key} of [{name}]",
@@ -133,7 +133,7 @@ def _defaults_of_command(name: str, table: object, group: Any, path: Path) -> di
             raise InputError(
                 f"{name} has no such option",
                 value=key,
-                remedy=f"Choose among {', '.join(allowed)}",
+                remedy=f"Choose among {', '.join(allowed_names)}",
                 where=str(path),
             )
     return {str(options[key].name): _as_stated(value, options[key], path) for key, value in table.items()}

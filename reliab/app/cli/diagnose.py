@@ -38,7 +38,7 @@ def diagnose(request: Request) -> None:
 
     addition = request.ask(
         diagnose_campaign,
-        *("json_target", *(outputs.Cover.__annotations__ if request.out is not None else ())),
+        *(outputs.Cover.__annotations__ if request.out is not None else ()),
         show=progress_bar,
         tell=tell,
     )

@@ -28,7 +28,7 @@ def _show(ellipses: "Boundaries", metric: str) -> None:
     title = f"{len(ellipses)} boundaries of the {ERROR_NAMES[Metric(metric)]}"
     rows = ellipses.rows()
     while page := list(itertools.islice(rows, _PAGE)):
-        show_rows(title, ellipses.shown, page)
+        show_rows(title, ellipses.table_columns, page)
         title = ""
     if ellipses.caution:
         say(f"Note: {ellipses.caution}")

@@ -12,7 +12,7 @@ def explore(request: Request) -> None:
     """Write an offline web page with sliders that show tolerable errors before a test."""
     from reliab.app.api.design import ExplorerPage, write_explorer
 
-    def show(written: ExplorerPage) -> None:
-        say(f"{written.page}: {written.size / _MEGABYTE:.1f} MB, open it in any browser.")
+    def show(result: ExplorerPage) -> None:
+        say(f"{result.page}: {result.size / _MEGABYTE:.1f} MB, open it in any browser.")
 
     request.answer(write_explorer, show)

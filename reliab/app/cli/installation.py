@@ -1,46 +1,33 @@
 """`reliab fetch`, `samples` and `info`: what ships, what is fetched, and the facts about an installation."""
 
-from pathlib import Path
-from typing import Annotated, Any, TypedDict
+from typing import Any
 
+from reliab.app import subjects
 from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import write_line
-from reliab.app.declaration import argument
 
 
-class _Source(TypedDict):
-    source: Annotated[
-        str, argument("FILE|https://…", "The file in the project's sources, or its https address.")
-    ]
-
-
-@takes(_Source)
+@takes(subjects.ListedData)
 def fetch(request: Request) -> None:
     """Fetch the data that are too large for the package: results.nc of real_suite."""
     from reliab.app.api.installation import fetch_dataset
 
     request.answer(
         fetch_dataset,
-        lambda fetched: write_line(f"{fetched}: the checksum is as listed"),
-        content=lambda fetched: {"file": str(fetched)},
+        lambda path: write_line(f"{path}: the checksum is as listed"),
+        content=lambda path: {"file": str(path)},
     )
 
 
-class _Folder(TypedDict):
-    folder: Annotated[
-        Path, argument("[FOLDER]", "Folder for the samples; `datasets` by default.", default=Path("datasets"))
-    ]
-
-
-@takes(_Folder)
+@takes(subjects.SampleFolder)
 def samples(request: Request) -> None:
     """Write sample files into a folder; files that you changed are kept."""
     from reliab.app.api.installation import copy_samples
 
     request.answer(
         copy_samples,
-        lambda copied: write_line("\n".join(map(str, copied))),
-        content=lambda copied: {"samples": [*map(str, copied)]},
+        lambda paths: write_line("\n".join(map(str, paths))),
+        content=lambda paths: {"samples": [*map(str, paths)]},
     )
 
 

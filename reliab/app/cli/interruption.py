@@ -21,7 +21,7 @@ _GOES_ON: Final = {
 }
 """By command the option that must have been given, and what goes on then."""
 
-_AGAIN = 0.2  # s after which a Ctrl-C that got lost is repeated
+_REPEAT_DELAY = 0.2  # s after which a Ctrl-C that got lost is repeated
 _NOTHING_HALF = "No file is half written; run the command again."
 
 
@@ -34,9 +34,9 @@ def interruption(arguments: Sequence[str]) -> str:
     'Interrupted. No file is half written; run the command again.'
     """
     command = arguments[0] if arguments else ""
-    option, kept = _GOES_ON.get(command, ("", ""))
-    given = any(argument.partition("=")[0] == option for argument in arguments)
-    return f"Interrupted. {kept if kept and (given or not option) else _NOTHING_HALF}"
+    option, kept_work = _GOES_ON.get(command, ("", ""))
+    is_given = any(argument.partition("=")[0] == option for argument in arguments)
+    return f"Interrupted. {kept_work if kept_work and (is_given or not option) else _NOTHING_HALF}"
 
 
 @contextlib.contextmanager
@@ -46,36 +46,36 @@ def notice_interruption() -> Iterator[None]:
     Compilers call Python back. What is raised there is lost, and they go on with half of their work or fail
     for a reason of their own. A Ctrl-C that was lost is repeated.
     """
-    pressed = threading.Event()
-    in_main_thread = threading.current_thread() is threading.main_thread()
-    if not in_main_thread or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+    is_pressed = threading.Event()
+    is_main_thread = threading.current_thread() is threading.main_thread()
+    if not is_main_thread or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
         yield
         return
 
     def press(number: int, frame: "FrameType | None") -> None:
-        pressed.set()
+        is_pressed.set()
         signal.default_int_handler(number, frame)
 
-    others = sys.unraisablehook
+    previous_hook = sys.unraisablehook
     repetitions: list[threading.Timer] = []
 
-    def lost(error: "sys.UnraisableHookArgs") -> None:
+    def repeat_interruption(error: "sys.UnraisableHookArgs") -> None:
         if issubclass(error.exc_type, KeyboardInterrupt):
-            repetitions.append(threading.Timer(_AGAIN, interrupt_main))
+            repetitions.append(threading.Timer(_REPEAT_DELAY, interrupt_main))
             repetitions[-1].start()
         else:
-            others(error)
+            previous_hook(error)
 
     signal.signal(signal.SIGINT, press)
-    sys.unraisablehook = lost
+    sys.unraisablehook = repeat_interruption
     try:
         yield
     except Exception:
-        if pressed.is_set():
+        if is_pressed.is_set():
             raise SystemExit(INTERRUPTED) from None
         raise
     finally:
         for repetition in repetitions:
             repetition.cancel()
         signal.signal(signal.SIGINT, signal.default_int_handler)
-        sys.unraisablehook = others
+        sys.unraisablehook = previous_hook

@@ -24,8 +24,8 @@ class LiteralConsole(Console):
         usual = self.width
         if not self.is_terminal:
             room = self.options.update(width=_WIDEST_TABLE)
-            tables = (shown for shown in objects if isinstance(shown, Table))
-            self.width = max([usual, *(self.measure(shown, options=room).maximum for shown in tables)])
+            tables = (table for table in objects if isinstance(table, Table))
+            self.width = max([usual, *(self.measure(table, options=room).maximum for table in tables)])
         try:
             super().print(*objects, **options)
         finally:

@@ -40,7 +40,7 @@ class _Source(outputs.Check, total=False):
     ]
     export: Annotated[
         tuple[str, str] | None,
-        OUTPUT.further(
+        OUTPUT.advanced(
             "c DIR|fmu FILE|fmu3 FILE",
             "Write the monitor for the loop, as C or as an FMU of FMI 2.0 or 3.0; needs `rate`.",
         ),
@@ -63,11 +63,11 @@ def monitor(request: Request) -> None:
 def _export(request: Request) -> None:
     from reliab.app.api.in_loop import export_monitor
 
-    written = request.ask(export_monitor, "json_target", reason="together with `export`")
+    result = request.ask(export_monitor, reason="together with `export`")
     if request.json_target is not None:
-        write_json(written.to_dict(), request.json_target)
+        write_json(result.to_dict(), request.json_target)
     if request.json_target != "-":
-        say(f"Written to {written.path}: {', '.join(written.files)}")
+        say(f"Written to {result.path}: {', '.join(result.files)}")
 
 
 def _follow(request: Request) -> None:
@@ -77,7 +77,7 @@ def _follow(request: Request) -> None:
     if request.source is None:
         raise InputError("No file to follow", remedy="Name it, or - for standard input")
     messages = request.ask(
-        follow_test, "json_target", "check", say=lambda text: typer.echo(printable(text), file=sys.stderr)
+        follow_test, "check", say=lambda text: typer.echo(printable(text), file=sys.stderr)
     )
     quiet = request.json_target == "-"
     screen = Screen(
@@ -158,7 +158,7 @@ class Screen:
         if "error" in content:
             self._print(_line(content, self._metric, self._threshold))
         if message.assessment is not None:
-            show_briefly(message.assessment.to_dict(), without_details=False)
+            show_briefly(message.assessment.to_dict(), omits_details=False)
             self._print("Warnings and all results: `reliab assess` with the same options and --details.")
             return
         if "error" not in content:
@@ -173,11 +173,11 @@ class Screen:
 
 def _still_learning(message: Mapping[str, Any]) -> str:
     """Say that the specimen is not learned yet, and how far that is."""
-    missed = message["specimen"]["held_out"]
+    unexplained = message["specimen"]["held_out"]
     far = (
         "nothing was learned"
-        if missed is None
-        else f"{percent(missed, decimals=0)} of its force is not predicted on held-out parts"
+        if unexplained is None
+        else f"{percent(unexplained, decimals=0)} of its force is not predicted on held-out parts"
     )
     return f"{message['time_s']:8.2f} s  still learning the specimen: {far}"
 
@@ -214,26 +214,26 @@ def _table(message: "Message", metric: Metric, threshold: float) -> Any:  # noqa
     from reliab.report.terminal import rich_table
 
     now, result = message.monitor.now, message.monitor.result
-    shown: dict[str, str] = {}
+    values: dict[str, str] = {}
     if now.error is None or now.rms is None or now.mte is None:
-        shown["specimen"] = "still learning"
+        values["specimen"] = "still learning"
     else:
         if "governing" in message.to_dict():
-            shown["displacement with the largest error"] = message.to_dict()["governing"]
-        shown["error now, mm"] = f"{1e3 * now.error:.3f}"
-        shown["RMS error so far, with noise"] = percent(now.rms, 2)
-        shown["largest error so far, with noise"] = percent(now.mte, 2)
+            values["displacement with the largest error"] = message.to_dict()["governing"]
+        values["error now, mm"] = f"{1e3 * now.error:.3f}"
+        values["RMS error so far, with noise"] = percent(now.rms, 2)
+        values["largest error so far, with noise"] = percent(now.mte, 2)
     if result is not None:
         error = result.estimate(metric)
         size = percent_with_interval(error.value, error.low, error.high)
-        shown[f"{ERROR_NAMES[metric]} with its 90 % interval"] = size
+        values[f"{ERROR_NAMES[metric]} with its 90 % interval"] = size
         probability = result.probability(threshold, metric)
-        shown[f"probability below {percent(threshold)}"] = f"{probability:.3f}"
-    shown["net damping ratio"] = (
+        values[f"probability below {percent(threshold)}"] = f"{probability:.3f}"
+    values["net damping ratio"] = (
         "not settled"
         if now.damping is None
         else _write_with_deviation(now.damping.ratio, now.damping.deviation)
     )
-    rows = [*shown.items(), *(("ALARM", alarm) for alarm in message.alarms.values())]
+    rows = [*values.items(), *(("ALARM", alarm) for alarm in message.alarms.values())]
     title = f"{now.time:.2f} s of the test, {now.samples} samples"
     return Group(title, rich_table(text_table(rows, {"quantity": "left", "value": "left"}, caption=title)))

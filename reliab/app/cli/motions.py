@@ -3,15 +3,13 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, TypedDict
+from typing import TYPE_CHECKING
 
 import typer
 
-from reliab.app import questions
+from reliab.app import questions, subjects
 from reliab.app.cli.commands import Command, Request, takes
 from reliab.app.cli.output import say, show_rows, show_table
-from reliab.app.declaration import Files, argument
-from reliab.app.options import OUTPUT
 from reliab.core.significant_digits import counted
 
 if TYPE_CHECKING:
@@ -21,51 +19,43 @@ if TYPE_CHECKING:
 app = typer.Typer(no_args_is_help=True, help="Ground motions: list, check, import and synthesize.")
 
 
-class _Sources(TypedDict, total=False):
-    sources: Annotated[Files, argument("SOURCE...", "Files, folders or a built-in suite (synthetic).")]
-
-
-class _Suite(TypedDict, total=False):
-    out: Annotated[Path, OUTPUT.option("FOLDER", "New or empty folder for the suite.", is_required=True)]
-
-
 @app.command("list", cls=Command)
-@takes(questions.MotionFiles, _Sources)
+@takes(questions.MotionFiles, subjects.MotionSources)
 def list_motions(request: Request) -> None:
     """List motions with their events and measures of intensity."""
     from reliab.app.api.motions import MotionList, list_motions as api_list_motions
 
-    def show(listed: MotionList) -> None:
-        events = {row["event"] for row in listed.rows}
-        title = f"{counted(len(listed.rows), 'motion')} from {counted(len(events), 'event')}"
-        show_rows(title, listed.shown, listed.rows)
-        for fault in listed.faults:
+    def show(result: MotionList) -> None:
+        events = {row["event"] for row in result.rows}
+        title = f"{counted(len(result.rows), 'motion')} from {counted(len(events), 'event')}"
+        show_rows(title, result.table_columns, result.rows)
+        for fault in result.faults:
             line = "" if fault.line is None else f", line {fault.line}"
             value = f"; found {fault.value}" if fault.value else ""
             place = f"{_path_within_sources(fault.file, request.sources)}{line}"
             say(f"Left out: {place}: {fault.rule}{value}. {fault.remedy}.", style="yellow", soft_wrap=True)
-        _show_notes(listed.skipped, request.sources)
+        _show_notes(result.skipped, request.sources)
 
     request.answer(api_list_motions, show)
 
 
 @app.command("check", cls=Command)
-@takes(questions.MotionFiles, _Sources)
+@takes(questions.MotionFiles, subjects.MotionSources)
 def check(request: Request) -> None:
     """Read every record; report all faults (exit code 2), and note what deserves a look."""
     from reliab.app.api.motions import MotionCheck, check_motions
 
-    def show(checked: MotionCheck) -> None:
-        faults = [replace(fault, remedy=request.in_options(fault.remedy)) for fault in checked.faults]
-        _show_faults(faults, checked.records, request.sources)
-        _show_notes(checked.notes, request.sources)
+    def show(result: MotionCheck) -> None:
+        faults = [replace(fault, remedy=request.write_as_options(fault.remedy)) for fault in result.faults]
+        _show_faults(faults, result.records, request.sources)
+        _show_notes(result.notes, request.sources)
 
     if request.answer(check_motions, show).faults:
         raise typer.Exit(2)
 
 
 @app.command("import", cls=Command)
-@takes(questions.ImportedMotions, _Sources, _Suite)
+@takes(questions.ImportedMotions, subjects.MotionSources, subjects.NewSuite)
 def import_motions(request: Request) -> None:
     """Rewrite motions as a suite: one text format in m/s² and a catalogue."""
     from reliab.app.api.motions import import_motions as api_import_motions
@@ -74,7 +64,7 @@ def import_motions(request: Request) -> None:
 
 
 @app.command("synthesize", cls=Command)
-@takes(questions.SyntheticSuite, _Suite)
+@takes(questions.SyntheticSuite, subjects.NewSuite)
 def synthesize(request: Request) -> None:
     """Write the synthetic suite, which needs no record."""
     from reliab.app.api.motions import synthesize_motions
@@ -82,9 +72,9 @@ def synthesize(request: Request) -> None:
     request.answer(synthesize_motions, _show_written)
 
 
-def _show_written(written: "WrittenSuite") -> None:
-    motions, events = counted(len(written.motions), "motion"), counted(written.events, "event")
-    say(f"{motions} from {events} written to {written.catalogue.parent}", soft_wrap=True)
+def _show_written(suite: "WrittenSuite") -> None:
+    motions, events = counted(len(suite.motions), "motion"), counted(suite.events, "event")
+    say(f"{motions} from {events} written to {suite.catalogue.parent}", soft_wrap=True)
 
 
 def _show_faults(faults: "Sequence[Fault]", records: int, sources: Sequence[str]) -> None:

@@ -38,30 +38,30 @@ def say(*sentences: str, style: str | None = None, soft_wrap: bool = False) -> N
     """Print sentences, each from the beginning of a line, with the arguments that they name as options."""
     terminal = console()
     for sentence in sentences:
-        terminal.print(_IN_OPTIONS.get()(sentence), style=style, highlight=False, soft_wrap=soft_wrap)
+        terminal.print(_WRITE_AS_OPTIONS.get()(sentence), style=style, highlight=False, soft_wrap=soft_wrap)
 
 
-_IN_OPTIONS: ContextVar[Callable[[str], str]] = ContextVar("in_options", default=str)
+_WRITE_AS_OPTIONS: ContextVar[Callable[[str], str]] = ContextVar("write_as_options", default=str)
 
 
 @contextmanager
-def speaking(in_options: Callable[[str], str]) -> Iterator[None]:
+def speaking(write_as_options: Callable[[str], str]) -> Iterator[None]:
     """Write arguments that printed sentences name as options of the command line."""
-    token = _IN_OPTIONS.set(in_options)
+    token = _WRITE_AS_OPTIONS.set(write_as_options)
     try:
         yield
     finally:
-        _IN_OPTIONS.reset(token)
+        _WRITE_AS_OPTIONS.reset(token)
 
 
-def say_population(stated: Iterable[tuple[float | None, str]], position: str) -> None:
+def say_population(promises: Iterable[tuple[float | None, str]], position: str) -> None:
     """Print for which ground motions criteria are valid, and where the case asked for lies outside of these.
 
     `stated`: the share [-] and the population of each.
     """
     from reliab.criterion.scope import Position, populations_in_words
 
-    valid_for = populations_in_words(stated)
+    valid_for = populations_in_words(promises)
     say(*valid_for)
     if valid_for and position != Position.INSIDE:
         say(f"The case asked for lies {position} of these motions.", style="yellow")
@@ -125,14 +125,16 @@ def _substitute(error: UnicodeError) -> tuple[str, int]:
     if not isinstance(error, UnicodeEncodeError):
         raise error
     missing = error.object[error.start : error.end]
-    text = "".join(_IN_ASCII.get(character) or _remove_marks(character) for character in missing)
+    text = "".join(_ASCII_SUBSTITUTES.get(character) or _remove_marks(character) for character in missing)
     return text, error.end
 
 
 def _remove_marks(character: str) -> str:
     """Nearest plain text of a character, "R" for "ᴿ", "xi" for "ξ"; "?" where there is none."""
     parts = unicodedata.normalize("NFKD", character)
-    plain = "".join(_IN_ASCII.get(part) or _greek(part) for part in parts if not unicodedata.combining(part))
+    plain = "".join(
+        _ASCII_SUBSTITUTES.get(part) or _greek(part) for part in parts if not unicodedata.combining(part)
+    )
     return plain.encode("ascii", "ignore").decode() or ("" if unicodedata.combining(character) else "?")
 
 
@@ -143,7 +145,7 @@ def _greek(letter: str) -> str:
 
 
 _SUBSTITUTION = "reliab"
-_IN_ASCII: Final = {
+_ASCII_SUBSTITUTES: Final = {
     "Σ": "sum",
     "λ": "lambda",
     "±": "+-",
@@ -203,15 +205,15 @@ def write_json(content: Mapping[str, Any] | Sequence[Any], target: str | None) -
 
 
 @contextmanager
-def progress_bar(what: str) -> Iterator[Progress]:
+def progress_bar(task: str) -> Iterator[Progress]:
     """Show a bar with the time left on a terminal, and lines that state it in a pipe or a file."""
     show = _bar if sys.stderr.isatty() else progress_lines
-    with show(what) as report, shows_tasks(quietly):  # a task inside another is a part of it
+    with show(task) as report, shows_tasks(quietly):  # a task inside another is a part of it
         yield report
 
 
 @contextmanager
-def _bar(what: str) -> Iterator[Progress]:
+def _bar(title: str) -> Iterator[Progress]:
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress as Bar, TextColumn, TimeRemainingColumn
 
@@ -222,9 +224,9 @@ def _bar(what: str) -> Iterator[Progress]:
         TimeRemainingColumn(compact=True),
     )
     with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(what, total=None)
+        task = bar.add_task(title, total=None)
 
-        def report(done: int, total: int) -> None:
-            bar.update(task, completed=done, total=total)
+        def report(count: int, total: int) -> None:
+            bar.update(task, completed=count, total=total)
 
         yield report

@@ -16,12 +16,12 @@ _UNITS = ((3600.0, "hour"), (60.0, "minute"), (1.0, "second"))
 
 
 @contextmanager
-def progress_lines(what: str) -> Iterator[Progress]:
+def progress_lines(task: str) -> Iterator[Progress]:
     """Write lines to the stream of errors while work goes on; none of short work.
 
     Lines become rarer; one comes as soon as the time that is left is known.
     """
-    lines = _Lines(what)
+    lines = _Lines(task)
     writer = Thread(target=lines.write, daemon=True)
     writer.start()
     try:
@@ -34,20 +34,20 @@ def progress_lines(what: str) -> Iterator[Progress]:
 class _Lines:
     """What is known of the work, and when the next line is due."""
 
-    def __init__(self, what: str) -> None:
-        self._what, self._pause = what, FIRST_LINE
+    def __init__(self, task: str) -> None:
+        self._what, self._pause = task, FIRST_LINE
         self._begin = self._clock = time.monotonic()
         self._done, self._before, self._total = 0, 0, 0
         self._changed, self._ended = Condition(), False
 
-    def report(self, done: int, total: int) -> None:
+    def report(self, count: int, total: int) -> None:
         """Take the number of pieces that are done; what a first call states was done before."""
         with self._changed:
             if not self._total:
-                self._before = done if done > 1 else 0
-                self._clock = time.monotonic() if done > 1 else self._begin
-            is_first = self._done == self._before < done
-            self._done, self._total = done, total
+                self._before = count if count > 1 else 0
+                self._clock = time.monotonic() if count > 1 else self._begin
+            is_first = self._done == self._before < count
+            self._done, self._total = count, total
             if is_first:
                 self._changed.notify()
 
@@ -82,10 +82,11 @@ class _Lines:
         return (time.monotonic() - self._clock) / new * (self._total - self._done)
 
     def _line(self, now: float) -> str:
-        left, spent = self._time_left, duration(now - self._begin)
-        if left is None:
-            return f"{self._what}: still at work after {spent}"
-        return f"{self._what}: {self._done} of {self._total} after {spent}, about {duration(left)} left"
+        remaining_time, elapsed_time = self._time_left, duration(now - self._begin)
+        if remaining_time is None:
+            return f"{self._what}: still at work after {elapsed_time}"
+        duration_left = duration(remaining_time)
+        return f"{self._what}: {self._done} of {self._total} after {elapsed_time}, about {duration_left} left"
 
 
 def duration(seconds: float) -> str:

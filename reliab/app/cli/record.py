@@ -31,7 +31,7 @@ class _Files(TypedDict, total=False):
     out: Annotated[
         Path | None, OUTPUT.option("TEST.nc", "The record; for several files a folder of records.")
     ]
-    attribute: Annotated[Names | None, TEST.further("NAME=TEXT...", "Further attributes of the record.")]
+    attribute: Annotated[Names | None, TEST.advanced("NAME=TEXT...", "Further attributes of the record.")]
     check: Annotated[bool, OUTPUT.flag("Check records; exit with code 1 unless all are valid.")]
 
 
@@ -74,7 +74,7 @@ def _record(source: Path, request: Request) -> "Record":
         out = out / f"{source.stem}.nc"
     return request.ask(
         api_record,
-        *("sources", "attribute", "json_target"),
+        *("sources", "attribute"),
         source=source,
         out=out,
         attributes=dict(map(_attribute, request.attribute or [])),

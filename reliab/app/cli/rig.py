@@ -1,58 +1,32 @@
 """`reliab rig`: the tests of a rig come, are listed, shown and removed; what they teach is asked."""
 
 from collections.abc import Mapping
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypedDict
+from typing import TYPE_CHECKING, Any
 
 import typer
 
-from reliab.app import outputs, questions
+from reliab.app import outputs, questions, subjects
 from reliab.app.cli.commands import Command, Request, takes
 from reliab.app.cli.output import console, progress_bar, say, show_rows, write_json, write_line
-from reliab.app.declaration import argument
-from reliab.app.options import OUTPUT
 from reliab.core.errors import InputError
 from reliab.core.significant_digits import percent
-from reliab.sweep.several import Names
 
 if TYPE_CHECKING:
     from reliab.app.api.rig_answers import RigPrediction
 
 app = typer.Typer(no_args_is_help=True, help="Store a rig's tests, predict the next one and detect drift.")
 
-_RIG = argument("RIG", "Folder of the rig.")
-
-
-class _Rig(TypedDict, total=False):
-    rig: Annotated[Path, _RIG]
-
-
-class _AddRequest(_Rig, total=False):
-    tests: Annotated[list[Path], argument("FILE...", "Tests, in any format that `reliab assess` reads.")]
-
-
-class _ShowRequest(_Rig, total=False):
-    test: Annotated[str, argument("TEST", "Name of the test, or first digits of its checksum.")]
-
-
-class _RemoveRequest(_Rig, total=False):
-    tests: Annotated[Names, argument("TEST...", "Names, or first digits of checksums.")]
-
-
-class _ExportRequest(_Rig, total=False):
-    out: Annotated[Path, OUTPUT.option("FILE.csv", "The table as CSV.", is_required=True, endings=(".csv",))]
-
 
 @app.command("add", cls=Command)
-@takes(questions.AddedTest, _AddRequest)
+@takes(questions.AddedTest, subjects.NewTests)
 def add(request: Request) -> None:
     """Judge tests and keep them: record, verdict and indices."""
     from reliab.app.api.rigs import add_to_rig
 
     with progress_bar("tests") as progress:
-        outcome = request.ask(add_to_rig, "json_target", show=progress)
+        outcome = request.ask(add_to_rig, show=progress)
     content = outcome.to_dict()
-    content["faults"] = {file: request.in_options(fault) for file, fault in content["faults"].items()}
+    content["faults"] = {file: request.write_as_options(fault) for file, fault in content["faults"].items()}
     if not write_json(content, request.json_target):
         show_added(content)
     if outcome.faults:
@@ -63,16 +37,16 @@ def add(request: Request) -> None:
 
 
 @app.command("list", cls=Command)
-@takes(_Rig)
+@takes(subjects.RigFolder)
 def list_tests(request: Request) -> None:
     """List the tests of a rig, and where it has changed."""
     from reliab.app.api.rigs import list_rig
 
-    request.answer(list_rig, lambda listed: show_list(listed.to_dict()))
+    request.answer(list_rig, lambda result: show_list(result.to_dict()))
 
 
 @app.command("show", cls=Command)
-@takes(_ShowRequest)
+@takes(subjects.KeptTest)
 def show(request: Request) -> None:
     """Show all that is kept of a test."""
     from reliab.app.api.rigs import show_rig_test
@@ -81,20 +55,20 @@ def show(request: Request) -> None:
 
 
 @app.command("remove", cls=Command)
-@takes(_RemoveRequest)
+@takes(subjects.KeptTests)
 def remove(request: Request) -> None:
     """Remove tests from a rig."""
     from reliab.app.api.rigs import remove_from_rig
 
     request.answer(
         remove_from_rig,
-        lambda removed: write_line(f"Removed: {', '.join(removed)}."),
-        content=lambda removed: {"removed": list(removed)},
+        lambda names: write_line(f"Removed: {', '.join(names)}."),
+        content=lambda names: {"removed": list(names)},
     )
 
 
 @app.command("export", cls=Command)
-@takes(_ExportRequest)
+@takes(subjects.RigTable)
 def export(request: Request) -> None:
     """Write the table of a rig's tests as CSV."""
     from reliab.app.api.rigs import export_rig
@@ -107,7 +81,7 @@ def export(request: Request) -> None:
 
 
 @app.command("predict", cls=Command)
-@takes(questions.NextTest, _Rig)
+@takes(questions.NextTest, subjects.RigFolder)
 def predict(request: Request) -> None:
     """Predict the next test: A, d and error with their intervals, and the probability that it is good."""
     from reliab.app.api.rig_answers import predict_rig
@@ -115,12 +89,8 @@ def predict(request: Request) -> None:
     request.answer(predict_rig, show_prediction)
 
 
-class _ReportRequest(_Rig, total=False):
-    out: Annotated[Path, OUTPUT.option("FILE.pdf", "The report.", is_required=True, endings=(".pdf",))]
-
-
 @app.command("report", cls=Command)
-@takes(questions.RigReport, outputs.Cover, _ReportRequest)
+@takes(questions.RigReport, outputs.Cover, subjects.RigPdf)
 def report(request: Request) -> None:
     """Write two pages on what the rig does and what to expect of its next test, and an appendix.
 
@@ -130,9 +100,9 @@ def report(request: Request) -> None:
 
     request.answer(
         report_rig,
-        lambda written: write_line(f"Report: {written}"),
+        lambda path: write_line(f"Report: {path}"),
         *outputs.Cover.__annotations__,
-        content=lambda written: {"report": str(written)},
+        content=lambda path: {"report": str(path)},
         setting=request.setting(),
     )
 
@@ -164,8 +134,8 @@ def show_test(content: Mapping[str, Any]) -> None:
     """Print a test with what was stated and found."""
     test = content["test"]
     _show_rows(test["name"], [test])
-    stated = ", ".join(f"{name} {text}" for name, text in content["terms"].items())
-    _say(f"Stated: {stated or 'nothing'}.")
+    terms = ", ".join(f"{name} {text}" for name, text in content["terms"].items())
+    _say(f"Stated: {terms or 'nothing'}.")
     for reason in content["assessment"].get("reasons", []):
         _say(reason)
     _say(f"Record: {content['record']}")
@@ -177,17 +147,17 @@ def _show_rows(title: str, rows: list[dict[str, Any]]) -> None:
         return
     from reliab.app.api.rigs import RigList
 
-    show_rows(title, RigList.shown, rows)
+    show_rows(title, RigList.table_columns, rows)
 
 
-def show_prediction(predicted: "RigPrediction") -> None:
+def show_prediction(result: "RigPrediction") -> None:
     """Print what is predicted of the next test."""
     from reliab.report.kinds.rig_report import diagnostics_blocks, next_test_blocks
     from reliab.report.terminal import print_blocks
 
-    prediction = predicted.prediction
+    prediction = result.prediction
     _say(
-        f"The next test of {predicted.rig}, from {prediction.tests} tests of {prediction.earthquakes} "
+        f"The next test of {result.rig}, from {prediction.tests} tests of {prediction.earthquakes} "
         f"earthquakes: probability {prediction.probability:.2f} that its error stays below "
         f"{percent(prediction.threshold)}."
     )

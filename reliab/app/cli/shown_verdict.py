@@ -9,14 +9,12 @@ from reliab.core.significant_digits import counted, percent, percent_with_interv
 from reliab.core.vocabulary import ERROR_NAMES, Metric
 
 if TYPE_CHECKING:
+    from reliab.assessment.assess import AnyAssessment
     from reliab.assessment.assessment import Assessment
-    from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment
     from reliab.assessment.same_test import SameTest
 
 
-def show_details(
-    assessment: "Assessment | FrameAssessment | CoupledAssessment", channels: list[dict[str, Any]]
-) -> None:
+def show_details(assessment: "AnyAssessment", channels: list[dict[str, Any]]) -> None:
     """Print what the report of a test says, below the verdict, and the `channels` that were recognised."""
     from reliab.assessment.assessment import Assessment
     from reliab.assessment.frame_assessment import CoupledAssessment
@@ -58,14 +56,14 @@ def show_several(contents: list[dict[str, Any]]) -> None:
     """Print the verdicts of tests."""
     from reliab.assessment.several import Assessments
 
-    judged = [content for content in contents if "fault" not in content]
+    assessed = [content for content in contents if "fault" not in content]
     request = (
-        f", {ERROR_NAMES[Metric(judged[0]['metric'])]} against {percent(judged[0]['threshold'])}"
-        if judged
+        f", {ERROR_NAMES[Metric(assessed[0]['metric'])]} against {percent(assessed[0]['threshold'])}"
+        if assessed
         else ""
     )
     title = f"Verdicts on {counted(len(contents), 'test')}{request}"
-    show_rows(title, Assessments.shown, contents)
+    show_rows(title, Assessments.table_columns, contents)
     for content in contents:
         say(*(f"{content['file']}: {sentence}" for sentence in _explain_verdict(content)))
 
@@ -74,7 +72,7 @@ def show_same_test(runs: "SameTest") -> None:
     """Print the verdicts on runs of one test."""
     request = f"{ERROR_NAMES[runs.metric]} against {percent(runs.threshold)}"
     title = f"{len(runs.runs)} runs of one test, {request}"
-    show_rows(title, runs.shown, runs.plain_rows())
+    show_rows(title, runs.table_columns, runs.plain_rows())
     say(*runs.sentences)
 
 
@@ -90,22 +88,28 @@ _STYLES = {"reliable": "bold green", "undecided": "bold yellow", "not_reliable":
 _LINES = 10
 
 
-def show_briefly(content: dict[str, Any], *, without_details: bool) -> None:
+def show_briefly(content: dict[str, Any], *, omits_details: bool) -> None:
     """Print verdict, error, doubts and remedies; where no details follow, what fits, the remedies last."""
     from reliab.assessment import brief
 
     headline = brief.headline(content)
     say(headline, style=_STYLES[content["verdict"]])
-    found, actions = list(brief.findings(content)), list(brief.actions(content))
-    if without_details:
-        further = [warning for warning in content["warnings"] if warning not in content["reasons"]]
-        more = [*map("Warning: {}".format, further), *_channels(content["recording"]["channels"])]
+    findings, actions = list(brief.findings(content)), list(brief.actions(content))
+    if omits_details:
+        further_warnings = [warning for warning in content["warnings"] if warning not in content["reasons"]]
+        extra_sentences = [
+            *map("Warning: {}".format, further_warnings),
+            *_channels(content["recording"]["channels"]),
+        ]
         room = _LINES - 1 - sum(map(_lines, [headline, *actions]))
-        for sentences in (more, found):
-            while sentences and sum(map(_lines, [*found, *more])) > room:
+        for sentences in (extra_sentences, findings):
+            while sentences and sum(map(_lines, [*findings, *extra_sentences])) > room:
                 sentences.pop()
-        found += [*more, _hidden(max(len(further) - len(more), 0), len(content["notes"]))]
-    say(*found, *actions)
+        findings += [
+            *extra_sentences,
+            _hidden(max(len(further_warnings) - len(extra_sentences), 0), len(content["notes"])),
+        ]
+    say(*findings, *actions)
 
 
 def _lines(sentence: str) -> int:

@@ -1,20 +1,12 @@
 """`reliab simulate`: simulate once and store the results for all later questions."""
 
-from pathlib import Path
-from typing import Annotated, TypedDict
-
-from reliab.app import questions
+from reliab.app import questions, subjects
 from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import progress_bar, say
-from reliab.app.options import OUTPUT
 from reliab.core.significant_digits import counted
 
 
-class _Store(TypedDict):
-    out: Annotated[Path, OUTPUT.option("STORE", "The Zarr store to write.", is_required=True)]
-
-
-@takes(questions.Simulation, _Store)
+@takes(questions.Simulation, subjects.NewStore)
 def simulate(request: Request) -> None:
     """Simulate motions for all structures and actuators and store the results.
 

@@ -24,13 +24,13 @@ def validate(request: Request) -> None:
     if request.calibration:
         request.answer(
             calibrate_probabilities,
-            lambda found: show_probabilities(found.to_dict()),
+            lambda result: show_probabilities(result.to_dict()),
             "calibration",
             reason="together with `calibration`",
             show=progress_bar,
         )
     else:
-        request.answer(validate_criteria, lambda found: show_criteria(found.to_dict()), show=progress_bar)
+        request.answer(validate_criteria, lambda result: show_criteria(result.to_dict()), show=progress_bar)
 
 
 _ELLIPSE_NOTE = (
@@ -48,10 +48,10 @@ def show_criteria(content: dict[str, Any]) -> None:
         f"earthquakes, {ERROR_NAMES[Metric(content['metric'])]} {content['threshold']:g} over "
         f"{_window(content['window'])}"
     )
-    show_rows(title, Validation.shown, content["rows"])
+    show_rows(title, Validation.table_columns, content["rows"])
     if content["rows_lead"]:
         title = "The same for actuators that are early (leads)"
-        show_rows(title, Validation.shown, content["rows_lead"])
+        show_rows(title, Validation.table_columns, content["rows_lead"])
     say(f"Judged on {content['judged_on']}:")
     say(*[*content["outside"], *content["sentences"]])
     if content["n_of_learned_earthquakes"]:
@@ -89,6 +89,6 @@ def show_probabilities(content: dict[str, Any]) -> None:
     from reliab.app.api.validation import Calibration
 
     title = f"Probabilities of tests, {content['scheme'].replace('_', ' ')}"
-    show_rows(title, Calibration.shown, content["bins"])
+    show_rows(title, Calibration.table_columns, content["bins"])
     if content["truth"] == "ellipse":
         say(_ELLIPSE_NOTE)

@@ -23,7 +23,7 @@ FITTED_LAWS: Final[Registry[FittedLaw]] = Registry(
     noun="law",
     base=Law,
     group="reliab.laws",
-    shipped=(Table, Dimensionless, Power, Exponential),
+    items=(Table, Dimensionless, Power, Exponential),
     name_of=lambda law: law.name,
 )
 """Laws that are fitted, by name; other packages register classes derived from `LogLinearLaw`."""

@@ -17,7 +17,7 @@ METHODS: Final[Registry[type[Method]]] = Registry(
     noun="method",
     base=Method,
     group="reliab.criterion_methods",
-    shipped=(
+    items=(
         *(Quantile, Tolerance, Predictive, Dirichlet, OrderStatistic),
         *(HierarchicalNormal, HierarchicalRobust),
     ),

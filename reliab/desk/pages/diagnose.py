@@ -10,7 +10,7 @@ from reliab.desk.folder import unpack_archive
 from reliab.desk.jobs import Job
 from reliab.desk.work import diagnose
 
-_SHIPPED = ("rig_a", "rig_b", "rig_c")
+_SHIPPED_CAMPAIGNS = ("rig_a", "rig_b", "rig_c")
 
 
 class DiagnosePage(FiledPage):
@@ -30,7 +30,7 @@ class DiagnosePage(FiledPage):
         self.lay_out_answer()
         options = {"the files that I dropped": ""}
         options |= {name: name for name in self.desk.folder.list_files(holding="campaign.toml")}
-        options |= {f"{name}, which comes with reliab": name for name in _SHIPPED}
+        options |= {f"{name}, which comes with reliab": name for name in _SHIPPED_CAMPAIGNS}
         self.form[:] = [
             dropper("Drop the zip of a campaign, or all its files", self.take_files, multiple=True),
             self.names,
@@ -43,7 +43,7 @@ class DiagnosePage(FiledPage):
     def _campaign(self) -> str:
         campaign, files = self.memory.values.get("campaign", ""), self.memory.files
         if campaign:
-            return campaign if campaign in _SHIPPED else str(self.desk.folder.within(campaign))
+            return campaign if campaign in _SHIPPED_CAMPAIGNS else str(self.desk.folder.within(campaign))
         if not files:
             raise InputError("A campaign is needed", value="none", remedy="Drop its zip, or choose one")
         archives = [path for path in files if path.suffix.lower() == ".zip"]

@@ -39,8 +39,8 @@ _UNITS: Final = {
     "force": ["", "N", "kN", "kgf", "lbf", "kip"],
     "ground": ["", "m/s2", "cm/s2", "g"],
 }
-_RECOGNISED: Final = "as recognised"
-_OF_STRUCTURE: Final = ("f", "xi", "alpha", "mass")
+_AUTOMATIC: Final = "as recognised"
+_STRUCTURE_FIELDS: Final = ("f", "xi", "alpha", "mass")
 ARGUMENTS: Final = (
     *("f", "xi", "alpha", "specimen", "threshold", "metric"),
     *("mass", "scale", "skew", "feedback_lag"),
@@ -56,8 +56,8 @@ def corrections_of(values: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     """
     corrections = {}
     for channel in PARTS:
-        chosen = {name: values.get(f"{name}_{channel}") for name in ("column", "unit")}
-        table = select_filled(chosen, chosen)
+        choices = {name: values.get(f"{name}_{channel}") for name in ("column", "unit")}
+        table = select_filled(choices, choices)
         if values.get(f"sign_{channel}") == "-1":
             table["sign"] = -1
         if table:
@@ -165,7 +165,7 @@ class JudgePage(Page):
         if arguments.get("metric") == "rms":
             del arguments["metric"]
         frame = select_filled(values, ("structure",))
-        for name in _OF_STRUCTURE if frame else ():
+        for name in _STRUCTURE_FIELDS if frame else ():
             arguments.pop(name, None)
         return {**arguments, **frame, **self._reading()}
 
@@ -202,7 +202,7 @@ class JudgePage(Page):
         ]
 
     def _show_look(self, look: Look) -> None:
-        channels = refusal(self.desk.in_options(look.refusal)) if look.refusal else channels_html(look)
+        channels = refusal(self.desk.write_as_options(look.refusal)) if look.refusal else channels_html(look)
         self._looked[:] = [
             html(f"<h2>What was recognised in {escape(self.memory.files[0].name)}</h2>{channels}"),
             html(write_list(look.notes)),
@@ -228,7 +228,7 @@ class JudgePage(Page):
 
     def _corrections(self, look: Look) -> list[Any]:
         """Menus for the test, the column, unit and sign of each channel, and the rate."""
-        memory, columns = self.memory, {_RECOGNISED: "", **{column: column for column in look.columns}}
+        memory, columns = self.memory, {_AUTOMATIC: "", **{column: column for column in look.columns}}
         menus = [choice(memory, "test_name", "Test in this file", list(look.tests))] if look.tests else []
         for channel in PARTS:
             units = {unit or "unit as recognised": unit for unit in _UNITS[channel]}

@@ -61,7 +61,7 @@ FORMATS = Registry(
     noun="format of records",
     base=Format,
     group="reliab.record_formats",
-    shipped=_BUILT_IN,
+    items=_BUILT_IN,
     name_of=lambda form: form.name,
 )
 """Every format by its name; other packages register a `Format`."""

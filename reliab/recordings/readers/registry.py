@@ -55,7 +55,7 @@ FORMATS = Registry(
     noun="format of recordings",
     base=Format,
     group="reliab.recording_formats",
-    shipped=_BUILT_IN,
+    items=_BUILT_IN,
     name_of=lambda form: form.name,
 )
 """Every format by its name; other packages register a `Format`. What none of them recognises may be text."""

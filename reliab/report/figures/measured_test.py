@@ -34,10 +34,10 @@ def tracking_overview(
     _draw_plane(plane, tracking, boundaries)
     legend_below(figure, plane, columns=3)
     if windows is not None:
-        above = figure.add_subplot(grid[0, 1])
-        below = figure.add_subplot(grid[1, 1], sharex=above)
-        above.tick_params(labelbottom=False)
-        _draw_windows(above, below, windows)
+        upper = figure.add_subplot(grid[0, 1])
+        lower = figure.add_subplot(grid[1, 1], sharex=upper)
+        upper.tick_params(labelbottom=False)
+        _draw_windows(upper, lower, windows)
     return figure
 
 
@@ -69,17 +69,17 @@ def _draw_plane(place: Axes, tracking: TrackingIndex, boundaries: Mapping[str, t
     name_axes(place, "Amplitude error $A - 1$ [%]", "Delay $d$ [ms]")
 
 
-def _draw_windows(above: Axes, below: Axes, windows: Windows) -> None:
+def _draw_windows(upper: Axes, lower: Axes, windows: Windows) -> None:
     bars: dict[str, Any] = {"fmt": "o", "color": BLUE, "capsize": 2.0, "elinewidth": 0.8, "markersize": 3.0}
     rows = (
-        (above, PERCENT * (windows.amplitude - 1.0), PERCENT * windows.amplitude_sd, "$A - 1$ [%]"),
-        (below, MILLI * windows.delay, MILLI * windows.delay_sd, "$d$ [ms]"),
+        (upper, PERCENT * (windows.amplitude - 1.0), PERCENT * windows.amplitude_sd, "$A - 1$ [%]"),
+        (lower, MILLI * windows.delay, MILLI * windows.delay_sd, "$d$ [ms]"),
     )
     for place, values, deviations, name in rows:
         place.errorbar(windows.centre, values, yerr=_TWO * deviations, **bars)
         place.axhline(0.0, color=GREY, linewidth=0.6)
         place.set_ylabel(name)
-    below.set_xlabel(TIME)
+    lower.set_xlabel(TIME)
 
 
 @apply_style
@@ -87,7 +87,7 @@ def error_over_time(
     *,
     times: NDArray[np.float64],
     reference: NDArray[np.float64],
-    measured: NDArray[np.float64],
+    measured_values: NDArray[np.float64],
     error: NDArray[np.float64],
     band: tuple[NDArray[np.float64], NDArray[np.float64]],
     parts: Mapping[str, NDArray[np.float64]],
@@ -99,12 +99,12 @@ def error_over_time(
     Returns three panels over one scale of time [s]; displacements over the peak of the exact one.
     """
     figure, axes = panels(3, 1, height=64.0, share_x=True)
-    histories, errors, divided = axes[:, 0]
+    histories, errors, ratio_axes = axes[:, 0]
     peak = float(np.abs(reference).max())
     samples = np.linspace(0, times.size - 1, min(times.size, _MOST_SAMPLES)).astype(int)
     histories.plot(times[samples], reference[samples] / peak, color=PALE, linewidth=2.6, label="exact $x_I$")
     histories.plot(
-        times[samples], measured[samples] / peak, color=BLUE, linewidth=0.7, label="measured $x_m$"
+        times[samples], measured_values[samples] / peak, color=BLUE, linewidth=0.7, label="measured $x_m$"
     )
     histories.set_ylabel("Displacement\nover peak [-]")
     errors.fill_between(
@@ -120,9 +120,9 @@ def error_over_time(
     errors.set_ylabel("Error\nover peak [%]")
     for rank, (name, sizes) in enumerate(parts.items()):
         edges = np.linspace(times[0], times[-1], sizes.size + 1)
-        divided.stairs(PERCENT / peak * sizes, edges, label=plain(name), baseline=None, **line(rank))
-    divided.set_ylabel("RMS of parts\nover peak [%]")
-    divided.set_xlabel(TIME)
+        ratio_axes.stairs(PERCENT / peak * sizes, edges, label=plain(name), baseline=None, **line(rank))
+    ratio_axes.set_ylabel("RMS of parts\nover peak [%]")
+    ratio_axes.set_xlabel(TIME)
     for place in axes[:, 0]:
         place.margins(x=0.0)
         place.legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), ncols=4, borderpad=0.0)

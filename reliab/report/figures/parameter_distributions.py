@@ -121,9 +121,9 @@ def pairs(posterior: PosteriorSample, parameters: Sequence[str]) -> Figure:
         else:
             place.plot(values[column], values[row], ".", markersize=1.0, mew=0.0, alpha=0.6, color=BLUE)
         place.tick_params(labelbottom=row == count - 1, labelleft=column == 0)
-        across = _label(parameters[column]) if row == count - 1 else ""
+        x_label = _label(parameters[column]) if row == count - 1 else ""
         up = _label(parameters[row]) if column == 0 and row > 0 else ""
-        name_axes(place, across, up)
+        name_axes(place, x_label, up)
     return figure
 
 
@@ -137,9 +137,9 @@ def _rank_histograms(values: NDArray[np.float64]) -> NDArray[np.float64]:
     Shape (ensembles, parts).
     """
     ranks = scipy.stats.rankdata(values, axis=None).reshape(values.shape)
-    expected = values.shape[1] / _RANK_BINS
+    expected_count = values.shape[1] / _RANK_BINS
     ends = (0.5, values.size + 0.5)
-    return np.array([np.histogram(chain, _RANK_BINS, range=ends)[0] / expected for chain in ranks])
+    return np.array([np.histogram(chain, _RANK_BINS, range=ends)[0] / expected_count for chain in ranks])
 
 
 def _thin_draws(posterior: PosteriorSample) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
@@ -204,7 +204,7 @@ def parameter_distributions(
 
 def _draw(axes: Axes, values: NDArray[np.float64], fits: Mapping[str, Distribution]) -> None:
     end = 1.15 * float(np.quantile(values, _BODY))
-    outside = int((values > end).sum())
+    beyond_count = int((values > end).sum())
     width = 2.0 * np.subtract(*np.quantile(values, [0.75, 0.25])) / values.size ** (1.0 / 3.0)
     bins = np.arange(0.0, end + width, width)
     sns.histplot(
@@ -221,11 +221,11 @@ def _draw(axes: Axes, values: NDArray[np.float64], fits: Mapping[str, Distributi
     for rank, (name, fit) in enumerate(fits.items()):
         axes.plot(x, np.exp(fit.log_density(x)), label=name, **line(rank))
     axes.set_xlim(0.0, bins[-1])
-    if outside:
+    if beyond_count:
         axes.text(
             0.98,
             0.96,
-            f"{outside} of {values.size} beyond",
+            f"{beyond_count} of {values.size} beyond",
             transform=axes.transAxes,
             ha="right",
             va="top",
@@ -317,8 +317,8 @@ def posterior_and_predictive(
     """
     figure, axes = panels(2, 2, height=_PREDICTIVE_HEIGHT)
     share = PERCENT * (1.0 - confidence)
-    quantile, further = f"{significant(share)} % quantile", "a further motion"
-    letters(axes, (f"{quantile} of $a$", f"{quantile} of $b$", f"{further}: $a$", f"{further}: $b$"))
+    quantile, next_motion = f"{significant(share)} % quantile", "a further motion"
+    letters(axes, (f"{quantile} of $a$", f"{quantile} of $b$", f"{next_motion}: $a$", f"{next_motion}: $b$"))
     for k, (values, name) in enumerate(((sample.a, A_PARAMETER), (sample.b, B_PARAMETER))):
         _posterior(axes[0, k], values, limits[k], 1.0 - confidence)
         _predictive(axes[1, k], values, sample.events, limits[k], 1.0 - confidence)
@@ -350,10 +350,10 @@ def _predictive(
     room = 0.15 * np.ptp(logarithms)
     least = min(logarithms.min(), np.log(limit)) if limit > 0.0 else logarithms.min()
     x = np.linspace(least - room, logarithms.max() + room, _PREDICTIVE_POINTS)
-    repeated = np.repeat(logarithms[:, None], x.size, axis=1)
-    learned = MotionPredictive.fit(repeated, events).cumulative(x)
+    columns = np.repeat(logarithms[:, None], x.size, axis=1)
+    probabilities = MotionPredictive.fit(columns, events).cumulative(x)
     axes.ecdf(values, color=GREY, linewidth=1.0, label="motions")
-    axes.plot(np.exp(x), learned, color=BLUE, label="predictive")
+    axes.plot(np.exp(x), probabilities, color=BLUE, label="predictive")
     normal = NormalInverseChiSquared.posterior(logarithms)
     shares = np.linspace(_TAIL, 1.0 - _TAIL, _PREDICTIVE_POINTS)
     axes.plot(

@@ -27,22 +27,25 @@ def tolerable_errors_over_frequency(tolerances: Sequence[Tolerance]) -> Figure:
     figure, axes = panels(1, 2, height=_HEIGHT)
     letters(axes, (r"$\sqrt{a}$, no delay", r"$\sqrt{b}$, no amplitude error"))
     for rank, confidence in enumerate(sorted({tolerance.confidence for tolerance in tolerances})):
-        by_frequency = sorted(
+        ordered_tolerances = sorted(
             (tolerance for tolerance in tolerances if tolerance.confidence == confidence),
             key=lambda tolerance: tolerance.frequency,
         )
-        f = np.array([tolerance.frequency for tolerance in by_frequency])
-        promised = all(tolerance.promise is not None for tolerance in by_frequency)
-        share = share_in_words(confidence if promised else None, decimals=0)
+        f = np.array([tolerance.frequency for tolerance in ordered_tolerances])
+        has_promise = all(tolerance.promise is not None for tolerance in ordered_tolerances)
+        share = share_in_words(confidence if has_promise else None, decimals=0)
         name = f"{share} of comparable ground motions"
         axes[0, 0].plot(
             f,
-            [tolerance.amplitude_error for tolerance in by_frequency],
+            [tolerance.amplitude_error for tolerance in ordered_tolerances],
             label=name,
             **line(rank, marker=True),
         )
         axes[0, 1].plot(
-            f, [MILLI * tolerance.delay for tolerance in by_frequency], label=name, **line(rank, marker=True)
+            f,
+            [MILLI * tolerance.delay for tolerance in ordered_tolerances],
+            label=name,
+            **line(rank, marker=True),
         )
     axes[0, 0].set_ylim(bottom=0.0)
     axes[0, 1].set_yscale("log")

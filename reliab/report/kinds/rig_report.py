@@ -34,7 +34,7 @@ _QUANTITIES = {
     "rms": "RMS error of the whole test [%]",
     "ratio": "Logarithm of the error relative to that from A, d and remainder",
 }
-_IN_PERCENT = ("remainder", "rms")
+_PERCENT_COLUMNS = ("remainder", "rms")
 
 
 def rig_report(
@@ -83,10 +83,10 @@ def _verdict(table: RigTable, prediction: Prediction) -> Prose:
 
 def _facts(table: RigTable, prediction: Prediction, structure: Structure | None) -> dict[str, Prose]:
     days = [day[:_DAY] for day in table.moments]
-    learned = f"{counted(prediction.tests, 'test')} of {counted(prediction.earthquakes, 'earthquake')}"
+    sample = f"{counted(prediction.tests, 'test')} of {counted(prediction.earthquakes, 'earthquake')}"
     facts: dict[str, Prose] = {
         "Tests": f"{len(table)}, from {days[0]} to {days[-1]}",
-        "Learned from": learned + ("" if table.has_dates else "; dates are not stated for all tests"),
+        "Learned from": sample + ("" if table.has_dates else "; dates are not stated for all tests"),
     }
     if structure is not None:
         facts["Next test"] = prose(
@@ -131,17 +131,17 @@ def _list_noticed_changes(table: RigTable, chart: DriftChart) -> tuple[Prose, ..
     latest = chart.changes[-_MOST_CHANGES:]
     if not latest:
         return ("No change of gain, delay or noise was noticed.",)
-    more = len(chart.changes) - len(latest)
+    remaining_count = len(chart.changes) - len(latest)
     words = "; ".join(
         f"{change}, from test {change.began + 1} on (noticed at test {change.noticed + 1}, "
         f"{table.moments[change.noticed][:_DAY]})"
         for change in latest
     )
-    return (f"Noticed: {words}{f'; and {more} before' if more else ''}.",)
+    return (f"Noticed: {words}{f'; and {remaining_count} before' if remaining_count else ''}.",)
 
 
 def _write_value(name: str, value: float) -> str:
-    if name in _IN_PERCENT:
+    if name in _PERCENT_COLUMNS:
         return f"{PERCENT * value:.2f}"
     return f"{value:.4f}" if name == "A" else f"{value:.2f}"
 
@@ -215,17 +215,17 @@ def rig_over_time(
     figure, axes = panels(4, 1, height=_HEIGHT, share_x=True)
     letters(axes, ("Amplitude", "Equivalent delay", "Remainder", "Error of the whole test"))
     errors = table.numbers("rms")
-    known = np.isfinite(errors)
-    logarithms = np.log(np.maximum(np.where(known, errors, np.nanmedian(errors)), 1e-12))
-    of_errors = _band(logarithms, read_effects(table.rows), chart.segments)
-    drawn: tuple[tuple[str, Array, tuple[Array, Array], str], ...] = (
+    is_known = np.isfinite(errors)
+    logarithms = np.log(np.maximum(np.where(is_known, errors, np.nanmedian(errors)), 1e-12))
+    error_band = _band(logarithms, read_effects(table.rows), chart.segments)
+    series: tuple[tuple[str, Array, tuple[Array, Array], str], ...] = (
         ("A", chart.values["gain"], chart.bands["gain"], "$A$ [-]"),
         ("d_ms", chart.values["delay"], chart.bands["delay"], "$d$ [ms]"),
         ("remainder", *_percent(chart.values["noise"], chart.bands["noise"]), "[% of RMS]"),
-        ("rms", *_percent(np.where(known, logarithms, np.nan), of_errors), "$RMS^R$ [%]"),
+        ("rms", *_percent(np.where(is_known, logarithms, np.nan), error_band), "$RMS^R$ [%]"),
     )
     good = np.array([bool(row["reliable"]) for row in table.rows], dtype=np.bool_)
-    for place, (name, values, band, label) in zip(axes[:, 0], drawn, strict=True):
+    for place, (name, values, band, label) in zip(axes[:, 0], series, strict=True):
         factor = PERCENT if name in ("remainder", "rms") else 1.0
         _draw(place, values, band, good)
         _draw_next(place, {end: factor * value for end, value in coming[name].items()}, values.size)

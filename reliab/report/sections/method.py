@@ -10,11 +10,11 @@ from reliab.report.prose import Prose, prose
 from reliab.report.wording import join_words, meaning_of_confidence, window_in_words
 from reliab.validation.yielding import HARDENING, read_yielding
 
-_FITTED = (
+_FITTED_ELLIPSE = (
     "an ellipse is fitted to it by least squares, as a straight line of d² over (A − 1)²; the boundary may "
     "run inside of it"
 )
-_INSCRIBED = "an ellipse is inscribed in it, so that all of the ellipse lies inside the boundary"
+_INSCRIBED_ELLIPSE = "an ellipse is inscribed in it, so that all of the ellipse lies inside the boundary"
 
 
 def method_section(criterion: Criterion | None, *, experimental_fraction: float, window: str) -> Section:
@@ -108,9 +108,9 @@ def _boundary(criterion: Criterion | None) -> Section:
                     "For each ground motion the contour of equal error around $A = 1$, $d = 0$ is traced, "
                     "late actuators ($d >= 0$) and early ones separately, and {ellipse}, with $d$ "
                     "in milliseconds:",
-                    ellipse=_INSCRIBED
+                    ellipse=_INSCRIBED_ELLIPSE
                     if criterion is not None and criterion.provenance.curve == CurveName.INSCRIBED
-                    else _FITTED,
+                    else _FITTED_ELLIPSE,
                 )
             ),
             Equation(math="(A - 1)^2 / a + d^2 / b = 1", label="eq:ellipse"),
@@ -125,7 +125,7 @@ def _boundary(criterion: Criterion | None) -> Section:
 
 
 def _confidence(criterion: Criterion) -> Section:
-    together = "for both together" if criterion.joint else "for each of them separately"
+    joint_phrase = "for both together" if criterion.joint else "for each of them separately"
     law = criterion.law
     return Section(
         title="What the confidence means",
@@ -136,7 +136,7 @@ def _confidence(criterion: Criterion) -> Section:
                     "ground motions exceeds. Here ({method}, {together}) the confidence is {meaning}. "
                     "Earthquakes, not records, are the independent units of the data.",
                     method=criterion.method,
-                    together=together,
+                    together=joint_phrase,
                     meaning=meaning_of_confidence(criterion.method),
                 )
             ),
@@ -206,13 +206,13 @@ def limits_section(sentences: Sequence[Prose]) -> Section:
 
 def _yielding() -> str:
     """Say what was measured on specimens that yield."""
-    measured = read_yielding()
+    yielding_rates = read_yielding()
     shares = join_words(
         [
             f"{percent(measurement.exceeding, 2)} of {measurement.tests} tests at $R = "
             f"{measurement.reduction:g}$ (up to "
             f"{measurement.largest_ratio:.1f} times)"
-            for measurement in measured
+            for measurement in yielding_rates
         ]
     )
     return (
@@ -220,5 +220,5 @@ def _yielding() -> str:
         f"just reaches the error, the error of an elastoplastic one ({percent(HARDENING)} hardening) is "
         "larger "
         f"in {shares}, $R$ being the peak of the linear response over the yield displacement, under "
-        f"{measured[0].motions} real motions."
+        f"{yielding_rates[0].motions} real motions."
     )

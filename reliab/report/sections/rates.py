@@ -44,7 +44,7 @@ def rates_table(validation: CrossValidation) -> pd.DataFrame:
     """
     columns = ["measure", "candidate", "confidence", "f", "rate", "low", "high"]
     parts = []
-    for table in (tabulate(validation, over) for over in (("f", "xi"), ("xi",))):
+    for table in (tabulate(validation, dimensions) for dimensions in (("f", "xi"), ("xi",))):
         for measure in MEASURES:
             ends = {"rate": table[measure], "low": table[f"{measure}_low"], "high": table[f"{measure}_high"]}
             parts.append(table.assign(measure=measure, **ends).reindex(columns=columns))
@@ -60,51 +60,53 @@ def rates_section(
     Returns calibration curve, containment by frequency, and the rates as a table; labelled `sec:coverage`,
     followed by the division where there is one.
     """
-    measured = rates if "measure" in rates else rates.assign(measure="containment")
-    measured = measured.assign(candidate=[law_in_words(str(name)) for name in measured["candidate"]])
+    measured_rates = rates if "measure" in rates else rates.assign(measure="containment")
+    measured_rates = measured_rates.assign(
+        candidate=[law_in_words(str(name)) for name in measured_rates["candidate"]]
+    )
     mark = "".join(f"-{word.lower()}" for word in re.findall(r"[A-Za-z0-9]+", division))
-    explained = "Whole earthquakes were held out in turn" if not division else f"Division: {division}"
+    division_phrase = "Whole earthquakes were held out in turn" if not division else f"Division: {division}"
     opening = Paragraph(
         text=prose(
             "{explained}; the criterion was derived from other earthquakes than those on which it was "
             "judged. A motion contains a criterion when the simulated error under it stays below the "
             "threshold along the whole edge of the criterion. Intervals resample earthquakes @davison1997.",
-            explained=explained,
+            explained=division_phrase,
         )
     )
-    contained = measured[measured["measure"] == "containment"]
+    containment = measured_rates[measured_rates["measure"] == "containment"]
     return Section(
         title=f"Put to the test: {division}" if division else "Put to the test on held-out earthquakes",
         blocks=(
             opening,
-            *_figures(contained, confidence, mark, leads=leads),
-            _table(measured[measured["f"].isna()], mark),
+            *_figures(containment, confidence, mark, leads=leads),
+            _table(measured_rates[measured_rates["f"].isna()], mark),
         ),
         label=f"sec:coverage{mark}",
     )
 
 
-def _figures(contained: pd.DataFrame, confidence: float, mark: str, *, leads: bool) -> Iterator[Figure]:
-    overall = contained[contained["f"].isna()]
-    several = overall.groupby("candidate")["confidence"].transform("nunique") > 1
+def _figures(containment: pd.DataFrame, confidence: float, mark: str, *, leads: bool) -> Iterator[Figure]:
+    overall = containment[containment["f"].isna()]
+    has_several = overall.groupby("candidate")["confidence"].transform("nunique") > 1
     yield Figure(
-        drawing=calibration_curve(overall[several] if several.any() else overall),
+        drawing=calibration_curve(overall[has_several] if has_several.any() else overall),
         caption=prose(
             "A criterion keeps its promise for the motions of a study where its line follows the diagonal; "
             "below the diagonal it promises too much.{printed}",
             printed=" Printed laws state one confidence only and are listed in the table."
-            if several.any() and not several.all()
+            if has_several.any() and not has_several.all()
             else "",
         ),
         label=f"fig:calibration{mark}",
         leads=leads,
     )
-    stated = contained["confidence"].to_numpy()
-    nearest = float(stated[np.argmin(np.abs(stated - confidence))])
-    chosen = contained[contained["f"].notna() & np.isclose(contained["confidence"], nearest)]
-    if chosen["f"].unique().size > 1:
+    confidences = containment["confidence"].to_numpy()
+    nearest = float(confidences[np.argmin(np.abs(confidences - confidence))])
+    nearest_rates = containment[containment["f"].notna() & np.isclose(containment["confidence"], nearest)]
+    if nearest_rates["f"].unique().size > 1:
         yield Figure(
-            drawing=coverage_by_frequency(chosen, confidence=nearest),
+            drawing=coverage_by_frequency(nearest_rates, confidence=nearest),
             caption=prose(
                 "Containment by natural frequency at a stated {share}: a point below the dotted line is "
                 "unsafe at that frequency, as far as its interval lies below it. Criteria that are contained "
@@ -123,14 +125,14 @@ def _table(overall: pd.DataFrame, mark: str) -> Table:
     wide.columns = pd.Index([" ".join(reversed(name)) for name in wide.columns.to_flat_index()])
     frame = wide.reset_index()
     share = Fixed(decimals=1, factor=PERCENT)
-    shown = {name: texts for name, texts in _MEANINGS.items() if f"{name} rate" in frame}
+    measures = {name: texts for name, texts in _MEANINGS.items() if f"{name} rate" in frame}
     columns = [
         Column(key=f"{measure} {value}", heading=heading, unit="%", number=share, group=group)
-        for measure, (group, _) in shown.items()
+        for measure, (group, _) in measures.items()
         for value, heading in (("rate", "share"), ("low", "from"), ("high", "to"))
         if f"{measure} {value}" in frame
     ]
-    meanings = "; ".join(meaning for _, meaning in shown.values())
+    meanings = "; ".join(meaning for _, meaning in measures.values())
     return Table(
         frame=frame,
         columns=(
@@ -189,14 +191,14 @@ def coverage_by_frequency(rates: pd.DataFrame, *, confidence: float) -> Drawing:
         else panels(height=_FREQUENCY_HEIGHT)
     )
     for rank, (name, curve) in enumerate(groups):
-        ordered = curve.sort_values("f")
-        percent = PERCENT * ordered[["rate", "low", "high"]]
-        shifted = ordered["f"] * np.exp(_SHIFT * 2.0 * (rank - 0.5 * (len(groups) - 1)))
+        points = curve.sort_values("f")
+        percent = PERCENT * points[["rate", "low", "high"]]
+        frequencies = points["f"] * np.exp(_SHIFT * 2.0 * (rank - 0.5 * (len(groups) - 1)))
         row = 1 if split and str(name) in far else 0
-        _curve(axes[row, 0], percent.assign(confidence=shifted), str(name), rank)
+        _curve(axes[row, 0], percent.assign(confidence=frequencies), str(name), rank)
     groups_of_axes = (near, rates[rates["candidate"].isin(far)]) if split else (rates,)
-    for place, drawn in zip(axes[:, 0], groups_of_axes, strict=True):
-        _scale(place, drawn, promise)
+    for place, group_axes in zip(axes[:, 0], groups_of_axes, strict=True):
+        _scale(place, group_axes, promise)
     axes[0, 0].axhline(
         promise, color=INK, linewidth=0.9, linestyle=(0, (1, 2)), label=f"stated {promise:g} %"
     )

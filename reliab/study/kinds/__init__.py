@@ -29,7 +29,7 @@ KINDS: Final = _Kinds(
     noun="kind of study",
     base=Kind,
     group="reliab.study_kinds",
-    shipped=(criterion.KIND, discrepancy.KIND),
+    items=(criterion.KIND, discrepancy.KIND),
     name_of=lambda kind: kind.name,
 )
 """Every kind by the name that a study's file gives it; other packages register a `Kind`."""

@@ -27,8 +27,8 @@ class CrossValidation(ResultWithRows):
     """Counts for each judged motion, and the rates that follow."""
 
     rows_in = "rates"
-    shown = ("candidate", "confidence", "containment", "containment_low", "containment_high")
-    plotted = ("confidence", "containment")
+    table_columns = ("candidate", "confidence", "containment", "containment_low", "containment_high")
+    plot_columns = ("confidence", "containment")
 
     # Over (candidate, confidence, side, f, xi, motion), for actuators that are late and those that are early:
     # times `judged` and `contained` by the true error, times `unresolved`, where the error along the edge is

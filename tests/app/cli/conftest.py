@@ -14,33 +14,33 @@ from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.simulation.hybrid_test.model_file import UpdatedModel, write_model
 from reliab.structures.structure import Structure
 
-_KEPT = 16  # assessments in memory
+_CACHE_SIZE = 16  # assessments in memory
 
 
 @pytest.fixture(scope="module")
-def judged_once():
+def assess_once():
     """What is asked about one test, its JSON, its screen and its exit code, is computed once for a module."""
     from reliab.assessment.assess import assess as computed
 
-    known = OrderedDict()
+    cache = OrderedDict()
 
     def judge(*arguments, **options):
         question = pickle.dumps((arguments, options))
-        if question not in known:
-            known[question] = computed(*arguments, **options)
-            while len(known) > _KEPT:
-                known.popitem(last=False)
-        return known[question]
+        if question not in cache:
+            cache[question] = computed(*arguments, **options)
+            while len(cache) > _CACHE_SIZE:
+                cache.popitem(last=False)
+        return cache[question]
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("reliab.app.api.assessment.assess_structure", judge)
+        patch.setattr("reliab.app.api.assessment.assess_recording", judge)
         yield
 
 
 @pytest.fixture(scope="module")
 def folder_of_a_test(tmp_path_factory):
     """Files of a test of 12 s in several forms, and of what it may be judged by."""
-    made = tmp_path_factory.mktemp("options")
+    root = tmp_path_factory.mktemp("options")
     times = np.arange(0.0, 12.0, 1.0 / 128.0)
     rng = np.random.default_rng(2)
     command = 0.01 * np.sin(2.0 * np.pi * times) * np.sin(np.pi * times / 12.0) ** 2
@@ -54,15 +54,15 @@ def folder_of_a_test(tmp_path_factory):
             "slow_s": 1.1 * times,
         }
     )
-    frame.to_csv(made / "test.csv", index=False)
+    frame.to_csv(root / "test.csv", index=False)
     bare = frame[["command_m", "measured_m"]].set_axis(["command", "measured"], axis=1)
-    bare.to_csv(made / "bare.csv", index=False)
-    bare.assign(time=1e3 * times).to_csv(made / "ms.csv", index=False)
-    frame.iloc[:, :3].to_csv(made / "bar.csv", index=False, sep="|")
+    bare.to_csv(root / "bare.csv", index=False)
+    bare.assign(time=1e3 * times).to_csv(root / "ms.csv", index=False)
+    frame.iloc[:, :3].to_csv(root / "bar.csv", index=False, sep="|")
     shaking = np.exp(-(((times - 4.0) / 2.0) ** 2)) * rng.normal(size=times.size)
     lines = ["# units: m/s2", "# dt = 0.0078125", *(f"{sample:.6f}" for sample in shaking)]
-    (made / "ground.txt").write_text("\n".join(lines), encoding="utf-8")
-    (made / "frame.toml").write_text(
+    (root / "ground.txt").write_text("\n".join(lines), encoding="utf-8")
+    (root / "frame.toml").write_text(
         """[frame]
         masses_kg = [1000.0, 800.0]
         storey_stiffnesses_n_per_m = [1e5, 1e5]
@@ -76,13 +76,13 @@ def folder_of_a_test(tmp_path_factory):
     )
     structure = Structure(frequency=1.0, damping_ratio=0.02)
     rig = HybridTest(structure=structure, mass=2.0, actuator=Actuator(delay=1.0 / 128.0))
-    whole = run_closed_loop(rig, shaking, 1.0 / 128.0)
-    histories = {"command_m": whole.command.values[0], "measured_m": whole.measured}
-    pd.DataFrame({"time_s": times, **histories, "ag_mps2": shaking, "force_N": whole.force}).to_csv(
-        made / "whole.csv", index=False
+    simulation = run_closed_loop(rig, shaking, 1.0 / 128.0)
+    histories = {"command_m": simulation.command.values[0], "measured_m": simulation.measured}
+    pd.DataFrame({"time_s": times, **histories, "ag_mps2": shaking, "force_N": simulation.force}).to_csv(
+        root / "whole.csv", index=False
     )
     cubic = find_effect("cubic_stiffness").from_values(np.array([1e5]))
     model = HybridTest(structure=structure, effects=(cubic,))
-    write_model(made / "model.toml", UpdatedModel(name="cubic", test=model))
-    (made / "criterion.json").write_text(published_criterion("guo_2017_18").to_json(), encoding="utf-8")
-    return made
+    write_model(root / "model.toml", UpdatedModel(name="cubic", test=model))
+    (root / "criterion.json").write_text(published_criterion("guo_2017_18").to_json(), encoding="utf-8")
+    return root

@@ -15,7 +15,7 @@ from reliab.core.errors import InputError
 from reliab.core.significant_digits import percent_with_interval
 from reliab.criterion.published import published_criterion
 
-pytestmark = pytest.mark.usefixtures("judged_once")
+pytestmark = pytest.mark.usefixtures("assess_once")
 
 ONE_HERTZ = ("--f", "1", "--xi", "0.02")
 
@@ -35,7 +35,7 @@ def answer(*arguments: object) -> dict:
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """Files of three tests of a one-hertz response, and a ground motion."""
-    made = tmp_path_factory.mktemp("tests")
+    root = tmp_path_factory.mktemp("tests")
     rng = np.random.default_rng(5)
     times = np.arange(0.0, 40.0, 1.0 / 256.0)
     command = np.sin(2.0 * np.pi * times) * np.sin(np.pi * times / 40.0) ** 2
@@ -43,23 +43,23 @@ def folder(tmp_path_factory):
     for name, gain, delay in (("good", 0.999, 0.0004), ("late", 1.0, 0.004), ("weak", 0.96, 0.0004)):
         measured = gain * path(np.clip(times - delay, 0.0, None)) + 0.003 * rng.normal(size=times.size)
         frame = pd.DataFrame({"time_s": times, "command_m": command, "measured_m": measured})
-        frame.to_csv(made / f"{name}.csv", index=False)
+        frame.to_csv(root / f"{name}.csv", index=False)
     shaking = np.exp(-(((times - 8.0) / 5.0) ** 2)) * rng.normal(size=times.size)
     lines = ["# units: m/s2", f"# dt = {1.0 / 256.0}", *(f"{sample:.6f}" for sample in shaking)]
-    (made / "ground.txt").write_text("\n".join(lines), encoding="utf-8")
-    return made
+    (root / "ground.txt").write_text("\n".join(lines), encoding="utf-8")
+    return root
 
 
 def test_good_test_is_reliable_and_says_so(folder):
-    found = answer(folder / "good.csv", "--exact")
-    assert found["reliable"] is True
-    assert found["probability"] > 0.95
-    assert found["A"] == pytest.approx(0.999, abs=1e-3)
-    assert found["d_ms"] == pytest.approx(0.4, abs=0.05)
-    shown = run(folder / "good.csv", *ONE_HERTZ, "--exact", "--details").stdout
-    assert shown.startswith("RELIABLE: RMS error ")
-    assert "more than 99 % likely to be below 5 %" in shown
-    for said in (
+    content = answer(folder / "good.csv", "--exact")
+    assert content["reliable"] is True
+    assert content["probability"] > 0.95
+    assert content["A"] == pytest.approx(0.999, abs=1e-3)
+    assert content["d_ms"] == pytest.approx(0.4, abs=0.05)
+    output = run(folder / "good.csv", *ONE_HERTZ, "--exact", "--details").stdout
+    assert output.startswith("RELIABLE: RMS error ")
+    assert "more than 99 % likely to be below 5 %" in output
+    for sentences in (
         "Structure: f = 1 Hz, ξ = 0.02, share of the stiffness in the laboratory α = 1",
         "Threshold and window: 5 %, over the test's own 40 s",
         "root mean square and largest value of measured minus exact displacement",
@@ -67,26 +67,26 @@ def test_good_test_is_reliable_and_says_so(folder):
         "Largest tracking error over the command's peak",
         "Channels: command = 'command_m'",
     ):
-        assert said in " ".join(shown.split())
+        assert sentences in " ".join(output.split())
 
 
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize(("name", "first"), [("late", "delay"), ("weak", "amplitude")])
-def test_what_to_improve_first_is_named(folder, name, first):
+def test_first_improvement_is_named(folder, name, first):
     assert answer(folder / f"{name}.csv")["improve"]["first"] == first
     assert f"Improve first: {first}" in run(folder / f"{name}.csv", *ONE_HERTZ).stdout
 
 
-def test_what_would_sharpen_a_verdict_most_comes_first_and_the_budget_as_a_table(folder):
-    shown = " ".join(run("sample_test", *ONE_HERTZ, "--details").stdout.split())
-    assert shown.startswith("RELIABLE: RMS error 2.3 %, 9")
-    assert "To narrow the interval: calibrate the displacement sensor" in shown
-    assert "skew of the channels" in shown
+def test_most_useful_improvement_comes_before_the_budget_table(folder):
+    output = " ".join(run("sample_test", *ONE_HERTZ, "--details").stdout.split())
+    assert output.startswith("RELIABLE: RMS error 2.3 %, 9")
+    assert "To narrow the interval: calibrate the displacement sensor" in output
+    assert "skew of the channels" in output
     left_open = answer(folder / "good.csv")
     assert left_open["verdict"] == "undecided"  # at resonance half a sample of skew is half of the threshold
     assert "Feed one signal to both channels" in left_open["would_decide"][0]
-    known = answer(folder / "good.csv", "--skew", "0±0.1")
-    assert known["would_decide"][0].startswith("Calibrate the displacement sensor")
+    content = answer(folder / "good.csv", "--skew", "0±0.1")
+    assert content["would_decide"][0].startswith("Calibrate the displacement sensor")
 
 
 @pytest.mark.parametrize(
@@ -103,35 +103,35 @@ def test_what_would_sharpen_a_verdict_most_comes_first_and_the_budget_as_a_table
 )
 def test_the_screen_says_its_verdict_once_and_in_ten_lines(folder, monkeypatch, name, width):
     monkeypatch.setattr("reliab.app.cli.output._WIDTH_OF_PIPES", width)
-    shown = run.__wrapped__(folder / f"{name}.csv", *ONE_HERTZ).stdout
-    assert len(shown.splitlines()) <= 10
-    assert shown.count("likely to be below") == 1
+    output = run.__wrapped__(folder / f"{name}.csv", *ONE_HERTZ).stdout
+    assert len(output.splitlines()) <= 10
+    assert output.count("likely to be below") == 1
     content = answer(folder / f"{name}.csv")
-    text = " ".join(shown.split())
+    text = " ".join(output.split())
     for metric in ("rms", "mte"):
         size = content["error"][metric]
         assert percent_with_interval(**size) in text
     assert content["budget"][0]["quantity"] in text
-    assert all(on_screen(remedy).lower() in text.lower() for remedy in content["would_decide"])
+    assert all(screen_of(remedy).lower() in text.lower() for remedy in content["would_decide"])
     details = run.__wrapped__(folder / f"{name}.csv", *ONE_HERTZ, "--details").stdout
     details = " ".join(details.split())
     remarks = [*content["notes"], *content["warnings"]]
-    assert all(" ".join(on_screen(remark).split()) in details for remark in remarks)
+    assert all(" ".join(screen_of(remark).split()) in details for remark in remarks)
 
 
-def on_screen(sentence):
+def screen_of(sentence):
     """Write the arguments that a sentence names as options."""
     return as_options(sentence, typer.main.get_command(application("assess")))
 
 
-def test_what_a_test_contradicts_stands_on_the_screen_once(folder):
+def test_contradictions_are_printed_once(folder):
     frame = pd.read_csv(folder / "good.csv").assign(measured_m=lambda table: table["command_m"])
     frame.to_csv(folder / "same.csv", index=False)
-    shown = " ".join(run(folder / "same.csv", *ONE_HERTZ).stdout.split())
+    output = " ".join(run(folder / "same.csv", *ONE_HERTZ).stdout.split())
     content = answer(folder / "same.csv")
     assert content["verdict"] == "undecided"
     for doubt in content["reasons"][:-1]:
-        assert shown.count(doubt) == 1
+        assert output.count(doubt) == 1
 
 
 def test_check_turns_the_verdict_into_an_exit_code(folder):
@@ -140,10 +140,10 @@ def test_check_turns_the_verdict_into_an_exit_code(folder):
     assert run(folder / "late.csv", *ONE_HERTZ, "--check").exit_code == 1
     frame = pd.read_csv(folder / "good.csv")
     frame.assign(measured_m=frame["command_m"]).to_csv(folder / "copied.csv", index=False)
-    undecided = run(folder / "copied.csv", *ONE_HERTZ, "--check")
-    assert undecided.exit_code == 1
-    assert undecided.stdout.startswith("UNDECIDED")
-    assert "To narrow the interval" in undecided.stdout
+    copied_result = run(folder / "copied.csv", *ONE_HERTZ, "--check")
+    assert copied_result.exit_code == 1
+    assert copied_result.stdout.startswith("UNDECIDED")
+    assert "To narrow the interval" in copied_result.stdout
 
 
 def test_threshold_and_confidence_move_the_verdict():
@@ -154,38 +154,38 @@ def test_threshold_and_confidence_move_the_verdict():
 
 @pytest.mark.slow
 def test_known_ground_motion_gives_its_own_verdict(folder):
-    found = answer(folder / "good.csv", "--motion", folder / "ground.txt")
-    assert found["basis"] == "motion"
-    assert found["motion"]["name"] == "ground"
-    assert found["by_index"]["reliable"] is (found["motion"]["error"] <= 0.05)
-    assert found["motion"]["window_s"] == pytest.approx(
-        [found["motion"]["begin_s"], found["motion"]["begin_s"] + found["duration_s"]]
+    content = answer(folder / "good.csv", "--motion", folder / "ground.txt")
+    assert content["basis"] == "motion"
+    assert content["motion"]["name"] == "ground"
+    assert content["by_index"]["reliable"] is (content["motion"]["error"] <= 0.05)
+    assert content["motion"]["window_s"] == pytest.approx(
+        [content["motion"]["begin_s"], content["motion"]["begin_s"] + content["duration_s"]]
     )
-    assert 0.01 <= found["motion"]["probability"] <= 0.99
-    assert found["scope"]["position"] == "outside"  # no ground motion has a response that is one sine
-    assert found["population"]["probability"] is None
+    assert 0.01 <= content["motion"]["probability"] <= 0.99
+    assert content["scope"]["position"] == "outside"  # no ground motion has a response that is one sine
+    assert content["population"]["probability"] is None
 
 
 def test_criterion_of_a_file_is_used(folder):
     (folder / "criterion.json").write_text(published_criterion("guo_2017_12").to_json(), encoding="utf-8")
-    found = answer(folder / "good.csv", "--criterion", folder / "criterion.json")
-    assert found["population"]["law"] == "guo_2017_12"
-    assert found["by_index"]["probability"] is None
+    content = answer(folder / "good.csv", "--criterion", folder / "criterion.json")
+    assert content["population"]["law"] == "guo_2017_12"
+    assert content["by_index"]["probability"] is None
 
 
 @pytest.mark.slow
 def test_design_states_tolerable_errors_and_a_chart(folder):
-    found = json.loads(
+    content = json.loads(
         run(
             *("--f", 1, "--f", 0.6, "--confidence", 0.8, "--confidence", 0.95, "--json", "-"),
             command="design",
         ).stdout
     )
-    assert [(each["f"], each["confidence"]) for each in found["design"]] == [
+    assert [(row["f"], row["confidence"]) for row in content["design"]] == [
         (1.0, 0.8), (1.0, 0.95), (0.6, 0.8), (0.6, 0.95),
     ]  # fmt: skip
-    assert len({each["f"] for each in found["chart"]}) == 8
-    limits = [each["delay_limit_ms"] for each in found["design"]]
+    assert len({row["f"] for row in content["chart"]}) == 8
+    limits = [row["delay_limit_ms"] for row in content["design"]]
     assert limits[0] > limits[1]
     assert limits[2] > limits[0]
     result = run("--figure", folder / "chart.svg", command="design")
@@ -250,11 +250,11 @@ def test_bad_input_of_a_design_is_explained(wrong, rule):
 
 def test_a_mass_tells_the_unit_of_a_force_without_any_ground_acceleration(folder, tmp_path):
     test = pd.read_csv(folder / "good.csv")
-    in_kilonewtons = 1e-3 * 50.0 * (2.0 * np.pi) ** 2 * test["measured_m"]
-    test.assign(force_N=in_kilonewtons).to_csv(tmp_path / "force.csv", index=False)
-    refused = str(run(tmp_path / "force.csv", "--f", 1, "--mass", 50).exception)
-    assert "does not fit the stated specimen" in refused
-    assert "kilonewtons for newtons" in refused
+    kilonewtons = 1e-3 * 50.0 * (2.0 * np.pi) ** 2 * test["measured_m"]
+    test.assign(force_N=kilonewtons).to_csv(tmp_path / "force.csv", index=False)
+    refusal = str(run(tmp_path / "force.csv", "--f", 1, "--mass", 50).exception)
+    assert "does not fit the stated specimen" in refusal
+    assert "kilonewtons for newtons" in refusal
 
 
 def test_a_file_after_a_frequency_is_no_frequency(folder, capsys):
@@ -265,23 +265,23 @@ def test_a_file_after_a_frequency_is_no_frequency(folder, capsys):
     ]
 
 
-def test_words_that_an_option_takes_beside_numbers_belong_to_it():
-    asked = ["simulate", "--window", "5", "arias", "record", "--f", "1", "2", "arias", "--out", "a"]
-    assert list(spread(asked, typer.main.get_command(application()))) == [
+def test_option_keeps_its_words_among_numbers():
+    arguments = ["simulate", "--window", "5", "arias", "record", "--f", "1", "2", "arias", "--out", "a"]
+    assert list(spread(arguments, typer.main.get_command(application()))) == [
         *("simulate", "--window", "5", "--window", "arias", "--window", "record"),
         *("--f", "1", "--f", "2", "arias", "--out", "a"),
     ]
 
 
-def test_what_the_header_states_holds_unless_an_option_says_otherwise(folder):
+def test_options_go_before_the_header(folder):
     text = (folder / "good.csv").read_text(encoding="utf-8")
-    stated = folder / "stated.csv"
-    stated.write_text(f"# f = 1 ± 0.01 Hz\n# xi: 0.02+-0.002\n{text}", encoding="utf-8")
-    found = json.loads(run(stated, "--json", "-").stdout)
-    assert found["stated"]["f"] == {"value": 1.0, "deviation": 0.01}
-    assert found["stated"]["xi"] == {"value": 0.02, "deviation": 0.002}
-    assert {"frequency", "damping_ratio"} <= {each["name"] for each in found["error"]["widest"]}
-    assert json.loads(run(stated, "--f", 1.1, "--json", "-").stdout)["f"] == 1.1
+    values = folder / "stated.csv"
+    values.write_text(f"# f = 1 ± 0.01 Hz\n# xi: 0.02+-0.002\n{text}", encoding="utf-8")
+    output = json.loads(run(values, "--json", "-").stdout)
+    assert output["stated"]["f"] == {"value": 1.0, "deviation": 0.01}
+    assert output["stated"]["xi"] == {"value": 0.02, "deviation": 0.002}
+    assert {"frequency", "damping_ratio"} <= {row["name"] for row in output["error"]["widest"]}
+    assert json.loads(run(values, "--f", 1.1, "--json", "-").stdout)["f"] == 1.1
 
 
 @pytest.mark.slow
@@ -292,11 +292,11 @@ def test_an_assumed_damping_ratio_is_said(folder):
     for name, delay in (("prompt", 1e-4), ("between", 1.5e-3)):
         frame["measured_m"] = path(np.clip(frame["time_s"] - delay, 0.0, None)) + noise
         frame.to_csv(folder / f"{name}.csv", index=False)
-    shown = " ".join(run(folder / "prompt.csv", "--f", 1, "--exact").stdout.split())
-    assert shown.startswith("RELIABLE")  # whatever the damping ratio
-    assert "No damping ratio was stated" in shown
-    found = json.loads(run(folder / "between.csv", "--f", 1, "--xi", 0.02, "--exact", "--json", "-").stdout)
-    assert found["verdict"] != "undecided"
+    output = " ".join(run(folder / "prompt.csv", "--f", 1, "--exact").stdout.split())
+    assert output.startswith("RELIABLE")  # whatever the damping ratio
+    assert "No damping ratio was stated" in output
+    result = json.loads(run(folder / "between.csv", "--f", 1, "--xi", 0.02, "--exact", "--json", "-").stdout)
+    assert result["verdict"] != "undecided"
     left_open = json.loads(run(folder / "between.csv", "--f", 1, "--exact", "--json", "-").stdout)
     assert left_open["verdict"] == "undecided"
     assert "(ξ = 0.005)" in left_open["reasons"][0]

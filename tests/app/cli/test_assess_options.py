@@ -43,7 +43,7 @@ CHANGES = {
 }
 """A call with the option, and the same call without it must answer otherwise, or be refused."""
 
-WITHOUT = {
+BASES = {
     "--f": ("test.csv", *PLAIN),
     "--xi": ("test.csv", *PLAIN),
     "--mass": ("whole.csv", *PLAIN),
@@ -76,17 +76,17 @@ def folder(folder_of_a_test):
 
 @pytest.fixture(scope="module")
 def answer(folder):
-    known = {}
+    cache = {}
 
     def ask(arguments):
-        if arguments not in known:
+        if arguments not in cache:
             with pytest.MonkeyPatch.context() as patch:
                 patch.chdir(folder)
                 result = CliRunner().invoke(app, [*arguments, "--json", "-"])
-            known[arguments] = (
+            cache[arguments] = (
                 str(result.exception) if result.exit_code else {**json.loads(result.stdout), "test": ""}
             )
-        return known[arguments]
+        return cache[arguments]
 
     return ask
 
@@ -101,16 +101,18 @@ def test_no_option_is_left_out():
 @pytest.mark.default_cases(7)
 @pytest.mark.parametrize("option", CHANGES)
 def test_an_option_changes_the_answer(answer, option):
-    changed, before = answer(CHANGES[option]), answer(WITHOUT.get(option, ("test.csv", *PLAIN)))
-    assert isinstance(changed, dict), changed
-    assert changed != before
+    content, original = answer(CHANGES[option]), answer(BASES.get(option, ("test.csv", *PLAIN)))
+    assert isinstance(content, dict), content
+    assert content != original
 
 
-def test_a_frame_says_what_the_test_is_of(answer):
-    found = answer(("test.csv", "--structure", "frame.toml"))
-    assert found["modes"][0]["alpha"] < 1.0
-    assert found["verdict"] in {"reliable", "undecided", "not_reliable"}
-    assert found["error"]["rms"]["low"] <= found["error"]["rms"]["value"] <= found["error"]["rms"]["high"]
+def test_a_frame_names_its_error(answer):
+    content = answer(("test.csv", "--structure", "frame.toml"))
+    assert content["modes"][0]["alpha"] < 1.0
+    assert content["verdict"] in {"reliable", "undecided", "not_reliable"}
+    assert (
+        content["error"]["rms"]["low"] <= content["error"]["rms"]["value"] <= content["error"]["rms"]["high"]
+    )
     for extra in (("--f", "1"), ("--xi", "0.02"), ("--alpha", "0.5")):
         assert "no effect together with `structure`" in answer(
             ("test.csv", "--structure", "frame.toml", *extra)

@@ -14,7 +14,7 @@ from reliab.core.significant_digits import percent_and_interval
 PLAIN = ("--f", "1", "--xi", "0.02")
 LINES = 3000  # of the shipped test, enough for a verdict
 
-pytestmark = pytest.mark.usefixtures("judged_once")
+pytestmark = pytest.mark.usefixtures("assess_once")
 
 
 @pytest.fixture(scope="module")
@@ -53,21 +53,21 @@ def test_a_faulty_file_costs_its_row_only(ask, folder):
     assert rows.loc["faulty.csv", "fault"].removeprefix("faulty.csv: ")[:40] in out
 
 
-def test_a_list_holds_what_each_test_gives_alone(ask):
+def test_a_list_holds_the_answer_of_each_test(ask):
     code, out, _ = ask("good.csv", "sound.csv", "--json", "-")
-    alone = json.loads(ask("good.csv", "--json", "-")[1])
+    content = json.loads(ask("good.csv", "--json", "-")[1])
     assert code == 0
-    assert json.loads(out)[0] == {"file": "good.csv", **alone}
+    assert json.loads(out)[0] == {"file": "good.csv", **content}
 
 
 @pytest.mark.slow
-def test_check_asks_that_every_test_is_reliable(ask):
+def test_check_requires_every_test_to_be_reliable(ask):
     strict = ("good.csv", "sample_test", "--check", "--threshold")  # errors of 0.5 and 2.3 %
     assert [ask(*strict, threshold)[0] for threshold in ("0.1", "0.01")] == [0, 1]
     assert ask("good.csv", "faulty.csv", "--check")[0] == 2
 
 
-def test_a_pattern_that_the_shell_leaves_is_matched_without_the_table(ask, folder):
+def test_unexpanded_pattern_excludes_the_table(ask, folder):
     for _ in range(2):
         ask("g*.csv", "--out", "gtable.csv")
         assert pd.read_csv(folder / "gtable.csv")["file"].tolist() == ["good.csv"]
@@ -79,7 +79,7 @@ def test_a_report_of_several_tests_is_refused(ask, folder):
     assert "--report has no effect together with several tests" in error
 
 
-def test_a_shared_file_that_is_faulty_ends_the_call(ask, folder):
+def test_a_faulty_shared_file_ends_the_call(ask, folder):
     code, _, error = ask("good.csv", "sound.csv", "--criterion", "faulty.csv", "--out", "never.csv")
     assert (code, (folder / "never.csv").exists()) == (2, False)
     assert "not judged" not in error
@@ -99,17 +99,17 @@ def test_the_shipped_test_is_known_by_its_name(ask):
 
 def test_python_gives_the_same_table(ask, folder):
     ask("good.csv", "faulty.csv", "--out", "verdicts.csv")
-    found = reliab.assess(["good.csv", "faulty.csv"], f=1, xi=0.02)
-    written = pd.read_csv(folder / "verdicts.csv")
-    table = found.to_dataframe()
+    assessment = reliab.assess(["good.csv", "faulty.csv"], f=1, xi=0.02)
+    text = pd.read_csv(folder / "verdicts.csv")
+    table = assessment.to_dataframe()
     table["fault"] = table["fault"].str.replace("`delimiter`", "--delimiter")  # each in its own words
-    pd.testing.assert_frame_equal(table, written, check_dtype=False)
-    assert (found.reliable, list(found.faults)) == (False, ["faulty.csv"])
-    assert "1 not judged" in repr(found)
-    assert "good.csv" in found._repr_html_()
+    pd.testing.assert_frame_equal(table, text, check_dtype=False)
+    assert (assessment.reliable, list(assessment.faults)) == (False, ["faulty.csv"])
+    assert "1 not judged" in repr(assessment)
+    assert "good.csv" in assessment._repr_html_()
 
 
-def test_python_refuses_a_test_that_is_given_twice(folder):
+def test_python_refuses_a_repeated_test(folder):
     with pytest.raises(reliab.InputError, match="once"):
         reliab.assess([folder / "good.csv", folder / "good.csv"], f=1, xi=0.02)
 
@@ -142,8 +142,8 @@ def test_one_run_or_a_faulty_one_is_no_same_test(ask):
 @pytest.mark.parametrize("option", ["--json", "--out", "--corrected"])
 def test_a_test_is_not_replaced_by_its_verdict(ask, folder, option):
     """It may be the only recording that there is."""
-    before = (folder / "good.csv").read_bytes()
-    several = ["sound.csv"] if option == "--out" else []
-    code, _, error = ask("good.csv", *several, option, "good.csv")
-    assert (code, before) == (2, (folder / "good.csv").read_bytes())
+    original = (folder / "good.csv").read_bytes()
+    sources = ["sound.csv"] if option == "--out" else []
+    code, _, error = ask("good.csv", *sources, option, "good.csv")
+    assert (code, original) == (2, (folder / "good.csv").read_bytes())
     assert f"{option} good.csv" in error

@@ -26,7 +26,7 @@ def sine(tmp_path):
     return file
 
 
-def test_command_and_function_measure_the_same_and_write_what_is_read(sine, tmp_path, capsys):
+def test_command_and_function_write_the_same_calibration(sine, tmp_path, capsys):
     out = tmp_path / "channels.toml"
     assert run(["calibrate", str(sine), "--actuator-delay", "0", "--out", str(out), "--json", "-"]) == 0
     content = json.loads(capsys.readouterr().out)
@@ -37,7 +37,7 @@ def test_command_and_function_measure_the_same_and_write_what_is_read(sine, tmp_
     assert calibration["scale"].deviation == pytest.approx(content["scale"]["sd"], rel=1e-2)
 
 
-def test_a_calibration_is_put_beside_the_names_that_a_file_states_and_replaces_a_former_one(sine, tmp_path):
+def test_a_calibration_keeps_names_and_replaces_an_earlier_one(sine, tmp_path):
     file = tmp_path / "channels.toml"
     file.write_text(
         '[calibration]\nskew_ms = 9.0\n\n[channels.measured]\ncolumn = "measured_mm"\n', encoding="utf-8"
@@ -62,15 +62,20 @@ def test_a_calibrated_skew_is_taken_off_a_test(sine, tmp_path):
     reliab.calibrate(sine, actuator_delay=0, out=channels)
     calibration = read_channels_file(channels).calibration
     assert calibration["hysteresis"].value == 0.0 < calibration["hysteresis"].deviation < 1e-4
-    by_file = reliab.assess(sine, f=1, xi=0.05, channels=channels)
-    by_options = reliab.assess(sine, f=1, xi=0.05, **calibration)
-    without = reliab.assess(sine, f=1, xi=0.05)
+    assessment = reliab.assess(sine, f=1, xi=0.05, channels=channels)
+    option_answer = reliab.assess(sine, f=1, xi=0.05, **calibration)
+    baseline = reliab.assess(sine, f=1, xi=0.05)
     assert (
-        by_file.error.rebuilt.rms.value < by_options.error.rebuilt.rms.value < without.error.rebuilt.rms.value
+        assessment.error.rebuilt.rms.value
+        < option_answer.error.rebuilt.rms.value
+        < baseline.error.rebuilt.rms.value
     )
-    of_filters = [
-        {item.name: item for item in found.error.budget}["filter_delay"] for found in (by_file, by_options)
+    delay_items = [
+        {item.name: item for item in result.error.budget}["filter_delay"]
+        for result in (assessment, option_answer)
     ]
-    assert [item.source for item in of_filters] == [Source.STATED, Source.DEFAULT]
-    assert of_filters[0].size < 0.25 * of_filters[1].size  # filters of the channels are in a calibrated skew
-    assert by_file.error.rebuilt.rms.value < 0.3 * without.error.rebuilt.rms.value
+    assert [item.source for item in delay_items] == [Source.STATED, Source.DEFAULT]
+    assert (
+        delay_items[0].size < 0.25 * delay_items[1].size
+    )  # filters of the channels are in a calibrated skew
+    assert assessment.error.rebuilt.rms.value < 0.3 * baseline.error.rebuilt.rms.value

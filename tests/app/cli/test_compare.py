@@ -20,19 +20,19 @@ def files(tmp_path):
 @pytest.mark.slow
 def test_the_ranking_is_printed_written_and_drawn(tmp_path, files, capsys):
     out, figure = tmp_path / "ranking.csv", tmp_path / "ranking.svg"
-    asked = ["compare", *files, "--f", "1", "--xi", "0.05"]
-    kept = tmp_path / "ranking.json"
-    assert run([*asked, "--out", str(out), "--figure", str(figure), "--json", str(kept)]) == 0
-    printed = capsys.readouterr().out
-    assert printed.index("inverse.csv") < printed.index("none.csv")
+    arguments = ["compare", *files, "--f", "1", "--xi", "0.05"]
+    saved_file = tmp_path / "ranking.json"
+    assert run([*arguments, "--out", str(out), "--figure", str(figure), "--json", str(saved_file)]) == 0
+    output = capsys.readouterr().out
+    assert output.index("inverse.csv") < output.index("none.csv")
     assert list(pd.read_csv(out)["rank"]) == [1, 2]
     assert figure.read_text(encoding="utf-8").count("<svg") == 1
-    content = json.loads(kept.read_text(encoding="utf-8"))
+    content = json.loads(saved_file.read_text(encoding="utf-8"))
     assert [test["file"] for test in content["tests"]] == files[::-1]
     assert content == reliab.compare(files, f=1, xi=0.05).to_dict()
 
 
-def test_what_only_a_verdict_has_is_no_option(files, capsys):
+def test_options_of_verdicts_are_refused(files, capsys):
     assert run(["compare", *files, "--f", "1", "--check"]) == 2
     assert "--check" in capsys.readouterr().err
     assert run(["compare", files[0], "--f", "1", "--xi", "0.05"]) == 2

@@ -24,16 +24,16 @@ CASES = [
 ]
 
 
-@pytest.mark.parametrize(("command", "option", "begun", "names"), CASES)
-def test_names_are_completed(command, option, begun, names):
+@pytest.mark.parametrize(("command", "option", "prefix", "names"), CASES)
+def test_names_are_completed(command, option, prefix, names):
     (parameter,) = [item for item in COMMANDS[command].params if item.name == option]
     context = typer.Context(COMMANDS[command], info_name=command)
-    assert [item.value for item in parameter.shell_complete(context, begun)] == names
+    assert [item.value for item in parameter.shell_complete(context, prefix)] == names
 
 
-def test_options_that_help_leaves_out_are_completed():
+def test_advanced_options_are_completed():
     command = COMMANDS["assess"]
-    completed = {
+    completions = {
         item.value for item in command.shell_complete(typer.Context(command, info_name="assess"), "--")
     }
-    assert {"--f", "--skew", "--help-all"} <= completed
+    assert {"--f", "--skew", "--help-all"} <= completions

@@ -28,43 +28,43 @@ def answer(*arguments: object) -> dict:
 
 
 def test_the_printed_table_gives_the_printed_criterion():
-    found = answer("--ellipses", TABLE2, "--method", "quantile")
-    assert found["a"] == pytest.approx(5.29e-5, abs=0.005e-5)
-    assert found["b"] == pytest.approx(1.048, abs=0.0005)
-    assert found["correlation"] == pytest.approx(0.977, abs=0.0005)
-    assert (found["f"], found["xi"], found["threshold"]) == (1.0, 0.02, 0.05)
-    assert (found["confidence"], found["method"]) == (0.95, "quantile")
-    assert (found["n_motions"], found["n_events"]) == (100, 19)
+    content = answer("--ellipses", TABLE2, "--method", "quantile")
+    assert content["a"] == pytest.approx(5.29e-5, abs=0.005e-5)
+    assert content["b"] == pytest.approx(1.048, abs=0.0005)
+    assert content["correlation"] == pytest.approx(0.977, abs=0.0005)
+    assert (content["f"], content["xi"], content["threshold"]) == (1.0, 0.02, 0.05)
+    assert (content["confidence"], content["method"]) == (0.95, "quantile")
+    assert (content["n_motions"], content["n_events"]) == (100, 19)
 
 
 def test_the_roots_are_the_limits_of_a_test():
-    found = answer("--ellipses", TABLE2)
-    assert found["amplitude_limit"] ** 2 == pytest.approx(found["a"])
-    assert found["delay_limit_ms"] ** 2 == pytest.approx(found["b"])
+    content = answer("--ellipses", TABLE2)
+    assert content["amplitude_limit"] ** 2 == pytest.approx(content["a"])
+    assert content["delay_limit_ms"] ** 2 == pytest.approx(content["b"])
 
 
 def test_one_criterion_stands_at_the_top_too():
-    found = answer("--ellipses", TABLE2)
-    (only,) = found["criteria"]
-    assert {name: found[name] for name in only} == only
+    content = answer("--ellipses", TABLE2)
+    (only,) = content["criteria"]
+    assert {name: content[name] for name in only} == only
 
 
 def test_several_confidences_give_a_list_in_order_and_no_top_level_values():
-    found = answer("--ellipses", TABLE2, "--confidence", 0.9, "--confidence", 0.99)
-    assert set(found) == {"criteria"}
-    assert [each["confidence"] for each in found["criteria"]] == [0.9, 0.99]
-    assert found["criteria"][0]["a"] > found["criteria"][1]["a"]
+    content = answer("--ellipses", TABLE2, "--confidence", 0.9, "--confidence", 0.99)
+    assert set(content) == {"criteria"}
+    assert [row["confidence"] for row in content["criteria"]] == [0.9, 0.99]
+    assert content["criteria"][0]["a"] > content["criteria"][1]["a"]
 
 
 def test_the_table_shows_the_limits_and_the_number_of_earthquakes():
-    shown = run("--ellipses", TABLE2, "--method", "quantile").stdout
-    assert "100 ground motions of 19 earthquakes" in shown
-    assert "5.29e-05" in shown
-    assert "1.05" in shown
+    output = run("--ellipses", TABLE2, "--method", "quantile").stdout
+    assert "100 ground motions of 19 earthquakes" in output
+    assert "5.29e-05" in output
+    assert "1.05" in output
 
 
-def test_the_table_says_what_error_window_and_limits_mean():
-    shown = run("--ellipses", "real_suite", "--f", 1, "--xi", 0.02).stdout
+def test_the_table_defines_error_window_and_limits():
+    output = run("--ellipses", "real_suite", "--f", 1, "--xi", 0.02).stdout
     for words in (
         "RMS^R: RMS of measured minus exact displacement over peak exact displacement",
         "Window: record",
@@ -73,23 +73,24 @@ def test_the_table_says_what_error_window_and_limits_mean():
         "lag alone ≤ [ms]",
         "lead alone ≤ [ms]",
     ):
-        assert words in shown
+        assert words in output
 
 
 @pytest.mark.slow
 def test_a_printed_law_says_how_many_real_motions_keep_it():
     for law, least, most in (("guo_2017_18", 0.05, 0.20), ("guo_2017_12", 0.90, 1.0)):
-        found = answer("--law", law)
-        assert least < found["kept_by"]["share"] < most
+        content = answer("--law", law)
+        assert least < content["kept_by"]["share"] < most
         assert (
-            f"{100 * found['kept_by']['share']:.0f} % have a boundary that contains" in found["warnings"][0]
+            f"{100 * content['kept_by']['share']:.0f} % have a boundary that contains"
+            in content["warnings"][0]
         )
 
 
 def test_one_default_the_recommended_method_and_joint():
-    found = answer("--ellipses", TABLE2)
-    assert (found["method"], found["joint"]) == ("dirichlet", True)
-    assert found["a"] == answer("--ellipses", TABLE2, "--method", "dirichlet", "--joint")["a"]
+    content = answer("--ellipses", TABLE2)
+    assert (content["method"], content["joint"]) == ("dirichlet", True)
+    assert content["a"] == answer("--ellipses", TABLE2, "--method", "dirichlet", "--joint")["a"]
     paper = answer("--ellipses", TABLE2, "--method", "quantile")
     assert (paper["method"], paper["joint"], paper["curve"]) == ("quantile", False, "ellipse")
 
@@ -98,10 +99,10 @@ def test_three_motions_of_one_earthquake_carry_no_criterion(tmp_path):
     table = tmp_path / "three.csv"
     table.write_text("motion,event,a,b\nK/1,K,1e-4,1\nK/2,K,2e-4,2\nK/3,K,3e-4,4\n")
     for method in ("dirichlet", "quantile", "order_statistic"):
-        found = answer("--ellipses", table, "--method", method)
-        assert (found["a"], found["b"]) == (0.0, 0.0)
-        assert found["carried_confidence"] <= 0.5
-        assert "no test is accepted" in found["warnings"][0]
+        content = answer("--ellipses", table, "--method", method)
+        assert (content["a"], content["b"]) == (0.0, 0.0)
+        assert content["carried_confidence"] <= 0.5
+        assert "no test is accepted" in content["warnings"][0]
 
 
 def test_synthetic_motions_are_called_so(tmp_path):
@@ -117,32 +118,32 @@ def test_motions_are_simulated_then_and_there(tmp_path):
     from reliab.motions.writing import write_suite
 
     write_suite(synthetic_suite(count=6), tmp_path / "suite")
-    found = answer(
+    content = answer(
         *("--motions", tmp_path / "suite", "--f", 1, "--f", 2, "--threshold", 0.05, "--threshold", 0.1),
         *("--confidence", 0.7),
     )
-    assert [(each["f"], each["threshold"]) for each in found["criteria"]] == [
+    assert [(row["f"], row["threshold"]) for row in content["criteria"]] == [
         (1.0, 0.05), (1.0, 0.1), (2.0, 0.05), (2.0, 0.1),
     ]  # fmt: skip
-    assert {each["n_events"] for each in found["criteria"]} == {3}
+    assert {row["n_events"] for row in content["criteria"]} == {3}
 
 
 def test_a_published_law_needs_no_motions():
-    found = answer("--law", "guo_2017_18", "--f", 1, "--xi", 0.05)
-    assert (found["a"], found["law"]) == (pytest.approx(0.021 * 0.05), "guo_2017_18")
+    content = answer("--law", "guo_2017_18", "--f", 1, "--xi", 0.05)
+    assert (content["a"], content["law"]) == (pytest.approx(0.021 * 0.05), "guo_2017_18")
 
 
 def test_the_recommended_method_is_smaller_than_the_plug_in():
-    plug_in, recommended = answer("--ellipses", TABLE2, "--method", "quantile"), answer("--ellipses", TABLE2)
-    assert recommended["joint"] is True
-    assert 0.5 < recommended["a"] / plug_in["a"] < 1.25
+    plug_in, content = answer("--ellipses", TABLE2, "--method", "quantile"), answer("--ellipses", TABLE2)
+    assert content["joint"] is True
+    assert 0.5 < content["a"] / plug_in["a"] < 1.25
 
 
 def test_the_criterion_can_be_kept_for_later(tmp_path):
-    found = answer("--ellipses", TABLE2, "--out", tmp_path / "criterion.json")
-    kept = Criterion.from_json((tmp_path / "criterion.json").read_text(encoding="utf-8"))
-    assert [float(limit) for limit in kept.limits(1.0, 0.02)] == pytest.approx([found["a"], found["b"]])
-    assert 0.9 < float(kept.probability(1.0 + found["amplitude_limit"], 0.0, 1.0, 0.02)) < 1.0
+    content = answer("--ellipses", TABLE2, "--out", tmp_path / "criterion.json")
+    saved = Criterion.from_json((tmp_path / "criterion.json").read_text(encoding="utf-8"))
+    assert [float(limit) for limit in saved.limits(1.0, 0.02)] == pytest.approx([content["a"], content["b"]])
+    assert 0.9 < float(saved.probability(1.0 + content["amplitude_limit"], 0.0, 1.0, 0.02)) < 1.0
 
 
 def test_rejected_lognormality_is_said():
@@ -212,12 +213,12 @@ def test_stored_results_answer_for_any_threshold(tmp_path):
         frequencies=(1.0,), damping_ratios=(0.05,), grid=ScaledGrid(gain_steps=14, delay_steps=20)
     )
     store = run_sweep(synthetic_suite(count=6), request, tmp_path / "results.zarr")
-    found = answer("--results", store, "--threshold", 0.1, "--threshold", 0.05, "--confidence", 0.7)
-    assert [each["threshold"] for each in found["criteria"]] == [0.1, 0.05]
-    assert found["criteria"][0]["a"] > found["criteria"][1]["a"]
+    content = answer("--results", store, "--threshold", 0.1, "--threshold", 0.05, "--confidence", 0.7)
+    assert [row["threshold"] for row in content["criteria"]] == [0.1, 0.05]
+    assert content["criteria"][0]["a"] > content["criteria"][1]["a"]
 
 
-def unconverged(*arguments: object) -> Result:
+def run_short_chain(*arguments: object) -> Result:
     result = run("--ellipses", TABLE2, "--method", "hierarchical", "--steps", 40, *arguments)
     assert isinstance(result.exception, IncompleteError)
     assert "HAS NOT CONVERGED" in str(result.exception)
@@ -225,22 +226,22 @@ def unconverged(*arguments: object) -> Result:
 
 
 @pytest.mark.slow
-def test_a_posterior_that_has_not_converged_ends_unfinished_and_says_so_everywhere(tmp_path):
+def test_unconverged_posterior_warns_and_exits_unfinished(tmp_path):
     out, figures = tmp_path / "criterion.json", tmp_path / "figures"
-    found = json.loads(unconverged("--out", out, "--figures", figures, "--json", "-").stdout)
-    assert found["converged"] is False
-    assert "NOT CONVERGED" in found["warnings"][0]
-    (posterior,) = found["posteriors"]
+    output = json.loads(run_short_chain("--out", out, "--figures", figures, "--json", "-").stdout)
+    assert output["converged"] is False
+    assert "NOT CONVERGED" in output["warnings"][0]
+    (posterior,) = output["posteriors"]
     assert not posterior["converged"]
     assert posterior["complaints"]
     assert {"r_hat", "bulk_size", "tail_size", "autocorrelation_time"} <= set(posterior["parameters"][0])
     assert not out.exists()
-    drawn = {path.name for path in figures.iterdir()}
-    assert drawn == set(found["figures"])
-    assert {"traces_rms0.05.svg", "ranks_rms0.05.svg", "pairs_rms0.05.svg", "posterior_rms0.05.nc"} <= drawn
-    shown = unconverged().stdout
-    assert "THIS POSTERIOR HAS NOT CONVERGED" in shown
-    assert "autocorrelation time" in shown
+    figure = {path.name for path in figures.iterdir()}
+    assert figure == set(output["figures"])
+    assert {"traces_rms0.05.svg", "ranks_rms0.05.svg", "pairs_rms0.05.svg", "posterior_rms0.05.nc"} <= figure
+    cells = run_short_chain().stdout
+    assert "THIS POSTERIOR HAS NOT CONVERGED" in cells
+    assert "autocorrelation time" in cells
 
 
 def test_bad_convergence_has_its_own_exit_code(capfd):
@@ -254,10 +255,10 @@ def test_bad_convergence_has_its_own_exit_code(capfd):
 @pytest.mark.slow
 def test_chains_go_on_where_they_ended(tmp_path):
     chains = tmp_path / "chains.h5"
-    whole = json.loads(unconverged("--json", "-").stdout)
+    output = json.loads(run_short_chain("--json", "-").stdout)
     run("--ellipses", TABLE2, "--method", "hierarchical", "--steps", 20, "--chains", chains)
-    resumed = json.loads(unconverged("--chains", chains, "--json", "-").stdout)
-    assert (resumed["a"], resumed["b"]) == (whole["a"], whole["b"])
+    resumed = json.loads(run_short_chain("--chains", chains, "--json", "-").stdout)
+    assert (resumed["a"], resumed["b"]) == (output["a"], output["b"])
 
 
 @pytest.fixture(scope="module")
@@ -278,14 +279,14 @@ def test_a_converged_posterior_is_a_finished_answer(ellipses_of_twelve):
     structure = ("--f", 1, "--xi", 0.05)
     result = run("--ellipses", ellipses_of_twelve, *structure, "--method", "hierarchical", "--json", "-")
     assert result.exit_code == 0
-    found = json.loads(result.stdout)
-    assert found["converged"] is True
-    assert found["largest_r_hat"] < 1.01
-    assert found["least_effective_size"] > 1000.0
+    output = json.loads(result.stdout)
+    assert output["converged"] is True
+    assert output["largest_r_hat"] < 1.01
+    assert output["least_effective_size"] > 1000.0
 
 
 def test_criteria_are_drawn_over_the_motions_own_ellipses(tmp_path):
-    found = answer(
+    content = answer(
         *(
             "--ellipses",
             TABLE2,
@@ -297,18 +298,18 @@ def test_criteria_are_drawn_over_the_motions_own_ellipses(tmp_path):
             tmp_path / "new" / "one",
         )
     )
-    assert found["figures"] == ["criterion_f1_xi0.02_rms0.05.svg"]
-    assert (tmp_path / "new" / "one" / found["figures"][0]).read_bytes().startswith(b"<?xml")
+    assert content["figures"] == ["criterion_f1_xi0.02_rms0.05.svg"]
+    assert (tmp_path / "new" / "one" / content["figures"][0]).read_bytes().startswith(b"<?xml")
 
 
 def test_a_printed_law_can_be_drawn_over_ellipses(tmp_path):
-    found = answer("--ellipses", TABLE2, "--law", "guo_2017_18", "--figures", tmp_path)
-    assert found["law"] == "guo_2017_18"
-    assert len(found["figures"]) == 1
+    content = answer("--ellipses", TABLE2, "--law", "guo_2017_18", "--figures", tmp_path)
+    assert content["law"] == "guo_2017_18"
+    assert len(content["figures"]) == 1
 
 
 def test_structure_without_ellipses_gets_a_criterion_and_no_figure(tmp_path):
-    asked = (
+    arguments = (
         "--ellipses",
         "real_suite",
         "--f",
@@ -321,22 +322,22 @@ def test_structure_without_ellipses_gets_a_criterion_and_no_figure(tmp_path):
         tmp_path / "figures",
     )
     with pytest.warns(FigureWarning, match=r"No figure for f = 1.13 Hz.*Choose f among 0.25, 0.5"):
-        found = answer(*asked, "--out", tmp_path / "criterion.json")
-    assert [row["f"] for row in found["criteria"]] == [1, 1.13]
+        content = answer(*arguments, "--out", tmp_path / "criterion.json")
+    assert [row["f"] for row in content["criteria"]] == [1, 1.13]
     assert (tmp_path / "criterion.json").is_file()
-    assert found["figures"] == ["criterion_f1_xi0.02_rms0.05.svg"]
+    assert content["figures"] == ["criterion_f1_xi0.02_rms0.05.svg"]
 
 
 @pytest.mark.slow
 def test_distributions_and_laws_are_compared_on_held_out_earthquakes():
-    found = answer("--ellipses", TABLE2, "--compare")["comparison"]
-    of_a, of_b = found["distributions"]
-    assert (of_a["parameter"], of_b["parameter"]) == ("a", "b")
-    assert of_b["lognormality"]["shapiro_wilk"] == pytest.approx(5.3e-5, rel=0.02)
-    gains = {each["distribution"]: each["gain"] for each in of_b["scores"]}
+    content = answer("--ellipses", TABLE2, "--compare")["comparison"]
+    distribution_a, distribution_b = content["distributions"]
+    assert (distribution_a["parameter"], distribution_b["parameter"]) == ("a", "b")
+    assert distribution_b["lognormality"]["shapiro_wilk"] == pytest.approx(5.3e-5, rel=0.02)
+    gains = {row["distribution"]: row["gain"] for row in distribution_b["scores"]}
     assert gains["lognormal"] == 0.0
     assert gains["skew_normal"] > 0.0 > gains["weibull"]
-    assert found["laws"] == []
+    assert content["laws"] == []
 
 
 @pytest.mark.slow
@@ -344,16 +345,16 @@ def test_laws_are_compared_over_structures(ellipses_of_twelve):
     arguments = ("--ellipses", ellipses_of_twelve, "--f", 1, "--xi", 0.05, "--law", "power", "--compare")
     arguments = (*arguments, "--confidence", 0.8)
     laws = answer(*arguments)["comparison"]["laws"]
-    assert {each["f"] for each in laws} == {0.5, 1.0}
-    assert {"table", "dimensionless", "power", "exponential"} <= {each["law"] for each in laws}
-    shown = run(*arguments).stdout
-    assert "accepted region at equal coverage" in shown
-    assert "p of lognormality" in shown
+    assert {row["f"] for row in laws} == {0.5, 1.0}
+    assert {"table", "dimensionless", "power", "exponential"} <= {row["law"] for row in laws}
+    output = run(*arguments).stdout
+    assert "accepted region at equal coverage" in output
+    assert "p of lognormality" in output
 
 
 @pytest.mark.parametrize("converged", [True, False])
-def test_a_criterion_of_a_posterior_that_has_not_converged_says_so_in_its_figure(grouped_ellipses, converged):
-    of_here = SimpleNamespace(
+def test_figure_warns_of_an_unconverged_posterior(grouped_ellipses, converged):
+    criterion = SimpleNamespace(
         threshold=0.05,
         metric="rms",
         confidence=0.9,
@@ -363,9 +364,9 @@ def test_a_criterion_of_a_posterior_that_has_not_converged_says_so_in_its_figure
         limits=lambda f, xi: (1e-4 * f, 40.0 * xi),
         provenance=SimpleNamespace(curve="ellipse", settings={"converged": converged}),
     )
-    printed = SimpleNamespace(**{**vars(of_here), "population": None})
-    nothing = SimpleNamespace(**{**vars(of_here), "limits": lambda _f, _xi: (0.0, 1.0), "confidence": 0.5})
-    figure = _plane(grouped_ellipses, [of_here, printed, nothing], 1.0, 0.05)
+    output = SimpleNamespace(**{**vars(criterion), "population": None})
+    nothing = SimpleNamespace(**{**vars(criterion), "limits": lambda _f, _xi: (0.0, 1.0), "confidence": 0.5})
+    figure = _plane(grouped_ellipses, [criterion, output, nothing], 1.0, 0.05)
     (place,) = figure.axes
     assert place.get_title() == ("" if converged else "POSTERIOR NOT CONVERGED: not to be relied on")
     names = {line.get_label(): line.get_xydata() for line in place.lines}

@@ -64,8 +64,8 @@ def records(tmp_path_factory):
 @pytest.mark.slow
 def test_the_error_of_the_described_rig_stands_beside_the_criterion(records, tmp_path):
     (tmp_path / "frame.toml").write_text(FRAME.format(delay=4.0))
-    given = ("--motions", records, "--structure", tmp_path / "frame.toml")
-    rig = answer(*given, "--threshold", "0.02")["rig"]
+    arguments = ("--motions", records, "--structure", tmp_path / "frame.toml")
+    rig = answer(*arguments, "--threshold", "0.02")["rig"]
     frame = read_frame(tmp_path / "frame.toml")
     errors = errors_of_rig(frame, load_motions(str(records)), window=Window())["rms"]
     assert rig["stable"] is True
@@ -73,19 +73,19 @@ def test_the_error_of_the_described_rig_stands_beside_the_criterion(records, tmp
     assert rig["largest"] == pytest.approx(errors.max())
     assert rig["share_below"] == pytest.approx(float((errors < 0.02).mean()))
     assert all(motion["d_ms"] == pytest.approx(4.0, rel=0.1) for motion in rig["motions"])
-    shown = run(*given, "--method", "quantile", "--confidence", "0.5").stdout
-    assert f"{100 * errors.max():.2f} %" in shown
+    output = run(*arguments, "--method", "quantile", "--confidence", "0.5").stdout
+    assert f"{100 * errors.max():.2f} %" in output
 
 
 @pytest.mark.slow
-def test_a_described_rig_that_would_be_unstable_is_said_to_be(records, tmp_path):
+def test_an_unstable_rig_is_reported(records, tmp_path):
     (tmp_path / "frame.toml").write_text(FRAME.format(delay=60.0))
-    given = ("--motions", records, "--structure", tmp_path / "frame.toml")
-    assert answer(*given)["rig"]["stable"] is False
-    assert "unstable" in run(*given, "--method", "quantile", "--confidence", "0.5").stdout
+    arguments = ("--motions", records, "--structure", tmp_path / "frame.toml")
+    assert answer(*arguments)["rig"]["stable"] is False
+    assert "unstable" in run(*arguments, "--method", "quantile", "--confidence", "0.5").stdout
 
 
-SEVERAL = """
+TWO_ACTUATORS = """
 name = "two alike"
 [frame]
 names = ["left", "right"]
@@ -104,16 +104,16 @@ delay_ms = {delay}
 
 def test_two_like_actuators_have_the_criterion_and_the_rig_of_one(records, tmp_path):
     (tmp_path / "one.toml").write_text(FRAME.format(delay=4.0))
-    (tmp_path / "two.toml").write_text(SEVERAL.format(delay=4.0))
-    one, alike, first = (
-        answer("--motions", records, "--structure", tmp_path / name, *beside)
-        for name, *beside in (("one.toml",), ("two.toml",), ("two.toml", "--actuator", "1"))
+    (tmp_path / "two.toml").write_text(TWO_ACTUATORS.format(delay=4.0))
+    item, second_answer, first = (
+        answer("--motions", records, "--structure", tmp_path / name, *extra)
+        for name, *extra in (("one.toml",), ("two.toml",), ("two.toml", "--actuator", "1"))
     )
-    for content in (alike, first):
+    for content in (second_answer, first):
         for limit in ("a", "b"):
-            assert content["criteria"][0][limit] == pytest.approx(one["criteria"][0][limit], rel=5e-3)
-        assert content["rig"]["largest"] == pytest.approx(one["rig"]["largest"], rel=1e-3)
-    assert alike["frame"] == {
+            assert content["criteria"][0][limit] == pytest.approx(item["criteria"][0][limit], rel=5e-3)
+        assert content["rig"]["largest"] == pytest.approx(item["rig"]["largest"], rel=1e-3)
+    assert second_answer["frame"] == {
         "name": "two alike",
         "error_of": "the interface displacement whose error is largest",
         "erring_actuator": "all alike",
@@ -121,59 +121,59 @@ def test_two_like_actuators_have_the_criterion_and_the_rig_of_one(records, tmp_p
     assert first["frame"]["erring_actuator"] == 1
     assert "cross_coupling" not in first
     # a motion by the other one's command, which is the same here, is a gain error
-    (none, limit), (other, _) = alike["cross_coupling"]["limits"]
-    assert none is None
-    assert limit == pytest.approx(other)
-    assert limit == pytest.approx(one["criteria"][0]["amplitude_limit"], rel=0.1)
-    given = ("--motions", records, "--structure", tmp_path / "two.toml", "--actuator", "1")
-    shown = run(*given, "--method", "quantile", "--confidence", "0.5").stdout
-    assert "A and d of actuator 1; others are perfect." in " ".join(shown.split())
+    (empty_figure, limit), (second, _) = second_answer["cross_coupling"]["limits"]
+    assert empty_figure is None
+    assert limit == pytest.approx(second)
+    assert limit == pytest.approx(item["criteria"][0]["amplitude_limit"], rel=0.1)
+    arguments = ("--motions", records, "--structure", tmp_path / "two.toml", "--actuator", "1")
+    output = run(*arguments, "--method", "quantile", "--confidence", "0.5").stdout
+    assert "A and d of actuator 1; others are perfect." in " ".join(output.split())
 
 
 @pytest.mark.parametrize(
     ("frame", "actuator", "rule"),
     [
-        (SEVERAL, 3, "the structure has 2"),
-        (SEVERAL, 0, "the structure has 2"),
+        (TWO_ACTUATORS, 3, "the structure has 2"),
+        (TWO_ACTUATORS, 0, "the structure has 2"),
         (FRAME, 2, "one of the structure's 1"),
         (None, 1, "needs the `structure` of a frame"),
     ],
 )
 def test_an_actuator_must_drive_the_frame(records, tmp_path, frame, actuator, rule):
     (tmp_path / "frame.toml").write_text((frame or FRAME).format(delay=4.0))
-    of_frame = () if frame is None else ("--structure", tmp_path / "frame.toml")
-    result = run("--motions", records, *of_frame, "--actuator", actuator)
+    options = () if frame is None else ("--structure", tmp_path / "frame.toml")
+    result = run("--motions", records, *options, "--actuator", actuator)
     assert isinstance(result.exception, InputError)
     assert rule in str(result.exception)
 
 
-def test_several_actuators_that_would_diverge_are_said_to(records, tmp_path):
-    (tmp_path / "two.toml").write_text(SEVERAL.format(delay=60.0))
+def test_diverging_actuators_are_reported(records, tmp_path):
+    (tmp_path / "two.toml").write_text(TWO_ACTUATORS.format(delay=60.0))
     assert answer("--motions", records, "--structure", tmp_path / "two.toml")["rig"]["stable"] is False
 
 
 @pytest.mark.slow
 def test_criteria_of_several_shares_stand_beside_their_law(records):
     shares = ("--alpha", "1", "--alpha", "0.1")
-    given = ("--motions", records, "--f", "1", "--xi", "0.02", "--alpha", "0.5")
-    content = answer(*given, *shares)
+    arguments = ("--motions", records, "--f", "1", "--xi", "0.02", "--alpha", "0.5")
+    content = answer(*arguments, *shares)
     assert [row["alpha"] for row in content["criteria"]] == [0.1, 0.5, 1.0]
-    alone = answer(*given)
-    assert alone["criteria"] == content["criteria"][1:2]
-    assert "share_law" not in alone
+    single = answer(*arguments)
+    assert single["criteria"] == content["criteria"][1:2]
+    assert "share_law" not in single
     weak, half = content["share_law"]["ratios"]
     assert weak["law"] is None  # below ten damping ratios
-    a, whole = (content["criteria"][place]["a"] for place in (1, 2))
-    assert half["a_ratio"] == pytest.approx(a / whole)
+    a, complete = (content["criteria"][place]["a"] for place in (1, 2))
+    assert half["a_ratio"] == pytest.approx(a / complete)
     assert half["a_ratio"] == pytest.approx(half["law"], rel=0.3)
-    shown = run(*given, *shares, "--method", "quantile", "--confidence", "0.5").stdout
-    assert "Share α of the stiffness in the laboratory: 0.1, 0.5, 1." in shown
+    output = run(*arguments, *shares, "--method", "quantile", "--confidence", "0.5").stdout
+    assert "Share α of the stiffness in the laboratory: 0.1, 0.5, 1." in output
 
 
 @pytest.mark.slow
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize("extra", [("--compare",), ("--figures", "figures"), ("--out", "criterion.json")])
-def test_what_is_of_one_share_is_refused_for_several(records, tmp_path, monkeypatch, extra):
+def test_options_of_one_share_are_refused_for_several(records, tmp_path, monkeypatch, extra):
     monkeypatch.chdir(tmp_path)
     result = run("--motions", records, "--alpha", "0.5", "--alpha", "1", "--confidence", "0.5", *extra)
     assert isinstance(result.exception, InputError)

@@ -65,13 +65,13 @@ def sources(tmp_path_factory):
     f, xi, threshold = np.array([0.5, 1.0]), np.array([0.02, 0.05]), np.array([0.05, 0.1])
     shape = (24, 2, 2, 2, 2, 2, 2)
     spread = rng.normal(size=(24, 1, 1, 1, 1, 1, 1)) + 0.2 * rng.normal(size=shape)
-    scale = [each[:, :, None, None, None, None] for each in scales(f[:, None], xi[None, :])]
+    scale = [row[:, :, None, None, None, None] for row in scales(f[:, None], xi[None, :])]
     growth = (threshold[:, None, None, None] / 0.05) ** 2
     dims = ("motion", "f", "xi", "threshold", "metric", "curve", "side")
     dataset = xr.Dataset(
         {
-            name: (dims, each * growth * np.exp(0.4 * spread + 0.1 * rng.normal(size=shape)))
-            for name, each in zip("ab", scale, strict=True)
+            name: (dims, row * growth * np.exp(0.4 * spread + 0.1 * rng.normal(size=shape)))
+            for name, row in zip("ab", scale, strict=True)
         },
         coords={
             "motion": [f"E{m}" for m in range(24)],
@@ -98,20 +98,20 @@ PAPER = ("--ellipses", TABLE2)
 RECORDS = ("--motions", "{folder}/motions", "--method", "quantile", "--confidence", "0.8")
 HALF = (*RECORDS[:-1], "0.6", "--sets", "near")
 STORE = ("--results", "{folder}/results.zarr", "--confidence", "0.7")
-SHIPPED = ("--ellipses", "real_suite", "--f", "1", "--xi", "0.02")
-PRINTED = ("--law", "guo_2017_18")
+SHIPPED_SOURCE = ("--ellipses", "real_suite", "--f", "1", "--xi", "0.02")
+PUBLISHED_LAW = ("--law", "guo_2017_18")
 CHANGES = {
-    "motions": [(PRINTED, (*RECORDS, "--law", "table"))],
+    "motions": [(PUBLISHED_LAW, (*RECORDS, "--law", "table"))],
     "sets": [(RECORDS, ("--sets", "near", "--confidence", "0.6"))],
-    "results": [(PRINTED, (*STORE, "--law", "table"))],
-    "ellipses": [(PRINTED, (*PAPER, "--law", "table"))],
+    "results": [(PUBLISHED_LAW, (*STORE, "--law", "table"))],
+    "ellipses": [(PUBLISHED_LAW, (*PAPER, "--law", "table"))],
     "f": [
         (FILE[:2], ("--f", "1")),
         (FILE[:2], ("--f", "0.7")),
-        (PRINTED, ("--f", "2")),
+        (PUBLISHED_LAW, ("--f", "2")),
         (RECORDS, ("--f", "2")),
     ],
-    "xi": [(FILE[:2], ("--xi", "0.05")), (PRINTED, ("--xi", "0.05")), (RECORDS, ("--xi", "0.05"))],
+    "xi": [(FILE[:2], ("--xi", "0.05")), (PUBLISHED_LAW, ("--xi", "0.05")), (RECORDS, ("--xi", "0.05"))],
     "threshold": [
         (FILE, ("--threshold", "0.1")),
         (RECORDS, ("--threshold", "0.02")),
@@ -121,9 +121,9 @@ CHANGES = {
     "metric": [(FILE, ("--metric", "mte")), (RECORDS, ("--metric", "mte")), (STORE, ("--metric", "mte"))],
     "window": [(RECORDS, ("--window", "1.5")), (RECORDS, ("--window", "arias"))],
     "alpha": [(RECORDS, ("--alpha", "0.5")), (FILE, ("--alpha", "0.5")), (STORE, ("--alpha", "0.6"))],
-    "duration": [(SHIPPED, ("--duration", "20"))],
-    "motion": [(SHIPPED, ("--motion", "{folder}/motions"))],
-    "suite": [(SHIPPED, ("--suite", "{folder}/motions"))],
+    "duration": [(SHIPPED_SOURCE, ("--duration", "20"))],
+    "motion": [(SHIPPED_SOURCE, ("--motion", "{folder}/motions"))],
+    "suite": [(SHIPPED_SOURCE, ("--suite", "{folder}/motions"))],
     "model": [],
     "structure": [(HALF, ("--structure", FRAME))],
     "actuator": [((*HALF, *TWO), ("--actuator", "1"))],
@@ -136,7 +136,7 @@ CHANGES = {
     "law": [
         (FILE, ("--law", "power")),
         (FILE, ("--law", "dimensionless")),
-        (PRINTED, ("--law", "guo_2017_12")),
+        (PUBLISHED_LAW, ("--law", "guo_2017_12")),
     ],
     "steps": [],
     "chains": [],
@@ -146,68 +146,77 @@ CHANGES = {
     "json_target": [],
 }
 SLOW = {"suite", "motion", "duration"}  # options that carry the criterion of all that ships
-REFUSED = {
-    "motions": [(PAPER, ("--motions", "synthetic")), (PRINTED, ("--motions", "synthetic"))],
-    "sets": [(PAPER, ("--sets", "near")), (PRINTED, ("--sets", "near")), (STORE, ("--sets", "near"))],
-    "results": [(FILE, ("--results", "real_suite")), (PRINTED, ("--results", "real_suite"))],
-    "ellipses": [(PRINTED, PAPER), (STORE, PAPER)],
-    "f": [(PAPER, ("--f", "2")), (FILE[:2], ("--f", "5")), (FILE[:2], ("--f", "0")), (PRINTED, ("--f", "3"))],
-    "xi": [(PAPER, ("--xi", "0.05")), (FILE[:2], ("--xi", "0.5")), (PRINTED, ("--xi", "0.2"))],
+UNUSABLE = {
+    "motions": [(PAPER, ("--motions", "synthetic")), (PUBLISHED_LAW, ("--motions", "synthetic"))],
+    "sets": [(PAPER, ("--sets", "near")), (PUBLISHED_LAW, ("--sets", "near")), (STORE, ("--sets", "near"))],
+    "results": [(FILE, ("--results", "real_suite")), (PUBLISHED_LAW, ("--results", "real_suite"))],
+    "ellipses": [(PUBLISHED_LAW, PAPER), (STORE, PAPER)],
+    "f": [
+        (PAPER, ("--f", "2")),
+        (FILE[:2], ("--f", "5")),
+        (FILE[:2], ("--f", "0")),
+        (PUBLISHED_LAW, ("--f", "3")),
+    ],
+    "xi": [(PAPER, ("--xi", "0.05")), (FILE[:2], ("--xi", "0.5")), (PUBLISHED_LAW, ("--xi", "0.2"))],
     "threshold": [
         *(
             (base, ("--threshold", wrong))
-            for base in (PAPER, FILE, STORE, PRINTED)
+            for base in (PAPER, FILE, STORE, PUBLISHED_LAW)
             for wrong in ("0", "-0.1", "nan")
         ),
-        *((base, ("--threshold", "0.01")) for base in (PAPER, FILE, PRINTED)),
+        *((base, ("--threshold", "0.01")) for base in (PAPER, FILE, PUBLISHED_LAW)),
         (RECORDS, ("--threshold", "0")),
     ],
     "confidence": [
-        (base, ("--confidence", wrong)) for base in (FILE, PAPER, PRINTED) for wrong in ("0", "95")
+        (base, ("--confidence", wrong)) for base in (FILE, PAPER, PUBLISHED_LAW) for wrong in ("0", "95")
     ],
-    "metric": [(PAPER, ("--metric", "mte")), (PRINTED, ("--metric", "mte")), (FILE, ("--metric", "mean"))],
+    "metric": [
+        (PAPER, ("--metric", "mte")),
+        (PUBLISHED_LAW, ("--metric", "mte")),
+        (FILE, ("--metric", "mean")),
+    ],
     "window": [
         (FILE, ("--window", "arias")),
         (PAPER, ("--window", "arias")),
-        (PRINTED, ("--window", "arias")),
+        (PUBLISHED_LAW, ("--window", "arias")),
     ],
     "alpha": [
-        *((base, ("--alpha", "0.5")) for base in (PAPER, PRINTED)),
+        *((base, ("--alpha", "0.5")) for base in (PAPER, PUBLISHED_LAW)),
         *((base, ("--alpha", wrong)) for base in (FILE, STORE) for wrong in ("0.1", "1.5")),
     ],
     "duration": [
         (PAPER, ("--duration", "20")),
-        (PRINTED, ("--duration", "20")),
-        (SHIPPED, ("--duration", "0")),
-        (SHIPPED, ("--duration", "20", "--suite", "{folder}/motions")),
+        (PUBLISHED_LAW, ("--duration", "20")),
+        (SHIPPED_SOURCE, ("--duration", "0")),
+        (SHIPPED_SOURCE, ("--duration", "20", "--suite", "{folder}/motions")),
     ],
-    "motion": [(FILE, ("--motion", "{folder}/motions")), (PRINTED, ("--motion", "{folder}/motions"))],
+    "motion": [(FILE, ("--motion", "{folder}/motions")), (PUBLISHED_LAW, ("--motion", "{folder}/motions"))],
     "suite": [
-        (PRINTED, ("--suite", "{folder}/motions")),
-        ((*SHIPPED[:2], "--f", "0.8", "--xi", "0.02"), ("--suite", "{folder}/motions")),
+        (PUBLISHED_LAW, ("--suite", "{folder}/motions")),
+        ((*SHIPPED_SOURCE[:2], "--f", "0.8", "--xi", "0.02"), ("--suite", "{folder}/motions")),
     ],
-    "model": [(base, ("--model", "{folder}/model.toml")) for base in (FILE, PAPER, STORE, PRINTED)],
+    "model": [(base, ("--model", "{folder}/model.toml")) for base in (FILE, PAPER, STORE, PUBLISHED_LAW)],
     "structure": [
-        *((base, ("--structure", FRAME)) for base in (FILE, PAPER, STORE, PRINTED)),
+        *((base, ("--structure", FRAME)) for base in (FILE, PAPER, STORE, PUBLISHED_LAW)),
         *((RECORDS, ("--structure", FRAME, *extra)) for extra in (("--f", "1"), ("--alpha", "0.5"))),
         (RECORDS, ("--structure", "{folder}/none.toml")),
     ],
     "actuator": [(RECORDS, ("--actuator", "1")), ((*RECORDS, *TWO), ("--actuator", "3"))],
-    "method": [(FILE, ("--method", "magic")), (PRINTED, ("--method", "dirichlet"))],
-    "assurance": [(FILE, ("--assurance", "0.9")), (PRINTED, ("--assurance", "0.9"))],
-    "distribution": [(FILE, ("--distribution", "weibull")), (PRINTED, ("--distribution", "weibull"))],
-    "joint": [(PRINTED, ("--joint",))],
+    "method": [(FILE, ("--method", "magic")), (PUBLISHED_LAW, ("--method", "dirichlet"))],
+    "assurance": [(FILE, ("--assurance", "0.9")), (PUBLISHED_LAW, ("--assurance", "0.9"))],
+    "distribution": [(FILE, ("--distribution", "weibull")), (PUBLISHED_LAW, ("--distribution", "weibull"))],
+    "joint": [(PUBLISHED_LAW, ("--joint",))],
     "law": [(FILE, ("--law", "magic")), (FILE, ("--law", "guo_2017_12"))],
-    "steps": [(FILE, ("--steps", "40")), (PRINTED, ("--steps", "40"))],
-    "chains": [(FILE, ("--chains", "chains.h5")), (PRINTED, ("--chains", "chains.h5"))],
-    "compare": [(PRINTED, ("--compare",))],
-    "figures": [(PRINTED, ("--figures", "{folder}/figures")), (PAPER, ("--figures", TABLE2))],
+    "steps": [(FILE, ("--steps", "40")), (PUBLISHED_LAW, ("--steps", "40"))],
+    "chains": [(FILE, ("--chains", "chains.h5")), (PUBLISHED_LAW, ("--chains", "chains.h5"))],
+    "compare": [(PUBLISHED_LAW, ("--compare",))],
+    "figures": [(PUBLISHED_LAW, ("--figures", "{folder}/figures")), (PAPER, ("--figures", TABLE2))],
     "out": [(PAPER, ("--out", "{folder}/none/criterion.json"))],
     "json_target": [],
 }
 
 
-def placed(arguments, folder):
+def place_sources(arguments, folder):
     return [str(argument).format(folder=folder) for argument in arguments]
 
 
@@ -221,27 +230,27 @@ def cases(table):
 
 def test_the_walk_meets_every_option():
     options = set(inspect.signature(criterion).parameters) - {"context", "list_all"}
-    assert set(CHANGES) == set(REFUSED) == options
+    assert set(CHANGES) == set(UNUSABLE) == options
     tested_elsewhere = {"model", "steps", "chains", "compare", "figures", "out", "json_target"}
     assert all(CHANGES[name] or name in tested_elsewhere for name in options)
 
 
 @pytest.mark.default_cases(20)
-@pytest.mark.parametrize(("base", "extra"), cases(REFUSED))
-def test_an_option_that_cannot_be_used_is_refused(sources, base, extra):
-    assert answer(*placed(base, sources), *placed(extra, sources)) == "refused"
+@pytest.mark.parametrize(("base", "extra"), cases(UNUSABLE))
+def test_an_unusable_option_is_refused(sources, base, extra):
+    assert answer(*place_sources(base, sources), *place_sources(extra, sources)) == "refused"
 
 
 @pytest.fixture(scope="module")
 def answers(sources):
     """Answers by their arguments, each asked for once."""
-    known = {}
+    cache = {}
 
     def ask(arguments):
-        key = tuple(placed(arguments, sources))
-        if key not in known:
-            known[key] = answer(*key)
-        return known[key]
+        key = tuple(place_sources(arguments, sources))
+        if key not in cache:
+            cache[key] = answer(*key)
+        return cache[key]
 
     return ask
 
@@ -249,11 +258,11 @@ def answers(sources):
 @pytest.mark.slow
 @pytest.mark.default_cases(8)
 @pytest.mark.parametrize(("base", "extra"), cases(CHANGES))
-def test_an_option_that_is_taken_changes_the_answer(answers, base, extra):
-    before, after = answers(base), answers((*base, *extra))
-    assert before != "refused"
-    assert after != "refused"
-    assert numbers(before) != numbers(after)
+def test_an_accepted_option_changes_the_answer(answers, base, extra):
+    original, variant = answers(base), answers((*base, *extra))
+    assert original != "refused"
+    assert variant != "refused"
+    assert numbers(original) != numbers(variant)
 
 
 def numbers(found):
@@ -268,20 +277,20 @@ def test_a_model_goes_to_the_simulation(sources, monkeypatch):
     from reliab.app.api import sources as source_of_ellipses
     from reliab.sweep.ellipse_dataset import open_ellipses
 
-    asked = {}
+    calls = {}
 
     def ellipses(suite, **options):
-        asked.update(options, motions=len(suite))
+        calls.update(options, motions=len(suite))
         return open_ellipses(sources / "ellipses.nc")
 
     monkeypatch.setattr(source_of_ellipses, "ellipses", ellipses)
     answer("--motions", sources / "motions", "--model", sources / "model.toml")
-    assert (asked["motions"], asked["model"]) == (6, sources / "model.toml")
+    assert (calls["motions"], calls["model"]) == (6, sources / "model.toml")
 
 
 def test_a_list_names_every_method_law_and_distribution_and_takes_no_other_option():
-    shown = CliRunner().invoke(app, ["--list"]).stdout
+    output = CliRunner().invoke(app, ["--list"]).stdout
     for name in (*METHODS, *FITTED_LAWS, *MANY_MOTION_LAWS, *DISTRIBUTIONS):
-        assert f"  {name}: " in shown
-    assert "guo_2017_18: (A − 1)²/(0.021ξ)" in shown
+        assert f"  {name}: " in output
+    assert "guo_2017_18: (A − 1)²/(0.021ξ)" in output
     assert answer("--list", "--f", 1) == "refused"

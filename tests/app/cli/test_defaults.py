@@ -26,28 +26,28 @@ def folder(tmp_path, monkeypatch):
     return here
 
 
-def stated(capsys, *arguments):
+def values(capsys, *arguments):
     assert run(["assess", TEST, "--json", "-", *arguments]) == 0
-    shown = capsys.readouterr()
-    return json.loads(shown.out), shown.err
+    output = capsys.readouterr()
+    return json.loads(output.out), output.err
 
 
 def test_a_named_file_holds_unless_the_command_line_says_otherwise(folder, capsys):
     (folder / "lab.toml").write_text(LABORATORY, encoding="utf-8")
-    answer, said = stated(capsys, "--config", "lab.toml")
+    answer, sentences = values(capsys, "--config", "lab.toml")
     assert (answer["f"], answer["xi"], answer["alpha"]) == (1.0, 0.02, 0.9)
     assert answer["stated"]["f"]["deviation"] == 0.01
-    assert "lab.toml" in said
-    assert stated(capsys, "--config=lab.toml", "--alpha", "0.8")[0]["alpha"] == 0.8
+    assert "lab.toml" in sentences
+    assert values(capsys, "--config=lab.toml", "--alpha", "0.8")[0]["alpha"] == 0.8
 
 
 @pytest.mark.usefixtures("folder")
 def test_the_file_of_the_users_folder_is_named_on_the_screen(capsys):
     user_file().parent.mkdir(parents=True)
     user_file().write_text(LABORATORY, encoding="utf-8")
-    answer, said = stated(capsys)
+    answer, sentences = values(capsys)
     assert answer["alpha"] == 0.9
-    assert str(user_file()) in said
+    assert str(user_file()) in sentences
 
 
 def test_the_folder_of_a_command_states_nothing(folder, capsys):
@@ -65,7 +65,7 @@ def test_outputs_and_decisions_are_refused_even_in_a_named_file(folder, capsys, 
     assert f"{key} of [assess]" in capsys.readouterr().err
 
 
-def test_every_option_that_writes_is_refused_in_a_file():
+def test_output_options_are_refused_in_a_file():
     for command in _commands().commands.values():
         for option in command.params:
             if option.opts[0].startswith("--") and (option.help or "").startswith(("Write", "Keep")):
@@ -93,7 +93,7 @@ def test_the_environment_names_another_file(folder, capsys, monkeypatch):
     "text",
     ["[assess\n", "[judge]\nf = 1\n", "f = 1\n", "[assess]\npitch = 1\n", "[motions]\nsets = 1\n"],
 )
-def test_what_does_not_exist_is_refused(folder, capsys, text):
+def test_unknown_commands_and_options_are_refused(folder, capsys, text):
     (folder / "lab.toml").write_text(text, encoding="utf-8")
     assert run(["info", "--config", "lab.toml"]) == 2
     assert "lab.toml" in capsys.readouterr().err
@@ -111,7 +111,7 @@ def test_a_default_of_the_wrong_kind_is_refused(folder):
     assert run(["assess", TEST, "--config", "lab.toml", "--f", "1", "--xi", "0.02"]) == 2
 
 
-class Judged:
+class Verdict:
     reliable = True
 
     def to_dict(self):
@@ -119,17 +119,17 @@ class Judged:
 
 
 def test_a_default_of_the_structure_is_idle_beside_a_frame(folder, monkeypatch):
-    asked = {}
+    calls = {}
 
     @wraps(reliab.assess)
-    def assess(**stated):
-        asked.clear()
-        asked.update(stated)
-        return Judged()
+    def assess(**values):
+        calls.clear()
+        calls.update(values)
+        return Verdict()
 
     monkeypatch.setattr("reliab.app.api.assessment.assess", assess)
     (folder / "lab.toml").write_text(LABORATORY, encoding="utf-8")
     assert run(["assess", TEST, "--config", "lab.toml", "--structure", "frame.toml", "--json", "-"]) == 0
-    assert asked.keys().isdisjoint({"f", "xi", "alpha"})
+    assert calls.keys().isdisjoint({"f", "xi", "alpha"})
     assert run(["assess", TEST, "--config", "lab.toml", "--json", "-"]) == 0
-    assert (asked["f"], asked["xi"]) == ("1±0.01", "0.02")
+    assert (calls["f"], calls["xi"]) == ("1±0.01", "0.02")

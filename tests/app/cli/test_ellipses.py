@@ -37,8 +37,8 @@ def questions(records):
 
 @pytest.fixture(scope="module")
 def rows(records):
-    shown = run(*questions(records), "--json", "-")
-    return json.loads(shown)["ellipses"]
+    output = run(*questions(records), "--json", "-")
+    return json.loads(output)["ellipses"]
 
 
 def test_keys_of_the_lag_are_kept_and_those_of_leads_and_inscribed_ellipses_added(rows):
@@ -55,7 +55,7 @@ def test_keys_of_the_lag_are_kept_and_those_of_leads_and_inscribed_ellipses_adde
         assert row["no_ellipse"] is None
 
 
-def test_side_that_no_lead_reaches_is_null_and_says_why(rows):
+def test_unreached_lead_side_is_null_with_its_reason(rows):
     (row,) = (row for row in rows if row["threshold"] == 0.5 and row["f"] == 2.0)
     assert row["a_lead"] is None
     assert row["no_ellipse_lead"] == "not_reached"
@@ -69,10 +69,10 @@ def test_a_long_table_is_printed_page_by_page_with_every_boundary_once(
 ):
     monkeypatch.setattr(module, "_PAGE", page)
     monkeypatch.setenv("COLUMNS", "250")
-    shown = run(*questions(records))
-    boundaries = [line for line in shown.splitlines() if "EVENT" in line]
+    output = run(*questions(records))
+    boundaries = [line for line in output.splitlines() if "EVENT" in line]
     assert len(boundaries) == len(rows)
     for line, row in zip(boundaries, rows, strict=True):
         assert [float(cell) for cell in line.split()[1:3]] == [row["f"], row["xi"]]
-    assert shown.count("4 boundaries") == 1
-    assert shown.count("inscribed, lead") == 2 * pages
+    assert output.count("4 boundaries") == 1
+    assert output.count("inscribed, lead") == 2 * pages

@@ -62,10 +62,10 @@ SERVICES: dict[str, Any] = {
     "rig export": [export_rig],
     "rig report": [report_rig],
 }
-OF_REPORT = {"title", "date", "paper", "laboratory", "logo"}
+REPORT_OPTIONS = {"title", "date", "paper", "laboratory", "logo"}
 CHOOSE_A_SERVICE = {"list_all", "calibration", "rebuilt_error", "check", "figure"}
-OF_SEVERAL = {"sources": "source", "attribute": "attributes"}
-OF_PYTHON = {"show", "tell", "say", "addition"}
+PLURAL_NAMES = {"sources": "source", "attribute": "attributes"}
+PYTHON_ARGUMENTS = {"show", "tell", "say", "addition"}
 
 
 def command_of(name):
@@ -87,11 +87,11 @@ def test_every_command_but_those_of_a_verdict_is_compared():
 @pytest.mark.parametrize("name", SERVICES)
 def test_every_option_is_an_argument_and_every_argument_an_option(name):
     names = {parameter.name for parameter in command_of(name).params} - {"help", "json_target"}
-    options = {OF_SEVERAL.get(option, option) if name == "record" else option for option in names}
+    options = {PLURAL_NAMES.get(option, option) if name == "record" else option for option in names}
     arguments = set().union(*(inspect.signature(service).parameters for service in SERVICES[name]))
-    stated = arguments - OF_PYTHON - {"setting"}
-    assert stated <= options
-    assert options - stated - CHOOSE_A_SERVICE == (OF_REPORT if "setting" in arguments else set())
+    values = arguments - PYTHON_ARGUMENTS - {"setting"}
+    assert values <= options
+    assert options - values - CHOOSE_A_SERVICE == (REPORT_OPTIONS if "setting" in arguments else set())
 
 
 NUMBERS = {
@@ -148,13 +148,13 @@ WAYS: dict[str, Any] = {
     "report": {},
 }
 ALWAYS = {"simulate": {"out": "out.zarr"}, "explore": {"out": "page.html"}, "report": {"folder": "run"}}
-TESTED = {name: SERVICES[name][0] for name in WAYS}
+FUNCTIONS = {name: SERVICES[name][0] for name in WAYS}
 
 
 @pytest.fixture
-def stubbed(monkeypatch, tmp_path):
+def stub_services(monkeypatch, tmp_path):
     """What is slow answers with what it was asked."""
-    traced = read_ellipses(shipped("datasets", "paper/table2.csv"))
+    ellipses = read_ellipses(shipped("datasets", "paper/table2.csv"))
 
     def page(out, windows, settings, source):
         Path(out).write_text(repr((list(windows), settings, source)))
@@ -163,7 +163,7 @@ def stubbed(monkeypatch, tmp_path):
         return SimpleNamespace(asked=repr(values[2:]) + repr(sorted(named.items(), key=str))[:2000])
 
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sources.EllipseSource, "dataset", lambda *_: traced)
+    monkeypatch.setattr(sources.EllipseSource, "dataset", lambda *_: ellipses)
     monkeypatch.setattr(derived_criteria, "_describe_kept_share", lambda *_: {})
     monkeypatch.setattr(validation, "true_errors", lambda *_: "truth")
     monkeypatch.setattr(validation, "cross_validate", asked)
@@ -175,45 +175,45 @@ def stubbed(monkeypatch, tmp_path):
     monkeypatch.setattr(studies, "write_report", lambda folder, setting: folder / repr(setting or Setting()))
 
 
-def drawn(number):
+def draw_question(number):
     dice = random.Random(number)  # noqa: S311
     name = dice.choice(list(WAYS))
-    stated = {key: dice.choice(values) for key, values in WAYS[name].items() if dice.random() < 0.2}
-    return name, {**stated, **ALWAYS.get(name, {})}
+    terms = {key: dice.choice(values) for key, values in WAYS[name].items() if dice.random() < 0.2}
+    return name, {**terms, **ALWAYS.get(name, {})}
 
 
-def by_command(capsys, name, stated):
-    spelled = {key: f"--{key.replace('_', '-')}" for key in stated}
+def ask_command(capsys, name, stated):
+    flags = {key: f"--{key.replace('_', '-')}" for key in stated}
     options = [
         text
         for key, value in stated.items()
-        for text in ([str(value)] if key == "folder" else [spelled[key], str(value)])
+        for text in ([str(value)] if key == "folder" else [flags[key], str(value)])
     ]
     code = cli.run([name, *options, "--json", "-"])
     out, err = capsys.readouterr()
     return (code, json.loads(out), "") if code == 0 else (code, None, err.strip())
 
 
-def by_python(name, stated):
+def ask_python(name, stated):
     try:
-        content = TESTED[name](**stated).to_dict()
+        content = FUNCTIONS[name](**stated).to_dict()
     except reliab.InputError as error:
         return 2, None, f"Error: {as_options(str(error), COMMAND)}"
     return 0, json.loads(json.dumps(content)), ""
 
 
 @pytest.mark.parametrize("draws", DRAWS)
-@pytest.mark.usefixtures("stubbed")
+@pytest.mark.usefixtures("stub_services")
 def test_drawn_inputs_are_answered_as_one(capsys, draws):
     codes, differences = [], []
     for number in range(draws):
-        name, stated = drawn(number)
+        name, values = draw_question(number)
         if name == "report":
-            stated = {"folder": Path(stated["folder"])}
-        answered = by_command(capsys, name, stated)
-        if answered != by_python(name, stated):
-            differences.append((name, stated, answered, by_python(name, stated)))
-        codes.append(answered[0])
+            values = {"folder": Path(values["folder"])}
+        response = ask_command(capsys, name, values)
+        if response != ask_python(name, values):
+            differences.append((name, values, response, ask_python(name, values)))
+        codes.append(response[0])
     assert differences == []
     assert codes.count(0) > 0.2 * draws
     assert codes.count(2) > 0.2 * draws

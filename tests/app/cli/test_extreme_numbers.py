@@ -33,7 +33,7 @@ def motions(tmp_path_factory):
     return folder
 
 
-def changed(words, option, value, motions):
+def replace_number(words, option, value, motions):
     words = [str(motions) if word == "MOTIONS" else word for word in words]
     if option in words:
         words[words.index(option) + 1] = value
@@ -51,8 +51,8 @@ def changed(words, option, value, motions):
         if value not in MEANINGFUL.get(option, ())
     ],
 )
-def test_a_number_that_nothing_has_is_refused(words, option, value, motions, tmp_path, capsys):
-    arguments = changed(words, option, value, motions)
+def test_an_impossible_number_is_refused(words, option, value, motions, tmp_path, capsys):
+    arguments = replace_number(words, option, value, motions)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert run([*arguments, "--json", str(tmp_path / "answer.json")]) == 2
@@ -82,5 +82,7 @@ EDGES = [
 def test_no_warning_of_numerics_reaches_the_screen(words, option, value, motions, tmp_path):
     with warnings.catch_warnings():
         warnings.simplefilter("error", RuntimeWarning)
-        answered = run([*changed(words, option, value, motions), "--json", str(tmp_path / "answer.json")])
-    assert answered in (0, 1)
+        response = run(
+            [*replace_number(words, option, value, motions), "--json", str(tmp_path / "answer.json")]
+        )
+    assert response in (0, 1)

@@ -14,23 +14,23 @@ from reliab.report import terminal
 
 
 @pytest.fixture
-def drawn(monkeypatch):
+def tables(monkeypatch):
     """Tables that were printed, by their titles: headings with how they stand, and rows."""
-    seen, make = {}, terminal.rich_table
+    calls, make = {}, terminal.rich_table
 
     def rich_table(table):
-        shown = make(table)
-        seen.setdefault(table.caption or f"table {len(seen)}", shown)
-        return shown
+        output = make(table)
+        calls.setdefault(table.caption or f"table {len(calls)}", output)
+        return output
 
     monkeypatch.setattr(terminal, "rich_table", rich_table)
-    return seen
+    return calls
 
 
-def cells(shown):
+def cells(table):
     """Rows of a table as dictionaries by heading, and where its cells stand."""
-    headings = [str(column.header) for column in shown.columns]
-    columns = [[str(cell) for cell in column.cells] for column in shown.columns]
+    headings = [str(column.header) for column in table.columns]
+    columns = [[str(cell) for cell in column.cells] for column in table.columns]
     return [dict(zip(headings, row, strict=True)) for row in zip(*columns, strict=True)]
 
 
@@ -114,10 +114,10 @@ COMPARISON = {
 }
 
 
-def test_limits_of_shares_stand_below_their_headings(drawn, capsys):
+def test_limits_of_shares_stand_below_their_headings(tables, capsys):
     show_criteria({"criteria": [LIMITS], "share_law": SHARES})
-    (shown,) = (table for title, table in drawn.items() if title.startswith("Limits over the share"))
-    assert cells(shown) == [
+    (output,) = (table for title, table in tables.items() if title.startswith("Limits over the share"))
+    assert cells(output) == [
         {
             "f [Hz]": "1.25",
             "ξ [-]": "0.03",
@@ -131,23 +131,23 @@ def test_limits_of_shares_stand_below_their_headings(drawn, capsys):
             "b off by": "-",
         }
     ]
-    assert {column.justify for column in shown.columns} == {"right"}
+    assert {column.justify for column in output.columns} == {"right"}
     text = " ".join(capsys.readouterr().out.split())
     assert "a at f = 1.25 Hz, ξ = 0.03, error 0.04: s = 139 fits best" in text
     assert "off by 2.1 % at most; by the law s = 142" in text
     assert "b at f" not in text
 
 
-def test_limits_and_the_error_of_a_rig_stand_below_their_headings(drawn, capsys):
+def test_limits_and_the_error_of_a_rig_stand_below_their_headings(tables, capsys):
     show_criteria({"criteria": [LIMITS], "rig": RIG})
-    (limits,) = cells(drawn["(A − 1)²/a + d²/b ≤ 1 from 61 motions of 17 earthquakes"])
+    (limits,) = cells(tables["(A − 1)²/a + d²/b ≤ 1 from 61 motions of 17 earthquakes"])
     assert (limits["f [Hz]"], limits["ξ [-]"], limits["a [-]"], limits["b [ms²]"]) == (
         "1.25",
         "0.03",
         "0.000111",
         "2.22",
     )
-    rows = {row[""]: row["value"] for row in cells(drawn["Error of the described rig, RMS error"])}
+    rows = {row[""]: row["value"] for row in cells(tables["Error of the described rig, RMS error"])}
     assert rows == {
         "median of the motions": "1.11 %",
         "largest": "3.33 %",
@@ -159,9 +159,9 @@ def test_limits_and_the_error_of_a_rig_stand_below_their_headings(drawn, capsys)
     assert "the test of this frame is unstable" in capsys.readouterr().out
 
 
-def test_distributions_and_laws_stand_below_their_headings(drawn, capsys):
+def test_distributions_and_laws_stand_below_their_headings(tables, capsys):
     show_criteria({"criteria": [LIMITS], "comparison": COMPARISON})
-    _, scores, by_score, by_region = map(cells, drawn.values())
+    _, scores, scores_of_laws, regions_of_laws = map(cells, tables.values())
     assert scores == [
         {
             "distribution": "weibull",
@@ -172,14 +172,14 @@ def test_distributions_and_laws_stand_below_their_headings(drawn, capsys):
             "quantile 05": "5.5",
         }
     ]
-    assert by_score == [{"law": "power", "1.5": "15", "2.5": "25"}]
-    assert by_region == [{"law": "power", "1.5": "150", "2.5": "250"}]
+    assert scores_of_laws == [{"law": "power", "1.5": "15", "2.5": "25"}]
+    assert regions_of_laws == [{"law": "power", "1.5": "150", "2.5": "250"}]
     text = " ".join(capsys.readouterr().out.split())
     assert "a at f = 1.25 Hz, ξ = 0.03, error 0.04, earthquakes held out." in text
     assert "p of lognormality: shapiro-wilk 0.44." in text
 
 
-def test_probabilities_stand_below_their_heading(drawn):
+def test_probabilities_stand_below_their_heading(tables):
     validate.show_probabilities(
         {
             "scheme": "leave_out",
@@ -187,7 +187,7 @@ def test_probabilities_stand_below_their_heading(drawn):
             "bins": [{"stated": 0.9, "observed": 0.85, "low": 0.7, "high": 0.95, "tests": 43}],
         }
     )
-    assert cells(drawn["Probabilities of tests, leave out"]) == [
+    assert cells(tables["Probabilities of tests, leave out"]) == [
         {
             "stated probability": "90.0 %",
             "good tests (95 % interval)": "85.0 % (70.0 % … 95.0 %)",
@@ -196,8 +196,8 @@ def test_probabilities_stand_below_their_heading(drawn):
     ]
 
 
-def test_several_verdicts_stand_below_their_headings(drawn, capsys):
-    judged = {
+def test_several_verdicts_stand_below_their_headings(tables, capsys):
+    verdict = {
         "file": "a.csv",
         "metric": "rms",
         "threshold": 0.05,
@@ -210,8 +210,8 @@ def test_several_verdicts_stand_below_their_headings(drawn, capsys):
         "reliable": False,
         "reasons": ["Too large."],
     }
-    show_several([judged, {"file": "b/c.csv", "fault": "c.csv: no command"}])
-    assert cells(drawn["Verdicts on 2 tests, RMS error against 5 %"]) == [
+    show_several([verdict, {"file": "b/c.csv", "fault": "c.csv: no command"}])
+    assert cells(tables["Verdicts on 2 tests, RMS error against 5 %"]) == [
         {
             "test": "a.csv",
             "verdict": "not reliable",
@@ -234,8 +234,8 @@ def test_several_verdicts_stand_below_their_headings(drawn, capsys):
     ]
 
 
-def test_tolerable_errors_stand_below_their_headings_and_bars_are_as_long_as_the_delay(drawn, capsys):
-    def tolerance(f, delay, confidence=0.9, outside=False):  # noqa: FBT002
+def test_tolerable_errors_stand_below_their_headings_and_bars_are_as_long_as_the_delay(tables, capsys):
+    def tolerance(f, delay, confidence=0.9, is_outside=False):  # noqa: FBT002
         return Tolerance(
             frequency=f,
             damping_ratio=0.03,
@@ -244,14 +244,14 @@ def test_tolerable_errors_stand_below_their_headings_and_bars_are_as_long_as_the
             a=0.0004,
             b=(1e3 * delay) ** 2,
             critical_delay=0.05,
-            outside_validity=outside,
+            outside_validity=is_outside,
             population="of here",
         )
 
-    rows = [tolerance(1.25, 0.004), tolerance(2.5, 0.002, outside=True)]
+    rows = [tolerance(1.25, 0.004), tolerance(2.5, 0.002, is_outside=True)]
     chart = [tolerance(1.0, 0.004), tolerance(2.0, 0.002), tolerance(3.0, 0.009, confidence=0.5)]
     show_design(SimpleNamespace(tolerances=rows, chart=chart))
-    limits, bars = map(cells, drawn.values())
+    limits, bars = map(cells, tables.values())
     assert [
         (row["f [Hz]"], row["confidence"], row["|A − 1| alone"], row["d alone [ms]"]) for row in limits
     ] == [("1.25", "90 %", "0.0200", "4.000"), ("2.5*", "90 %", "0.0200", "2.000")]
@@ -262,13 +262,13 @@ def test_tolerable_errors_stand_below_their_headings_and_bars_are_as_long_as_the
         ("1", "4.000", 40),
         ("2", "2.000", 20),
     ]
-    assert list(drawn) == ["Tolerable errors at ξ = 0.03 for an error of 5 %", "Over the frequency, at 90 %"]
-    shown = capsys.readouterr().out
-    assert "Valid for ground motions like these: of here." in shown
-    assert "the criterion does not cover *" in shown
+    assert list(tables) == ["Tolerable errors at ξ = 0.03 for an error of 5 %", "Over the frequency, at 90 %"]
+    output = capsys.readouterr().out
+    assert "Valid for ground motions like these: of here." in output
+    assert "the criterion does not cover *" in output
 
 
-def test_channels_that_were_calibrated_stand_below_their_headings(drawn):
+def test_calibrated_channels_stand_below_their_headings(tables):
     calibrate._show(  # noqa: SLF001 - the table alone
         SimpleNamespace(
             skew_ms=StatedValue(1.25, 0.05),
@@ -280,8 +280,8 @@ def test_channels_that_were_calibrated_stand_below_their_headings(drawn):
             notes=(),
         )
     )
-    shown = cells(drawn["What the measured channel adds to the motion"])
-    rows = {row[""]: (row["value"], row["± 1 sd"]) for row in shown}
+    output = cells(tables["What the measured channel adds to the motion"])
+    rows = {row[""]: (row["value"], row["± 1 sd"]) for row in output}
     assert list(rows.values()) == [
         ("1.25", "0.05"),
         ("1.002", "0.0005"),

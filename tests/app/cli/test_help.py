@@ -11,7 +11,7 @@ import typer
 from reliab.app.cli import application, run
 from reliab.app.options import PANELS
 
-KEPT = Path(__file__).with_name("help.txt")
+GOLDEN_HELP = Path(__file__).with_name("help.txt")
 ROOT = typer.main.get_command(application())
 LONGEST = 110  # characters of a line of help
 
@@ -19,8 +19,8 @@ LONGEST = 110  # characters of a line of help
 def leaves(command=ROOT, path=()):
     """Yield each command with its path."""
     inner = getattr(command, "commands", {})
-    for name, one in inner.items():
-        yield from leaves(one, (*path, name))
+    for name, item in inner.items():
+        yield from leaves(item, (*path, name))
     if not inner:
         yield path, command
 
@@ -28,7 +28,7 @@ def leaves(command=ROOT, path=()):
 LEAVES = [pytest.param(command, id=" ".join(path)) for path, command in leaves()]
 
 
-def told(path, command):
+def help_lines(path, command):
     """Give the lines of a command's help: a title for each panel, and a + before what --help-all adds."""
     yield f"reliab {' '.join(path)}"
     yield from (f"    {line}".rstrip() for line in (command.help or "").splitlines())
@@ -42,24 +42,24 @@ def told(path, command):
         if parameter.rich_help_panel != panel:
             panel = parameter.rich_help_panel
             yield f"  {panel}"
-        mark = "+" if parameter.name in command.further else " "
+        mark = "+" if parameter.name in command.advanced_names else " "
         flags = ",".join([*parameter.opts, *parameter.secondary_opts])
         yield f"  {mark} {flags} {parameter.metavar or ''}  {parameter.help}"
 
 
 def whole_help():
-    return "\n".join(line for leaf in leaves() for line in (*told(*leaf), "")) + "\n"
+    return "\n".join(line for leaf in leaves() for line in (*help_lines(*leaf), "")) + "\n"
 
 
-def test_the_help_of_every_command_is_the_one_that_is_kept():
-    assert whole_help() == KEPT.read_text(encoding="utf-8")
+def test_help_of_every_command_equals_the_golden_text():
+    assert whole_help() == GOLDEN_HELP.read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("command", LEAVES)
 def test_panels_stand_in_their_order_and_everyday_options_before_others(command):
     titles = [panel.title for panel in PANELS]
     places = [
-        (titles.index(parameter.rich_help_panel), parameter.name in command.further)
+        (titles.index(parameter.rich_help_panel), parameter.name in command.advanced_names)
         for parameter in command.params
         if parameter.param_type_name == "option"
     ]
@@ -74,28 +74,27 @@ def test_one_line_tells_each_option(command):
             assert len(parameter.help) <= LONGEST
 
 
-def test_help_all_shows_what_help_leaves_out_and_help_stays_short(capsys):
-    shown = {}
-    for asked in ("--help", "--help-all", "--help"):
-        assert run(["assess", asked]) == 0
-        shown[asked] = capsys.readouterr().out
-    assert "--f,--frequency" in shown["--help"]
-    assert "--skew" not in shown["--help"]
-    assert "--help-all" in shown["--help"]
-    assert "--skew" in shown["--help-all"]
-    few, all_ = (len(shown[asked].splitlines()) for asked in ("--help", "--help-all"))
-    assert few < 0.65 * all_
+def test_help_all_adds_advanced_options_and_help_stays_short(capsys):
+    output = {}
+    for arguments in ("--help", "--help-all", "--help"):
+        assert run(["assess", arguments]) == 0
+        output[arguments] = capsys.readouterr().out
+    assert "--f,--frequency" in output["--help"]
+    assert "--skew" not in output["--help"]
+    assert "--help-all" in output["--help"]
+    assert "--skew" in output["--help-all"]
+    subset, complete = (len(output[arguments].splitlines()) for arguments in ("--help", "--help-all"))
+    assert subset < 0.65 * complete
 
 
 def test_commands_stand_in_groups(capsys):
     assert run(["--help"]) == 0
-    printed = capsys.readouterr().out
+    output = capsys.readouterr().out
     order = [
-        printed.index(word)
-        for word in ("Judge a test", "assess", "Prepare", "design", "Research", "ellipses")
+        output.index(word) for word in ("Judge a test", "assess", "Prepare", "design", "Research", "ellipses")
     ]
     assert order == sorted(order)
 
 
 if __name__ == "__main__":
-    KEPT.write_text(whole_help(), encoding="utf-8")
+    GOLDEN_HELP.write_text(whole_help(), encoding="utf-8")

@@ -40,7 +40,7 @@ def heeding_ctrl_c():
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
-def interrupted(arguments, folder, after):
+def interrupt(arguments, folder, after):
     """Run a command, press Ctrl-C, and return its exit code and what it said of it.
 
     On a machine that is done before, it is pressed in half the time.
@@ -60,7 +60,7 @@ def interrupted(arguments, folder, after):
     if process.returncode in (0, -signal.SIGINT) and after > SILENT_IMPORT:  # done, or Python is ending
         shutil.rmtree(folder)
         folder.mkdir()
-        return interrupted(arguments, folder, 0.5 * after)
+        return interrupt(arguments, folder, 0.5 * after)
     return process.returncode, messages.strip()
 
 
@@ -80,18 +80,18 @@ def test_a_long_command_ends_with_one_sentence(name, tmp_path):
         arguments = ("report", str(tmp_path / "before"))
     folder = tmp_path / "results"
     folder.mkdir()
-    code, messages = interrupted(arguments, folder, RUNNING.get(name, LONG))
+    code, messages = interrupt(arguments, folder, RUNNING.get(name, LONG))
     assert code == 130
     assert messages in {interruption(arguments), "Interrupted."}  # the latter while modules are imported
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="Windows sends Ctrl-C to a console, not to a process")
-def test_what_was_finished_is_kept_and_gone_on_from(tmp_path, monkeypatch):
+def test_finished_work_is_kept_and_resumed(tmp_path, monkeypatch):
     folder = tmp_path / "results"
     folder.mkdir()
     simulate = ("simulate", "--motions", "synthetic", *STRUCTURE, "--out", "results.zarr")
-    code, messages = interrupted(simulate, folder, LONG)
+    code, messages = interrupt(simulate, folder, LONG)
     monkeypatch.chdir(folder)
     assert code == 130
     assert "go on with --resume" in messages
@@ -100,26 +100,26 @@ def test_what_was_finished_is_kept_and_gone_on_from(tmp_path, monkeypatch):
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows sends Ctrl-C to a console, not to a process")
 def test_ctrl_c_while_modules_are_imported_is_no_traceback(tmp_path):
-    code, messages = interrupted(["monitor", "-", *STRUCTURE], tmp_path, SILENT_IMPORT)
+    code, messages = interrupt(["monitor", "-", *STRUCTURE], tmp_path, SILENT_IMPORT)
     # Python itself, before it reads the first line of ours, ends by the signal or with 1
     assert code in (130, -signal.SIGINT) or (code == 1 and "reliab" not in messages)
     assert "reliab/app/cli" not in messages
 
 
 @pytest.fixture
-def heeded():
+def handles_interruption():
     """Ctrl-C is heeded, also where the tests run in the background of a shell."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    original = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
-    signal.signal(signal.SIGINT, before)
+    signal.signal(signal.SIGINT, original)
 
 
 def press():
     signal.raise_signal(signal.SIGINT)
 
 
-@pytest.mark.usefixtures("heeded")
-def test_an_error_that_a_library_makes_of_ctrl_c_is_an_interruption():
+@pytest.mark.usefixtures("handles_interruption")
+def test_a_library_error_after_ctrl_c_is_an_interruption():
     with pytest.raises(SystemExit) as end, notice_interruption():  # noqa: PT012 - what a compiler does
         try:
             press()
@@ -128,8 +128,8 @@ def test_an_error_that_a_library_makes_of_ctrl_c_is_an_interruption():
     assert end.value.code == INTERRUPTED
 
 
-@pytest.mark.usefixtures("heeded")
-def test_a_ctrl_c_that_is_lost_in_a_callback_is_repeated():
+@pytest.mark.usefixtures("handles_interruption")
+def test_a_ctrl_c_lost_in_a_callback_is_repeated():
     callback = ctypes.CFUNCTYPE(None)(press)
     with pytest.raises(KeyboardInterrupt), notice_interruption():  # noqa: PT012 - what a compiler does
         callback()  # what is raised there is lost
@@ -137,8 +137,8 @@ def test_a_ctrl_c_that_is_lost_in_a_callback_is_repeated():
             time.sleep(0.01)
 
 
-@pytest.mark.usefixtures("heeded")
-def test_without_ctrl_c_errors_are_what_they_were():
+@pytest.mark.usefixtures("handles_interruption")
+def test_errors_without_ctrl_c_stay_unchanged():
     with pytest.raises(RuntimeError, match="as it was"), notice_interruption():
         raise RuntimeError("as it was")
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler

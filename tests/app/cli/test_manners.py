@@ -31,17 +31,24 @@ def test_example_is_printed_by_the_help_and_understood(name, capsys):
     assert COMMANDS[name].make_context(name, arguments).params
 
 
-def described(command, path=()):
+def command_texts(command, path=()):
     """Each command and group with its path, and every text that its help is made of."""
-    own = [command.help, *(getattr(parameter, "help", None) for parameter in command.params), command.epilog]
-    yield path, [text for text in own if text]
+    own_files = [
+        command.help,
+        *(getattr(parameter, "help", None) for parameter in command.params),
+        command.epilog,
+    ]
+    yield path, [text for text in own_files if text]
     for name, inner in getattr(command, "commands", {}).items():
-        yield from described(inner, (*path, name))
+        yield from command_texts(inner, (*path, name))
 
 
 @pytest.mark.parametrize(
     ("path", "texts"),
-    [pytest.param(*item, id=" ".join(item[0])) for item in described(typer.main.get_command(application()))],
+    [
+        pytest.param(*item, id=" ".join(item[0]))
+        for item in command_texts(typer.main.get_command(application()))
+    ],
 )
 def test_help_shows_every_character_of_its_texts(path, texts, monkeypatch, capsys):
     """Units in brackets, asterisks, colons: nothing of it is markup."""
@@ -50,14 +57,14 @@ def test_help_shows_every_character_of_its_texts(path, texts, monkeypatch, capsy
     for name in path:
         command = command.commands[name]
     assert run([*path, "--help-all" if getattr(command, "further", ()) else "--help"]) == 0
-    printed = "".join(capsys.readouterr().out.split())
-    assert [text for text in texts if "".join(text.split()) not in printed] == []
+    output = "".join(capsys.readouterr().out.split())
+    assert [text for text in texts if "".join(text.split()) not in output] == []
 
 
-def test_info_names_versions_and_what_ships(capsys):
+def test_info_names_versions_and_shipped_data(capsys):
     assert run(["info"]) == 0
-    printed = capsys.readouterr().out
-    assert f"reliab: {reliab.__version__}" in printed
+    output = capsys.readouterr().out
+    assert f"reliab: {reliab.__version__}" in output
     assert run(["info", "--json", "-"]) == 0
     content = json.loads(capsys.readouterr().out)
     assert content["packages"]["numpy"][0].isdigit()
@@ -78,7 +85,7 @@ def test_an_interrupted_command_ends_with_130_and_a_sentence(monkeypatch, capsys
     "arguments",
     [["assess", "nothing", "--f", "1"], pytest.param(["run", "nothing"], marks=pytest.mark.of_studies)],
 )
-def test_a_name_of_nothing_is_answered_by_the_names_that_there_are(arguments, capsys):
+def test_an_unknown_name_is_answered_by_the_known_names(arguments, capsys):
     assert run(arguments) == 2
     message = capsys.readouterr().err
     assert re.search(r"(nothing|No study 'nothing') not found\.|No study 'nothing'\.", message)
@@ -115,7 +122,7 @@ def test_errors_are_coloured_unless_no_color_is_set(monkeypatch, variable, colou
     assert ("\x1b[31m" in sys.stderr.getvalue()) == coloured
 
 
-def test_what_the_system_refuses_is_one_sentence(monkeypatch, capsys):
+def test_system_errors_are_one_sentence(monkeypatch, capsys):
     def write_suite(*_, **__):
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), "/locked/suite")
 

@@ -18,14 +18,14 @@ SPARED_BY_VERDICTS = SPARED_BY_ALL | {"pandas", "xarray"}
 SPARED_BY_VERDICTS |= {f"scipy.{name}" for name in ("interpolate", "optimize", "integrate")}
 COMPILER = {"numba.typed.typeddict", "numba.np.linalg"}  # of what Numba needs to compile
 SPARED_BY_VERDICTS |= COMPILER
-OF_FILES = {"recordings.channels_file", "criterion.criterion_file"}  # which are checked by pydantic
-OF_OTHER_STRUCTURES = OF_FILES | {
+FILE_MODULES = {"recordings.channels_file", "criterion.criterion_file"}  # which are checked by pydantic
+STRUCTURE_MODULES = FILE_MODULES | {
     "simulation.frames",
     "simulation.hybrid_test",
     "simulation.engine",
     "effects.registry",
 }
-SPARED_BY_ONE = SPARED_BY_VERDICTS | {f"reliab.{name}" for name in OF_OTHER_STRUCTURES}
+SPARED_BY_ONE = SPARED_BY_VERDICTS | {f"reliab.{name}" for name in STRUCTURE_MODULES}
 SPARED_BY_ONE |= {"reliab.sampling.ensembles", "reliab.assessment.measured_specimen.rebuild"}
 SPARED_BY_ONE |= {"threadpoolctl", "rich.progress"}
 
@@ -48,25 +48,25 @@ def modules(*arguments):
 
     One that has compiled a kernel is asked once more.
     """
-    names = imported(*arguments)
-    return names if names.isdisjoint(COMPILER) else imported(*arguments)
+    names = imports_of(*arguments)
+    return names if names.isdisjoint(COMPILER) else imports_of(*arguments)
 
 
-def imported(*arguments):
-    ended = subprocess.run(  # noqa: S603 - this very package
+def imports_of(*arguments):
+    process = subprocess.run(  # noqa: S603 - this very package
         [sys.executable, "-c", SCRIPT, *arguments], capture_output=True, text=True, check=True
     )
-    code, names = json.loads(ended.stdout.splitlines()[-1])
-    assert code == 0, ended.stderr
+    code, names = json.loads(process.stdout.splitlines()[-1])
+    assert code == 0, process.stderr
     return set(names)
 
 
 @pytest.fixture
 def files(tmp_path):
     """The test under another name, since one that is given twice is refused, with a force, and a record."""
-    recorded = pd.read_csv(TEST, comment="#")
-    with_force = recorded.assign(force_N=4e4 * recorded.filter(like="measured").iloc[:, 0])
-    with_force.to_csv(tmp_path / "with_force.csv", index=False)
+    table = pd.read_csv(TEST, comment="#")
+    force_table = table.assign(force_N=4e4 * table.filter(like="measured").iloc[:, 0])
+    force_table.to_csv(tmp_path / "with_force.csv", index=False)
     return {
         "AGAIN": shutil.copy(TEST, tmp_path / "again.csv"),
         "WITH_FORCE": tmp_path / "with_force.csv",
@@ -83,13 +83,13 @@ def test_a_verdict_in_python_needs_no_command_line():
     code = (
         f"import json, sys, reliab; reliab.assess({TEST!r}, f=1, xi=0.02); print(json.dumps([*sys.modules]))"
     )
-    ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)  # noqa: S603
-    assert {"typer", "rich", "pydantic"} & set(json.loads(ended.stdout)) == set()
+    process = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)  # noqa: S603
+    assert {"typer", "rich", "pydantic"} & set(json.loads(process.stdout)) == set()
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("arguments", "spared"),
+    ("arguments", "unneeded"),
     [
         (("--help",), SPARED_BY_HELP),
         (("assess", "--help"), SPARED_BY_HELP),
@@ -102,5 +102,5 @@ def test_a_verdict_in_python_needs_no_command_line():
     ],
     ids=lambda value: " ".join(item for item in value if len(item) < 20) if isinstance(value, tuple) else "",
 )
-def test_no_command_imports_what_it_does_not_need(arguments, spared, files):
-    assert modules(*(str(files.get(argument, argument)) for argument in arguments)) & spared == set()
+def test_no_command_imports_unneeded_modules(arguments, unneeded, files):
+    assert modules(*(str(files.get(argument, argument)) for argument in arguments)) & unneeded == set()

@@ -32,7 +32,7 @@ TWO_ACTUATORS = shipped("datasets", "frames/two_actuators.toml")
 STRUCTURE = Structure(frequency=1.0, damping_ratio=0.05)
 
 
-def written(path: Path, delay: float, seconds: float = 12.0, quiet: float = 0.0) -> list[str]:
+def write_test(path: Path, delay: float, seconds: float = 12.0, quiet: float = 0.0) -> list[str]:
     """A test under noise, which becomes twenty times weaker in its last, quiet seconds."""
     shaken = np.random.default_rng(1).normal(size=int(seconds * RATE))
     shaken[shaken.size - int(quiet * RATE) :] /= 20.0
@@ -51,28 +51,28 @@ def messages(text: str) -> list[dict]:
 @pytest.fixture(scope="module")
 def good(tmp_path_factory) -> Path:
     path = tmp_path_factory.mktemp("followed") / "good.csv"
-    written(path, 0.004)
+    write_test(path, 0.004)
     return path
 
 
-def follow(path: Path | str, *more: str) -> list[str]:
-    return ["monitor", str(path), "--f", "1", "--xi", "0.05", "--wait", "0.1", "--json", "-", *more]
+def follow(path: Path | str, *options: str) -> list[str]:
+    return ["monitor", str(path), "--f", "1", "--xi", "0.05", "--wait", "0.1", "--json", "-", *options]
 
 
-def test_the_end_is_what_is_rebuilt_afterwards(good, capsys):
+def test_final_message_equals_offline_result(good, capsys):
     assert run(follow(good, "--threshold", "0.5", "--exact")) == 0
-    said = messages(capsys.readouterr().out)
+    output = messages(capsys.readouterr().out)
     recording = read_recording(good)
-    whole = assess(recording, STRUCTURE).error.rebuilt
-    end = said[-1]
+    assessment = assess(recording, STRUCTURE).error.rebuilt
+    end = output[-1]
     assert end["kind"] == "end"
     assert end["samples"] == recording.command.size
-    assert end["error"]["rms"]["value"] == pytest.approx(whole.rms.value, rel=1e-6)
-    assert end["error"]["rms"]["high"] == pytest.approx(whole.rms.high, rel=1e-6)
-    assert end["error_m"] == pytest.approx(whole.error[-1], rel=1e-3)
+    assert end["error"]["rms"]["value"] == pytest.approx(assessment.rms.value, rel=1e-6)
+    assert end["error"]["rms"]["high"] == pytest.approx(assessment.rms.high, rel=1e-6)
+    assert end["error_m"] == pytest.approx(assessment.error[-1], rel=1e-3)
     assert end["alarms"] == []
-    assert not any(one["near_instability"] for one in said)
-    assert [one["samples"] for one in said[:3]] == [128, 256, 384]
+    assert not any(item["near_instability"] for item in output)
+    assert [item["samples"] for item in output[:3]] == [128, 256, 384]
 
 
 ONE_HERTZ = {"f": 1.0, "xi": 0.05}
@@ -81,20 +81,20 @@ END = ("verdict", "reliable", "reasons", "would_decide")
 
 @pytest.mark.default_cases(3)
 @pytest.mark.parametrize(
-    "more",
+    "options",
     [{}, {"exact": True}, {"alpha": 0.4}, {"scale": "1.01±0.001"}, {"metric": "mte"}, {"threshold": 0.04}],
 )
-def test_the_end_is_the_answer_of_assess(good, more):
-    *_, end = follow_test(good, **ONE_HERTZ, wait=0.1, **more)
-    found, assessed = end.to_dict(), reliab.assess(good, **ONE_HERTZ, **more).to_dict()
-    assert {key: found[key] for key in END} == {key: assessed[key] for key in END}
-    assert found["error"]["probability"] == assessed["probability"]
+def test_the_end_is_the_answer_of_assess(good, options):
+    *_, end = follow_test(good, **ONE_HERTZ, wait=0.1, **options)
+    content, assessment = end.to_dict(), reliab.assess(good, **ONE_HERTZ, **options).to_dict()
+    assert {key: content[key] for key in END} == {key: assessment[key] for key in END}
+    assert content["error"]["probability"] == assessment["probability"]
     for metric in ("rms", "mte"):
-        assert found["error"][metric] == assessed["error"][metric]
+        assert content["error"][metric] == assessment["error"][metric]
 
 
 @pytest.mark.slow
-def test_channels_that_only_assess_uses_count_at_the_end(good, tmp_path):
+def test_channels_of_assess_count_at_the_end(good, tmp_path):
     """A recorded ground acceleration, which the running error does not need."""
     lines = good.read_text(encoding="utf-8").splitlines()
     shaken = np.random.default_rng(1).normal(size=len(lines) - 1)
@@ -109,24 +109,24 @@ def test_channels_that_only_assess_uses_count_at_the_end(good, tmp_path):
 @pytest.mark.slow
 def test_undecided_is_no_answer_no_and_check_asks_for_reliable(good, capsys):
     """As with `reliab assess`: without --check only a test that is not reliable ends with exit code 1."""
-    found = reliab.assess(good, **ONE_HERTZ).error.rebuilt.rms
-    between = str(0.5 * (found.low + found.high))
-    for more, code in (((), 0), (("--check",), 1)):
-        assert run(follow(good, "--threshold", between, *more)) == code
+    assessment = reliab.assess(good, **ONE_HERTZ).error.rebuilt.rms
+    midpoint = str(0.5 * (assessment.low + assessment.high))
+    for extra, code in (((), 0), (("--check",), 1)):
+        assert run(follow(good, "--threshold", midpoint, *extra)) == code
         assert messages(capsys.readouterr().out)[-1]["verdict"] == "undecided"
-    assessed = ["assess", str(good), "--f", "1", "--xi", "0.05", "--threshold"]
-    assert run([*assessed, between, "--check"]) == 1
+    arguments_of_assess = ["assess", str(good), "--f", "1", "--xi", "0.05", "--threshold"]
+    assert run([*arguments_of_assess, midpoint, "--check"]) == 1
     for threshold, code in (("0.5", 0), ("0.002", 1)):
         exact = ("--exact", "--check")
         assert run(follow(good, "--threshold", threshold, *exact)) == code
-        assert run([*assessed, threshold, *exact]) == code
+        assert run([*arguments_of_assess, threshold, *exact]) == code
 
 
 def test_the_screen_ends_with_the_lines_of_assess(good, capsys):
     run(["monitor", str(good), "--f", "1", "--xi", "0.05", "--wait", "0.1"])
-    shown = capsys.readouterr().out
+    output = capsys.readouterr().out
     run(["assess", str(good), "--f", "1", "--xi", "0.05"])
-    assert capsys.readouterr().out.splitlines()[0] in shown.splitlines()
+    assert capsys.readouterr().out.splitlines()[0] in output.splitlines()
 
 
 @pytest.mark.parametrize("rate", ["8", "1"])
@@ -137,25 +137,25 @@ def test_a_reversed_sign_is_told_while_the_test_runs_and_refused_at_its_end(good
     path = tmp_path / "reversed.csv"
     path.write_text("\n".join([lines[0], *rows]) + "\n", encoding="utf-8")
     assert run(follow(path, "--every", rate)) == 2
-    said = capsys.readouterr()
-    first = messages(said.out)
-    alarm = next(one for one in first if one["kind"] == "alarm")
+    sentences = capsys.readouterr()
+    first = messages(sentences.out)
+    alarm = next(item for item in first if item["kind"] == "alarm")
     assert alarm["alarms"] == ["sign"]
     assert alarm["time_s"] < 4.0
-    assert not any("error" in one for one in first if one["time_s"] > alarm["time_s"])
-    assert "has the opposite sign of the command" in said.err
+    assert not any("error" in item for item in first if item["time_s"] > alarm["time_s"])
+    assert "has the opposite sign of the command" in sentences.err
 
 
-def test_a_replaced_file_is_judged_by_what_was_followed(good, tmp_path):
+def test_a_replaced_file_is_judged_by_its_followed_rows(good, tmp_path):
     """No file holds the whole test any more."""
     path = tmp_path / "test.csv"
     lines = good.read_text(encoding="utf-8").splitlines(keepends=True)
     path.write_text("".join(lines[:1500]), encoding="utf-8")
-    told = follow_test(path, **ONE_HERTZ, wait=0.3)
-    next(told)
+    updates = follow_test(path, **ONE_HERTZ, wait=0.3)
+    next(updates)
     path.rename(tmp_path / "test.csv.1")
     path.write_text("".join([lines[0], *lines[1500:]]), encoding="utf-8")
-    *_, end = told
+    *_, end = updates
     assert end.assessment is None
     assert end.to_dict()["samples"] == len(lines) - 1
     assert end.to_dict()["error"]["rms"]["value"] == pytest.approx(
@@ -163,7 +163,7 @@ def test_a_replaced_file_is_judged_by_what_was_followed(good, tmp_path):
     )
 
 
-def test_a_line_that_never_ended_costs_no_verdict(good, tmp_path):
+def test_an_unfinished_line_costs_no_verdict(good, tmp_path):
     path = tmp_path / "test.csv"
     path.write_text(good.read_text(encoding="utf-8") + "12.0,1.", encoding="utf-8")
     *_, end = follow_test(path, **ONE_HERTZ, wait=0.1)
@@ -173,51 +173,51 @@ def test_a_line_that_never_ended_costs_no_verdict(good, tmp_path):
 @pytest.mark.slow
 def test_the_end_decides_and_an_alarm_is_told(tmp_path, capsys):
     path = tmp_path / "long.csv"
-    written(path, 0.004, seconds=30.0, quiet=16.0)
+    write_test(path, 0.004, seconds=30.0, quiet=16.0)
     assert run(follow(path, "--threshold", "0.002", "--exact")) == 1
-    said = messages(capsys.readouterr().out)
-    first = next(one for one in said if one["alarms"])
-    assert (first["kind"], first["alarms"], said[-1]["alarms"]) == ("alarm", ["error"], ["error"])
+    output = messages(capsys.readouterr().out)
+    first = next(item for item in output if item["alarms"])
+    assert (first["kind"], first["alarms"], output[-1]["alarms"]) == ("alarm", ["error"], ["error"])
     assert 12.0 < first["time_s"] < 28.0
-    assert said[-1]["above_threshold"]
-    on_screen = ["monitor", str(path), "--f", "1", "--xi", "0.05", "--wait", "0.1"]
-    assert run([*on_screen, "--threshold", "0.002", "--exact"]) == 1
-    printed = " ".join(capsys.readouterr().out.split())
-    assert printed.count("Alarm at") == 1
-    assert "s: the error is above twice 0.2 %" in printed
-    assert printed.index("Alarm at") < printed.index("NOT RELIABLE: RMS error")
-    assert "No new row came for 0.1 s: the test counts as finished." in printed
+    assert output[-1]["above_threshold"]
+    command_line = ["monitor", str(path), "--f", "1", "--xi", "0.05", "--wait", "0.1"]
+    assert run([*command_line, "--threshold", "0.002", "--exact"]) == 1
+    lines_read = " ".join(capsys.readouterr().out.split())
+    assert lines_read.count("Alarm at") == 1
+    assert "s: the error is above twice 0.2 %" in lines_read
+    assert lines_read.index("Alarm at") < lines_read.index("NOT RELIABLE: RMS error")
+    assert "No new row came for 0.1 s: the test counts as finished." in lines_read
 
 
 @pytest.mark.slow
-def test_an_error_that_crossed_the_threshold_early_is_no_answer(tmp_path, capsys):
+def test_early_threshold_crossing_does_not_decide(tmp_path, capsys):
     """A threshold between the largest error so far and the one of the whole test."""
     path = tmp_path / "early.csv"
-    written(path, 0.004, seconds=30.0, quiet=20.0)
+    write_test(path, 0.004, seconds=30.0, quiet=20.0)
     run(follow(path, "--threshold", "1"))
-    said = messages(capsys.readouterr().out)
-    final = said[-1]["error"]["rms"]["value"]
-    early = max(one["rms"] for one in said)
+    output = messages(capsys.readouterr().out)
+    final = output[-1]["error"]["rms"]["value"]
+    early = max(item["rms"] for item in output)
     assert early > 1.2 * final
     assert run(follow(path, "--threshold", str(1.1 * final), "--exact")) == 0
-    said = messages(capsys.readouterr().out)
-    assert (said[-1]["alarms"], said[-1]["above_threshold"]) == ([], False)
+    output = messages(capsys.readouterr().out)
+    assert (output[-1]["alarms"], output[-1]["above_threshold"]) == ([], False)
 
 
-def test_a_loop_that_gains_energy_raises_the_alarm(tmp_path, capsys):
-    written(tmp_path / "unstable.csv", 0.03)
+def test_a_loop_gaining_energy_raises_the_alarm(tmp_path, capsys):
+    write_test(tmp_path / "unstable.csv", 0.03)
     assert run(follow(tmp_path / "unstable.csv", "--threshold", "0.5", "--exact")) == 1
-    said = messages(capsys.readouterr().out)
-    first = next(one for one in said if one["alarms"])
+    output = messages(capsys.readouterr().out)
+    first = next(item for item in output if item["alarms"])
     assert (first["kind"], first["alarms"]) == ("alarm", ["unstable"])
     assert first["time_s"] < 10.5  # when the command is twice the exact peak
-    assert said[-1]["net_damping_ratio"] + 2.0 * said[-1]["net_damping_deviation"] < 0.0
-    assert said[-1]["near_instability"]
+    assert output[-1]["net_damping_ratio"] + 2.0 * output[-1]["net_damping_deviation"] < 0.0
+    assert output[-1]["near_instability"]
 
 
 @pytest.mark.slow
 def test_an_alarm_reaches_a_pipe_while_the_test_still_runs(tmp_path):
-    lines = written(tmp_path / "unstable.csv", 0.03)
+    lines = write_test(tmp_path / "unstable.csv", 0.03)
     arguments = ["monitor", "-", "--f", "1", "--xi", "0.05", "--threshold", "0.5", "--exact"]
     with subprocess.Popen(  # noqa: S603 - our own program
         [*PROGRAM, *arguments], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
@@ -227,23 +227,23 @@ def test_an_alarm_reaches_a_pipe_while_the_test_still_runs(tmp_path):
         alarm = next(line for line in following.stdout if line.startswith("Alarm at"))
         assert "the loop gains energy in its mode of 1 Hz and may diverge" in alarm
         following.stdin.close()
-        rest = following.stdout.read()
+        remainder = following.stdout.read()
     assert following.returncode == 1
-    assert "Alarm" not in rest
+    assert "Alarm" not in remainder
 
 
 PROGRAM = [sys.executable, "-c", "import sys; from reliab.app.cli import run; sys.exit(run(sys.argv[1:]))"]
 
 
 @pytest.mark.slow
-def test_a_follow_that_was_killed_and_started_again_says_the_same(good, capsys):
-    killed = subprocess.Popen([*PROGRAM, *follow(good, "--threshold", "0.5")], stdout=subprocess.PIPE)  # noqa: S603 - our own program
-    begun = killed.stdout.readline().decode()
-    killed.kill()
-    killed.wait()
-    killed.stdout.close()
+def test_a_restarted_monitor_gives_the_same_result(good, capsys):
+    process = subprocess.Popen([*PROGRAM, *follow(good, "--threshold", "0.5")], stdout=subprocess.PIPE)  # noqa: S603 - our own program
+    first_line = process.stdout.readline().decode()
+    process.kill()
+    process.wait()
+    process.stdout.close()
     run(follow(good, "--threshold", "0.5"))
-    assert capsys.readouterr().out.startswith(begun)
+    assert capsys.readouterr().out.startswith(first_line)
 
 
 @pytest.mark.slow
@@ -252,33 +252,33 @@ def test_standard_input_is_followed_to_its_end(good, capsys, monkeypatch):
     with good.open(encoding="utf-8") as pipe:
         monkeypatch.setattr("sys.stdin", pipe)
         assert run(follow("-", "--threshold", "0.5")) == 0
-    said = capsys.readouterr().out
+    output = capsys.readouterr().out
     run(follow(good, "--threshold", "0.5"))
-    assert said == capsys.readouterr().out
+    assert output == capsys.readouterr().out
 
 
 @pytest.mark.slow
-def test_a_file_that_comes_later_is_waited_for(tmp_path, good, capsys):
+def test_monitor_waits_for_a_later_file(tmp_path, good, capsys):
     path = tmp_path / "later.csv"
 
     def write() -> None:
         time.sleep(0.3)
         with path.open("w", encoding="utf-8") as file:
-            whole = good.read_text(encoding="utf-8")
-            header = whole.index("\n") + 1
-            file.write(whole[:header])
+            original = good.read_text(encoding="utf-8")
+            header = original.index("\n") + 1
+            file.write(original[:header])
             file.flush()
             time.sleep(0.4)  # a logger that begins later: longer than --wait
-            file.write(whole[header:])
+            file.write(original[header:])
 
     logger = threading.Thread(target=write)
     logger.start()
     assert run(follow(path, "--threshold", "0.5", "--start-within", "20")) == 0
     logger.join()
-    said = capsys.readouterr()
-    assert "Waiting up to 20 s for later.csv, which does not exist yet" in said.err
+    sentences = capsys.readouterr()
+    assert "Waiting up to 20 s for later.csv, which does not exist yet" in sentences.err
     run(follow(good, "--threshold", "0.5"))
-    assert capsys.readouterr().out == said.out
+    assert capsys.readouterr().out == sentences.out
 
 
 def rows_while(path: Path, change) -> np.ndarray:
@@ -294,9 +294,9 @@ def rows_while(path: Path, change) -> np.ndarray:
     return np.concatenate([part.time for part in rows])
 
 
-def test_a_line_that_is_half_written_waits_for_its_end(tmp_path):
+def test_monitor_waits_for_the_end_of_a_line(tmp_path):
     path = tmp_path / "test.csv"
-    lines = written(path, 0.004)
+    lines = write_test(path, 0.004)
     path.write_text("\n".join(lines[:100])[:-7], encoding="utf-8")
 
     def change():
@@ -313,7 +313,7 @@ def test_a_line_that_is_half_written_waits_for_its_end(tmp_path):
 
 def test_a_rotated_file_is_read_to_its_end_and_then_the_new_one(tmp_path):
     path = tmp_path / "test.csv"
-    lines = written(path, 0.004)
+    lines = write_test(path, 0.004)
     path.write_text("\n".join(lines[:100]) + "\n", encoding="utf-8")
 
     def change():
@@ -332,20 +332,20 @@ def test_a_rotated_file_is_read_to_its_end_and_then_the_new_one(tmp_path):
 @pytest.mark.slow
 def test_columns_may_have_units_and_names_of_their_own(tmp_path, good, capsys):
     lines = good.read_text(encoding="utf-8").splitlines()
-    changed = ["seconds;drive_mm;lvdt_mm"]
+    variant = ["seconds;drive_mm;lvdt_mm"]
     for line in lines[1:]:
         time_s, command, measured = line.split(",")
-        changed.append(f"{time_s};{1e3 * float(command):.9e};{1e3 * float(measured):.9e}")
-    (tmp_path / "other.csv").write_text("\n".join(changed) + "\n", encoding="utf-8")
+        variant.append(f"{time_s};{1e3 * float(command):.9e};{1e3 * float(measured):.9e}")
+    (tmp_path / "other.csv").write_text("\n".join(variant) + "\n", encoding="utf-8")
     run(follow(good, "--threshold", "0.5"))
-    expected = messages(capsys.readouterr().out)[-1]
+    reference = messages(capsys.readouterr().out)[-1]
     run(follow(tmp_path / "other.csv", "--threshold", "0.5", "--command", "drive_mm"))
-    said = messages(capsys.readouterr().out)[-1]
-    assert said["error_m"] == pytest.approx(expected["error_m"], rel=1e-6)
+    sentences = messages(capsys.readouterr().out)[-1]
+    assert sentences["error_m"] == pytest.approx(reference["error_m"], rel=1e-6)
 
 
 @pytest.mark.parametrize(
-    ("text", "more", "rule"),
+    ("text", "options", "rule"),
     [
         ("0,0,0\n1,0,0\n", (), "names no columns"),
         ("time,command,measured\n0,0\n", (), "3 in the first line"),
@@ -359,9 +359,9 @@ def test_columns_may_have_units_and_names_of_their_own(tmp_path, good, capsys):
         ("time,command,measured\n" + "0,0,0\n", ("--scale", "0"), "scale must be between"),
     ],
 )
-def test_bad_input_is_one_sentence(tmp_path, text, more, rule, capsys):
+def test_bad_input_is_one_sentence(tmp_path, text, options, rule, capsys):
     (tmp_path / "bad.csv").write_text(text, encoding="utf-8")
-    assert run(follow(tmp_path / "bad.csv", *more)) == 2
+    assert run(follow(tmp_path / "bad.csv", *options)) == 2
     assert rule in capsys.readouterr().err
 
 
@@ -387,10 +387,10 @@ def test_a_missing_file_and_frequency_are_refused(tmp_path, capsys):
 def short(tmp_path_factory) -> tuple[Path, str]:
     """The test, and what is printed of it without further options."""
     path = tmp_path_factory.mktemp("short") / "good.csv"
-    written(path, 0.004, seconds=12.0)
-    with contextlib.redirect_stdout(io.StringIO()) as printed:
+    write_test(path, 0.004, seconds=12.0)
+    with contextlib.redirect_stdout(io.StringIO()) as stream:
         run(follow(path, "--threshold", "0.15"))
-    return path, printed.getvalue()
+    return path, stream.getvalue()
 
 
 @pytest.mark.slow
@@ -424,40 +424,40 @@ def test_a_calibration_of_the_channels_is_taken_off(tmp_path, good, capsys):
     table = np.loadtxt(good, delimiter=",", skiprows=1)
     time, command, measured = table.T
     late = 1.02 * np.interp(time - 0.010, time, measured)
-    spoiled, channels = tmp_path / "late.csv", tmp_path / "channels.toml"
+    late_file, channels = tmp_path / "late.csv", tmp_path / "channels.toml"
     rows = "\n".join(f"{t:.6f},{c:.9e},{m:.9e}" for t, c, m in zip(time, command, late, strict=True))
-    spoiled.write_text(f"time_s,command_m,measured_m\n{rows}\n", encoding="utf-8")
+    late_file.write_text(f"time_s,command_m,measured_m\n{rows}\n", encoding="utf-8")
     channels.write_text("[calibration]\nskew_ms = 10.0\nskew_sd_ms = 0.1\nscale = 1.02\n", encoding="utf-8")
-    run(follow(spoiled, "--threshold", "1", "--exact"))
+    run(follow(late_file, "--threshold", "1", "--exact"))
     raw = messages(capsys.readouterr().out)[-1]["error"]["rms"]
-    run(follow(spoiled, "--threshold", "1", "--channels", str(channels), "--exact"))
-    mended = messages(capsys.readouterr().out)[-1]["error"]["rms"]
+    run(follow(late_file, "--threshold", "1", "--channels", str(channels), "--exact"))
+    corrected_error = messages(capsys.readouterr().out)[-1]["error"]["rms"]
     assert raw["value"] > 2.0 * sound["value"]
-    assert mended["value"] == pytest.approx(sound["value"], rel=0.03)
-    assert mended["high"] - mended["low"] > 2.0 * (sound["high"] - sound["low"])
-    run(follow(spoiled, "--threshold", "1", "--channels", str(channels), "--scale", "1"))
+    assert corrected_error["value"] == pytest.approx(sound["value"], rel=0.03)
+    assert corrected_error["high"] - corrected_error["low"] > 2.0 * (sound["high"] - sound["low"])
+    run(follow(late_file, "--threshold", "1", "--channels", str(channels), "--scale", "1"))
     assert messages(capsys.readouterr().out)[-1]["error"]["rms"]["value"] > 1.1 * sound["value"]
 
 
 @pytest.mark.slow
-def test_what_is_not_stated_is_as_uncertain_as_in_assess(good, tmp_path, capsys):
+def test_default_uncertainties_are_those_of_assess(good, tmp_path, capsys):
     """Two doors, one interval: that of a linear specimen with ordinary equipment."""
     sizes = tmp_path / "ours.toml"
     sizes.write_text("scale = 0.0\nf = 0.0\n", encoding="utf-8")
     widths = []
-    for more in (["--exact"], ["--equipment", str(sizes)], []):
-        run(follow(good, "--threshold", "0.2", *more))
+    for extra in (["--exact"], ["--equipment", str(sizes)], []):
+        run(follow(good, "--threshold", "0.2", *extra))
         error = messages(capsys.readouterr().out)[-1]["error"]
         widths.append(error["rms"]["high"] - error["rms"]["low"])
     assert sorted(widths) == widths
     assert error["probability"] == 0.99  # beyond which assumed sizes are not known
-    beside = reliab.assess(good, f=1, xi=0.05, threshold=0.2, specimen="linear").error.rebuilt.rms
-    assert error["rms"]["value"] == pytest.approx(beside.value, rel=1e-6)
-    assert error["rms"]["low"] == pytest.approx(beside.low, rel=0.1)
-    assert error["rms"]["high"] == pytest.approx(beside.high, rel=0.1)
+    assessment = reliab.assess(good, f=1, xi=0.05, threshold=0.2, specimen="linear").error.rebuilt.rms
+    assert error["rms"]["value"] == pytest.approx(assessment.value, rel=1e-6)
+    assert error["rms"]["low"] == pytest.approx(assessment.low, rel=0.1)
+    assert error["rms"]["high"] == pytest.approx(assessment.high, rel=0.1)
 
 
-def test_equipment_that_nothing_would_use_is_refused(good, tmp_path, capsys):
+def test_unused_equipment_is_refused(good, tmp_path, capsys):
     sizes = tmp_path / "ours.toml"
     sizes.write_text("scale = 0.0\n", encoding="utf-8")
     assert run(follow(good, "--exact", "--equipment", str(sizes))) == 2
@@ -466,15 +466,17 @@ def test_equipment_that_nothing_would_use_is_refused(good, tmp_path, capsys):
 
 def test_messages_state_how_often_alarms_are_false(good, capsys):
     run(follow(good, "--threshold", "1"))
-    rates = {tuple(said["false_alarm_rates"].items()) for said in messages(capsys.readouterr().out)}
+    rates = {tuple(output["false_alarm_rates"].items()) for output in messages(capsys.readouterr().out)}
     assert rates == {(("unstable", 0.01), ("error", 0.01))}
 
 
 def test_updates_come_at_equal_times_however_often_alarms_are_looked_for(good):
     """A tenth of a second is 26 samples, between which 64 and 100 have no place of their own."""
-    for every, samples in ((0.25, [64, 128, 192, 256]), (100 / 256, [100, 200, 300, 400])):
-        told = [m for m in islice(follow_test(good, f=1, xi=0.02, every=every), 6) if m.kind == "update"]
-        assert [m.to_dict()["samples"] for m in told][:4] == samples
+    for interval, samples in ((0.25, [64, 128, 192, 256]), (100 / 256, [100, 200, 300, 400])):
+        updates = [
+            m for m in islice(follow_test(good, f=1, xi=0.02, every=interval), 6) if m.kind == "update"
+        ]
+        assert [m.to_dict()["samples"] for m in updates][:4] == samples
 
 
 FRAME = """
@@ -489,15 +491,15 @@ ratio = 0.05
 [tolerances]
 stiffness = 0.03
 """
-ONE = 'degree_of_freedom = "1"\nstiffness_n_per_m = 4e4'
+ONE_DEGREE = 'degree_of_freedom = "1"\nstiffness_n_per_m = 4e4'
 TWO = 'degrees_of_freedom = ["1", "2"]\nstiffness_matrix_n_per_m = [[2e4, 0.0], [0.0, 2e4]]'
 
 
 def test_a_frame_is_followed_as_it_is_assessed(good, tmp_path, capsys):
     path = tmp_path / "frame.toml"
-    path.write_text(FRAME.format(driven=ONE), encoding="utf-8")
-    asked = ["--structure", str(path), "--json", "-"]
-    assert run(["monitor", str(good), "--wait", "0.1", "--threshold", "2", *asked]) == 0
+    path.write_text(FRAME.format(driven=ONE_DEGREE), encoding="utf-8")
+    arguments = ["--structure", str(path), "--json", "-"]
+    assert run(["monitor", str(good), "--wait", "0.1", "--threshold", "2", *arguments]) == 0
     end = messages(capsys.readouterr().out)[-1]
     rebuilt = reliab.assess(good, path, threshold=2.0).error.rebuilt
     assert end["error_m"] == pytest.approx(rebuilt.error[-1], rel=0.1)  # with all as stated
@@ -507,21 +509,21 @@ def test_a_frame_is_followed_as_it_is_assessed(good, tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
-    ("driven", "more", "sentence"),
+    ("driven", "options", "sentence"),
     [
-        (ONE, ["--f", "1"], "--f has no effect together with"),
+        (ONE_DEGREE, ["--f", "1"], "--f has no effect together with"),
         (TWO, [], "Each actuator needs"),
     ],
 )
-def test_a_frame_that_cannot_be_followed_is_refused(good, tmp_path, capsys, driven, more, sentence):
+def test_an_unsupported_frame_is_refused(good, tmp_path, capsys, driven, options, sentence):
     path = tmp_path / "frame.toml"
     path.write_text(FRAME.format(driven=driven), encoding="utf-8")
-    assert run(["monitor", str(good), "--wait", "0.1", "--structure", str(path), *more]) == 2
+    assert run(["monitor", str(good), "--wait", "0.1", "--structure", str(path), *options]) == 2
     assert sentence in " ".join(capsys.readouterr().err.split())
 
 
 @pytest.fixture(scope="module")
-def of_two_actuators(tmp_path_factory) -> Path:
+def two_actuator_test(tmp_path_factory) -> Path:
     """A test of the frame that ships, with channels in another order, of which the second one errs."""
     frame, rate = read_structure(TWO_ACTUATORS), 128
     rng = np.random.default_rng(8)
@@ -537,41 +539,41 @@ def of_two_actuators(tmp_path_factory) -> Path:
 
 
 @pytest.mark.slow
-def test_several_actuators_are_followed_as_they_are_assessed(of_two_actuators, capsys):
-    asked = ["--structure", str(TWO_ACTUATORS), "--wait", "0.1", "--threshold", "0.9"]
-    assert run(["monitor", str(of_two_actuators), *asked, "--json", "-"]) == 0
+def test_several_actuators_are_followed_as_they_are_assessed(two_actuator_test, capsys):
+    arguments = ["--structure", str(TWO_ACTUATORS), "--wait", "0.1", "--threshold", "0.9"]
+    assert run(["monitor", str(two_actuator_test), *arguments, "--json", "-"]) == 0
     end = messages(capsys.readouterr().out)[-1]
-    assessed = reliab.assess(of_two_actuators, TWO_ACTUATORS, threshold=0.9).to_dict()["error"]
-    followed = end["error"]
-    assert followed["governing"] == assessed["governing"] == end["governing"]
-    assert followed["rms"] == assessed["rms"]
-    assert followed["probability"] == assessed["probability"]
-    for name, degree in followed["degrees_of_freedom"].items():
-        of_assess = assessed["degrees_of_freedom"][name]
+    content = reliab.assess(two_actuator_test, TWO_ACTUATORS, threshold=0.9).to_dict()["error"]
+    updates = end["error"]
+    assert updates["governing"] == content["governing"] == end["governing"]
+    assert updates["rms"] == content["rms"]
+    assert updates["probability"] == content["probability"]
+    for name, degree in updates["degrees_of_freedom"].items():
+        reference = content["degrees_of_freedom"][name]
         assert {key: degree[key] for key in ("judged", "rms", "mte", "probability")} == {
-            key: of_assess[key] for key in ("judged", "rms", "mte", "probability")
+            key: reference[key] for key in ("judged", "rms", "mte", "probability")
         }
         assert end["degrees_of_freedom"][name]["rms"] == pytest.approx(degree["rms"]["value"], rel=0.1)
-    assert run(["monitor", str(of_two_actuators), *asked]) == 0
-    assert f"RMS of {followed['governing']}" in capsys.readouterr().out
+    assert run(["monitor", str(two_actuator_test), *arguments]) == 0
+    assert f"RMS of {updates['governing']}" in capsys.readouterr().out
 
 
 @pytest.mark.slow
-def test_a_skew_of_several_actuators_is_taken_off(of_two_actuators, tmp_path, capsys):
+def test_a_skew_of_several_actuators_is_taken_off(two_actuator_test, tmp_path, capsys):
     late = tmp_path / "channels.toml"
     late.write_text("[calibration]\nskew_ms = 6.0\n", encoding="utf-8")
-    asked = ["--structure", str(TWO_ACTUATORS), "--wait", "0.1", "--threshold", "0.9", "--json", "-"]
+    arguments = ["--structure", str(TWO_ACTUATORS), "--wait", "0.1", "--threshold", "0.9", "--json", "-"]
     errors = []
-    for more in ([], ["--channels", str(late)]):
-        run(["monitor", str(of_two_actuators), *asked, *more])
+    for extra in ([], ["--channels", str(late)]):
+        run(["monitor", str(two_actuator_test), *arguments, *extra])
         errors.append(messages(capsys.readouterr().out)[-1]["error"]["rms"]["value"])
-    assessed = reliab.assess(of_two_actuators, TWO_ACTUATORS, skew=6.0).error
-    assert errors[1] == pytest.approx(assessed.governing.rms.value, rel=0.02)
+    assessment = reliab.assess(two_actuator_test, TWO_ACTUATORS, skew=6.0).error
+    assert errors[1] == pytest.approx(assessment.governing.rms.value, rel=0.02)
     assert abs(errors[1] / errors[0] - 1.0) > 0.1
 
 
 @pytest.mark.slow
-def test_a_test_that_counts_from_another_zero_gets_no_number_that_is_too_small(good, tmp_path):
+def test_another_zero_does_not_hide_an_error(good, tmp_path):
     """Strokes of a piston: their peak is counted from its end, and no error over it means anything."""
     names, *rows = good.read_text(encoding="utf-8").splitlines()
     numbers = np.loadtxt(rows, delimiter=",") + np.array([0.0, 0.2, 0.2])
@@ -587,10 +589,10 @@ def test_a_test_that_counts_from_another_zero_gets_no_number_that_is_too_small(g
 
 
 @pytest.mark.slow
-def test_an_offset_that_the_loop_felt_before_the_first_row_is_no_other_zero(good, tmp_path):
+def test_an_offset_felt_by_the_loop_is_no_other_zero(good, tmp_path):
     names, *rows = good.read_text(encoding="utf-8").splitlines()
     path = tmp_path / "felt.csv"
-    moved = np.loadtxt(rows, delimiter=",") + np.array([0.0, -0.2, 0.0])
-    np.savetxt(path, moved, delimiter=",", header=names, comments="", fmt="%.12g")
+    displacement = np.loadtxt(rows, delimiter=",") + np.array([0.0, -0.2, 0.0])
+    np.savetxt(path, displacement, delimiter=",", header=names, comments="", fmt="%.12g")
     *_, end = follow_test(path, f=1.0, xi=0.05, wait=0.1)
     assert end.kind == "end"

@@ -49,7 +49,7 @@ def test_list_shows_every_motion_with_its_event(folder: Path) -> None:
     assert "0.5000" in result.stdout
 
 
-def test_list_names_records_that_it_leaves_out(faulty: Path) -> None:
+def test_list_names_omitted_records(faulty: Path) -> None:
     (faulty / "slow.txt").write_text("# dt: 10 s\n# units: g\n0.1\n-0.2\n")
     (faulty / "strange.v9").write_text("no record")
     result = run("list", faulty)
@@ -98,7 +98,7 @@ def test_json_can_go_to_a_file_beside_the_table(folder: Path, tmp_path: Path) ->
     assert len(json.loads((tmp_path / "out.json").read_text())["motions"]) == 2
 
 
-def test_a_json_file_that_cannot_be_written_is_explained(folder: Path, tmp_path: Path) -> None:
+def test_an_unwritable_json_file_is_explained(folder: Path, tmp_path: Path) -> None:
     result = run("list", folder, "--json", tmp_path / "gone" / "out.json")
     assert isinstance(result.exception, InputError)
     assert "Cannot write the JSON file" in str(result.exception)
@@ -109,11 +109,11 @@ def test_sets_are_chosen_by_name(folder: Path) -> None:
     assert [row["motion"] for row in json.loads(run("list", folder, "--json", "-").stdout)["motions"]] == [
         "a"
     ]
-    chosen = run("list", folder, "--sets", "near", "--sets", "held_out", "--json", "-")
-    assert [row["motion"] for row in json.loads(chosen.stdout)["motions"]] == ["a", "b"]
+    choices = run("list", folder, "--sets", "near", "--sets", "held_out", "--json", "-")
+    assert [row["motion"] for row in json.loads(choices.stdout)["motions"]] == ["a", "b"]
 
 
-def test_a_source_that_does_not_exist_is_bad_input() -> None:
+def test_a_missing_source_is_bad_input() -> None:
     result = run("list", "nowhere")
     assert isinstance(result.exception, InputError)
 
@@ -158,7 +158,7 @@ def test_check_takes_several_sources_and_built_in_suites(folder: Path) -> None:
     assert json.loads(result.stdout) == {"records": 103, "faults": [], "notes": []}
 
 
-def test_import_writes_a_suite_that_reads_back(folder: Path, tmp_path: Path) -> None:
+def test_import_writes_a_readable_suite(folder: Path, tmp_path: Path) -> None:
     result = run("import", folder, "--out", tmp_path / "suite")
     assert result.exit_code == 0
     assert re.search(r"2 motions from 1 event\b", result.stdout)
@@ -190,9 +190,9 @@ def test_import_does_not_overwrite(folder: Path) -> None:
 def test_synthesize_writes_a_suite_of_its_own(tmp_path: Path) -> None:
     assert run("synthesize", "--out", tmp_path / "a", "--count", 4).exit_code == 0
     assert run("synthesize", "--out", tmp_path / "b", "--count", 4, "--seed", 7).exit_code == 0
-    one, other = load_motions(tmp_path / "a"), load_motions(tmp_path / "b")
-    assert len(one) == len(other) == 4
-    assert {motion.checksum for motion in one}.isdisjoint(motion.checksum for motion in other)
+    item, second = load_motions(tmp_path / "a"), load_motions(tmp_path / "b")
+    assert len(item) == len(second) == 4
+    assert {motion.checksum for motion in item}.isdisjoint(motion.checksum for motion in second)
 
 
 def test_the_real_records_are_sound(real_motions_folder: Path) -> None:

@@ -32,13 +32,13 @@ NAMES = {
 def test_a_terminal_shows_a_name_as_it_is(name, capsys):
     console().print(name)
     show_table(name, (name,), [(name,)])
-    written = capsys.readouterr().out
-    assert not set(written) & set("\x1b\x07\x08\r\x9b\u202e\u2066\u2028")
+    output = capsys.readouterr().out
+    assert not set(output) & set("\x1b\x07\x08\r\x9b\u202e\u2066\u2028")
     if len(name) < 100 and printable(name) == name:
-        assert written.count(name.strip()) >= 2
+        assert output.count(name.strip()) >= 2
 
 
-def test_names_of_motions_stay_what_they_are_in_results(tmp_path, capsys):
+def test_names_of_motions_are_kept_in_results(tmp_path, capsys):
     names = list(NAMES.values())[:6]
     dataset = ellipse_dataset()
     labels = [*names, *dataset["motion"].values.tolist()[len(names) :]]
@@ -54,26 +54,26 @@ def test_records_of_any_name_are_listed(tmp_path, capsys, name):
     (tmp_path / name).write_text(AT2)
     for options in ([], ["--json", "-"]):
         assert run(["motions", "list", str(tmp_path), *options]) == 0
-        written = capsys.readouterr()
-        assert "\x1b" not in written.out
-        assert not written.err
+        text = capsys.readouterr()
+        assert "\x1b" not in text.out
+        assert not text.err
 
 
 @pytest.mark.slow
-def test_a_record_whose_name_is_no_text_is_listed(tmp_path):
+def test_a_record_with_an_undecodable_name_is_listed(tmp_path):
     (tmp_path / os.fsdecode(b"\xff\xfe.AT2")).write_text(AT2)
     program = "from reliab.app.cli import main; main()"
     arguments = [sys.executable, "-c", program, "motions", "list", str(tmp_path), "--json", "-"]
-    done = subprocess.run(arguments, capture_output=True, check=False)  # noqa: S603 - this very package
-    assert done.returncode == 0, done.stderr
-    assert b"udcff" in done.stdout
+    process = subprocess.run(arguments, capture_output=True, check=False)  # noqa: S603 - this very package
+    assert process.returncode == 0, process.stderr
+    assert b"udcff" in process.stdout
 
 
 def test_an_error_names_a_file_without_steering_the_terminal(tmp_path, capsys):
     assert run(["diagnose", str(tmp_path / "\x1b[2J")]) == 2
-    written = capsys.readouterr().err
-    assert "\x1b[2J" not in written
-    assert r"\x1b[2J" in written
+    errors = capsys.readouterr().err
+    assert "\x1b[2J" not in errors
+    assert r"\x1b[2J" in errors
 
 
 @pytest.mark.slow
@@ -86,9 +86,9 @@ def test_a_campaign_and_its_tests_may_have_any_names(tmp_path, capsys):
     )
     write({**content, "campaign.toml": text.encode()}, tmp_path / "campaign")
     assert run(["diagnose", str(tmp_path / "campaign"), "--out", str(tmp_path / "out")]) == 0
-    written = capsys.readouterr().out
-    assert not set(written) & set("\x1b\u202e")
-    assert "[bold]a[/bold]" in written
+    output = capsys.readouterr().out
+    assert not set(output) & set("\x1b\u202e")
+    assert "[bold]a[/bold]" in output
     assert sorted(path.name for path in tmp_path.iterdir()) == ["campaign", "out"]
     assert (tmp_path / "out/report.pdf").read_bytes().startswith(b"%PDF")
 
@@ -99,9 +99,9 @@ def test_tests_are_judged_and_followed_whatever_their_files_are_called(tmp_path,
     path = tmp_path / f"{name.replace('/', '_')}.csv"
     path.write_bytes(campaign()[0]["a.csv"])
     assert run(["assess", str(path), "--f", "1", "--xi", "0.05"]) == 0
-    again = path.with_stem(f"{path.stem} again")
-    again.write_bytes(path.read_bytes())
-    assert run(["assess", str(path), str(again), "--f", "1", "--xi", "0.05"]) == 0
+    second_run = path.with_stem(f"{path.stem} again")
+    second_run.write_bytes(path.read_bytes())
+    assert run(["assess", str(path), str(second_run), "--f", "1", "--xi", "0.05"]) == 0
     run(["monitor", str(path), "--f", "1", "--xi", "0.05", "--wait", "0.05"])
-    written = "".join(capsys.readouterr())
-    assert not set(written) & set("\x1b\x07\x08\r\x9b\u202e\u2066\u2028")
+    text = "".join(capsys.readouterr())
+    assert not set(text) & set("\x1b\x07\x08\r\x9b\u202e\u2066\u2028")

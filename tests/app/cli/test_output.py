@@ -38,11 +38,11 @@ def run_with(monkeypatch):
                 patch.setattr(sys, name, stream)
             with pytest.raises(SystemExit) as end:
                 main()
-            written = []
+            text = []
             for stream in streams.values():
                 stream.flush()
-                written.append(stream.buffer.getvalue())
-        return end.value.code, *written
+                text.append(stream.buffer.getvalue())
+        return end.value.code, *text
 
     return run
 
@@ -57,9 +57,9 @@ def test_no_command_ends_in_an_encoding_error(run_with, arguments):
 def test_a_process_of_its_own_has_no_encoding_error_either():
     environment = {**os.environ, "PYTHONIOENCODING": "cp1252", "PYTHONUTF8": "0", "NO_COLOR": "1"}
     command = [sys.executable, "-c", "from reliab.app.cli import main; main()", "criterion", "--help"]
-    done = subprocess.run(command, capture_output=True, env=environment, check=False)  # noqa: S603
-    assert done.returncode == 0, done.stderr.decode("cp1252")
-    assert b"UnicodeEncodeError" not in done.stderr
+    process = subprocess.run(command, capture_output=True, env=environment, check=False)  # noqa: S603
+    assert process.returncode == 0, process.stderr.decode("cp1252")
+    assert b"UnicodeEncodeError" not in process.stderr
 
 
 def test_symbols_are_written_out(run_with):
@@ -76,12 +76,12 @@ def test_lines_without_a_table_keep_to_the_terminals_characters_as_well(run_with
         "describe_installation",
         lambda: {"executable": "/home/Jürgen/ξ", "packages": {"ψ": "±1"}},
     )
-    for encoding, written in (
+    for encoding, text in (
         ("ascii", "executable: /home/Jurgen/xi\npackages:\n  psi: +-1\n"),
         ("utf-8", "executable: /home/Jürgen/ξ\npackages:\n  ψ: ±1\n"),
     ):
         code, out, _ = run_with(encoding, ["info"])
-        assert (code, out.decode(encoding)) == (0, written)
+        assert (code, out.decode(encoding)) == (0, text)
 
 
 def test_characters_without_a_name_or_with_one_word_are_written_out_too(run_with, monkeypatch):
@@ -96,11 +96,11 @@ def test_characters_without_a_name_or_with_one_word_are_written_out_too(run_with
 @pytest.mark.slow
 def test_json_is_exact_whatever_the_encoding(run_with):
     arguments = [*CRITERION, "--json", "-"]
-    exact, escaped = (run_with(encoding, arguments)[1] for encoding in ("utf-8", "cp1252"))
-    assert json.loads(escaped.decode("cp1252")) == json.loads(exact.decode("utf-8"))
+    exact, ascii_text = (run_with(encoding, arguments)[1] for encoding in ("utf-8", "cp1252"))
+    assert json.loads(ascii_text.decode("cp1252")) == json.loads(exact.decode("utf-8"))
 
 
-def test_a_message_that_cannot_be_encoded_ends_with_its_sentence(run_with):
+def test_an_unencodable_message_ends_with_its_sentence(run_with):
     code, _, message = run_with("cp1252", [*CRITERION[:1], "--law", "ξ", *STRUCTURE])
     assert code == 2
     assert b"Error" in message
@@ -112,18 +112,18 @@ def modules_after(program, *names):
     program = f"import sys; {program}; print(sorted({set(names)} & set(sys.modules)))"
     command = [sys.executable, "-c", program]
     result = subprocess.run(command, capture_output=True, text=True, check=True)  # noqa: S603
-    *printed, modules = result.stdout.rstrip("\n").split("\n")
-    return modules, printed
+    *output, modules = result.stdout.rstrip("\n").split("\n")
+    return modules, output
 
 
 def test_version_and_help_are_printed_without_numerics():
-    asked = "from reliab.app.cli import run; run(['--version'])"
-    assert modules_after(asked, *NUMERICS, "rich") == ("[]", [__version__])
+    arguments = "from reliab.app.cli import run; run(['--version'])"
+    assert modules_after(arguments, *NUMERICS, "rich") == ("[]", [__version__])
     assert modules_after("from reliab.app.cli import run; run(['criterion', '--help'])", *NUMERICS)[0] == "[]"
 
 
-def test_a_criterion_from_ellipses_needs_neither_kernels_nor_what_other_methods_need():
-    asked = (
+def test_a_criterion_from_ellipses_imports_no_kernels():
+    arguments = (
         "from reliab.criterion.derivation import derive_criterion; "
         "from reliab.sweep.ellipse_dataset import open_ellipses"
     )
@@ -137,22 +137,22 @@ def test_a_criterion_from_ellipses_needs_neither_kernels_nor_what_other_methods_
         "matplotlib",
         "zarr",
     )
-    assert modules_after(asked, *idle)[0] == "[]"
+    assert modules_after(arguments, *idle)[0] == "[]"
 
 
 WORDS_OF_FILES = ("words", "units", "naming")
 """Modules of words that are looked for in files, in their languages, and never shown."""
 
 
-def characters_that_are_shown():
+def printable_characters():
     """Characters of all texts of the package but docstrings outside of the commands, and texts of reports."""
     characters = set()
     for path in Path(reliab.__file__).parent.rglob("*.py"):
-        documented = (ast.Module, ast.ClassDef, ast.FunctionDef)
+        nodes_with_docstrings = (ast.Module, ast.ClassDef, ast.FunctionDef)
         docstrings = {
             id(node.body[0].value)  # type: ignore[attr-defined]
             for node in nodes(path)
-            if isinstance(node, documented) and ast.get_docstring(node, clean=False) is not None
+            if isinstance(node, nodes_with_docstrings) and ast.get_docstring(node, clean=False) is not None
         }
         if "report" not in path.parts and path.stem not in WORDS_OF_FILES:
             texts = (node for node in nodes(path) if isinstance(node, ast.Constant))
@@ -163,18 +163,18 @@ def characters_that_are_shown():
 
 @pytest.mark.slow
 def test_no_character_of_ours_becomes_a_question_mark():
-    shown = characters_that_are_shown()
-    assert {"ξ", "█", "±", "²", "−"} <= shown
+    output = printable_characters()
+    assert {"ξ", "█", "±", "²", "−"} <= output
     stream = io.TextIOWrapper(io.BytesIO(), encoding="ascii")
     replace_unwritable_characters(stream)
-    lost = set()
-    for character in sorted(shown - {"?"}):
+    missing = set()
+    for character in sorted(output - {"?"}):
         stream.write(character)
         stream.flush()
         if b"?" in stream.buffer.getvalue():
-            lost.add(character)
+            missing.add(character)
             stream.buffer.truncate(0)
-    assert lost == set()
+    assert missing == set()
 
 
 def test_bars_and_tolerances_are_written_out(run_with):
@@ -202,9 +202,9 @@ def test_bars_are_drawn_and_tolerances_read_in_the_c_locale():
     assert "########" in design
     assert "?" not in design
     assert len({len(row) for row in design.splitlines() if row.startswith("|")}) <= 2, "columns are straight"
-    refused = asked("1±0.01")
-    assert refused.returncode == 2
-    assert b"found --f 1 +- 0.01." in refused.stderr
+    refusal = asked("1±0.01")
+    assert refusal.returncode == 2
+    assert b"found --f 1 +- 0.01." in refusal.stderr
 
 
 def test_help_of_commands_within_commands_keeps_its_brackets():

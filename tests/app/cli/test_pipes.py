@@ -23,7 +23,7 @@ COMMANDS = (("run", "--list"), LAW, (*LAW, "--json", "-"))
 
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize("arguments", COMMANDS)
-def test_a_command_in_this_process_that_nobody_reads_ends_with_141(arguments, monkeypatch):
+def test_an_unread_command_in_this_process_ends_with_141(arguments, monkeypatch):
     """As the program starts it; a process of its own takes seconds to import what it computes with."""
     reading, writing = os.pipe()
     os.close(reading)
@@ -45,19 +45,19 @@ def test_a_command_in_this_process_that_nobody_reads_ends_with_141(arguments, mo
         pytest.param(COMMANDS[-1], subprocess.STDOUT, marks=pytest.mark.slow),
     ],
 )
-def test_a_command_that_nobody_reads_ends_with_141(arguments, errors):
+def test_an_unread_command_ends_with_141(arguments, errors):
     process = subprocess.Popen(  # noqa: S603 - this very package
         [sys.executable, "-m", "reliab", *arguments], stdout=subprocess.PIPE, stderr=errors
     )
     process.stdout.close()
-    said = process.stderr.read() if process.stderr else b""
+    sentences = process.stderr.read() if process.stderr else b""
     if process.stderr:
         process.stderr.close()
-    assert (process.wait(), said) == (141, b"")
+    assert (process.wait(), sentences) == (141, b"")
 
 
 @pytest.mark.slow
-def test_a_refusal_that_nobody_reads_ends_with_141_too():
+def test_an_unread_refusal_ends_with_141():
     command = [sys.executable, "-m", "reliab", "assess", "missing.csv", "--f", "1"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE)  # noqa: S603 - the line above
     process.stderr.close()
@@ -65,7 +65,7 @@ def test_a_refusal_that_nobody_reads_ends_with_141_too():
     process.stdout.close()
 
 
-def test_what_is_held_back_until_the_end_shows_a_closed_pipe_once():
+def test_buffered_output_reports_a_closed_pipe_once():
     reading, writing = os.pipe()
     os.close(reading)
     with io.TextIOWrapper(io.FileIO(writing, "wb")) as pipe:
@@ -81,42 +81,42 @@ def test_what_is_held_back_until_the_end_shows_a_closed_pipe_once():
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="only Linux has a full device")
 def test_a_full_disk_is_bad_input_and_no_answer():
     with Path("/dev/full").open("wb") as full:
-        done = subprocess.run(
+        process = subprocess.run(
             [sys.executable, "-m", "reliab", "info"], stdout=full, stderr=subprocess.PIPE, check=False
         )
-    assert done.returncode == 2
-    assert done.stderr.decode().splitlines() == ["Error: No space left on device"]
+    assert process.returncode == 2
+    assert process.stderr.decode().splitlines() == ["Error: No space left on device"]
 
 
 @pytest.mark.parametrize("length", [3, 50, 700])
 def test_no_cell_and_no_row_of_a_table_is_broken_in_a_pipe(length, capsys):
     cells = [[chr(ord("a") + column) * length + str(row) for column in range(12)] for row in range(3)]
     show_table("A title", [f"heading {cell}" for cell in cells[0]], cells)
-    printed = capsys.readouterr().out
-    assert "…" not in printed
+    output = capsys.readouterr().out
+    assert "…" not in output
     for row in cells:
-        assert row in [line.split() for line in printed.splitlines()]
+        assert row in [line.split() for line in output.splitlines()]
 
 
 def test_sentences_after_a_wide_table_are_broken_as_before_it(capsys):
     terminal, sentence = console(), "words " * 60
-    for shown in (sentence, rich_table(text_table([], ["x" * 500], caption="")), sentence):
-        terminal.print(shown)
+    for output in (sentence, rich_table(text_table([], ["x" * 500], caption="")), sentence):
+        terminal.print(output)
     lines = capsys.readouterr().out.splitlines()
     assert lines[:3] == lines[-3:]
 
 
-def test_every_table_of_every_command_goes_through_the_console_that_shows_it_whole():
+def test_every_table_is_printed_on_the_literal_console():
     """Only that console is made in the rooms of the command line, but for the bar of progress."""
     folder = Path(reliab.__file__).parent / "app" / "cli"
-    made = {
+    result = {
         path.name
         for path in folder.rglob("*.py")
         for node in nodes(path)
         if isinstance(node, ast.Call)
         and getattr(node.func, "id", "") in {"Console", "LiteralConsole", "print"}
     }
-    assert made == {"output.py"}
+    assert result == {"output.py"}
 
 
 @pytest.mark.parametrize("command", [("assess",), ("motions", "check")])
@@ -127,6 +127,6 @@ def test_long_names_are_whole_in_a_pipe(command, tmp_path, monkeypatch, capsys):
         Path(name).write_text("time_s,command_m\n0,nothing\n", encoding="utf-8")
     structure = ("--f", "1", "--xi", "0.02") if command == ("assess",) else ()
     assert run([*command, *names, *structure]) == 2
-    printed = capsys.readouterr().out
+    output = capsys.readouterr().out
     for name in names:
-        assert name in printed
+        assert name in output

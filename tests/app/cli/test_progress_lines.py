@@ -26,29 +26,29 @@ def impatient(monkeypatch):
 def line_of(impatient, capsys):
     """Wait for a line on the stream of errors, for a minute at most."""
     del impatient
-    written = io.StringIO()
+    stream = io.StringIO()
 
     def wait(pattern):
         begin = time.monotonic()
         while time.monotonic() < begin + 60.0:
-            written.write(capsys.readouterr().err)
-            found = re.search(f"^{pattern}$", written.getvalue(), re.MULTILINE)
-            if found:
-                return found
+            stream.write(capsys.readouterr().err)
+            output = re.search(f"^{pattern}$", stream.getvalue(), re.MULTILINE)
+            if output:
+                return output
             time.sleep(0.01)
-        raise AssertionError(written.getvalue())
+        raise AssertionError(stream.getvalue())
 
     return wait
 
 
 def work(pieces, seconds, what="Simulating"):
     with progress_bar(what) as progress:
-        for done in range(1, pieces + 1):
+        for process in range(1, pieces + 1):
             time.sleep(seconds)
-            progress(done, pieces)
+            progress(process, pieces)
 
 
-def test_long_work_states_the_time_that_is_left(line_of):
+def test_long_work_states_the_remaining_time(line_of):
     with progress_bar("Simulating") as progress:
         progress(3, 8)
         progress(4, 8)
@@ -77,7 +77,7 @@ def test_pieces_done_before_do_not_make_the_estimate_shorter(line_of):
 
 
 @pytest.mark.usefixtures("impatient")
-def test_stream_that_nobody_reads_does_not_end_the_work(monkeypatch):
+def test_an_unread_stream_does_not_end_the_work(monkeypatch):
     class Closed:
         def write(self, _text):
             raise BrokenPipeError
@@ -90,17 +90,17 @@ def test_stream_that_nobody_reads_does_not_end_the_work(monkeypatch):
 
 
 def test_deep_task_is_shown_as_its_caller_shows_tasks():
-    asked = []
+    calls = []
 
     def show(what):
-        asked.append(what)
+        calls.append(what)
         return progress_lines(what)
 
     with show_task("Nobody listens") as progress:
         assert progress is silent
     with shows_tasks(show), show_task("Learning") as progress:
         progress(1, 1)
-    assert asked == ["Learning"]
+    assert calls == ["Learning"]
     with shows_tasks(show), progress_bar("tests"), show_task("inside another") as progress:
         assert progress is silent
 

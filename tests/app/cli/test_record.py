@@ -17,9 +17,9 @@ from layouts import COMMAND, MEASURED, TIME, csv_with_units_in_brackets, dspace,
 def test_a_record_is_written_shown_and_sound(tmp_path, capsys):
     source, out = csv_with_units_in_brackets(tmp_path), tmp_path / "t.nc"
     assert run(["record", str(source), "--out", str(out), "--attribute", "grade=S355"]) == 0
-    printed = capsys.readouterr().out
-    assert "Dis command (mm)" in printed
-    assert "Not used: Voltage command" in printed
+    output = capsys.readouterr().out
+    assert "Dis command (mm)" in output
+    assert "Not used: Voltage command" in output
     assert run(["record", str(out), "--check", "--json", "-"]) == 0
     assert json.loads(capsys.readouterr().out) == {str(out): []}
 
@@ -42,12 +42,12 @@ def test_no_record_is_written_over_another_of_the_same_call(tmp_path, capsys):
     assert not (tmp_path / "records").exists()
 
 
-def test_a_recording_is_not_replaced_by_what_is_made_of_it(tmp_path, capsys):
+def test_a_recording_is_not_overwritten_by_its_record(tmp_path, capsys):
     source = csv_with_units_in_brackets(tmp_path)
-    before = source.read_bytes()
+    original = source.read_bytes()
     assert run(["record", str(source), "--csv", str(source)]) == 2
     assert "would overwrite a file that the command reads; found --csv" in capsys.readouterr().err
-    assert source.read_bytes() == before
+    assert source.read_bytes() == original
 
 
 @pytest.mark.parametrize(
@@ -62,13 +62,13 @@ def test_a_recording_is_not_replaced_by_what_is_made_of_it(tmp_path, capsys):
         (["--mass", "-3"], 2),
     ],
 )
-def test_what_cannot_be_answered_is_refused(tmp_path, arguments, code, capsys):
+def test_unanswerable_questions_are_refused(tmp_path, arguments, code, capsys):
     source = csv_with_units_in_brackets(tmp_path)
     assert run(["record", str(source), *arguments]) == code
     assert capsys.readouterr().err.startswith("Error: ")
 
 
-def test_the_option_that_decides_is_named(tmp_path, capsys):
+def test_the_deciding_option_is_named(tmp_path, capsys):
     table = np.column_stack([TIME, COMMAND, np.roll(COMMAND, 3), MEASURED])
     np.savetxt(tmp_path / "t.csv", table, delimiter=",", header="Time,Target,Command,Measured", comments="")
     assert run(["assess", str(tmp_path / "t.csv"), "--f", "1", "--xi", "0.02"]) == 2

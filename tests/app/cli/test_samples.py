@@ -17,7 +17,7 @@ def empty_folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-def test_samples_are_written_once_and_stay_what_they_are(empty_folder):
+def test_samples_are_written_once_and_kept(empty_folder):
     assert run(["samples"]) == run(["samples"]) == 0
     assert (empty_folder / TEST).read_bytes() == shipped("datasets", "sample_test/test.csv").read_bytes()
     assert read_campaign("datasets/campaigns/rig_c").tests
@@ -25,22 +25,22 @@ def test_samples_are_written_once_and_stay_what_they_are(empty_folder):
 
 
 def test_a_file_of_another_content_is_not_written_over(empty_folder, capsys):
-    own = empty_folder / TEST
-    own.parent.mkdir(parents=True)
-    own.write_text("my test", encoding="utf-8")
+    own_files = empty_folder / TEST
+    own_files.parent.mkdir(parents=True)
+    own_files.write_text("my test", encoding="utf-8")
     assert run(["samples"]) == 2
     assert "nothing was written" in capsys.readouterr().err
-    assert [path for path in empty_folder.rglob("*") if path.is_file()] == [own]
-    assert own.read_text(encoding="utf-8") == "my test"
+    assert [path for path in empty_folder.rglob("*") if path.is_file()] == [own_files]
+    assert own_files.read_text(encoding="utf-8") == "my test"
 
 
-def test_a_folder_that_cannot_be_written_is_named(empty_folder, capsys):
+def test_an_unwritable_folder_is_named(empty_folder, capsys):
     (empty_folder / "file").write_text("no folder", encoding="utf-8")
     assert run(["samples", "file"]) == 2
     assert "file: Cannot write to the folder for the samples" in capsys.readouterr().err
 
 
-def test_a_campaign_that_ships_goes_by_name_unless_one_of_that_name_stands_there(empty_folder):
+def test_a_local_campaign_goes_before_a_shipped_one(empty_folder):
     (empty_folder / "rig_b").mkdir()
     assert campaign_folder("rig_b") == shipped("datasets", "campaigns/rig_b")
     (empty_folder / "rig_b" / "campaign.toml").write_text("title = ")
@@ -50,7 +50,7 @@ def test_a_campaign_that_ships_goes_by_name_unless_one_of_that_name_stands_there
 
 
 @pytest.mark.slow
-def test_a_test_that_ships_is_followed_by_name(empty_folder, capsys):
+def test_a_shipped_test_is_followed_by_name(empty_folder, capsys):
     code = run(
         ["monitor", "sample_test", "--f", "1", "--xi", "0.02", "--wait", "0.1", "--json", "times.jsonl"]
     )

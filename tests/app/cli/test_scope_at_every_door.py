@@ -57,7 +57,7 @@ def case(request, tmp_path_factory):
     """Where a motion lies, its record, a criterion for it, and a test that was run under it."""
     folder = tmp_path_factory.mktemp("doors")
     position = "inside" if request.param == TOO_SMALL else request.param
-    made = Case(folder=folder, position=position, share=SHARES.get(request.param, USUAL))
+    result = Case(folder=folder, position=position, share=SHARES.get(request.param, USUAL))
     motion = load_motions("synthetic")[MOTIONS[position]]
     acceleration, step = motion.acceleration, motion.time_step
     times = step * np.arange(acceleration.size)
@@ -71,11 +71,11 @@ def case(request, tmp_path_factory):
     test = folder / "test.csv"
     columns = np.column_stack([grid, command, measured])
     np.savetxt(test, columns, delimiter=",", header="time_s,command_m,measured_m", comments="")
-    assert cli.run([str(part) for part in made.asked("--out", folder / "criterion.json")]) == 0
-    return made
+    assert cli.run([str(part) for part in result.asked("--out", folder / "criterion.json")]) == 0
+    return result
 
 
-def said(capsys, *arguments):
+def output_of(capsys, *arguments):
     """What a command prints, words of one line each."""
     assert cli.run([str(argument) for argument in arguments]) in {0, 1}
     return " ".join(capsys.readouterr().out.split())
@@ -83,43 +83,55 @@ def said(capsys, *arguments):
 
 @pytest.mark.slow
 def test_the_criterion(case, capsys):
-    screen = said(capsys, *case.asked())
+    screen = output_of(capsys, *case.asked())
     assert ("The case asked for lies" in screen) == (case.position != "inside")
     assert ("No share below 80 % is promised" in screen) == (case.share < 0.8)
-    content = json.loads(said(capsys, *case.asked("--json", "-")))
+    content = json.loads(output_of(capsys, *case.asked("--json", "-")))
     assert (content["position"], content["confidence"]) == (case.position, case.promised)
     assert "100 ground motions of 19 earthquakes" in content["population"]
     table = screen.split("confidence [-]")[1].split("Method:")[0]
     assert case.states(table) == (case.promised is not None)
-    said(capsys, *case.asked("--figures", case.folder / "figures"))
+    output_of(capsys, *case.asked("--figures", case.folder / "figures"))
     (figure,) = (case.folder / "figures").glob("criterion_*.svg")
-    drawn = figure.read_text(encoding="utf-8")
-    assert ("no share promised" in drawn) == (case.promised is None)
-    assert (f"{100 * case.share:g} % of motions" in drawn) == (case.promised is not None)
+    drawing_text = figure.read_text(encoding="utf-8")
+    assert ("no share promised" in drawing_text) == (case.promised is None)
+    assert (f"{100 * case.share:g} % of motions" in drawing_text) == (case.promised is not None)
 
 
 def test_the_design(case, capsys):
-    asked = ("design", "--criterion", case.folder / "criterion.json", "--f", F, "--xi", XI)
-    screen = said(capsys, *asked)
+    arguments = ("design", "--criterion", case.folder / "criterion.json", "--f", F, "--xi", XI)
+    screen = output_of(capsys, *arguments)
     assert "100 ground motions of 19 earthquakes" in screen
     assert case.states(screen) == (case.promised is not None)
     assert ("The case asked for lies" in screen) == (case.position != "inside")
-    tolerance = json.loads(said(capsys, *asked, "--json", "-"))["design"][0]
+    tolerance = json.loads(output_of(capsys, *arguments, "--json", "-"))["design"][0]
     assert (tolerance["position"], tolerance["confidence"]) == (case.position, case.promised)
 
 
 def test_the_object(case):
     criterion = Criterion.from_json((case.folder / "criterion.json").read_text(encoding="utf-8"))
-    for shown in (repr(criterion), criterion._repr_html_()):
-        assert ("no stated share" in shown) == (case.promised is None)
-        assert case.states(shown) == (case.promised is not None)
+    for output in (repr(criterion), criterion._repr_html_()):
+        assert ("no stated share" in output) == (case.promised is None)
+        assert case.states(output) == (case.promised is not None)
 
 
 @pytest.mark.parametrize("criterion", ["that ships", "of the motion"])
 def test_the_verdict(case, criterion, capsys):
-    own = () if criterion == "that ships" else ("--criterion", case.folder / "criterion.json")
+    own_files = () if criterion == "that ships" else ("--criterion", case.folder / "criterion.json")
     content = json.loads(
-        said(capsys, "assess", case.folder / "test.csv", "--f", F, "--xi", XI, "--json", "-", "--exact", *own)
+        output_of(
+            capsys,
+            "assess",
+            case.folder / "test.csv",
+            "--f",
+            F,
+            "--xi",
+            XI,
+            "--json",
+            "-",
+            "--exact",
+            *own_files,
+        )
     )
     if criterion == "that ships":
         assert content["scope"]["position"] == case.position
@@ -131,25 +143,25 @@ def test_the_verdict(case, criterion, capsys):
 
 
 def test_the_report_of_a_test(case):
-    found = reliab.assess(case.folder / "test.csv", f=F, xi=XI, exact=True)
-    facts = " ".join(str(fact) for fact in assessment_report(found, provenance={}).facts.values())
+    assessment = reliab.assess(case.folder / "test.csv", f=F, xi=XI, exact=True)
+    facts = " ".join(str(fact) for fact in assessment_report(assessment, provenance={}).facts.values())
     assert f"with the test {case.position} of them" in facts
     assert ("no share of motions like these" in facts) == (case.position == "outside")
 
 
-def test_tests_that_are_compared(case, capsys):
+def test_the_comparison(case, capsys):
     """They are ranked by their own errors, of which no share of ground motions is said."""
     tests = [case.folder / name for name in ("test.csv", "again.csv")]
     tests[1].write_bytes(tests[0].read_bytes())
-    screen = said(capsys, "compare", *tests, "--f", F, "--xi", XI, "--exact")
+    screen = output_of(capsys, "compare", *tests, "--f", F, "--xi", XI, "--exact")
     assert "of motions" not in screen
     assert "ground motions" not in screen
 
 
 def test_a_validation(case, capsys):
-    of_motion = ("--motions", case.folder / "motion.txt", "--f", F, "--xi", XI, "--confidence", 0.95)
-    screen = said(capsys, "validate", "--learn", "real_suite", *of_motion, "--trials", 8)
-    outside = case.position == "outside"
-    assert ("no share is promised" in screen) == outside
-    judged = re.search(r"dirichlet (keeps|may keep|does not keep) the share that it states", screen)
-    assert (judged is None) == outside
+    motion_options = ("--motions", case.folder / "motion.txt", "--f", F, "--xi", XI, "--confidence", 0.95)
+    screen = output_of(capsys, "validate", "--learn", "real_suite", *motion_options, "--trials", 8)
+    is_outside = case.position == "outside"
+    assert ("no share is promised" in screen) == is_outside
+    verdict = re.search(r"dirichlet (keeps|may keep|does not keep) the share that it states", screen)
+    assert (verdict is None) == is_outside

@@ -19,14 +19,14 @@ def wide(monkeypatch):
     monkeypatch.setenv("COLUMNS", "400")
 
 
-def printed(capsys, show, *arguments):
+def print_result(capsys, show, *arguments):
     show(*arguments)
     return capsys.readouterr().out
 
 
 def test_the_boundary_of_a_motion_itself_is_a_row_for_each_structure(capsys):
     row = {"motion": "NGA_1", "f": 1.25, "xi": 0.03, "threshold": 0.04, "a": 1.11e-4, "b": 2.22}
-    text = printed(capsys, _show_own_boundary, [row, {**row, "f": 2.5}])
+    text = print_result(capsys, _show_own_boundary, [row, {**row, "f": 2.5}])
     assert "Boundary of NGA_1 itself" in text
     numbers = [line.replace("│", " ").split() for line in text.splitlines() if "0.03" in line]
     assert numbers == [[f, "0.03", "0.04", "0.000111", "2.22"] for f in ("1.25", "2.5")]
@@ -48,8 +48,8 @@ RATES = {
 }  # fmt: skip
 
 
-def test_rates_of_criteria_are_printed_with_what_limits_them(capsys):
-    flat = " ".join(re.sub(r"[│┃]", " ", printed(capsys, show_rates, RATES)).split())
+def test_rates_of_criteria_are_printed_with_their_limits(capsys):
+    flat = " ".join(re.sub(r"[│┃]", " ", print_result(capsys, show_rates, RATES)).split())
     for words in (
         "events: 60 motions of 20 earthquakes, RMS error 0.05 over the first 12 s",
         "ours 95 % 90.0 % (80.0 % … 95.0 %) 85.0 % 2.0 % none", "Judged on motions: It protects.",
@@ -58,10 +58,10 @@ def test_rates_of_criteria_are_printed_with_what_limits_them(capsys):
     ):  # fmt: skip
         assert words in flat, words
     plain = {**RATES, "n_of_learned_earthquakes": 0, "unresolved": 0, "not_carried": [], "truth": "simulated"}
-    flat = " ".join(printed(capsys, show_rates, plain).split())
+    flat = " ".join(print_result(capsys, show_rates, plain).split())
     for words in ("suite holds", "not judged", "Not judged", "own ellipses", "leads"):
         assert words not in flat
-    assert "early (leads)" in printed(capsys, show_rates, {**RATES, "rows_lead": RATES["rows"]})
+    assert "early (leads)" in print_result(capsys, show_rates, {**RATES, "rows_lead": RATES["rows"]})
 
 
 def demand_of(**fields):
@@ -73,20 +73,20 @@ def test_records_are_said_to_be_sound_or_not_with_the_reasons(capsys, monkeypatc
     monkeypatch.setattr(
         "reliab.app.api.records.check_records", lambda sources: {name: faults[name] for name in sources}
     )
-    assert printed(capsys, _check, demand_of(sources=["a.nc"])) == "a.nc: a valid record\n"
+    assert print_result(capsys, _check, demand_of(sources=["a.nc"])) == "a.nc: a valid record\n"
     with pytest.raises(Exception, match="1"):
         _check(demand_of(sources=["a.nc", "b.nc"]))
-    shown = capsys.readouterr().out
-    assert shown == "a.nc: a valid record\nb.nc: not a valid record\n  No rate.\n  No units.\n"
+    output = capsys.readouterr().out
+    assert output == "a.nc: a valid record\nb.nc: not a valid record\n  No rate.\n  No units.\n"
 
 
 @pytest.mark.parametrize("target", [None, "-"])
 def test_an_exported_monitor_is_printed_or_given_as_json(capsys, target):
-    written = SimpleNamespace(
+    contents = SimpleNamespace(
         path="out", files=["a.c", "a.h"], to_dict=lambda: {"path": "out", "files": ["a.c", "a.h"]}
     )
-    demand = SimpleNamespace(json_target=target, ask=lambda *_arguments, **_named: written)
-    text = printed(capsys, _export, demand)
+    demand = SimpleNamespace(json_target=target, ask=lambda *_arguments, **_named: contents)
+    text = print_result(capsys, _export, demand)
     if target is None:
         assert text == "Written to out: a.c, a.h\n"
     else:
@@ -102,7 +102,7 @@ DEGREE = {
     "judged": True, "rms": size(0.0123, 0.0), "mte": size(0.0345, 0.0), "probability": 0.87,
     "parts": {"actuator_1_gain": {"rms": 0.0111}, "actuator_2_delay": {"rms": 0.0022}},
 }  # fmt: skip
-SEVERAL = {
+DISPLACEMENTS = {
     "budget": [
         {
             "quantity": "damping ratio", "size": 15.0, "unit": "%", "source": "default",
@@ -132,8 +132,8 @@ def lines_of(text):
 
 
 def test_a_test_with_several_actuators_is_shown_by_degree_of_freedom(capsys):
-    show_briefly(SEVERAL, without_details=True)
-    show_degrees(SEVERAL)
+    show_briefly(DISPLACEMENTS, omits_details=True)
+    show_degrees(DISPLACEMENTS)
     lines = lines_of(capsys.readouterr().out)
     for line in (
         "NOT RELIABLE: RMS error of x 1.2 %, 2 % likely to be below 1 %", "First of all this.",
@@ -150,7 +150,7 @@ def test_a_test_with_several_actuators_is_shown_by_degree_of_freedom(capsys):
     assert not any("Note" in line or "each part" in line for line in lines)
 
 
-def test_tests_added_to_a_rig_are_shown_with_what_was_there_and_what_failed(capsys):
+def test_tests_added_to_a_rig_are_printed_with_failures(capsys):
     row = {
         "name": "t1", "sha256": "0123456789abcdef", "date": "2026-01-02T10:00:00", "event": "Kobe",
         "A": 0.98765, "d_ms": 2.345, "remainder": 0.0123, "rms": 0.0456, "verdict": "not_reliable",

@@ -30,13 +30,13 @@ POSTERIOR = {
 }  # fmt: skip
 
 
-def shown_of(capsys, rows, posteriors=()):
+def print_criteria(capsys, rows, posteriors=()):
     show_criteria({"criteria": rows, "posteriors": posteriors})
     return capsys.readouterr().out
 
 
 def test_a_criterion_is_a_row_in_the_order_of_its_headings(capsys):
-    text = shown_of(capsys, [ROW, {**ROW, "f": 2.5, "lead_limit_ms": None, "confidence": None}])
+    text = print_criteria(capsys, [ROW, {**ROW, "f": 2.5, "lead_limit_ms": None, "confidence": None}])
     lines = [line.split() for line in text.splitlines()]
     first, second = (line for line in lines if line and line[0] in {"1.25", "2.5"})
     assert first == ["1.25", "0.03", "0.75", "0.04", "0.9", "0.000111", "2.22", "0.0333", "4.44", "5.55"]
@@ -54,18 +54,18 @@ def test_a_criterion_is_a_row_in_the_order_of_its_headings(capsys):
 
 @pytest.mark.parametrize("joint", [True, False])
 def test_a_population_elsewhere_and_separate_limits_are_told(capsys, joint):
-    text = shown_of(capsys, [{**ROW, "position": "outside", "joint": joint}])
+    text = print_criteria(capsys, [{**ROW, "position": "outside", "joint": joint}])
     assert "The case asked for lies outside of these motions." in text
     assert ("a and b together" in text) is joint
-    without = shown_of(capsys, [{**ROW, "population": "", "warnings": []}])
-    assert "Valid for ground motions like these" not in without
-    assert "Note:" not in without
+    baseline = print_criteria(capsys, [{**ROW, "population": "", "warnings": []}])
+    assert "Valid for ground motions like these" not in baseline
+    assert "Note:" not in baseline
 
 
 @pytest.mark.parametrize("converged", [True, False])
 def test_a_posterior_says_whether_it_has_converged(capsys, converged):
     complaint = [] if converged else ["R-hat of mean is 1.2"]
-    text = shown_of(capsys, [ROW], [{**POSTERIOR, "converged": converged, "complaints": complaint}])
+    text = print_criteria(capsys, [ROW], [{**POSTERIOR, "converged": converged, "complaints": complaint}])
     title = "Posterior at 0.04 of rms: 4 ensembles of 32 walkers, 900 steps, 31 % of the moves accepted"
     assert title in " ".join(text.split())
     assert ("Converged:" in text) is converged

@@ -21,13 +21,13 @@ def words_of(text):
 def test_probabilities_are_shown_beside_the_share_of_good_tests(truth, noted, capsys):
     row = {"stated": 0.9, "observed": 0.85, "low": 0.7, "high": 0.95, "tests": 43}
     validate.show_probabilities({"scheme": "leave_one_event_out", "truth": truth, "bins": [row]})
-    shown = words_of(capsys.readouterr().out)
+    output = words_of(capsys.readouterr().out)
     for part in ("leave one event out", "90.0 %", "85", "43"):
-        assert part in shown
-    assert ("llipse" in shown) is noted
+        assert part in output
+    assert ("llipse" in output) is noted
 
 
-def test_the_table_of_a_running_test_grows_with_what_is_known():
+def test_the_table_of_a_running_test_grows_with_knowledge():
     time = np.arange(3000) / 256.0
     command = np.minimum(time, 1.0) * 0.01 * np.sin(6.0 * time)
     monitor = Monitor(Structure(frequency=1.0, damping_ratio=0.05), 1.0 / 256.0)

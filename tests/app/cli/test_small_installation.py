@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[3]
-WITHOUT = """
+BLOCKER = """
 import sys
 for name in {absent!r}:
     sys.modules[name] = None  # importing it fails as if it were not installed
@@ -23,19 +23,21 @@ print("code", run([*asked, "--report", {report!r}]))
 def absent_packages():
     """Requirements of the project that reliab-core does without."""
     description = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-    few = {name.replace("-", "_") for name in description["tool"]["reliab"]["core"]}
+    subset = {name.replace("-", "_") for name in description["tool"]["reliab"]["core"]}
     requirements = description["project"]["dependencies"]
-    needed = {re.match(r"[a-z0-9-]+", item)[0].replace("-", "_") for item in requirements}
-    assert few < needed
-    return sorted(needed - few)
+    requirements = {re.match(r"[a-z0-9-]+", item)[0].replace("-", "_") for item in requirements}
+    assert subset < requirements
+    return sorted(requirements - subset)
 
 
 @pytest.mark.slow
 def test_a_test_is_judged_without_reports_figures_samplers_and_stores(tmp_path):
     absent = absent_packages()
     assert {"typst", "arviz_stats", "matplotlib", "emcee", "zarr", "pandas", "xarray"} <= set(absent)
-    code = WITHOUT.format(absent=absent, report=str(tmp_path / "verdict.pdf"))
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)  # noqa: S603
-    assert re.findall(r"^code (\d)$", done.stdout, re.MULTILINE) == ["0", "2"], done.stderr
-    assert re.search(r"needs the package (typst|matplotlib|seaborn|xarray|pandas);.*pip install", done.stderr)
-    assert "Traceback" not in done.stderr
+    code = BLOCKER.format(absent=absent, report=str(tmp_path / "verdict.pdf"))
+    process = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)  # noqa: S603
+    assert re.findall(r"^code (\d)$", process.stdout, re.MULTILINE) == ["0", "2"], process.stderr
+    assert re.search(
+        r"needs the package (typst|matplotlib|seaborn|xarray|pandas);.*pip install", process.stderr
+    )
+    assert "Traceback" not in process.stderr

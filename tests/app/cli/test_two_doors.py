@@ -23,7 +23,7 @@ from reliab.simulation.hybrid_test.model_file import read_model
 
 DRAWS = 200
 COMMAND = typer.main.get_group(cli.application())
-OF_THE_TERMINAL = {
+TERMINAL_OPTIONS = {
     *("report", "title", "date", "paper", "laboratory", "logo"),
     *("out", "corrected", "details", "check", "json_target", "help"),
 }
@@ -93,29 +93,29 @@ def folder(folder_of_a_test):
     return folder_of_a_test
 
 
-def drawn(number):
+def draw_question(number):
     """Draw files of tests and arguments; most are valid, some are not, and some do not go together."""
     dice = random.Random(number)  # noqa: S311
-    stated = {
+    terms = {
         name: dice.choice(values) for name, values in CHOICES.items() if dice.random() < OFTEN.get(name, 0.05)
     }
-    return dice.choice(TESTS), stated
+    return dice.choice(TESTS), terms
 
 
-def by_command(capsys, tests, stated):
+def ask_command(capsys, tests, stated):
     flags = {name: f"--{name.replace('_', '-')}" for name in stated} | {"test_name": "--test"}
     options = [
         text
         for name, value in stated.items()
-        for each in (value if isinstance(value, list) else [value])
-        for text in (flags[name], *([] if each is True else [str(each)]))
+        for row in (value if isinstance(value, list) else [value])
+        for text in (flags[name], *([] if row is True else [str(row)]))
     ]
     code = cli.run(["assess", *tests, *options, "--json", "-"])
     out, err = capsys.readouterr()
     return code, json.loads(out) if out else None, err.strip()
 
 
-def by_python(tests, stated):
+def ask_python(tests, stated):
     """Answer in Python as the command does."""
     try:
         answer = reliab.assess(tests[0] if len(tests) == 1 else tests, **stated)
@@ -134,11 +134,11 @@ def by_python(tests, stated):
 
 
 def agree(capsys, tests, stated):
-    code, content, sentence = by_command(capsys, tests, stated)
-    expected = by_python(tests, stated)
-    assert (code, content) == expected[:2], (tests, stated)
+    code, content, sentence = ask_command(capsys, tests, stated)
+    reference = ask_python(tests, stated)
+    assert (code, content) == reference[:2], (tests, stated)
     if content is None:
-        assert sentence == expected[2], (tests, stated)
+        assert sentence == reference[2], (tests, stated)
         assert "`" not in sentence.replace("`reliab", "").replace(" --", "") or "`reliab" in sentence
     return code
 
@@ -146,8 +146,8 @@ def agree(capsys, tests, stated):
 @pytest.mark.slow
 def test_drawn_inputs_reach_the_numerical_rooms_as_one(folder, monkeypatch, capsys):
     monkeypatch.chdir(folder)
-    monkeypatch.setattr(assessment, "assess_structure", Answer)
-    codes = [agree(capsys, *drawn(number)) for number in range(DRAWS)]
+    monkeypatch.setattr(assessment, "assess_recording", Answer)
+    codes = [agree(capsys, *draw_question(number)) for number in range(DRAWS)]
     assert codes.count(0) > 0.2 * DRAWS
     assert codes.count(2) > 0.2 * DRAWS
 
@@ -156,14 +156,14 @@ def test_drawn_inputs_reach_the_numerical_rooms_as_one(folder, monkeypatch, caps
 def test_drawn_inputs_are_answered_as_one(folder, monkeypatch, capsys):
     monkeypatch.chdir(folder)
     for number in range(150):
-        agree(capsys, *drawn(1000 + number))
+        agree(capsys, *draw_question(1000 + number))
 
 
 @pytest.mark.default_cases(2)
 @pytest.mark.parametrize("number", range(6))
 def test_a_drawn_input_is_answered_as_one(folder, monkeypatch, capsys, number):
     monkeypatch.chdir(folder)
-    stated = (
+    values = (
         {"f": 1, "xi": 0.02},
         {"f": 1},
         {"f": 2, "xi": 0.05, "model": "model.toml"},
@@ -171,12 +171,12 @@ def test_a_drawn_input_is_answered_as_one(folder, monkeypatch, capsys, number):
         {"structure": "frame.toml", "metric": "mte"},
         {"f": 1, "xi": 0.02, "threshold": 5},
     )[number]
-    assert agree(capsys, ["test.csv"], stated) == (2 if number in (2, 5) else 0)
+    assert agree(capsys, ["test.csv"], values) == (2 if number in (2, 5) else 0)
 
 
-def test_objects_say_what_their_files_say(folder, monkeypatch):
+def test_objects_answer_like_their_files(folder, monkeypatch):
     monkeypatch.chdir(folder)
-    monkeypatch.setattr(assessment, "assess_structure", Answer)
+    monkeypatch.setattr(assessment, "assess_recording", Answer)
     readers = {
         "criterion": ("criterion.json", Criterion.read),
         "model": ("model.toml", read_model),
@@ -184,24 +184,24 @@ def test_objects_say_what_their_files_say(folder, monkeypatch):
         "structure": ("frame.toml", read_frame),
     }
     for name, (file, read) in readers.items():
-        rest = {} if name == "structure" else {"f": 1, "xi": 0.02}
-        by_object = reliab.assess("test.csv", **{name: read(file)}, **rest)
-        by_file = reliab.assess("test.csv", **{name: file}, **rest)
-        assert by_object.content["recording"] == by_file.content["recording"]
-        assert [text[:60] for text in by_object.content["asked"]] == [
-            text[:60] for text in by_file.content["asked"]
+        remainder = {} if name == "structure" else {"f": 1, "xi": 0.02}
+        object_answer = reliab.assess("test.csv", **{name: read(file)}, **remainder)
+        file_answer = reliab.assess("test.csv", **{name: file}, **remainder)
+        assert object_answer.content["recording"] == file_answer.content["recording"]
+        assert [text[:60] for text in object_answer.content["asked"]] == [
+            text[:60] for text in file_answer.content["asked"]
         ]
 
 
 def test_every_option_is_an_argument_and_every_argument_an_option():
-    options = {parameter.name for parameter in COMMAND.commands["assess"].params} - OF_THE_TERMINAL
+    options = {parameter.name for parameter in COMMAND.commands["assess"].params} - TERMINAL_OPTIONS
     arguments = set(inspect.signature(reliab.assess).parameters)
     assert options - {"tests"} == arguments - {"test", "progress"} == set(CHOICES)
-    declared = set(questions.StatedOfTest.__annotations__)
-    assert declared == arguments - {"test", "structure", "progress"}
+    names = set(questions.StatedOfTest.__annotations__)
+    assert names == arguments - {"test", "structure", "progress"}
 
 
-def test_an_argument_that_does_not_exist_is_refused():
+def test_an_unknown_argument_is_refused():
     with pytest.raises(TypeError, match="error_window"):
         reliab.assess("sample_test", f=1, xi=0.02, error_window=3)
 

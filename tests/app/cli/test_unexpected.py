@@ -11,7 +11,7 @@ from reliab.core.errors import UNEXPECTED
 
 
 @pytest.fixture
-def ended(monkeypatch, tmp_path, capsys):
+def run_failing(monkeypatch, tmp_path, capsys):
     """Run the program with a command line that fails; its exit code and what it wrote."""
 
     def run(failing):
@@ -25,33 +25,33 @@ def ended(monkeypatch, tmp_path, capsys):
     return run
 
 
-def raised():
+def raise_fault():
     raise ZeroDivisionError("division by \x1b[31m zero")
 
 
-def test_a_fault_ends_with_70_and_its_traceback_in_a_file(ended, monkeypatch):
-    code, told = ended(lambda: monkeypatch.setattr("reliab.app.cli.main", raised))
+def test_a_fault_ends_with_70_and_its_traceback_in_a_file(run_failing, monkeypatch):
+    code, errors = run_failing(lambda: monkeypatch.setattr("reliab.app.cli.main", raise_fault))
     assert code == UNEXPECTED == 70
-    assert "Traceback" not in told
-    assert "\x1b" not in told
-    assert re.fullmatch(r"Error: reliab itself has failed \(ZeroDivisionError\); .*`reliab info`.*\n", told)
-    content = Path(re.search(r"\S+\.txt", told)[0]).read_text()
+    assert "Traceback" not in errors
+    assert "\x1b" not in errors
+    assert re.fullmatch(r"Error: reliab itself has failed \(ZeroDivisionError\); .*`reliab info`.*\n", errors)
+    content = Path(re.search(r"\S+\.txt", errors)[0]).read_text()
     assert content.startswith("reliab assess a.csv\n")
-    assert "in raised" in content
+    assert "in raise_fault" in content
 
 
-def test_a_fault_at_an_import_ends_alike(ended, monkeypatch):
-    code, told = ended(lambda: monkeypatch.setitem(sys.modules, "reliab.app.cli", None))
+def test_a_fault_at_an_import_ends_alike(run_failing, monkeypatch):
+    code, errors = run_failing(lambda: monkeypatch.setitem(sys.modules, "reliab.app.cli", None))
     assert code == UNEXPECTED
-    assert "ModuleNotFoundError" in told
+    assert "ModuleNotFoundError" in errors
 
 
-def test_where_no_file_can_be_written_the_traceback_is_shown(ended, monkeypatch):
+def test_where_no_file_can_be_written_the_traceback_is_shown(run_failing, monkeypatch):
     def failing():
-        monkeypatch.setattr("reliab.app.cli.main", raised)
+        monkeypatch.setattr("reliab.app.cli.main", raise_fault)
         monkeypatch.setattr("tempfile.tempdir", "/nowhere/at/all")
 
-    code, told = ended(failing)
+    code, errors = run_failing(failing)
     assert code == UNEXPECTED
-    assert "in raised" in told
-    assert "the traceback above" in told
+    assert "in raise_fault" in errors
+    assert "the traceback above" in errors

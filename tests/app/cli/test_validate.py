@@ -24,10 +24,10 @@ def answer(*arguments: object) -> dict:
     return json.loads(run(*arguments, "--json", "-").stdout)
 
 
-def shown_and_found(folder, *arguments: object) -> tuple[str, dict]:
+def run_both(folder, *arguments: object) -> tuple[str, dict]:
     """What stands on the screen, and the numbers of the same run."""
-    shown = run(*arguments, "--json", folder / "found.json").stdout
-    return shown, json.loads((folder / "found.json").read_text(encoding="utf-8"))
+    output = run(*arguments, "--json", folder / "found.json").stdout
+    return output, json.loads((folder / "found.json").read_text(encoding="utf-8"))
 
 
 @pytest.fixture(scope="module")
@@ -49,27 +49,27 @@ def test_calibration_curve_has_rates_with_intervals_and_whole_confusion_matrices
 
 
 def test_printed_laws_are_judged_where_they_promise_only(table2):
-    printed = [row for row in table2["rows"] if row["candidate"].startswith("guo_2017")]
-    assert [(row["candidate"], row["confidence"]) for row in printed] == [
+    output = [row for row in table2["rows"] if row["candidate"].startswith("guo_2017")]
+    assert [(row["candidate"], row["confidence"]) for row in output] == [
         ("guo_2017_15", 0.95),
         ("guo_2017_18", 0.95),
     ]
 
 
 @pytest.mark.slow
-def test_shipped_results_say_what_became_of_tests(tmp_path):
+def test_shipped_results_report_the_fate_of_tests(tmp_path):
     arguments = ("--results", "real_suite", "--f", 1, "--xi", 0.02, "--confidence", 0.95, "--trials", 128)
-    shown, found = shown_and_found(tmp_path, *arguments)
-    ours, _, eq18 = found["rows"]
-    assert found["truth"] == "simulated"
-    assert (found["n_motions"], found["n_events"]) == (100, 19)
+    cells, result = run_both(tmp_path, *arguments)
+    ours, _, eq18 = result["rows"]
+    assert result["truth"] == "simulated"
+    assert (result["n_motions"], result["n_events"]) == (100, 19)
     assert 0.92 <= ours["containment"]["rate"] <= 0.98
     assert ours["false_safe"]["rate"] < 0.05 < eq18["false_safe"]["rate"]
-    printed = "guo_2017_18 does not keep what it states: it protects 12.0 % of the motions where it states"
-    assert f"{printed} 95 %" in shown
-    for row in found["rows"]:
+    output = "guo_2017_18 does not keep what it states: it protects 12.0 % of the motions where it states"
+    assert f"{output} 95 %" in cells
+    for row in result["rows"]:
         verb = "keeps" if row["containment"]["low"] >= row["confidence"] else "(may|does not) keep"
-        assert re.search(f"{row['candidate']} {verb}", shown)
+        assert re.search(f"{row['candidate']} {verb}", cells)
 
 
 def test_every_method_and_law_is_told_whether_its_share_is_kept():
@@ -83,9 +83,13 @@ def test_every_method_and_law_is_told_whether_its_share_is_kept():
         {"candidate": name, "confidence": 0.95, "containment": {"rate": rate, "low": low, "high": high}}
         for name, (rate, low, high) in rates.items()
     ]
-    unjudged = {"candidate": "few", "confidence": 0.95, "containment": dict.fromkeys(("rate", "low", "high"))}
-    beside = [{**row, "confidence": 0.3} for row in rows]
-    sentences = list(list_kept_shares([*rows, unjudged, *beside]))
+    empty_row = {
+        "candidate": "few",
+        "confidence": 0.95,
+        "containment": dict.fromkeys(("rate", "low", "high")),
+    }
+    extra = [{**row, "confidence": 0.3} for row in rows]
+    sentences = list(list_kept_shares([*rows, empty_row, *extra]))
     for sentence, (name, verb) in zip(
         sentences,
         (("kept", "keeps"), ("scattered", "may keep"), ("one", "may keep"), ("broken", "does not keep")),
@@ -100,19 +104,19 @@ def test_every_method_and_law_is_told_whether_its_share_is_kept():
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize("scheme", ["k_fold", "random_halves"])
 def test_earthquakes_are_divided_as_asked(scheme):
-    found = answer("--ellipses", TABLE2, "--scheme", scheme, "--confidence", 0.9, "--law", "table")
-    assert found["scheme"] == scheme
-    assert 0.75 < found["rows"][0]["containment"]["rate"] < 1.0
+    content = answer("--ellipses", TABLE2, "--scheme", scheme, "--confidence", 0.9, "--law", "table")
+    assert content["scheme"] == scheme
+    assert 0.75 < content["rows"][0]["containment"]["rate"] < 1.0
 
 
 @pytest.mark.slow
 def test_frequencies_can_be_left_out():
-    found = answer(
+    content = answer(
         *("--ellipses", "real_suite", "--xi", 0.02, "--leave-out", "f", "--scheme", "k_fold"),
         *("--law", "dimensionless", "--confidence", 0.95, "--f", 0.5, "--f", 1, "--f", 1.5, "--f", 2),
     )
-    assert [row["f"] for row in found["by_frequency"]] == [1.0, 1.5]  # a law does not extrapolate
-    assert found["scheme"] == "k_fold, each f left out"
+    assert [row["f"] for row in content["by_frequency"]] == [1.0, 1.5]  # a law does not extrapolate
+    assert content["scheme"] == "k_fold, each f left out"
 
 
 @pytest.mark.slow
@@ -128,19 +132,19 @@ def test_sets_are_judged_by_others(tmp_path):
     for number, row in enumerate(cells):
         row[place] = "far" if number < 8 else "near"
     path.write_text("\n".join([header, *(",".join(row) for row in cells)]), encoding="utf-8")
-    found = answer(
+    content = answer(
         *("--motions", tmp_path / "suite", "--learn", "far", "--judge", "near"),
         *("--confidence", 0.8, "--law", "table"),
     )
-    assert found["scheme"] == "learned from far, judged on near"
-    assert sum(found["rows"][0]["confusion"].values()) == 4 * 512
+    assert content["scheme"] == "learned from far, judged on near"
+    assert sum(content["rows"][0]["confusion"].values()) == 4 * 512
 
 
 @pytest.mark.slow
 def test_table_6_has_the_same_verdicts(real_motions_folder):
-    found = answer("--motions", real_motions_folder, "--case", "KOBE/KJM000")
-    assert found["motion"] == "KOBE/KJM000"
-    for row in found["cases"]:
+    content = answer("--motions", real_motions_folder, "--case", "KOBE/KJM000")
+    assert content["motion"] == "KOBE/KJM000"
+    for row in content["cases"]:
         assert row["accepted"] is row["good"]
         assert row["good"] is (row["case"] != 4)
 
@@ -184,15 +188,15 @@ def test_own_motions_are_judged_by_the_shipped_suite(tmp_path):
     path.write_text(
         path.read_text(encoding="utf-8").replace("SYN001,", "KOBE JAPAN 1995-01-16,"), encoding="utf-8"
     )
-    own = (
+    own_files = (
         *("--motions", tmp_path / "suite", "--learn", "real_suite"),
         *("--confidence", 0.8, "--law", "table", "--trials", 64),
     )
-    shown, found = shown_and_found(tmp_path, *own)
-    assert found["scheme"] == "learned from real_suite"
-    assert found["truth"] == "simulated"
-    assert found["n_of_learned_earthquakes"] == 2  # both components of the earthquake that is called Kobe's
-    assert sum(found["rows"][0]["confusion"].values()) == 4 * 64
-    assert "2 of the motions are of earthquakes that the suite holds" in shown
+    output, result = run_both(tmp_path, *own_files)
+    assert result["scheme"] == "learned from real_suite"
+    assert result["truth"] == "simulated"
+    assert result["n_of_learned_earthquakes"] == 2  # both components of the earthquake that is called Kobe's
+    assert sum(result["rows"][0]["confusion"].values()) == 4 * 64
+    assert "2 of the motions are of earthquakes that the suite holds" in output
     for idle in (("--judge", "synthetic"), ("--scheme", "k_fold")):
-        assert isinstance(run(*own, *idle).exception, InputError)
+        assert isinstance(run(*own_files, *idle).exception, InputError)

@@ -29,7 +29,7 @@ CHANGES = {
     "confidence": ("--confidence", 0.7),
     "trials": ("--trials", 128),
 }
-REFUSED = {
+UNSUPPORTED = {
     "motions": ("--motions", "synthetic"),
     "results": ("--results", "real_suite"),
     "sets": ("--sets", "far_field"),
@@ -57,23 +57,23 @@ def base():
 
 def test_the_walk_knows_every_option():
     options = set(inspect.signature(validate).parameters) - {"context", "ellipses", "json_target"}
-    assert set(CHANGES) | set(REFUSED) == options
+    assert set(CHANGES) | set(UNSUPPORTED) == options
 
 
 @pytest.mark.default_cases(2)
 @pytest.mark.parametrize("option", CHANGES)
 def test_an_option_changes_the_answer(option, base):
-    changed = json.loads(invoke(app, *BASE, *CHANGES[option], "--json", "-").stdout)
-    assert changed["rows"] != base["rows"]
+    lines = json.loads(invoke(app, *BASE, *CHANGES[option], "--json", "-").stdout)
+    assert lines["rows"] != base["rows"]
 
 
-@pytest.mark.parametrize("option", REFUSED)
-def test_an_option_that_the_table_cannot_serve_is_refused(option):
-    assert isinstance(invoke(app, *BASE, *REFUSED[option]).exception, InputError)
+@pytest.mark.parametrize("option", UNSUPPORTED)
+def test_an_option_unsupported_by_the_table_is_refused(option):
+    assert isinstance(invoke(app, *BASE, *UNSUPPORTED[option]).exception, InputError)
 
 
 @pytest.mark.parametrize(
-    "beside",
+    "options",
     [
         ("--method", "dirichlet"),
         ("--joint",),
@@ -82,24 +82,24 @@ def test_an_option_that_the_table_cannot_serve_is_refused(option):
         ("--leave-out", "f"),
     ],
 )
-def test_calibration_refuses_what_is_about_criteria(beside):
-    result = invoke(app, "--ellipses", TABLE2, "--calibration", *beside)
+def test_calibration_refuses_options_of_criteria(options):
+    result = invoke(app, "--ellipses", TABLE2, "--calibration", *options)
     assert "has no effect together with `calibration`" in str(result.exception)
 
 
 def test_calibration_answers_by_bins():
-    found = json.loads(
+    content = json.loads(
         invoke(
             app, "--ellipses", TABLE2, "--calibration", "--scheme", "k_fold", "--trials", 64, "--json", "-"
         ).stdout
     )
-    assert sum(row["tests"] for row in found["bins"]) == 100 * 64
-    assert found["bins"][0]["observed"] < 0.2
-    assert found["bins"][-1]["observed"] > 0.8
+    assert sum(row["tests"] for row in content["bins"]) == 100 * 64
+    assert content["bins"][0]["observed"] < 0.2
+    assert content["bins"][-1]["observed"] > 0.8
 
 
 @pytest.mark.parametrize(
-    ("wrong", "named"),
+    ("wrong", "option"),
     [
         (("--law", "guo_2017_18", "--method", "dirichlet", "--confidence", 0.95), "`method` has no effect"),
         (("--law", "guo_2017_18", "--each", "--confidence", 0.95), "`joint` has no effect"),
@@ -107,36 +107,36 @@ def test_calibration_answers_by_bins():
         (("--law", "guo_2017_18", "--threshold", 0.1), "0.05"),
     ],
 )
-def test_printed_laws_refuse_what_they_do_not_state(wrong, named):
-    assert named in str(invoke(app, "--ellipses", TABLE2, *wrong).exception)
+def test_published_laws_refuse_other_promises(wrong, option):
+    assert option in str(invoke(app, "--ellipses", TABLE2, *wrong).exception)
 
 
 @pytest.mark.slow
-def test_structures_that_a_store_does_not_hold_are_refused():
+def test_structures_missing_from_a_store_are_refused():
     result = invoke(app, "--ellipses", "real_suite", "--f", 0.8, "--xi", 0.02, "--confidence", 0.8)
     assert "`f=0.8`" in str(result.exception)
 
 
 @pytest.mark.parametrize(
-    "beside", [("validation",), ("--out", "x"), ("--motions", "synthetic"), ("--sets", "far_field")]
+    "options", [("validation",), ("--out", "x"), ("--motions", "synthetic"), ("--sets", "far_field")]
 )
-def test_a_list_of_studies_refuses_what_it_does_not_use(beside):
-    assert isinstance(invoke(runs, "--list", *beside).exception, InputError)
+def test_a_list_of_studies_refuses_unused_options(options):
+    assert isinstance(invoke(runs, "--list", *options).exception, InputError)
 
 
 @pytest.mark.of_studies
 def test_options_of_run_reach_the_study(monkeypatch, tmp_path):
-    seen: dict[str, Any] = {}
+    calls: dict[str, Any] = {}
 
     def remember(study, folder, **_):
-        seen.update(study=study, folder=folder)
+        calls.update(study=study, folder=folder)
         return folder / "report.pdf"
 
     monkeypatch.setattr("reliab.study.running.run_study", remember)
     invoke(runs, "thresholds", "--out", tmp_path / "here", "--motions", tmp_path, "--sets", "far_field")
-    assert isinstance(seen["study"], Study)
-    assert seen["folder"] == tmp_path / "here"
-    assert seen["study"].motions.sources == (str(tmp_path),)  # type: ignore[attr-defined]
-    assert seen["study"].motions.sets == ("far_field",)  # type: ignore[attr-defined]
+    assert isinstance(calls["study"], Study)
+    assert calls["folder"] == tmp_path / "here"
+    assert calls["study"].motions.sources == (str(tmp_path),)  # type: ignore[attr-defined]
+    assert calls["study"].motions.sets == ("far_field",)  # type: ignore[attr-defined]
     invoke(runs)
-    assert seen["study"].motions.results == "real_suite"  # type: ignore[attr-defined]
+    assert calls["study"].motions.results == "real_suite"  # type: ignore[attr-defined]

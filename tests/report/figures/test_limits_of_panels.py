@@ -26,7 +26,7 @@ def rates_of(**levels):
 
 
 @pytest.mark.parametrize(("rate", "panels"), [(0.38, 2), (0.42, 1)])
-def test_a_criterion_is_far_off_at_four_fifths_of_what_is_stated(rate, panels):
+def test_a_criterion_is_far_off_at_four_fifths_of_its_promise(rate, panels):
     figure = coverage_by_frequency(rates_of(ours=0.5, other=rate), confidence=0.5)
     assert len(figure.axes) == panels
 
@@ -41,23 +41,23 @@ def test_containment_has_a_margin_but_no_more_than_there_is():
     assert wide == pytest.approx((38.0 - 0.06 * 62.0, 100.0 + 0.06 * 62.0))
 
 
-def test_tracking_that_does_not_change_has_some_height():
-    f, same = np.linspace(0.5, 5.0, 10), np.ones(10)
-    resolved = TrackingOverFrequency(
+def test_constant_tracking_has_some_height():
+    f, equal = np.linspace(0.5, 5.0, 10), np.ones(10)
+    tracking = TrackingOverFrequency(
         frequency=f,
-        amplitude=1.2 * same,
-        delay=0.0 * same,
-        amplitude_deviation=0.01 * same,
-        delay_deviation=1e-4 * same,
-        coherence=same,
+        amplitude=1.2 * equal,
+        delay=0.0 * equal,
+        amplitude_deviation=0.01 * equal,
+        delay_deviation=1e-4 * equal,
+        coherence=equal,
     )
-    figure = amplitude_and_delay_over_frequency(resolved, amplitude=1.2, delay=0.0, modes=[])
+    figure = amplitude_and_delay_over_frequency(tracking, amplitude=1.2, delay=0.0, modes=[])
     gain, delay = (place.get_ylim() for place in figure.axes)
     assert gain == pytest.approx((20.0 - 0.25 * 0.4, 20.0 + 0.25 * 0.4))
     assert delay == pytest.approx((-0.25e-3, 0.25e-3))
 
 
-def test_levels_that_the_frame_would_cut_have_no_number():
+def test_levels_cut_by_the_frame_have_no_number():
     """Lines along an edge of the frame are there, their numbers are not."""
     f, xi = np.geomspace(0.5, 4.0, 12), np.geomspace(0.01, 0.1, 9)
     amplitude = np.broadcast_to(f[:, None], (12, 9))
@@ -65,12 +65,12 @@ def test_levels_that_the_frame_would_cut_have_no_number():
         1.99 + 0.02 * (np.arange(12) > 0)[:, None] + 1e-3 * np.arange(12)[:, None], (12, 9)
     )
     nodes = (np.array([0.5, 4.0]), np.array([0.01, 0.1]))
-    left, right = criterion_surfaces(f, xi, edge, amplitude, simulated=nodes).axes
+    left, right = criterion_surfaces(f, xi, edge, amplitude, grid_nodes=nodes).axes
     for place in (left, right):
-        to_axes = place.transData + place.transAxes.inverted()
+        transform = place.transData + place.transAxes.inverted()
         for text in place.findobj(Text):
             if text in place.texts:
-                x, y = to_axes.transform(text.get_position())
+                x, y = transform.transform(text.get_position())
                 assert min(x, 1.0 - x, y, 1.0 - y) > 0.01
     levels = {float(text.get_text()) for text in right.texts}
     assert 2.0 in levels
@@ -109,10 +109,10 @@ def test_panels_of_a_rig_hold_its_tests_the_next_one_and_the_threshold():
     for place, (name, scale) in zip(
         panels, {"A": 1.0, "d_ms": 1.0, "remainder": 100.0, "rms": 100.0}.items(), strict=True
     ):
-        (ahead,) = [each for each in place.collections if each.get_label() == "next test, 90 %"]
+        (ahead,) = [row for row in place.collections if row.get_label() == "next test, 90 %"]
         ends = ahead.get_segments()[0]
         np.testing.assert_allclose(ends, [[9.0, scale * COMING[name][end]] for end in ("low", "high")])
-        tests = {each.get_label(): each.get_xdata() for each in place.lines}
+        tests = {row.get_label(): row.get_xdata() for row in place.lines}
         np.testing.assert_array_equal(tests["reliable test"], [1, 2, 4, 5, 6, 7, 8])
         np.testing.assert_array_equal(tests["other test"], [3])
         assert list(tests["change noticed"]) == [5, 5]
@@ -124,5 +124,5 @@ def test_a_residual_of_nothing_has_a_floor():
     figure = discrepancy.discrepancy_time_frequency(
         nothing, nothing, density=np.ones(65), rate=128.0, highest=40.0
     )
-    drawn = np.asarray(figure.axes[0].collections[0].get_array())
-    np.testing.assert_allclose(drawn, -120.0)
+    drawing = np.asarray(figure.axes[0].collections[0].get_array())
+    np.testing.assert_allclose(drawing, -120.0)

@@ -40,7 +40,7 @@ def test_a_figure_with_any_names_is_drawn_without_a_warning(forest):
 
 
 @pytest.mark.slow
-def test_names_leave_most_of_the_width_to_what_is_drawn(forest):
+def test_names_leave_most_of_the_width_to_the_drawing(forest):
     svg(forest)
     first, second = (place.get_position() for place in forest.axes[:2])
     assert first.width > 0.25
@@ -49,7 +49,7 @@ def test_names_leave_most_of_the_width_to_what_is_drawn(forest):
 
 
 @pytest.mark.parametrize("name", NAMES.values(), ids=NAMES)
-def test_a_label_is_one_short_line_of_what_can_be_drawn(name):
+def test_a_label_is_one_short_drawable_line(name):
     label = plain(name)
     assert len(label.replace("\\$", "$")) <= 60
     assert not set(label) & set("\n\r\x1b\x07\x08\u202e\u2028")

@@ -15,7 +15,7 @@ def rates_of(**levels):
     return pd.DataFrame(rows)
 
 
-def test_a_criterion_that_falls_far_short_has_axes_of_its_own():
+def test_a_criterion_falling_far_short_has_its_own_axes():
     figure = coverage_by_frequency(rates_of(ours=0.95, theirs=0.97, printed=0.12), confidence=0.95)
     upper, lower = figure.axes
     assert upper.get_ylim()[0] > 90.0
@@ -24,7 +24,7 @@ def test_a_criterion_that_falls_far_short_has_axes_of_its_own():
     assert sorted(names) == ["ours", "printed", "stated 95 %", "theirs"]
 
 
-def test_criteria_that_hold_share_axes():
+def test_valid_criteria_share_axes():
     (axes,) = coverage_by_frequency(rates_of(ours=0.95, theirs=0.93), confidence=0.95).axes
     low, high = axes.get_ylim()
     assert 85.0 < low < 91.0

@@ -35,7 +35,7 @@ def figures_of(document):
 
 
 @pytest.fixture(scope="module")
-def drawn_of_criterion(ellipses_of, rates):
+def criterion_figures(ellipses_of, rates):
     ellipses = ellipses_of()
     criterion = derive_criterion(ellipses, method=method_of("dirichlet"), joint=True)
     return figures_of(
@@ -44,14 +44,14 @@ def drawn_of_criterion(ellipses_of, rates):
 
 
 @pytest.fixture(scope="module")
-def drawn_of_paper(ellipses_of):
-    paper, cases, printed, example = (
+def paper_figures(ellipses_of):
+    paper, cases, output, example = (
         pytest.importorskip(f"reliab_studies.paper2017.{name}")
         for name in ("pages.report", "cases", "printed", "example")
     )
     noise = np.random.default_rng(1).normal(size=3000) * np.hanning(3000)
-    motion = Motion(name=printed.EXAMPLE, acceleration=noise, time_step=0.015)
-    tables = printed.PrintedTables.read()
+    motion = Motion(name=output.EXAMPLE, acceleration=noise, time_step=0.015)
+    tables = output.PrintedTables.read()
     structures = (tuple(tables.table3["f_hz"]), tuple(tables.table4["xi"]))
     ellipses = ellipses_of(*structures, motions=100, events=19, names=tables.table2["record"].to_numpy())
     return figures_of(
@@ -66,23 +66,23 @@ def drawn_of_paper(ellipses_of):
 
 
 @pytest.fixture(
-    scope="module", params=["drawn_of_criterion", pytest.param("drawn_of_paper", marks=pytest.mark.slow)]
+    scope="module", params=["criterion_figures", pytest.param("paper_figures", marks=pytest.mark.slow)]
 )
-def drawn(request):
+def every_figure(request):
     """All figures of a kind of report."""
     return request.getfixturevalue(request.param)
 
 
-def test_every_axis_has_a_unit(drawn):
-    without = [
+def test_every_axis_has_a_unit(every_figure):
+    baseline = [
         (label, text)
-        for label, figure in drawn.items()
+        for label, figure in every_figure.items()
         for axes in figure.drawing.axes
         if axes.axison
         for text in (axes.get_xlabel(), axes.get_ylabel())
         if text and not UNIT.search(text.replace("\n", " "))
     ]
-    assert without == []
+    assert baseline == []
 
 
 def is_named(axis):
@@ -91,35 +91,37 @@ def is_named(axis):
     return bool(axis.get_label_text()) or any(tick[:1].isalpha() for tick in ticks)
 
 
-def test_every_figure_names_both_axes(drawn):
-    for label, figure in drawn.items():
-        shown = [axes for axes in figure.drawing.axes if axes.axison]
+def test_every_figure_names_both_axes(every_figure):
+    for label, figure in every_figure.items():
+        output = [axes for axes in figure.drawing.axes if axes.axison]
         for name in ("xaxis", "yaxis"):
-            assert not shown or any(is_named(getattr(axes, name)) for axes in shown), label
+            assert not output or any(is_named(getattr(axes, name)) for axes in output), label
 
 
-def test_every_figure_fits_the_column(drawn):
-    assert {label for label, each in drawn.items() if 25.4 * each.drawing.get_figwidth() > 160.1} == set()
+def test_every_figure_fits_the_column(every_figure):
+    assert {
+        label for label, row in every_figure.items() if 25.4 * row.drawing.get_figwidth() > 160.1
+    } == set()
 
 
-def test_every_figure_says_what_to_see(drawn):
-    assert all(len("".join(map(str, each.caption))) > 40 for each in drawn.values())
+def test_every_figure_has_a_caption(every_figure):
+    assert all(len("".join(map(str, row.caption))) > 40 for row in every_figure.values())
 
 
 def cut_off(figure):
     """Names of axes, titles and legends that do not lie within their figure, which cuts them off."""
     with mpl.rc_context({**mpl.rcParamsDefault, **RC}):
         figure.draw_without_rendering()
-    of_axes = [
+    axes_texts = [
         text for axes in figure.axes for text in (axes.xaxis.label, axes.yaxis.label, axes.title, *axes.texts)
     ]
-    of_legends = [text for legend in figure.findobj(Legend) for text in legend.get_texts()]
-    boxes = {text.get_text(): text.get_window_extent() for text in (*of_axes, *of_legends)}
-    inside = figure.bbox.padded(1.0)
+    legend_texts = [text for legend in figure.findobj(Legend) for text in legend.get_texts()]
+    boxes = {text.get_text(): text.get_window_extent() for text in (*axes_texts, *legend_texts)}
+    is_inside = figure.bbox.padded(1.0)
     return [
         name
         for name, box in boxes.items()
-        if name.strip() and not (inside.contains(*box.min) and inside.contains(*box.max))
+        if name.strip() and not (is_inside.contains(*box.min) and is_inside.contains(*box.max))
     ]
 
 
@@ -130,28 +132,28 @@ def test_nothing_is_cut_off_in_the_plane_of_an_assessment():
         amplitude_sd=np.full(5, 1e-3), delay_sd=np.full(5, 1e-4), length=2.0,
     )  # fmt: skip
     draws = np.stack([np.linspace(0.98, 1.0, 50), np.linspace(1e-3, 2e-3, 50)])
-    tracked = SimpleNamespace(amplitude=0.99, delay=1.5e-3, draws=draws)
-    figure = tracking_overview(tracked, boundaries={"95 % of motions": (4e-4, 9.0)}, windows=windows)
+    index = SimpleNamespace(amplitude=0.99, delay=1.5e-3, draws=draws)
+    figure = tracking_overview(index, boundaries={"95 % of motions": (4e-4, 9.0)}, windows=windows)
     assert cut_off(figure) == []
     figure.axes[0].set_ylabel("Equivalent delay of the actuator $d$ [ms]")
     assert cut_off(figure) == ["Equivalent delay of the actuator $d$ [ms]"]
 
 
 @pytest.mark.slow
-def test_nothing_is_cut_off(drawn):
-    cut = {label: cut_off(figure.drawing) for label, figure in drawn.items()}
+def test_nothing_is_cut_off(every_figure):
+    cut = {label: cut_off(figure.drawing) for label, figure in every_figure.items()}
     assert {label: names for label, names in cut.items() if names} == {}
 
 
 @pytest.mark.slow
-def test_every_figure_of_a_criterion_can_be_drawn(drawn_of_criterion):
-    for figure in drawn_of_criterion.values():
+def test_every_figure_of_a_criterion_can_be_drawn(criterion_figures):
+    for figure in criterion_figures.values():
         assert svg(figure.drawing).startswith(b"<?xml")
 
 
 @pytest.mark.slow
-def test_every_figure_of_the_paper_can_be_drawn(drawn_of_paper):
-    for figure in drawn_of_paper.values():
+def test_every_figure_of_the_paper_can_be_drawn(paper_figures):
+    for figure in paper_figures.values():
         assert svg(figure.drawing).startswith(b"<?xml")
 
 
@@ -180,7 +182,7 @@ def test_a_drawing_depends_on_nothing_else():
         assert svg(draw()) == first
 
 
-def test_a_figure_that_fails_leaves_a_note_and_a_warning():
+def test_a_failed_figure_leaves_a_note_and_a_warning():
     @apply_style
     def rows_of_nothing():
         return panels(0, 1)

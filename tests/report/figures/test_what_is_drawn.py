@@ -46,24 +46,24 @@ MILLIMETRES = 25.4
 
 def curve(place, label):
     """Points (x, y) of the line, or of the points with bars, of a name."""
-    (found,) = [
+    (result,) = [
         thing.lines[0] if isinstance(thing, ErrorbarContainer) else thing
         for thing in (*place.lines, *place.containers)
         if thing.get_label() == label
     ]
-    return np.asarray(found.get_xdata(), float), np.asarray(found.get_ydata(), float)
+    return np.asarray(result.get_xdata(), float), np.asarray(result.get_ydata(), float)
 
 
 def bars(place, label):
     """Ends of the bars of points of a name, across and up where both are drawn."""
-    (found,) = [thing for thing in place.containers if thing.get_label() == label]
-    return np.array([each.get_segments() for each in found.lines[2]])
+    (result,) = [thing for thing in place.containers if thing.get_label() == label]
+    return np.array([row.get_segments() for row in result.lines[2]])
 
 
 def band(place, label):
     """Lowest and highest value of a filled band of a name at each x."""
-    (found,) = [thing for thing in place.collections if thing.get_label() == label]
-    points = found.get_paths()[0].vertices
+    (result,) = [thing for thing in place.collections if thing.get_label() == label]
+    points = result.get_paths()[0].vertices
     return {
         float(x): (points[points[:, 0] == x, 1].min(), points[points[:, 0] == x, 1].max())
         for x in points[:, 0]
@@ -82,8 +82,8 @@ def level(place):
 
 def legend(thing):
     """Names in the only legend of a figure or a panel."""
-    (found,) = thing.findobj(Legend)
-    return [text.get_text() for text in found.get_texts()]
+    (result,) = thing.findobj(Legend)
+    return [text.get_text() for text in result.get_texts()]
 
 
 def titles(figure):
@@ -98,7 +98,7 @@ def size(figure):
     return tuple(MILLIMETRES * figure.get_size_inches())
 
 
-def written(place):
+def texts_of(place):
     """Every text that stands inside a panel."""
     return [text.get_text() for text in place.texts]
 
@@ -107,8 +107,8 @@ def written(place):
 def sample():
     random = np.random.default_rng(5)
     shared = random.normal(size=(2, 8))[:, np.repeat(np.arange(8), 4)]
-    own = random.normal(size=(2, 32))
-    a, b = np.exp([[-8.0], [1.0]] + 0.4 * shared + 0.2 * own)
+    own_files = random.normal(size=(2, 32))
+    a, b = np.exp([[-8.0], [1.0]] + 0.4 * shared + 0.2 * own_files)
     events = np.repeat([f"event {k}" for k in range(8)], 4)
     return EllipseSample(
         a=a,
@@ -143,7 +143,7 @@ def test_the_boundary_of_every_motion_and_each_criterion(sample):
 
 def test_tracking_over_frequency_and_its_band():
     f = np.linspace(0.5, 5.0, 10)
-    resolved = TrackingOverFrequency(
+    tracking = TrackingOverFrequency(
         frequency=f,
         amplitude=1.0 + 0.01 * f,
         delay=1e-3 * (1.0 + f),
@@ -151,18 +151,21 @@ def test_tracking_over_frequency_and_its_band():
         delay_deviation=1e-4 * f,
         coherence=np.ones(10),
     )
-    figure = amplitude_and_delay_over_frequency(resolved, amplitude=1.02, delay=2.5e-3, modes=[1.0, 9.0])
+    figure = amplitude_and_delay_over_frequency(tracking, amplitude=1.02, delay=2.5e-3, modes=[1.0, 9.0])
     assert names(figure) == [("Frequency $f$ [Hz]", "$A - 1$ [%]"), ("Frequency $f$ [Hz]", "$d$ [ms]")]
     assert legend(figure) == ["90 % band", "over frequency", "index of the test"]
     assert size(figure)[1] == pytest.approx(58.0)
-    whole = {0: (f, 0.1 * f, 2.0), 1: (1.0 + f, 0.1 * f, 2.5)}
+    complete = {0: (f, 0.1 * f, 2.0), 1: (1.0 + f, 0.1 * f, 2.5)}
     for k, place in enumerate(figure.axes):
-        values, deviations, index = whole[k]
+        values, deviations, index = complete[k]
         np.testing.assert_allclose(curve(place, "over frequency"), (f, values))
         for x, (low, high) in band(place, "90 % band").items():
-            at = int(np.argmin(abs(f - x)))
+            position = int(np.argmin(abs(f - x)))
             assert (low, high) == pytest.approx(
-                (values[at] - 1.645 * deviations[at], values[at] + 1.645 * deviations[at])
+                (
+                    values[position] - 1.645 * deviations[position],
+                    values[position] + 1.645 * deviations[position],
+                )
             )
         assert level(place) == pytest.approx([index])
         assert upright(place) == [1.0]
@@ -298,11 +301,11 @@ def test_motions_stand_in_the_row_of_their_earthquake(sample):
         assert a in x
     squares = next(line for line in left.lines if line.get_marker() == "s")
     np.testing.assert_allclose(np.log(squares.get_xdata()), [means[event] for event in rows])
-    (intervals,) = [each for each in left.collections if isinstance(each, LineCollection)]
+    (intervals,) = [item for item in left.collections if isinstance(item, LineCollection)]
     ends = np.log(np.array(intervals.get_segments())[:, :, 0])
-    within = np.mean([sample.log_a[sample.events == event].var(ddof=1) for event in rows])
+    variance_within = np.mean([sample.log_a[sample.events == event].var(ddof=1) for event in rows])
     np.testing.assert_allclose(ends.mean(axis=1), [means[event] for event in rows])
-    np.testing.assert_allclose(np.ptp(ends, axis=1), 2 * 1.96 * np.sqrt(within / 4), rtol=1e-6)
+    np.testing.assert_allclose(np.ptp(ends, axis=1), 2 * 1.96 * np.sqrt(variance_within / 4), rtol=1e-6)
     assert upright(left) == pytest.approx([np.exp(sample.log_a.mean()), 2e-4])
     assert upright(right) == pytest.approx([np.exp(sample.log_b.mean())])
     assert names(figure) == [("Ellipse parameter $a$ [-]", ""), ("Ellipse parameter $b$ [ms²]", "")]
@@ -324,8 +327,8 @@ def test_names_of_many_earthquakes_are_small(sample):
     figure = event_forest(many, limits=(1e-4, 1.0))
     assert size(figure)[1] == pytest.approx(205.0)
     assert {text.get_fontsize() for text in figure.axes[0].get_yticklabels()} == {5.0}
-    few = event_forest(sample, limits=(1e-4, 1.0))
-    assert few.axes[0].get_yticklabels()[0].get_fontsize() > 5.0
+    subset = event_forest(sample, limits=(1e-4, 1.0))
+    assert subset.axes[0].get_yticklabels()[0].get_fontsize() > 5.0
 
 
 def test_surfaces_of_limits_are_labelled_with_their_levels():
@@ -333,7 +336,7 @@ def test_surfaces_of_limits_are_labelled_with_their_levels():
     amplitude = np.broadcast_to(f[:, None], (12, 9))
     delay = np.broadcast_to(100.0 * xi[None, :], (12, 9))
     nodes = (np.array([0.5, 0.51, 1.0, 4.0]), np.array([0.01, 0.05, 0.1]))
-    figure = criterion_surfaces(f, xi, amplitude, delay, simulated=nodes)
+    figure = criterion_surfaces(f, xi, amplitude, delay, grid_nodes=nodes)
     left, right = figure.axes
     assert titles(figure) == [r"(a) amplitude error $\sqrt{a}$ [%]", r"(b) delay $\sqrt{b}$ [ms]"]
     assert names(figure) == [
@@ -347,7 +350,7 @@ def test_surfaces_of_limits_are_labelled_with_their_levels():
         assert place.get_xlim() == pytest.approx((0.5, 4.0))
         assert place.get_ylim() == pytest.approx((0.01, 0.1))
         assert len(place.collections) == 2
-        assert set(written(place)) <= {f"{level:g}" for level in place.collections[1].levels}
+        assert set(texts_of(place)) <= {f"{level:g}" for level in place.collections[1].levels}
     lines = left.collections[1]
     for value, path in zip(lines.levels, lines.get_paths(), strict=True):
         np.testing.assert_allclose(path.vertices[:, 0], value, rtol=2e-2)
@@ -374,12 +377,12 @@ def test_distributions_of_parameters_and_the_limits(sample):
         assert upright(place) == [limit]
         x, density = curve(place, "lognormal")
         np.testing.assert_allclose(density, np.exp(fit.log_density(x)))
-        edges = [(each.get_x(), each.get_x() + each.get_width(), each.get_height()) for each in place.patches]
+        edges = [(row.get_x(), row.get_x() + row.get_width(), row.get_height()) for row in place.patches]
         for left, right, height in edges:
             share = np.mean((values >= left) & (values < right))
             assert height * (right - left) == pytest.approx(share, abs=1e-9)
-        beyond = int((values > 1.15 * np.quantile(values, 0.97)).sum())
-        assert written(place) == ([f"{beyond} of 32 beyond"] if beyond else [])
+        count_beyond = int((values > 1.15 * np.quantile(values, 0.97)).sum())
+        assert texts_of(place) == ([f"{count_beyond} of 32 beyond"] if count_beyond else [])
         assert place.get_xlim() == pytest.approx((0.0, edges[-1][1]))
         iqr = np.subtract(*np.quantile(values, [0.75, 0.25]))
         assert edges[0][1] - edges[0][0] == pytest.approx(2.0 * iqr / 32 ** (1 / 3))
@@ -401,7 +404,7 @@ def test_quantiles_of_the_motions_over_those_of_a_distribution(sample):
         assert (place.get_xscale(), place.get_yscale()) == ("log", "log")
 
 
-def test_correlation_of_what_each_panel_shows(sample):
+def test_correlation_of_the_panels(sample):
     figure = parameter_correlation(sample)
     linear, logarithmic = figure.axes
     assert titles(figure) == ["(a) linear", "(b) logarithmic"]
@@ -410,15 +413,15 @@ def test_correlation_of_what_each_panel_shows(sample):
         np.corrcoef(sample.a, sample.b)[0, 1],
         np.corrcoef(np.log(sample.a), np.log(sample.b))[0, 1],
     )
-    assert written(linear) == [f"correlation {correlations[0]:.3f}"]
-    assert written(logarithmic) == [f"correlation of the logarithms {correlations[1]:.3f}"]
+    assert texts_of(linear) == [f"correlation {correlations[0]:.3f}"]
+    assert texts_of(logarithmic) == [f"correlation of the logarithms {correlations[1]:.3f}"]
     for place in figure.axes:
         np.testing.assert_allclose(curve(place, "one motion"), (sample.a, sample.b))
     assert (logarithmic.get_xscale(), logarithmic.get_yscale()) == ("log", "log")
     assert linear.get_xlim() == pytest.approx((0.0, 1.05 * sample.a.max()))
     assert linear.get_ylim() == pytest.approx((0.0, 1.05 * sample.b.max()))
     slope, intercept = np.polyfit(sample.a, sample.b, 1)
-    (line,) = [each for each in linear.lines if len(each.get_xdata()) == 100]
+    (line,) = [row for row in linear.lines if len(row.get_xdata()) == 100]
     np.testing.assert_allclose(line.get_ydata(), slope * line.get_xdata() + intercept)
     assert f"{abs(intercept):.2f} ms²" in legend(linear)[1]
 
@@ -433,34 +436,34 @@ def test_posterior_of_a_quantile_and_a_further_motion(sample):
     assert names(figure) == [(a, "Density [-]"), (b, ""), (a, "Share below [-]"), (b, "")]
     assert legend(figure) == ["motions", "predictive", "lognormal", "0.05", "criterion"]
     for k, (values, limit) in enumerate(((sample.a, 2e-4), (sample.b, 1.5))):
-        above, below = figure.axes[k], figure.axes[2 + k]
-        assert upright(above) == [limit]
-        assert level(below) == pytest.approx([0.05])
-        assert upright(below) == [limit]
-        x, shares = curve(below, "predictive")
+        upper, lower = figure.axes[k], figure.axes[2 + k]
+        assert upright(upper) == [limit]
+        assert level(lower) == pytest.approx([0.05])
+        assert upright(lower) == [limit]
+        x, shares = curve(lower, "predictive")
         assert np.all(np.diff(shares) >= 0.0)
         assert abs(np.interp(np.median(values), x, shares) - 0.5) < 0.15
-        x, shares = curve(below, "lognormal")
+        x, shares = curve(lower, "lognormal")
         assert np.log(np.interp(0.5, shares, x)) == pytest.approx(np.log(values).mean(), abs=1e-3)
-        x, shares = curve(below, "motions")
+        x, shares = curve(lower, "motions")
         np.testing.assert_allclose(x[1:], np.sort(values))
-        density = above.lines[0]
-        at = np.log(density.get_xdata())
-        assert np.trapezoid(density.get_ydata(), at) == pytest.approx(1.0, abs=0.01)
-        low, high = above.collections[1].get_segments()[0][:, 0]
-        inside = (at >= np.log(low)) & (at <= np.log(high))
-        assert np.trapezoid(density.get_ydata()[inside], at[inside]) == pytest.approx(0.95, abs=0.02)
-        assert above.get_ylim()[0] == 0.0
+        density = upper.lines[0]
+        place = np.log(density.get_xdata())
+        assert np.trapezoid(density.get_ydata(), place) == pytest.approx(1.0, abs=0.01)
+        low, high = upper.collections[1].get_segments()[0][:, 0]
+        is_inside = (place >= np.log(low)) & (place <= np.log(high))
+        assert np.trapezoid(density.get_ydata()[is_inside], place[is_inside]) == pytest.approx(0.95, abs=0.02)
+        assert upper.get_ylim()[0] == 0.0
         ends = np.log([min(values.min(), limit), values.max()]) + 0.15 * np.ptp(np.log(values)) * np.array(
             [-1, 1]
         )
-        assert np.log(below.get_xlim()) == pytest.approx(ends)
+        assert np.log(lower.get_xlim()) == pytest.approx(ends)
 
 
 def test_a_limit_of_nothing_is_not_drawn(sample):
-    below = posterior_and_predictive(sample, limits=(0.0, 0.0), confidence=0.95).axes[2]
-    assert upright(below) == []
-    assert np.log(below.get_xlim()[0]) == pytest.approx(
+    lower = posterior_and_predictive(sample, limits=(0.0, 0.0), confidence=0.95).axes[2]
+    assert upright(lower) == []
+    assert np.log(lower.get_xlim()[0]) == pytest.approx(
         np.log(sample.a.min()) - 0.15 * np.ptp(np.log(sample.a))
     )
 
@@ -479,9 +482,9 @@ def test_a_test_in_the_plane_of_amplitude_and_delay(windows, delay):
     random = np.random.default_rng(2)
     draws = np.stack([random.normal(0.99, 1e-3, 400), random.normal(delay, 1e-4, 400)])
     boundaries = {"$5 %": (4e-4, 9.0), "none": (0.0, 9.0), "neither": (4e-4, 0.0)}
-    tracked = SimpleNamespace(amplitude=0.99, delay=delay, draws=draws)
-    figure = tracking_overview(tracked, boundaries=boundaries, windows=windows)
-    plane, above, below = figure.axes
+    index = SimpleNamespace(amplitude=0.99, delay=delay, draws=draws)
+    figure = tracking_overview(index, boundaries=boundaries, windows=windows)
+    plane, upper, lower = figure.axes
     assert size(figure)[1] == pytest.approx(46.0)
     assert legend(figure) == [r"\$5 %", "test, 95 % intervals"]
     x, y = curve(plane, r"\$5 %")
@@ -490,31 +493,31 @@ def test_a_test_in_the_plane_of_amplitude_and_delay(windows, delay):
     np.testing.assert_allclose(curve(plane, "test, 95 % intervals"), ([-1.0], [1e3 * delay]))
     cloud = next(line for line in plane.lines if line.get_marker() == ".")
     np.testing.assert_allclose(cloud.get_xydata().T, (100.0 * (draws[0] - 1.0), 1e3 * draws[1]))
-    across, up = bars(plane, "test, 95 % intervals")[:, 0]
-    np.testing.assert_allclose(across[:, 0], 100.0 * (np.quantile(draws[0], [0.025, 0.975]) - 1.0))
+    x_interval, up = bars(plane, "test, 95 % intervals")[:, 0]
+    np.testing.assert_allclose(x_interval[:, 0], 100.0 * (np.quantile(draws[0], [0.025, 0.975]) - 1.0))
     np.testing.assert_allclose(up[:, 1], 1e3 * np.quantile(draws[1], [0.025, 0.975]))
     assert names(figure)[0] == ("Amplitude error $A - 1$ [%]", "Delay $d$ [ms]")
-    assert (above.get_ylabel(), below.get_ylabel(), below.get_xlabel()) == (
+    assert (upper.get_ylabel(), lower.get_ylabel(), lower.get_xlabel()) == (
         "$A - 1$ [%]",
         "$d$ [ms]",
         "Time $t$ [s]",
     )
-    for place, values, reach in ((above, windows.centre, 0.2), (below, windows.centre, 0.2)):
+    for place, values, reach in ((upper, windows.centre, 0.2), (lower, windows.centre, 0.2)):
         (container,) = place.containers
         np.testing.assert_allclose(container.lines[0].get_xydata().T, (windows.centre, values))
         ends = np.array(container.lines[2][0].get_segments())[:, :, 1]
         np.testing.assert_allclose(ends - values[:, None], [[-reach, reach]] * 5, atol=1e-12)
         assert level(place) == [0.0]
     assert (level(plane), upright(plane)) == ([0.0], [0.0])
-    assert not any(label.get_visible() for label in above.get_xticklabels())
-    assert above.get_shared_x_axes().joined(above, below)
+    assert not any(label.get_visible() for label in upper.get_xticklabels())
+    assert upper.get_shared_x_axes().joined(upper, lower)
     assert plane.margins() == pytest.approx((0.12, 0.12))
 
 
 def test_without_windows_the_plane_stands_alone():
     draws = np.array([[1.0, 1.01], [1e-3, 2e-3]])
-    tracked = SimpleNamespace(amplitude=1.0, delay=1e-3, draws=draws)
-    figure = tracking_overview(tracked, boundaries={"5 %": (1e-4, 1.0)}, windows=None)
+    index = SimpleNamespace(amplitude=1.0, delay=1e-3, draws=draws)
+    figure = tracking_overview(index, boundaries={"5 %": (1e-4, 1.0)}, windows=None)
     assert len(figure.axes) == 1
 
 
@@ -524,26 +527,26 @@ def test_the_error_of_a_test_and_its_parts_over_the_peak():
     error = 1e-3 * np.cos(times)
     parts = {"$delay": np.array([1e-3, 2e-3]), "amplitude": np.array([2e-3, 1e-3])}
     figure = error_over_time(
-        times=times, reference=exact, measured=exact + error, error=error,
+        times=times, reference=exact, measured_values=exact + error, error=error,
         band=(error - 1e-4, error + 2e-4), parts=parts,
     )  # fmt: skip
-    histories, errors, divided = figure.axes
+    histories, errors, ratio = figure.axes
     peak = np.abs(exact).max()
     np.testing.assert_allclose(curve(histories, "exact $x_I$"), (times, exact / peak))
     np.testing.assert_allclose(curve(histories, "measured $x_m$"), (times, (exact + error) / peak))
     np.testing.assert_allclose(curve(errors, "$x_m - x_I$"), (times, 100.0 * error / peak))
     for x, (low, high) in band(errors, "90 % band").items():
-        at = int(np.argmin(abs(times - x)))
+        position = int(np.argmin(abs(times - x)))
         assert high - low == pytest.approx(100.0 * 3e-4 / peak)
-        assert low == pytest.approx(100.0 * (error[at] - 1e-4) / peak)
-    for steps, values in zip(divided.patches, parts.values(), strict=True):
+        assert low == pytest.approx(100.0 * (error[position] - 1e-4) / peak)
+    for steps, values in zip(ratio.patches, parts.values(), strict=True):
         np.testing.assert_allclose(steps.get_data().values, 100.0 * values / peak)
         np.testing.assert_allclose(steps.get_data().edges, np.linspace(times[0], times[-1], 3))
         assert steps.get_data().baseline is None
     assert [place.get_ylabel() for place in figure.axes] == [
         "Displacement\nover peak [-]", "Error\nover peak [%]", "RMS of parts\nover peak [%]"
     ]  # fmt: skip
-    assert divided.get_xlabel() == "Time $t$ [s]"
+    assert ratio.get_xlabel() == "Time $t$ [s]"
     assert [legend(place) for place in figure.axes] == [
         ["exact $x_I$", "measured $x_m$"], ["90 % band", "$x_m - x_I$"], [r"\$delay", "amplitude"]
     ]  # fmt: skip
@@ -555,7 +558,12 @@ def test_a_long_test_is_drawn_by_some_thousand_points():
     times = np.arange(20000) / 100.0
     zero = np.sin(times)
     figure = error_over_time(
-        times=times, reference=zero, measured=zero, error=zero, band=(zero, zero), parts={"all": np.ones(2)}
+        times=times,
+        reference=zero,
+        measured_values=zero,
+        error=zero,
+        band=(zero, zero),
+        parts={"all": np.ones(2)},
     )
     x, _ = curve(figure.axes[0], "exact $x_I$")
     assert (x.size, x[0], x[-1]) == (4000, times[0], times[-1])
@@ -563,21 +571,21 @@ def test_a_long_test_is_drawn_by_some_thousand_points():
 
 def channel(noise, **changes):
     random = np.random.default_rng(4)
-    before, after = 3.0 * random.normal(size=7000), random.normal(size=7000)
+    original, updated = 3.0 * random.normal(size=7000), random.normal(size=7000)
     values = {
         "title": "specimen: $force",
         "label": "Residual [N]",
         "rate": 100.0,
-        "before": before,
-        "after": after,
+        "before": original,
+        "after": updated,
     }
     errors = {"before": 0.3, "after": 0.1} | ({} if noise is None else {"noise": 0.05})
     return discrepancy.GapPanel(**{**values, "noise": noise, "errors": errors, **changes})
 
 
-def test_what_is_left_in_each_channel():
-    shown = [channel(0.5), channel(None, title="second")]
-    figure = discrepancy.discrepancy_gap(shown)
+def test_residual_of_each_channel():
+    output = [channel(0.5), channel(None, title="second")]
+    figure = discrepancy.discrepancy_gap(output)
     first, size_of_first, second, size_of_second = figure.axes
     assert size(figure)[1] == pytest.approx(2 * 37.0 + 12.0)
     assert titles(figure) == [r"specimen: \$force", "", "second", ""]
@@ -587,17 +595,17 @@ def test_what_is_left_in_each_channel():
     ]  # fmt: skip
     for label in ("before", "after"):
         x, y = curve(first, label)
-        np.testing.assert_allclose(y, getattr(shown[0], label)[::2])
+        np.testing.assert_allclose(y, getattr(output[0], label)[::2])
         np.testing.assert_allclose(x, np.arange(0, 7000, 2) / 100.0)
     assert level(first) == [-1.0, 1.0]
     assert level(second) == []
     assert legend(first) == ["before", "after", "± 2 RMS of noise"]
     assert second.findobj(Legend) == []
-    peak = np.abs(shown[0].before).max()
+    peak = np.abs(output[0].before).max()
     assert first.get_ylim() == pytest.approx((-1.1 * peak, 1.7 * peak))
     for place, errors in ((size_of_first, (30.0, 10.0, 5.0)), (size_of_second, (30.0, 10.0))):
         assert [bar.get_width() for bar in place.patches] == pytest.approx(errors)
-        assert written(place) == ["30.0", "10.0", "5.00"][: len(errors)]
+        assert texts_of(place) == ["30.0", "10.0", "5.00"][: len(errors)]
         assert [text.get_position() for text in place.texts] == [
             (pytest.approx(error + 0.02 * max(errors)), rank) for rank, error in enumerate(errors)
         ]
@@ -609,7 +617,7 @@ def test_what_is_left_in_each_channel():
         ]
 
 
-def test_the_loop_names_what_is_missing_and_what_is_not_seen():
+def test_the_loop_names_missing_and_unobserved_blocks():
     figure = discrepancy.discrepancy_blocks(
         lacking={Block.SPECIMEN: "dry $friction"}, observed=[Block.ACTUATOR]
     )
@@ -631,7 +639,7 @@ def test_the_loop_names_what_is_missing_and_what_is_not_seen():
     assert len(set(looks)) == 3
     key = [(box.get_edgecolor(), box.get_linestyle()) for box in boxes if box.get_zorder() != 2.0]
     assert len(key) == 3
-    by_place = {
+    axes_by_place = {
         name: min(
             (box for box in boxes if box.get_zorder() == 2.0),
             key=lambda box: np.hypot(
@@ -641,7 +649,7 @@ def test_the_loop_names_what_is_missing_and_what_is_not_seen():
         for name in ("specimen", "actuator", "sensors")
     }
     assert [
-        (by_place[name].get_edgecolor(), by_place[name].get_linestyle())
+        (axes_by_place[name].get_edgecolor(), axes_by_place[name].get_linestyle())
         for name in ("specimen", "actuator", "sensors")
     ] == key
     assert texts["specimen"].get_position()[1] > texts[r"dry \$friction"].get_position()[1]
@@ -655,14 +663,14 @@ def test_measured_history_stands_above_both_residuals():
     values = {name: np.sin(time + k) for k, name in enumerate(("driven", "measured", "before", "after"))}
     labels = {"input_label": "command [mm]", "label": "force [N]", "residual_label": "Residual [N]"}
     figure = discrepancy.discrepancy_histories(discrepancy.ModelledHistory(time=time, **values, **labels))
-    above, beside, below, last = figure.axes
+    upper, extra, lower, last = figure.axes
     assert legend(figure) == ["measured", "residual before", "after"]
-    for x, measured, left in ((time, above, below), (values["driven"], beside, last)):
+    for x, measured, left in ((time, upper, lower), (values["driven"], extra, last)):
         np.testing.assert_allclose(curve(measured, "measured"), (x[::2], values["measured"][::2]))
         np.testing.assert_allclose(curve(left, "residual before"), (x[::2], values["before"][::2]))
         np.testing.assert_allclose(curve(left, "after"), (x[::2], values["after"][::2]))
     assert names(figure) == [("", "force [N]"), ("", ""), ("Time [s]", "Residual [N]"), ("command [mm]", "")]
-    assert not any(label.get_visible() for place in (above, beside) for label in place.get_xticklabels())
+    assert not any(label.get_visible() for place in (upper, extra) for label in place.get_xticklabels())
 
 
 def test_densities_and_contours_of_a_posterior():
@@ -682,9 +690,9 @@ def test_densities_and_contours_of_a_posterior():
     ]
     levels = pair.collections[-1].levels
     counts, *_ = np.histogram2d(*draws.T, bins=15)
-    for found, share in zip(levels, (0.9, 0.5), strict=True):
-        assert counts[counts >= found].sum() >= share * 4000
-        assert counts[counts > found].sum() <= share * 4000
+    for result, share in zip(levels, (0.9, 0.5), strict=True):
+        assert counts[counts >= result].sum() >= share * 4000
+        assert counts[counts > result].sum() <= share * 4000
     contours = np.concatenate([path.vertices for path in pair.collections[-1].get_paths()])
     np.testing.assert_allclose(contours.mean(axis=0), [5.0, -3.0], atol=0.5)
     assert size(figure) == pytest.approx((100.0, 100.0))
@@ -696,17 +704,19 @@ def test_densities_and_contours_of_a_posterior():
 def test_residuals_over_the_state_of_the_specimen():
     random = np.random.default_rng(6)
     displacement, velocity = random.uniform(-0.01, 0.01, 40000), random.uniform(-0.1, 0.1, 40000)
-    before, after = 1e3 * displacement, 50.0 * velocity
-    figure = discrepancy.discrepancy_state_plane(displacement, velocity, before, after, unit="N", factor=2.0)
+    original, updated = 1e3 * displacement, 50.0 * velocity
+    figure = discrepancy.discrepancy_state_plane(
+        displacement, velocity, original, updated, unit="N", factor=2.0
+    )
     left, right, bar = figure.axes
     assert titles(figure)[:2] == ["(a) calibrated model", "(b) with the effects"]
     assert names(figure)[:2] == [("Displacement [mm]", "Velocity [mm/s]"), ("Displacement [mm]", "")]
     assert bar.get_ylabel() == "Mean residual [N]"
     x, y = (np.quantile(np.abs(values), 0.995) * 1e3 for values in (displacement, velocity))
-    along = np.linspace(-x, x, 26)[:-1] + x / 25.0
+    path_points = np.linspace(-x, x, 26)[:-1] + x / 25.0
     up = np.linspace(-y, y, 26)[:-1] + y / 25.0
     for place, values in (
-        (left, np.tile(2.0 * along, (25, 1))),
+        (left, np.tile(2.0 * path_points, (25, 1))),
         (right, np.tile(0.1 * up[:, None], (1, 25))),
     ):
         (image,) = place.images
@@ -715,12 +725,12 @@ def test_residuals_over_the_state_of_the_specimen():
         assert image.origin == "lower"
         assert image.get_clim() == pytest.approx((-19.0, 19.0), rel=0.04)
     sparse = discrepancy.discrepancy_state_plane(
-        displacement[:500], velocity[:500], before[:500], after[:500], unit="N"
+        displacement[:500], velocity[:500], original[:500], updated[:500], unit="N"
     )
     assert np.isnan(np.ma.filled(sparse.axes[0].images[0].get_array().astype(float), np.nan)).mean() > 0.8
 
 
-def test_power_of_a_residual_over_that_of_the_noise():
+def test_power_of_a_residual_over_the_noise():
     rate, n = 200.0, 24000
     time = np.arange(n) / rate
     noise = np.random.default_rng(7).normal(size=n)
@@ -737,8 +747,8 @@ def test_power_of_a_residual_over_that_of_the_noise():
     loud = np.asarray(left.collections[0].get_array()) - quiet
     rows = np.linspace(0.0, 40.0, loud.shape[0])
     row, late = int(np.argmin(abs(rows - 20.0))), loud.shape[1] * 3 // 4
-    expected = 10.0 * np.log10(2.0**2 / 4.0 * (np.hanning(1001).sum() ** 2 / (np.hanning(1001) ** 2).sum()))
-    assert np.asarray(left.collections[0].get_array())[row, late] == pytest.approx(expected, abs=1.0)
+    reference = 10.0 * np.log10(2.0**2 / 4.0 * (np.hanning(1001).sum() ** 2 / (np.hanning(1001) ** 2).sum()))
+    assert np.asarray(left.collections[0].get_array())[row, late] == pytest.approx(reference, abs=1.0)
     assert abs(loud[row, : loud.shape[1] // 3]).max() < 1.0
     assert left.get_ylim() == pytest.approx((0.0, 40.0), abs=0.2)
     assert left.get_xlim() == pytest.approx((0.0, 120.0), abs=1.0)
@@ -787,6 +797,6 @@ def test_an_ellipse_is_drawn_by_its_upper_half():
 
 def test_every_figure_of_this_page_can_be_drawn(windows):
     draws = np.array([[1.0, 1.01], [1e-3, 2e-3]])
-    tracked = SimpleNamespace(amplitude=1.0, delay=1e-3, draws=draws)
-    figure = tracking_overview(tracked, boundaries={}, windows=windows)
+    index = SimpleNamespace(amplitude=1.0, delay=1e-3, draws=draws)
+    figure = tracking_overview(index, boundaries={}, windows=windows)
     assert svg(figure).startswith(b"<?xml")

@@ -50,21 +50,21 @@ def test_a_test_is_reported_on_two_pages(
     noise = 1e-6 * np.random.default_rng(1).normal(size=times.size)
     measured = 0.999 * np.interp(times - delay, times, command) + noise
     recording = Recording(command=command, measured=measured, time_step=1.0 / 256.0, name="#1 $test$")
-    stated = {"f": StatedValue(1.0), "xi": StatedValue(0.02, deviation)}
+    values = {"f": StatedValue(1.0), "xi": StatedValue(0.02, deviation)}
     structure = Structure(frequency=1.0, damping_ratio=0.02)
-    found = assess(recording, structure, stated=stated, criterion=criterion)
+    assessment = assess(recording, structure, stated=values, criterion=criterion)
     notes = ("A remark of the laboratory, long enough to take more than one line of the sheet. " * 2,) * 3
-    document = assessment_report(found, provenance={"file": "a.csv"}, notes=notes)
+    document = assessment_report(assessment, provenance={"file": "a.csv"}, notes=notes)
     assert document.tone == tone
     assert pages(set_without_warnings(document)) == 2
     read = text_of(document)
     assert f"The test is {word}" in read
     assert "over the test's own 40 s" in read
-    assert f"with the test {found.scope.position} of them" in read
-    rms = found.error.rebuilt.rms
+    assert f"with the test {assessment.scope.position} of them" in read
+    rms = assessment.error.rebuilt.rms
     value, interval = percent_and_interval(rms.value, rms.low, rms.high)
     sizes = {"undecided": f"{interval} (90 % interval)"}
     assert f"RMS error {sizes.get(word, f'{value} (90 % interval {interval})')}, " in read
     assert "likely to be below 5 %" in read
     assert f"RMS error {value} {interval} ".replace(" %", "") in read  # as the table has them
-    assert all(replace_arguments_by_options(remedy) in read for remedy in found.would_decide)
+    assert all(replace_arguments_by_options(remedy) in read for remedy in assessment.would_decide)

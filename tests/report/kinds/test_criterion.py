@@ -14,9 +14,9 @@ from reliab.sampling.posterior_sample import ConvergenceWarning
 
 def report(ellipses, *, method="dirichlet", coverage=None, confidences=(0.95, 0.8), **changes):
     criteria = [
-        derive_criterion(ellipses, method=method_of(method), joint=True, threshold=threshold, confidence=each)
+        derive_criterion(ellipses, method=method_of(method), joint=True, threshold=threshold, confidence=row)
         for threshold in (0.05, 0.02)
-        for each in confidences
+        for row in confidences
     ]
     content = {"title": "A criterion", "provenance": {"seed": 1}, **changes}
     return criterion_report(ellipses=ellipses, criteria=criteria, coverage=coverage, **content), criteria
@@ -51,9 +51,9 @@ def test_any_grid_of_structures(ellipses_of, text_of, frequencies, damping_ratio
 def test_the_verdict_states_the_limits_of_the_first_criterion(ellipses_of):
     document, (first, *_) = report(ellipses_of())
     a, b = (float(limit) for limit in first.limits(1.0, 0.02))
-    stated = words(document.verdict)
-    assert f"{100 * np.sqrt(a):.2g} %" in stated
-    assert f"{np.sqrt(b):.2f} ms" in stated
+    values = words(document.verdict)
+    assert f"{100 * np.sqrt(a):.2g} %" in values
+    assert f"{np.sqrt(b):.2f} ms" in values
 
 
 @pytest.mark.default_cases(1)
@@ -76,7 +76,7 @@ def test_outside_of_its_population_no_share_is_promised(ellipses_of, text_of, po
 
 
 @pytest.mark.slow
-def test_a_posterior_that_has_not_converged_is_confessed_before_any_limit(ellipses_of):
+def test_an_unconverged_posterior_is_stated_before_any_limit(ellipses_of):
     ellipses = ellipses_of((1.0,), (0.02,))
     with pytest.warns(ConvergenceWarning):
         criterion = derive_criterion(ellipses, method="hierarchical", steps=20)

@@ -12,7 +12,7 @@ from reliab.structures.structure import Structure
 STRUCTURE = Structure(frequency=1.0, damping_ratio=0.02)
 
 
-def performed(count, step=0.0):
+def perform_tests(count, step=0.0):
     """Tests whose delay grows by a step in the middle."""
     rng = np.random.default_rng(1)
     for number in range(count):
@@ -29,8 +29,8 @@ def performed(count, step=0.0):
 
 
 def test_a_rig_is_reported_for_the_head_of_the_laboratory(text_of):
-    table = rig_table(performed(34, 2.0))
-    prediction = predict_next(rig_table(performed(6)), STRUCTURE, NextTest(), threshold=0.05)
+    table = rig_table(perform_tests(34, 2.0))
+    prediction = predict_next(rig_table(perform_tests(6)), STRUCTURE, NextTest(), threshold=0.05)
     text = text_of(rig_report("A & $b$", table, prediction, structure=STRUCTURE, provenance={}))
     for words in (
         "34 of 34 tests were judged reliable",
@@ -43,6 +43,6 @@ def test_a_rig_is_reported_for_the_head_of_the_laboratory(text_of):
 
 
 def test_the_report_is_written_of_a_folder(tmp_path):
-    keep(tmp_path, *performed(6))
+    keep(tmp_path, *perform_tests(6))
     out = report_rig(tmp_path, tmp_path / "report.pdf")
     assert out.read_bytes().startswith(b"%PDF")

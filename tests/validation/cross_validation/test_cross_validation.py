@@ -126,8 +126,8 @@ def test_rates_agree_with_counting_by_hand():
         for v in (sample["a"].values, sample["b"].values)
     ]
     original = ellipses.isel(motion=fold.judged).squeeze()
-    expected = ((original["a"] >= limits[0]) & (original["b"] >= limits[1])).mean()
-    assert result.containment()["rate"].item() == pytest.approx(float(expected))
+    reference = ((original["a"] >= limits[0]) & (original["b"] >= limits[1])).mean()
+    assert result.containment()["rate"].item() == pytest.approx(float(reference))
 
 
 def test_bootstrap_interval_is_wider_when_motions_of_an_earthquake_are_alike():

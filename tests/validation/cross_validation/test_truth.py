@@ -116,7 +116,7 @@ def test_flattering_ellipse_does_not_contain_the_criterion(motions, ellipses):
 
 def test_containment_is_the_share_of_motions_with_no_error_above_along_the_edge(motions, ellipses):
     a, b = (float(ellipses[name].median()) for name in ("a", "b"))
-    expected = [spectral_error(motion, Region(a=a, b=b)).max() <= 0.05 for motion in motions]
+    reference = [spectral_error(motion, Region(a=a, b=b)).max() <= 0.05 for motion in motions]
     validation = cross_validate(
         ellipses,
         leave_one_event_out(ellipses["event"].values),
@@ -126,8 +126,8 @@ def test_containment_is_the_share_of_motions_with_no_error_above_along_the_edge(
         truth=SimulatedTruth(motions=motions),
         trials=64,
     )
-    assert validation.counts["contained"].sel(side="lag").values.ravel().tolist() == expected
-    assert 0 < sum(expected) < 6
+    assert validation.counts["contained"].sel(side="lag").values.ravel().tolist() == reference
+    assert 0 < sum(reference) < 6
 
 
 def test_motions_without_an_ellipse_are_judged_by_their_errors_only(motions, ellipses):

@@ -66,7 +66,7 @@ def document_of_test(
     )
 
 
-def remarks(assessment: JudgedTest, *further: str) -> list[Prose]:
+def remarks(assessment: JudgedTest, *notes: str) -> list[Prose]:
     """Say why a test is undecided, what to do next, and what to read before relying on the verdict."""
     sentences = (
         # the last reason is the headline
@@ -74,7 +74,7 @@ def remarks(assessment: JudgedTest, *further: str) -> list[Prose]:
         *next_steps(assessment.would_decide, assessment.error.would_decide),
         *assessment.warnings,
         *assessment.recording.notes,
-        *further,
+        *notes,
     )
     return [replace_arguments_by_options(sentence) for sentence in sentences]
 
@@ -90,8 +90,8 @@ def errors_table(error: ErrorOfTest, recording: Recording) -> Table:
         for metric, name in ERROR_NAMES.items()
     ]
     for name, share in error.parts.by_name.items():
-        alone, remaining = (f"{PERCENT * size:.{decimals}f}" for size in (share.rms, share.remaining_rms))
-        rows.append((f"RMS error from {PART_NAMES[name]} alone", alone, "", remaining))
+        own_error, remaining = (f"{PERCENT * size:.{decimals}f}" for size in (share.rms, share.remaining_rms))
+        rows.append((f"RMS error from {PART_NAMES[name]} alone", own_error, "", remaining))
     return text_table(
         rows,
         ("Error, over the peak of the exact displacement", "Found [%]", "90 % interval", "Without it"),
@@ -175,16 +175,16 @@ def histories_figure(
 ) -> Figure:
     """Draw exact and measured history of a displacement, the error with its band, and its largest parts."""
     times = np.linspace(0.0, recording.duration, rebuilt.reference.size)
-    over_time = parts.rms_over_time(recording.time_step, recording.duration / _STRETCHES)
-    largest = sorted(over_time, key=lambda cause: -parts.by_name[cause].rms)[:_PARTS_DRAWN]
+    shares = parts.rms_over_time(recording.time_step, recording.duration / _STRETCHES)
+    largest = sorted(shares, key=lambda cause: -parts.by_name[cause].rms)[:_PARTS_DRAWN]
     return Figure(
         drawing=error_over_time(
             times=times,
             reference=rebuilt.reference,
-            measured=rebuilt.reference + rebuilt.smooth_error,
+            measured_values=rebuilt.reference + rebuilt.smooth_error,
             error=rebuilt.smooth_error,
             band=(rebuilt.low, rebuilt.high),
-            parts={_label(cause): over_time[cause] for cause in over_time if cause in largest},
+            parts={_label(cause): shares[cause] for cause in shares if cause in largest},
         ),
         caption=(
             f"Top: exact and measured {name}. Middle: their difference, the error, with its 90 % band. "
@@ -222,19 +222,19 @@ def error_sentence(error: ErrorWithThreshold, word: Word) -> Prose:
     if np.isnan(size.value):
         return f"The test is {spell_out(word)}: no displacement stands out of the noise of its sensors."
     name = f"{ERROR_NAMES[error.metric]}{error.displacement_suffix}"
-    how_large = error_in_words(name, size, error.threshold, error.probability, show_interval=True)
-    return prose("The test is *{word}*: {how_large}.", word=spell_out(word), how_large=how_large)
+    size_phrase = error_in_words(name, size, error.threshold, error.probability, show_interval=True)
+    return prose("The test is *{word}*: {how_large}.", word=spell_out(word), how_large=size_phrase)
 
 
 def advice(assessment: Assessment) -> Prose:
     """Say what to improve first, by the error and by the index."""
-    by_index = assessment.improvement
-    share = by_index.share_of_delay if by_index.first == "delay" else 1.0 - by_index.share_of_delay
-    late, off = MILLI * by_index.tolerable_delay, by_index.tolerable_amplitude_error
+    improvement = assessment.improvement
+    share = improvement.share_of_delay if improvement.first == "delay" else 1.0 - improvement.share_of_delay
+    late, off = MILLI * improvement.tolerable_delay, improvement.tolerable_amplitude_error
     return " ".join(
         (
             improve_first(assessment.error),
-            f"The {by_index.first} contributes {percent(share, 2)} of the index.",
+            f"The {improvement.first} contributes {percent(share, 2)} of the index.",
             f"With this amplitude a delay of {late:.2f} ms is tolerable."
             if late > 0.0
             else "With this amplitude no delay is tolerable.",

@@ -39,10 +39,10 @@ def frame_assessment_report(
 ) -> Document:
     """Report the verdict on a test of a frame, with one actuator or with several."""
     if isinstance(assessment, CoupledAssessment):
-        several, criterion = True, None
+        has_several, criterion = True, None
         error_blocks, tracking_blocks = _displacement_blocks(assessment)
     else:
-        several, criterion = False, assessment.criterion
+        has_several, criterion = False, assessment.criterion
         error_blocks, tracking_blocks = _interface_blocks(assessment)
     sections = (
         Section(title="The error of this test", blocks=error_blocks),
@@ -50,14 +50,14 @@ def frame_assessment_report(
         Section(title="What to know", blocks=(Points(items=tuple(_cautions(assessment))),)),
         Section(title="What to improve", blocks=(Paragraph(text=improve_first(assessment.error)),)),
         tracking_blocks,
-        Section(title="How it was judged", blocks=(Paragraph(text=_method(several=several)),)),
+        Section(title="How it was judged", blocks=(Paragraph(text=_method(has_several=has_several)),)),
     )
     return document_of_test(
         assessment,
         sections,
         facts=_facts(assessment),
         provenance=provenance_of(provenance, *([] if criterion is None else [criterion.provenance])),
-        sources=() if several else SOURCES,
+        sources=() if has_several else SOURCES,
     )
 
 
@@ -77,13 +77,13 @@ def _interface_blocks(assessment: FrameAssessment) -> tuple[tuple[Block, ...], S
 def _displacement_blocks(assessment: CoupledAssessment) -> tuple[tuple[Block, ...], Section]:
     """Errors of several interface displacements, and what each actuator did."""
     error, governing = assessment.error, assessment.error.governing
-    drawn: tuple[Block, ...] = ()
+    figures: tuple[Block, ...] = ()
     if governing is not None:
-        drawn = (histories_figure(governing, error.parts, assessment.recording, name=governing.name),)
+        figures = (histories_figure(governing, error.parts, assessment.recording, name=governing.name),)
     error_blocks = (
         _errors(assessment),
         budget_table(assessment.budget, assessment.error.would_decide),
-        *drawn,
+        *figures,
     )
     blocks = (_parts(error), _tracking(assessment))
     return error_blocks, Section(title="Where the error comes from", blocks=blocks)
@@ -113,9 +113,9 @@ def _facts_of_several(assessment: CoupledAssessment) -> dict[str, Prose]:
 
 def _facts_of_one(assessment: FrameAssessment) -> dict[str, Prose]:
     facts: dict[str, Prose] = {"Specimen": _specimen(assessment)}
-    placed = assessment.population
-    if placed is not None and assessment.criterion is not None:
-        index = MISSING if placed.index is None else significant(placed.index)
+    placement = assessment.population
+    if placement is not None and assessment.criterion is not None:
+        index = MISSING if placement.index is None else significant(placement.index)
         population = assessment.criterion.provenance.population
         motions = f"motions like the {population}" if population else "comparable ground motions"
         facts["Index of the criterion"] = (
@@ -126,35 +126,35 @@ def _facts_of_one(assessment: FrameAssessment) -> dict[str, Prose]:
 
 def _specimen(assessment: FrameAssessment) -> str:
     """Say what is known of the specimen."""
-    stated, learned = assessment.frame.partition.specimen, assessment.error.specimen
-    if learned is not None:
-        missed = percent(learned.held_out, decimals=1)
-        return f"learned from its force, of which {missed} is not predicted on held-out parts"
+    specimen, learned_specimen = assessment.frame.partition.specimen, assessment.error.specimen
+    if learned_specimen is not None:
+        unexplained_share = percent(learned_specimen.held_out, decimals=1)
+        return f"learned from its force, of which {unexplained_share} is not predicted on held-out parts"
     return (
-        f"stiffness {stated.stiffness / _KILO:.4g} kN/m, damping {stated.damping:.4g} N s/m, "
-        f"mass {stated.mass:.4g} kg"
+        f"stiffness {specimen.stiffness / _KILO:.4g} kN/m, damping {specimen.damping:.4g} N s/m, "
+        f"mass {specimen.mass:.4g} kg"
     )
 
 
 def _cautions(assessment: JudgedFrame) -> list[Prose]:
     error = assessment.error
-    of_what = (
+    subject = (
         "a linear frame with the stated matrices"
         if error.specimen is None
         else "the frame whose matrices without the specimen are as stated, and whose specimen was learned "
         "from its force"
     )
-    return [*remarks(assessment), f"The error is that of {of_what}, whatever the actuator did."]
+    return [*remarks(assessment), f"The error is that of {subject}, whatever the actuator did."]
 
 
 def _frequency_blocks(assessment: FrameAssessment) -> tuple[Block, ...]:
-    resolved, tracked = assessment.over_frequency, assessment.resolved
-    if resolved is None or tracked is None:
+    over_frequency, index = assessment.over_frequency, assessment.resolved
+    if over_frequency is None or index is None:
         return (_indices(assessment), modes_table(assessment))
     tracking = assessment.tracking
     figure = Figure(
         drawing=amplitude_and_delay_over_frequency(
-            resolved,
+            over_frequency,
             amplitude=tracking.amplitude,
             delay=tracking.delay,
             modes=[mode.frequency for mode in assessment.modes],
@@ -165,8 +165,8 @@ def _frequency_blocks(assessment: FrameAssessment) -> tuple[Block, ...]:
         label="fig:frequency",
     )
     text = (
-        f"Amplitude and delay over frequency account for an RMS error of {percent(tracked.rms, 2)}; "
-        f"without them {percent(tracked.remaining_rms, 2)} would remain, which no gain and delay "
+        f"Amplitude and delay over frequency account for an RMS error of {percent(index.rms, 2)}; "
+        f"without them {percent(index.remaining_rms, 2)} would remain, which no gain and delay "
         "describes: noise, friction, saturation, or a force that was fed back late."
     )
     return (_indices(assessment), modes_table(assessment), Paragraph(text=text), figure)
@@ -220,13 +220,13 @@ def _mode_row(mode: ModeOfTest) -> tuple[str, ...]:
     )
 
 
-def _method(*, several: bool) -> Prose:
+def _method(*, has_several: bool) -> Prose:
     rebuilt = (
         "The error is rebuilt from command and measured displacement: the restoring force of their "
         "difference, filtered by the equation of motion of the whole frame, gives the deviation of the test "
         "from the undisturbed structure. "
     )
-    if several:
+    if has_several:
         return (
             f"{rebuilt}Noise and error of all sensors are drawn together. Gains, delays and couplings of the "
             "actuators are those of least squares."
@@ -242,13 +242,13 @@ def _stability(assessment: CoupledAssessment) -> str:
     limit = assessment.limit
     if not np.isfinite(limit.delay):
         return "no delay that all actuators have in common makes the loop unstable"
-    moved = ", ".join(
+    changes = ", ".join(
         f"{name} {significant(value, 2)}"
         for name, value in zip(assessment.frame.partition.names, limit.direction.tolist(), strict=True)
     )
     return (
         f"unstable from a delay of {significant(MILLI * limit.delay)} ms of all actuators, at "
-        f"{significant(limit.frequency)} Hz in the motion {moved}; margin "
+        f"{significant(limit.frequency)} Hz in the motion {changes}; margin "
         f"{significant(assessment.stability_margin or 0.0, 2)}"
     )
 
@@ -259,8 +259,8 @@ def _errors(assessment: CoupledAssessment) -> Table:
         if not degree.judged:
             rows.append((degree.name, "not judged", "", "", "", ""))
             continue
-        below = probability_text(assessment.error.probability_of(degree))
-        rows.append((degree.name, *write_interval(degree.rms), *write_interval(degree.mte), below))
+        probability = probability_text(assessment.error.probability_of(degree))
+        rows.append((degree.name, *write_interval(degree.rms), *write_interval(degree.mte), probability))
     return text_table(
         rows,
         ("Displacement", "RMS error [%]", "90 % interval", "Largest error [%]", "90 % interval", "Below"),
@@ -272,7 +272,7 @@ def _errors(assessment: CoupledAssessment) -> Table:
 
 
 def _parts(error: ErrorOfSeveral) -> Table:
-    by_degree = {
+    shares = {
         degree.name: (decimals_of_error(degree.rms), error.parts_of(degree).by_name)
         for degree in error.displacements
         if degree.judged
@@ -282,7 +282,7 @@ def _parts(error: ErrorOfSeveral) -> Table:
             part_in_words(cause),
             *(
                 text
-                for decimals, parts in by_degree.values()
+                for decimals, parts in shares.values()
                 for text in (
                     f"{PERCENT * parts[cause].rms:.{decimals}f}",
                     f"{PERCENT * parts[cause].remaining_rms:.{decimals}f}",
@@ -295,7 +295,7 @@ def _parts(error: ErrorOfSeveral) -> Table:
         rows,
         (
             "Part",
-            *(text for name in by_degree for text in (f"RMS error of {name} [%]", "Without it [%]")),
+            *(text for name in shares for text in (f"RMS error of {name} [%]", "Without it [%]")),
         ),
         caption="RMS error that each part alone causes, and what would remain without it.",
         label="tab:parts",
@@ -327,7 +327,7 @@ _MARGIN = 0.25  # of the range of the values
 
 @apply_style
 def amplitude_and_delay_over_frequency(
-    resolved: TrackingOverFrequency,
+    tracking: TrackingOverFrequency,
     *,
     amplitude: float,
     delay: float,
@@ -340,21 +340,21 @@ def amplitude_and_delay_over_frequency(
     figure, axes = panels(1, 2, height=58.0)
     rows = (
         (
-            PERCENT * (resolved.amplitude - 1.0),
-            PERCENT * resolved.amplitude_deviation,
+            PERCENT * (tracking.amplitude - 1.0),
+            PERCENT * tracking.amplitude_deviation,
             PERCENT * (amplitude - 1.0),
         ),
-        (MILLI * resolved.delay, MILLI * resolved.delay_deviation, MILLI * delay),
+        (MILLI * tracking.delay, MILLI * tracking.delay_deviation, MILLI * delay),
     )
     names = "$A - 1$ [%]", "$d$ [ms]"
-    for place, (values, deviations, whole), name in zip(axes[0], rows, names, strict=True):
+    for place, (values, deviations, test_value), name in zip(axes[0], rows, names, strict=True):
         ends = values - _NINETY * deviations, values + _NINETY * deviations
-        place.fill_between(resolved.frequency, *ends, color=PALE, linewidth=0.0, label="90 % band")
-        place.plot(resolved.frequency, values, color=BLUE, linewidth=0.9, label="over frequency")
-        place.axhline(whole, color=VERMILION, linewidth=0.9, linestyle="--", label="index of the test")
-        for frequency in filter(resolved.covers, modes):
+        place.fill_between(tracking.frequency, *ends, color=PALE, linewidth=0.0, label="90 % band")
+        place.plot(tracking.frequency, values, color=BLUE, linewidth=0.9, label="over frequency")
+        place.axhline(test_value, color=VERMILION, linewidth=0.9, linestyle="--", label="index of the test")
+        for frequency in filter(tracking.covers, modes):
             place.axvline(frequency, color=GREY, linewidth=0.7, linestyle=":")
-        heights = np.append(values, whole)
+        heights = np.append(values, test_value)
         reach = _MARGIN * max(float(np.ptp(heights)), 0.02 * float(np.abs(heights).max()), 1e-3)
         place.set_ylim(float(heights.min()) - reach, float(heights.max()) + reach)
         place.set(xlabel="Frequency $f$ [Hz]", ylabel=name)

@@ -203,7 +203,7 @@ def _plane(assessment: Assessment) -> Figure:
             **boundaries,
         }
     windows = assessment.windows if assessment.windows.centre.size else None
-    over_time = (
+    window_phrase = (
         ""
         if windows is None
         else f" Right: both in windows of {significant(windows.length)} s (bars: two standard "
@@ -213,7 +213,7 @@ def _plane(assessment: Assessment) -> Figure:
         drawing=tracking_overview(assessment.tracking, boundaries=boundaries, windows=windows),
         caption=(
             "Left: the index accepts the test inside the ellipse; the grey cloud shows the uncertainty "
-            f"from noise.{over_time}"
+            f"from noise.{window_phrase}"
         ),
         label="fig:plane",
     )

@@ -77,14 +77,16 @@ def _correlation(result: ReportedCriteria) -> Figure:
 
 def _distributions(result: ReportedCriteria) -> tuple[Figure, Figure]:
     sample = result.sample
-    fitted = {
+    fitted_distributions = {
         "lognormal": (Lognormal.fit(sample.a), Lognormal.fit(sample.b)),
         "log-skew-normal": (LogSkewNormal.fit(sample.a), LogSkewNormal.fit(sample.b)),
     }
     confidence = result.criterion.confidence
     return (
         Figure(
-            drawing=parameter_distributions(sample, fitted, limits=result.limits, confidence=confidence),
+            drawing=parameter_distributions(
+                sample, fitted_distributions, limits=result.limits, confidence=confidence
+            ),
             caption=(
                 "Distribution of the ellipse parameters over the motions; the criterion lies in the "
                 "lower tail."
@@ -146,7 +148,7 @@ def appendix_section(result: ReportedCriteria) -> Section:
         "duration": Column(key="duration", heading="Duration", unit="s", number=Fixed(decimals=1)),
         "pga": Column(key="pga", heading="Peak", unit="m/s²", number=Fixed()),
     }
-    which = (
+    curve_phrase = (
         ""
         if len(listed_motions) == len(frame)
         else f" The {_LONG_TABLE} least tolerant of {len(frame)} motions."
@@ -154,7 +156,7 @@ def appendix_section(result: ReportedCriteria) -> Section:
     caption: tuple[Piece, ...] = (
         *prose("Ellipses of the motions at {f:g} Hz and $xi = {xi:g}$ for ", f=f, xi=xi),
         ERRORS[Metric(sample.metric)],
-        f" of {percent(sample.threshold)}.{which}",
+        f" of {percent(sample.threshold)}.{curve_phrase}",
     )
     table = Table(
         frame=listed_motions,
@@ -327,7 +329,7 @@ def _real(share: Mapping[str, float] | None) -> dict[str, Prose]:
 
 def _facts(result: ReportedCriteria, coverage: pd.DataFrame | None) -> dict[str, Prose]:
     criterion, source = result.criterion, result.criterion.provenance
-    together = "for both limits together" if criterion.joint else "for each limit separately"
+    joint_phrase = "for both limits together" if criterion.joint else "for each limit separately"
     meaning = meaning_of_confidence(criterion.method)
     facts: dict[str, Prose] = {
         "Ground motions": source.population or f"{source.n_motions} of {source.n_events} earthquakes",
@@ -341,7 +343,7 @@ def _facts(result: ReportedCriteria, coverage: pd.DataFrame | None) -> dict[str,
             *error_below(criterion.metric, criterion.threshold),
             f", {MEANINGS_OF_ERRORS[Metric(criterion.metric)]}, over {window_in_words(source.window)}",
         ),
-        "Confidence": f"{share_in_words(criterion.promise)}, {together}: {meaning}",
+        "Confidence": f"{share_in_words(criterion.promise)}, {joint_phrase}: {meaning}",
     }
     if coverage is not None and len(coverage):
         facts["Put to the test"] = _describe_coverage(coverage, criterion.confidence)

@@ -60,8 +60,8 @@ class ReportedCriteria:
     def structure(self) -> tuple[float, float]:
         """The structure nearest to the paper's."""
         nearest = (
-            float(nodes[np.argmin(np.abs(np.log(nodes / wanted)))])
-            for nodes, wanted in zip((self.frequencies, self.damping_ratios), _PAPER_STRUCTURE, strict=True)
+            float(nodes[np.argmin(np.abs(np.log(nodes / target)))])
+            for nodes, target in zip((self.frequencies, self.damping_ratios), _PAPER_STRUCTURE, strict=True)
         )
         frequency, damping_ratio = nearest
         return frequency, damping_ratio
@@ -76,14 +76,14 @@ class ReportedCriteria:
     def sample(self) -> EllipseSample:
         """Ellipses of all motions at the structure."""
         frequency, damping_ratio = self.structure
-        chosen = self.criterion
+        criterion = self.criterion
         return sample_of(
             self.ellipses,
             frequency=frequency,
             damping_ratio=damping_ratio,
-            threshold=chosen.threshold,
-            metric=chosen.metric,
-            curve=chosen.provenance.curve,
+            threshold=criterion.threshold,
+            metric=criterion.metric,
+            curve=criterion.provenance.curve,
         )
 
     @property
@@ -109,9 +109,9 @@ _MOST_ROWS = 12
 
 _FINE = 41
 
-_ALONE = "each alone, without the other error"
+_EACH_LIMIT = "each alone, without the other error"
 
-_UNCONVERGED = (
+_CONVERGENCE_WARNING = (
     "THE POSTERIOR HAS NOT CONVERGED. The limits of this report must not be relied on; sample longer and "
     "derive them again."
 )
@@ -154,7 +154,7 @@ def result_section(result: ReportedCriteria, population: str = "ground motions")
     if zero:
         blocks.insert(1, Remark(text=zero))
     if any(criterion.provenance.settings.get("converged") is False for criterion in result.criteria):
-        blocks.insert(0, Remark(text=_UNCONVERGED))
+        blocks.insert(0, Remark(text=_CONVERGENCE_WARNING))
     title = f"Criterion for {share_in_words(main_criterion.promise)} of {population} like those behind it"
     return Section(title=title, blocks=tuple(blocks), label="sec:result")
 
@@ -167,14 +167,14 @@ def _containing(result: ReportedCriteria) -> int:
 
 def _criteria_without_promise(result: ReportedCriteria) -> str:
     """Say for which criteria the motions are too few."""
-    few = [
+    names = [
         criterion
         for criterion in result.criteria
         if not all(np.min(limit) > 0.0 for limit in result.evaluate_on_grid(criterion))
     ]
-    if not few:
+    if not names:
         return ""
-    shares = ", ".join(sorted({percent(criterion.confidence) for criterion in few}))
+    shares = ", ".join(sorted({percent(criterion.confidence) for criterion in names}))
     return (
         f"The motions are too few for the promise at {shares}; the limits are zero there and no test is "
         "accepted."
@@ -184,7 +184,7 @@ def _criteria_without_promise(result: ReportedCriteria) -> str:
 def _criteria_table(result: ReportedCriteria) -> Table:
     f, xi = result.structure
     frame = _limits_of_criteria(result)
-    lead = Column(key="lead", heading=prose("early: $-d <=$"), unit="ms", number=Fixed(), group=_ALONE)
+    lead = Column(key="lead", heading=prose("early: $-d <=$"), unit="ms", number=Fixed(), group=_EACH_LIMIT)
     early = (lead,) if frame["lead"].notna().any() else ()
     amplitude, delay = prose("$|A - 1| <= sqrt(a)$"), prose("late: $d <= sqrt(b)$")
     share = Fixed(factor=PERCENT)
@@ -196,8 +196,8 @@ def _criteria_table(result: ReportedCriteria) -> Table:
             Column(key="confidence", heading="Confidence", unit="%", number=Shortest(factor=PERCENT)),
             Column(key="a", heading=prose("$a$"), unit="-", number=Scientific()),
             Column(key="b", heading=prose("$b$"), unit="ms²", number=Significant()),
-            Column(key="amplitude", heading=amplitude, unit="%", number=share, group=_ALONE),
-            Column(key="delay", heading=delay, unit="ms", number=Fixed(), group=_ALONE),
+            Column(key="amplitude", heading=amplitude, unit="%", number=share, group=_EACH_LIMIT),
+            Column(key="delay", heading=delay, unit="ms", number=Fixed(), group=_EACH_LIMIT),
             *early,
         ),
         caption=prose(
@@ -232,13 +232,13 @@ def _limits_of_criteria(result: ReportedCriteria) -> pd.DataFrame:
 
 def _name_limits(result: ReportedCriteria) -> dict[str, tuple[float, float]]:
     main_criterion = result.criterion
-    alike = [
+    same_limits = [
         criterion
         for criterion in result.criteria
         if (criterion.threshold, criterion.metric) == (main_criterion.threshold, main_criterion.metric)
     ]
     limits = {}
-    for criterion in alike:
+    for criterion in same_limits:
         a, b = (float(limit) for limit in criterion.limits(*result.structure))
         if a > 0.0 and b > 0.0:
             limits[f"{share_in_words(criterion.promise)} of motions"] = (a, b)
@@ -251,7 +251,7 @@ def _structure_blocks(result: ReportedCriteria) -> Iterator[Block]:
     if several_f and several_xi:
         yield from _blocks_over_both_properties(result, PERCENT * np.sqrt(a), np.sqrt(b))
     elif several_f or several_xi:
-        yield _figure_over_one_property(result, along_f=several_f)
+        yield _figure_over_one_property(result, over_frequency=several_f)
 
 
 def _blocks_over_both_properties(
@@ -283,18 +283,18 @@ def _surfaces(result: ReportedCriteria) -> Drawing:
         for nodes in (result.frequencies, result.damping_ratios)
     )
     a, b = result.criterion.limits(f[:, None], xi[None, :])
-    simulated = (result.frequencies, result.damping_ratios)
-    return criterion_surfaces(f, xi, PERCENT * np.sqrt(a), np.sqrt(b), simulated=simulated)
+    grid_nodes = (result.frequencies, result.damping_ratios)
+    return criterion_surfaces(f, xi, PERCENT * np.sqrt(a), np.sqrt(b), grid_nodes=grid_nodes)
 
 
 def _pivot(result: ReportedCriteria, limit: np.ndarray, number: Fixed, text: str, label: str) -> Table:
     rows = _spread_places(result.damping_ratios.size, _MOST_ROWS)
-    across = _spread_places(result.frequencies.size, _MOST_COLUMNS)
-    frame = pd.DataFrame(limit[np.ix_(across, rows)].T, columns=[str(k) for k in across])
+    places = _spread_places(result.frequencies.size, _MOST_COLUMNS)
+    frame = pd.DataFrame(limit[np.ix_(places, rows)].T, columns=[str(k) for k in places])
     frame.insert(0, "xi", result.damping_ratios[rows])
     columns = tuple(
         Column(key=str(k), heading=f"{result.frequencies[k]:g}", number=number, group=prose("$f$ [Hz]"))
-        for k in across
+        for k in places
     )
     return Table(
         frame=frame,
@@ -309,19 +309,19 @@ def _spread_places(count: int, largest_count: int) -> list[int]:
     return sorted({int(k) for k in np.linspace(0, count - 1, min(count, largest_count)).round()})
 
 
-def _figure_over_one_property(result: ReportedCriteria, *, along_f: bool) -> Figure:
-    nodes = result.frequencies if along_f else result.damping_ratios
+def _figure_over_one_property(result: ReportedCriteria, *, over_frequency: bool) -> Figure:
+    nodes = result.frequencies if over_frequency else result.damping_ratios
     series = []
     for criterion in result.criteria:
         a, b = (limit.ravel() for limit in result.evaluate_on_grid(criterion))
         error = f"{percent(criterion.threshold)} {ERROR_NAMES[Metric(criterion.metric)]}"
         name = f"{error}, {share_in_words(criterion.promise)} of motions"
         series.append(ParameterSeries(name=name, x=nodes, a=a, b=b, law=True))
-    draw = parameters_over_frequency if along_f else parameters_over_damping_ratio
-    what = "natural frequency" if along_f else "damping ratio"
+    draw = parameters_over_frequency if over_frequency else parameters_over_damping_ratio
+    quantity = "natural frequency" if over_frequency else "damping ratio"
     return Figure(
         drawing=draw(series),
-        caption=prose("Limits $a$ and $b$ of the criteria over the {what} of the structure.", what=what),
+        caption=prose("Limits $a$ and $b$ of the criteria over the {what} of the structure.", what=quantity),
         label="fig:surfaces",
     )
 
@@ -329,7 +329,7 @@ def _figure_over_one_property(result: ReportedCriteria, *, along_f: bool) -> Fig
 _HEIGHT = 58.0
 _MOST_LEVELS = 9
 _EDGE = 0.06
-_PREFERRED = ((1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8), (1, 1.5, 2.5, 4, 6), (1, 2, 5), (1, 3), (1,))
+_ROUND_STEPS = ((1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8), (1, 1.5, 2.5, 4, 6), (1, 2, 5), (1, 3), (1,))
 _SHADES = 25
 _PALENESS = 0.42
 _LEAST_SPACE = 0.085
@@ -342,7 +342,7 @@ def criterion_surfaces(
     amplitude_limit: NDArray[np.float64],
     delay_limit: NDArray[np.float64],
     *,
-    simulated: tuple[NDArray[np.float64], NDArray[np.float64]],
+    grid_nodes: tuple[NDArray[np.float64], NDArray[np.float64]],
 ) -> Drawing:
     """Draw lines of equal limits over the structures, both axes logarithmic.
 
@@ -353,7 +353,7 @@ def criterion_surfaces(
     letters(axes, (r"amplitude error $\sqrt{a}$ [%]", r"delay $\sqrt{b}$ [ms]"))
     for place, values in zip(axes[0], (amplitude_limit, delay_limit), strict=True):
         _draw(place, frequencies, damping_ratios, values.T)
-        _tick(place, simulated)
+        _tick(place, grid_nodes)
     name_axes(axes[0, 0], FREQUENCY, DAMPING_RATIO)
     axes[0, 1].set_xlabel(FREQUENCY)
     return figure
@@ -380,8 +380,8 @@ def _draw(
     axes.grid(visible=False)
 
 
-def _tick(axes: Axes, simulated: tuple[NDArray[np.float64], NDArray[np.float64]]) -> None:
-    for axis, nodes in zip((axes.xaxis, axes.yaxis), simulated, strict=True):
+def _tick(axes: Axes, grid_nodes: tuple[NDArray[np.float64], NDArray[np.float64]]) -> None:
+    for axis, nodes in zip((axes.xaxis, axes.yaxis), grid_nodes, strict=True):
         axis.set_major_locator(FixedLocator(_spread(nodes)))
         axis.set_minor_locator(NullLocator())
         axis.set_major_formatter(FormatStrFormatter("%g"))
@@ -390,20 +390,20 @@ def _tick(axes: Axes, simulated: tuple[NDArray[np.float64], NDArray[np.float64]]
 def _levels(low: float, high: float) -> NDArray[np.float64]:
     """Preferred numbers between two limits, about evenly spaced on a logarithmic scale."""
     decades = 10.0 ** np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1.0)
-    inside = np.empty(0)
-    for steps in _PREFERRED:
+    levels = np.empty(0)
+    for steps in _ROUND_STEPS:
         numbers = np.outer(decades, steps).ravel()
-        inside = numbers[(numbers > low) & (numbers < high)]
-        if inside.size <= _MOST_LEVELS:
+        levels = numbers[(numbers > low) & (numbers < high)]
+        if levels.size <= _MOST_LEVELS:
             break
-    return inside
+    return levels
 
 
 def _label(axes: Axes, lines: QuadContourSet) -> None:
     """Write the level on each line, except where the frame would cut it."""
-    to_axes = axes.transData + axes.transAxes.inverted()
+    transform = axes.transData + axes.transAxes.inverted()
     for text in axes.clabel(lines, inline=False, fontsize=8.0, fmt="%g"):
-        x, y = to_axes.transform(text.get_position())
+        x, y = transform.transform(text.get_position())
         if min(x, 1.0 - x, y, 1.0 - y) < _EDGE:
             text.remove()
         else:
