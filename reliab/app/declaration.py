@@ -200,18 +200,15 @@ def _document(
         head, existing, remainder = f"{head}\n\n", "", f"{returns.lstrip()}{remainder}"
     kinds = {name: kind for name, (kind, _) in options.items() if name not in parameters}
     kinds = {name: item.annotation for name, item in parameters.items()} | kinds
+    required = [name for name, item in parameters.items() if item.default is Parameter.empty]
     texts = {**_TASKS, **{name: option.help for name, (_, option) in options.items()}}
     entries = [
-        f"{name} : {_text_of(kind)}{_optional(parameters.get(name))}\n    {texts[name]}"
+        f"{name} : {_text_of(kind)}{'' if name in required else ', optional'}\n    {texts[name]}"
         for name, kind in kinds.items()
         if name in texts and f"\n{name} : " not in f"\n{existing}"
     ]
     section_text = "\n".join(filter(None, (existing, *entries)))
     return f"{head}{_SECTION}{section_text}\n\n{remainder}".rstrip()
-
-
-def _optional(parameter: Parameter | None) -> str:
-    return "" if parameter is not None and parameter.default is Parameter.empty else ", optional"
 
 
 _TYPE_WORDS: Mapping[Any, str] = {

@@ -58,7 +58,10 @@ class PlainResult:
         if len(table) != 1:
             return str(table.to_string(index=False, **TABLE_FORMAT))
         values = {name: value for name, value in table.iloc[0].items() if not isinstance(value, list)}
-        return "\n".join(f"{name}: {_as_text(value)}" for name, value in values.items())
+        texts = {
+            name: f"{value:.4g}" if isinstance(value, float) else value for name, value in values.items()
+        }
+        return "\n".join(f"{name}: {text}" for name, text in texts.items())
 
     def plot(self, axes: "Axes | None" = None) -> "Axes":
         """Draw the numbers as points in a row each, and return the axes.
@@ -87,10 +90,6 @@ def _part(container: Any, name: str) -> Any:  # noqa: ANN401 - of any result
 
 def _fields(dataclass: Any) -> dict[str, Any]:  # noqa: ANN401 - any dataclass
     return {field.name: plain_value(getattr(dataclass, field.name)) for field in fields(dataclass)}
-
-
-def _as_text(value: object) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
 def finite(value: float | None) -> float | None:

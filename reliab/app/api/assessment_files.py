@@ -1,7 +1,5 @@
 """Files that an assessment leaves: the report that is filed with a test, the table of verdicts, the chart."""
 
-import hashlib
-from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,9 +7,11 @@ from typing import TYPE_CHECKING, Any
 from reliab.assessment.assessment import Assessment
 from reliab.core.files import refuse_unwritable, require_ending, written_whole
 from reliab.core.plain_values import write_table
-from reliab.core.shipped import or_shipped
+from reliab.core.shipped import checksum_of, or_shipped
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
     from reliab.app.api.design import Design
     from reliab.assessment.assess import AnyAssessment
     from reliab.assessment.comparison import Comparison
@@ -52,19 +52,12 @@ def document_of_test(
     files = {"file": or_shipped(Path(test), "datasets", "test.csv")}
     if structure is not None:
         files["structure"] = Path(structure)
-    checksums = _checksums(files)
+    checksums: dict[str, object] = {}
+    for name, path in files.items():
+        checksums |= {name: path.name, f"{name}, SHA-256": checksum_of(path)}
     if isinstance(assessment, Assessment):
         return assessment_report(assessment, provenance=checksums)
     return frame_assessment_report(assessment, provenance=checksums)
-
-
-def _checksums(files: Mapping[str, Path]) -> dict[str, object]:
-    """Names and checksums of files, by what each of them is."""
-    lines: dict[str, object] = {}
-    for name, path in files.items():
-        lines[name] = path.name
-        lines[f"{name}, SHA-256"] = hashlib.sha256(path.read_bytes()).hexdigest()
-    return lines
 
 
 def write_tests(tests: "Comparison | Iterable[Mapping[str, Any]]", out: str | Path) -> None:

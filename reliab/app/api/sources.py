@@ -81,7 +81,7 @@ def ellipses(
         one_of(name, {str(choice): choice for choice in Metric}, "metric") for name in as_names(metric)
     )
     thresholds = as_names((0.05,) if question["threshold"] is None else question["threshold"])
-    if isinstance(source, str | Path) and _holds_results(Path(source)):
+    if isinstance(source, str | Path) and (str(source) == REAL or Path(source).suffix in (".zarr", ".nc")):
         from reliab.sweep.results import open_results
 
         source = open_results(source)
@@ -110,11 +110,6 @@ def ellipses(
     )
     trace = predict_ellipses if question["first_order"] else trace_ellipses
     return trace(suite_of(source), request, progress=progress)
-
-
-def _holds_results(path: Path) -> bool:
-    """Tell a store of results, or the name of the shipped ones, from ground motions."""
-    return path.suffix in (".zarr", ".nc") or path == Path(REAL)
 
 
 ONE_HERTZ, TWO_PERCENT, FIVE_PERCENT = 1.0, 0.02, 0.05

@@ -8,6 +8,7 @@ from typing import ClassVar, Unpack
 from reliab.app import options, outputs, subjects
 from reliab.app.api.sources import as_list
 from reliab.app.declaration import asks
+from reliab.core.columns import Columns
 from reliab.core.plain_values import PlainResult, ResultWithRows
 from reliab.core.progress import Show, quietly
 from reliab.report.setting import Setting
@@ -87,6 +88,7 @@ class StudyList(ResultWithRows):
 
     rows_in = "studies"
     keys: ClassVar[Mapping[str, str]] = {"studies": "rows"}
+    table_columns: ClassVar[Columns] = {"study": ("name", ""), "kind": ("kind", ""), "title": ("title", "")}
 
     rows: list[dict[str, str]]
 

@@ -259,9 +259,5 @@ def _fail(message: str, code: int) -> int:
 
 
 def _say(text: str, colour: str) -> None:
-    typer.secho(substitute_characters(printable(text), sys.stderr), err=True, fg=colour, color=_colour())
-
-
-def _colour() -> bool | None:
-    """No colour where the environment variable NO_COLOR is set; else as the stream allows."""
-    return False if os.environ.get("NO_COLOR") else None
+    is_coloured = False if os.environ.get("NO_COLOR") else None  # None: as the stream allows
+    typer.secho(substitute_characters(printable(text), sys.stderr), err=True, fg=colour, color=is_coloured)

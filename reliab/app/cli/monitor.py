@@ -187,8 +187,9 @@ def _line(message: Mapping[str, Any], metric: Metric, threshold: float) -> str:
 
     error = message["error"][metric]
     damping, deviation = message["net_damping_ratio"], message["net_damping_deviation"]
+    displacement = f" of {message['governing']}" if "governing" in message else ""
     return (
-        f"{message['time_s']:8.2f} s  {ERROR_NAMES[metric]}{_governing(message)} "
+        f"{message['time_s']:8.2f} s  {ERROR_NAMES[metric]}{displacement} "
         f"{percent_with_interval(error['value'], error['low'], error['high'])}, probability below "
         f"{percent(threshold)}: {probability_text(message['error']['probability'])}, net damping "
         + ("not settled" if damping is None else _write_with_deviation(damping, deviation))
@@ -200,11 +201,6 @@ def _write_with_deviation(damping: float, deviation: float) -> str:
     """Net damping with its standard error."""
     decimals = min(decimals_of_uncertainty(PERCENT * deviation), _DECIMALS)
     return f"{PERCENT * damping:.{decimals}f} ± {percent(deviation, decimals=decimals)}"
-
-
-def _governing(message: Mapping[str, Any]) -> str:
-    """Name the displacement of several with the largest error."""
-    return f" of {message['governing']}" if "governing" in message else ""
 
 
 def _table(message: "Message", metric: Metric, threshold: float) -> Any:  # noqa: ANN401 - for Rich

@@ -30,13 +30,11 @@ def show_details(assessment: "AnyAssessment", channels: list[dict[str, Any]]) ->
     if isinstance(assessment, CoupledAssessment):
         print_blocks((modes_table(assessment),), console())
     if channels:
-        read = (f"{channel['channel']} = {_column(channel)}" for channel in channels)
-        say(f"Channels: {'; '.join(read)}.")
-
-
-def _column(channel: dict[str, Any]) -> str:
-    unit = channel["unit"] or "no unit"
-    return f"{channel['column']!r} ({unit}; {channel['reason']})"
+        columns = (
+            f"{item['channel']} = {item['column']!r} ({item['unit'] or 'no unit'}; {item['reason']})"
+            for item in channels
+        )
+        say(f"Channels: {'; '.join(columns)}.")
 
 
 def _describe_index_verdict(assessment: "Assessment") -> Iterator[str]:

@@ -1,13 +1,8 @@
 """`reliab run` and `report`: a study from its motions to the report, and its report again."""
 
-from typing import TYPE_CHECKING
-
 from reliab.app import outputs, subjects
 from reliab.app.cli.commands import Request, takes
-from reliab.app.cli.output import progress_bar, say, show_table
-
-if TYPE_CHECKING:
-    from reliab.app.api.studies import StudyList
+from reliab.app.cli.output import progress_bar, say, show_rows
 
 _COVER = tuple(outputs.Cover.__annotations__)
 
@@ -18,8 +13,12 @@ def run(request: Request) -> None:
     from reliab.app.api.studies import PerformedStudy, list_studies, run_study
 
     if request.list_all:
-        reason = "together with `list_all`"
-        request.answer(list_studies, _show_studies, "list_all", reason=reason)
+        request.answer(
+            list_studies,
+            lambda studies: show_rows("Studies that ship", studies.table_columns, studies.rows),
+            "list_all",
+            reason="together with `list_all`",
+        )
         return
 
     def tell(name: str, is_new: bool) -> None:  # noqa: FBT001 - called by position
@@ -30,10 +29,6 @@ def run(request: Request) -> None:
         say(*filter(None, (result.answer, f"Report: {result.report}")))
 
     request.answer(run_study, show, *_COVER, setting=request.setting(), show=progress_bar, tell=tell)
-
-
-def _show_studies(studies: "StudyList") -> None:
-    show_table("Studies that ship", ("study", "kind", "title"), [tuple(row.values()) for row in studies.rows])
 
 
 @takes(outputs.Cover, subjects.RunFolder)

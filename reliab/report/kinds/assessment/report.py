@@ -104,13 +104,10 @@ def _numbers(assessment: Assessment) -> Table:
     (low_a, high_a), (low_d, high_d) = tracking.interval(LEVEL)
     a, b = assessment.limits
     critical, limit = MILLI * assessment.critical_delay, f"1 ± {significant(np.sqrt(a))}"
+    delay = (MILLI * size for size in (tracking.delay, low_d, high_d))
     rows = [
-        (
-            "Amplitude A",
-            *value_and_interval(tracking.amplitude, low_a, high_a),
-            limit,
-        ),
-        ("Equivalent delay d [ms]", *_milliseconds(tracking.delay, low_d, high_d), significant(np.sqrt(b))),
+        ("Amplitude A", *value_and_interval(tracking.amplitude, low_a, high_a), limit),
+        ("Equivalent delay d [ms]", *value_and_interval(*delay), significant(np.sqrt(b))),
         (
             "Index (A − 1)²/a + d²/b",
             *_index(assessment),
@@ -144,10 +141,6 @@ def _index(assessment: Assessment) -> tuple[str, str]:
     if assessment.index is None or assessment.index_interval is None:
         return MISSING, ""
     return value_and_interval(assessment.index, *assessment.index_interval)
-
-
-def _milliseconds(value: float, low: float, high: float) -> tuple[str, str]:
-    return value_and_interval(MILLI * value, MILLI * low, MILLI * high)
 
 
 def _own_boundary_rows(assessment: Assessment) -> list[tuple[str, str, str, str]]:
