@@ -71,7 +71,7 @@ def test_rival_takes_the_place_only_if_it_explains_half_of_the_fitted_tests(left
     assert find_sustained(rows) is rows[believed]
 
 
-@pytest.mark.parametrize(("without", "named"), [(0.2002, set()), (0.25, {HYSTERESIS})])
+@pytest.mark.parametrize(("without", "named"), [(0.2002, set()), (0.30, {HYSTERESIS})])
 def test_effect_that_changes_nothing_on_held_out_tests_has_no_name(chosen, without, named):
     found = chosen(
         row(HYSTERESIS, share=0.99, left_out=0.1, held_out=0.2), row(left_out=0.3, held_out=without)
@@ -90,12 +90,15 @@ def test_effect_that_explains_less_than_is_left_refines_the_model_without_a_name
     assert found.refining == {CUBIC: 0.27}
 
 
-@pytest.mark.parametrize(("share", "refining"), [(0.9, {}), (0.3, {CUBIC: 0.5})])
-def test_effect_without_which_other_models_explain_as_much_has_no_name(chosen, share, refining):
+@pytest.mark.parametrize(
+    ("share", "rival", "refining"), [(0.9, 0.4, {}), (0.3, 0.4, {CUBIC: 0.5}), (0.9, 0.25, {CUBIC: 0.5})]
+)
+def test_effect_in_whose_place_another_explains_as_much_has_no_name(chosen, share, rival, refining):
+    """By the probability of models without it, or by their error on held-out tests: 0.25² < 2 · 0.20²."""
     both = row(HYSTERESIS, CUBIC, share=share, left_out=0.1, held_out=0.20)
     found = chosen(
         both,
-        row(HYSTERESIS, POWER, share=1.0 - share, left_out=0.1, held_out=0.21),
+        row(HYSTERESIS, POWER, share=1.0 - share, left_out=0.1, held_out=rival),
         row(HYSTERESIS, left_out=0.5, held_out=0.5),
         row(CUBIC, left_out=0.6, held_out=0.7),
         NONE,
@@ -103,6 +106,34 @@ def test_effect_without_which_other_models_explain_as_much_has_no_name(chosen, s
     assert found.best is both
     assert found.refining == refining
     assert all("other effects explain nearly as much" in text for text in remarks_on(found))
+
+
+@pytest.mark.parametrize(("without_term", "refining"), [(0.211, {}), (0.28, {POWER: 0.30})])
+def test_effect_is_measured_beside_what_is_left_without_refinements(chosen, without_term, refining):
+    """A square spring takes little off 0.20 and has no name; 0.30² is 2.02 times 0.211², 1.15 times 0.28²."""
+    every = row(HYSTERESIS, POWER, CUBIC, share=0.9, left_out=0.1, held_out=0.20)
+    found = chosen(
+        every,
+        row(HYSTERESIS, POWER, share=0.1, left_out=0.11, held_out=without_term),
+        row(HYSTERESIS, CUBIC, left_out=0.2, held_out=0.30),
+        row(POWER, CUBIC, left_out=0.6, held_out=0.7),
+        row(HYSTERESIS, left_out=0.3, held_out=0.32),
+        row(POWER, left_out=0.6, held_out=0.7),
+        NONE,
+    )
+    assert found.best is every
+    assert {kind for kind in found.refining if kind is not CUBIC} == set(refining)
+    assert found.refining[CUBIC] == without_term
+
+
+@pytest.mark.parametrize(("without", "is_named"), [(0.30, True), (0.27, False)])
+def test_main_effect_that_explains_less_than_is_left_is_in_doubt(chosen, without, is_named):
+    """0.30² is 2.25 times 0.20², and 0.27² is 1.8 times."""
+    found = chosen(
+        row(HYSTERESIS, share=0.95, held_out=0.20), row(share=0.05, left_out=0.3, held_out=without)
+    )
+    assert (found.sure, found.doubtful) == (({HYSTERESIS}, set()) if is_named else (set(), {HYSTERESIS}))
+    assert not found.refining
 
 
 class Noisy(Search):

@@ -359,3 +359,16 @@ def test_noise_judges_only_where_a_few_effects_can_leave_it(monkeypatch, left, r
     )
     assert search.Search.reaches_noise(begun) is reaches
     assert next(shares, None) is None
+
+
+@pytest.mark.parametrize(("second", "tried"), [(VISCOUS, [(CUBIC,)]), (TERM, [(CUBIC,)])])
+def test_others_are_tried_in_the_place_of_effects_but_for_the_main_one_of_the_library(second, tried):
+    """Without the spring more is missed than without the damper, and less than without the term."""
+    training = {(): 100.0, (CUBIC,): 60.0, (second,): 50.0, (CUBIC, second): 20.0}
+    left_out = {(): 1.0, (CUBIC,): 0.6, (second,): 0.7 if second is VISCOUS else 0.5, (CUBIC, second): 0.2}
+    models = JudgedByParts(training, left_out)
+    models.problem.block = SimpleNamespace(linear=(), candidates=(CUBIC, VISCOUS, TERM), outside=())
+    asked = []
+    models._children = lambda parents, *_: asked.append(parents[0].space.effects)  # noqa: SLF001
+    models._try_rivals()  # noqa: SLF001 - what is tested
+    assert asked == tried

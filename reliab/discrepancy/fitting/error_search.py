@@ -18,6 +18,7 @@ from reliab.discrepancy.fitting.screening import Promise
 from reliab.discrepancy.fitting.search import Search
 from reliab.discrepancy.terms import ClockOffset
 from reliab.effects.effect import Effect
+from reliab.effects.general.general_term import is_general
 
 WORTH = 0.1
 """Share of the error's energy on left-out parts, a twentieth of its RMS, that further effects must remove."""
@@ -25,6 +26,7 @@ WORTH = 0.1
 _DEEPEST = 3  # effects beside the linear ones
 _BEAM = 2
 _TRIES, _GENERAL_TRIES = 8, 5
+_RIVALS = 3  # of each effect of the best model
 _PRUNINGS = 2  # models from which effects are taken off
 _NO_WORSE = 0.02  # growth of the error on left-out parts by an effect that is taken off
 _TRIFLE = 0.02  # of the error's energy in the fitted tests
@@ -87,7 +89,21 @@ class ErrorSearch(Search):
         self._children(self._first(1), self.problem.block.outside, _GENERAL_TRIES)
         for model in self._first(_PRUNINGS):
             self._prune(model)
+        self._try_rivals()
         return self.best
+
+    def _try_rivals(self) -> None:
+        """Try others, and terms outside the library, in the place of each effect but the main one of it."""
+        (model,) = self._first(1)
+        block, effects = self.problem.block, model.space.effects
+        known_kinds = {*effects, *(kind.refines for kind in effects)}
+        others = [kind for kind in (*self.candidates, *block.outside) if kind not in known_kinds]
+        smaller = {kind: self.remove_effect(model, kind) for kind in effects if kind not in block.linear}
+        library = [kind for kind in smaller if not is_general(kind)]
+        main = max(library, key=lambda kind: self._error(smaller[kind]), default=None)
+        for kind, parent in smaller.items():
+            if kind is not main:
+                self._children([parent], others, _RIVALS)
 
     def _children(self, parents: Sequence[Fit], kinds: Sequence[type[Effect]], trials: int) -> list[Fit]:
         """Models with one more effect, those of the smallest error first."""

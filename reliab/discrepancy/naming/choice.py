@@ -171,11 +171,11 @@ def choose(search: Search, rows: Sequence[RankedModel], proof: Problem) -> Choic
             unchanging.append((kind, best.held_out, smaller.held_out))
         best, least = smaller, min(least, smaller.held_out)
     best, sure, doubtful = _split_by_certainty(search, rows, best)
-    refining = _refining(search, rows, best, proof)
+    refining, weak = _weigh(search, rows, best, proof)
     return Choice(
         best=best,
-        sure=frozenset(sure - set(refining)),
-        doubtful=frozenset(doubtful - set(refining)),
+        sure=frozenset(sure - set(refining) - weak),
+        doubtful=frozenset(doubtful - set(refining) | weak),
         refining=refining,
         contradicted=contradicted_model,
         unchanging=tuple(unchanging),
@@ -250,25 +250,49 @@ def _idle(
     return min(idle.items(), key=lambda item: item[1].held_out) if idle else None
 
 
-def _refining(
+def _weigh(
     search: Search, rows: Sequence[RankedModel], best: RankedModel, proof: Problem
-) -> dict[type[Effect], float]:
-    """Find effects that only refine a model whose error follows the motion, all but its main one.
+) -> tuple[dict[type[Effect], float], set[type[Effect]]]:
+    """Find effects that only refine a model whose error follows the motion, and a main one that is in doubt.
 
-    Nearly any effect explains some of such an error. One has a name only if it takes off more of the energy
-    than the whole model leaves, and if models without it are not more probable.
+    Nearly any effect explains some of such an error. One has a name only if it is in most models by their
+    probability, and takes off more of the energy than the effects that have a name leave together: beside
+    other effects in its place, too, and without those that only refine. The main one does so by itself, or
+    something of its kind acts.
     """
     kinds = best.fit.space.effects
-    if not isinstance(search, ErrorSearch) or len(kinds) < 2:  # noqa: PLR2004 - a single one is the main one
-        return {}
+    if not isinstance(search, ErrorSearch) or not kinds:
+        return {}, set()
     errors_without = {kind: _remove_effect(search, rows, best, kind, proof).held_out for kind in kinds}
     likely = {kind: probability(rows, kind) >= _LIKELY for kind in kinds}
-    main = max(errors_without, key=lambda kind: (likely[kind], errors_without[kind]))
-    return {
-        kind: error
-        for kind, error in errors_without.items()
-        if kind is not main and not (likely[kind] and explains_more_than_left(error, best.held_out))
-    }
+    main = max(kinds, key=lambda kind: (not is_general(kind), likely[kind], errors_without[kind]))
+    named, model = [*kinds], best
+    while len(named) > 1:
+        others = [kind for kind in named if kind is not main]
+        rivals = {kind: _error_of_rivals(search, rows, model, kind, proof) for kind in others}
+        least = min(rivals, key=lambda kind: (likely[kind], rivals[kind]))
+        if likely[least] and explains_more_than_left(rivals[least], model.held_out):
+            break
+        named.remove(least)
+        model = _remove_effect(search, rows, model, least, proof)
+    without_main = _remove_effect(search, rows, model, main, proof).held_out
+    weak = set() if explains_more_than_left(without_main, model.held_out) else {main}
+    return {kind: error for kind, error in errors_without.items() if kind not in named}, weak
+
+
+def _error_of_rivals(
+    search: Search, rows: Sequence[RankedModel], model: RankedModel, kind: type[Effect], proof: Problem
+) -> float:
+    """Smallest error on held-out tests of models that lack an effect of another one and have no more."""
+    linear = set(search.problem.block.linear)
+    most = len(set(model.fit.space.effects) - linear)
+    rivals = (
+        row.held_out
+        for row in rows
+        if len(set(row.fit.space.effects) - linear) <= most
+        and not any(_kinds(kind) & _kinds(effect) for effect in row.fit.space.effects)
+    )
+    return min(_remove_effect(search, rows, model, kind, proof).held_out, *rivals)
 
 
 def explains_more_than_left(error_without: float, error_with: float) -> bool:
