@@ -16,12 +16,13 @@ from reliab.discrepancy.fitting.left_out import leave_out
 from reliab.discrepancy.fitting.problem import Problem, relative_powers
 from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.spectra.segment import cut_segments
-from reliab.discrepancy.spectra.smoothing import motions_of, scales_of, velocity_spread
+from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
 from reliab.discrepancy.terms import ClockOffset
 from reliab.effects.effect import Effect, Role, Setting, SteppedEffect
 from reliab.effects.general.general_terms import general_terms
 from reliab.effects.registry import find_effect, library
 from reliab.signals.noise import NoiseModel
+from reliab.signals.wiener import velocity_spread
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.simulation.hybrid_test.open_loop import Motion3, follow, load, read_force
 from reliab.structures.specimen import Specimen

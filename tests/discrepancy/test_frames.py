@@ -6,12 +6,13 @@ import pytest
 
 from reliab.core.errors import InputError
 from reliab.discrepancy.adding.adding import update_model
-from reliab.discrepancy.blocks.balance import InnerMotion, motion_of_command
+from reliab.discrepancy.blocks.balance import motion_of_command
 from reliab.discrepancy.campaign.campaign import Channel
 from reliab.discrepancy.campaign.reading import read_campaign
 from reliab.discrepancy.diagnose import diagnose
 from reliab.discrepancy.result.diagnosis import Diagnosis
 from reliab.simulation.hybrid_test.model_file import read_model, write_model
+from reliab.structures.inner_motion import InnerMotion
 from reliab.structures.partition import Partition
 from reliab.structures.structure import Structure
 

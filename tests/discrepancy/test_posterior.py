@@ -10,7 +10,6 @@ from reliab.discrepancy.adding.posterior import (
     ENOUGH,
     LikelihoodSurface,
     agreement_of,
-    draws_by_importance,
     sample_posterior,
 )
 from reliab.discrepancy.blocks.specimen import SpecimenBlock
@@ -21,6 +20,7 @@ from reliab.discrepancy.fitting.space import MODEL_ERROR, ModelSpace
 from reliab.discrepancy.spectra.segment import cut_segments
 from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
 from reliab.effects.registry import find_effect
+from reliab.sampling.importance import draw_by_importance
 from reliab.signals.noise import NoiseModel
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.open_loop import Motion3, load
@@ -102,6 +102,11 @@ def test_the_truth_lies_within_four_standard_deviations(damped):
     assert entry["interval_90"][0] < entry["value"] < entry["interval_90"][1]
 
 
+def drawn_by_importance(log_density, size, population, enough):
+    rng = np.random.default_rng(2017)
+    return draw_by_importance(log_density, size, rng, draws=4000, population=population, enough=enough)
+
+
 @pytest.mark.parametrize("highest", [9.0, 1.5])
 def test_a_conjugate_posterior_is_met_exactly_and_cut_at_a_bound(highest):
     """Residual y − x with y = 3 and a standard normal prior of x: normal about 1.5, variance 1/2."""
@@ -111,7 +116,7 @@ def test_a_conjugate_posterior_is_met_exactly_and_cut_at_a_bound(highest):
         bounds=(np.array([-9.0]), np.array([highest])),
         coefficients=np.array([[1.6], [-0.7], [0.0]]),  # 3 − (1.4 + 0.7 z)
     )
-    standard, effective = draws_by_importance(surface.log_density, 1, 4000, 2000.0)
+    standard, effective = drawn_by_importance(surface.log_density, 1, 4000, 2000.0)
     drawn = surface.coordinates(standard)[:, 0]
     exact = stats.truncnorm(-np.inf, (highest - 1.5) / np.sqrt(0.5), loc=1.5, scale=np.sqrt(0.5))
     assert effective > 2000.0
@@ -188,7 +193,9 @@ def test_draws_by_importance_find_the_posterior_from_a_poor_beginning(damped, wi
     mode = fitted.coordinates - fitted.covariance @ slope
     surface = LikelihoodSurface.around(problem, fitted)
     poor = replace(surface, centre=surface.centre + shifted * sd, axes=wider * surface.axes)
-    standard, effective = draws_by_importance(lambda x: poor.simulate_density(problem, fitted, x), sd.size)
+    standard, effective = drawn_by_importance(
+        lambda x: poor.simulate_density(problem, fitted, x), sd.size, 300, ENOUGH
+    )
     drawn = poor.coordinates(standard)
     assert effective >= ENOUGH
     np.testing.assert_allclose((drawn.mean(axis=0) - mode) / sd, 0.0, atol=4.0 / np.sqrt(effective))
@@ -225,7 +232,7 @@ def test_intervals_cover_the_truth_as_often_as_they_say(damped):
             rng.standard_normal(coefficients.shape[1]) - truth @ coefficients[1 : truth.size + 1]
         )
         again = replace(surface, coefficients=coefficients)
-        drawn = draws_by_importance(again.log_density, truth.size, 2000, 1000.0)[0]
+        drawn = drawn_by_importance(again.log_density, truth.size, 2000, 1000.0)[0]
         low, high = np.quantile(drawn, (0.05, 0.95), axis=0)
         hits += int(((low < truth) & (truth < high)).sum())
     total = 200 * surface.centre.size

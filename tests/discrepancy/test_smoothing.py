@@ -4,12 +4,8 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from reliab.discrepancy.spectra.smoothing import (
-    _spectra,
-    reliable_frequency,
-    smooth_motion,
-    velocity_spread,
-)
+from reliab.discrepancy.spectra.smoothing import smooth_motion
+from reliab.signals.wiener import _spectra, reliable_frequency, velocity_spread
 
 RATE = 1024.0
 TIME = np.arange(46080) / RATE

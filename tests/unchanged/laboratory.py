@@ -10,12 +10,12 @@ from coupled_structures import coupled_response
 
 from reliab.core.shipped import shipped
 from reliab.criterion.published import published_criterion
-from reliab.discrepancy.blocks.balance import InnerMotion
 from reliab.effects.registry import find_effect
 from reliab.simulation.frames.frame_file import read_frame, read_structure
 from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.simulation.hybrid_test.model_file import UpdatedModel, write_model
+from reliab.structures.inner_motion import InnerMotion
 from reliab.structures.structure import Structure
 
 RATE = 200.0

@@ -4,9 +4,7 @@ A simulation takes some ten milliseconds. Near a fitted model the whitened resid
 quadratic polynomial of the parameters, exact where effects enter linearly, which is fitted at points as far
 from the most probable model as the data allow. The likelihood is then a quartic polynomial whose coefficients
 are inner products of residuals. Whether that is good enough is checked with simulations at draws. Where it is
-not, as for a hysteresis that a few cycles show, every draw is simulated. Draws come from a distribution of
-Student that follows the weighted draws before it (adaptive multiple importance sampling of Cornuet and others
-2012, doi:10.1111/j.1467-9469.2011.00756.x).
+not, as for a hysteresis that a few cycles show, every draw is simulated.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -17,12 +15,12 @@ from itertools import combinations
 from typing import Any
 
 import numpy as np
-from scipy import stats
 
 from reliab.core.arrays import Array
 from reliab.core.significant_digits import percent, significant
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
+from reliab.sampling.importance import draw_by_importance, effective_size, weights_of
 
 _REACH = np.sqrt(3.0)  # standard deviations: the nodes of Gauss and Hermite of order three
 _WORKERS = 2
@@ -36,17 +34,12 @@ _DRAWS = 4000
 _INTERVAL = (0.05, 0.95)
 _BADLY_KNOWN = 0.2  # relative spread of a parameter
 _JOINT_SPREAD = 0.3  # spread of a product or ratio over that of its parts, below which it alone is known
-_POPULATION, _POPULATIONS = 300, 8  # draws that are simulated at once, and how often at most
-_GUIDING = 40.0  # effective number of draws around which the next ones are drawn
-_LEAST_VARIANCE = 1e-3  # of a standard coordinate
-_WIDER, _FREEDOM = 1.3, 5.0  # spread of a population over that before it, and Student's degrees of freedom
+_SIMULATED = 300  # draws that are simulated at once
 
 ENOUGH = 100.0
 """Effective number of simulated draws from which quantiles of 5 and 95 % are trusted."""
 
 _ENOUGH_OF_SURFACE = 2000.0  # the same where draws cost nothing
-
-Density = Callable[[Array], Array]
 
 
 def simulate_residuals(problem: Problem, fit: Fit, points: Iterable[Array]) -> Array:
@@ -225,11 +218,19 @@ def sample_posterior(problem: Problem, fit: Fit) -> Posterior:
     """
     surface = LikelihoodSurface.around(problem, fit)
     size, space = fit.space.size, fit.space
-    draws, effective = draws_by_importance(surface.log_density, size, _DRAWS, _ENOUGH_OF_SURFACE)
+    rng = np.random.default_rng(_SEED)
+    draws, effective = draw_by_importance(
+        surface.log_density, size, rng, draws=_DRAWS, population=_DRAWS, enough=_ENOUGH_OF_SURFACE
+    )
     agreement = 0.0 if effective < ENOUGH else agreement_of(problem, fit, surface, draws[:_CHECKS])
     if agreement < SMALLEST_AGREEMENT:
-        draws, effective = draws_by_importance(
-            lambda standard: surface.simulate_density(problem.sketch, fit, standard), size
+        draws, effective = draw_by_importance(
+            lambda standard: surface.simulate_density(problem.sketch, fit, standard),
+            size,
+            np.random.default_rng(_SEED),
+            draws=_DRAWS,
+            population=_SIMULATED,
+            enough=ENOUGH,
         )
     exact = np.stack([space.values(point) for point in np.clip(surface.coordinates(draws), *surface.bounds)])
     model_noise = np.random.default_rng(_SEED).standard_normal(exact.shape)  # the error of the model
@@ -244,53 +245,7 @@ def sample_posterior(problem: Problem, fit: Fit) -> Posterior:
     )
 
 
-def draws_by_importance(
-    density: Density, size: int, population: int = _POPULATION, enough: float = ENOUGH
-) -> tuple[Array, float]:
-    """Draw standard coordinates, beginning at the normal approximation; the effective number, too.
-
-    Every population is drawn around the weighted draws before it, and all of them count as draws of one
-    mixture. `density` gives the logarithm of the posterior density, −∞ beyond bounds.
-    """
-    rng = np.random.default_rng(_SEED)
-    mean, covariance = np.zeros(size), np.eye(size)
-    points, logs = np.zeros((0, size)), np.zeros(0)
-    weights, mixture = np.zeros(0), []
-    for _ in range(_POPULATIONS):
-        shape = _WIDER**2 * covariance + _LEAST_VARIANCE * np.eye(size)
-        mixture.append(stats.multivariate_t(loc=mean, shape=shape, df=_FREEDOM, seed=rng))
-        fresh = np.asarray(mixture[-1].rvs(population)).reshape(population, size)
-        fresh_logs = density(fresh)
-        possible = np.isfinite(fresh_logs)
-        points = np.concatenate([points, fresh[possible]])
-        logs = np.concatenate([logs, fresh_logs[possible]])
-        if len(points) <= size:
-            break
-        ratios = logs - np.logaddexp.reduce([component.logpdf(points) for component in mixture])
-        weights = _weights(ratios)
-        if _effective(weights) >= enough:
-            break
-        while _effective(_weights(ratios)) < min(_GUIDING, 0.5 * len(points)):
-            ratios = 0.5 * ratios
-        mean = np.average(points, axis=0, weights=_weights(ratios))
-        covariance = np.atleast_2d(np.cov(points.T, aweights=_weights(ratios)))
-    if not weights.size:
-        return rng.standard_normal((_DRAWS, size)), 1.0
-    return points[rng.choice(len(points), _DRAWS, p=weights)], _effective(weights)
-
-
-def _weights(logarithms: Array) -> Array:
-    """Weights that sum to one, of their logarithms."""
-    weights = np.exp(logarithms - logarithms.max())
-    return np.asarray(weights / weights.sum())
-
-
-def _effective(weights: Array) -> float:
-    """Effective number of weighted draws."""
-    return float(weights.sum() ** 2 / (weights**2).sum())
-
-
 def agreement_of(problem: Problem, fit: Fit, surface: LikelihoodSurface, draws: Array) -> float:
     """Effective share of draws of a surface under importance weights from it to simulations."""
     ratios = surface.simulate_density(problem, fit, draws) - surface.log_density(draws)
-    return _effective(_weights(ratios)) / len(draws)
+    return effective_size(weights_of(ratios)) / len(draws)

@@ -11,15 +11,7 @@ are calibrated, because an operator may state them wrongly; a wrong value would 
 of the integration, and so would an offset of the recorded force that the controller did not feel, or a force
 that was recorded by another clock.
 
-The numerical substructure may be a frame. With coordinates x = γq₁/γᵀγ + Nq₂, in which q₁ = γᵀx is the
-command and the columns of N are orthogonal to γ, its equations are, M, C, K and the load ℓ = Mι written in
-these coordinates ::
-
-    M₂₂q₂'' + C₂₂q₂' + K₂₂q₂ = −ℓ₂a_g − M₂₁q₁'' − C₂₁q₁' − K₂₁q₁
-    f = −ℓ₁a_g − (M₁₁q₁'' + C₁₁q₁' + K₁₁q₁) − (M₁₂q₂'' + C₁₂q₂' + K₁₂q₂)
-
-The inner motion q₂ is that of the frame with its interface held, which is stable, and is stepped exactly for
-loads that are straight between samples.
+The numerical substructure may be a frame (:mod:`reliab.structures.inner_motion`).
 """
 
 from copy import copy
@@ -30,10 +22,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
-from scipy.linalg import null_space
 
 from reliab.core.arrays import Array, Spectrum
-from reliab.core.compiled import compiled
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import Block
 from reliab.discrepancy.blocks.calibration import (
@@ -52,8 +42,7 @@ from reliab.effects.integration_error import IntegrationError
 from reliab.effects.registry import library
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.open_loop import Motion3
-from reliab.structures.frame import exact_step
-from reliab.structures.partition import Partition
+from reliab.structures.inner_motion import InnerMotion
 
 _RETURN = 1.0  # s, within which a record is closed to a period
 _STEPS_TO_ANSWER = 2.0  # of an integration, after which the command shows what was demanded
@@ -243,74 +232,6 @@ class FrameBalanceBlock(NumericalBlock):
         if term.source == _DISPLACEMENT:
             return self._inner.force(np.zeros(motion.shape[1]), motion)
         return self._inner.force(self.history(term.source, test), np.zeros_like(motion))
-
-
-class InnerMotion:
-    """Force at the interface of a numerical substructure whose interface moves as commanded.
-
-    `step` [s].
-    """
-
-    def __init__(self, partition: Partition, step: float) -> None:
-        gamma = partition.direction
-        basis = np.column_stack([gamma / (gamma @ gamma), null_space(gamma[np.newaxis])])
-        mass, damping, stiffness = (
-            basis.T @ matrix @ basis
-            for matrix in (
-                partition.numerical_mass,
-                partition.numerical_damping,
-                partition.numerical_stiffness,
-            )
-        )
-        load = basis.T @ partition.frame.mass @ partition.frame.influence
-        inner = gamma.size - 1
-        # Rows are equations, columns the inputs a_g, q₁'', q₁', q₁.
-        driven = -np.column_stack([load, mass[:, 0], damping[:, 0], stiffness[:, 0]])
-        input_matrix = np.linalg.solve(mass[1:, 1:], driven[1:])
-        dynamics = np.zeros((2 * inner, 2 * inner))
-        dynamics[:inner, inner:] = np.eye(inner)
-        dynamics[inner:] = -np.linalg.solve(mass[1:, 1:], np.hstack([stiffness[1:, 1:], damping[1:, 1:]]))
-        loads = np.vstack([np.zeros((inner, 4)), input_matrix])
-        self._steps = exact_step(dynamics, loads, step)
-        coupling = mass[0, 1:]
-        self._of_state = -(coupling @ dynamics[inner:] + np.concatenate([stiffness[0, 1:], damping[0, 1:]]))
-        self._of_inputs = driven[0] - coupling @ input_matrix
-
-    def force(self, ground: Array, motion: Array) -> Array:
-        """Force that balances a ground acceleration and a motion of the command, from rest.
-
-        `ground` [m/s²]; `motion` [m]; returns [N].
-        """
-        inputs = np.ascontiguousarray(np.stack([ground, motion[2], motion[1], motion[0]], axis=1))
-        transition, early, late = (np.ascontiguousarray(matrix) for matrix in self._steps)
-        return _balance(transition, early, late, self._of_state, self._of_inputs, inputs)
-
-
-@compiled
-def _balance(
-    transition: Array, early: Array, late: Array, state_row: Array, input_row: Array, inputs: Array
-) -> Array:
-    """Step the inner motion and add up the force at every sample, shape (n,)."""
-    states, count = early.shape
-    z, z_next = np.zeros(states), np.zeros(states)
-    force = np.zeros(inputs.shape[0])
-    for k in range(inputs.shape[0]):
-        if k > 0:
-            for i in range(states):
-                total = 0.0
-                for j in range(states):
-                    total += transition[i, j] * z[j]
-                for j in range(count):
-                    total += early[i, j] * inputs[k - 1, j] + late[i, j] * inputs[k, j]
-                z_next[i] = total
-            z[:] = z_next
-        total = 0.0
-        for j in range(states):
-            total += state_row[j] * z[j]
-        for j in range(count):
-            total += input_row[j] * inputs[k, j]
-        force[k] = total
-    return force
 
 
 def motion_of_command(test: MeasuredTest, step: float) -> Motion3:

@@ -14,7 +14,6 @@ from reliab.core.vocabulary import Block
 from reliab.discrepancy.blocks.calibration import Calibration, free_stiffness, lag_of_force, stiffness
 from reliab.discrepancy.blocks.observed import ObservedBlock, SuperposedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
-from reliab.discrepancy.spectra.smoothing import harmonics_up_to, reliable_frequency, velocity_spread
 from reliab.discrepancy.terms import ClockOffset
 from reliab.effects.added_mass import AddedMass
 from reliab.effects.effect import Effect, Role, Scales, SteppedEffect
@@ -26,6 +25,7 @@ from reliab.effects.registry import library
 from reliab.effects.sensor_drift import SensorDrift
 from reliab.effects.series_play import SeriesPlay
 from reliab.effects.viscous_damping import ViscousDamping
+from reliab.signals.wiener import harmonics_up_to, reliable_frequency, velocity_spread
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.open_loop import Motion3, follow, load, read_displacement, read_force
 from reliab.structures.specimen import Specimen
