@@ -30,7 +30,7 @@ from typing import Annotated, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError
+from pydantic import Discriminator, Field, Tag, ValidationError
 
 from reliab.core.described_files import faults_in_words, keys_of, parse_toml, read_description
 from reliab.core.errors import InputError
@@ -42,10 +42,8 @@ from reliab.recordings.channels_file import ChannelTables, read_declarations
 from reliab.recordings.reading import Histories, histories_of, read_test
 from reliab.recordings.recording import FEWEST_SAMPLES, LARGEST_READING, Part, StatedChannels
 from reliab.simulation.frames.frame_file import frame_of_tables, require_one_actuator
-from reliab.simulation.hybrid_test.model import Actuator
+from reliab.simulation.hybrid_test.model_tables import ActuatorTable, ModelPart, SpecimenTable, StructureTable
 from reliab.structures.partition import Partition
-from reliab.structures.specimen import Specimen
-from reliab.structures.structure import Structure
 
 _CHANNELS: Final[Mapping[str, Channel]] = {
     str(Part.GROUND): Channel.GROUND,
@@ -132,24 +130,7 @@ def campaign_folder(folder: Path | str) -> Path:
     return shipped_folder if is_name and (shipped_folder / CAMPAIGN_FILE).is_file() else folder
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class StructureTable(_Table):
-    """Nominal structure of one degree of freedom, as the operator assumes it."""
-
-    frequency_hz: Annotated[float, Physical("natural frequency")] = Field(description="Natural frequency")
-    damping_ratio: Annotated[float, Physical("damping ratio")] = Field(description="Damping ratio ξ")
-    mass_kg: Annotated[float, Physical("mass")] | None = Field(
-        default=None, description="Mass, which scales the force; without it forces are those of a unit mass"
-    )
-    experimental_fraction: Annotated[float, Physical("share of the stiffness in the laboratory")] = Field(
-        default=1.0, description="Share α of the stiffness that stands in the laboratory"
-    )
-
-
-class FrameTables(_Table):
+class FrameTables(ModelPart):
     """A frame in place of the structure of one degree of freedom, by tables of `frame.toml`."""
 
     frame: dict[str, Any] = Field(description="Mass and stiffness, as `[frame]` of `frame.toml`")
@@ -157,38 +138,13 @@ class FrameTables(_Table):
     specimen: dict[str, Any] = Field(description="Specimen and interface, as `[specimen]` of `frame.toml`")
 
 
-class ActuatorTable(_Table):
-    """Nominal actuator. Left out where the command is not recorded."""
-
-    gain: Annotated[float, Physical("actuator's gain")] = Field(
-        default=1.0, description="Measured over commanded displacement"
-    )
-    delay_s: Annotated[float, Physical("actuator's delay", zero=True)] = Field(
-        default=0.0, description="Time by which the piston is late"
-    )
-
-
-class SpecimenTable(_Table):
-    """Nominal specimen, where it is not the structure's own spring."""
-
-    stiffness_n_per_m: Annotated[float, Physical("stiffness", zero=True)] = Field(
-        default=0.0, description="Stiffness"
-    )
-    damping_n_s_per_m: Annotated[float, Physical("damping coefficient", zero=True)] = Field(
-        default=0.0, description="Damping coefficient"
-    )
-    mass_kg: Annotated[float, Physical("mass", zero=True)] = Field(
-        default=0.0, description="Mass that moves with the piston"
-    )
-
-
-class SamplingTable(_Table):
+class SamplingTable(ModelPart):
     """How all tests were sampled."""
 
     rate_hz: Annotated[float, Physical("sampling rate")] = Field(description="Samples in a second")
 
 
-class TestTable(_Table):
+class TestTable(ModelPart):
     """A test; the table is repeated for each."""
 
     file: Annotated[str, Field(min_length=1)] = Field(
@@ -215,7 +171,7 @@ def _kind_of_structure(table: object) -> str:
     return "(frame)" if isinstance(table, dict) and "frame" in table else "(one_mode)"
 
 
-class CampaignDescription(_Table):
+class CampaignDescription(ModelPart):
     """A rig and its tests."""
 
     name: str = Field(default="", description="Free text; without it the name of the folder")
@@ -312,20 +268,10 @@ def _campaign(description: CampaignDescription, tests: tuple[MeasuredTest, ...],
     one_mode = structure if isinstance(structure, StructureTable) else None
     return Campaign(
         name=description.name or folder.name,
-        structure=None
-        if one_mode is None
-        else Structure(
-            frequency=one_mode.frequency_hz,
-            damping_ratio=one_mode.damping_ratio,
-            experimental_fraction=one_mode.experimental_fraction,
-        ),
+        structure=None if one_mode is None else one_mode.build(),
         mass=(one_mode.mass_kg if one_mode else None) or 1.0,
-        actuator=None if actuator is None else Actuator(gain=actuator.gain, delay=actuator.delay_s),
-        specimen=None
-        if specimen is None
-        else Specimen(
-            stiffness=specimen.stiffness_n_per_m, damping=specimen.damping_n_s_per_m, mass=specimen.mass_kg
-        ),
+        actuator=None if actuator is None else actuator.build(),
+        specimen=None if specimen is None else specimen.build(),
         rate=description.sampling.rate_hz,
         tests=tests,
         partition=_as_partition(structure, description) if isinstance(structure, FrameTables) else None,

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import Field
 
 from reliab.core.described_files import read_toml, validate_description
 from reliab.core.errors import InputError
@@ -17,9 +17,8 @@ from reliab.core.files import refuse_unwritable, written_whole
 from reliab.core.physical_range import Physical, require_physical
 from reliab.effects.effect import Effect, Parameter
 from reliab.effects.registry import find_effect
-from reliab.simulation.hybrid_test.model import Actuator, HybridTest
-from reliab.structures.specimen import Specimen
-from reliab.structures.structure import Structure
+from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.simulation.hybrid_test.model_tables import ActuatorTable, ModelPart, SpecimenTable, StructureTable
 
 MODEL_FILE = "model.toml"
 _FORMAT = 1
@@ -62,8 +61,8 @@ def read_model(path: Path | str) -> UpdatedModel:
     description = _describe(path)
     test = HybridTest(
         structure=description.structure.build() if description.structure else None,
-        mass=description.structure.mass_kg if description.structure else 1.0,
-        actuator=Actuator(gain=description.actuator.gain, delay=description.actuator.delay_s),
+        mass=(description.structure.mass_kg if description.structure else None) or 1.0,
+        actuator=description.actuator.build(),
         specimen=description.specimen.build() if description.specimen else None,
         effects=tuple(
             _effect(entry, f"{path.name}, effect {k}") for k, entry in enumerate(description.effects, 1)
@@ -72,59 +71,35 @@ def read_model(path: Path | str) -> UpdatedModel:
     return UpdatedModel(name=description.name, test=test, deviations=_deviations(description))
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
-
-
-class _Structure(_Table):
-    frequency_hz: Annotated[float, Physical("natural frequency")]
-    damping_ratio: Annotated[float, Physical("damping ratio")]
-    mass_kg: Annotated[float, Physical("mass")] = 1.0
-    experimental_fraction: Annotated[float, Physical("share of the stiffness in the laboratory")] = 1.0
-
-    def build(self) -> Structure:
-        return Structure(
-            frequency=self.frequency_hz,
-            damping_ratio=self.damping_ratio,
-            experimental_fraction=self.experimental_fraction,
-        )
-
-
-class _Actuator(_Table):
-    gain: Annotated[float, Physical("actuator's gain")] = 1.0
+class _Actuator(ActuatorTable):
     gain_sd: _Deviation | None = None
-    delay_s: Annotated[float, Physical("actuator's delay", zero=True)] = 0.0
     delay_s_sd: _Deviation | None = None
 
 
-class _Specimen(_Table):
+class _Specimen(SpecimenTable):
     stiffness_n_per_m: Annotated[float, Physical("stiffness", zero=True)]
     stiffness_n_per_m_sd: _Deviation | None = None
     damping_n_s_per_m: Annotated[float, Physical("damping coefficient", zero=True, signed=True)] = 0.0
-    mass_kg: Annotated[float, Physical("mass", zero=True)] = 0.0
-
-    def build(self) -> Specimen:
-        return Specimen(stiffness=self.stiffness_n_per_m, damping=self.damping_n_s_per_m, mass=self.mass_kg)
 
 
-class _Value(_Table):
+class _Value(ModelPart):
     value: _Number
     sd: _Deviation | None = None
     units: str | None = None
 
 
-class _Effect(_Table):
+class _Effect(ModelPart):
     name: str
     parameters: dict[str, _Value]
 
 
-class _ModelFile(_Table):
+class _ModelFile(ModelPart):
     format: Literal[1]
     name: str = ""
-    structure: _Structure | None = None
+    structure: StructureTable | None = None
     actuator: _Actuator = _Actuator()
     specimen: _Specimen | None = None
-    effects: list[_Effect] = []
+    effects: list[_Effect] = Field(default=[])
 
 
 def _describe(path: Path) -> _ModelFile:
