@@ -11,7 +11,7 @@ from reliab.core.arrays import Array
 from reliab.discrepancy.campaign.campaign import Channel, MeasuredTest
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
-from reliab.discrepancy.result.gap import Gap
+from reliab.discrepancy.result.gap import Gap, HeldOutTest
 from reliab.discrepancy.spectra.segment import energy_of
 from reliab.effects.effect import Effect
 from reliab.signals.noise import converter_step, near_mains
@@ -37,15 +37,6 @@ def compute_nrmse(proof: Problem, residual: dict[int, Array]) -> float:
     """RMS of residuals over RMS of the signal, over all held-out stretches."""
     residual_energies, signal_energy = _energies(proof, residual), _energies(proof, _measurements(proof))
     return float(np.sqrt(sum(residual_energies.values()) / max(sum(signal_energy.values()), _NOTHING)))
-
-
-def errors_by_test(proof: Problem, residual: dict[int, Array]) -> dict[str, float]:
-    """RMS of residuals over RMS of the signal in each held-out test, by file."""
-    residual_energies, signal_energies = _energies(proof, residual), _energies(proof, _measurements(proof))
-    return {
-        proof.block.tests[test].file: float(np.sqrt(energy / max(signal_energies[test], _NOTHING)))
-        for test, energy in residual_energies.items()
-    }
 
 
 def _measurements(proof: Problem) -> dict[int, Array]:
@@ -76,29 +67,29 @@ def gap(
     """
     block = proof.block
     signals = _energies(proof, _measurements(proof))
-    tests = tuple(signals)
+    energies_before, energies_after = (_energies(proof, rows) for rows in (residuals_before, residuals_after))
     noise_floors = floors(
-        block.tests, tests, block.channel, block.inputs, rate=block.rate, highest=block.highest_signal
+        block.tests, signals, block.channel, block.inputs, rate=block.rate, highest=block.highest_signal
     )
-    samples = _energies(proof, {test: np.ones(block.tests[test].size) for test in tests})
+    samples = _energies(proof, {test: np.ones(block.tests[test].size) for test in signals})
     unit = max(sum(signals.values()), _NOTHING) / sum(samples.values())
+    tests = tuple(
+        HeldOutTest(
+            file=block.tests[test].file,
+            kind=kind_of_motion(block.tests[test].channels[block.inputs[0]], block.rate),
+            before=float(np.sqrt(energies_before[test] / max(energy, _NOTHING))),
+            after=float(np.sqrt(energies_after[test] / max(energy, _NOTHING))),
+            size=float(np.sqrt(max(energy, _NOTHING) / samples[test] / unit)),
+            noise_like=test in noise_like,
+        )
+        for test, energy in signals.items()
+    )
     return Gap(
-        held_out=tuple(block.tests[test].file for test in tests),
         channel=str(block.channel),
         before=compute_nrmse(proof, residuals_before),
         after=compute_nrmse(proof, residuals_after),
         floors={str(source): float(np.sqrt(square / unit)) for source, square in noise_floors.items()},
-        tests_before=errors_by_test(proof, residuals_before),
-        tests_after=errors_by_test(proof, residuals_after),
-        sizes={
-            block.tests[test].file: float(np.sqrt(max(signals[test], _NOTHING) / samples[test] / unit))
-            for test in tests
-        },
-        kinds={
-            block.tests[test].file: kind_of_motion(block.tests[test].channels[block.inputs[0]], block.rate)
-            for test in tests
-        },
-        noise_like=frozenset(block.tests[test].file for test in noise_like),
+        tests=tests,
     )
 
 

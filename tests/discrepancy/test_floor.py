@@ -8,7 +8,7 @@ from scipy import signal
 
 from reliab.discrepancy.campaign.campaign import Channel, MeasuredTest
 from reliab.discrepancy.proof import Source, floors
-from reliab.discrepancy.result.gap import Gap
+from reliab.discrepancy.result.gap import Gap, HeldOutTest
 
 RATE = 512.0
 TIME = np.arange(0.0, 20.0, 1.0 / RATE)
@@ -78,8 +78,8 @@ def test_rest_before_the_motion_tells():
 @pytest.mark.parametrize("after", [0.0, 0.04, 0.3, 0.7])
 def test_closed_fraction_stays_within_its_bounds(floor, after):
     gap = Gap(
-        held_out=("a",), channel="force_n", before=0.5, after=after, floors={"rest": floor},
-        tests_before={"a": 0.5}, tests_after={"a": after},
+        channel="force_n", before=0.5, after=after, floors={"rest": floor},
+        tests=(HeldOutTest(file="a", before=0.5, after=after),),
     )  # fmt: skip
     assert gap.closed_fraction is None or 0.0 <= gap.closed_fraction <= 1.0
     counted = floor if floor <= 1.2 * after else 0.0  # a floor far above what the model leaves is none
@@ -91,8 +91,8 @@ def test_closed_fraction_stays_within_its_bounds(floor, after):
 
 def test_without_a_floor_nothing_is_said_of_the_closed_fraction():
     gap = Gap(
-        held_out=("a",), channel="force_n", before=0.5, after=0.1, floors={}, tests_before={"a": 0.5},
-        tests_after={"a": 0.1},
+        channel="force_n", before=0.5, after=0.1, floors={},
+        tests=(HeldOutTest(file="a", before=0.5, after=0.1),),
     )  # fmt: skip
     assert gap.closed_fraction is gap.floor is gap.source is None
     assert gap.to_dict()["noise_floor"] is None
@@ -101,8 +101,8 @@ def test_without_a_floor_nothing_is_said_of_the_closed_fraction():
 def quiet(before, after, *, floors=None, noise_like=("a",)):
     """Gap of one held-out test."""
     return Gap(
-        held_out=("a",), channel="force_n", before=before, after=after, floors=floors or {},
-        tests_before={"a": before}, tests_after={"a": after}, noise_like=frozenset(noise_like),
+        channel="force_n", before=before, after=after, floors=floors or {},
+        tests=(HeldOutTest(file="a", before=before, after=after, noise_like="a" in noise_like),),
     )  # fmt: skip
 
 

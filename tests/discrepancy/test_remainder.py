@@ -9,7 +9,7 @@ import pytest
 from reliab.core.vocabulary import Block
 from reliab.discrepancy.campaign.campaign import Channel
 from reliab.discrepancy.naming import unexplained
-from reliab.discrepancy.result.gap import Gap
+from reliab.discrepancy.result.gap import Gap, HeldOutTest
 from reliab.effects.cubic_stiffness import CubicStiffness
 
 PROVED = SimpleNamespace(floor=None, after=0.16, model_error=0.16)
@@ -39,9 +39,11 @@ def test_a_rough_command_is_no_missing_effect(block, error, large):
 def shown(error, *, noise_like=()):
     """A gap of two kinds of held-out test, of which the effects leave 0.1 and an error of the signal."""
     return Gap(
-        held_out=("sine", "sweep"), channel="force_n", before=1.0, after=error, floors={},
-        tests_before={"sine": 1.0, "sweep": 1.0}, tests_after={"sine": 0.1, "sweep": error},
-        kinds={"sine": "sine", "sweep": "sweep"}, noise_like=frozenset(noise_like),
+        channel="force_n", before=1.0, after=error, floors={},
+        tests=tuple(
+            HeldOutTest(file=kind, kind=kind, before=1.0, after=after, noise_like=kind in noise_like)
+            for kind, after in (("sine", 0.1), ("sweep", error))
+        ),
     )  # fmt: skip
 
 
@@ -53,8 +55,7 @@ def test_named_leaves_a_fifth_of_the_worst_kind_of_test_at_most(monkeypatch, err
     gap = shown(error)
     gap = replace(
         gap,
-        tests_before={file: size * value for file, value in gap.tests_before.items()},
-        tests_after={file: size * value for file, value in gap.tests_after.items()},
+        tests=tuple(replace(test, before=size * test.before, after=size * test.after) for test in gap.tests),
     )
     judged = problem(Block.NUMERICAL, 0.0), MODEL
     for remaining in (None, ()):

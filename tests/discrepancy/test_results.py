@@ -10,7 +10,7 @@ from reliab.discrepancy.adding.adding import _apply_posterior
 from reliab.discrepancy.blocks.calibration import structure_damping
 from reliab.discrepancy.naming.naming import or_stated_damping
 from reliab.discrepancy.result.diagnosis import Diagnosis
-from reliab.discrepancy.result.gap import Gap
+from reliab.discrepancy.result.gap import Gap, HeldOutTest
 from reliab.discrepancy.result.missing_effect import (
     Estimate,
     MissingEffect,
@@ -86,13 +86,11 @@ def test_the_gap_is_drawn_as_a_pair_of_bars_for_each_block():
 )
 def test_all_of_a_gap_is_closed_only_where_what_remains_is_at_the_noise(after, floor, said):
     gap = Gap(
-        held_out=("t",),
         channel="u",
         before=1.0,
         after=after,
         floors={} if floor is None else {"at rest": floor},
-        tests_before={"t": 1.0},
-        tests_after={"t": after},
+        tests=(HeldOutTest(file="t", before=1.0, after=after),),
     )
     assert gap.stated_share == (None if said is None else pytest.approx(said, abs=5e-5))
 

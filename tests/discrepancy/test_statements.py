@@ -21,7 +21,7 @@ from reliab.discrepancy.result.diagnosis import (
     scale_of_displacement,
     statement,
 )
-from reliab.discrepancy.result.gap import Gap, Remainder
+from reliab.discrepancy.result.gap import Gap, HeldOutTest, Remainder
 from reliab.discrepancy.result.missing_effect import Estimate
 from reliab.report.kinds.discrepancy_report import _describe_closed_gap, _floor
 from reliab.report.prose import plain_text
@@ -39,13 +39,11 @@ def gaps(draw):
     floors = draw(st.dictionaries(st.sampled_from(SOURCES), sizes, max_size=3))
     before = draw(st.one_of(SIZES, st.just(after)))
     return Gap(
-        held_out=("a.csv",),
         channel="force_n",
         before=before,
         after=after,
         floors=floors,
-        tests_before={"a.csv": before},
-        tests_after={"a.csv": after},
+        tests=(HeldOutTest(file="a.csv", before=before, after=after),),
     )
 
 
@@ -127,13 +125,11 @@ def test_a_gap_is_wholly_closed_only_at_the_noise(block):
 @pytest.mark.parametrize(("times", "missing"), [(1.0, False), (1.5, False), (3.0, True), (10.0, True)])
 def test_three_times_the_noise_is_something_missing(times, missing):
     gap = Gap(
-        held_out=("a.csv",),
         channel="force_n",
         before=0.005 * times,
         after=0.005 * times,
         floors={"rest": 0.005},
-        tests_before={},
-        tests_after={},
+        tests=(HeldOutTest(file="a.csv", before=0.005 * times, after=0.005 * times),),
     )
     problem = SimpleNamespace(block=SimpleNamespace(block=Block.SPECIMEN, channel="force_n"))
     model = SimpleNamespace(space=SimpleNamespace(effects=()))
@@ -143,14 +139,14 @@ def test_three_times_the_noise_is_something_missing(times, missing):
 def a_gap(**errors):
     """A gap of held-out tests, by file: kind, error before and after."""
     return Gap(
-        held_out=tuple(errors),
         channel="force_n",
         before=0.5,
         after=0.1,
         floors={},
-        tests_before={file: before for file, (_, before, _) in errors.items()},
-        tests_after={file: after for file, (_, _, after) in errors.items()},
-        kinds={file: kind for file, (kind, _, _) in errors.items()},
+        tests=tuple(
+            HeldOutTest(file=file, kind=kind, before=before, after=after)
+            for file, (kind, before, after) in errors.items()
+        ),
     )
 
 
@@ -167,7 +163,7 @@ def test_the_least_explained_kind_of_test_and_the_least_explained_test_come_firs
 
 def test_a_floor_is_a_larger_share_of_a_weaker_test():
     gap = replace(a_gap(a=("sine", 0.5, 0.1), b=("sine", 0.5, 0.1)), floors={"rest": 0.02})
-    weak = replace(gap, sizes={"a": 1.0, "b": 0.25}).by_test
+    weak = replace(gap, tests=(gap.tests[0], replace(gap.tests[1], size=0.25))).by_test
     assert {test.files[0]: test.noise for test in weak} == pytest.approx({"a": 0.02, "b": 0.08})
 
 
@@ -198,13 +194,11 @@ def test_a_remainder_is_described_by_what_it_looks_like():
 def test_what_contradicts_the_campaign_is_said_first(verdict):
     mass = Estimate(name="structure_mass", value=1.0312, sd=0.0003, units="-", signed=True)
     gap = Gap(
-        held_out=("a",),
         channel="force_n",
         before=0.01,
         after=0.01,
         floors={},
-        tests_before={},
-        tests_after={},
+        tests=(HeldOutTest(file="a", before=0.01, after=0.01),),
     )
     block = SimpleNamespace(gap=gap, leaves_noise=True, misstated=(mass,), either_misstated=())
     assert statement(verdict, [block]).startswith(

@@ -1,7 +1,7 @@
 """The gap between model and measurement on held-out tests, and the error to expect on a further test."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, ClassVar
 
@@ -32,10 +32,23 @@ class Remainder(StrEnum):
 
 
 @dataclass(frozen=True, kw_only=True)
+class HeldOutTest:
+    """Errors in one held-out test, RMS of the difference over RMS of its signal."""
+
+    file: str
+    kind: str = ""  # Of its motion ("sine")
+    before: float  # before, after: Calibrated model and model with the effects
+    after: float
+    size: float = 1.0  # RMS of its signal over that of all of them
+    # Whether what the model with the effects leaves is spread over time and frequency as noise is: it is
+    # taken for noise, unless a known floor is far below it
+    noise_like: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
 class Gap:
     """Difference between model and measurement on held-out tests, before and after the effects are added."""
 
-    held_out: tuple[str, ...]  # Files
     channel: str  # Column
     # before, after: RMS of the difference over RMS of the signal, calibrated model and model with the effects
     before: float
@@ -44,21 +57,17 @@ class Gap:
     # empty where the recordings do not show it. One above what the model leaves is no floor, and does not
     # count
     floors: Mapping[str, float]
-    # tests_before, tests_after: `before` and `after` of each held-out test, by file
-    tests_before: Mapping[str, float]
-    tests_after: Mapping[str, float]
-    # RMS of the signal of each held-out test over that of all of them, by file; alike unless given
-    sizes: Mapping[str, float] = field(default_factory=dict)
-    # Kind of motion of each held-out test ("sine"), by file; one kind unless given
-    kinds: Mapping[str, str] = field(default_factory=dict)
-    # Held-out tests, by file, in which what the model with the effects leaves is spread over time and
-    # frequency as noise is: it is taken for noise, unless a known floor is far below it
-    noise_like: frozenset[str] = frozenset()
+    tests: tuple[HeldOutTest, ...]
     missing: bool = True  # Whether anything was found to be missing, so that there is a gap to explain
     # The same size for the best linear model, whatever was stated; as `before` unless given
     linear: float | None = None
     rival: float | None = None  # The same size for the best model that lacks one of the effects
     rival_effects: tuple[str, ...] = ()  # Effects of that model
+
+    @property
+    def held_out(self) -> tuple[str, ...]:
+        """Files of the held-out tests."""
+        return tuple(test.file for test in self.tests)
 
     @property
     def source(self) -> str | None:
@@ -97,7 +106,7 @@ class Gap:
     @property
     def looks_like_noise(self) -> bool:
         """Whether what the model with the effects leaves is spread as noise is in every held-out test."""
-        return bool(self.tests_after) and self.noise_like.issuperset(self.tests_after)
+        return all(test.noise_like for test in self.tests)
 
     @property
     def is_noise_before(self) -> bool:
@@ -153,10 +162,10 @@ class Gap:
     @property
     def by_kind(self) -> tuple["GapOfKind", ...]:
         """The gap in each kind of held-out test, the least explained first."""
-        kinds: dict[str, list[str]] = {}
-        for file in self.tests_after:
-            kinds.setdefault(self.kinds.get(file, ""), []).append(file)
-        return _worst_first(self._gap_over(kind, files) for kind, files in kinds.items())
+        kinds: dict[str, list[HeldOutTest]] = {}
+        for test in self.tests:
+            kinds.setdefault(test.kind, []).append(test)
+        return _worst_first(map(self._gap_over, kinds.values()))
 
     @property
     def worst_unexplained_share(self) -> float | None:
@@ -167,37 +176,31 @@ class Gap:
     @property
     def by_test(self) -> tuple["GapOfKind", ...]:
         """The gap in each held-out test, the least explained first."""
-        return _worst_first(self._gap_over(self.kinds.get(file, ""), [file]) for file in self.tests_after)
+        return _worst_first(self._gap_over([test]) for test in self.tests)
 
-    def _gap_over(self, kind: str, files: Sequence[str]) -> "GapOfKind":
-        """Gap over some tests, which count alike."""
-        error_before, error_after, noise = (
-            float(np.sqrt(np.mean(np.square(values))))
-            for values in (
-                [self.tests_before[file] for file in files],
-                [self.tests_after[file] for file in files],
-                [self._noise_in(file) for file in files],
-            )
-        )
+    def _gap_over(self, tests: Sequence[HeldOutTest]) -> "GapOfKind":
+        """Gap over some tests of one kind, which count alike."""
+        errors = [(test.before, test.after, self._noise_in(test)) for test in tests]
+        error_before, error_after, noise = np.sqrt(np.mean(np.square(errors), axis=0)).tolist()
         return GapOfKind(
-            kind=kind,
-            files=tuple(files),
+            kind=tests[0].kind,
+            files=tuple(test.file for test in tests),
             before=error_before,
             after=error_after,
             noise=noise,
             missing=self.missing,
         )
 
-    def _noise_in(self, file: str) -> float:
+    def _noise_in(self, test: HeldOutTest) -> float:
         """RMS of the noise in a test over that of its signal; in a weak one a floor is a larger share.
 
         What is spread as noise may be above a floor: noise of the motion adds to that of the channel.
         """
-        error, noise_like = self.tests_after[file], file in self.noise_like
         if self.floor is None:
-            return error if noise_like else 0.0
-        floor = self.floor / max(self.sizes.get(file, 1.0), 1e-300)
-        return error if error <= (FLOOR_EXCESS if noise_like else 1.0 + _FLOOR_UNCERTAINTY) * floor else floor
+            return test.after if test.noise_like else 0.0
+        floor = self.floor / max(test.size, 1e-300)
+        excess = FLOOR_EXCESS if test.noise_like else 1.0 + _FLOOR_UNCERTAINTY
+        return test.after if test.after <= excess * floor else floor
 
     def to_dict(self) -> dict[str, Any]:
         """Return the entry `gap`."""
