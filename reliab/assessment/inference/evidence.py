@@ -230,7 +230,16 @@ def main_frequency(channels: ChannelSpectra) -> float:
 
 @dataclass(kw_only=True, eq=False)
 class SpecimenForce(Evidence):
-    """The recorded force against that of the specimen as stated, Z x_m."""
+    """The recorded force against that of the specimen as stated, Z x_m.
+
+    The noise of the load cell is divided by its scale like the force. In a world with a larger scale it is
+    smaller, and such a world would be found where it is not if all residuals were divided by the same
+    deviation. Residuals are therefore multiplied by the scale again, as far as they are noise of the load
+    cell; for the noise of displacement sensors see `determinant`.
+    """
+
+    _load_cell: Array = field(init=False)  # Share of the variance that is the load cell's noise [-]
+    _log_scale: float = field(init=False)  # Logarithm of its scale where the variance was estimated
 
     def spectrum(self, experiment: Experiment) -> Spectrum:
         """Return the recorded force less that of the specimen [N]."""
@@ -240,3 +249,20 @@ class SpecimenForce(Evidence):
         impedance = experiment.structure(self.partition).impedance(self.channels.band.s)
         specimen_force = np.einsum("kpq,qk->pk", impedance, experiment.reading(self.channels))
         return np.asarray(force - specimen_force)
+
+    def cells(self, experiment: Experiment) -> Array:
+        """Residual over time and frequency, in units of its noise, shape (p, J, k)."""
+        scale = np.exp(self._load_cell * (np.log(experiment.force_scale) - self._log_scale))
+        return np.asarray(super().cells(experiment) * scale)
+
+    def update(self, experiment: Experiment) -> None:
+        """Estimate the variance of the residual anew."""
+        self._load_cell, self._log_scale = np.zeros(1), float(np.log(experiment.force_scale))
+        super().update(experiment)
+        self._load_cell = 1.0 - self.noise[:, np.newaxis, np.newaxis] / self._variance
+
+    def log_likelihood(self, experiment: Experiment) -> float:
+        """Logarithm of the likelihood with the variances as estimated, but for a constant."""
+        return super().log_likelihood(experiment) - self.weight * self._log_scale * float(
+            self._load_cell.sum()
+        )
