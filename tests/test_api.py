@@ -13,7 +13,7 @@ import xarray as xr
 
 import reliab
 from reliab.app import cli
-from reliab.app.api.channels import Channels
+from reliab.app.api.channels import FileReading
 from reliab.app.api.criteria import derive_criteria
 from reliab.app.api.motions import list_motions
 from reliab.app.api.tracing import trace_boundaries
@@ -193,7 +193,7 @@ def test_tests_of_a_file_are_named_by_file_and_group(tmp_path):
         for name in ("early", "late"):
             for column, values in (("time", time), ("command", np.sin(time)), ("measured", np.sin(time))):
                 file[f"{name}/{column}"] = values
-    stated = Channels(units="m")
+    stated = FileReading(units="m")
     assert stated.split_by_test(tmp_path / "two.h5") == {
         f"two.h5, {name}": replace(stated, test_name=name) for name in ("early", "late")
     }

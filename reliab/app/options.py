@@ -39,13 +39,13 @@ _FREQUENCY = STRUCTURE.option(
 )
 
 
-class Frequency(TypedDict, total=False):
+class FrequencyOption(TypedDict, total=False):
     """The natural frequency of a structure of one mass."""
 
     f: Annotated[Quantity | None, _FREQUENCY]
 
 
-class Frequencies(TypedDict, total=False):
+class FrequenciesOption(TypedDict, total=False):
     """Natural frequencies, of which a design takes several."""
 
     f: Annotated[Quantities | None, _FREQUENCY]
@@ -74,7 +74,7 @@ class DampingAndShare(TypedDict, total=False):
     ]
 
 
-class OneStructure(Frequency, DampingAndShare, total=False):
+class OneStructure(FrequencyOption, DampingAndShare, total=False):
     """A structure of one mass."""
 
 
@@ -221,7 +221,7 @@ class EllipseFile(TypedDict, total=False):
     ]
 
 
-class EllipseSource(ResultSource, EllipseFile, total=False):
+class EllipseSourceOptions(ResultSource, EllipseFile, total=False):
     """Where ellipses come from."""
 
 
@@ -270,7 +270,7 @@ class Rate(TypedDict, total=False):
     rate: Annotated[float | None, FILE.advanced("HZ", "Sampling rate [Hz], if there is no time column.")]
 
 
-class Columns(Rate, total=False):
+class ColumnOptions(Rate, total=False):
     """Which columns of a file are which channels."""
 
     command: Annotated[
@@ -292,7 +292,7 @@ class Columns(Rate, total=False):
     ]
 
 
-class TestFile(Columns, total=False):
+class TestFile(ColumnOptions, total=False):
     """How the file of a test is read."""
 
     test_name: Annotated[
@@ -318,7 +318,7 @@ class Mass(TypedDict, total=False):
     ]
 
 
-class Specimen(TypedDict, total=False):
+class SpecimenOptions(TypedDict, total=False):
     """How a specimen is known."""
 
     specimen: Annotated[
@@ -350,7 +350,7 @@ class NonlinearModel(TypedDict, total=False):
     ]
 
 
-class Loop(TypedDict, total=False):
+class LoopOptions(TypedDict, total=False):
     """What lies between structure and recording."""
 
     scale: Annotated[
@@ -407,20 +407,20 @@ class CriterionFile(TypedDict, total=False):
     ]
 
 
-class About(TypedDict, total=False):
+class TestLabels(TypedDict, total=False):
     """What is kept beside a test."""
 
     specimen: Annotated[str | None, TEST.option("TEXT", "Specimen of the test.")]
     date: Annotated[str | None, TEST.option("DATE", "Date of the test, 2026-03-01 or with a time.")]
 
 
-class Earthquake(TypedDict, total=False):
+class EarthquakeOption(TypedDict, total=False):
     """The earthquake behind a ground motion."""
 
     event: Annotated[str | None, TEST.option("NAME", "Earthquake of the ground motion.")]
 
 
-class Covariates(TypedDict, total=False):
+class CovariatesOption(TypedDict, total=False):
     """Quantities on which a rig may depend."""
 
     covariate: Annotated[

@@ -15,24 +15,23 @@ from reliab.app.options import (
     SENSORS,
     STRUCTURE,
     TEST,
-    About,
     Accuracy,
-    Columns,
+    ColumnOptions,
     ComingMotion,
     Confidence,
     Confidences,
-    Covariates,
+    CovariatesOption,
     CriterionFile,
     DampingAndShare,
-    Earthquake,
+    EarthquakeOption,
     EllipseFile,
-    EllipseSource,
+    EllipseSourceOptions,
     ErrorMetric,
     ErrorWindow,
     FrameFile,
-    Frequencies,
+    FrequenciesOption,
     Joint,
-    Loop,
+    LoopOptions,
     Mass,
     MotionSets,
     MotionSource,
@@ -42,9 +41,10 @@ from reliab.app.options import (
     ResultSource,
     SimulatedModel,
     Skew,
-    Specimen,
+    SpecimenOptions,
     Structures,
     TestFile,
+    TestLabels,
     Threshold,
     Thresholds,
 )
@@ -54,7 +54,7 @@ if TYPE_CHECKING:
     from reliab.motions.motion import Motion
 
 
-class TracedBoundaries(Structures, SimulatedModel, Thresholds, ErrorWindow, total=False):
+class EllipsesQuestion(Structures, SimulatedModel, Thresholds, ErrorWindow, total=False):
     """What `reliab.ellipses` is asked."""
 
     first_order: Annotated[
@@ -65,7 +65,7 @@ class TracedBoundaries(Structures, SimulatedModel, Thresholds, ErrorWindow, tota
     ]
 
 
-class Boundaries(TracedBoundaries, ResultSource, ErrorMetric, total=False):
+class TracingQuestion(EllipsesQuestion, ResultSource, ErrorMetric, total=False):
     """What `trace_boundaries` is asked."""
 
     out: Annotated[
@@ -76,7 +76,7 @@ class Boundaries(TracedBoundaries, ResultSource, ErrorMetric, total=False):
     ]
 
 
-class SweptGrid(Structures, SimulatedModel, total=False):
+class SweepOptions(Structures, SimulatedModel, total=False):
     """What is simulated for every ground motion."""
 
     grid: Annotated[
@@ -102,7 +102,7 @@ class SweptGrid(Structures, SimulatedModel, total=False):
     ]
 
 
-class SweepRun(TypedDict, total=False):
+class SweepRunOptions(TypedDict, total=False):
     """How a sweep is run."""
 
     resume: Annotated[bool, OUTPUT.flag("Continue the store of an interrupted run.")]
@@ -114,11 +114,11 @@ class SweepRun(TypedDict, total=False):
     ]
 
 
-class Sweep(SweptGrid, SweepRun, total=False):
+class SweepQuestion(SweepOptions, SweepRunOptions, total=False):
     """What `reliab.simulate` is asked."""
 
 
-class Simulation(Sweep, MotionSource, total=False):
+class SimulationQuestion(SweepQuestion, MotionSource, total=False):
     """What `simulate_suite` is asked."""
 
 
@@ -127,7 +127,7 @@ class CriterionQuestion(
     Structures,
     FrameFile,
     SimulatedModel,
-    EllipseSource,
+    EllipseSourceOptions,
     Thresholds,
     Confidences,
     ErrorMetric,
@@ -203,7 +203,7 @@ class CriterionQuestion(
     ]
 
 
-class Trials(TypedDict, total=False):
+class TrialOptions(TypedDict, total=False):
     """How many tests are simulated."""
 
     trials: Annotated[
@@ -216,7 +216,9 @@ class Trials(TypedDict, total=False):
     ]
 
 
-class JudgedCriteria(Trials, Structures, EllipseSource, Threshold, ErrorMetric, ErrorWindow, total=False):
+class ProbabilityQuestion(
+    TrialOptions, Structures, EllipseSourceOptions, Threshold, ErrorMetric, ErrorWindow, total=False
+):
     """Criteria that are tested on motions from which they were not learned."""
 
     scheme: Annotated[
@@ -228,7 +230,7 @@ class JudgedCriteria(Trials, Structures, EllipseSource, Threshold, ErrorMetric, 
     ]
 
 
-class Validation(JudgedCriteria, Confidences, Joint, total=False):
+class ValidationQuestion(ProbabilityQuestion, Confidences, Joint, total=False):
     """What `reliab.validate_criteria` is asked."""
 
     leave_out: Annotated[
@@ -259,13 +261,13 @@ class Validation(JudgedCriteria, Confidences, Joint, total=False):
     ]
 
 
-class StatedOfTest(
+class AssessmentQuestion(
     OneStructure,
     Mass,
-    Specimen,
+    SpecimenOptions,
     NonlinearModel,
     TestFile,
-    Loop,
+    LoopOptions,
     Accuracy,
     Skew,
     Threshold,
@@ -305,7 +307,9 @@ class StatedOfTest(
     ]
 
 
-class Design(Frequencies, DampingAndShare, CriterionFile, Threshold, Confidences, ErrorMetric, total=False):
+class DesignQuestion(
+    FrequenciesOption, DampingAndShare, CriterionFile, Threshold, Confidences, ErrorMetric, total=False
+):
     """What `reliab.design_test` is asked."""
 
     structure: Annotated[
@@ -314,11 +318,13 @@ class Design(Frequencies, DampingAndShare, CriterionFile, Threshold, Confidences
     ]
 
 
-class MonitoredTest(OneStructure, FrameFile, NonlinearModel, Loop, Threshold, ErrorMetric, total=False):
+class MonitorOptions(
+    OneStructure, FrameFile, NonlinearModel, LoopOptions, Threshold, ErrorMetric, total=False
+):
     """What every monitor is told of its test."""
 
 
-class FollowedTest(MonitoredTest, Mass, Specimen, Accuracy, Columns, total=False):
+class MonitorQuestion(MonitorOptions, Mass, SpecimenOptions, Accuracy, ColumnOptions, total=False):
     """What `reliab.follow_test` is asked."""
 
     every: Annotated[float, OUTPUT.advanced("SECONDS", "Test time between two messages.", default=0.5)]
@@ -340,18 +346,18 @@ class FollowedTest(MonitoredTest, Mass, Specimen, Accuracy, Columns, total=False
     ]
 
 
-class MonitorInLoop(MonitoredTest, Rate, total=False):
+class LoopMonitorQuestion(MonitorOptions, Rate, total=False):
     """What `reliab.export_monitor` is asked; the rate is that of the loop."""
 
 
-class TestOrigin(About, total=False):
+class OriginOptions(TestLabels, total=False):
     """Where and by whom a test was made."""
 
     rig: Annotated[str | None, TEST.option("TEXT", "Rig of the test.")]
     operator: Annotated[str | None, TEST.option("TEXT", "Operator.")]
 
 
-class RecordedTest(OneStructure, Mass, TestFile, TestOrigin, total=False):
+class RecordQuestion(OneStructure, Mass, TestFile, OriginOptions, total=False):
     """What `reliab.record` is asked."""
 
     csv: Annotated[
@@ -360,7 +366,7 @@ class RecordedTest(OneStructure, Mass, TestFile, TestOrigin, total=False):
     ]
 
 
-class CalibrationTest(TestFile, total=False):
+class CalibrationQuestion(TestFile, total=False):
     """What `reliab.calibrate` is asked."""
 
     out: Annotated[
@@ -376,19 +382,19 @@ class CalibrationTest(TestFile, total=False):
     ]
 
 
-class AddedTest(
+class AddedTestQuestion(
     OneStructure,
     FrameFile,
     Mass,
     TestFile,
-    Loop,
+    LoopOptions,
     Accuracy,
     Skew,
     Threshold,
     CriterionFile,
-    About,
-    Earthquake,
-    Covariates,
+    TestLabels,
+    EarthquakeOption,
+    CovariatesOption,
     total=False,
 ):
     """What `reliab.add_to_rig` is told of tests."""
@@ -396,11 +402,13 @@ class AddedTest(
     note: Annotated[str | None, TEST.option("TEXT", "Further remarks.")]
 
 
-class RigReport(OneStructure, Threshold, total=False):
+class RigReportQuestion(OneStructure, Threshold, total=False):
     """What `reliab.report_rig` is told of the next test; what is left out is as in the last test."""
 
 
-class NextTest(ComingMotion, RigReport, FrameFile, About, Covariates, total=False):
+class PredictionQuestion(
+    ComingMotion, RigReportQuestion, FrameFile, TestLabels, CovariatesOption, total=False
+):
     """What `reliab.predict_rig` is asked."""
 
     suite: Annotated[
@@ -411,18 +419,18 @@ class NextTest(ComingMotion, RigReport, FrameFile, About, Covariates, total=Fals
     ]
 
 
-class MotionFiles(MotionSets, total=False):
+class MotionQuestion(MotionSets, total=False):
     """How records of ground motions are read."""
 
     time_step: Annotated[float | None, MOTIONS.advanced("SECONDS", "Time step of records that state none.")]
     units: Annotated[str | None, MOTIONS.option("g|cm/s2|m/s2", "Unit of records that state none.")]
 
 
-class ImportedMotions(MotionFiles, Earthquake, total=False):
+class MotionImportQuestion(MotionQuestion, EarthquakeOption, total=False):
     """What `reliab.import_motions` is asked; its earthquake is that of all motions."""
 
 
-class SyntheticSuite(TypedDict, total=False):
+class SyntheticSuiteQuestion(TypedDict, total=False):
     """What `reliab.synthesize_motions` is asked."""
 
     count: Annotated[int, MOTIONS.option("N", "Number of components.", default=100, limits={"min": 2})]
@@ -431,7 +439,7 @@ class SyntheticSuite(TypedDict, total=False):
     ]
 
 
-class Explorer(OneStructure, EllipseFile, Threshold, ErrorMetric, Confidence, total=False):
+class ExplorerQuestion(OneStructure, EllipseFile, Threshold, ErrorMetric, Confidence, total=False):
     """What `reliab.write_explorer` is asked: above all with what its page opens."""
 
     out: Annotated[

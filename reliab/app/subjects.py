@@ -40,43 +40,43 @@ class CalibrationFile(TypedDict, total=False):
     ]
 
 
-class RigFolder(TypedDict, total=False):
+class RigArgument(TypedDict, total=False):
     """Folder of a rig."""
 
     rig: Annotated[Path, argument("RIG", "Folder of the rig.")]
 
 
-class NewTests(RigFolder, total=False):
+class NewTests(RigArgument, total=False):
     """Tests to add to a rig."""
 
     tests: Annotated[list[Path], argument("FILE...", "Tests, in any format that `reliab assess` reads.")]
 
 
-class KeptTest(RigFolder, total=False):
+class KeptTest(RigArgument, total=False):
     """A test of a rig."""
 
     test: Annotated[str, argument("TEST", "Name of the test, or first digits of its checksum.")]
 
 
-class KeptTests(RigFolder, total=False):
+class KeptTests(RigArgument, total=False):
     """Tests of a rig."""
 
     tests: Annotated[Names, argument("TEST...", "Names, or first digits of checksums.")]
 
 
-class RigTable(RigFolder, total=False):
+class RigTableArguments(RigArgument, total=False):
     """The table of a rig's tests."""
 
     out: Annotated[Path, OUTPUT.option("FILE.csv", "The table as CSV.", is_required=True, endings=(".csv",))]
 
 
-class RigPdf(RigFolder, total=False):
+class RigPdfArguments(RigArgument, total=False):
     """The report of a rig."""
 
     out: Annotated[Path, OUTPUT.option("FILE.pdf", "The report.", is_required=True, endings=(".pdf",))]
 
 
-class Study(MotionSource, total=False):
+class StudyArgument(MotionSource, total=False):
     """What `reliab.run_study` is asked."""
 
     study: Annotated[
@@ -91,7 +91,7 @@ class Study(MotionSource, total=False):
     ]
 
 
-class RunFolder(TypedDict, total=False):
+class RunArgument(TypedDict, total=False):
     """A finished run."""
 
     folder: Annotated[Path, argument("DIR", "Run folder that `reliab run` wrote.")]

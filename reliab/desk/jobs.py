@@ -14,7 +14,7 @@ from pickle import UnpicklingError
 from typing import Any, Final
 
 from reliab.core.threads import ONE_THREAD
-from reliab.desk.worker import Channel
+from reliab.desk.worker import Pipe
 
 Tell = Callable[[Any], None]
 """Sends an intermediate result from a worker to the page."""
@@ -61,7 +61,7 @@ class _Worker:
         reads, writes = self.process.stdout, self.process.stdin
         if reads is None or writes is None:  # never, since both are asked for
             raise OSError("a process without pipes")
-        self.channel = Channel(reads, writes)
+        self.channel = Pipe(reads, writes)
 
     @property
     def is_alive(self) -> bool:

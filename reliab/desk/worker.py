@@ -16,7 +16,7 @@ from reliab.core.progress import Progress, shows_tasks
 _SHORTEST_STEP: Final = 0.01  # of the progress between two messages
 
 
-class Channel:
+class Pipe:
     """Messages to and from a process."""
 
     def __init__(self, reads: IO[bytes], writes: IO[bytes]) -> None:
@@ -38,7 +38,7 @@ class Channel:
         self._writes.flush()
 
 
-def answer(channel: Channel, work: Callable[..., Any], arguments: Mapping[str, Any]) -> tuple[str, Any]:
+def answer(channel: Pipe, work: Callable[..., Any], arguments: Mapping[str, Any]) -> tuple[str, Any]:
     """Work, and tell the progress; return "finished" and the outcome, or "refused" and why."""
 
     @contextmanager
@@ -74,7 +74,7 @@ def answer(channel: Channel, work: Callable[..., Any], arguments: Mapping[str, A
 
 def main() -> None:
     """Work through what is asked until the desk closes; what libraries print goes to the error stream."""
-    channel = Channel(sys.stdin.buffer, os.fdopen(os.dup(1), "wb"))
+    channel = Pipe(sys.stdin.buffer, os.fdopen(os.dup(1), "wb"))
     os.dup2(2, 1)
     _load_kernels()
     with suppress(EOFError, OSError, KeyboardInterrupt):

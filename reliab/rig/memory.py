@@ -1,4 +1,4 @@
-"""What a rig's tests teach together: amplitude, delay, remainder and error, under given circumstances."""
+"""What a rig's tests teach together: amplitude, delay, remainder and error, under given covariates."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from reliab.assessment.default_criterion import typical_ellipse
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import MILLI
-from reliab.rig.learning.circumstances import Circumstances, places_in_day, warmth
+from reliab.rig.learning.covariates import Covariates, places_in_day, warmth
 from reliab.rig.learning.learned import FittedQuantity, learn
 from reliab.rig.rig_table import RigTable
 from reliab.rig.watching import drift_chart
@@ -76,7 +76,7 @@ class Memory:
         """Day of each test; empty where it is not stated."""
         return np.array([date[:_DAY] for date in self.table.texts("date")])
 
-    def circumstances(self, coming: NextTest) -> Circumstances:
+    def covariates(self, coming: NextTest) -> Covariates:
         """Circumstances of the tests as far as they are known of the next one too."""
         numbers = {name: self.table.numbers(name) for name in coming.covariates or {}}
         for name, values in numbers.items():
@@ -95,7 +95,7 @@ class Memory:
         if self.is_ordered:
             numbers["warmth"] = warmth(places_in_day(self.days.tolist()))
         specimens = np.array(self.table.texts("specimen"))
-        return Circumstances(
+        return Covariates(
             numbers=numbers,
             groups={
                 "event": self.events,
@@ -106,7 +106,7 @@ class Memory:
             place=np.arange(len(self.table), dtype=np.float64) if self.is_ordered else None,
         )
 
-    def circumstances_of(self, coming: NextTest, structure: Structure | None) -> Circumstances:
+    def covariates_of(self, coming: NextTest, structure: Structure | None) -> Covariates:
         """Circumstances of the next test."""
         covariates = (coming.covariates or {}).items()
         numbers = {name: _transform_covariate(name, np.array([value])) for name, value in covariates}
@@ -126,15 +126,15 @@ class Memory:
         changes = str(self._segments[min(int(place + 0.5), len(self.table)) - 1]) if self.is_ordered else ""
         days = day if coming.date else ""
         groups = {"event": "", "day": days, "specimen": specimen, "changes": changes}
-        return Circumstances(
+        return Covariates(
             numbers=numbers,
             groups={kind: np.array([groups[kind]]) for kind in _GROUPS},
             place=np.array([place]) if self.is_ordered else None,
         )
 
     def learn(self, values: Array, coming: NextTest) -> FittedQuantity:
-        """Learn a quantity under the circumstances that are known of the next test."""
-        return learn(values, self.circumstances(coming), self.events)
+        """Learn a quantity under the covariates that are known of the next test."""
+        return learn(values, self.covariates(coming), self.events)
 
     @cached_property
     def _segments(self) -> NDArray[np.str_]:

@@ -11,7 +11,7 @@ from reliab.core.arrays import Array
 from reliab.core.plain_values import PlainResult
 from reliab.core.significant_digits import significant
 from reliab.core.vocabulary import MILLI
-from reliab.rig.learning.circumstances import Circumstances
+from reliab.rig.learning.covariates import Covariates
 from reliab.rig.learning.learned import FittedQuantity
 from reliab.rig.memory import Memory, NextTest
 from reliab.rig.rig_table import RigTable
@@ -24,7 +24,7 @@ DRAWS: Final = 1000
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Draws:
+class PredictedDraws:
     """Drawn tests, each an array of one shape."""
 
     amplitude: Array
@@ -54,13 +54,13 @@ def learn_tests(memory: Memory, coming: NextTest) -> dict[str, FittedQuantity]:
 
 def draw_tests(
     memory: Memory, fits: dict[str, FittedQuantity], coming: NextTest, structure: Structure
-) -> Draws:
+) -> PredictedDraws:
     """Draw coming tests from what was learned.
 
     The residuals of one test are drawn together, so that what goes together in the tests goes together in the
     draws; with few tests they are longer, as in Student's t distribution.
     """
-    targets = memory.circumstances_of(coming, structure)
+    targets = memory.covariates_of(coming, structure)
     rng = np.random.default_rng(0)
     count = len(memory.table)
     places = rng.integers(count, size=DRAWS)
@@ -69,7 +69,7 @@ def draw_tests(
     for name, quantity in fits.items():
         mean, deviation = quantity.predict(targets)
         draws[name] = mean[0] + deviation[0] * longer * quantity.left_out.residuals[places]
-    return Draws(
+    return PredictedDraws(
         amplitude=draws["A"],
         delay_ms=draws["d_ms"],
         remainder=np.exp(np.minimum(draws["remainder"], 5.0)),
@@ -80,7 +80,7 @@ def draw_tests(
 def _log_ratio(memory: Memory) -> Array:
     """Logarithm of each test's error over what its gain, delay and remainder explain of it."""
     a_values, b_values = memory.table.numbers("own_a"), memory.table.numbers("own_b_ms2")
-    known_tests = Draws(
+    known_tests = PredictedDraws(
         amplitude=memory.amplitude,
         delay_ms=memory.delay,
         remainder=np.exp(memory.log_remainder),
@@ -174,7 +174,7 @@ def predict_next(
     scales = np.zeros(len(memory.table)) if structure is None else memory.log_scales()
     scale = 0.0 if structure is None else memory.log_scale(structure)
     fits["rms"] = memory.learn(memory.log_error - scales, coming)
-    targets = memory.circumstances_of(coming, structure)
+    targets = memory.covariates_of(coming, structure)
     quantiles = np.exp(scale + fits["rms"].quantiles(targets, _ENDS)[:, 0])
     probability = float(fits["rms"].cumulative(targets, float(np.log(threshold)) - scale)[0])
     assumed_structure = Structure(frequency=1.0, damping_ratio=0.02) if structure is None else structure
@@ -202,7 +202,7 @@ def predict_under_motion(
     memory = Memory.from_table(table)
     fits = learn_tests(memory, coming)
     draws = draw_tests(memory, fits, coming, structure)
-    targets = memory.circumstances_of(coming, structure)
+    targets = memory.covariates_of(coming, structure)
     ellipse = first_order_ellipse(excitation, structure)
     if memory.diverging:  # as loops with such gains and delays would, but these tests did not
         errors = draws.errors(np.asarray(ellipse.amplitude), np.asarray(ellipse.delay))
@@ -242,7 +242,7 @@ def predict_under_suite(
     memory = Memory.from_table(table)
     fits = learn_tests(memory, coming)
     draws = draw_tests(memory, fits, coming, structure)
-    targets = memory.circumstances_of(coming, structure)
+    targets = memory.covariates_of(coming, structure)
     places = np.random.default_rng(1).integers(ellipses[0].size, size=DRAWS)
     return _summarise_draws(
         memory,
@@ -259,7 +259,7 @@ def predict_under_suite(
 def _summarise_draws(
     memory: Memory,
     fits: dict[str, FittedQuantity],
-    targets: Circumstances,
+    targets: Covariates,
     errors: Array,
     *,
     threshold: float,
@@ -288,7 +288,7 @@ def _counts(memory: Memory) -> dict[str, Any]:
 
 
 def _tracking_intervals(
-    fits: Mapping[str, FittedQuantity], targets: Circumstances
+    fits: Mapping[str, FittedQuantity], targets: Covariates
 ) -> dict[str, dict[str, float]]:
     quantiles = {name: fits[name].quantiles(targets, _ENDS)[:, 0] for name in ("A", "d_ms", "remainder")}
     quantiles["remainder"] = np.exp(quantiles["remainder"])

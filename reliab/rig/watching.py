@@ -1,6 +1,6 @@
 """One quantity of a rig, watched test by test: each against its prediction, and what adds up over tests.
 
-Each test is predicted from those before it but the latest five, by a level and by effects of circumstances
+Each test is predicted from those before it but the latest five, by a level and by effects of covariates
 (peak displacement, frequency, warmth, specimen). Its residual over the spread of such predictions hardly
 depends on those before it where nothing changes (recursive residuals). It becomes a normal score z by
 Student's t distribution and then by the distribution of the ordinary scores before it, so that skewed scatter
@@ -27,7 +27,7 @@ import scipy
 
 from reliab.core.arrays import Array
 from reliab.core.vocabulary import PERCENT
-from reliab.rig.learning.circumstances import places_in_day, warmth
+from reliab.rig.learning.covariates import places_in_day, warmth
 
 _WIDE: Final = 5.0  # spread of odd tests
 _PRIOR_COUNTS: Final = (0.25, 25.0)  # odd tests, of so many, that are supposed before any is seen
@@ -156,7 +156,7 @@ class MonitoredQuantity:
 def watch(values: Array, effects: Array, caution: float = 1.0) -> MonitoredQuantity:
     """Watch one quantity.
 
-    `effects`, shape (tests, effects): circumstances on which it may depend; `caution`, factor of the
+    `effects`, shape (tests, effects): covariates on which it may depend; `caution`, factor of the
     limits and of what confirms a change.
     """
     return _Watch(values, effects, caution).finish()

@@ -105,14 +105,14 @@ class CriterionTable(Table):
     law: Annotated[str, AfterValidator(_law)] = "table"
 
 
-class TransferTable(Table):
+class TransferValidationTable(Table):
     """`[validation]`: how a criterion is judged on the motions of another suite."""
 
     confidences: Shares = (0.50, 0.60, 0.70, 0.80, 0.90, 0.95, 0.99)
     trials: Annotated[int, Field(ge=64, le=65536)] = 512
 
 
-class ValidationTable(TransferTable):
+class ValidationTable(TransferValidationTable):
     """`[validation]`: how the criterion is put to the test."""
 
     schemes: Annotated[

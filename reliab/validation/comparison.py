@@ -91,7 +91,7 @@ _PRINTED_CONFIDENCE = 0.95
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _Motions:
+class _MotionLogarithms:
     """ln α and ln β of motions over structures, shape (motions, F, X, 2)."""
 
     values: NDArray[np.float64]
@@ -217,7 +217,9 @@ def _judge(
     score = np.empty(values.shape[:3])
     log_limits = np.empty(values.shape)
     for held_out in leave_one_event_out(events):
-        training = _Motions(values=values[~held_out], frequencies=frequencies, damping_ratios=damping_ratios)
+        training = _MotionLogarithms(
+            values=values[~held_out], frequencies=frequencies, damping_ratios=damping_ratios
+        )
         location = training.location(law)
         covariance = training.covariance(law, location)
         residual = values[held_out] - location

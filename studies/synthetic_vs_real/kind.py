@@ -14,7 +14,7 @@ from reliab.core.progress import Show
 from reliab.core.shipped import shipped
 from reliab.criterion.provenance import records_checksum
 from reliab.report.document import Document
-from reliab.study.description import CriterionTable, SimulatedStudy, TransferTable
+from reliab.study.description import CriterionTable, SimulatedStudy, TransferValidationTable
 from reliab.study.folders import Kind
 from reliab.study.stages import Stage, digest, software_provenance
 from reliab.study.steps import (
@@ -49,7 +49,7 @@ class SuitesStudy(SimulatedStudy):
     """A suite beside the real one: measures, spectra, ellipses, criteria, and their transfer."""
 
     criterion: CriterionTable = CriterionTable()
-    validation: TransferTable = TransferTable()
+    validation: TransferValidationTable = TransferValidationTable()
 
 
 def stages(study: SuitesStudy, show: Show) -> Sequence[Stage]:

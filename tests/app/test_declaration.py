@@ -24,19 +24,19 @@ QUESTIONS = [
 ]
 COMMAND_FUNCTIONS = {item.__name__: item for item in (derive_criteria, simulate_suite, trace_boundaries)}
 FUNCTIONS = {
-    "assess": questions.StatedOfTest,
-    "design_test": questions.Design,
-    "follow_test": questions.FollowedTest,
-    "export_monitor": questions.MonitorInLoop,
+    "assess": questions.AssessmentQuestion,
+    "design_test": questions.DesignQuestion,
+    "follow_test": questions.MonitorQuestion,
+    "export_monitor": questions.LoopMonitorQuestion,
     "derive_criteria": questions.CriterionQuestion,
-    "trace_boundaries": questions.Boundaries,
-    "simulate_suite": questions.Simulation,
-    "validate_criteria": questions.Validation,
-    "record": questions.RecordedTest,
-    "calibrate": questions.CalibrationTest,
-    "add_to_rig": questions.AddedTest,
-    "predict_rig": questions.NextTest,
-    "import_motions": questions.ImportedMotions,
+    "trace_boundaries": questions.TracingQuestion,
+    "simulate_suite": questions.SimulationQuestion,
+    "validate_criteria": questions.ValidationQuestion,
+    "record": questions.RecordQuestion,
+    "calibrate": questions.CalibrationQuestion,
+    "add_to_rig": questions.AddedTestQuestion,
+    "predict_rig": questions.PredictionQuestion,
+    "import_motions": questions.MotionImportQuestion,
 }
 
 

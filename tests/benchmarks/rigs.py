@@ -5,7 +5,7 @@
 Rigs are simulated at the level of their tests' indices: a gain that falls with the displacement, a delay that
 warms up within a day, two specimens, a wandering or drifting delay, a tenth of odd tests, skewed scatter; the
 error of each test follows from an ellipse of its earthquake and its own. Each earthquake is left out, and its
-tests are predicted under their circumstances (date, specimen), with variances and changes learned from all
+tests are predicted under their covariates (date, specimen), with variances and changes learned from all
 tests; on some earthquakes the same is done with a rig that never had them. Tests are predicted once under an
 unknown motion and once under a known one, whose ellipse and peak are given; the baselines know neither. Where
 nothing but scatter happens, a predictor that knows the law of the rig says how much there is to gain.
@@ -22,7 +22,7 @@ from rig_rows import rig_table, rig_test
 
 from reliab.rig.learning.learned import last_ten, pool, score_left_out_events
 from reliab.rig.memory import Memory, NextTest
-from reliab.rig.prediction import DRAWS, Draws, learn_tests, predict_next
+from reliab.rig.prediction import DRAWS, PredictedDraws, learn_tests, predict_next
 from reliab.structures.structure import Structure
 
 STRUCTURE = Structure(frequency=1.0, damping_ratio=0.02)
@@ -128,7 +128,7 @@ def left_out_of_known_motion(table):
                 + each.spread * each.left_out.spreads[place] * longer * each.left_out.residuals[rows]
                 for name, each in learned.items()
             }
-            draws = Draws(
+            draws = PredictedDraws(
                 amplitude=drawn["A"],
                 delay_ms=drawn["d_ms"],
                 remainder=np.exp(drawn["remainder"]),

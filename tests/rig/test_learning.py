@@ -5,16 +5,16 @@ import numpy as np
 import pytest
 import scipy
 
-from reliab.rig.learning.circumstances import Circumstances
-from reliab.rig.learning.learned import Scatter, last_ten, learn, pool, score_left_out_events
+from reliab.rig.learning.covariates import Covariates
+from reliab.rig.learning.learned import ResidualDistribution, last_ten, learn, pool, score_left_out_events
 from reliab.rig.learning.variances import LEVEL
 
-NEXT = Circumstances(groups={"event": np.array([""])})
+NEXT = Covariates(groups={"event": np.array([""])})
 
 
 def fit(values, events, **changes):
     names = np.array([f"EQ{event}" for event in events])
-    return learn(np.asarray(values), Circumstances(groups={"event": names}, **changes), names)
+    return learn(np.asarray(values), Covariates(groups={"event": names}, **changes), names)
 
 
 def share_covered(count, seeds, motions_of_event=1, odd=0.0):
@@ -48,7 +48,7 @@ def test_informative_covariate_narrows_the_prediction():
     peaks = rng.normal(size=24)
     values = 2.0 * peaks + 0.1 * rng.normal(size=24)
     peak_record = fit(values, np.arange(24), numbers={"log peak": peaks})
-    options = Circumstances(groups={"event": np.array([""])}, numbers={"log peak": np.array([1.0])})
+    options = Covariates(groups={"event": np.array([""])}, numbers={"log peak": np.array([1.0])})
     mean, spread = peak_record.predict(options)
     assert mean[0] == pytest.approx(2.0, abs=0.2)
     assert spread[0] < 0.3
@@ -130,7 +130,7 @@ def test_residuals_without_an_earthquake_equal_a_refit():
 
 
 def scatter_of(residuals):
-    return Scatter.fit(np.asarray(residuals), np.arange(len(residuals)).astype(str))
+    return ResidualDistribution.fit(np.asarray(residuals), np.arange(len(residuals)).astype(str))
 
 
 def test_scatter_is_normal_unless_tests_say_otherwise():

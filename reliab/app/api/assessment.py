@@ -20,7 +20,7 @@ from reliab.app.api.arguments import (
     structure_of,
     values_of_structure,
 )
-from reliab.app.api.channels import Channels, Judge, Test, assess_each, is_test, name_of_test
+from reliab.app.api.channels import FileReading, Judge, Test, assess_each, is_test, name_of_test
 from reliab.app.declaration import asks
 from reliab.assessment.assess import AnyAssessment, assess as assess_recording
 from reliab.assessment.assessment import Assessment
@@ -60,7 +60,7 @@ def assess(  # type: ignore[overload-overlap]  # a text is one file
     structure: Structure | None = None,
     *,
     progress: Progress = ...,
-    **options: Unpack[questions.StatedOfTest],
+    **options: Unpack[questions.AssessmentQuestion],
 ) -> Assessment: ...
 @overload
 def assess(  # type: ignore[overload-overlap]
@@ -68,7 +68,7 @@ def assess(  # type: ignore[overload-overlap]
     structure: "FrameUnderTest | str | Path",
     *,
     progress: Progress = ...,
-    **options: Unpack[questions.StatedOfTest],
+    **options: Unpack[questions.AssessmentQuestion],
 ) -> "FrameAssessment": ...  # with several actuators a CoupledAssessment
 @overload
 def assess(
@@ -76,17 +76,17 @@ def assess(
     structure: "Structure | FrameUnderTest | str | Path | None" = None,
     *,
     progress: Progress = ...,
-    **options: Unpack[questions.StatedOfTest],
+    **options: Unpack[questions.AssessmentQuestion],
 ) -> "Assessments": ...
 
 
-@asks(questions.StatedOfTest)
+@asks(questions.AssessmentQuestion)
 def assess(
     test: "Test | Iterable[Test]",
     structure: "Structure | FrameUnderTest | str | Path | None" = None,
     *,
     progress: Progress = silent,
-    **options: Unpack[questions.StatedOfTest],
+    **options: Unpack[questions.AssessmentQuestion],
 ) -> "AnyAssessment | Assessments":
     """Judge a test, or several, by the error computed from command and measured displacement.
 
@@ -129,7 +129,7 @@ def assess(
     ('reliable', 0.023)
     """
     judge = _make_judge(structure, {**options})
-    reading = Channels.from_question(options)
+    reading = FileReading.from_question(options)
     if isinstance(test, str | Path) and reading.test_name == _ALL_TESTS:
         named_tests = ((name, channels, test) for name, channels in reading.split_by_test(test).items())
         return assess_each(named_tests, judge, progress)
@@ -215,7 +215,7 @@ def _make_judge_of_structure(
     values = {**values_of_structure(structure), **numbers}
     confidence = 0.95 if question["confidence"] is None else float(question["confidence"])
 
-    def judge(channels: Channels, test: Test) -> AnyAssessment:
+    def judge(channels: FileReading, test: Test) -> AnyAssessment:
         recording = channels.read(test)
         low_passes = channels.filters(filters, recording.stated)
         stated_values = collect_stated_values(
@@ -260,7 +260,7 @@ def _make_judge_of_frame(
         force_channel=shared["force_channel"] is not None,
     )
 
-    def judge(channels: Channels, test: Test) -> AnyAssessment:
+    def judge(channels: FileReading, test: Test) -> AnyAssessment:
         recording = channels.read_several_actuators(test) if frame.has_several else channels.read(test)
         low_passes = channels.filters(filters, recording.stated)
         stated_values = {**recording.stated, **numbers}
@@ -278,7 +278,7 @@ def _make_judge_of_frame(
 def compare(
     tests: Iterable[Test],
     structure: "Structure | FrameUnderTest | str | None" = None,
-    **options: Unpack[questions.StatedOfTest],
+    **options: Unpack[questions.AssessmentQuestion],
 ) -> "Comparison":
     """Rank tests of one structure and rig by their errors, such as one motion with each compensator.
 

@@ -39,7 +39,7 @@ def is_test(value: object) -> "TypeIs[Test]":
 
 
 @dataclass(frozen=True, kw_only=True)
-class Channels:
+class FileReading:
     """What is stated of a test's file; see `reliab.assess`."""
 
     command: str | None = None
@@ -53,7 +53,7 @@ class Channels:
     channels: str | Path | None = None
 
     @classmethod
-    def from_question(cls, question: "Mapping[str, Any]") -> "Channels":
+    def from_question(cls, question: "Mapping[str, Any]") -> "FileReading":
         """Take what a question says of a test's file."""
         return cls(**{item.name: question.get(item.name) for item in fields(cls)})
 
@@ -62,7 +62,7 @@ class Channels:
         columns = {Part.COMMAND: self.command, Part.MEASURED: self.measured, Part.TIME: self.time}
         return declare_channels(self.channels, columns, self.units, self.rate)
 
-    def split_by_test(self, test: str | Path) -> "dict[str, Channels]":
+    def split_by_test(self, test: str | Path) -> "dict[str, FileReading]":
         """Return what is stated of each test of a file, by file and name."""
         path = or_shipped(Path(test), "datasets", "test.csv")
         names = [columns.test for columns in read_tests(path, delimiter=self.delimiter)]
@@ -153,17 +153,17 @@ class Channels:
             refuse_stated(vars(self), "delimiter", "test_name", reason="together with a data frame")
 
 
-Judge: TypeAlias = "Callable[[Channels, Test], AnyAssessment]"
+Judge: TypeAlias = "Callable[[FileReading, Test], AnyAssessment]"
 """Reads and judges a test."""
 
 
 def assess_each(
-    tests: Iterable[tuple[str, Channels, Test]], judge: Judge, progress: Progress
+    tests: Iterable[tuple[str, FileReading, Test]], judge: Judge, progress: Progress
 ) -> "Assessments":
     """Judge tests, each with its name and what is stated of its channels."""
     from reliab.assessment.several import Assessments
 
-    tests_by_name: dict[str, tuple[Channels, Test]] = {}
+    tests_by_name: dict[str, tuple[FileReading, Test]] = {}
     for file, channels, test in tests:
         if file in tests_by_name:
             raise InputError(

@@ -41,8 +41,8 @@ class Design(ResultWithRows):
     chart: tuple[Tolerance, ...]  # The same over all frequencies for which the criterion is valid
 
 
-@asks(questions.Design)
-def design_test(**request: Unpack[questions.Design]) -> Design:
+@asks(questions.DesignQuestion)
+def design_test(**request: Unpack[questions.DesignQuestion]) -> Design:
     """State how much delay and amplitude error a rig may have, before a test.
 
     Limits of structures with all stiffness in the laboratory are transferred to a smaller share `alpha` by a
@@ -124,8 +124,8 @@ class ExplorerPage(PlainResult):
         return self.page.stat().st_size
 
 
-@asks(questions.Explorer)
-def write_explorer(**request: Unpack[questions.Explorer]) -> ExplorerPage:
+@asks(questions.ExplorerQuestion)
+def write_explorer(**request: Unpack[questions.ExplorerQuestion]) -> ExplorerPage:
     """Write a web page, for use without a network, of tolerable errors before a test.
 
     Returns

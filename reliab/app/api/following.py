@@ -17,7 +17,7 @@ from reliab.app.api.arguments import (
     values_of_structure,
 )
 from reliab.app.api.assessment import assess
-from reliab.app.api.channels import Channels
+from reliab.app.api.channels import FileReading
 from reliab.app.api.followed_test import FollowedTest, Message, WholeText
 from reliab.app.declaration import asks
 from reliab.assessment.frame_test import require_linear_interface
@@ -36,12 +36,12 @@ from reliab.structures.structure import Structure
 _DEFAULTS = {"alpha": 1.0, "feedback_lag": 0.0}
 
 
-@asks(questions.FollowedTest)
+@asks(questions.MonitorQuestion)
 def follow_test(
     source: str | Path,
     *,
     say: Callable[[str], None] = lambda _sentence: None,
-    **request: Unpack[questions.FollowedTest],
+    **request: Unpack[questions.MonitorQuestion],
 ) -> Iterator[Message]:
     """Follow the error of a test while its file is written.
 
@@ -82,7 +82,7 @@ def follow_test(
     question: dict[str, Any] = {**request, "force_channel": force_channel}
     _require_clock(request["rate"], **{name: question[name] for name in ("every", "wait", "start_within")})
     path = str(source) if str(source) == "-" else str(or_shipped(Path(source), "datasets", "test.csv"))
-    laboratory = Channels.from_question(request).laboratory()
+    laboratory = FileReading.from_question(request).laboratory()
     model, frame = read_followed_model(question), read_followed_frame(question)
     channel = _parse_force_channel(question)
     values = _collect_stated_values(question, _find_mode(model, frame))
@@ -94,7 +94,7 @@ def follow_test(
         also=() if channel is None else (Part.FORCE,),
         has_several=frame is not None and frame.has_several,
     )
-    terms = questions.select_stated(questions.StatedOfTest, question)
+    terms = questions.select_stated(questions.AssessmentQuestion, question)
     test = FollowedTest(
         text=text,
         judge=lambda file: assess(file, request["structure"], **terms),

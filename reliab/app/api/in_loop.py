@@ -43,9 +43,9 @@ class WrittenMonitor(PlainResult):
     degrees_of_freedom: int
 
 
-@asks(questions.MonitorInLoop)
+@asks(questions.LoopMonitorQuestion)
 def export_monitor(
-    export: tuple[str, str | Path], **request: Unpack[questions.MonitorInLoop]
+    export: tuple[str, str | Path], **request: Unpack[questions.LoopMonitorQuestion]
 ) -> WrittenMonitor:
     """Write the running error for the loop of a test, as C or as an FMU.
 
@@ -91,7 +91,7 @@ def export_monitor(
     return WrittenMonitor(path=place, files=names, degrees_of_freedom=monitor.degrees_of_freedom)
 
 
-def _monitor(request: questions.MonitorInLoop) -> LoopMonitor:
+def _monitor(request: questions.LoopMonitorQuestion) -> LoopMonitor:
     """Read what the monitor is made for."""
     rate = request["rate"]
     if rate is None:
@@ -123,7 +123,7 @@ def _monitor(request: questions.MonitorInLoop) -> LoopMonitor:
     )
 
 
-def _structure(request: questions.MonitorInLoop) -> tuple[Partition | HybridTest, Array | None]:
+def _structure(request: questions.LoopMonitorQuestion) -> tuple[Partition | HybridTest, Array | None]:
     """Return the structure, and interface displacements per unit of each channel of several."""
     frame, question = request["structure"], {**request}
     if frame is not None and request["model"] is not None:

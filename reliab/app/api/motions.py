@@ -51,8 +51,8 @@ class MotionList(ResultWithRows):
     skipped: tuple[Fault, ...] = ()
 
 
-@asks(questions.MotionFiles, subjects.MotionSources)
-def list_motions(sources: Files, **read: Unpack[questions.MotionFiles]) -> MotionList:
+@asks(questions.MotionQuestion, subjects.MotionSources)
+def list_motions(sources: Files, **read: Unpack[questions.MotionQuestion]) -> MotionList:
     """List motions with their events and measures of intensity; records with faults are left out and named.
 
     Returns
@@ -110,8 +110,8 @@ class MotionCheck(PlainResult):
     notes: tuple[Fault, ...]
 
 
-@asks(questions.MotionFiles, subjects.MotionSources)
-def check_motions(sources: Files, **read: Unpack[questions.MotionFiles]) -> MotionCheck:
+@asks(questions.MotionQuestion, subjects.MotionSources)
+def check_motions(sources: Files, **read: Unpack[questions.MotionQuestion]) -> MotionCheck:
     """Read every record, and state all faults, not only the first.
 
     Returns
@@ -137,14 +137,14 @@ class WrittenSuite(PlainResult):
     skipped: tuple[Fault, ...] = ()  # Files of the sources in formats that are not read
 
 
-def _reading(read: questions.MotionFiles) -> dict[str, Any]:
+def _reading(read: questions.MotionQuestion) -> dict[str, Any]:
     """How records are read."""
     return {"sets": as_list(read["sets"]), "time_step": read["time_step"], "units": read["units"]}
 
 
-@asks(questions.ImportedMotions, subjects.MotionSources, subjects.NewSuite)
+@asks(questions.MotionImportQuestion, subjects.MotionSources, subjects.NewSuite)
 def import_motions(
-    sources: Files, *, out: str | Path, **request: Unpack[questions.ImportedMotions]
+    sources: Files, *, out: str | Path, **request: Unpack[questions.MotionImportQuestion]
 ) -> WrittenSuite:
     """Rewrite motions as a suite: one text format in m/s² and a catalogue.
 
@@ -168,8 +168,10 @@ def import_motions(
     )
 
 
-@asks(questions.SyntheticSuite, subjects.NewSuite)
-def synthesize_motions(*, out: str | Path, **request: Unpack[questions.SyntheticSuite]) -> WrittenSuite:
+@asks(questions.SyntheticSuiteQuestion, subjects.NewSuite)
+def synthesize_motions(
+    *, out: str | Path, **request: Unpack[questions.SyntheticSuiteQuestion]
+) -> WrittenSuite:
     """Write the synthetic suite, which needs no record.
 
     Returns

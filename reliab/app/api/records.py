@@ -10,7 +10,7 @@ import pandas as pd
 
 from reliab.app import questions, subjects
 from reliab.app.api.arguments import STRUCTURE, parse_stated_values, require_sound, structure_of
-from reliab.app.api.channels import Channels
+from reliab.app.api.channels import FileReading
 from reliab.app.declaration import asks
 from reliab.core.errors import InputError
 from reliab.core.files import refuse_unwritable, require_ending, written_whole
@@ -67,13 +67,13 @@ class Record(PlainResult):
         return {channel.column for channel in self.histories.channels.values()}
 
 
-@asks(questions.RecordedTest)
+@asks(questions.RecordQuestion)
 def record(
     source: str | Path,
     out: str | Path | None = None,
     *,
     attributes: Mapping[str, str] | None = None,
-    **options: Unpack[questions.RecordedTest],
+    **options: Unpack[questions.RecordQuestion],
 ) -> Record:
     """Recognise the channels of a test, and write them as one open record.
 
@@ -103,10 +103,10 @@ def record(
     structure = parse_stated_values({**options}, *STRUCTURE, "mass")
     require_sound(structure)
     structure_of(structure, **_USUAL)  # refuses values that no structure has
-    statements = {**structure, **questions.select_stated(questions.TestOrigin, {**options})}
+    statements = {**structure, **questions.select_stated(questions.OriginOptions, {**options})}
     texts = {name: str(value) for name, value in statements.items()}
     about = About(**texts, further=dict(attributes or {}))
-    dataset, histories = Channels.from_question(options).record(path, about)
+    dataset, histories = FileReading.from_question(options).record(path, about)
     files = []
     with refuse_unwritable("Cannot write the record", where=out or csv):
         if out is not None:
@@ -139,9 +139,9 @@ def check_records(sources: list[Path]) -> dict[str, list[str]]:
     return {str(path): check_record(path) for path in sources}
 
 
-@asks(questions.CalibrationTest, subjects.CalibrationFile)
+@asks(questions.CalibrationQuestion, subjects.CalibrationFile)
 def calibrate(
-    test: str | Path | pd.DataFrame, **options: Unpack[questions.CalibrationTest]
+    test: str | Path | pd.DataFrame, **options: Unpack[questions.CalibrationQuestion]
 ) -> ChannelCalibration:
     """Measure skew, scale, hysteresis, noise and resolution of the two channels from a test made for it.
 
@@ -168,7 +168,7 @@ def calibrate(
     >>> round(measured.skew_ms.value, 3), round(measured.scale.value, 4)
     (0.4, 1.01)
     """
-    reading, out = Channels.from_question(options), options["out"]
+    reading, out = FileReading.from_question(options), options["out"]
     recording = reading.read(test)
     delay = parse_stated_values({**options}, "actuator_delay").get("actuator_delay")
     calibration = calibrate_channels(recording, actuator_delay_ms=delay)

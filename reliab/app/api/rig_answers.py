@@ -66,8 +66,8 @@ class RigPrediction(PlainResult):
         return plot_errors({"next test": size}, Metric.RMS, self.prediction.threshold, axes)
 
 
-@asks(questions.NextTest, subjects.RigFolder)
-def predict_rig(rig: str | Path, **request: Unpack[questions.NextTest]) -> RigPrediction:
+@asks(questions.PredictionQuestion, subjects.RigArgument)
+def predict_rig(rig: str | Path, **request: Unpack[questions.PredictionQuestion]) -> RigPrediction:
     """Predict the next test of a rig from all that it has done.
 
     Without a ground motion the error follows from those of the rig's own tests; with one the loop is
@@ -95,7 +95,7 @@ def predict_rig(rig: str | Path, **request: Unpack[questions.NextTest]) -> RigPr
     return RigPrediction(rig=Path(rig), prediction=predict(table, following, limit, request))
 
 
-def _structure(request: questions.NextTest) -> Structure:
+def _structure(request: questions.PredictionQuestion) -> Structure:
     values = parse_stated_values({**request}, *STRUCTURE)
     if "f" not in values:
         raise InputError(
@@ -106,7 +106,7 @@ def _structure(request: questions.NextTest) -> Structure:
 
 
 def _predict_for_frame(
-    table: RigTable, following: NextTest, limit: float, request: questions.NextTest
+    table: RigTable, following: NextTest, limit: float, request: questions.PredictionQuestion
 ) -> Prediction:
     reason = "together with the `structure` of a frame"
     refuse_stated({**request}, *STRUCTURE, "motion", "suite", reason=reason)
@@ -115,7 +115,7 @@ def _predict_for_frame(
 
 
 def _predict_for_structure(
-    table: RigTable, following: NextTest, limit: float, request: questions.NextTest
+    table: RigTable, following: NextTest, limit: float, request: questions.PredictionQuestion
 ) -> Prediction:
     structure, motion, suite = _structure(request), request["motion"], request["suite"]
     if motion is not None:
@@ -142,13 +142,13 @@ def _predict_for_structure(
     return predict_under_suite(table, structure, following, pairs, threshold=limit, suite=suite)
 
 
-@asks(questions.RigReport, subjects.RigPdf)
+@asks(questions.RigReportQuestion, subjects.RigPdfArguments)
 def report_rig(
     rig: str | Path,
     out: str | Path,
     *,
     setting: "Setting | None" = None,
-    **request: Unpack[questions.RigReport],
+    **request: Unpack[questions.RigReportQuestion],
 ) -> Path:
     """Write the report of a rig: two pages for the head of the laboratory, and an appendix.
 
@@ -172,8 +172,8 @@ def report_rig(
     return Path(out)
 
 
-@asks(questions.RigReport, subjects.RigFolder)
-def document_of_rig(rig: str | Path, **request: Unpack[questions.RigReport]) -> "Document":
+@asks(questions.RigReportQuestion, subjects.RigArgument)
+def document_of_rig(rig: str | Path, **request: Unpack[questions.RigReportQuestion]) -> "Document":
     """Make the document that :func:`report_rig` sets as a PDF; arguments and errors are the same."""
     from reliab.report.kinds.rig_report import rig_report
 
@@ -200,7 +200,7 @@ def document_of_rig(rig: str | Path, **request: Unpack[questions.RigReport]) -> 
     )
 
 
-def _structure_of_next(last: Mapping[str, Any], request: questions.RigReport) -> Structure:
+def _structure_of_next(last: Mapping[str, Any], request: questions.RigReportQuestion) -> Structure:
     """Return what is stated of the next structure, and the rest as in the last test."""
     values = parse_stated_values({**request}, *STRUCTURE)
     last_values = {name: float(last[name]) for name in STRUCTURE if last[name] is not None}

@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Unpack, cast
 
 from reliab.app import questions, subjects
 from reliab.app.api.assessment import assess
-from reliab.app.api.channels import Channels
+from reliab.app.api.channels import FileReading
 from reliab.app.declaration import asks
 from reliab.assessment.frame_assessment import CoupledAssessment
 from reliab.core.columns import Columns
@@ -51,7 +51,7 @@ class RigList(ResultWithRows):
     table: RigTable
 
 
-@asks(subjects.RigFolder)
+@asks(subjects.RigArgument)
 def list_rig(rig: str | Path) -> RigList:
     """List the tests of a rig in the order of their dates.
 
@@ -111,7 +111,7 @@ def remove_from_rig(rig: str | Path, tests: str | Iterable[str]) -> tuple[str, .
     return tuple(row["name"] for row in rows)
 
 
-@asks(subjects.RigTable)
+@asks(subjects.RigTableArguments)
 def export_rig(rig: str | Path, out: str | Path) -> int:
     """Write the table of a rig as CSV.
 
@@ -152,13 +152,13 @@ class AddedTests(PlainResult):
     tests: int  # In the rig now
 
 
-@asks(questions.AddedTest, subjects.NewTests)
+@asks(questions.AddedTestQuestion, subjects.NewTests)
 def add_to_rig(
     rig: str | Path,
     tests: str | Path | Iterable[str | Path],
     *,
     show: Progress = silent,
-    **request: Unpack[questions.AddedTest],
+    **request: Unpack[questions.AddedTestQuestion],
 ) -> AddedTests:
     """Judge tests and keep them in the folder of their rig.
 
@@ -189,7 +189,7 @@ def add_to_rig(
     labels = {"date": moment, **{name: question[name] for name in ("event", "specimen", "note")}}
     keeper = _Keeper(
         folder=RigFolder(Path(rig)),
-        reading=Channels.from_question(request),
+        reading=FileReading.from_question(request),
         terms={
             name: question[name]
             for name in _TERMS
@@ -229,7 +229,7 @@ class _Keeper:
     """Judges files by the same terms and keeps them; see `add_to_rig`."""
 
     folder: RigFolder
-    reading: Channels
+    reading: FileReading
     terms: Mapping[str, Any]
     labels: Mapping[str, str]
     covariates: Mapping[str, float]
@@ -261,7 +261,7 @@ class _Keeper:
             tests=tests,
         )
 
-    def _readings_of(self, file: Path) -> dict[str, Channels]:
+    def _readings_of(self, file: Path) -> dict[str, FileReading]:
         """How each test of a file is read, by its name."""
         if self.reading.test_name == _ALL_TESTS:
             return self.reading.split_by_test(file)
@@ -273,7 +273,7 @@ class _Keeper:
         numbers = {name: f"{value:.17g}" for name, value in self.covariates.items()}
         return {**{name: as_text(str(value)) for name, value in self.terms.items()}, **self.labels, **numbers}
 
-    def _keep_test(self, file: Path, name: str, reading: Channels) -> dict[str, Any] | None:
+    def _keep_test(self, file: Path, name: str, reading: FileReading) -> dict[str, Any] | None:
         """Judge and keep a test; None where it is there."""
         path = or_shipped(file, "datasets", "test.csv")
         checksum = _checksum(path, reading.test_name)

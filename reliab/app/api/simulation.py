@@ -23,9 +23,13 @@ from reliab.sweep.store_layout import attributes
 _ATTRIBUTES = ("grid", "windows", "engine", "tolerance", "experimental_fraction", "model", "study_hash")
 
 
-@asks(questions.Sweep, subjects.NewStore)
+@asks(questions.SweepQuestion, subjects.NewStore)
 def simulate(
-    motions: Motions, *, out: str | Path, progress: Progress = silent, **request: Unpack[questions.Sweep]
+    motions: Motions,
+    *,
+    out: str | Path,
+    progress: Progress = silent,
+    **request: Unpack[questions.SweepQuestion],
 ) -> xr.Dataset:
     """Simulate motions for all structures and actuators and store the results.
 
@@ -69,8 +73,8 @@ def _run(
     suite: MotionSuite, out: str | Path, question: Mapping[str, Any], progress: Progress
 ) -> tuple[SweepRequest, Path]:
     """Simulate a suite and store the results; return what was simulated, and where it is stored."""
-    request = sweep_request(**questions.select_stated(questions.SweptGrid, question))
-    settings = questions.select_stated(questions.SweepRun, question)
+    request = sweep_request(**questions.select_stated(questions.SweepOptions, question))
+    settings = questions.select_stated(questions.SweepRunOptions, question)
     return request, run_sweep(suite, request, out, **settings, progress=progress)
 
 
@@ -99,9 +103,9 @@ class Simulation(PlainResult):
         }
 
 
-@asks(questions.Simulation, subjects.NewStore)
+@asks(questions.SimulationQuestion, subjects.NewStore)
 def simulate_suite(
-    *, out: str | Path, show: Show = quietly, **request: Unpack[questions.Simulation]
+    *, out: str | Path, show: Show = quietly, **request: Unpack[questions.SimulationQuestion]
 ) -> Simulation:
     """Simulate motions from several sources and sets as :func:`simulate` does, and say what was stored."""
     suite = load_motions(*paths(request["motions"] or "synthetic"), sets=as_list(request["sets"]))

@@ -29,14 +29,14 @@ from reliab.tracking.boundary.curves import Curve
 from reliab.tracking.indices.window import Window
 
 
-@asks(questions.TracedBoundaries)
+@asks(questions.EllipsesQuestion)
 def ellipses(
     source: Motions | xr.Dataset,
     *,
     metric: Names = ("rms",),
     curves: Sequence[type[Curve]] = CURVES,
     progress: Progress = silent,
-    **question: Unpack[questions.TracedBoundaries],
+    **question: Unpack[questions.EllipsesQuestion],
 ) -> xr.Dataset:
     """Trace the boundary of equal error of each motion, for late and early actuators, as ellipses.
 
@@ -222,7 +222,7 @@ class EllipseSource:
 
         suite = load_motions(*paths(self.motions or ()), sets=self.sets)
         with show("Reading spectra" if self.first_order else "Tracing boundaries") as progress:
-            question = questions.select_stated(questions.TracedBoundaries, vars(self))
+            question = questions.select_stated(questions.EllipsesQuestion, vars(self))
             return ellipses(suite, metric=[self.metric], progress=progress, **question)
 
     def _read(self, path: Path) -> xr.Dataset:

@@ -37,7 +37,7 @@ class PerformedStudy(PlainResult):
     answer: str = ""  # What the report says in one sentence
 
 
-@asks(subjects.Study, outputs.Folder)
+@asks(subjects.StudyArgument, outputs.Folder)
 def run_study(
     study: str | Path = "quick",
     *,
@@ -117,7 +117,7 @@ class WrittenReport(PlainResult):
     report: Path
 
 
-@asks(subjects.RunFolder)
+@asks(subjects.RunArgument)
 def report_run(folder: str | Path, *, setting: Setting | None = None) -> WrittenReport:
     """Write the PDF of a finished run again, from its folder alone."""
     return WrittenReport(folder=Path(folder), report=write_report(folder, setting=setting))

@@ -103,8 +103,8 @@ class Boundaries(ResultWithRows):
         return {"ellipses": list(self.rows()), **warnings}
 
 
-@asks(questions.Boundaries)
-def trace_boundaries(*, show: Show = quietly, **request: Unpack[questions.Boundaries]) -> Boundaries:
+@asks(questions.TracingQuestion)
+def trace_boundaries(*, show: Show = quietly, **request: Unpack[questions.TracingQuestion]) -> Boundaries:
     """Trace the boundary of equal error of each motion, for late and early actuators, as ellipses.
 
     >>> traced = trace_boundaries(results="real_suite", f=1, xi=0.02)

@@ -105,8 +105,8 @@ class Validation(ResultWithRows):
         }
 
 
-@asks(questions.Validation)
-def validate_criteria(*, show: Show = quietly, **request: Unpack[questions.Validation]) -> Validation:
+@asks(questions.ValidationQuestion)
+def validate_criteria(*, show: Show = quietly, **request: Unpack[questions.ValidationQuestion]) -> Validation:
     """Test criteria on earthquakes from which they were not learned.
 
     Returns
@@ -146,14 +146,14 @@ def validate_criteria(*, show: Show = quietly, **request: Unpack[questions.Valid
     return Validation(counts=counts, ellipses=dataset, division=division)
 
 
-def _error_of(request: questions.JudgedCriteria) -> tuple[float, str]:
+def _error_of(request: questions.ProbabilityQuestion) -> tuple[float, str]:
     """Threshold [-] and metric of the error that is asked for."""
     threshold, metric = request["threshold"], request["metric"]
     return FIVE_PERCENT if threshold is None else threshold, str(metric or Metric.RMS)
 
 
 def _open_test(
-    request: questions.JudgedCriteria, show: Show
+    request: questions.ProbabilityQuestion, show: Show
 ) -> tuple[EllipseSource, xr.Dataset, dict[str, Any]]:
     """Open the motions on which criteria are judged: their source, ellipses, and how errors are judged."""
     require_one_share(request["alpha"])
@@ -172,7 +172,7 @@ def _open_test(
     )
 
 
-def _make_candidates(request: questions.Validation, confidences: Sequence[float]) -> list[Candidate]:
+def _make_candidates(request: questions.ValidationQuestion, confidences: Sequence[float]) -> list[Candidate]:
     """Make the criteria of every law and method that is asked for, which are judged at some confidences."""
     laws, methods, joint = as_list(request["law"]), as_list(request["method"]), request["joint"]
     error = _error_of(request)
@@ -276,7 +276,7 @@ def _not_carried(validation: CrossValidation) -> list[dict[str, Any]]:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Calibration(ResultWithRows):
+class ProbabilityCalibration(ResultWithRows):
     """Probabilities that were stated for tests, against how many of the tests are good."""
 
     rows_in = "bins"
@@ -297,10 +297,10 @@ class Calibration(ResultWithRows):
         return self.bins.to_dict(orient="records")
 
 
-@asks(questions.JudgedCriteria)
+@asks(questions.ProbabilityQuestion)
 def calibrate_probabilities(
-    *, show: Show = quietly, **request: Unpack[questions.JudgedCriteria]
-) -> Calibration:
+    *, show: Show = quietly, **request: Unpack[questions.ProbabilityQuestion]
+) -> ProbabilityCalibration:
     """Compare the probabilities that are stated for tests with how many of the tests are good.
 
     Returns
@@ -317,4 +317,4 @@ def calibrate_probabilities(
     _, dataset, test = _open_test(request, show)
     with show("Comparing probabilities") as progress:
         bins = probability_calibration(dataset, scheme=scheme, progress=progress, **test)
-    return Calibration(scheme=scheme, truth=test["truth"].name, bins=bins)
+    return ProbabilityCalibration(scheme=scheme, truth=test["truth"].name, bins=bins)

@@ -44,7 +44,7 @@ class _OneTest(outputs.Tests, outputs.Check, outputs.Cover, total=False):
 
 
 @takes(
-    questions.StatedOfTest,
+    questions.AssessmentQuestion,
     _OneTest,
     needs=dict.fromkeys(outputs.Cover.__annotations__, "report"),
 )
@@ -54,7 +54,7 @@ def assess(request: Request) -> None:
         raise typer.Exit(1)
 
 
-@takes(questions.Design, outputs.Chart)
+@takes(questions.DesignQuestion, outputs.Chart)
 def design(request: Request) -> None:
     """Print how much amplitude error and delay are tolerable, before a test."""
     from reliab.app.api.assessment_files import draw_chart
@@ -67,7 +67,7 @@ def design(request: Request) -> None:
         show_design(result)
 
 
-@takes(questions.StatedOfTest, outputs.Tests, outputs.Check)
+@takes(questions.AssessmentQuestion, outputs.Tests, outputs.Check)
 def extrapolate(request: Request) -> None:
     """Extrapolate runs of one test with different delays or gains to zero error.
 

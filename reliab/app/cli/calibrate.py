@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from reliab.recordings.calibration import ChannelCalibration
 
 
-@takes(questions.CalibrationTest, subjects.CalibrationFile)
+@takes(questions.CalibrationQuestion, subjects.CalibrationFile)
 def calibrate(request: Request) -> None:
     """Measure skew, scale, hysteresis, noise and resolution of the two displacement channels."""
     from reliab.app.api.records import calibrate as api_calibrate

@@ -8,7 +8,7 @@ from reliab.app.cli.commands import Request, files_of, takes
 from reliab.app.cli.output import console, progress_bar, write_json
 
 
-@takes(questions.StatedOfTest, outputs.Tests, outputs.Chart)
+@takes(questions.AssessmentQuestion, outputs.Tests, outputs.Chart)
 def compare(request: Request) -> None:
     """Rank tests by error and say how certain the ranking is.
 

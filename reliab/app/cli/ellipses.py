@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 _PAGE = 1000  # rows
 
 
-@takes(questions.Boundaries)
+@takes(questions.TracingQuestion)
 def ellipses(request: Request) -> None:
     """Trace the boundary of equal error of each motion, for late and early actuators, as ellipses."""
     from reliab.app.api.tracing import trace_boundaries

@@ -7,7 +7,7 @@ from reliab.app.cli.output import say
 _MEGABYTE = 1e6
 
 
-@takes(questions.Explorer)
+@takes(questions.ExplorerQuestion)
 def explore(request: Request) -> None:
     """Write an offline web page with sliders that show tolerable errors before a test."""
     from reliab.app.api.design import ExplorerPage, write_explorer

@@ -27,7 +27,7 @@ _DECIMALS = 2  # at most, of the net damping ratio in per cent
 _NO = 1  # exit code where the answer is no
 
 
-class _Source(outputs.Check, total=False):
+class _MonitorArguments(outputs.Check, total=False):
     source: Annotated[
         str | None,
         argument(
@@ -47,7 +47,7 @@ class _Source(outputs.Check, total=False):
     ]
 
 
-@takes(questions.FollowedTest, _Source)
+@takes(questions.MonitorQuestion, _MonitorArguments)
 def monitor(request: Request) -> None:
     """Follow the error of a test while it runs, and judge the whole test at its end.
 

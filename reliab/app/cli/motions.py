@@ -20,7 +20,7 @@ app = typer.Typer(no_args_is_help=True, help="Ground motions: list, check, impor
 
 
 @app.command("list", cls=Command)
-@takes(questions.MotionFiles, subjects.MotionSources)
+@takes(questions.MotionQuestion, subjects.MotionSources)
 def list_motions(request: Request) -> None:
     """List motions with their events and measures of intensity."""
     from reliab.app.api.motions import MotionList, list_motions as api_list_motions
@@ -40,7 +40,7 @@ def list_motions(request: Request) -> None:
 
 
 @app.command("check", cls=Command)
-@takes(questions.MotionFiles, subjects.MotionSources)
+@takes(questions.MotionQuestion, subjects.MotionSources)
 def check(request: Request) -> None:
     """Read every record; report all faults (exit code 2), and note what deserves a look."""
     from reliab.app.api.motions import MotionCheck, check_motions
@@ -55,7 +55,7 @@ def check(request: Request) -> None:
 
 
 @app.command("import", cls=Command)
-@takes(questions.ImportedMotions, subjects.MotionSources, subjects.NewSuite)
+@takes(questions.MotionImportQuestion, subjects.MotionSources, subjects.NewSuite)
 def import_motions(request: Request) -> None:
     """Rewrite motions as a suite: one text format in m/s² and a catalogue."""
     from reliab.app.api.motions import import_motions as api_import_motions
@@ -64,7 +64,7 @@ def import_motions(request: Request) -> None:
 
 
 @app.command("synthesize", cls=Command)
-@takes(questions.SyntheticSuite, subjects.NewSuite)
+@takes(questions.SyntheticSuiteQuestion, subjects.NewSuite)
 def synthesize(request: Request) -> None:
     """Write the synthetic suite, which needs no record."""
     from reliab.app.api.motions import synthesize_motions

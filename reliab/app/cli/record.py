@@ -35,7 +35,7 @@ class _Files(TypedDict, total=False):
     check: Annotated[bool, OUTPUT.flag("Check records; exit with code 1 unless all are valid.")]
 
 
-@takes(questions.RecordedTest, _Files)
+@takes(questions.RecordQuestion, _Files)
 def record(request: Request) -> None:
     """Recognise the channels of your file and save them as one open record."""
     if request.check:

@@ -18,7 +18,7 @@ app = typer.Typer(no_args_is_help=True, help="Store a rig's tests, predict the n
 
 
 @app.command("add", cls=Command)
-@takes(questions.AddedTest, subjects.NewTests)
+@takes(questions.AddedTestQuestion, subjects.NewTests)
 def add(request: Request) -> None:
     """Judge tests and keep them: record, verdict and indices."""
     from reliab.app.api.rigs import add_to_rig
@@ -37,7 +37,7 @@ def add(request: Request) -> None:
 
 
 @app.command("list", cls=Command)
-@takes(subjects.RigFolder)
+@takes(subjects.RigArgument)
 def list_tests(request: Request) -> None:
     """List the tests of a rig, and where it has changed."""
     from reliab.app.api.rigs import list_rig
@@ -68,7 +68,7 @@ def remove(request: Request) -> None:
 
 
 @app.command("export", cls=Command)
-@takes(subjects.RigTable)
+@takes(subjects.RigTableArguments)
 def export(request: Request) -> None:
     """Write the table of a rig's tests as CSV."""
     from reliab.app.api.rigs import export_rig
@@ -81,7 +81,7 @@ def export(request: Request) -> None:
 
 
 @app.command("predict", cls=Command)
-@takes(questions.NextTest, subjects.RigFolder)
+@takes(questions.PredictionQuestion, subjects.RigArgument)
 def predict(request: Request) -> None:
     """Predict the next test: A, d and error with their intervals, and the probability that it is good."""
     from reliab.app.api.rig_answers import predict_rig
@@ -90,7 +90,7 @@ def predict(request: Request) -> None:
 
 
 @app.command("report", cls=Command)
-@takes(questions.RigReport, outputs.Cover, subjects.RigPdf)
+@takes(questions.RigReportQuestion, outputs.Cover, subjects.RigPdfArguments)
 def report(request: Request) -> None:
     """Write two pages on what the rig does and what to expect of its next test, and an appendix.
 

@@ -6,7 +6,7 @@ from reliab.app.cli.output import progress_bar, say
 from reliab.core.significant_digits import counted
 
 
-@takes(questions.Simulation, subjects.NewStore)
+@takes(questions.SimulationQuestion, subjects.NewStore)
 def simulate(request: Request) -> None:
     """Simulate motions for all structures and actuators and store the results.
 

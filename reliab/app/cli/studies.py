@@ -7,7 +7,7 @@ from reliab.app.cli.output import progress_bar, say, show_rows
 _COVER = tuple(outputs.Cover.__annotations__)
 
 
-@takes(subjects.Study, outputs.Folder, outputs.Listing, outputs.Cover)
+@takes(subjects.StudyArgument, outputs.Folder, outputs.Listing, outputs.Cover)
 def run(request: Request) -> None:
     """Run a study: simulate, fit, derive, validate, report."""
     from reliab.app.api.studies import PerformedStudy, list_studies, run_study
@@ -31,7 +31,7 @@ def run(request: Request) -> None:
     request.answer(run_study, show, *_COVER, setting=request.setting(), show=progress_bar, tell=tell)
 
 
-@takes(outputs.Cover, subjects.RunFolder)
+@takes(outputs.Cover, subjects.RunArgument)
 def report(request: Request) -> None:
     """Rebuild the PDF of a finished run."""
     from reliab.app.api.studies import report_run

@@ -16,7 +16,7 @@ class _Ways(TypedDict, total=False):
     ]
 
 
-@takes(questions.Validation, _Ways)
+@takes(questions.ValidationQuestion, _Ways)
 def validate(request: Request) -> None:
     """Test criteria on earthquakes that they have not seen."""
     from reliab.app.api.validation import calibrate_probabilities, validate_criteria
@@ -86,9 +86,9 @@ def _window(label: str) -> str:
 
 def show_probabilities(content: dict[str, Any]) -> None:
     """Print how many tests are good for which probability."""
-    from reliab.app.api.validation import Calibration
+    from reliab.app.api.validation import ProbabilityCalibration
 
     title = f"Probabilities of tests, {content['scheme'].replace('_', ' ')}"
-    show_rows(title, Calibration.table_columns, content["bins"])
+    show_rows(title, ProbabilityCalibration.table_columns, content["bins"])
     if content["truth"] == "ellipse":
         say(_ELLIPSE_NOTE)

@@ -29,7 +29,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from reliab.core.arrays import Array
 from reliab.criterion.event_components import event_components
-from reliab.rig.learning.circumstances import Circumstances, Likeness
+from reliab.rig.learning.covariates import Covariates, Kernels
 from reliab.rig.learning.variances import LEVEL, Variances, covariance, fit_variances, inverse_of
 
 _DEGREES: Final = (2.5, 4.0, 8.0, 1e4)
@@ -43,7 +43,7 @@ _FEWEST_COUNTED = 2.0  # independent tests that any three are worth at least
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Scatter:
+class ResidualDistribution:
     """Distribution of a further standardised residual: a mean of skewed t distributions."""
 
     weights: Array  # Of each distribution, with a sum of 1
@@ -52,7 +52,7 @@ class Scatter:
     scale: Array
 
     @classmethod
-    def fit(cls, residuals: Array, events: NDArray[np.str_]) -> "Scatter":
+    def fit(cls, residuals: Array, events: NDArray[np.str_]) -> "ResidualDistribution":
         """Learn from residuals of tests whose earthquake was left out."""
         effective_number = float(event_components(residuals[:, None], events).effective_number[0])
         share = (max(effective_number, _FEWEST_COUNTED) - 1.0) / residuals.size
@@ -187,7 +187,7 @@ _DRAWS_USED = 20
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class LeftOut:
+class LeaveOneEventOut:
     """Residuals of tests that are predicted without their earthquake."""
 
     inverse: Array  # Of the covariance of all tests
@@ -198,7 +198,7 @@ class LeftOut:
     @classmethod
     def from_tests(
         cls, standard: Array, among: Array, variances: Variances, events: NDArray[np.str_]
-    ) -> "LeftOut":
+    ) -> "LeaveOneEventOut":
         """Leave out each earthquake at the most probable variances."""
         noise = np.exp(2.0 * variances.mode[-1])
         matrix = covariance(among, variances.mode)
@@ -269,18 +269,18 @@ class FittedQuantity:
     events: NDArray[np.str_]
     centre: float
     spread: float  # By which values are standardised
-    likeness: Likeness
+    kernels: Kernels
     variances: Variances
-    left_out: LeftOut  # Each test, of standardised values, predicted without its earthquake
+    left_out: LeaveOneEventOut  # Each test, of standardised values, predicted without its earthquake
 
-    def predict(self, targets: Circumstances) -> tuple[Array, Array]:
+    def predict(self, targets: Covariates) -> tuple[Array, Array]:
         """Mean and standard deviation of tests under earthquakes not seen, shape (others,) each.
 
         The spread is that of an ordinary test; :attr:`scatter` says how far a test may stray.
         """
         standard = (self.values - self.centre) / self.spread
-        covariances, priors = (self.likeness.covariances(targets), self.likeness.prior_variances(targets))
-        among = self.likeness.among_learned()
+        covariances, priors = (self.kernels.covariances(targets), self.kernels.prior_variances(targets))
+        among = self.kernels.among_learned()
         noise = np.exp(2.0 * self.variances.mode[-1])
         mean, variance = self._conditional_moments(self.variances.mode, standard, among, covariances)
         rows = np.linspace(0, len(self.variances.draws) - 1, _DRAWS_USED).astype(int)
@@ -290,8 +290,8 @@ class FittedQuantity:
         ]
         prior = sum(
             (
-                np.exp(2.0 * log_spread) * likeness
-                for likeness, log_spread in zip(priors, self.variances.mode, strict=False)
+                np.exp(2.0 * log_spread) * kernel
+                for kernel, log_spread in zip(priors, self.variances.mode, strict=False)
             ),
             np.full(len(targets), LEVEL + noise),
         )
@@ -299,28 +299,28 @@ class FittedQuantity:
         return self.centre + self.spread * mean, self.spread * deviation
 
     def _conditional_moments(
-        self, theta: Array, standard: Array, among: Array, likeness_to_targets: Array
+        self, theta: Array, standard: Array, among: Array, kernels_to_targets: Array
     ) -> tuple[Array, Array]:
         """Mean of other tests, and the variance that the learned ones take off, at given variances."""
         size = standard.size
         matrix = covariance(among, theta)
         matrix[np.diag_indices(size)] += np.exp(2.0 * theta[-1]) / self.variances.weights
         factor = scipy.linalg.cho_factor(matrix, lower=True, check_finite=False)
-        cross_covariance = covariance(likeness_to_targets, theta)
+        cross_covariance = covariance(kernels_to_targets, theta)
         weights = scipy.linalg.cho_solve(factor, cross_covariance.T, check_finite=False)
         return weights.T @ standard, np.einsum("ij,ji->i", cross_covariance, weights)
 
     @cached_property
-    def scatter(self) -> Scatter:
+    def scatter(self) -> ResidualDistribution:
         """Distribution of the standardised residual of a further test, wider where few tests are known."""
-        return Scatter.fit(self.left_out.residuals, self.events)
+        return ResidualDistribution.fit(self.left_out.residuals, self.events)
 
-    def quantiles(self, targets: Circumstances, probabilities: tuple[float, ...]) -> Array:
+    def quantiles(self, targets: Covariates, probabilities: tuple[float, ...]) -> Array:
         """Quantiles of tests, shape (probabilities, others)."""
         mean, deviation = self.predict(targets)
         return np.stack([mean + deviation * self.scatter.quantile(share) for share in probabilities])
 
-    def cumulative(self, targets: Circumstances, value: float) -> Array:
+    def cumulative(self, targets: Covariates, value: float) -> Array:
         """Probability that the quantity is at most a value, shape (others,)."""
         mean, deviation = self.predict(targets)
         return self.scatter.cumulative((value - mean) / deviation)
@@ -338,12 +338,12 @@ class FittedQuantity:
             scores[members] = scatter.log_density(self.left_out.residuals[members])
         return scores - np.log(self.spread * self.left_out.spreads)
 
-    def scatters_without_earthquakes(self) -> Iterator[tuple[NDArray[np.intp], Scatter]]:
+    def scatters_without_earthquakes(self) -> Iterator[tuple[NDArray[np.intp], ResidualDistribution]]:
         """Places of the tests of each earthquake, and how tests scatter by what all others teach."""
         for members in self.left_out.members:
             other_indices = np.delete(np.arange(self.values.size), members)
             residuals = self.left_out.residuals_without(members)[other_indices]
-            yield members, Scatter.fit(residuals, self.events[other_indices])
+            yield members, ResidualDistribution.fit(residuals, self.events[other_indices])
 
     @cached_property
     def scores_of_baselines(self) -> dict[str, float | None]:
@@ -356,7 +356,7 @@ class FittedQuantity:
         }
 
 
-def learn(values: Array, circumstances: Circumstances, events: NDArray[np.str_]) -> FittedQuantity:
+def learn(values: Array, covariates: Covariates, events: NDArray[np.str_]) -> FittedQuantity:
     """Learn one quantity.
 
     `values`, shape (tests,), at least three; `events`, the earthquake of each, a name of its own where it is
@@ -367,18 +367,18 @@ def learn(values: Array, circumstances: Circumstances, events: NDArray[np.str_])
     if np.ptp(values) < smallest:  # the same in all tests: taken as if it scattered by so little
         values = centre + smallest * np.random.default_rng(0).standard_normal(values.size)
     spread = max(_median_spread(values, centre), 0.3 * float(values.std()), 0.3 * smallest)
-    likeness = Likeness.among(circumstances, values.size)
-    among = likeness.among_learned()
+    kernels = Kernels.among(covariates, values.size)
+    among = kernels.among_learned()
     standard = (values - centre) / spread
-    variances = fit_variances(standard, among, likeness.respects)
+    variances = fit_variances(standard, among, kernels.respects)
     return FittedQuantity(
         values=values,
         events=events,
         centre=centre,
         spread=spread,
-        likeness=likeness,
+        kernels=kernels,
         variances=variances,
-        left_out=LeftOut.from_tests(standard, among, variances, events),
+        left_out=LeaveOneEventOut.from_tests(standard, among, variances, events),
     )
 
 

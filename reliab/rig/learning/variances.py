@@ -1,6 +1,6 @@
 """Variance components: how much of the scatter lies between groups, over covariates and over time.
 
-The quantity is y = level + Σ effects + noise; each effect is normal with a likeness matrix B_c of its own and
+The quantity is y = level + Σ effects + noise; each effect is normal with a kernel matrix B_c of its own and
 a variance that is learned, so that the covariance is K = 100 + Σ σ_c² B_c + σ² W⁻¹. The odd test has a small
 weight in W, as under Student's t distribution of four degrees of freedom, from its residual when it is left
 out. The posterior of the logarithms of all σ is drawn by importance sampling: first about its mode by its
@@ -62,33 +62,33 @@ class Variances:
         return _importance_draws(self.problem, self.mode, np.random.default_rng(0))
 
 
-def fit_variances(values: Array, likeness: Array, respects: Sequence[str]) -> Variances:
-    """Learn from standardised values, shape (tests,), and their likeness, shape (respects, tests, tests)."""
+def fit_variances(values: Array, kernels: Array, respects: Sequence[str]) -> Variances:
+    """Learn from standardised values, shape (tests,), and their kernels, shape (respects, tests, tests)."""
     priors = np.array([_PRIOR for _ in respects] + [_PRIOR_OF_NOISE])
     theta, weights = priors[:, 0].copy(), np.ones(values.size)
     for _ in range(_ROUNDS if values.size >= _FEWEST_FOR_ODD else 0):
-        problem = _Problem(values=values, likeness=likeness, weights=weights, priors=priors)
+        problem = _Problem(values=values, kernels=kernels, weights=weights, priors=priors)
         theta = problem.mode(theta)
         weights = problem.robust_weights(theta)
-    problem = _Problem(values=values, likeness=likeness, weights=weights, priors=priors)
+    problem = _Problem(values=values, kernels=kernels, weights=weights, priors=priors)
     return Variances(respects=tuple(respects), mode=problem.mode(theta), problem=problem)
 
 
-def covariance(likeness: Array, theta: Array) -> Array:
-    """Covariance of values without noise, from their likeness, shape (respects, others, tests)."""
-    return np.asarray(LEVEL + np.tensordot(np.exp(2.0 * theta[: len(likeness)]), likeness, axes=1))
+def covariance(kernels: Array, theta: Array) -> Array:
+    """Covariance of values without noise, from their kernels, shape (respects, others, tests)."""
+    return np.asarray(LEVEL + np.tensordot(np.exp(2.0 * theta[: len(kernels)]), kernels, axes=1))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Problem:
     values: Array
-    likeness: Array
+    kernels: Array
     weights: Array
     priors: Array  # Mean and spread of each ln σ
 
     def _covariance(self, theta: Array) -> Array:
         count = self.values.size
-        total = covariance(self.likeness, theta)
+        total = covariance(self.kernels, theta)
         total[np.diag_indices(count)] += np.exp(2.0 * theta[-1]) / self.weights
         return total
 
@@ -111,7 +111,7 @@ class _Problem:
         inner = inverse - np.outer(weighted_values, weighted_values)
         effect_gradients = [
             np.exp(2.0 * log_spread) * np.vdot(inner, matrix)
-            for matrix, log_spread in zip(self.likeness, theta, strict=False)
+            for matrix, log_spread in zip(self.kernels, theta, strict=False)
         ]
         noise_gradient = np.exp(2.0 * theta[-1]) * (np.diag(inner) / self.weights).sum()
         return float(loss), np.array([*effect_gradients, noise_gradient]) + standard / self.priors[:, 1]

@@ -197,7 +197,7 @@ def test_every_option_is_an_argument_and_every_argument_an_option():
     options = {parameter.name for parameter in COMMAND.commands["assess"].params} - TERMINAL_OPTIONS
     arguments = set(inspect.signature(reliab.assess).parameters)
     assert options - {"tests"} == arguments - {"test", "progress"} == set(CHOICES)
-    names = set(questions.StatedOfTest.__annotations__)
+    names = set(questions.AssessmentQuestion.__annotations__)
     assert names == arguments - {"test", "structure", "progress"}
 
 

@@ -18,8 +18,8 @@ _WARM = 3.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Circumstances:
-    """Circumstances of several tests, in the order of rows."""
+class Covariates:
+    """Covariates of several tests, in the order of rows."""
 
     numbers: Mapping[str, Array] = field(default_factory=dict)  # Covariates by name
     groups: Mapping[str, NDArray[np.str_]] = field(default_factory=dict)  # Names by kind of group
@@ -32,15 +32,15 @@ class Circumstances:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Likeness:
+class Kernels:
     """How alike tests are in each respect: what learned tests span, and how other tests relate to them."""
 
-    training: Circumstances
+    training: Covariates
     centres: Mapping[str, tuple[float, float]]  # Centre and spread of each covariate that varies
     respects: tuple[str, ...]
 
     @classmethod
-    def among(cls, learned: Circumstances, count: int) -> "Likeness":
+    def among(cls, learned: Covariates, count: int) -> "Kernels":
         """Find in which respects tests differ so that something can be learned of it."""
         centres = {
             name: (float(np.mean(values)), float(np.std(values)))
@@ -60,22 +60,22 @@ class Likeness:
         """One matrix for each respect, shape (respects, learned, learned)."""
         return self.covariances(self.training)
 
-    def covariances(self, targets: Circumstances) -> Array:
+    def covariances(self, targets: Covariates) -> Array:
         """One matrix for each respect, shape (respects, others, learned)."""
         matrices = np.zeros((len(self.respects), len(targets), len(self.training)))
         for matrix, respect in zip(matrices, self.respects, strict=True):
             matrix[:] = self._is_shared(respect, targets, self.training)
         return matrices
 
-    def prior_variances(self, targets: Circumstances) -> list[Array]:
-        """Likeness of each other test to itself, shape (others,) for each respect."""
+    def prior_variances(self, targets: Covariates) -> list[Array]:
+        """Kernel of each other test with itself, shape (others,) for each respect."""
         units = np.ones(len(targets))
         return [
             1.0 + self._standard(respect, targets) ** 2 if respect.startswith("covariate ") else units
             for respect in self.respects
         ]
 
-    def _is_shared(self, respect: str, targets: Circumstances, training: Circumstances) -> Array:
+    def _is_shared(self, respect: str, targets: Covariates, training: Covariates) -> Array:
         kind, _, name = respect.partition(" ")
         if kind == "covariate":
             here, there = self._standard(respect, targets)[:, None], self._standard(respect, training)
@@ -85,10 +85,10 @@ class Likeness:
         names = targets.groups[kind][:, None]
         return np.asarray((names == training.groups[kind]) & (names != NEW), dtype=np.float64)
 
-    def _standard(self, respect: str, circumstances: Circumstances) -> Array:
+    def _standard(self, respect: str, covariates: Covariates) -> Array:
         name = respect.removeprefix("covariate ")
         centre, spread = self.centres[name]
-        return np.asarray(np.clip((circumstances.numbers[name] - centre) / spread, -4.0, 4.0))
+        return np.asarray(np.clip((covariates.numbers[name] - centre) / spread, -4.0, 4.0))
 
 
 def warmth(places_in_day: Array) -> Array:
