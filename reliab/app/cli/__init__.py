@@ -8,7 +8,7 @@ import logging
 import os
 import sys
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from importlib import import_module
 from typing import Annotated, Any, Final
@@ -30,38 +30,41 @@ _BAD_INPUT = 2
 _HELP = {"--help", "--help-all"}
 _INCOMPLETE = 3
 
-EXAMPLES: Final = {
-    "assess": "reliab assess sample_test --f 1±0.01 --xi 0.02",
-    "compare": "reliab compare none.csv adaptive.csv --f 1 --xi 0.02 --figure ranking.svg",
-    "monitor": "reliab monitor sample_test --f 1 --xi 0.02",
-    "extrapolate": "reliab extrapolate run_1.csv run_2.csv --f 1 --xi 0.02",
-    "desk": "reliab desk tests",
-    "design": "reliab design --f 1 2 --xi 0.02 --confidence 0.95",
-    "record": "reliab record sample_test --out test.nc",
-    "calibrate": "reliab calibrate sine.csv --actuator-delay 0 --out channels.toml",
-    "explore": "reliab explore --out criterion.html",
-    "diagnose": "reliab diagnose rig_a --out diagnosis",
-    "criterion": "reliab criterion --f 1 --xi 0.02 --confidence 0.95",
-    "ellipses": "reliab ellipses --motions records --f 1 --xi 0.02 --out ellipses.nc",
-    "simulate": "reliab simulate --motions synthetic --f 0.5 1 --xi 0.02 --out results.zarr",
-    "validate": "reliab validate --results real_suite --f 1 --xi 0.02 --method dirichlet quantile",
-    "run": "reliab run --list",
-    "report": "reliab report runs/quick",
-    "samples": "reliab samples datasets",
-    "fetch": "reliab fetch datasets/real_suite/results.nc",
-    "info": "reliab info --json -",
+_COMMANDS: Final[Mapping[str, Mapping[str, str | None]]] = {
+    "Judge a test": {
+        "assess": "reliab assess sample_test --f 1±0.01 --xi 0.02",
+        "compare": "reliab compare none.csv adaptive.csv --f 1 --xi 0.02 --figure ranking.svg",
+        "monitor": "reliab monitor sample_test --f 1 --xi 0.02",
+        "extrapolate": "reliab extrapolate run_1.csv run_2.csv --f 1 --xi 0.02",
+        "desk": "reliab desk tests",
+    },
+    "Prepare a test": {
+        "design": "reliab design --f 1 2 --xi 0.02 --confidence 0.95",
+        "explore": "reliab explore --out criterion.html",
+        "record": "reliab record sample_test --out test.nc",
+        "calibrate": "reliab calibrate sine.csv --actuator-delay 0 --out channels.toml",
+        "rig": None,
+    },
+    "Understand a disagreement": {"diagnose": "reliab diagnose rig_a --out diagnosis"},
+    "Research": {
+        "criterion": "reliab criterion --f 1 --xi 0.02 --confidence 0.95",
+        "ellipses": "reliab ellipses --motions records --f 1 --xi 0.02 --out ellipses.nc",
+        "simulate": "reliab simulate --motions synthetic --f 0.5 1 --xi 0.02 --out results.zarr",
+        "validate": "reliab validate --results real_suite --f 1 --xi 0.02 --method dirichlet quantile",
+        "motions": None,
+        "run": "reliab run --list",
+        "report": "reliab report runs/quick",
+    },
+    "Installation": {
+        "samples": "reliab samples datasets",
+        "fetch": "reliab fetch datasets/real_suite/results.nc",
+        "info": "reliab info --json -",
+    },
 }
-"""One example for the help of each command."""
+"""Commands by panel of the help, each with its example; without one, a group of commands."""
 
-_GROUPS = ("motions", "rig")
-_PANELS: Final = {
-    "Judge a test": ("assess", "compare", "monitor", "extrapolate", "desk"),
-    "Prepare a test": ("design", "explore", "record", "calibrate", "rig"),
-    "Understand a disagreement": ("diagnose",),
-    "Research": ("criterion", "ellipses", "simulate", "validate", "motions", "run", "report"),
-    "Installation": ("samples", "fetch", "info"),
-}
-_PANEL_OF = {name: panel for panel, names in _PANELS.items() for name in names}
+EXAMPLES: Final = {name: text for commands in _COMMANDS.values() for name, text in commands.items() if text}
+_PANEL_OF = {name: panel for panel, commands in _COMMANDS.items() for name in commands}
 _MODULES = {
     **dict.fromkeys(("fetch", "samples", "info"), "reliab.app.cli.installation"),
     **dict.fromkeys(("run", "report"), "reliab.app.cli.studies"),
@@ -100,7 +103,7 @@ def application(*names: str) -> typer.Typer:
     app.callback(help="Can I trust this real-time hybrid simulation?")(_answer)
     for name in names or _PANEL_OF:
         module = import_module(_MODULES.get(name, f"reliab.app.cli.{name}"))
-        if name in _GROUPS:
+        if name not in EXAMPLES:
             app.add_typer(module.app, name=name, rich_help_panel=_PANEL_OF[name])
         else:
             declare = app.command(
