@@ -61,13 +61,11 @@ class Page:
                 self.show(kind, job)
         waiting = [job for job in self.memory.jobs.values() if not job.is_over]
         refusals = [job for job in self.memory.jobs.values() if job.refusal]
-        text = progress_html(waiting[0]) if waiting else "".join(map(self._refusal, refusals))
+        texts = (refusal(self.desk.write_as_options(job.refusal)) for job in refusals)
+        text = progress_html(waiting[0]) if waiting else "".join(texts)
         if self.status.object != text:
             self.status.object = text
         self.stop.visible = bool(waiting)
-
-    def _refusal(self, job: Job) -> str:
-        return refusal(self.desk.write_as_options(job.refusal))
 
     def start(self, kind: str, work: Callable[..., Any], **arguments: Any) -> None:  # noqa: ANN401
         """Start work; earlier work of the same kind is given up."""

@@ -186,8 +186,8 @@ def _marks(assessment: "AnyAssessment") -> Iterator[Mark]:
     step = assessment.recording.time_step
     for effect in assessment.faults:
         fault = effect.fault
-        for offset in (fault.in_measured, fault.in_command):
-            places = np.flatnonzero(offset) if offset is not None else np.zeros(0, dtype=int)
+        for artefact in (fault.in_measured, fault.in_command):
+            places = np.flatnonzero(artefact) if artefact is not None else np.zeros(0, dtype=int)
             if 0 < places.size < assessment.recording.command.size // 2:
                 yield Mark(begin=step * places[0], end=step * (places[-1] + 1), finding=fault.finding)
 

@@ -49,8 +49,8 @@ def plain(text: str, *, longest: int = 60) -> str:
     >>> print(plain("A name that is long", longest=6))
     A nam…
     """
-    text_drawn = "".join(_substitute_glyph(character) for character in " ".join(text.split()))
-    short = text_drawn if len(text_drawn) <= longest else f"{text_drawn[: longest - 1]}…"
+    drawable = "".join(_substitute_glyph(character) for character in " ".join(text.split()))
+    short = drawable if len(drawable) <= longest else f"{drawable[: longest - 1]}…"
     return short.replace("$", r"\$")
 
 

@@ -149,8 +149,8 @@ def test_two_ways_of_writing_a_question_have_one_answer(one, other, capsys):
 
 def test_a_file_after_a_number_with_its_unit_is_no_number():
     command = typer.main.get_command(application())
-    updates = list(spread(["design", "--f", "1Hz", "2 Hz", "a.csv"], command))
-    assert updates == ["design", "--f", "1Hz", "--f", "2 Hz", "a.csv"]
+    words = list(spread(["design", "--f", "1Hz", "2 Hz", "a.csv"], command))
+    assert words == ["design", "--f", "1Hz", "--f", "2 Hz", "a.csv"]
 
 
 def test_repeated_runs_are_extrapolated_as_the_same_test(tmp_path, monkeypatch, capsys):

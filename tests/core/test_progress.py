@@ -50,10 +50,10 @@ FRAME = {
 @pytest.fixture(scope="module")
 def ellipses() -> xr.Dataset:
     """Ellipses of late actuators under twelve motions."""
-    figure = np.random.default_rng(2).lognormal(0.0, 0.3, (12, 2, 2, 2, 1, 1, 1, 1))
+    samples = np.random.default_rng(2).lognormal(0.0, 0.3, (12, 2, 2, 2, 1, 1, 1, 1))
     names = ("motion", "f", "xi", "threshold", "metric", "curve", "side")
     return xr.Dataset(
-        {"a": (names, 2e-4 * figure[:, 0]), "b": (names, 3.0 * figure[:, 1])},
+        {"a": (names, 2e-4 * samples[:, 0]), "b": (names, 3.0 * samples[:, 1])},
         coords={
             "motion": [f"M{place}" for place in range(12)],
             "event": ("motion", [f"E{place}" for place in range(12)]),
@@ -168,9 +168,9 @@ def test_every_piece_is_reported_once_and_the_last_is_the_total(name, request):
     work = CASES[name]
     fixtures = list(inspect.signature(work).parameters)[1:]
     work(lambda *call: calls.append(call), *map(request.getfixturevalue, fixtures))
-    process, totals = zip(*calls, strict=True)
-    assert list(process) == sorted(set(process))
-    assert set(totals) == {process[-1]}
+    counts, totals = zip(*calls, strict=True)
+    assert list(counts) == sorted(set(counts))
+    assert set(totals) == {counts[-1]}
 
 
 def test_whatever_takes_a_progress_has_a_case():

@@ -141,11 +141,11 @@ def test_a_link_leading_out_of_the_folder_is_refused(name, kind, folder, tmp_pat
     """What the link leads to is sound, so that nothing but the link is wrong."""
     place = PLACES[name]
     write(place.make(), folder)
-    own_files = next(
+    member = next(
         path for path in folder.rglob(Path(place.file).name) if path.as_posix().endswith(place.file)
     )
-    elsewhere = Path(shutil.move(own_files, tmp_path / "elsewhere"))
-    own_files.symlink_to(os.path.relpath(elsewhere, own_files.parent) if kind == "relative" else elsewhere)
+    elsewhere = Path(shutil.move(member, tmp_path / "elsewhere"))
+    member.symlink_to(os.path.relpath(elsewhere, member.parent) if kind == "relative" else elsewhere)
     with pytest.raises(InputError, match=r"lies outside the folder|must not contain links"):
         place.read(folder)
 
@@ -155,13 +155,13 @@ def test_a_link_leading_out_of_the_folder_is_refused(name, kind, folder, tmp_pat
 def test_a_name_leading_out_of_the_folder_is_refused(name, written, folder):
     place = PLACES[name]
     write(place.make(), folder)
-    own_files = stands_at(folder, place)
-    (own_files.parent / "b").mkdir()
-    (own_files.parent / "link").symlink_to(own_files.parent.parent)
-    shutil.copy(own_files, own_files.parent.parent / own_files.name)
-    hostile = written.replace("NAME", own_files.name).replace("FOLDER", str(own_files.parent.parent))
-    names = folder / place.listed
-    names.write_text(names.read_text().replace(place.file, hostile, 1))
+    member = stands_at(folder, place)
+    (member.parent / "b").mkdir()
+    (member.parent / "link").symlink_to(member.parent.parent)
+    shutil.copy(member, member.parent.parent / member.name)
+    hostile = written.replace("NAME", member.name).replace("FOLDER", str(member.parent.parent))
+    member = folder / place.listed
+    member.write_text(member.read_text().replace(place.file, hostile, 1))
     with pytest.raises(InputError, match=r"lies outside the folder|a figure of the name"):
         place.read(folder)
 

@@ -138,9 +138,9 @@ def test_hostile_files_are_refused_with_the_sentence_of_the_command_line(jobs, t
 def test_tabs_do_not_mix_and_forged_keys_open_nothing():
     memories = Memories()
     first, pages = memories.find_tab("")
-    second, remaining = memories.find_tab("")
+    second, other_pages = memories.find_tab("")
     assert first != second
-    assert pages is not remaining
+    assert pages is not other_pages
     assert memories.find_tab(first) == (first, pages)
     for token in ("a" * 20, "../../x", "<script>", first + "x"):
         key, new = memories.find_tab(token)

@@ -41,8 +41,8 @@ def test_knowing_a_quantity_states_the_interval_and_an_action(content):
     item = content["budget"][0]
     entry = next(entry for entry in content["error"]["widest"] if entry["name"] == item["name"])
     html = knowing_html(item, content)
-    baseline, width = (percent(entry[key], 2) for key in ("width_without", "width"))
-    assert f"{baseline} wide instead of {width}" in html
+    width_without, width = (percent(entry[key], 2) for key in ("width_without", "width"))
+    assert f"{width_without} wide instead of {width}" in html
     assert item["remedy"] in html
 
 
@@ -65,8 +65,8 @@ def test_no_peak_of_a_long_history_is_lost():
     rng = np.random.default_rng(1)
     time, values = np.arange(100_000.0), rng.normal(size=100_000)
     values[77_777] = 50.0
-    figure, peaks = thin_histories(time, values)
-    assert figure.size < 5000
+    points, peaks = thin_histories(time, values)
+    assert points.size < 5000
     assert peaks.max() == 50.0
-    assert np.all(np.diff(figure) > 0)
+    assert np.all(np.diff(points) > 0)
     assert peaks.min() == values.min()

@@ -28,21 +28,21 @@ def test_a_dropped_file_of_any_layout_gives_the_numbers_of_the_command_line(fold
     assert {channel["channel"] for channel in look.channels} >= {"command", "measured"}
     assert look.refusal == ""
     news = []
-    files = judge(str(uploaded), str(folder.new_place()), {"f": "1", "xi": "0.02"}, news.append)
+    results = judge(str(uploaded), str(folder.new_place()), {"f": "1", "xi": "0.02"}, news.append)
     capsys.readouterr()
     assert run(["assess", str(path), "--f", "1", "--xi", "0.02", "--json", "-"]) == 0
     reference = json.loads(capsys.readouterr().out)
     assert json.loads(json.dumps(news[0].content)) == reference
-    assert json.loads(Path(files.files["Numbers (JSON)"]).read_text(encoding="utf-8")) == reference
+    assert json.loads(Path(results.files["Numbers (JSON)"]).read_text(encoding="utf-8")) == reference
 
 
 @pytest.mark.slow
 def test_an_answer_keeps_its_report_and_files_in_its_folder(folder):
     place = folder.new_place()
-    files = judge(str(SAMPLE), str(place), {"f": 1.0, "xi": 0.02}, lambda _news: None)
+    results = judge(str(SAMPLE), str(place), {"f": 1.0, "xi": 0.02}, lambda _news: None)
     assert sorted(path.name for path in place.iterdir()) == ["corrected.csv", "report.pdf", "verdict.json"]
     assert (place / "report.pdf").read_bytes().startswith(b"%PDF")
-    assert "What to improve" in files.html
+    assert "What to improve" in results.html
 
 
 def test_an_unrecognised_file_lists_its_columns(tmp_path):
@@ -57,9 +57,9 @@ def test_an_unrecognised_file_lists_its_columns(tmp_path):
     assert "first" in look.refusal
     values = tmp_path / "channels.toml"
     values.write_text('[channels.command]\ncolumn = "first"\n[channels.measured]\ncolumn = "second"\n')
-    choices = look_at(str(path), channels=str(values))
-    assert [trace.name for trace in choices.traces] == ["command", "measured"]
-    assert choices.rate == pytest.approx(256.0, rel=1e-6)
+    look_again = look_at(str(path), channels=str(values))
+    assert [trace.name for trace in look_again.traces] == ["command", "measured"]
+    assert look_again.rate == pytest.approx(256.0, rel=1e-6)
 
 
 def test_an_invalid_test_file_is_refused(tmp_path):
@@ -97,7 +97,7 @@ def test_a_frame_takes_the_place_of_f_and_xi_and_its_verdict_is_shown(folder, tm
     path = tmp_path / "two.csv"
     pd.DataFrame({"time_s": time, **displacement, **late}).to_csv(path, index=False)
     news = []
-    files = judge(str(path), str(folder.new_place()), {"structure": str(frame)}, news.append)
+    results = judge(str(path), str(folder.new_place()), {"structure": str(frame)}, news.append)
     assert len(news[0].content["error"]["degrees_of_freedom"]) == 2
     assert interval_html(news[0].content) != ""
-    assert "Report (PDF)" in files.files
+    assert "Report (PDF)" in results.files

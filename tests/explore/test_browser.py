@@ -30,11 +30,11 @@ def address(shipped_ellipses, tmp_path_factory):
 @pytest.fixture
 def page(browser, address):
     browser.get(address)
-    until(browser, "return Boolean(document.documentElement.dataset.ready)")
+    wait_until(browser, "return Boolean(document.documentElement.dataset.ready)")
     return browser
 
 
-def until(browser, question):
+def wait_until(browser, question):
     end = time.monotonic() + PATIENCE
     while not browser.execute_script(question):
         assert time.monotonic() < end, question
@@ -51,9 +51,9 @@ def test_the_page_requests_nothing_and_complains_of_nothing(page, address):
         for entry in page.get_log("performance")
         if (message := json.loads(entry["message"])["message"])["method"] == "Network.requestWillBeSent"
     ]
-    of_browser = ("chrome://", "chrome-untrusted://")  # its own page of a new profile
-    by_page = [row for row in requests if not row["documentURL"].startswith(of_browser)]
-    assert {row["request"]["url"] for row in by_page} == {address}
+    browser_addresses = ("chrome://", "chrome-untrusted://")  # its own page of a new profile
+    page_requests = [row for row in requests if not row["documentURL"].startswith(browser_addresses)]
+    assert {row["request"]["url"] for row in page_requests} == {address}
     assert page.get_log("browser") == []
 
 
@@ -78,14 +78,14 @@ def test_two_criteria_stand_side_by_side(page):
         "return ['region', 'compared']"
         ".map((name) => document.querySelector(`#plane .${name}`).getAttribute('d'))"
     )
-    own_files, compared = page.execute_script(regions)
-    assert own_files != compared
+    own_region, other_region = page.execute_script(regions)
+    assert own_region != other_region
     page.execute_script(
         "const e = document.getElementById('compared'); e.value = 'printed';"
         "e.dispatchEvent(new Event('input', {bubbles: true}))"
     )
-    assert page.execute_script(regions)[1] not in (own_files, compared)
-    until(page, "return document.querySelectorAll('#delay-law .band').length === 1")
+    assert page.execute_script(regions)[1] not in (own_region, other_region)
+    wait_until(page, "return document.querySelectorAll('#delay-law .band').length === 1")
 
 
 @pytest.mark.slow

@@ -43,8 +43,8 @@ def test_no_placeholder_is_left_and_scripts_are_in_order():
     script = bundle_script()
     assert not re.search(r"^(import|export) ", script, flags=re.MULTILINE)
     names = re.findall(r"^const module_(\w+) =", script, flags=re.MULTILINE)
-    for used in re.finditer(r"= module_(\w+);", script):
-        assert script.index(f"const module_{used[1]} =") < used.start()
+    for use in re.finditer(r"= module_(\w+);", script):
+        assert script.index(f"const module_{use[1]} =") < use.start()
     assert len(names) == len(set(names))
 
 
@@ -57,17 +57,17 @@ def test_codes_hold_the_shipped_ellipses(small):
     order = ("threshold", "metric", "side", "f", "xi", "motion")
     protecting = protect_over_lengths(small["record"]).sel(curve="inscribed")
     for half, offset, name in zip(codes.reshape(2, -1), archive_file["offsets"], ("a", "b"), strict=True):
-        decoded = ((half + np.uint32(offset)) << np.uint32(12)).view(np.float32)
+        values = ((half + np.uint32(offset)) << np.uint32(12)).view(np.float32)
         shape = table[name].transpose(*order).shape
         np.testing.assert_allclose(
-            decoded.reshape(shape), protecting[name].transpose(*order).values, rtol=2.5e-4
+            values.reshape(shape), protecting[name].transpose(*order).values, rtol=2.5e-4
         )
 
 
 def test_names_in_the_data_cannot_end_the_script(small):
     hostile = "</script><script>alert(1)</script>"
-    renamed = small["record"].assign_coords(motion=[f"{hostile}{k}" for k in range(100)])
-    page = render(pack({"record": renamed}), Settings(), source=hostile)
+    hostile_record = small["record"].assign_coords(motion=[f"{hostile}{k}" for k in range(100)])
+    page = render(pack({"record": hostile_record}), Settings(), source=hostile)
     assert page.count("<script") == 2
     assert page.count("</script>") == 2
 
@@ -91,9 +91,9 @@ def test_settings_missing_from_the_ellipses_are_refused(small, settings):
 def test_settings_at_the_ends_of_the_ellipses_are_within_them_in_spite_of_rounding(shipped_ellipses):
     archive_file = pack({"record": shipped_ellipses["record"].isel(f=[3, 4], xi=[0])})
     for f in archive_file["frequencies"]:
-        for rounded in (f * (1.0 - 1e-12), f, f * (1.0 + 1e-12)):
-            assert f'"frequency": {rounded}' in render(
-                archive_file, Settings(frequency=rounded), source="a test"
+        for frequency in (f * (1.0 - 1e-12), f, f * (1.0 + 1e-12)):
+            assert f'"frequency": {frequency}' in render(
+                archive_file, Settings(frequency=frequency), source="a test"
             )
     for f in (
         min(archive_file["frequencies"]) * (1.0 - 1e-6),
@@ -104,8 +104,8 @@ def test_settings_at_the_ends_of_the_ellipses_are_within_them_in_spite_of_roundi
 
 
 def test_page_opens_at_a_structure_of_its_ellipses(small):
-    displacement = small["record"].assign_coords(f=[0.4], xi=[0.07])
-    page = render(pack({"record": displacement}), Settings(), source="a test")
+    other_structure = small["record"].assign_coords(f=[0.4], xi=[0.07])
+    page = render(pack({"record": other_structure}), Settings(), source="a test")
     assert '"frequency": 0.4, "dampingRatio": 0.07, "threshold": 0.05' in page
 
 

@@ -120,7 +120,7 @@ def test_a_terminal_shows_the_findings_without_figures(damping_diagnosis):
     print_blocks(findings_in_words(result), LiteralConsole(file=stream, width=400))
     text = " ".join(stream.getvalue().split())
     (effect,) = result.effects
-    for sentences in (
+    for sentence in (
         "Where the model fails",
         f"viscous damping {effect.probability:.3f} damping coefficient",
         "An expression for it is 3 x³; with it 1.20 % of the signal remain",
@@ -128,7 +128,7 @@ def test_a_terminal_shows_the_findings_without_figures(damping_diagnosis):
         "viscous damping yes",
         *result.remarks,
     ):
-        assert sentences in text
+        assert sentence in text
 
 
 def test_a_posterior_without_named_parameters_draws_nothing(damping_diagnosis):
@@ -140,10 +140,10 @@ def test_posterior_with_an_offset_of_the_clocks_is_drawn(monkeypatch):
     """Effects outside the library have parameters, too."""
     late = diagnose(campaign_with(find_effect("cubic_stiffness")(cubic_n_per_m3=3e6), lag=0.02))
     assert {effect.name for effect in late.effects} == {"cubic_stiffness", "clock_offset"}
-    figure = []
+    calls = []
     monkeypatch.setattr(
         "reliab.report.kinds.discrepancy_figures.discrepancy_posterior",
-        lambda names, draws: figure.append((names, draws.shape)),
+        lambda names, draws: calls.append((names, draws.shape)),
     )
     names = ("clock_offset.lag_s", "cubic_stiffness.cubic_n_per_m3")
     for converged in (True, False):
@@ -155,7 +155,7 @@ def test_posterior_with_an_offset_of_the_clocks_is_drawn(monkeypatch):
             converged=converged,
         )
         posterior_figure(late, "specimen", posterior)
-    assert figure == [(["lag [s]", "cubic stiffness [N/m³]"], (5, 2))]
+    assert calls == [(["lag [s]", "cubic stiffness [N/m³]"], (5, 2))]
 
 
 def test_errors_stand_by_test_and_with_and_without_each_effect(damping_diagnosis):

@@ -186,9 +186,9 @@ def test_a_picture_beside_the_working_folder_cannot_be_part_of_a_logo(sent, tmp_
 
 @pytest.mark.parametrize("part", ["report/figure-1.svg", "report/document.json", "report", "manifest.json"])
 def test_a_link_in_the_folder_is_refused(sent, capsys, part):
-    own_files = sent / part
-    elsewhere = own_files.rename(sent.parent / "moved")
-    own_files.symlink_to(elsewhere)
+    part_file = sent / part
+    elsewhere = part_file.rename(sent.parent / "moved")
+    part_file.symlink_to(elsewhere)
     assert "must not contain links" in refuse_folder(sent, capsys)
 
 

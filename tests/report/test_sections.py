@@ -53,7 +53,7 @@ def rates(frequencies=(0.5, 2.0), **levels):
 
 
 def test_the_division_is_told_where_there_is_one():
-    plain, ratio = (
+    plain, divided_section = (
         rates_section(rates(ours=(1.0, (0.8, 0.9))), confidence=0.9, division=division)
         for division in ("", "by region")
     )
@@ -61,11 +61,11 @@ def test_the_division_is_told_where_there_is_one():
     assert plain.label == "sec:coverage"
     assert "Whole earthquakes were held out in turn" in words(plain.blocks)
     assert "Division" not in words(plain.blocks)
-    assert ratio.title == "Put to the test: by region"
-    assert ratio.label == "sec:coverage-by-region"
-    assert "Division: by region" in words(ratio.blocks)
-    assert "Whole earthquakes" not in words(ratio.blocks)
-    labels = [block.label for block in ratio.blocks if isinstance(block, Figure | Table)]
+    assert divided_section.title == "Put to the test: by region"
+    assert divided_section.label == "sec:coverage-by-region"
+    assert "Division: by region" in words(divided_section.blocks)
+    assert "Whole earthquakes" not in words(divided_section.blocks)
+    labels = [block.label for block in divided_section.blocks if isinstance(block, Figure | Table)]
     assert labels == [f"{kind}-by-region" for kind in ("fig:calibration", "fig:by-frequency", "tab:rates")]
 
 
@@ -76,8 +76,8 @@ def test_the_figures_hold_their_criteria():
     assert calibration.leads
     caption = words((calibration.caption,))
     assert "Printed laws state one confidence only" in caption
-    figure = [text.get_text() for text in calibration.drawing.legends[0].get_texts()]
-    assert figure == ["observed as stated", "ours"]
+    legend_texts = [text.get_text() for text in calibration.drawing.legends[0].get_texts()]
+    assert legend_texts == ["observed as stated", "ours"]
     names = [text.get_text() for text in frequency_section.drawing.legends[0].get_texts()]
     assert sorted(names) == ["ours", "printed", "stated 90 %"]
     assert "at a stated 90" in words((frequency_section.caption,))

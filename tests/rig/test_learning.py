@@ -48,8 +48,8 @@ def test_informative_covariate_narrows_the_prediction():
     peaks = rng.normal(size=24)
     values = 2.0 * peaks + 0.1 * rng.normal(size=24)
     peak_record = fit(values, np.arange(24), numbers={"log peak": peaks})
-    options = Covariates(groups={"event": np.array([""])}, numbers={"log peak": np.array([1.0])})
-    mean, spread = peak_record.predict(options)
+    covariates = Covariates(groups={"event": np.array([""])}, numbers={"log peak": np.array([1.0])})
+    mean, spread = peak_record.predict(covariates)
     assert mean[0] == pytest.approx(2.0, abs=0.2)
     assert spread[0] < 0.3
     assert peak_record.log_score > max(peak_record.scores_of_baselines.values())

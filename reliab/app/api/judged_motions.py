@@ -224,17 +224,17 @@ def _keeps(rates: Sequence[tuple[Mapping[str, Any], float]]) -> str:
         "keeps what it states": [],
         "may keep what it states": [],
     }
-    fails, keeps, is_open = phrases
+    broken_promise, kept_promise, open_promise = phrases
     for rate, confidence in rates:
         low, high = (rate[end] if rate[end] is not None else rate["rate"] for end in ("low", "high"))
-        phrase = keeps if low >= confidence else fails if high < confidence else is_open
+        phrase = kept_promise if low >= confidence else broken_promise if high < confidence else open_promise
         phrases[phrase].append(percent(confidence, decimals=0))
     filled_phrases = {phrase: shares for phrase, shares in phrases.items() if shares}
     sentences = [
         phrase if len(filled_phrases) == 1 else f"{phrase} at {', '.join(shares)}"
         for phrase, shares in filled_phrases.items()
     ]
-    if is_open in filled_phrases:
+    if open_promise in filled_phrases:
         sentences[-1] += " (too few earthquakes to tell)"
     return "; it ".join(sentences)
 

@@ -46,14 +46,14 @@ def notice_interruption() -> Iterator[None]:
     Compilers call Python back. What is raised there is lost, and they go on with half of their work or fail
     for a reason of their own. A Ctrl-C that was lost is repeated.
     """
-    is_pressed = threading.Event()
+    ctrl_c = threading.Event()
     is_main_thread = threading.current_thread() is threading.main_thread()
     if not is_main_thread or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
         yield
         return
 
     def press(number: int, frame: "FrameType | None") -> None:
-        is_pressed.set()
+        ctrl_c.set()
         signal.default_int_handler(number, frame)
 
     previous_hook = sys.unraisablehook
@@ -71,7 +71,7 @@ def notice_interruption() -> Iterator[None]:
     try:
         yield
     except Exception:
-        if is_pressed.is_set():
+        if ctrl_c.is_set():
             raise SystemExit(INTERRUPTED) from None
         raise
     finally:

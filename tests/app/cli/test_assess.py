@@ -59,7 +59,7 @@ def test_good_test_is_reliable_and_says_so(folder):
     output = run(folder / "good.csv", *ONE_HERTZ, "--exact", "--details").stdout
     assert output.startswith("RELIABLE: RMS error ")
     assert "more than 99 % likely to be below 5 %" in output
-    for sentences in (
+    for sentence in (
         "Structure: f = 1 Hz, ξ = 0.02, share of the stiffness in the laboratory α = 1",
         "Threshold and window: 5 %, over the test's own 40 s",
         "root mean square and largest value of measured minus exact displacement",
@@ -67,7 +67,7 @@ def test_good_test_is_reliable_and_says_so(folder):
         "Largest tracking error over the command's peak",
         "Channels: command = 'command_m'",
     ):
-        assert sentences in " ".join(output.split())
+        assert sentence in " ".join(output.split())
 
 
 @pytest.mark.default_cases(1)

@@ -236,9 +236,14 @@ def test_unconverged_posterior_warns_and_exits_unfinished(tmp_path):
     assert posterior["complaints"]
     assert {"r_hat", "bulk_size", "tail_size", "autocorrelation_time"} <= set(posterior["parameters"][0])
     assert not out.exists()
-    figure = {path.name for path in figures.iterdir()}
-    assert figure == set(output["figures"])
-    assert {"traces_rms0.05.svg", "ranks_rms0.05.svg", "pairs_rms0.05.svg", "posterior_rms0.05.nc"} <= figure
+    figure_names = {path.name for path in figures.iterdir()}
+    assert figure_names == set(output["figures"])
+    assert {
+        "traces_rms0.05.svg",
+        "ranks_rms0.05.svg",
+        "pairs_rms0.05.svg",
+        "posterior_rms0.05.nc",
+    } <= figure_names
     cells = run_short_chain().stdout
     assert "THIS POSTERIOR HAS NOT CONVERGED" in cells
     assert "autocorrelation time" in cells

@@ -121,8 +121,8 @@ def test_two_like_actuators_have_the_criterion_and_the_rig_of_one(records, tmp_p
     assert first["frame"]["erring_actuator"] == 1
     assert "cross_coupling" not in first
     # a motion by the other one's command, which is the same here, is a gain error
-    (empty_figure, limit), (second, _) = second_answer["cross_coupling"]["limits"]
-    assert empty_figure is None
+    (own_coupling, limit), (second, _) = second_answer["cross_coupling"]["limits"]
+    assert own_coupling is None
     assert limit == pytest.approx(second)
     assert limit == pytest.approx(item["criteria"][0]["amplitude_limit"], rel=0.1)
     arguments = ("--motions", records, "--structure", tmp_path / "two.toml", "--actuator", "1")

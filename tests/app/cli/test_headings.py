@@ -16,15 +16,15 @@ from reliab.report import terminal
 @pytest.fixture
 def tables(monkeypatch):
     """Tables that were printed, by their titles: headings with how they stand, and rows."""
-    calls, make = {}, terminal.rich_table
+    tables_by_title, make = {}, terminal.rich_table
 
     def rich_table(table):
         output = make(table)
-        calls.setdefault(table.caption or f"table {len(calls)}", output)
+        tables_by_title.setdefault(table.caption or f"table {len(tables_by_title)}", output)
         return output
 
     monkeypatch.setattr(terminal, "rich_table", rich_table)
-    return calls
+    return tables_by_title
 
 
 def cells(table):

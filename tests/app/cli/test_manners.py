@@ -33,12 +33,12 @@ def test_example_is_printed_by_the_help_and_understood(name, capsys):
 
 def command_texts(command, path=()):
     """Each command and group with its path, and every text that its help is made of."""
-    own_files = [
+    texts = [
         command.help,
         *(getattr(parameter, "help", None) for parameter in command.params),
         command.epilog,
     ]
-    yield path, [text for text in own_files if text]
+    yield path, [text for text in texts if text]
     for name, inner in getattr(command, "commands", {}).items():
         yield from command_texts(inner, (*path, name))
 

@@ -544,18 +544,18 @@ def test_several_actuators_are_followed_as_they_are_assessed(two_actuator_test, 
     assert run(["monitor", str(two_actuator_test), *arguments, "--json", "-"]) == 0
     end = messages(capsys.readouterr().out)[-1]
     content = reliab.assess(two_actuator_test, TWO_ACTUATORS, threshold=0.9).to_dict()["error"]
-    updates = end["error"]
-    assert updates["governing"] == content["governing"] == end["governing"]
-    assert updates["rms"] == content["rms"]
-    assert updates["probability"] == content["probability"]
-    for name, degree in updates["degrees_of_freedom"].items():
+    error = end["error"]
+    assert error["governing"] == content["governing"] == end["governing"]
+    assert error["rms"] == content["rms"]
+    assert error["probability"] == content["probability"]
+    for name, degree in error["degrees_of_freedom"].items():
         reference = content["degrees_of_freedom"][name]
         assert {key: degree[key] for key in ("judged", "rms", "mte", "probability")} == {
             key: reference[key] for key in ("judged", "rms", "mte", "probability")
         }
         assert end["degrees_of_freedom"][name]["rms"] == pytest.approx(degree["rms"]["value"], rel=0.1)
     assert run(["monitor", str(two_actuator_test), *arguments]) == 0
-    assert f"RMS of {updates['governing']}" in capsys.readouterr().out
+    assert f"RMS of {error['governing']}" in capsys.readouterr().out
 
 
 @pytest.mark.slow
@@ -592,7 +592,7 @@ def test_another_zero_does_not_hide_an_error(good, tmp_path):
 def test_an_offset_felt_by_the_loop_is_no_other_zero(good, tmp_path):
     names, *rows = good.read_text(encoding="utf-8").splitlines()
     path = tmp_path / "felt.csv"
-    displacement = np.loadtxt(rows, delimiter=",") + np.array([0.0, -0.2, 0.0])
-    np.savetxt(path, displacement, delimiter=",", header=names, comments="", fmt="%.12g")
+    offset_rows = np.loadtxt(rows, delimiter=",") + np.array([0.0, -0.2, 0.0])
+    np.savetxt(path, offset_rows, delimiter=",", header=names, comments="", fmt="%.12g")
     *_, end = follow_test(path, f=1.0, xi=0.05, wait=0.1)
     assert end.kind == "end"

@@ -109,8 +109,8 @@ def test_sets_are_chosen_by_name(folder: Path) -> None:
     assert [row["motion"] for row in json.loads(run("list", folder, "--json", "-").stdout)["motions"]] == [
         "a"
     ]
-    choices = run("list", folder, "--sets", "near", "--sets", "held_out", "--json", "-")
-    assert [row["motion"] for row in json.loads(choices.stdout)["motions"]] == ["a", "b"]
+    result = run("list", folder, "--sets", "near", "--sets", "held_out", "--json", "-")
+    assert [row["motion"] for row in json.loads(result.stdout)["motions"]] == ["a", "b"]
 
 
 def test_a_missing_source_is_bad_input() -> None:
@@ -190,9 +190,9 @@ def test_import_does_not_overwrite(folder: Path) -> None:
 def test_synthesize_writes_a_suite_of_its_own(tmp_path: Path) -> None:
     assert run("synthesize", "--out", tmp_path / "a", "--count", 4).exit_code == 0
     assert run("synthesize", "--out", tmp_path / "b", "--count", 4, "--seed", 7).exit_code == 0
-    item, second = load_motions(tmp_path / "a"), load_motions(tmp_path / "b")
-    assert len(item) == len(second) == 4
-    assert {motion.checksum for motion in item}.isdisjoint(motion.checksum for motion in second)
+    first, second = load_motions(tmp_path / "a"), load_motions(tmp_path / "b")
+    assert len(first) == len(second) == 4
+    assert {motion.checksum for motion in first}.isdisjoint(motion.checksum for motion in second)
 
 
 def test_the_real_records_are_sound(real_motions_folder: Path) -> None:

@@ -99,9 +99,9 @@ def test_tests_are_judged_and_followed_whatever_their_files_are_called(tmp_path,
     path = tmp_path / f"{name.replace('/', '_')}.csv"
     path.write_bytes(campaign()[0]["a.csv"])
     assert run(["assess", str(path), "--f", "1", "--xi", "0.05"]) == 0
-    second_run = path.with_stem(f"{path.stem} again")
-    second_run.write_bytes(path.read_bytes())
-    assert run(["assess", str(path), str(second_run), "--f", "1", "--xi", "0.05"]) == 0
+    path_again = path.with_stem(f"{path.stem} again")
+    path_again.write_bytes(path.read_bytes())
+    assert run(["assess", str(path), str(path_again), "--f", "1", "--xi", "0.05"]) == 0
     run(["monitor", str(path), "--f", "1", "--xi", "0.05", "--wait", "0.05"])
     text = "".join(capsys.readouterr())
     assert not set(text) & set("\x1b\x07\x08\r\x9b\u202e\u2066\u2028")

@@ -43,9 +43,9 @@ def line_of(impatient, capsys):
 
 def work(pieces, seconds, what="Simulating"):
     with progress_bar(what) as progress:
-        for process in range(1, pieces + 1):
+        for count in range(1, pieces + 1):
             time.sleep(seconds)
-            progress(process, pieces)
+            progress(count, pieces)
 
 
 def test_long_work_states_the_remaining_time(line_of):

@@ -25,13 +25,13 @@ def test_samples_are_written_once_and_kept(empty_folder):
 
 
 def test_a_file_of_another_content_is_not_written_over(empty_folder, capsys):
-    own_files = empty_folder / TEST
-    own_files.parent.mkdir(parents=True)
-    own_files.write_text("my test", encoding="utf-8")
+    sample_file = empty_folder / TEST
+    sample_file.parent.mkdir(parents=True)
+    sample_file.write_text("my test", encoding="utf-8")
     assert run(["samples"]) == 2
     assert "nothing was written" in capsys.readouterr().err
-    assert [path for path in empty_folder.rglob("*") if path.is_file()] == [own_files]
-    assert own_files.read_text(encoding="utf-8") == "my test"
+    assert [path for path in empty_folder.rglob("*") if path.is_file()] == [sample_file]
+    assert sample_file.read_text(encoding="utf-8") == "my test"
 
 
 def test_an_unwritable_folder_is_named(empty_folder, capsys):

@@ -117,7 +117,7 @@ def test_the_object(case):
 
 @pytest.mark.parametrize("criterion", ["that ships", "of the motion"])
 def test_the_verdict(case, criterion, capsys):
-    own_files = () if criterion == "that ships" else ("--criterion", case.folder / "criterion.json")
+    criterion_options = () if criterion == "that ships" else ("--criterion", case.folder / "criterion.json")
     content = json.loads(
         output_of(
             capsys,
@@ -130,7 +130,7 @@ def test_the_verdict(case, criterion, capsys):
             "--json",
             "-",
             "--exact",
-            *own_files,
+            *criterion_options,
         )
     )
     if criterion == "that ships":

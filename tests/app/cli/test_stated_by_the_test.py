@@ -47,16 +47,16 @@ def delay_of_rig(files: list[Path], channels: Path | None) -> float:
 def test_the_header_of_a_test_goes_before_the_file_of_the_laboratory(tmp_path, ask):
     channels = tmp_path / "channels.toml"
     channels.write_text(CALIBRATION, encoding="utf-8")
-    plain, updates = (
+    plain, corrected = (
         [tmp_path / f"{len(header)} {name}" for name in ("first.csv", "second.csv")]
         for header in ("", HEADER)
     )
     for number, frame in enumerate(runs_of(3)[0]):
         rows = frame[frame["time_s"] < SECONDS].to_csv(index=False)
         plain[number].write_text(rows, encoding="utf-8")
-        updates[number].write_text(HEADER + rows, encoding="utf-8")
-    error = ask(updates, channels)
-    assert error == pytest.approx(ask(updates, None), rel=0.005)  # a calibration says more of the filters
+        corrected[number].write_text(HEADER + rows, encoding="utf-8")
+    error = ask(corrected, channels)
+    assert error == pytest.approx(ask(corrected, None), rel=0.005)  # a calibration says more of the filters
     assert error != pytest.approx(ask(plain, channels), rel=0.05)
 
 
@@ -69,32 +69,32 @@ def filtered_test(tmp_path):
     frame = runs_of(1)[0][0]
     frame = frame[frame["time_s"] < SECONDS]
     name = next(name for name in frame.columns if name.startswith("measured"))
-    calls = LowPass(corner=30.0).apply(frame[name].to_numpy(), float(frame["time_s"].diff().iloc[1]))
+    smooth = LowPass(corner=30.0).apply(frame[name].to_numpy(), float(frame["time_s"].diff().iloc[1]))
     (tmp_path / "channels.toml").write_text(FILTERS, encoding="utf-8")
-    frame.assign(**{name: calls}).to_csv(tmp_path / "test.csv", index=False)
+    frame.assign(**{name: smooth}).to_csv(tmp_path / "test.csv", index=False)
     return frame, tmp_path / "test.csv", tmp_path / "channels.toml"
 
 
 def test_a_filter_of_the_laboratory_is_taken_off(filtered_test):
     plain, file, channels = filtered_test
-    true, late_file, updates = (
+    true, filtered_error, corrected_error = (
         reliab.assess(test, **STRUCTURE, channels=values, exact=True).error.rebuilt.rms.value
         for test, values in ((plain, None), (file, None), (file, channels))
     )
-    assert updates == pytest.approx(true, rel=0.02)
-    assert late_file != pytest.approx(true, rel=0.05)
+    assert corrected_error == pytest.approx(true, rel=0.02)
+    assert filtered_error != pytest.approx(true, rel=0.05)
     assessment = reliab.assess(file, **STRUCTURE, filter=["measured=30"], exact=True).error.rebuilt.rms.value
-    assert updates == assessment
+    assert corrected_error == assessment
 
 
 def test_a_laboratory_filter_widens_the_running_interval(filtered_test):
     _, file, channels = filtered_test
-    single, updates = (
+    narrow, wide = (
         reliab.follow_test(file, **STRUCTURE, channels=values, exact=True, every=60.0, wait=0.05)
         for values in (None, channels)
     )
     widths = [
-        end["high"] - end["low"] for *_, last in (single, updates) for end in [last.to_dict()["error"]["rms"]]
+        end["high"] - end["low"] for *_, last in (narrow, wide) for end in [last.to_dict()["error"]["rms"]]
     ]
     assert widths[1] > 2.0 * widths[0]
 

@@ -188,15 +188,15 @@ def test_own_motions_are_judged_by_the_shipped_suite(tmp_path):
     path.write_text(
         path.read_text(encoding="utf-8").replace("SYN001,", "KOBE JAPAN 1995-01-16,"), encoding="utf-8"
     )
-    own_files = (
+    base_arguments = (
         *("--motions", tmp_path / "suite", "--learn", "real_suite"),
         *("--confidence", 0.8, "--law", "table", "--trials", 64),
     )
-    output, result = run_both(tmp_path, *own_files)
+    output, result = run_both(tmp_path, *base_arguments)
     assert result["scheme"] == "learned from real_suite"
     assert result["truth"] == "simulated"
     assert result["n_of_learned_earthquakes"] == 2  # both components of the earthquake that is called Kobe's
     assert sum(result["rows"][0]["confusion"].values()) == 4 * 64
     assert "2 of the motions are of earthquakes that the suite holds" in output
     for idle in (("--judge", "synthetic"), ("--scheme", "k_fold")):
-        assert isinstance(run(*own_files, *idle).exception, InputError)
+        assert isinstance(run(*base_arguments, *idle).exception, InputError)

@@ -42,14 +42,14 @@ def test_containment_has_a_margin_but_no_more_than_there_is():
 
 
 def test_constant_tracking_has_some_height():
-    f, equal = np.linspace(0.5, 5.0, 10), np.ones(10)
+    f, ones = np.linspace(0.5, 5.0, 10), np.ones(10)
     tracking = TrackingOverFrequency(
         frequency=f,
-        amplitude=1.2 * equal,
-        delay=0.0 * equal,
-        amplitude_deviation=0.01 * equal,
-        delay_deviation=1e-4 * equal,
-        coherence=equal,
+        amplitude=1.2 * ones,
+        delay=0.0 * ones,
+        amplitude_deviation=0.01 * ones,
+        delay_deviation=1e-4 * ones,
+        coherence=ones,
     )
     figure = amplitude_and_delay_over_frequency(tracking, amplitude=1.2, delay=0.0, modes=[])
     gain, delay = (place.get_ylim() for place in figure.axes)

@@ -107,8 +107,8 @@ def texts_of(place):
 def sample():
     random = np.random.default_rng(5)
     shared = random.normal(size=(2, 8))[:, np.repeat(np.arange(8), 4)]
-    own_files = random.normal(size=(2, 32))
-    a, b = np.exp([[-8.0], [1.0]] + 0.4 * shared + 0.2 * own_files)
+    individual = random.normal(size=(2, 32))
+    a, b = np.exp([[-8.0], [1.0]] + 0.4 * shared + 0.2 * individual)
     events = np.repeat([f"event {k}" for k in range(8)], 4)
     return EllipseSample(
         a=a,
@@ -663,14 +663,14 @@ def test_measured_history_stands_above_both_residuals():
     values = {name: np.sin(time + k) for k, name in enumerate(("driven", "measured", "before", "after"))}
     labels = {"input_label": "command [mm]", "label": "force [N]", "residual_label": "Residual [N]"}
     figure = discrepancy.discrepancy_histories(discrepancy.ModelledHistory(time=time, **values, **labels))
-    upper, extra, lower, last = figure.axes
+    upper, middle, lower, last = figure.axes
     assert legend(figure) == ["measured", "residual before", "after"]
-    for x, measured, left in ((time, upper, lower), (values["driven"], extra, last)):
+    for x, measured, left in ((time, upper, lower), (values["driven"], middle, last)):
         np.testing.assert_allclose(curve(measured, "measured"), (x[::2], values["measured"][::2]))
         np.testing.assert_allclose(curve(left, "residual before"), (x[::2], values["before"][::2]))
         np.testing.assert_allclose(curve(left, "after"), (x[::2], values["after"][::2]))
     assert names(figure) == [("", "force [N]"), ("", ""), ("Time [s]", "Residual [N]"), ("command [mm]", "")]
-    assert not any(label.get_visible() for place in (upper, extra) for label in place.get_xticklabels())
+    assert not any(label.get_visible() for place in (upper, middle) for label in place.get_xticklabels())
 
 
 def test_densities_and_contours_of_a_posterior():

@@ -51,9 +51,9 @@ def test_any_grid_of_structures(ellipses_of, text_of, frequencies, damping_ratio
 def test_the_verdict_states_the_limits_of_the_first_criterion(ellipses_of):
     document, (first, *_) = report(ellipses_of())
     a, b = (float(limit) for limit in first.limits(1.0, 0.02))
-    values = words(document.verdict)
-    assert f"{100 * np.sqrt(a):.2g} %" in values
-    assert f"{np.sqrt(b):.2f} ms" in values
+    verdict_text = words(document.verdict)
+    assert f"{100 * np.sqrt(a):.2g} %" in verdict_text
+    assert f"{np.sqrt(b):.2f} ms" in verdict_text
 
 
 @pytest.mark.default_cases(1)

@@ -167,14 +167,14 @@ def _containing(result: ReportedCriteria) -> int:
 
 def _criteria_without_promise(result: ReportedCriteria) -> str:
     """Say for which criteria the motions are too few."""
-    names = [
+    empty_criteria = [
         criterion
         for criterion in result.criteria
         if not all(np.min(limit) > 0.0 for limit in result.evaluate_on_grid(criterion))
     ]
-    if not names:
+    if not empty_criteria:
         return ""
-    shares = ", ".join(sorted({percent(criterion.confidence) for criterion in names}))
+    shares = ", ".join(sorted({percent(criterion.confidence) for criterion in empty_criteria}))
     return (
         f"The motions are too few for the promise at {shares}; the limits are zero there and no test is "
         "accepted."
