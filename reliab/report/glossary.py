@@ -75,10 +75,7 @@ TERMS: Final = (
     Term(
         name="rebuilt error",
         pattern=r"\brebuilt\b",
-        meaning=prose(
-            "Error of a test computed from its own command and measured displacement, with the structure "
-            "taken as stated."
-        ),
+        meaning=prose("Error of a test, computed from its own channels."),
     ),
     Term(
         name=prose('RMS error $"RMS"^R$, largest error $"MTE"^R$'),
