@@ -8,8 +8,8 @@ import pytest
 from scipy.io import savemat
 
 from reliab.assessment.assess import assess
+from reliab.assessment.monitor import Monitor
 from reliab.assessment.rebuilt_error.rebuild import rebuild
-from reliab.assessment.rebuilt_error.running_error import Monitor
 from reliab.assessment.rebuilt_error.size import LARGEST_DRAW_SIZE
 from reliab.core.errors import InputError
 from reliab.core.files import LIMITS, require_small
@@ -192,7 +192,7 @@ def test_a_running_test_of_any_length_takes_the_memory_of_two_stretches(rest):
     for first in range(0, command.size, 3000):
         monitor.feed(command[first : first + 3000], 0.99 * command[first : first + 3000])
         assert monitor._running.kept_samples <= 2 * stretch  # noqa: SLF001
-        assert monitor._running._table.shape[1] <= 4 * stretch  # noqa: SLF001
+        assert monitor._running._table.shape[2] <= 4 * stretch  # noqa: SLF001
     assert monitor.now.samples == command.size
 
 

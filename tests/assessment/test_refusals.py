@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from reliab.assessment.monitor import Monitor
 from reliab.assessment.rebuilt_error.nonlinear_reference import tangent_structure
 from reliab.assessment.rebuilt_error.readings import delay_history
-from reliab.assessment.rebuilt_error.running_error import Monitor
 from reliab.core.errors import InputError
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.structures.specimen import Specimen

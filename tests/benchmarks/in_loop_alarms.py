@@ -24,7 +24,7 @@ import pandas as pd
 import scipy.linalg
 from monitor import DIVERGING, LARGE, RATE, STABLE, STOPPED, THRESHOLD, cases as cases_of_one_degree, effect
 
-from reliab.assessment.rebuilt_error.running_error import Monitor
+from reliab.assessment.monitor import Monitor
 from reliab.core.arrays import Array
 from reliab.core.compiled import compiled
 from reliab.effects.effect import Effect, Role

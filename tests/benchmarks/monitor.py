@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from reliab.assessment.rebuilt_error.running_error import Monitor
+from reliab.assessment.monitor import Monitor
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.effects.effect import Effect
 from reliab.effects.registry import find_effect

@@ -20,7 +20,7 @@ import numpy as np
 import pandas as pd
 from in_loop_alarms import LARGE, RATE, STOPPED, THRESHOLD, frame_case
 
-from reliab.assessment.coupled_error.monitor import CoupledMonitor
+from reliab.assessment.monitor import Monitor
 from reliab.core.arrays import Array
 from reliab.motions.motion import Motion, resample
 from reliab.motions.synthetic.suite import synthetic_suite
@@ -41,7 +41,7 @@ class Followed:
 
     kind: str
     diverges: bool
-    monitor: CoupledMonitor
+    monitor: Monitor
     command: Array
     measured: Array
     ideal: Array
@@ -59,7 +59,7 @@ def of_benchmark(number: int, diverges: bool, motion: Motion, rng: np.random.Gen
         Followed(
             kind="multi-axial benchmark",
             diverges=diverges,
-            monitor=CoupledMonitor(
+            monitor=Monitor(
                 structure.benchmark_partition(),
                 1.0 / RATE_OF_BENCHMARK,
                 recursion=outcomes.own_recursion(),
@@ -90,7 +90,7 @@ def of_frame(number: int, diverges: bool, motion: Motion, rng: np.random.Generat
     return Followed(
         kind="frame",
         diverges=diverges,
-        monitor=CoupledMonitor(case.monitor.linear, 1.0 / RATE),
+        monitor=Monitor(case.monitor.linear, 1.0 / RATE),
         command=case.command,
         measured=case.measured,
         ideal=case.ideal,

@@ -39,10 +39,10 @@ sys.path.insert(0, str(ROOT / "tests/assessment"))
 from rebuilt_error import laboratory as lab  # noqa: E402
 
 from reliab.assessment.assess import assess  # noqa: E402
+from reliab.assessment.monitor import Monitor  # noqa: E402
 from reliab.assessment.rebuilt_error.interval import sweep  # noqa: E402
 from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_with_specimen  # noqa: E402
 from reliab.assessment.rebuilt_error.rebuild import RebuiltError, rebuild  # noqa: E402
-from reliab.assessment.rebuilt_error.running_error import Monitor  # noqa: E402
 from reliab.assessment.rebuilt_error.specimen_check import examine_specimen  # noqa: E402
 from reliab.assessment.rebuilt_error.spread import Spread  # noqa: E402
 from reliab.assessment.rebuilt_error.tolerances import Tolerances  # noqa: E402

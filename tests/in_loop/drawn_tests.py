@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from reliab.assessment.monitor import Monitor
 from reliab.assessment.rebuilt_error.readings import delay_history
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
-from reliab.assessment.rebuilt_error.running_error import Monitor
 from reliab.effects.effect import Role
 from reliab.effects.registry import find_effect, library
 from reliab.in_loop.sources import LoopMonitor

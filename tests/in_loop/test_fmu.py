@@ -8,7 +8,7 @@ import pytest
 from compiled_monitor import UNSTABLE, build, follow
 
 from reliab.app.api.in_loop import export_monitor
-from reliab.assessment.rebuilt_error.running_error import Monitor
+from reliab.assessment.monitor import Monitor
 from reliab.core.errors import InputError
 from reliab.core.shipped import shipped
 from reliab.effects.registry import find_effect

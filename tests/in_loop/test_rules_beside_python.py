@@ -5,7 +5,7 @@ import pytest
 from compiled_monitor import ERROR, build, follow, needs_compiler
 
 from reliab.app.api.in_loop import export_monitor
-from reliab.assessment.rebuilt_error.running_error import Monitor
+from reliab.assessment.monitor import Monitor
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.structures.structure import Structure
 

@@ -6,7 +6,7 @@ from compiled_monitor import FAULT, STRICT, UNSTABLE, build, compare, follow, ne
 from drawn_tests import draw_single_degree, random_test
 
 from reliab.app.api.in_loop import export_monitor
-from reliab.assessment.rebuilt_error.running_error import Monitor
+from reliab.assessment.monitor import Monitor
 from reliab.core.errors import InputError
 from reliab.core.shipped import shipped
 from reliab.simulation.hybrid_test.closed_loop import run_closed_loop

@@ -7,7 +7,7 @@ from drawn_tests import EFFECT_NAMES, draw_model, nonlinear_test
 
 from reliab.app.api.following import follow_test
 from reliab.app.api.in_loop import export_monitor
-from reliab.assessment.rebuilt_error.running_error import Monitor
+from reliab.assessment.monitor import Monitor
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import Block
 from reliab.effects.effect import Role, SteppedEffect

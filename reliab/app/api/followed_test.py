@@ -20,15 +20,14 @@ from reliab.assessment.budget.sizes import (
     tolerances_of,
 )
 from reliab.assessment.coupled_error.coupled_error import CoupledError
-from reliab.assessment.coupled_error.monitor import CoupledMonitor
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.error_with_threshold import plain_errors
 from reliab.assessment.measured_specimen.force_channel import ForceChannel
 from reliab.assessment.measured_specimen.monitor import MeasuredMonitor, StatedForce
+from reliab.assessment.monitor import Monitor
 from reliab.assessment.plausibility import RunningSign
 from reliab.assessment.rebuilt_error.loop_energy import FALSE_ALARMS
 from reliab.assessment.rebuilt_error.rebuild import DRAWS
-from reliab.assessment.rebuilt_error.running_error import Monitor
 from reliab.assessment.rebuilt_error.running_test import FALSE_ERROR_ALARMS
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.verdict import Word, error_in_words, word_of_probability
@@ -55,7 +54,7 @@ if TYPE_CHECKING:
     from reliab.assessment.assess import AnyAssessment
 
 
-AnyMonitor = Monitor | MeasuredMonitor | CoupledMonitor
+AnyMonitor = Monitor | MeasuredMonitor
 
 _MILLISECONDS = 1e-3
 _CELLS = re.compile(rb"[^\s,;]+")
@@ -189,17 +188,15 @@ class FollowedTest:
         structure, lag = structure_of(self.values), self.values["feedback_lag"].value * _MILLISECONDS
         tolerances = self._tolerances(structure, step)
         assessed_structure = structure if self.frame is None else self.frame.partition
-        if self.frame is not None and self.frame.has_several:
-            return CoupledMonitor(
-                self.frame.partition,
+        if self.force_channel is None:
+            return Monitor(
+                self.model or assessed_structure,
                 step,
-                to_interface=self.frame.to_interface,
+                to_interface=None if self.frame is None else self.frame.to_interface,
                 feedback_lag=lag,
                 tolerances=tolerances,
                 metric=self.metric,
             )
-        if self.force_channel is None:
-            return Monitor(self.model or assessed_structure, step, feedback_lag=lag, tolerances=tolerances)
         mass = self.values.get("mass")
         return MeasuredMonitor(
             whole_structure(assessed_structure)
@@ -402,7 +399,7 @@ class FollowedTest:
 
 def _values_of_monitor(monitor: AnyMonitor) -> dict[str, Any]:
     """Give errors of several displacements so far, or how far a measured specimen is learned."""
-    if isinstance(monitor, CoupledMonitor):
+    if isinstance(monitor, Monitor) and len(monitor.displacements) > 1:
         errors = {
             name: {"error_m": now.error, "rms": now.rms, "mte": now.mte, "judged": name in monitor.judged}
             for name, now in monitor.displacements.items()

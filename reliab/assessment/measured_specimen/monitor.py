@@ -14,7 +14,7 @@ from reliab.assessment.measured_specimen.force_channel import ForceChannel
 from reliab.assessment.measured_specimen.rebuild import MeasuredSpecimen, rebuild_with_force
 from reliab.assessment.rebuilt_error.noise import is_lost_in_noise
 from reliab.assessment.rebuilt_error.rebuild import RebuiltError
-from reliab.assessment.rebuilt_error.running_test import Now, RunningTest, require_readings
+from reliab.assessment.rebuilt_error.running_test import Now, RunningSums, RunningTest, require_readings
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
@@ -89,15 +89,12 @@ class MeasuredMonitor(RunningTest):
             near_instability=self._energy.near_instability,
         )
 
-    @property
-    def _calm(self) -> float:
+    def _calm(self, name: str) -> float:  # noqa: ARG002 - of the only displacement
         if self._known is None:
             return 0.0
-        peaks, doublings, level = np.maximum.accumulate(np.abs(self._known.reference)), 0, 0.0
-        while peaks[-1] > 2.0 * level:
-            doublings = int(np.argmax(peaks > 2.0 * level))
-            level = float(peaks[doublings])
-        return float((peaks.size - 1 - doublings) * self.time_step)
+        sums = RunningSums()
+        sums.add(np.zeros_like(self._known.reference), self._known.reference)
+        return sums.calm * self.time_step
 
     def ask(self, *, at_end: bool = False) -> RebuiltError | None:
         """Learn the specimen from all samples so far, and compute the error; None while it is not learned.
@@ -112,6 +109,7 @@ class MeasuredMonitor(RunningTest):
         command, measured_displacement, _ = self._parts[0]
         self._conclude(
             error,
+            {} if error is None else {"": error},
             lost_in_noise=error is not None
             and is_lost_in_noise(command - measured_displacement, float(np.abs(error.reference).max())),
         )

@@ -21,7 +21,8 @@ Further tools:
 
 - :func:`examine_specimen`: whether the force shows a nonlinear specimen;
 - :func:`rebuild_with_specimen`: the error of a test whose specimen is nonlinear and has a calibrated model;
-- :class:`Monitor`: the same numbers while the test runs, and the damping that the actuator leaves.
+- `reliab.assessment.monitor.Monitor`: the same numbers while the test runs, and the damping that the
+  actuator leaves.
 
 What is assumed: the structure is linear with the stated properties (or its specimen has a model), the command
 solves its equation of motion, and the fed-back force is that of the piston's true displacement, without the

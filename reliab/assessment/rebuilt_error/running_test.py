@@ -10,7 +10,7 @@ a rest before it, no error is stated: it would be that of the noise.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
@@ -112,6 +112,15 @@ class RunningResponse:
         self._state = np.zeros(recursion.order) if state is None else np.array(state, dtype=np.float64)
         self._last = np.zeros((recursion.early.shape[1], 0))
 
+    @classmethod
+    def sum_of(cls, responses: "Sequence[RunningResponse]", weights: Sequence[float]) -> "RunningResponse":
+        """Continue the weighted sum of responses of one recursion at their last sample."""
+        pairs = [(weight, vars(one)) for one, weight in zip(responses, weights, strict=True) if weight]
+        total = cls(pairs[0][1]["_recursion"])
+        total._state = np.asarray(sum(weight * one["_state"] for weight, one in pairs))
+        total._last = np.asarray(sum(weight * one["_last"] for weight, one in pairs))
+        return total
+
     def follow(self, inputs: Array) -> Array:
         """Return outputs to the next inputs, shape (p, k), shape (outputs, k)."""
         earlier_size = self._last.shape[1]
@@ -175,7 +184,8 @@ class RunningTest(ABC):
         self._energy = LoopEnergy(select_modes(structure, time_step, skew))
         self._asked = 0
         self._result: ErrorWithInterval | None = None
-        self._low = dict.fromkeys(Metric, 0.0)
+        # Low end of the last interval over the error at that time, by displacement and metric [-]
+        self._lows: dict[str, dict[Metric, float]] = {}
         self._lost = False
 
     @property
@@ -201,9 +211,13 @@ class RunningTest(ABC):
         )
 
     @property
+    def displacements(self) -> Mapping[str, Now]:
+        """What is known of each interface displacement at the last sample, by name."""
+        return {"": self.now}
+
     @abstractmethod
-    def _calm(self) -> float:
-        """Time for which the peak of the exact response has not doubled [s]."""
+    def _calm(self, name: str) -> float:
+        """Time for which the peak of the exact response of a displacement has not doubled [s]."""
 
     @property
     def gains_energy_since(self) -> float | None:
@@ -235,8 +249,8 @@ class RunningTest(ABC):
 
     def _lowest_so_far(self, metric: Metric) -> Iterator[tuple[float, float]]:
         """Time for which a peak has not doubled [s] and low end of the error so far, of each displacement."""
-        if self._low[metric] > 0.0:
-            yield self._calm, self._low[metric] * (self.now.size(metric) or 0.0)
+        for name, lows in self._lows.items():
+            yield self._calm(name), lows[metric] * (self.displacements[name].size(metric) or 0.0)
 
     @property
     def is_whole(self) -> bool:
@@ -256,11 +270,24 @@ class RunningTest(ABC):
         growth = self.growth_in_noise if self._lost else self.growth
         return self._energy.moves and new_samples >= max(least, int(growth * self._asked))
 
-    def _conclude(self, error: ErrorWithInterval | None, *, lost_in_noise: bool = False) -> None:
-        """Keep an error that was computed from all samples so far; None where it is not known."""
-        error = None if lost_in_noise else error
-        self._asked, self._result, self._lost = self.samples, error, lost_in_noise
-        now = self.now
-        for metric in Metric:
-            so_far = now.size(metric)
-            self._low[metric] = error.estimate(metric).low / so_far if error is not None and so_far else 0.0
+    def _conclude(
+        self,
+        error: ErrorWithInterval | None,
+        by_displacement: Mapping[str, ErrorWithInterval],
+        *,
+        lost_in_noise: bool = False,
+    ) -> None:
+        """Keep an error that was computed from all samples so far; None where it is not known.
+
+        `by_displacement`: the same of each displacement that is judged.
+        """
+        self._result = None if lost_in_noise else error
+        self._asked, self._lost, so_far = self.samples, lost_in_noise, self.displacements
+        self._lows = {
+            name: {
+                metric: degree.estimate(metric).low / (so_far[name].size(metric) or np.inf)
+                for metric in Metric
+            }
+            for name, degree in by_displacement.items()
+            if self._result is not None
+        }

@@ -7,7 +7,7 @@ from rich.console import Console
 from reliab.app.api.followed_test import Message
 from reliab.app.cli import validate
 from reliab.app.cli.monitor import _table
-from reliab.assessment.rebuilt_error.running_error import Monitor
+from reliab.assessment.monitor import Monitor
 from reliab.core.significant_digits import percent_with_interval
 from reliab.core.vocabulary import Metric
 from reliab.structures.structure import Structure

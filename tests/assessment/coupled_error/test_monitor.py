@@ -4,14 +4,12 @@ import numpy as np
 import pytest
 from coupled_structures import coupled_response, described, node, two_storeys
 
-from reliab.assessment.coupled_error.monitor import CoupledMonitor
-from reliab.assessment.coupled_error.rebuild import rebuild_coupled
+from reliab.assessment.coupled_error.rebuild import DRAWS, rebuild_coupled
+from reliab.assessment.monitor import Monitor
 from reliab.assessment.rebuilt_error.recursion import Recursion
-from reliab.assessment.rebuilt_error.running_error import Monitor
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import Metric
 from reliab.structures.partition import Partition
-from reliab.structures.structure import Structure
 
 RATE = 256.0
 
@@ -32,7 +30,7 @@ def test_errors_are_those_of_the_whole_test_however_samples_come(build, lag):
     partition, command, measured_displacement = simulate_frame(build)
     recursion = Recursion.from_displacement(partition.nonsingular_form, 1.0 / RATE)
     carry = np.eye(partition.degrees) + 0.1
-    monitor = CoupledMonitor(partition, 1.0 / RATE, to_interface=carry, feedback_lag=lag, recursion=recursion)
+    monitor = Monitor(partition, 1.0 / RATE, to_interface=carry, feedback_lag=lag, recursion=recursion)
     cuts = [1, 2, 700, 3001]
     for rows in zip(
         np.split(command, cuts, axis=1), np.split(measured_displacement, cuts, axis=1), strict=True
@@ -56,23 +54,10 @@ def test_errors_are_those_of_the_whole_test_however_samples_come(build, lag):
         assert now.rms == pytest.approx(np.sqrt(np.mean(degree.error**2)) / peak, rel=2e-3)
 
 
-def test_one_actuator_is_followed_as_by_the_monitor_of_one():
-    structure = Partition.from_structure(Structure(frequency=1.0, damping_ratio=0.05))
-    time = np.arange(0.0, 30.0, 1.0 / RATE)
-    command = np.minimum(time / 10.0, 1.0) * np.sin(2.0 * np.pi * time)
-    measured_displacement = 0.98 * command + 1e-4 * np.random.default_rng(0).standard_normal(time.size)
-    single, has_several = Monitor(structure, 1.0 / RATE), CoupledMonitor(structure, 1.0 / RATE)
-    single.feed(command, measured_displacement)
-    has_several.feed(command[np.newaxis], measured_displacement[np.newaxis])
-    assert has_several.now.rms == pytest.approx(single.now.rms, rel=1e-9)
-    assert has_several.now.error == pytest.approx(single.now.error, rel=1e-9)
-    assert has_several.now.damping == single.now.damping
-
-
 @pytest.mark.slow
 def test_answer_at_the_end_equals_the_error_rebuilt_afterwards():
     partition, command, measured_displacement = simulate_frame()
-    monitor = CoupledMonitor(partition, 1.0 / RATE)
+    monitor = Monitor(partition, 1.0 / RATE)
     for rows in zip(
         *(np.array_split(values, 9, axis=1) for values in (command, measured_displacement)), strict=True
     ):
@@ -80,7 +65,7 @@ def test_answer_at_the_end_equals_the_error_rebuilt_afterwards():
         if monitor.due:
             monitor.ask()
     at_end, afterwards = (
-        monitor.ask(at_end=True),
+        monitor.ask(draws=DRAWS),
         rebuild_coupled(command, measured_displacement, 1.0 / RATE, partition),
     )
     for now, then in zip(at_end.displacements, afterwards.displacements, strict=True):
@@ -104,7 +89,7 @@ def test_alarm_of_the_error_follows_any_displacement():
     noise = 1e-6 * np.random.default_rng(0).standard_normal(command.shape)
     error = []
     for gains in ([[1.0], [1.0]], [[1.0], [0.5]]):
-        monitor = CoupledMonitor(partition, 1.0 / RATE)
+        monitor = Monitor(partition, 1.0 / RATE)
         monitor.feed(command, gains * command + noise)
         monitor.ask()
         error.append(monitor.exceeds(0.05))
@@ -115,4 +100,4 @@ def test_alarm_of_the_error_follows_any_displacement():
 def test_channels_of_another_number_are_refused():
     partition, command, measured_displacement = simulate_frame(seconds=2.0)
     with pytest.raises(InputError, match="must be those of 2 actuators"):
-        CoupledMonitor(partition, 1.0 / RATE).feed(command[0], measured_displacement[0])
+        Monitor(partition, 1.0 / RATE).feed(command[0], measured_displacement[0])

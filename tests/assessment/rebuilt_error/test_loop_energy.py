@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import scipy.signal
 
+from reliab.assessment.monitor import Monitor
 from reliab.assessment.rebuilt_error.loop_energy import LoopEnergy, select_modes
-from reliab.assessment.rebuilt_error.running_error import Monitor
 from reliab.structures.partition import Partition
 
 STEP = 1.0 / 512.0

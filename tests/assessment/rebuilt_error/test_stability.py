@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rebuilt_error.laboratory import BACKLASH, DELAY, LEAD, RATE, Lab, run, synthetic_ground
-from reliab.assessment.rebuilt_error.running_error import Monitor
+from reliab.assessment.monitor import Monitor
 from reliab.structures.structure import Structure
 
 XI = 0.03

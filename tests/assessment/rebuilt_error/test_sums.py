@@ -25,12 +25,12 @@ def histories():
 
 def running(offset=OFFSET):
     structure = whole_structure(Structure(frequency=1.0, damping_ratio=0.05))
-    return RunningError(structure, STEP, 0.0, offset)
+    return RunningError(structure, STEP, 0.0, np.array([offset]))
 
 
 def sums_by_definition(test):
-    error = test.error
-    ideal = test.measured - test.offset - error
+    (error,) = test.error
+    ideal = test.measured[0] - test.offsets[0] - error
     level, doubled = 0.0, 0
     for number, size in enumerate(np.maximum.accumulate(np.abs(ideal))):
         if size > 2.0 * level:
@@ -45,35 +45,38 @@ def test_sums_are_those_of_the_error_however_the_samples_arrive(histories, cuts)
     for command, measured_displacement in zip(
         *(np.split(history, cuts) for history in histories), strict=True
     ):
-        test.feed(command, measured_displacement)
-        assert test.sums.values == pytest.approx(sums_by_definition(test), rel=1e-9)
+        test.feed(command[np.newaxis], measured_displacement[np.newaxis])
+        assert test.sums[0].values == pytest.approx(sums_by_definition(test), rel=1e-9)
 
 
 def test_a_later_offset_changes_the_sums_to_those_of_the_changed_error(histories):
     """And what is fed after it goes on from there."""
     test = running(offset=0.0)
-    test.feed(*(history[:900] for history in histories))
+    test.feed(*(history[np.newaxis, :900] for history in histories))
     first = test.error.copy()
-    test.begin_anew(OFFSET, STANDING)
+    test.begin_anew(np.array([OFFSET]), np.array([STANDING]))
     assert np.abs(test.error - first).max() > 1e-5
-    assert test.sums.values == pytest.approx(sums_by_definition(test), rel=1e-9)
-    test.feed(*(history[900:] for history in histories))
-    assert test.sums.values == pytest.approx(sums_by_definition(test), rel=1e-9)
+    assert test.sums[0].values == pytest.approx(sums_by_definition(test), rel=1e-9)
+    test.feed(*(history[np.newaxis, 900:] for history in histories))
+    assert test.sums[0].values == pytest.approx(sums_by_definition(test), rel=1e-9)
 
 
 @pytest.mark.parametrize("count", [1, 700, 999])
 def test_forgotten_samples_stay_in_the_sums(histories, count):
     full_test, test = running(), running()
     for item in (full_test, test):
-        item.feed(*(history[:1000] for history in histories))
+        item.feed(*(history[np.newaxis, :1000] for history in histories))
     test.forget(count)
     assert (test.kept_samples, test.size) == (1000 - count, 1000)
-    assert np.array_equal(test.command, histories[0][count:1000])
+    assert np.array_equal(test.command[0], histories[0][count:1000])
     for item in (full_test, test):
-        item.feed(*(history[1000:] for history in histories))
-    assert np.array_equal(test.sums.values, full_test.sums.values)
-    assert np.array_equal(test.error, full_test.error[count:])
-    assert (test.sums.mean_square, test.sums.calm) == (full_test.sums.mean_square, full_test.sums.calm)
+        item.feed(*(history[np.newaxis, 1000:] for history in histories))
+    assert np.array_equal(test.sums[0].values, full_test.sums[0].values)
+    assert np.array_equal(test.error, full_test.error[:, count:])
+    assert (test.sums[0].mean_square, test.sums[0].calm) == (
+        full_test.sums[0].mean_square,
+        full_test.sums[0].calm,
+    )
 
 
 def test_mean_square_joins_squares_by_straight_lines():
