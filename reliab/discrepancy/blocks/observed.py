@@ -25,7 +25,7 @@ from reliab.simulation.hybrid_test.open_loop import Motion3
 
 Term = TypeVar("Term", bound=Hashable)
 
-_CACHED_SIGNALS, _CACHED_PATHS, _CACHED_SPECTRA = 12, 4, 40  # terms that are remembered for each test
+_CACHED_SIGNALS, _CACHED_PATHS, _CACHED_SPECTRA = 12, 8, 40  # terms that are remembered for each test
 
 
 class ObservedBlock(ABC):
