@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from reliab.app import questions
-from reliab.app.api.derived_criteria import Criteria, compare_candidates, draw_criteria, write_criterion
+from reliab.app.api.derived_criteria import Criteria, compare_candidates, draw_criteria
 from reliab.app.api.sources import (
     FIVE_PERCENT,
     ONE_HERTZ,
@@ -25,6 +25,7 @@ from reliab.app.api.sources import (
 from reliab.app.declaration import asks
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
+from reliab.core.files import refuse_unwritable, written_whole
 from reliab.core.progress import Show, quietly
 from reliab.core.shipped import shipped
 from reliab.core.significant_digits import percent
@@ -336,8 +337,10 @@ class _Question:
         additions = self._trace_own_boundaries()
         has_converged = all(posterior["converged"] for posterior in result.posteriors)
         # Rows refuse structures for which a law is not valid.
-        if result.rows and has_converged and self.asked["out"] is not None:
-            write_criterion(result.criteria[0], self.asked["out"])
+        if result.rows and has_converged and (out := self.asked["out"]) is not None:
+            rule = "Cannot write the criterion's file"
+            with refuse_unwritable(rule, where=out), written_whole(out) as file:
+                file.write_text(result.criteria[0].to_json(), encoding="utf-8")
         if self.figures is not None and (names := draw_criteria(self.figures, result, self.show)):
             additions["figures"] = names
         if self.asked["compare"]:

@@ -11,7 +11,7 @@ import xarray as xr
 
 from reliab.core.columns import PLACE_COLUMNS, Columns, digits
 from reliab.core.errors import IncompleteError, InputError
-from reliab.core.files import refuse_unwritable, require_ending, written_whole
+from reliab.core.files import refuse_unwritable, written_whole
 from reliab.core.plain_values import ResultWithRows
 from reliab.core.progress import Show
 from reliab.core.shipped import shipped
@@ -135,13 +135,6 @@ def _describe_kept_share(criterion: Criterion, summary: Mapping[str, Any]) -> di
         "`reliab run validation` measures it for all structures."
     )
     return {"kept_by": share, "warnings": [sentence, *summary["warnings"]]}
-
-
-def write_criterion(criterion: Criterion, out: str | Path) -> None:
-    """Write a criterion to a file, whole or not at all."""
-    require_ending(out, ".json")
-    with refuse_unwritable("Cannot write the criterion's file", where=out), written_whole(out) as file:
-        file.write_text(criterion.to_json(), encoding="utf-8")
 
 
 def compare_candidates(result: Criteria, show: Show) -> dict[str, Any]:

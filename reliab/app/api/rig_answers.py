@@ -24,7 +24,6 @@ from reliab.assessment.default_criterion import ellipses_of_motions
 from reliab.assessment.judged_test import plot_errors
 from reliab.assessment.rebuilt_error.spread import Estimate
 from reliab.core.errors import InputError
-from reliab.core.files import require_ending
 from reliab.core.plain_values import PlainResult
 from reliab.core.vocabulary import Metric
 from reliab.motions.loading import load_motions, read_motion
@@ -164,7 +163,6 @@ def report_rig(
     InputError
         If there are fewer than three tests, an argument cannot be used, or the file cannot be written.
     """
-    require_ending(out, ".pdf")
     from reliab.report.pdf import write_pdf
 
     document = document_of_rig(rig, **request)

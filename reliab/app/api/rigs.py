@@ -16,7 +16,7 @@ from reliab.assessment.frame_assessment import CoupledAssessment
 from reliab.core.columns import Columns
 from reliab.core.encodings import as_text
 from reliab.core.errors import InputError
-from reliab.core.files import ordinary, refuse_unwritable, require_ending, written_whole
+from reliab.core.files import ordinary, refuse_unwritable, written_whole
 from reliab.core.plain_values import PlainResult, ResultWithRows
 from reliab.core.progress import Progress, silent
 from reliab.core.shipped import or_shipped
@@ -125,7 +125,6 @@ def export_rig(rig: str | Path, out: str | Path) -> int:
     InputError
         If the file cannot be written.
     """
-    require_ending(out, ".csv")
     table = RigFolder.open(rig).table()
     with refuse_unwritable("Cannot write the table's file", where=out), written_whole(out) as file:
         file.write_text(table.to_csv(), encoding="utf-8", errors="backslashreplace")

@@ -50,7 +50,21 @@ class _OneTest(outputs.Tests, outputs.Check, outputs.Cover, total=False):
 )
 def assess(request: Request) -> None:
     """Judge a test by its error, from command and measured displacement."""
-    if not _answer_tests(request) and request.check:
+    from reliab.app.api.arguments import refuse_stated
+
+    files = files_of(request.tests, request.out)
+    has_several = len(files) != 1 or request.test_name == "all"
+    if has_several and files:
+        for name, content in (("report", "a report is of"), ("corrected", "the response is that of")):
+            reason = f"together with several tests, since {content} one test"
+            refuse_stated({name: getattr(request, name)}, name, reason=reason)
+    cover = outputs.Cover.__annotations__ if request.report is not None else ()
+    verdicts = _verdicts(request, files, "corrected", "details", "report", *cover)
+    if has_several:
+        _write_several(verdicts, request)
+    else:
+        _write_one(verdicts, files[0], request)
+    if request.check and not verdicts.reliable:
         raise typer.Exit(1)
 
 
@@ -104,47 +118,25 @@ def _verdicts(request: Request, files: Sequence[Path], *uses: str) -> Any:  # no
         )
 
 
-def _answer_tests(request: Request) -> bool:
-    """Judge tests; write and print what is found; return whether all are reliable."""
-    from reliab.app.api.arguments import refuse_stated
-    from reliab.app.api.assessment_files import file_report
-
-    files = files_of(request.tests, request.out)
-    has_several = len(files) != 1 or request.test_name == "all"
-    if has_several and files:
-        for name, content in (("report", "a report is of"), ("corrected", "the response is that of")):
-            reason = f"together with several tests, since {content} one test"
-            refuse_stated({name: getattr(request, name)}, name, reason=reason)
-    cover = outputs.Cover.__annotations__ if request.report is not None else ()
-    verdicts = _verdicts(request, files, "corrected", "details", "report", *cover)
-    if has_several:
-        _write_several(verdicts, request)
-        return bool(verdicts.reliable)
-    _write_one(verdicts, files[0], request)
-    if request.report is not None:
-        file_report(
-            verdicts, request.report, test=files[0], structure=request.structure, setting=request.setting()
-        )
-    return bool(verdicts.reliable)
-
-
 def _write_one(assessment: "AnyAssessment", test: Path, request: Request) -> None:
-    from reliab.app.api.assessment_files import write_corrected, write_tests
+    from reliab.app.api.assessment_files import file_report, write_corrected, write_tests
     from reliab.app.cli.shown_verdict import show_briefly, show_degrees, show_details
 
     content = assessment.to_dict()
     if request.out is not None:
         write_tests([{"file": str(test), **content}], request.out)
     note = None if request.corrected is None else write_corrected(assessment, request.corrected)
-    if write_json(content, request.json_target):
-        return
-    show_briefly(content, omits_details=not request.details)
-    if request.details:
-        show_details(assessment, content["recording"]["channels"])
-    else:
-        show_degrees(content)
-    if note is not None:
-        say(f"{request.corrected}: {note}")
+    if not write_json(content, request.json_target):
+        show_briefly(content, omits_details=not request.details)
+        if request.details:
+            show_details(assessment, content["recording"]["channels"])
+        else:
+            show_degrees(content)
+        if note is not None:
+            say(f"{request.corrected}: {note}")
+    if request.report is not None:
+        setting = request.setting()
+        file_report(assessment, request.report, test=test, structure=request.structure, setting=setting)
 
 
 def _write_several(assessments: "Assessments", request: Request) -> None:

@@ -19,7 +19,6 @@ from reliab.app.declaration import Files, Option, Quantities, Quantity, collect_
 from reliab.app.options import HELP, PANELS
 from reliab.app.outputs import Json
 from reliab.core.errors import InputError
-from reliab.core.files import require_ending
 from reliab.core.progress import shows_tasks
 from reliab.sweep.several import Names, Numbers
 
@@ -239,7 +238,7 @@ def _parameter(
     if option.completion is not None:
         details["autocompletion"] = option.completion
     if option.endings:
-        details["callback"] = require_endings(*option.endings)
+        details["callback"] = option.check_value
     if option.unit and read_as == list[float]:
         details["parser"] = partial(_number, option)
     if option.is_named:
@@ -259,17 +258,6 @@ def _parameter(
 def _number(option: Option, text: str) -> float:
     """Read a number that may be followed by its unit."""
     return float(option.remove_unit(text))
-
-
-def require_endings(*endings: str) -> Callable[[Path | None], Path | None]:
-    """Refuse a file to write whose name ends otherwise, before anything is computed for it."""
-
-    def check(path: Path | None) -> Path | None:
-        if path is not None:
-            require_ending(path, *endings)
-        return path
-
-    return check
 
 
 _SHOWS_ALL = "reliab.shows_all"
