@@ -106,22 +106,15 @@ class Division:
     recognised_motions: int = 0  # Motions whose earthquake that suite holds too
 
 
-def divide(
-    dataset: xr.Dataset,
-    source: EllipseSource,
-    *,
-    scheme: str | None,
-    leave_out: str | None,
-    learn: Sequence[str] | None,
-    judge: Sequence[str] | None,
-) -> Division:
+def divide(dataset: xr.Dataset, source: EllipseSource, question: Mapping[str, Any]) -> Division:
     """Divide motions by a scheme of earthquakes, by sets, or with the shipped suite to learn from."""
+    learn, judge, leave_out = as_list(question["learn"]), as_list(question["judge"]), question["leave_out"]
     if learn == [REAL]:
         division = _from_shipped_suite(dataset, source, judge)
     elif learn or judge:
         division = _divide_by_sets(dataset, source, learn, judge)
     else:
-        name = scheme or DEFAULT_SCHEME
+        name = question["scheme"] or DEFAULT_SCHEME
         lengths = dataset["duration"].values if "duration" in dataset.coords else None
         division = Division(folds=folds_of(name, dataset["event"].values, lengths), name=name)
     return division if leave_out is None else _leave_out(division, leave_out, dataset)

@@ -119,8 +119,7 @@ def validate_criteria(*, show: Show = quietly, **request: Unpack[questions.Valid
     InputError
         If the source cannot serve what is asked for, or an argument would have no effect.
     """
-    learn, judge = as_list(request["learn"]), as_list(request["judge"])
-    if request["scheme"] is not None and (learn is not None or judge is not None):
+    if request["scheme"] is not None and (request["learn"] is not None or request["judge"] is not None):
         raise InputError(
             "`scheme` has no effect here: `learn` and `judge` divide the motions",
             value=request["scheme"],
@@ -129,9 +128,7 @@ def validate_criteria(*, show: Show = quietly, **request: Unpack[questions.Valid
     confidences = list(dict.fromkeys(as_list(request["confidence"]) or _CONFIDENCES))
     candidates = _make_candidates(request, confidences)
     source, dataset, test = _open_test(request, show)
-    division = divide(
-        dataset, source, scheme=request["scheme"], leave_out=request["leave_out"], learn=learn, judge=judge
-    )
+    division = divide(dataset, source, {**request})
     with show("Cross-validating") as progress:
         counts = cross_validate(
             dataset,
