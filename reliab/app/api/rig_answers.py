@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Unpack
+from typing import TYPE_CHECKING, ClassVar, Unpack
 
 import numpy as np
 
@@ -33,7 +33,6 @@ from reliab.rig.rig_folder import RigFolder
 from reliab.rig.rig_table import RigTable, require_date
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.frames.frame_file import read_structure
-from reliab.structures.structure import Structure
 from reliab.tracking.boundary.first_order import first_order_ellipse
 
 if TYPE_CHECKING:
@@ -41,6 +40,7 @@ if TYPE_CHECKING:
 
     from reliab.report.document import Document
     from reliab.report.setting import Setting
+    from reliab.structures.structure import Structure
 
 _USUAL = {"f": 1.0, "xi": 0.02}
 _SHIPPED_SUITE = "real_suite"
@@ -90,33 +90,26 @@ def predict_rig(rig: str | Path, **request: Unpack[questions.PredictionQuestion]
         covariates=parse_covariates(request["covariate"] or (), MEASURED_COVARIATES),
     )
     limit = parse_threshold(request["threshold"])
-    predict = _predict_for_structure if request["structure"] is None else _predict_for_frame
-    return RigPrediction(rig=Path(rig), prediction=predict(table, following, limit, request))
+    if request["structure"] is None:
+        prediction = _predict_for_structure(table, following, limit, request)
+    else:
+        reason = "together with the `structure` of a frame"
+        refuse_stated({**request}, *STRUCTURE, "motion", "suite", reason=reason)
+        frame = read_structure(request["structure"])
+        prediction = predict_next(table, None, following, threshold=limit, frame=frame.name)
+    return RigPrediction(rig=Path(rig), prediction=prediction)
 
 
-def _structure(request: questions.PredictionQuestion) -> Structure:
+def _predict_for_structure(
+    table: RigTable, following: NextTest, limit: float, request: questions.PredictionQuestion
+) -> Prediction:
     values = parse_stated_values({**request}, *STRUCTURE)
     if "f" not in values:
         raise InputError(
             "The natural frequency of the structure is missing",
             remedy="Give it in hertz, `f=1`, or a frame as `structure`",
         )
-    return structure_of(values, xi=_USUAL["xi"])
-
-
-def _predict_for_frame(
-    table: RigTable, following: NextTest, limit: float, request: questions.PredictionQuestion
-) -> Prediction:
-    reason = "together with the `structure` of a frame"
-    refuse_stated({**request}, *STRUCTURE, "motion", "suite", reason=reason)
-    frame = read_structure(request["structure"] or "")
-    return predict_next(table, None, following, threshold=limit, frame=frame.name)
-
-
-def _predict_for_structure(
-    table: RigTable, following: NextTest, limit: float, request: questions.PredictionQuestion
-) -> Prediction:
-    structure, motion, suite = _structure(request), request["motion"], request["suite"]
+    structure, motion, suite = structure_of(values, xi=_USUAL["xi"]), request["motion"], request["suite"]
     if motion is not None:
         if suite is not None:
             raise refuse_unused("suite", "together with `motion`")
@@ -186,7 +179,9 @@ def document_of_rig(rig: str | Path, **request: Unpack[questions.RigReportQuesti
     if request["f"] is None and last["structure"]:
         prediction = predict_next(table, None, NextTest(), threshold=limit, frame=last["structure"])
     else:
-        structure = _structure_of_next(last, request)
+        values = parse_stated_values({**request}, *STRUCTURE)
+        last_values = {name: float(last[name]) for name in STRUCTURE if last[name] is not None}
+        structure = structure_of(values, **{**_USUAL, **last_values})
         prediction = predict_next(table, structure, NextTest(), threshold=limit)
     digest = hashlib.sha256("\n".join(table.texts("sha256")).encode()).hexdigest()
     return rig_report(
@@ -196,10 +191,3 @@ def document_of_rig(rig: str | Path, **request: Unpack[questions.RigReportQuesti
         structure=structure,
         provenance={"tests": len(table), "checksums of the tests, SHA-256": digest},
     )
-
-
-def _structure_of_next(last: Mapping[str, Any], request: questions.RigReportQuestion) -> Structure:
-    """Return what is stated of the next structure, and the rest as in the last test."""
-    values = parse_stated_values({**request}, *STRUCTURE)
-    last_values = {name: float(last[name]) for name in STRUCTURE if last[name] is not None}
-    return structure_of(values, **{**_USUAL, **last_values})

@@ -178,31 +178,26 @@ class EllipseSource:
 
     def _refuse_options_of_motions(self) -> None:
         """Refuse what only ground motions can serve."""
-        sets = None if self.sets is None else f"`sets={' '.join(as_names(self.sets))}`"
-        options = (
+        for name, rule, remedy in (
             (
-                "`model`" if self.model else None,
+                "model",
                 "A model needs ground motions to be simulated under",
                 "Give `motions`; a results store names the model that it was simulated with",
             ),
             (
-                "`first_order`" if self.first_order else None,
+                "first_order",
                 "A prediction of ellipses needs ground motions",
                 "Give `motions`, or leave `first_order` out",
             ),
             (
-                sets,
+                "sets",
                 "Sets can be chosen only from a catalogue of ground motions",
                 "Give the folder of the catalogue with `motions`",
             ),
-            (
-                "`structure`" if self.structure else None,
-                "A frame needs ground motions to be simulated under",
-                "Give `motions`",
-            ),
-        )
-        for option, rule, remedy in options:
-            if option is not None:
+            ("structure", "A frame needs ground motions to be simulated under", "Give `motions`"),
+        ):
+            if value := getattr(self, name):
+                option = f"`sets={' '.join(as_names(value))}`" if name == "sets" else f"`{name}`"
                 raise InputError(rule, value=f"{option} without `motions`", remedy=remedy)
 
     @property

@@ -74,11 +74,9 @@ def design(request: Request) -> None:
     from reliab.app.api.assessment_files import draw_chart
     from reliab.app.api.design import design_test
 
-    result = request.ask(design_test, "figure")
+    result = request.answer(design_test, show_design, "figure")
     if request.figure is not None:
         draw_chart(result, request.figure)
-    if not write_json(result.to_dict(), request.json_target):
-        show_design(result)
 
 
 @takes(questions.AssessmentQuestion, outputs.Tests, outputs.Check)
