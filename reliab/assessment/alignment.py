@@ -201,18 +201,6 @@ def own_ground(test: ExactTest, least: float = _LEAST_CORRELATION) -> Array | No
     return None
 
 
-def factor_of_ground(test: ExactTest) -> float | None:
-    """Factor by which the recorded ground acceleration explains a test best; None where none does."""
-    if test.ground is None:
-        return None
-    required_forces, ground_forces = _forces_of_ground(test, test.ground)
-    size = float(np.linalg.norm(ground_forces))
-    factor = float(np.sum(required_forces * ground_forces)) / size**2 if size else 0.0
-    return (
-        factor if abs(factor) * size > _LEAST_CORRELATION * float(np.linalg.norm(required_forces)) else None
-    )
-
-
 def _forces_of_ground(test: ExactTest, ground: Array) -> tuple[Array, Array]:
     """Return forces on the specimen that the ground must have caused, and those that a ground motion causes.
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from reliab.assessment.doubts import doubts_of_signal
 from reliab.assessment.fault_effects import FaultEffect
 from reliab.assessment.findings import Findings
 from reliab.assessment.recorded_force import doubts_of_force, remark_on_force
@@ -16,9 +17,6 @@ from reliab.core.vocabulary import ERROR_NAMES, MILLI, Metric
 from reliab.criterion.experimental_share import whole_is_worst
 
 _SHAPE_CRITERION = "shape of the response"
-_FEW_PERIODS = 10.0
-_FEW_SAMPLES = 20.0  # of a period
-_NOISY = 0.05
 _FAR_FROM_ONE = 0.2
 _VARYING = 0.1  # share of a limit
 _UNEXPLAINED_SHARE = 0.3  # share of the amplitude limit
@@ -138,25 +136,8 @@ def _warn_of_force(findings: Findings) -> Iterator[str]:
 
 
 def _warn_of_signal(findings: Findings) -> Iterator[str]:
-    recording, tracking = findings.recording, findings.tracking
-    periods = recording.duration * findings.structure.frequency
-    if periods < _FEW_PERIODS:
-        yield (
-            f"The test is short: {significant(periods, 2)} periods of the structure. "
-            "Give the whole recording."
-        )
-    samples = 1.0 / (recording.time_step * tracking.plain.equivalent_frequency)
-    if samples < _FEW_SAMPLES:
-        yield (
-            f"The test is sampled coarsely: {significant(samples)} samples in a period. "
-            "Record at a higher rate."
-        )
-    noise = float(np.sqrt(max(tracking.noise_share**2 - tracking.unexplained_share**2, 0.0)))
-    if noise > _NOISY:
-        yield (
-            f"The test is noisy: {percent(noise, decimals=1)} of the measured displacement is unrelated "
-            "to the command. Use a sensor with less noise, or drive the specimen further."
-        )
+    tracking = findings.tracking
+    yield from doubts_of_signal(findings.recording, tracking, findings.structure.frequency)
     limit = float(np.sqrt(findings.limits[0]))
     if tracking.unexplained_share > _UNEXPLAINED_SHARE * limit:
         yield (

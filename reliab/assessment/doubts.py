@@ -1,6 +1,7 @@
 """The verdict by the error of the test, and what makes it undecided."""
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -8,6 +9,7 @@ from reliab.assessment.error_with_threshold import ErrorWithThreshold
 from reliab.assessment.fault_effects import FaultEffect
 from reliab.assessment.own_equation import OwnEquation
 from reliab.assessment.rebuilt_error.spread import Estimate
+from reliab.assessment.tracking_index import TrackingIndex
 from reliab.assessment.verdict import (
     Verdict,
     Word,
@@ -32,6 +34,9 @@ _JUMP_REMEDY = (
 )
 _CUT = "Cut the recording to the test, from its first motion to its end: the verdict depends on it."
 _STILL = 1e-3  # of the command's peak: what the command of a structure at rest stays below
+_FEW_PERIODS = 10.0
+_FEW_SAMPLES = 20.0  # of a period
+_LARGEST_NOISE = 0.05  # of the measured displacement
 _MOSTLY_MOVING = 0.7  # share of a recording in which the structure moves, above which it is no longer asked
 
 
@@ -66,6 +71,28 @@ def verdict_of_error(
         reasons.append(equation.nonlinear)
         remedies.append(_NONLINEAR)
     return verdict.add_doubts(reasons, remedies)
+
+
+def doubts_of_signal(recording: Recording, tracking: TrackingIndex, frequency: float) -> Iterator[str]:
+    """Say where a recording is too short, coarse or noisy for its structure; `frequency` [Hz]."""
+    periods = recording.duration * frequency
+    if periods < _FEW_PERIODS:
+        yield (
+            f"The test is short: {significant(periods, 2)} periods of the structure. "
+            "Give the whole recording."
+        )
+    samples = 1.0 / (recording.time_step * tracking.plain.equivalent_frequency)
+    if samples < _FEW_SAMPLES:
+        yield (
+            f"The test is sampled coarsely: {significant(samples)} samples in a period. "
+            "Record at a higher rate."
+        )
+    noise = float(np.sqrt(max(tracking.noise_share**2 - tracking.unexplained_share**2, 0.0)))
+    if noise > _LARGEST_NOISE:
+        yield (
+            f"The test is noisy: {percent(noise, decimals=1)} of the measured displacement is unrelated "
+            "to the command. Use a sensor with less noise, or drive the specimen further."
+        )
 
 
 def doubt_rest(

@@ -25,7 +25,7 @@ from reliab.assessment.rebuilt_error.rebuild import RebuiltError
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.widenings import Widening
 from reliab.assessment.recorded_force import stiffness_from_mass
-from reliab.assessment.recorded_ground import ShownGround, examine_ground
+from reliab.assessment.recorded_ground import ShownGround, examine_beside_force, examine_ground
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.stated_value import StatedValue
@@ -259,10 +259,16 @@ def error_of_test(
     arguments = _CommonArguments(
         sensor_offset=sensor_offset, tolerances=tolerances_of(sizes), seed=question.seed
     )
-    specimen = None
+    specimen, ground = None, ShownGround()
     if question.model is None:
         specimen = _learn_specimen(recording, measured_displacement, question, arguments)
         rebuilt = specimen.rebuilt
+        ground = examine_beside_force(
+            replace(recording, measured=measured_displacement),
+            question.full_structure,
+            mass=question.mass or 1.0,
+            feedback_lag=question.feedback_lag,
+        )
     else:
         rebuilt = _rebuild_with_model(recording, measured_displacement, question.model, arguments)
     return ErrorOfTest(
@@ -271,6 +277,7 @@ def error_of_test(
         threshold=question.threshold,
         damping_ratio=question.structure.damping_ratio,
         sizes=sizes | _sizes_of_force(specimen),
+        ground=ground,
         specimen=specimen,
         modelled=question.model is not None,
     )

@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from reliab.assessment.contradictions import contradict_stability
+from reliab.assessment.doubts import doubts_of_signal
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.error_with_threshold import ErrorOfSeveral
 from reliab.assessment.findings import cap_probability
@@ -15,6 +16,7 @@ from reliab.assessment.frame_responses import ResponseErrors
 from reliab.assessment.judged_test import JudgedTest
 from reliab.assessment.placement import Placement
 from reliab.assessment.rebuilt_error.parts import Part
+from reliab.assessment.recorded_force import doubts_of_force
 from reliab.assessment.scope_of_test import compare_test, reasons_without_promise
 from reliab.assessment.tracking_index import TrackingIndex
 from reliab.assessment.uncertainty_budget import BudgetItem
@@ -171,12 +173,11 @@ class FrameAssessment(JudgedFrame):
     @property
     def warnings(self) -> tuple[str, ...]:
         """Warnings about the recording and the loop, in sentences."""
-        if self.over_frequency is not None:
-            return super().warnings
-        return (
-            *super().warnings,
-            "A and d over frequency are unknown: the displacements are hardly coherent.",
-        )
+        sentences = [*super().warnings, *doubts_of_force(self.recording)]
+        sentences += doubts_of_signal(self.recording, self.tracking, self.mode.frequency)
+        if self.over_frequency is None:
+            sentences.append("A and d over frequency are unknown: the displacements are hardly coherent.")
+        return tuple(sentences)
 
     def to_dict(self) -> dict[str, Any]:
         """Put everything into plain numbers: also A and d, over frequency too, and the criterion's index."""

@@ -5,16 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from reliab.assessment.alignment import factor_of_ground
 from reliab.assessment.error_of_test import ErrorOfTest, Question
 from reliab.assessment.error_with_threshold import ErrorOfSeveral, ErrorWithThreshold
-from reliab.assessment.exact_response import exact_test
 from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment
 from reliab.assessment.frame_responses import ResponseErrors, errors_of_responses
 from reliab.assessment.judged_test import JudgedError
 from reliab.assessment.placement import place
 from reliab.assessment.rebuilt_error.parts import Part
-from reliab.assessment.recorded_ground import require_unit_of_ground
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.stated_value import StatedValue
@@ -101,11 +98,7 @@ def _responses(
 ) -> ResponseErrors:
     degrees = question.full_structure.degrees_of_freedom
     force_known = not question.may_have_yielded(recording)
-    responses = errors_of_responses(error, degrees, recording.ground, motion, force_known=force_known)
-    if motion is None and recording.ground is not None:
-        exact = exact_test(error, degrees, recording.ground)
-        require_unit_of_ground(recording, factor_of_ground(exact))
-    return responses
+    return errors_of_responses(error, degrees, recording.ground, motion, force_known=force_known)
 
 
 def _track_over_frequency(recording: Recording) -> TrackingOverFrequency | None:

@@ -40,7 +40,6 @@ _LARGEST_MISFIT = 0.3
 """Largest share of the ground's forces that is not explained; above it the channel is of another test."""
 
 _FARTHEST = 0.25  # of the stated frequency, by which an identified one may differ
-_UNIT_TOLERANCE = 0.25
 _SAME_FORCE = 0.2
 _SAME_UNIT = 0.05  # of a unit, by which a calibrated channel may differ from it
 _FEWEST_PERIODS = 5.0
@@ -294,16 +293,6 @@ def other_unit_of_ground(recording: Recording | CoupledRecording, factor: float)
     )
 
 
-def require_unit_of_ground(recording: Recording | CoupledRecording, factor: float | None) -> None:
-    """Refuse a ground acceleration whose response is that of the test in another unit.
-
-    `factor`: by which it explains the test; None where it does as it is, or not at all.
-    """
-    for size in _factors_of_units():
-        if factor is not None and abs(abs(factor) / size - 1.0) < _UNIT_TOLERANCE:
-            raise other_unit_of_ground(recording, size)
-
-
 def _factors_of_units() -> Iterator[float]:
     """Give factors of channels whose unit is another one than stated."""
     for size in UNITS_OF_GROUND.values():
@@ -328,23 +317,35 @@ def _other_ground(best: _GroundFit, lowest: float, *, has_force: bool) -> Contra
     )
 
 
+def examine_beside_force(
+    recording: Recording, structure: Partition, *, mass: float, feedback_lag: float
+) -> ShownGround:
+    """Compare a test of any specimen with its recorded ground acceleration.
+
+    `mass` [kg] by which a recorded force is divided; `feedback_lag` [s].
+    """
+    if recording.ground is None:
+        return ShownGround()
+    channels = ChannelSpectra.from_channels(
+        recording.command[np.newaxis],
+        recording.measured[np.newaxis],
+        recording.time_step,
+        structure,
+        ground=recording.ground,
+        force=None if recording.force is None else recording.force[np.newaxis] / mass,
+    )
+    return examine_ground(recording, channels, structure, feedback_lag=feedback_lag)
+
+
 def doubts_of_ground(recording: Recording, structure: Structure, mass: float) -> tuple[str, ...]:
     """Say whether the recorded ground acceleration is reversed, in another unit, or not this test's.
 
     `mass` [kg].
     """
-    if recording.ground is None or recording.duration * structure.frequency < _FEWEST_PERIODS:
+    if recording.duration * structure.frequency < _FEWEST_PERIODS:
         return ()
-    full_structure = whole_structure(structure)
-    channels = ChannelSpectra.from_channels(
-        recording.command[np.newaxis],
-        recording.measured[np.newaxis],
-        recording.time_step,
-        full_structure,
-        ground=recording.ground,
-        force=None if recording.force is None else recording.force[np.newaxis] / mass,
-    )
     try:
-        return examine_ground(recording, channels, full_structure, feedback_lag=0.0).notes
+        shown = examine_beside_force(recording, whole_structure(structure), mass=mass, feedback_lag=0.0)
     except InputError as error:
         return (f"{error.rule}; found {error.value}. {error.remedy}.",)
+    return shown.notes

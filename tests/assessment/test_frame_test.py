@@ -79,6 +79,14 @@ def test_error_is_against_the_undivided_frame(frame, test_and_truth):
     assert summary["by_index"] is None
 
 
+def test_a_noisy_recording_of_a_frame_is_said_so(frame, test_and_truth):
+    recording, _ = test_and_truth
+    noise = 0.1 * recording.measured.std() * np.random.default_rng(2).standard_normal(recording.measured.size)
+    noisy = assess(replace(recording, measured=recording.measured + noise), frame)
+    assert any("The test is noisy" in warning for warning in noisy.warnings)
+    assert not any("The test is noisy" in warning for warning in assess(recording, frame).warnings)
+
+
 @pytest.mark.slow
 def test_a_spike_is_stated_and_does_not_move_the_error(frame, test_and_truth):
     recording, truth = test_and_truth

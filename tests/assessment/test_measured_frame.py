@@ -69,3 +69,17 @@ def test_a_measured_specimen_of_a_frame_needs_its_force_and_no_mass() -> None:
     heavy = replace(partition, specimen_mass=np.array([[10.0]]))
     with pytest.raises(InputError, match=r"no mass of its own; found mass_kg = 10"):
         assess(test.recording, replace(test.frame, partition=heavy), measured_specimen=True)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_ground_acceleration_is_compared_beside_any_specimen(sign: float) -> None:
+    test = _simulate_family("bilinear", 1)
+    ground = np.interp(test.recording.time_step * np.arange(test.recording.command.size), _TIMES, _ground())
+    shown = assess(
+        replace(test.recording, ground=sign * ground), test.frame, measured_specimen=True
+    ).error.ground
+    assert shown.fits
+    assert ("The ground acceleration has the opposite sign." in shown.notes) is (sign < 0.0)
+    assert shown.sign == sign
+    with pytest.raises(InputError, match="does not fit its unit"):
+        assess(replace(test.recording, ground=ground / 9.80665), test.frame, measured_specimen=True)
