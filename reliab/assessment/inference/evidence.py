@@ -29,6 +29,7 @@ from reliab.assessment.inference.structure_response import respond
 from reliab.core.arrays import Array, Spectrum
 from reliab.structures.partition import Partition
 
+_ACCURACY = 3e-4  # of the specimen's force, that sampled channels and sensors leave at least
 _MAIN_POWER = 0.9  # of a command's power, that lies below its main frequencies
 _REACH = 2.0  # times the main frequencies, up to which the equation of motion is weighed
 _REACH_OF_GROUND = 3.0  # times the natural frequency, up to which a ground motion is taken to be smooth
@@ -63,7 +64,15 @@ class Evidence(ABC):
         """Estimate the variance of the residual anew."""
         cells = self.cells(experiment)
         variances = np.stack([np.sum(fit_variances(row**2), axis=0) for row in cells])
-        self._variance = np.maximum(variances, self.noise[:, np.newaxis, np.newaxis])
+        self._variance = np.maximum(np.maximum(variances, self.noise[:, np.newaxis, np.newaxis]), self.floor)
+
+    @cached_property
+    def floor(self) -> Array:
+        """Variance below which no equation of sampled channels is trusted, shape (p, J, k)."""
+        impedance = self.partition.impedance(self.channels.band.s)
+        force = np.einsum("kpq,qk->pk", impedance, self.channels.to_interface @ self.channels.measured)
+        power = self.channels.cells(force, self.highest) ** 2
+        return _ACCURACY**2 * np.stack([np.sum(fit_variances(row), axis=0) for row in power])
 
     @property
     def noise(self) -> Array:

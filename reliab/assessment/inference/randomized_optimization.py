@@ -170,6 +170,11 @@ class LeastSquares:
         return -0.5 * float(self.mode @ self.mode) + 0.5 * float(np.linalg.slogdet(self.covariance)[1])
 
     def log_density(self, z: Array) -> float:
-        """Logarithm of the posterior density, but for a constant."""
-        residuals = self.residuals(z)
-        return -0.5 * float(residuals @ residuals) - 0.5 * float(z @ z) - self.determinant(z)
+        """Logarithm of the posterior density, but for a constant; −∞ where a world has no finite numbers."""
+        with np.errstate(all="ignore"):
+            try:
+                residuals, determinant = self.residuals(z), self.determinant(z)
+            except OverflowError:
+                return -np.inf
+            density = -0.5 * float(residuals @ residuals) - 0.5 * float(z @ z) - determinant
+        return density if np.isfinite(density) else -np.inf

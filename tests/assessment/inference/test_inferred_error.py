@@ -57,6 +57,20 @@ def test_another_damping_ratio_than_stated_is_asked_back(late):
     assert any("shows a damping ratio of 0." in reason for reason in result.reasons)
 
 
+@pytest.mark.parametrize("recorded", ["displacements", "ground", "force"])
+@pytest.mark.default_cases(3)
+def test_channels_without_noise_are_judged(recorded):
+    """Simulated ones, whose equation of motion leaves nothing but rounding."""
+    ground = earthquake(duration=30.0, time_step=STEP, seed=5)
+    shared = {"frequency": 0.96, "damping_ratio": 0.044, "share": 0.6, "delay": 0.002}
+    test = simulate(**shared, ground=ground, time_step=STEP, noise=0.0)
+    force = MASS * test.force if recorded == "force" else None
+    recording = record_test(test, ground=recorded != "displacements", force=force)
+    given = {"f": 0.96, "xi": 0.044, "alpha": 0.6, "specimen": "linear"}
+    rms = reliab.assess(recording, **given, **({} if force is None else {"mass": MASS})).error.rms
+    assert rms.low < test.rms < rms.high
+
+
 @pytest.mark.slow
 def test_ground_acceleration_and_force_narrow_the_interval(late):
     stated_values = {"f": 1.01, "xi": 0.033, "alpha": 0.8, "specimen": "linear"}

@@ -1,5 +1,6 @@
 """The posterior of a test: against the truth, against a sampler, and against its own prior."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -243,3 +244,15 @@ def test_walkers_draw_where_no_approximation_holds(monkeypatch):
         deviation = np.sqrt(np.average((values - mean) ** 2, weights=density))
         assert np.mean(draws.values[:, place]) == pytest.approx(mean, abs=0.2 * deviation)
         assert np.std(draws.values[:, place]) == pytest.approx(deviation, rel=0.2)
+
+
+def test_worlds_without_finite_numbers_have_no_density():
+    fit = LeastSquares(
+        residuals=lambda z: np.array([math.expm1(z[0])]),
+        update=lambda _: None,
+        determinant=lambda z: float(np.log(z[0])),
+        start=np.ones(1),
+    )
+    assert np.isfinite(fit.log_density(np.ones(1)))
+    assert fit.log_density(np.full(1, 1e4)) == -np.inf
+    assert fit.log_density(-np.ones(1)) == -np.inf
