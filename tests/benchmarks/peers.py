@@ -6,7 +6,7 @@
 Peers run in an interpreter of their own, which this script calls with `--peer`, since their needs may
 contradict ours. A peer that is not installed is named and left out. Times are the shortest of five, without
 starting the interpreter; both run on this machine one after the other. Delay solvers are compared by
-engines.py, PySINDy by pysindy_beside_ours.py.
+engines.py.
 """
 
 import argparse
