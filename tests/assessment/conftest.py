@@ -48,7 +48,7 @@ def simulate(ground_motions: list[Motion]) -> Simulate:
         noise: float = 0.01,
         command_noise: float = 0.0,
         seed: int = 0,
-        rate: float = 512.0,
+        rate: float = 256.0,
     ) -> Recording:
         command, measured_displacement, step = clean(motion, f, xi, gain, delay, rate)
         rng = np.random.default_rng(seed)

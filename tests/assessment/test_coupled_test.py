@@ -392,10 +392,16 @@ def test_an_inferred_budget_names_the_actuator_of_each_channel(recording_file, g
 
 
 def test_a_recorded_ground_motion_contradicts_another_structure(recording_file, ground_file):
-    """Frequencies 8 % too high; what they are off by within ordinary equipment is learned and used."""
+    """Frequencies 8 % too high."""
     doubt = reliab.assess(ground_file, off(recording_file[1], 1.08))
     assert doubt.to_dict()["verdict"] == "undecided"
     assert "shows a natural frequency of 2.2" in doubt.reasons[0]
+
+
+@pytest.mark.slow
+def test_frequencies_within_ordinary_equipment_are_learned_from_the_ground_motion(
+    recording_file, ground_file
+):
     specimen = reliab.assess(ground_file, off(recording_file[1], 1.03))
     assert specimen.error.ground.frequency == pytest.approx(1.0 / 1.03, abs=0.01)
     assert "natural frequency" not in " ".join(specimen.reasons)

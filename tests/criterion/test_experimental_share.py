@@ -135,7 +135,7 @@ def largest_errors(motions, structures, shares):
     errors = []
     for f, xi in structures:
         request = EllipseRequest(frequencies=(f,), damping_ratios=(xi,))
-        complete = trace_ellipses(motions, request).sel(curve="inscribed").squeeze()
+        complete = trace_ellipses(motions, request).sel(curve="inscribed").squeeze(["f", "xi", "threshold", "metric"])
         for motion in motions:
             excitation = excitation_of(motion, request.window)
             for side, sign in (("lag", 1e-3), ("lead", -1e-3)):
@@ -161,7 +161,7 @@ def largest_errors(motions, structures, shares):
 
 
 def test_partial_stiffness_improves_allowed_tests():
-    errors = largest_errors(synthetic_suite(count=2), [(1.0, 0.02), (3.0, 0.1)], (0.05, 1.0))
+    errors = largest_errors(synthetic_suite(count=1), [(1.0, 0.02), (3.0, 0.1)], (0.05, 1.0))
     assert errors[:, -1] == pytest.approx(1.0, abs=0.03)
     assert errors[:, :-1].max() < 0.8
 
