@@ -1,5 +1,7 @@
 """One motion under actuators of several delays, stepped without the package; true errors beside it."""
 
+from functools import cache
+
 import numpy as np
 import pandas as pd
 
@@ -21,6 +23,7 @@ def response(ground, *, delay, gain, f=1.0, xi=0.05):
     return x, displacement
 
 
+@cache
 def runs_of(seed, *, delays=(0.009, 0.003), f=1.0):
     """One motion under several delays, with noise of the sensors; and the true errors, RMS over the peak."""
     random = np.random.default_rng(seed)

@@ -86,6 +86,7 @@ def test_folder_is_in_the_contracts_format(damped: tuple[Path, Label]) -> None:
         assert np.diff(table["time_s"]) == pytest.approx(1.0 / label.rate_hz, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_labels_never_stand_in_the_campaigns_folder(damped: tuple[Path, Label], tmp_path: Path) -> None:
     folder, label = damped
     assert {path.suffix for path in folder.iterdir()} == {".toml", ".csv"}

@@ -135,7 +135,11 @@ def largest_errors(motions, structures, shares):
     errors = []
     for f, xi in structures:
         request = EllipseRequest(frequencies=(f,), damping_ratios=(xi,))
-        complete = trace_ellipses(motions, request).sel(curve="inscribed").squeeze(["f", "xi", "threshold", "metric"])
+        complete = (
+            trace_ellipses(motions, request)
+            .sel(curve="inscribed")
+            .squeeze(["f", "xi", "threshold", "metric"])
+        )
         for motion in motions:
             excitation = excitation_of(motion, request.window)
             for side, sign in (("lag", 1e-3), ("lead", -1e-3)):

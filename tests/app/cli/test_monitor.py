@@ -85,7 +85,7 @@ END = ("verdict", "reliable", "reasons", "would_decide")
     [{}, {"exact": True}, {"alpha": 0.4}, {"scale": "1.01±0.001"}, {"metric": "mte"}, {"threshold": 0.04}],
 )
 def test_the_end_is_the_answer_of_assess(good, options):
-    *_, end = follow_test(good, **ONE_HERTZ, wait=0.1, **options)
+    *_, end = follow_test(good, **ONE_HERTZ, every=60.0, wait=0.1, **options)
     content, assessment = end.to_dict(), reliab.assess(good, **ONE_HERTZ, **options).to_dict()
     assert {key: content[key] for key in END} == {key: assessment[key] for key in END}
     assert content["error"]["probability"] == assessment["probability"]
@@ -123,7 +123,7 @@ def test_undecided_is_no_answer_no_and_check_asks_for_reliable(good, capsys):
 
 
 def test_the_screen_ends_with_the_lines_of_assess(good, capsys):
-    run(["monitor", str(good), "--f", "1", "--xi", "0.05", "--wait", "0.1"])
+    run(["monitor", str(good), "--f", "1", "--xi", "0.05", "--every", "60", "--wait", "0.1"])
     output = capsys.readouterr().out
     run(["assess", str(good), "--f", "1", "--xi", "0.05"])
     assert capsys.readouterr().out.splitlines()[0] in output.splitlines()
@@ -166,7 +166,7 @@ def test_a_replaced_file_is_judged_by_its_followed_rows(good, tmp_path):
 def test_an_unfinished_line_costs_no_verdict(good, tmp_path):
     path = tmp_path / "test.csv"
     path.write_text(good.read_text(encoding="utf-8") + "12.0,1.", encoding="utf-8")
-    *_, end = follow_test(path, **ONE_HERTZ, wait=0.1)
+    *_, end = follow_test(path, **ONE_HERTZ, every=60.0, wait=0.1)
     assert end.to_dict()["error"]["rms"] == reliab.assess(good, **ONE_HERTZ).to_dict()["error"]["rms"]
 
 
@@ -465,7 +465,7 @@ def test_unused_equipment_is_refused(good, tmp_path, capsys):
 
 
 def test_messages_state_how_often_alarms_are_false(good, capsys):
-    run(follow(good, "--threshold", "1"))
+    run(follow(good, "--every", "6", "--threshold", "1"))
     rates = {tuple(output["false_alarm_rates"].items()) for output in messages(capsys.readouterr().out)}
     assert rates == {(("unstable", 0.01), ("error", 0.01))}
 
@@ -499,7 +499,7 @@ def test_a_frame_is_followed_as_it_is_assessed(good, tmp_path, capsys):
     path = tmp_path / "frame.toml"
     path.write_text(FRAME.format(driven=ONE_DEGREE), encoding="utf-8")
     arguments = ["--structure", str(path), "--json", "-"]
-    assert run(["monitor", str(good), "--wait", "0.1", "--threshold", "2", *arguments]) == 0
+    assert run(["monitor", str(good), "--every", "60", "--wait", "0.1", "--threshold", "2", *arguments]) == 0
     end = messages(capsys.readouterr().out)[-1]
     rebuilt = reliab.assess(good, path, threshold=2.0).error.rebuilt
     assert end["error_m"] == pytest.approx(rebuilt.error[-1], rel=0.1)  # with all as stated
