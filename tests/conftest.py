@@ -3,9 +3,10 @@
 import gc
 import json
 import os
+import pickle
 import sys
 import unicodedata
-from collections import defaultdict
+from collections import OrderedDict, defaultdict
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
@@ -272,6 +273,38 @@ def shipped_results_are_decoded_once():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("reliab.sweep.results.open_compact", opened)
         yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def questions_are_judged_once(pytestconfig):
+    """What many tests ask about one recording is computed once by default.
+
+    Where the slow tests run too, which compare answers to one question, each is computed anew.
+    """
+    if pytestconfig.getoption("markexpr") != "not slow":
+        yield
+        return
+    from reliab.assessment.assess import assess
+
+    cache = OrderedDict()
+
+    def judge(*arguments, **options):
+        try:
+            question = pickle.dumps((arguments, options))
+        except (AttributeError, TypeError, pickle.PicklingError):
+            return assess(*arguments, **options)
+        if question not in cache:
+            cache[question] = assess(*arguments, **options)
+            while len(cache) > _ASSESSMENTS_IN_MEMORY:
+                cache.popitem(last=False)
+        return cache[question]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("reliab.app.api.assessment.assess_recording", judge)
+        yield
+
+
+_ASSESSMENTS_IN_MEMORY = 32
 
 
 @pytest.fixture(scope="session")

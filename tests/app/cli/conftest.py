@@ -1,8 +1,5 @@
 """Files of a test to judge."""
 
-import pickle
-from collections import OrderedDict
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -13,28 +10,6 @@ from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.simulation.hybrid_test.model_file import UpdatedModel, write_model
 from reliab.structures.structure import Structure
-
-_CACHE_SIZE = 16  # assessments in memory
-
-
-@pytest.fixture(scope="module")
-def assess_once():
-    """What is asked about one test, its JSON, its screen and its exit code, is computed once for a module."""
-    from reliab.assessment.assess import assess as computed
-
-    cache = OrderedDict()
-
-    def judge(*arguments, **options):
-        question = pickle.dumps((arguments, options))
-        if question not in cache:
-            cache[question] = computed(*arguments, **options)
-            while len(cache) > _CACHE_SIZE:
-                cache.popitem(last=False)
-        return cache[question]
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("reliab.app.api.assessment.assess_recording", judge)
-        yield
 
 
 @pytest.fixture(scope="module")

@@ -15,8 +15,6 @@ from reliab.core.errors import InputError
 from reliab.core.significant_digits import percent_with_interval
 from reliab.criterion.published import published_criterion
 
-pytestmark = pytest.mark.usefixtures("assess_once")
-
 ONE_HERTZ = ("--f", "1", "--xi", "0.02")
 
 APP = application("assess", "design")

@@ -14,8 +14,6 @@ from reliab.core.significant_digits import percent_and_interval
 PLAIN = ("--f", "1", "--xi", "0.02")
 LINES = 3000  # of the shipped test, enough for a verdict
 
-pytestmark = pytest.mark.usefixtures("assess_once")
-
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
