@@ -117,10 +117,10 @@ def test_a_copied_channel_is_never_reliable(good):
     ("factor", "rule"),
     [
         (-1.0, "opposite sign of the command"),
-        (1e3, "the same unit"),
-        (1e-3, "the same unit"),
-        (39.37, "the same unit"),
-        (0.01, "the same unit"),
+        (1e3, "different units"),
+        (1e-3, "different units"),
+        (39.37, "different units"),
+        (0.01, "different units"),
     ],
 )
 def test_another_sign_or_unit_is_refused(good, factor, rule):

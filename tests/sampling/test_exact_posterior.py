@@ -15,7 +15,7 @@ VALUES = np.random.default_rng(2017).normal(-0.8, 0.6, 40)
 @pytest.fixture(scope="module", params=[pytest.param("reference", marks=pytest.mark.slow), "weak"])
 def posteriors(request):
     prior = REFERENCE_PRIOR if request.param == "reference" else WEAK_PRIOR
-    samples = sample(NormalValues(values=VALUES, prior=prior), Ensembles(steps=1200, walkers=16))
+    samples = sample(NormalValues(values=VALUES, prior=prior), Ensembles(steps=400, walkers=16))
     return samples, updated(prior, VALUES)
 
 

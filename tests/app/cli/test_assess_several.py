@@ -86,9 +86,9 @@ def test_a_faulty_shared_file_ends_the_call(ask, folder):
 def test_a_frame_gives_a_table_too(folder, monkeypatch):
     frame = shipped("datasets", "frames/benchmark_case_1.toml")
     monkeypatch.chdir(folder)
-    tests = ["good.csv", "sound.csv", "--structure", str(frame), "--out", "frame.csv"]
-    assert cli.run(["assess", *tests]) == 0
-    assert pd.read_csv(folder / "frame.csv")["verdict"].notna().all()
+    tests = ["good.csv", "faulty.csv", "--structure", str(frame), "--out", "frame.csv"]
+    assert cli.run(["assess", *tests]) == 2
+    assert pd.read_csv(folder / "frame.csv")["verdict"].notna().tolist() == [True, False]
 
 
 def test_the_shipped_test_is_known_by_its_name(ask):
