@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from reliab.core.errors import InputError
 from reliab.discrepancy.blocks.balance import BalanceBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.campaign.reading import read_campaign
@@ -66,11 +67,11 @@ def test_a_stiffness_that_is_stated_wrongly_is_no_hysteresis(stated):
 
 
 @pytest.mark.slow
-def test_pounds_force_are_called_so():
-    found = diagnose(campaign_of(unit=0.2248))
-    assert found.effects == ()
-    assert "0.2248" in found.remarks[0]
-    assert "as pounds-force for newtons, or newtons for pounds-force would have" in found.remarks[0]
+def test_pounds_force_are_refused_by_their_name():
+    with pytest.raises(
+        InputError, match=r"0\.225 times .* as pounds-force for newtons, or newtons for pounds"
+    ):
+        diagnose(campaign_of(unit=0.2248))
 
 
 def names_of(found):
