@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from reliab.core.physical_range import RANGES
 from reliab.discrepancy.terms import ClockOffset
 from reliab.effects.effect import Parameter, Scales
 from reliab.effects.excitation_scale import ExcitationScale
@@ -36,7 +37,8 @@ def stiffness_of(model: HybridTest) -> float:
 def _set_stiffness(model: HybridTest, stiffness: float) -> HybridTest:
     if model.specimen is None:
         return model
-    return replace(model, specimen=replace(model.specimen, stiffness=max(stiffness, 0.0)))
+    is_physical = stiffness >= RANGES["stiffness"].lowest
+    return replace(model, specimen=replace(model.specimen, stiffness=stiffness if is_physical else 0.0))
 
 
 def _scale_structure(model: HybridTest, *, frequency: float = 1.0, damping: float = 1.0) -> HybridTest:
