@@ -137,7 +137,7 @@ def rig_assessments(ground_motions):
         ("second-order dynamics", None),
         ("inverse compensation, wrong estimate", None),
         ("drifting delay", "delay varies over the test"),
-        ("backlash", "leave"),
+        ("backlash", "neither gain nor delay"),
     ],
 )
 def test_only_rigs_with_errors_beyond_a_and_d_are_warned_of(rig_assessments, rig, words):
