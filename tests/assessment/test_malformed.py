@@ -125,8 +125,8 @@ def test_constant_signal_is_rejected(tmp_path, columns, write, name):
         (lambda t: np.delete(np.append(t, t[-1] + t[1]), ROW), "equal steps"),
         (lambda t: np.where(np.arange(t.size) == ROW, t - 0.9 * t[1], t), "equal steps"),
         (lambda t: np.full_like(t, 3.0), "equal steps"),
-        (lambda t: 1e3 * t, "at most 0.2 of a period"),
-        (lambda t: 5e-4 * t, "at least 2 periods"),
+        (lambda t: 1e3 * t, "longer than 0.2 of a period"),
+        (lambda t: 5e-4 * t, "shorter than 2 periods"),
     ],
 )
 def test_times_of_other_faults_are_rejected(tmp_path, columns, fault, message):

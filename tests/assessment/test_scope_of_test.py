@@ -57,7 +57,7 @@ def test_outside_no_share_is_stated_and_the_error_decides(simulate):
     assert summary["population"]["probability"] is None
     assert summary["by_index"]["probability"] is None
     assert summary["by_index"]["verdict"] == "undecided"
-    assert any("lies outside" in sentence for sentence in summary["warnings"])
+    assert any("is outside the range of the motions" in sentence for sentence in summary["warnings"])
     assert is_outside.verdict == is_inside.verdict
     assert is_inside.to_dict()["confidence"] == 0.95
 

@@ -146,11 +146,12 @@ def test_draws_agree_with_a_sampler(late_test):
     size = len(posterior.unknowns)
     generator = np.random.default_rng(3)
     spread = np.linalg.cholesky(posterior.fit.covariance)
-    start = posterior.fit.mode + generator.standard_normal((4 * size, size)) @ spread.T
-    sampler = emcee.EnsembleSampler(4 * size, size, posterior.fit.log_density)
+    start = posterior.fit.mode + generator.standard_normal((8 * size, size)) @ spread.T
+    moves = [(emcee.moves.DEMove(), 0.8), (emcee.moves.DESnookerMove(), 0.2)]  # along a bent ridge
+    sampler = emcee.EnsembleSampler(8 * size, size, posterior.fit.log_density, moves=moves)
     sampler.random_state = np.random.RandomState(3).get_state()
-    sampler.run_mcmc(start, 1500)
-    chain = sampler.get_chain(discard=500, flat=True)
+    sampler.run_mcmc(start, 6000)
+    chain = sampler.get_chain(discard=2000, flat=True)
     weights = posterior.draws.weights
     mean = weights @ posterior.draws.values
     deviation = np.sqrt(weights @ (posterior.draws.values - mean) ** 2)
