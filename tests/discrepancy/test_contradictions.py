@@ -65,8 +65,8 @@ def test_a_blunder_in_one_run_names_the_file_and_the_rule(name, channel, factor)
         (FORCE, -1.0, "resist the motion"),
         (FORCE, 1000.0, "stated specimen"),
         (MEASURED, -1.0, "opposite sign of the command"),
-        (MEASURED, 1000.0, "the same unit"),
-        (COMMAND, 0.0254, "the same unit"),
+        (MEASURED, 1000.0, "different units"),
+        (COMMAND, 0.0254, "different units"),
     ],
 )
 @pytest.mark.parametrize("name", RIGS)
@@ -98,7 +98,8 @@ def test_a_ground_acceleration_in_another_unit_is_said_of_each_test(name, unit, 
     said = require_consistent(spoiled(RIGS[name], GROUND, unit, places))
     assert len(said) == len(places)
     for place, sentence in zip(sorted(places), said, strict=True):
-        assert sentence.startswith(f"{RIGS[name].tests[place].file}: The ground acceleration must be in")
+        file = RIGS[name].tests[place].file
+        assert sentence.startswith(f"{file}: The ground acceleration does not fit its unit")
 
 
 @pytest.mark.parametrize("name", RIGS)
