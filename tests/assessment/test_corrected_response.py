@@ -121,7 +121,7 @@ def test_several_actuators_are_corrected_at_all_degrees_of_freedom(
         assert remainder < 0.3 * np.std(displacement[place] - true[place])
     for name, row in zip(("x", "theta", "roof"), true, strict=True):
         low, high = (correction[f"exact_{end}_{name}"].to_numpy() for end in ("low", "high"))
-        assert np.mean((low <= row) & (row <= high)) > 0.6  # of one test
+        assert np.mean((low <= row) & (row <= high)) > 0.75
         motion_variance = 0.06 if name == "theta" else 5e-3  # which hardly moves
         assert correction[f"exact_{name}"].to_numpy() == pytest.approx(
             row, abs=motion_variance * np.abs(row).max()
