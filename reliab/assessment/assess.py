@@ -126,7 +126,7 @@ def assess(
         the frame but its specimen.
     linear_specimen : bool, optional
         Whether somebody states that the specimen is linear. Where nobody does and no force was recorded, the
-        interval holds that it may have yielded, as likely as `equipment` says.
+        answer says what the error would be if it had yielded, which can withhold "reliable".
     force_channel : ForceChannel, optional
         What the recorded force of a measured specimen contains besides that of the specimen.
     assumed : tuple of str, optional
@@ -257,6 +257,9 @@ def _judge(
     sound = repair_recording(recording, faults)
     if isinstance(sound, Recording) and faults:
         tracking = track(sound, seed=question.seed)
+    column_doubts: tuple[Contradiction, ...] = ()
+    if isinstance(recording, Recording) and tracking is not None:
+        column_doubts = tuple(contradict_columns(recording, tracking))
     asked = question if has_damping else _broaden_damping(question)
     nonlinear = ""
     if isinstance(sound, Recording) and question.frame is None and question.linear:
@@ -276,6 +279,7 @@ def _judge(
         effects=effects,
         equation=equation,
         turning=turning,
+        column_doubts=column_doubts,
         verdict=turning.limit(doubt_rest(verdict, error, sound), error.probability),
     )
 
@@ -326,7 +330,7 @@ def _conclude_mass(judged: JudgedError, assumed: tuple[str, ...]) -> Assessment:
         else _place_test(judged.motion, sound, tracking, error, question),
         equation=judged.equation,
         assumed=assumed,
-        column_doubts=tuple(contradict_columns(recording, tracking)),
+        column_doubts=judged.column_doubts,
     )
 
 
@@ -341,9 +345,8 @@ def _contradict(assessment: AnyAssessment, judged: JudgedError) -> Iterator[Cont
         yield from contradict_motion(assessment.placement)
     yield from judged.equation.doubts
     yield from contradict_specimen(error.specimen)
-    if isinstance(judged.recording, Recording) and isinstance(sound, Recording) and tracking is not None:
-        columns = list(contradict_columns(judged.recording, tracking))
-        yield from columns if columns and _depends_on_columns(sound, error, question) else ()
+    if judged.column_doubts and isinstance(sound, Recording) and _depends_on_columns(sound, error, question):
+        yield from judged.column_doubts
 
 
 def _accepts_frequency(

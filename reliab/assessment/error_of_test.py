@@ -25,7 +25,7 @@ from reliab.assessment.rebuilt_error.rebuild import RebuiltError
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.widenings import Widening
 from reliab.assessment.recorded_force import stiffness_from_mass
-from reliab.assessment.recorded_ground import ShownGround, examine_beside_force, examine_ground
+from reliab.assessment.recorded_ground import ShownGround, examine_ground, examine_ground_by_force
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.stated_value import StatedValue
@@ -263,7 +263,7 @@ def error_of_test(
     if question.model is None:
         specimen = _learn_specimen(recording, measured_displacement, question, arguments)
         rebuilt = specimen.rebuilt
-        ground = examine_beside_force(
+        ground = examine_ground_by_force(
             replace(recording, measured=measured_displacement),
             question.full_structure,
             mass=question.mass or 1.0,

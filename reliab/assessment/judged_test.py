@@ -49,6 +49,7 @@ class JudgedError:
     effects: tuple[FaultEffect, ...]  # Faults of the recording and what they do to the error
     equation: OwnEquation  # What the channels show of the structure
     turning: Turning  # What was not stated and would turn the verdict
+    column_doubts: tuple[Contradiction, ...]  # Why command and measured displacement may be swapped
     verdict: Verdict
 
     @property

@@ -317,7 +317,7 @@ def _other_ground(best: _GroundFit, lowest: float, *, has_force: bool) -> Contra
     )
 
 
-def examine_beside_force(
+def examine_ground_by_force(
     recording: Recording, structure: Partition, *, mass: float, feedback_lag: float
 ) -> ShownGround:
     """Compare a test of any specimen with its recorded ground acceleration.
@@ -345,7 +345,7 @@ def doubts_of_ground(recording: Recording, structure: Structure, mass: float) ->
     if recording.duration * structure.frequency < _FEWEST_PERIODS:
         return ()
     try:
-        shown = examine_beside_force(recording, whole_structure(structure), mass=mass, feedback_lag=0.0)
+        shown = examine_ground_by_force(recording, whole_structure(structure), mass=mass, feedback_lag=0.0)
     except InputError as error:
         return (f"{error.rule}; found {error.value}. {error.remedy}.",)
     return shown.notes
