@@ -6,8 +6,10 @@ its equations are, M, C, K and the load ℓ = Mι written in these coordinates :
     M₂₂q₂'' + C₂₂q₂' + K₂₂q₂ = −ℓ₂a_g − M₂₁q₁'' − C₂₁q₁' − K₂₁q₁
     f = −ℓ₁a_g − (M₁₁q₁'' + C₁₁q₁' + K₁₁q₁) − (M₁₂q₂'' + C₁₂q₂' + K₁₂q₂)
 
-The inner motion q₂ is that of the frame with its interface held, which is stable, and is stepped exactly for
-loads that are straight between samples.
+The inner motion q₂ is that of the frame with its interface held, which is stable. It is stepped exactly for
+a ground acceleration that is straight between samples, as are loads of a step h. The motion of the interface
+is smooth, but for the part −γᵀιa_g of its acceleration: a smooth load u(t) moves the frame as straight lines
+through u − δ²u/12 do, up to h⁴, where δ² is the second difference of its samples.
 """
 
 import numpy as np
@@ -27,6 +29,7 @@ class InnerMotion:
 
     def __init__(self, partition: Partition, step: float) -> None:
         gamma = partition.direction
+        self._ground_to_interface = float(gamma @ partition.frame.influence)
         basis = np.column_stack([gamma / (gamma @ gamma), null_space(gamma[np.newaxis])])
         mass, damping, stiffness = (
             basis.T @ matrix @ basis
@@ -56,13 +59,22 @@ class InnerMotion:
         `ground` [m/s²]; `motion` [m]; returns [N].
         """
         inputs = np.ascontiguousarray(np.stack([ground, motion[2], motion[1], motion[0]], axis=1))
+        loads, smooth = inputs.copy(), inputs[:, 1:].copy()
+        smooth[:, 0] += self._ground_to_interface * ground
+        loads[1:-1, 1:] -= np.diff(smooth, 2, axis=0) / 12.0
         transition, early, late = (np.ascontiguousarray(matrix) for matrix in self._steps)
-        return _balance(transition, early, late, self._of_state, self._of_inputs, inputs)
+        return _balance(transition, early, late, self._of_state, self._of_inputs, inputs, loads)
 
 
 @compiled
 def _balance(
-    transition: Array, early: Array, late: Array, state_row: Array, input_row: Array, inputs: Array
+    transition: Array,
+    early: Array,
+    late: Array,
+    state_row: Array,
+    input_row: Array,
+    inputs: Array,
+    loads: Array,
 ) -> Array:
     """Step the inner motion and add up the force at every sample, shape (n,)."""
     states, count = early.shape
@@ -75,7 +87,7 @@ def _balance(
                 for j in range(states):
                     total += transition[i, j] * z[j]
                 for j in range(count):
-                    total += early[i, j] * inputs[k - 1, j] + late[i, j] * inputs[k, j]
+                    total += early[i, j] * loads[k - 1, j] + late[i, j] * loads[k, j]
                 z_next[i] = total
             z[:] = z_next
         total = 0.0
