@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from discrepancy.test_specimen_forms import RATE, STIFFNESS, written
+from discrepancy.test_specimen_forms import RATE, STIFFNESS, TESTS, written
+from scipy import optimize
 
 from reliab.discrepancy.blocks.specimen import SpecimenBlock
 from reliab.discrepancy.diagnose import diagnose
@@ -52,19 +53,36 @@ def test_it_remembers_the_tests_before_in_the_order_of_the_campaign(tmp_path):
 
 
 @pytest.mark.slow
-def test_it_is_told_in_these_words_and_given_no_other_name(tmp_path):
-    """The stiffness falls along a straight line with what is missing to the largest displacement."""
+def test_rubber_of_another_law_is_named_softening_with_its_best_parameters(tmp_path):
+    """The stiffness returns along a straight line, and not with a power of the displacement.
+
+    Least squares on force and displacement without noise say which parameters come closest, and how close.
+    """
     largest = 0.0
+    moved_by_test, ratios = [], []
 
     def rubber(moved):
         nonlocal largest
         so_far = np.maximum(np.maximum.accumulate(np.abs(moved)), largest)
         largest = so_far[-1]
-        below = 1.0 - np.abs(moved) / np.maximum(so_far, 1e-12)
-        return STIFFNESS * moved * (1.0 - 0.5 * np.minimum(2.0 * below, 1.0))
+        moved_by_test.append(moved)
+        ratios.append(np.abs(moved) / np.maximum(so_far, 1e-12))
+        return STIFFNESS * moved * (1.0 - 0.5 * np.minimum(2.0 * (1.0 - ratios[-1]), 1.0))
 
     found = diagnose(written(tmp_path, f"stiffness_n_per_m = {STIFFNESS}", rubber))
-    assert found.verdict is Verdict.UNKNOWN_EFFECT
-    assert found.effects == ()
-    assert "Mullins" in found.unknown.description
+    (effect,) = found.effects
+    assert (found.verdict, effect.name) == (Verdict.NAMED, "softening")
+    assert found.unknown is None
+
+    def miss(parameters, tests=slice(TESTS - 1)):
+        stiffness, lost, power = parameters
+        moved, ratio = (np.concatenate(values[tests]) for values in (moved_by_test, ratios))
+        force = STIFFNESS * (1.0 - np.minimum(1.0 - ratio, 0.5)) * moved
+        return ((stiffness - lost * (1.0 - ratio**power)) * moved - force) / force.std()
+
+    closest = optimize.least_squares(miss, [STIFFNESS, 0.4 * STIFFNESS, 2.0], x_scale=[1e4, 1e4, 1.0]).x
+    for estimate, value in zip(effect.estimates, closest[1:], strict=True):
+        assert estimate.value == pytest.approx(value, abs=2.0 * estimate.sd)
+    left = float(np.sqrt(np.mean(miss(closest, slice(TESTS - 1, None)) ** 2)))
+    assert found.gap.after == pytest.approx(left, rel=0.1)
     assert found.gap.after < 0.2 * found.gap.before
