@@ -14,6 +14,7 @@ from scipy.io import savemat
 from fuzz import corpus
 from fuzz.damage import Instead, write
 from fuzz.targets import TARGETS, examine
+from fuzz.test_described_files import with_value
 from reliab.core.errors import InputError
 from reliab.core.untrusted_files import open_hdf5
 from reliab.criterion.criterion import Criterion
@@ -21,7 +22,6 @@ from reliab.criterion.ellipse_reading import read_ellipses
 from reliab.discrepancy.campaign.reading import read_campaign
 from reliab.recordings.readers.registry import read_tests
 from reliab.recordings.recording import Recording
-from reliab.simulation.frames.frame_file import read_frame
 from reliab.simulation.frames.transfer_table import read_matlab
 from reliab.simulation.hybrid_test.model_file import read_model
 from reliab.sweep.ellipse_dataset import open_ellipses
@@ -39,6 +39,14 @@ def test_what_is_no_ordinary_file_is_refused_at_once(name, kind):
 def spoiled(tmp_path, case, name, change):
     write({**case, name: change(case[name])}, tmp_path)
     return tmp_path / name
+
+
+def with_flipped_bit(folder, array):
+    """Write a store with one bit of the first chunk of an array flipped."""
+    case = corpus.stores()[0]
+    name = next(name for name in sorted(case) if name.startswith(f"results.zarr/{array}/c."))
+    spoiled(folder, case, name, lambda content: content[:20] + bytes([content[20] ^ 1]) + content[21:])
+    return folder / "results.zarr"
 
 
 def test_a_matlab_file_of_an_unknown_kind_is_explained(tmp_path):
@@ -77,9 +85,12 @@ def test_an_hdf5_file_whose_texts_never_end_is_refused(tmp_path):
         pass
 
 
-def test_a_table_of_ellipses_with_too_many_cells_in_a_row_is_refused(tmp_path):
-    (tmp_path / "ellipses.csv").write_text("a,b\n1e-4,20,30\n")
-    with pytest.raises(InputError, match="must be a readable CSV file"):
+@pytest.mark.parametrize(
+    ("table", "rule"), [("a,b\n1e-4,20,30\n", "must be a readable CSV file"), ("a,b\n\n", "has no rows")]
+)
+def test_a_table_of_ellipses_without_whole_rows_is_refused(tmp_path, table, rule):
+    (tmp_path / "ellipses.csv").write_text(table)
+    with pytest.raises(InputError, match=rule):
         read_ellipses(tmp_path / "ellipses.csv")
 
 
@@ -91,10 +102,7 @@ def test_a_file_of_ellipses_cut_short_is_explained_without_a_traceback(tmp_path,
 
 
 def test_a_store_with_a_damaged_chunk_is_refused(tmp_path):
-    case = corpus.stores()[0]
-    name = next(name for name in sorted(case) if name.startswith("results.zarr/rms/c."))
-    spoiled(tmp_path, case, name, lambda content: content[:20] + bytes([content[20] ^ 1]) + content[21:])
-    results = open_results(tmp_path / "results.zarr")
+    results = open_results(with_flipped_bit(tmp_path, "rms"))
     with pytest.raises(InputError, match="with every checksum right"):
         results.reliab.ellipses()
 
@@ -205,8 +213,6 @@ def test_a_store_with_arrays_of_other_shapes_is_not_resumed(tmp_path, name, shap
 
 
 def test_chains_whose_random_state_is_damaged_are_not_resumed(tmp_path):
-    import h5py
-
     path = spoiled(tmp_path, corpus.chains()[0], "chains.h5", lambda content: content)
     with h5py.File(path, "r+") as file:
         file["run/ensemble_0"].attrs["random_state_0"] = "PCG64"
@@ -216,8 +222,6 @@ def test_chains_whose_random_state_is_damaged_are_not_resumed(tmp_path):
 
 @pytest.mark.parametrize("spoil", [float("nan"), 0.25])
 def test_chains_with_a_changed_value_are_not_resumed(tmp_path, spoil):
-    import h5py
-
     path = spoiled(tmp_path, corpus.chains()[0], "chains.h5", lambda content: content)
     with h5py.File(path, "r") as file:
         values = file["run/ensemble_0/chain"][...]
@@ -243,12 +247,35 @@ def campaign(folder: Path, **changes: bytes) -> Path:
     return folder
 
 
-@pytest.mark.parametrize("name", ["../a.csv", "/etc/passwd", "b/../../a.csv"])
-def test_a_test_outside_the_folder_of_its_campaign_is_refused(tmp_path, name):
-    description = corpus.campaign()[0]["campaign.toml"].replace(b'"a.csv"', json.dumps(name).encode())
-    write({**corpus.campaign()[0], "campaign.toml": description}, tmp_path)
-    with pytest.raises(InputError, match="lies outside the folder"):
-        read_campaign(tmp_path)
+@pytest.mark.parametrize(
+    ("target", "text", "replacement", "rule"),
+    [
+        *(
+            ("campaign", rb'"a\.csv"', json.dumps(name).encode(), "lies outside the folder")
+            for name in ("../a.csv", "/etc/passwd", "b/../../a.csv")
+        ),
+        ("campaign", rb'"b\.csv"', b'"./a.csv"', "A file must be listed for one test only"),
+        ("campaign", rb'motion = "one"', b"held_out = true", "At least one test must not be held out"),
+        ("campaign", rb"(?s)\A.+", b"", "sampling is missing"),
+        *(
+            (
+                *("campaign", rb"(?<=frequency_hz = )\S+", number),
+                r"line 3.*frequency_hz: the natural frequency must be between",
+            )
+            for number in (b"1e-320", b"1e308")
+        ),
+        ("frame", rb"(?<=storey_height_m = )\S+", b"1e308", "storey_height_m: the length must be between"),
+        ("frame", rb"(?<=storeys = )\S+", b"1000000", "5,000 displacements and rotations at most"),
+    ],
+)
+def test_a_described_fault_is_refused_by_its_rule(tmp_path, target, text, replacement, rule):
+    file = f"{target}.toml"
+    case = next(case for case in TARGETS[target].seeds() if re.search(text, case[file]))
+    content, count = re.subn(text, lambda _: replacement, case[file])
+    assert count == 1
+    write({**case, file: content}, tmp_path)
+    with pytest.raises(InputError, match=rule):
+        TARGETS[target].read(tmp_path)
 
 
 @pytest.mark.parametrize("column", [0, 2])
@@ -261,31 +288,11 @@ def test_a_value_of_a_campaign_that_no_sensor_reads_is_refused(tmp_path, column)
         read_campaign(campaign(tmp_path, a=b"\n".join(lines)))
 
 
-def test_a_held_out_test_is_no_other_test(tmp_path):
-    description = corpus.campaign()[0]["campaign.toml"].replace(b'"b.csv"', b'"./a.csv"')
-    write({**corpus.campaign()[0], "campaign.toml": description}, tmp_path)
-    with pytest.raises(InputError, match="A file must be listed for one test only"):
-        read_campaign(tmp_path)
-
-
 def test_a_line_of_too_many_cells_is_refused(tmp_path):
     lines = corpus.campaign()[0]["a.csv"].split(b"\n")
     lines[7] += b",5"
     with pytest.raises(InputError, match="6 columns, but 5 in the first line"):
         read_campaign(campaign(tmp_path, a=b"\n".join(lines)))
-
-
-def test_a_description_that_is_no_table_is_explained(tmp_path):
-    (tmp_path / "campaign.toml").write_text("")
-    with pytest.raises(InputError, match="sampling is missing"):
-        read_campaign(tmp_path)
-
-
-def test_a_campaign_of_held_out_tests_only_is_refused(tmp_path):
-    description = corpus.campaign()[0]["campaign.toml"].replace(b'motion = "one"', b"held_out = true")
-    write({**corpus.campaign()[0], "campaign.toml": description}, tmp_path)
-    with pytest.raises(InputError, match="At least one test must not be held out"):
-        read_campaign(tmp_path)
 
 
 def test_a_test_without_ends_of_lines_is_not_followed_for_ever(tmp_path):
@@ -322,47 +329,15 @@ def test_an_ellipse_beyond_any_boundary_is_refused(tmp_path):
     assert not examine(TARGETS["ellipse_table"], {"ellipses.csv": text})
 
 
-def test_a_table_of_ellipses_without_rows_is_refused(tmp_path):
-    (tmp_path / "ellipses.csv").write_text("a,b\n\n")
-    with pytest.raises(InputError, match="has no rows"):
-        read_ellipses(tmp_path / "ellipses.csv")
-
-
 def test_a_running_test_refuses_what_no_sensor_reads():
     text = corpus.tests()[0]["test.csv"].split(b"\n")
     text[300] = text[300].rsplit(b",", 1)[0] + b",1e308"
     assert not examine(TARGETS["monitor"], {"test.csv": b"\n".join(text)})
 
 
-def test_a_frame_of_immense_storeys_is_refused(tmp_path):
-    case = next(case for case in corpus.frames() if b"storey_height_m" in case["frame.toml"])
-    text = re.sub(rb"storey_height_m = \S+", b"storey_height_m = 1e308", case["frame.toml"])
-    (tmp_path / "frame.toml").write_bytes(text)
-    with pytest.raises(InputError, match=r"storey_height_m: the length must be between"):
-        read_frame(tmp_path / "frame.toml")
-
-
-def test_a_frame_of_more_storeys_than_fit_in_memory_is_refused(tmp_path):
-    case = next(case for case in corpus.frames() if b"storey_height_m" in case["frame.toml"])
-    text = re.sub(rb"storeys = \S+", b"storeys = 1000000", case["frame.toml"])
-    (tmp_path / "frame.toml").write_bytes(text)
-    with pytest.raises(InputError, match="5,000 displacements and rotations at most"):
-        read_frame(tmp_path / "frame.toml")
-
-
 def test_a_store_with_damaged_delays_is_refused(tmp_path):
-    case = corpus.stores()[0]
-    name = next(name for name in sorted(case) if name.startswith("results.zarr/tau/c."))
-    spoiled(tmp_path, case, name, lambda content: content[:20] + bytes([content[20] ^ 1]) + content[21:])
     with pytest.raises(InputError, match="with every checksum right"):
-        open_results(tmp_path / "results.zarr")
-
-
-def test_a_criterion_of_immense_motions_is_refused():
-    content = json.loads(corpus.criteria()[2]["criterion.json"])
-    content["population"]["log_alpha"][0][0][0] = 1e308
-    with pytest.raises(InputError, match="Logarithms of ellipse parameters"):
-        Criterion.from_json(json.dumps(content))
+        open_results(with_flipped_bit(tmp_path, "tau"))
 
 
 @pytest.mark.parametrize("digits", [21, 400])
@@ -378,22 +353,18 @@ def test_a_criterion_with_a_whole_number_of_very_many_digits_is_read_or_refused(
             Criterion.from_json(json.dumps(content))
 
 
-@pytest.mark.parametrize(("key", "place"), [("a", 0), ("frequencies", -1)])
-def test_a_criterion_of_immense_limits_or_frequencies_is_refused(key, place):
+@pytest.mark.parametrize(
+    ("place", "value", "rule"),
+    [
+        (("population", "log_alpha", 0, 0, 0), 1e308, "Logarithms of ellipse parameters"),
+        (("law", "a", 0), [1e308], r"must be .*, at most 1e\+30"),
+        (("law", "frequencies", -1), 1e308, r"must be .*, at most 1e\+30"),
+    ],
+)
+def test_a_criterion_of_immense_numbers_is_refused(place, value, rule):
     content = json.loads(corpus.criteria()[2]["criterion.json"])
-    content["law"][key][place] = [1e308] if key == "a" else 1e308
-    with pytest.raises(InputError, match=r"must be .*, at most 1e\+30"):
-        Criterion.from_json(json.dumps(content))
-
-
-@pytest.mark.parametrize("frequency", [b"1e-320", b"1e308"])
-def test_a_frequency_of_a_campaign_whose_square_is_no_number_is_refused(tmp_path, frequency):
-    case = corpus.campaign()[0]
-    text, count = re.subn(rb"frequency_hz = \S+", b"frequency_hz = " + frequency, case["campaign.toml"])
-    assert count == 1
-    write({**case, "campaign.toml": text}, tmp_path)
-    with pytest.raises(InputError, match=r"line 3.*frequency_hz: the natural frequency must be between"):
-        read_campaign(tmp_path)
+    with pytest.raises(InputError, match=rule):
+        Criterion.from_json(json.dumps(with_value(content, place, value)))
 
 
 @pytest.mark.parametrize("denominator", [[5e-256, 8e-53, 1e184], [1e20, 1e200, 1e20]])

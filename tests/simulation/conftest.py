@@ -1,27 +1,26 @@
 """Records for the tests of the loop."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-RecordOf = Callable[[np.random.Generator], tuple[NDArray[np.float64], float]]
+from reliab.simulation.excitation import Excitation
 
 
 @pytest.fixture(scope="session")
-def random_record() -> RecordOf:
-    """Make an accelerogram: modulated, coloured noise with a step that records have."""
+def random_excitation():
+    """Make an excitation from a seed: modulated, coloured noise with a step that records have."""
 
-    def make(rng: np.random.Generator) -> tuple[NDArray[np.float64], float]:
+    def make(seed, window=(0.0, -1.0)):
+        rng = np.random.default_rng(seed)
         time_step = float(rng.choice([0.0025, 0.005, 0.01, 0.02]))
         t = np.arange(0.0, rng.uniform(15.0, 40.0), time_step)
         envelope = (t / 6.0) ** 2 * np.exp(-t / rng.uniform(2.0, 5.0))
         noise = lfilter(
             [1.0], [1.0, -np.exp(-time_step * rng.uniform(5.0, 40.0))], rng.standard_normal(t.size)
         )
-        return 3.0 * envelope * noise / np.std(noise), time_step
+        acceleration = 3.0 * envelope * noise / np.std(noise)
+        return Excitation(acceleration=acceleration, time_step=time_step, window=window)
 
     return make
 

@@ -104,10 +104,9 @@ def test_exact_response_to_a_constant_acceleration_is_the_textbook_step_response
 
 
 @pytest.mark.parametrize("engine", list(Engine))
-def test_perfect_actuator_has_no_error(random_record, engine):
-    acceleration, time_step = random_record(np.random.default_rng(1))
+def test_perfect_actuator_has_no_error(random_excitation, engine):
     loop = Loop(
-        excitation=Excitation(acceleration=acceleration, time_step=time_step),
+        excitation=random_excitation(1),
         structure=Structure(frequency=1.0, damping_ratio=0.02),
         engine=engine,
     )
@@ -115,30 +114,27 @@ def test_perfect_actuator_has_no_error(random_record, engine):
     assert result.peak[0] < 1e-7 * result.ideal_peak
 
 
-def test_error_scales_with_nothing_but_the_shape_of_the_record(random_record):
-    acceleration, time_step = random_record(np.random.default_rng(2))
-    loop = Loop(
-        excitation=Excitation(acceleration=acceleration, time_step=time_step),
-        structure=Structure(frequency=1.0, damping_ratio=0.02),
-    )
-    louder = replace(loop, excitation=replace(loop.excitation, acceleration=3.0 * acceleration))
+def test_error_scales_with_nothing_but_the_shape_of_the_record(random_excitation):
+    loop = Loop(excitation=random_excitation(2), structure=Structure(frequency=1.0, damping_ratio=0.02))
+    record = loop.excitation
+    louder = replace(loop, excitation=replace(record, acceleration=3.0 * record.acceleration))
     cells = loop.cells(gain=1.01, delay=0.001)
     single, three = loop.deviation(cells), louder.deviation(cells)
     assert three.mean_square[0] == pytest.approx(9.0 * single.mean_square[0], rel=1e-9)
     assert three.peak[0] / three.ideal_peak == pytest.approx(single.peak[0] / single.ideal_peak, rel=1e-9)
 
 
-def test_slower_structure_under_a_slower_record_has_the_same_error(random_record):
-    acceleration, time_step = random_record(np.random.default_rng(6))
+def test_slower_structure_under_a_slower_record_has_the_same_error(random_excitation):
     fast = Loop(
-        excitation=Excitation(acceleration=acceleration, time_step=time_step),
+        excitation=random_excitation(6),
         structure=Structure(frequency=1.0, damping_ratio=0.03),
         engine=Engine.SPECTRAL,
     )
-    slow = Loop(
-        excitation=Excitation(acceleration=acceleration, time_step=2.0 * time_step),
-        structure=Structure(frequency=0.5, damping_ratio=0.03),
-        engine=Engine.SPECTRAL,
+    record = fast.excitation
+    slow = replace(
+        fast,
+        excitation=Excitation(acceleration=record.acceleration, time_step=2.0 * record.time_step),
+        structure=replace(fast.structure, frequency=0.5),
     )
     single = fast.deviation(fast.cells(gain=0.99, delay=0.002))
     two = slow.deviation(slow.cells(gain=0.99, delay=0.004))

@@ -17,10 +17,12 @@ from reliab.simulation.linear_loop import delay_stepper, pole_recursion
 from reliab.simulation.linear_loop.cells import Cells
 from reliab.structures.structure import Structure, critical_delay
 from reliab.sweep.grid import ExplicitGrid
+from reliab.sweep.request import excitation_of
 from reliab.tracking.indices.response_error import relative_error
+from reliab.tracking.indices.window import Window
 
 
-def random_case(rng: np.random.Generator, acceleration, time_step) -> tuple[Loop, Cells]:
+def random_case(rng: np.random.Generator, excitation: Excitation) -> tuple[Loop, Cells]:
     xi = float(rng.choice([0.02, 0.05, 0.1]))
     structure = Structure(
         frequency=float(rng.choice([0.25, 0.5, 1.0, 1.5, 2.0])),
@@ -29,7 +31,7 @@ def random_case(rng: np.random.Generator, acceleration, time_step) -> tuple[Loop
     )
     gain = 1.0 + xi * rng.uniform(-1.0, 1.0)
     delay = rng.uniform(0.0, 0.9) * min(0.3, float(critical_delay(structure, gain)))
-    loop = Loop(excitation=Excitation(acceleration=acceleration, time_step=time_step), structure=structure)
+    loop = Loop(excitation=excitation, structure=structure)
     return loop, loop.cells(gain=gain, delay=delay)
 
 
@@ -42,11 +44,20 @@ def differences(loop: Loop, cells: Cells, second: Engine) -> dict[Metric, float]
     }
 
 
+def square_and_peak(blocks, measured):
+    """Mean square and peak of the deviation within the window, by the trapezoidal rule."""
+    deviation = (measured - blocks.ideal)[blocks.before :]
+    deviation[-1] = deviation[-2] + blocks.end * (deviation[-1] - deviation[-2])
+    last = 0.5 * blocks.end * (deviation[-2] ** 2 + deviation[-1] ** 2)
+    square = (np.trapezoid(deviation[:-1] ** 2) + last) / blocks.intervals
+    return square, np.abs(deviation).max()
+
+
 @pytest.mark.default_cases(6)
 @pytest.mark.parametrize("seed", range(60))
-def test_automatic_engine_agrees_with_the_spectral_one(random_record, seed):
+def test_automatic_engine_agrees_with_the_spectral_one(random_excitation, seed):
     rng = np.random.default_rng(seed)
-    loop, cells = random_case(rng, *random_record(rng))
+    loop, cells = random_case(rng, random_excitation(rng))
     result = differences(loop, cells, Engine.SPECTRAL)
     assert result[Metric.RMS] < 1e-4
     assert result[Metric.MTE] < 2e-3
@@ -58,7 +69,7 @@ def test_engines_agree_on_many_cells_of_the_real_records(real_motions_folder, co
     motions = load_motions(real_motions_folder)
     for index in rng.integers(0, len(motions), count):
         motion = motions[int(index)]
-        result = differences(*random_case(rng, motion.acceleration, motion.time_step), Engine.SPECTRAL)
+        result = differences(*random_case(rng, excitation_of(motion, Window())), Engine.SPECTRAL)
         assert result[Metric.RMS] < 1e-4
         assert result[Metric.MTE] < 1e-3
 
@@ -84,11 +95,10 @@ def test_pole_engine_agrees_with_an_independent_kernel(rate, rms, mte):
 
 
 @pytest.mark.parametrize("delay", [0.0, 1e-4, 0.001, 0.004, 0.0149, 0.016, 0.05])
-def test_delay_stepper_agrees_with_the_spectral_engine_on_both_sides_of_a_block(random_record, delay):
-    rng = np.random.default_rng(5)
-    acceleration, time_step = random_record(rng)
+def test_delay_stepper_agrees_with_the_spectral_engine_on_both_sides_of_a_block(random_excitation, delay):
+    excitation = random_excitation(5)
     loop = Loop(
-        excitation=Excitation(acceleration=acceleration, time_step=time_step),
+        excitation=excitation,
         structure=Structure(frequency=0.3, damping_ratio=0.08),
         engine=Engine.DELAY,
     )
@@ -97,45 +107,34 @@ def test_delay_stepper_agrees_with_the_spectral_engine_on_both_sides_of_a_block(
 
 
 @pytest.mark.parametrize("window", [(0.0, -1.0), (3.003, 9.0047)])
-def test_delays_shorter_than_a_block_follow_the_history_of_the_general_stepper(random_record, window):
-    acceleration, time_step = random_record(np.random.default_rng(6))
-    excitation = Excitation(acceleration=acceleration, time_step=time_step, window=window)
+def test_delays_shorter_than_a_block_follow_the_history_of_the_general_stepper(random_excitation, window):
+    excitation = random_excitation(6, window=window)
     structure = Structure(frequency=1.0, damping_ratio=0.05, experimental_fraction=0.7)
     loop = Loop(excitation=excitation, structure=structure, engine=Engine.DELAY)
     blocks, delays = loop.blocks, [0.0, 0.004, 0.0099]
     result = loop.deviation(loop.cells(gain=1.02, delay=delays))
     for cell, delay in enumerate(delays):
         _, reading = delay_stepper.response(blocks, structure, 1.02, delay)
-        is_inside = (reading - blocks.ideal)[blocks.before :]
-        is_inside[-1] = is_inside[-2] + blocks.end * (is_inside[-1] - is_inside[-2])
-        squares = np.trapezoid(is_inside[:-1] ** 2) + 0.5 * blocks.end * (
-            is_inside[-2] ** 2 + is_inside[-1] ** 2
-        )
-        assert result.mean_square[cell] == pytest.approx(squares / blocks.intervals, rel=1e-9)
-        assert result.peak[cell] == pytest.approx(np.abs(is_inside).max(), rel=2e-3)
+        mean_square, peak = square_and_peak(blocks, reading)
+        assert result.mean_square[cell] == pytest.approx(mean_square, rel=1e-9)
+        assert result.peak[cell] == pytest.approx(peak, rel=2e-3)
 
 
-def test_pole_and_delay_engines_agree_beyond_the_stability_limit(random_record):
-    rng = np.random.default_rng(8)
-    acceleration, time_step = random_record(rng)
+def test_pole_and_delay_engines_agree_beyond_the_stability_limit(random_excitation):
+    excitation = random_excitation(8)
     structure = Structure(frequency=1.5, damping_ratio=0.02)
-    loop = Loop(
-        excitation=Excitation(acceleration=acceleration, time_step=time_step),
-        structure=structure,
-        engine=Engine.POLE,
-    )
+    loop = Loop(excitation=excitation, structure=structure, engine=Engine.POLE)
     cells = loop.cells(gain=1.0, delay=1.5 * critical_delay(structure))
     assert differences(loop, cells, Engine.DELAY)[Metric.RMS] < 1e-4
 
 
-def test_result_does_not_depend_on_the_company_of_a_cell(random_record):
+@pytest.mark.default_cases(2)
+@pytest.mark.parametrize(("frequency", "earliest", "latest"), [(0.25, 0.0, 0.12), (0.5, -0.1, 0.1)])
+def test_result_does_not_depend_on_other_cells(random_excitation, frequency, earliest, latest):
     rng = np.random.default_rng(3)
-    acceleration, time_step = random_record(rng)
-    loop = Loop(
-        excitation=Excitation(acceleration=acceleration, time_step=time_step),
-        structure=Structure(frequency=0.25, damping_ratio=0.1),
-    )
-    gain, delay = rng.uniform(0.9, 1.1, 150), rng.uniform(0.0, 0.12, 150)
+    excitation = random_excitation(rng)
+    loop = Loop(excitation=excitation, structure=Structure(frequency=frequency, damping_ratio=0.1))
+    gain, delay = rng.uniform(0.9, 1.1, 150), rng.uniform(earliest, latest, 150)
     joint = loop.deviation(loop.cells(gain=gain, delay=delay))
     for cell in (0, 70, 149):
         separate = loop.deviation(loop.cells(gain=gain[cell], delay=delay[cell]))
@@ -143,36 +142,27 @@ def test_result_does_not_depend_on_the_company_of_a_cell(random_record):
         assert separate.peak[0] == pytest.approx(joint.peak[cell], rel=1e-10)
 
 
-def test_window_inside_the_record_is_the_same_for_all_engines(random_record):
+def test_window_inside_the_record_is_the_same_for_all_engines(random_excitation):
     rng = np.random.default_rng(4)
-    acceleration, time_step = random_record(rng)
-    excitation = Excitation(acceleration=acceleration, time_step=time_step, window=(3.21, 11.47))
+    excitation = random_excitation(rng, window=(3.21, 11.47))
     loop = Loop(excitation=excitation, structure=Structure(frequency=1.0, damping_ratio=0.03))
     cells = loop.cells(gain=[0.99, 1.01], delay=[0.001, 0.002])
     for engine in (Engine.DELAY, Engine.SPECTRAL):
         assert differences(loop, cells, engine)[Metric.RMS] < 1e-4
 
 
-def test_spectral_engine_refuses_an_unstable_loop_and_names_the_limit(random_record):
-    acceleration, time_step = random_record(np.random.default_rng(0))
-    loop = Loop(
-        excitation=Excitation(acceleration=acceleration, time_step=time_step),
-        structure=Structure(frequency=1.0, damping_ratio=0.02),
-        engine=Engine.SPECTRAL,
-    )
-    with pytest.raises(InputError, match=r"6\.3679 ms"):
-        loop.deviation(loop.cells(gain=1.0, delay=0.0065))
-
-
-def test_pole_engine_refuses_delays_outside_its_range(random_record):
-    acceleration, time_step = random_record(np.random.default_rng(0))
-    loop = Loop(
-        excitation=Excitation(acceleration=acceleration, time_step=time_step),
-        structure=Structure(frequency=1.0, damping_ratio=0.1),
-        engine=Engine.POLE,
-    )
-    with pytest.raises(InputError, match="engine 'pole' would change"):
-        loop.deviation(loop.cells(gain=1.0, delay=0.2))
+@pytest.mark.parametrize(
+    ("engine", "damping_ratio", "delay", "rule"),
+    [
+        (Engine.SPECTRAL, 0.02, 0.0065, r"6\.3679 ms"),  # the limit of stability
+        (Engine.POLE, 0.1, 0.2, "engine 'pole' would change"),
+    ],
+)
+def test_engine_refuses_delays_outside_its_range(random_excitation, engine, damping_ratio, delay, rule):
+    structure = Structure(frequency=1.0, damping_ratio=damping_ratio)
+    loop = Loop(excitation=random_excitation(0), structure=structure, engine=engine)
+    with pytest.raises(InputError, match=rule):
+        loop.deviation(loop.cells(gain=1.0, delay=delay))
 
 
 @pytest.mark.parametrize("damping_ratio", [0.7, 0.95, 0.9999])
@@ -234,11 +224,7 @@ def test_mean_square_and_peak_are_those_of_the_history(kernel, window):
         separate = kernel == "poles"
         result = pole_recursion.deviation(blocks, late.coefficients) if separate else loop.deviation(cells)
         reading = sum_poles(blocks, late)
-    is_inside = (reading - blocks.ideal)[blocks.before :]
-    is_inside[-1] = is_inside[-2] + blocks.end * (is_inside[-1] - is_inside[-2])
-    peak = np.abs(is_inside).max()
-    assert (
-        peak * (1.0 - 1e-5) <= result.peak[0] <= peak * 1.02
-    )  # a parabola through three samples rises above them
-    squares = np.trapezoid(is_inside[:-1] ** 2) + 0.5 * blocks.end * (is_inside[-2] ** 2 + is_inside[-1] ** 2)
-    assert result.mean_square[0] == pytest.approx(squares / blocks.intervals, rel=1e-5)
+    mean_square, peak = square_and_peak(blocks, reading)
+    # a parabola through three samples rises above them
+    assert peak * (1.0 - 1e-5) <= result.peak[0] <= peak * 1.02
+    assert result.mean_square[0] == pytest.approx(mean_square, rel=1e-5)

@@ -16,10 +16,12 @@ from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.linear_loop import spectral
 from reliab.simulation.linear_loop.dominant_pole import dominant_pole
 from reliab.structures.structure import Structure, critical_delay, longest_lead, stability_margin
+from reliab.sweep.request import excitation_of
 from reliab.tracking.indices.response_error import relative_error
+from reliab.tracking.indices.window import Window
 
 
-def random_case(rng, acceleration, time_step, window=(0.0, -1.0)):
+def random_case(rng, excitation):
     structure = Structure(
         frequency=float(rng.choice([0.25, 0.5, 1.0, 1.5, 2.0])),
         damping_ratio=float(rng.choice([0.02, 0.05, 0.1])),
@@ -27,7 +29,6 @@ def random_case(rng, acceleration, time_step, window=(0.0, -1.0)):
     )
     xi = structure.damping_ratio
     reach = float(rng.choice([0.01, 0.1, 1.0, 4.0])) * xi / structure.circular_frequency
-    excitation = Excitation(acceleration=acceleration, time_step=time_step, window=window)
     loop = Loop(excitation=excitation, structure=structure)
     return loop, loop.cells(gain=1.0 + xi * rng.uniform(-1, 1, 3), delay=-reach * rng.uniform(0.2, 1.0, 3))
 
@@ -38,9 +39,10 @@ def differences(loop, cells, metric):
 
 
 @pytest.mark.parametrize("seed", range(16))
-def test_pole_and_spectral_engine_agree(random_record, seed):
+def test_pole_and_spectral_engine_agree(random_excitation, seed):
     rng = np.random.default_rng(seed)
-    loop, cells = random_case(rng, *random_record(rng), window=(0.0, -1.0) if seed % 2 else (2.0, 9.5))
+    window = (0.0, -1.0) if seed % 2 else (2.0, 9.5)
+    loop, cells = random_case(rng, random_excitation(rng, window=window))
     assert differences(loop, cells, Metric.RMS) < 2e-4
     assert differences(loop, cells, Metric.MTE) < 2e-3
 
@@ -52,7 +54,7 @@ def test_engines_agree_on_the_real_records(real_motions_folder):
     rms, mte = [], []
     for index in rng.integers(0, len(motions), 40):
         motion = motions[int(index)]
-        loop, cells = random_case(rng, motion.acceleration, motion.time_step)
+        loop, cells = random_case(rng, excitation_of(motion, Window()))
         rms.append(differences(loop, cells, Metric.RMS))
         mte.append(differences(loop, cells, Metric.MTE))
     assert max(rms) < 2e-4
@@ -116,41 +118,18 @@ def test_no_root_of_a_lead_lies_between_the_axis_and_its_inverse(damping_ratio, 
     assert turns([-4.0 * w0 - 1j * high, -1j * high, 1j * high, -4.0 * w0 + 1j * high]) == 2
 
 
-def test_lead_joins_the_lag_smoothly(random_record):
+def test_lead_joins_the_lag_smoothly(random_excitation):
     """Over a perfect actuator, x_m − x_I changes its sign with the delay, to first order."""
-    rng = np.random.default_rng(2)
-    acceleration, time_step = random_record(rng)
-    loop = Loop(
-        excitation=Excitation(acceleration=acceleration, time_step=time_step),
-        structure=Structure(frequency=1.0, damping_ratio=0.05),
-    )
+    excitation = random_excitation(2)
+    loop = Loop(excitation=excitation, structure=Structure(frequency=1.0, damping_ratio=0.05))
     tiny = 1e-6
     result = loop.deviation(loop.cells(gain=1.0, delay=[-tiny, tiny]))
     assert result.mean_square[0] == pytest.approx(result.mean_square[1], rel=1e-3)
 
 
-def test_mixed_cells_are_those_of_each_alone(random_record):
-    rng = np.random.default_rng(3)
-    acceleration, time_step = random_record(rng)
-    loop = Loop(
-        excitation=Excitation(acceleration=acceleration, time_step=time_step),
-        structure=Structure(frequency=0.5, damping_ratio=0.1),
-    )
-    gain, delay = rng.uniform(0.9, 1.1, 90), rng.uniform(-0.1, 0.1, 90)
-    joint = loop.deviation(loop.cells(gain=gain, delay=delay))
-    for cell in (0, 41, 89):
-        separate = loop.deviation(loop.cells(gain=gain[cell], delay=delay[cell]))
-        assert separate.mean_square[0] == pytest.approx(joint.mean_square[cell], rel=1e-10)
-        assert separate.peak[0] == pytest.approx(joint.peak[cell], rel=1e-10)
-
-
 @pytest.fixture
-def loop(random_record):
-    acceleration, time_step = random_record(np.random.default_rng(0))
-    return Loop(
-        excitation=Excitation(acceleration=acceleration, time_step=time_step),
-        structure=Structure(frequency=1.0, damping_ratio=0.02),
-    )
+def loop(random_excitation):
+    return Loop(excitation=random_excitation(0), structure=Structure(frequency=1.0, damping_ratio=0.02))
 
 
 def test_stepping_engine_refuses_a_lead(loop):
@@ -170,12 +149,8 @@ def test_lead_of_a_quarter_period_is_refused(loop):
         loop.cells(gain=1.0, delay=-0.3)
 
 
-def test_lead_beyond_the_pole_is_solved_exactly(random_record):
-    acceleration, time_step = random_record(np.random.default_rng(6))
-    loop = Loop(
-        excitation=Excitation(acceleration=acceleration, time_step=time_step),
-        structure=Structure(frequency=0.25, damping_ratio=0.1),
-    )
+def test_lead_beyond_the_pole_is_solved_exactly(random_excitation):
+    loop = Loop(excitation=random_excitation(6), structure=Structure(frequency=0.25, damping_ratio=0.1))
     cells = loop.cells(gain=1.0, delay=[-0.5, 0.01])
     assert loop.reduction_error(cells)[0] > 3e-3
     exact = spectral.deviation(loop.excitation, loop.structure, cells.gain[:1], cells.delay[:1])

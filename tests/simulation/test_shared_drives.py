@@ -69,10 +69,9 @@ def test_hostile_records_keep_the_tolerance(name, window):
 
 
 @pytest.mark.parametrize(("frequency", "damping_ratio"), [(0.25, 0.01), (0.5, 0.1), (2.0, 0.02), (8.0, 0.05)])
-def test_structures_from_soft_to_stiff_keep_the_tolerance(random_record, frequency, damping_ratio):
-    acceleration, time_step = random_record(np.random.default_rng(3))
+def test_structures_from_soft_to_stiff_keep_the_tolerance(random_excitation, frequency, damping_ratio):
     structure = Structure(frequency=frequency, damping_ratio=damping_ratio, experimental_fraction=0.8)
-    loop = Loop(excitation=Excitation(acceleration=acceleration, time_step=time_step), structure=structure)
+    loop = Loop(excitation=random_excitation(3), structure=structure)
     rms, mte = differences(loop, grid(loop))
     assert rms < 3e-5
     assert mte < 2e-4
