@@ -11,27 +11,21 @@ package. FACE has two further runs, with twice and three times the gain error an
 
 import argparse
 import math
-import sys
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from laboratory_tests import THRESHOLD, add_noise, misstate_structure
+from rebuilt_error import laboratory as lab
 
-sys.path[:0] = [str(Path(__file__).parent)]
-
-import imperfect_recordings as single  # noqa: E402 - which puts the laboratory on the path
-from rebuilt_error import laboratory as lab  # noqa: E402
-
-from reliab.assessment.assess import assess  # noqa: E402
-from reliab.assessment.budget.sizes import ordinary_equipment  # noqa: E402
-from reliab.recordings.recording import Recording  # noqa: E402
-from reliab.structures.structure import Structure  # noqa: E402
-from reliab.tracking.indices.tracking import phase_amplitude_errors, tracking_indicator  # noqa: E402
+from reliab.assessment.assess import assess
+from reliab.assessment.budget.sizes import ordinary_equipment
+from reliab.recordings.recording import Recording
+from reliab.tracking.indices.tracking import phase_amplitude_errors, tracking_indicator
 
 MULTIPLES = (1.0, 2.0, 3.0)  # of gain error and delay in the runs
-TO_ZERO = np.array([3.0, -3.0, 1.0])  # the parabola through them, at no error
-DECIBELS = 45.0
+EXTRAPOLATION_WEIGHTS = np.array([3.0, -3.0, 1.0])  # the parabola through them, at no error
 
 
 def runs_of(seed: int) -> tuple[lab.Lab, list[lab.Outcome]]:
@@ -40,64 +34,56 @@ def runs_of(seed: int) -> tuple[lab.Lab, list[lab.Outcome]]:
     while True:
         ground = lab.synthetic_ground(int(rng.integers(1 << 30)), rng.uniform(20.0, 30.0))
         f, xi = math.exp(rng.uniform(math.log(0.4), math.log(2.5))), rng.uniform(0.02, 0.08)
-        built = lab.Lab(f, xi, rng.uniform(0.3, 1.0), lab.DELAY)
-        ideal = lab.run(replace(built, kind=lab.PERFECT), ground, ideal=ground).command
-        size = 2.0 * xi / built.alpha * math.exp(rng.uniform(math.log(0.02), -1.0))
+        rig = lab.Lab(f, xi, rng.uniform(0.3, 1.0), lab.DELAY)
+        ideal = lab.run(replace(rig, kind=lab.PERFECT), ground, ideal=ground).command
+        size = 2.0 * xi / rig.alpha * math.exp(rng.uniform(math.log(0.02), -1.0))
         turn = rng.uniform(0.0, math.pi)  # from gains too large to gains too small, always late
         gain, delay = size * math.cos(turn), size * math.sin(turn) / (2.0 * math.pi * f)
         outcomes = [
-            lab.run(
-                replace(built, numbers=(1.0 + times * gain, times * delay, 0.0, 0.0)), ground, ideal=ideal
-            )
+            lab.run(replace(rig, numbers=(1.0 + times * gain, times * delay, 0.0, 0.0)), ground, ideal=ideal)
             for times in MULTIPLES
         ]
         if 0.01 < outcomes[0].rms < 0.2 and np.isfinite(outcomes[-1].rms):
-            level = 10.0 ** (-DECIBELS / 20.0) * float(np.std(outcomes[0].measured))
-            added = lab.noise("white", outcomes[0].measured.size, level, rng)
-            return built, [replace(outcomes[0], measured=outcomes[0].measured + added), *outcomes[1:]]
+            first = replace(outcomes[0], measured=add_noise(outcomes[0].measured, rng))
+            return rig, [first, *outcomes[1:]]
 
 
-def extrapolated(outcomes: list[lab.Outcome]) -> float:
+def extrapolate_error(outcomes: list[lab.Outcome]) -> float:
     """Error of the first run against the response extrapolated to no error (Insam and Rixen 2022) [-]."""
-    response = TO_ZERO @ np.stack([outcome.command for outcome in outcomes])
-    strayed = outcomes[0].measured - response
-    return float(np.sqrt(np.mean(strayed**2)) / np.abs(response).max())
+    response = EXTRAPOLATION_WEIGHTS @ np.stack([outcome.command for outcome in outcomes])
+    error = outcomes[0].measured - response
+    return float(np.sqrt(np.mean(error**2)) / np.abs(response).max())
 
 
 def measures(seed: int) -> dict[str, float | str]:
     """Every measure of a test beside its true error."""
-    built, outcomes = runs_of(seed)
-    rng = np.random.default_rng([seed, 1])
+    rig, outcomes = runs_of(seed)
     command, measured = outcomes[0].command, outcomes[0].measured
-    structure = Structure(
-        frequency=built.f * (1.0 + 0.02 * rng.standard_normal()),
-        damping_ratio=built.xi * max(1.0 + 0.15 * rng.standard_normal(), 0.4),
-        experimental_fraction=built.alpha,
-    )
-    found = assess(
+    structure = misstate_structure(rig, np.random.default_rng([seed, 1]))
+    assessment = assess(
         Recording(command=command, measured=measured, time_step=1.0 / lab.RATE),
         structure,
         equipment=ordinary_equipment(),
         linear_specimen=True,
     )
     pei = phase_amplitude_errors(command, measured)
-    rms = found.error.rebuilt.rms
+    rms = assessment.error.rebuilt.rms
     return {
         "seed": seed,
-        "f": built.f,
-        "xi": built.xi,
-        "alpha": built.alpha,
+        "f": rig.f,
+        "xi": rig.xi,
+        "alpha": rig.alpha,
         "true": outcomes[0].rms,
         # Enclosed area over that which the command alone passes to and fro
         "tracking_indicator": abs(float(tracking_indicator(command, measured)[-1]))
         / float(0.5 * np.abs(np.diff(command**2)).sum()),
         "pei": math.hypot(pei.phase, pei.amplitude),
-        "fei": found.index,
-        "face": extrapolated(outcomes),
+        "fei": assessment.index,
+        "face": extrapolate_error(outcomes),
         "rebuilt": rms.value,
         "low": rms.low,
         "high": rms.high,
-        "word": str(found.verdict),
+        "word": str(assessment.verdict),
     }
 
 
@@ -107,12 +93,12 @@ def main() -> None:
     parser.add_argument("table", type=Path)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--count", type=int, default=100)
-    given = parser.parse_args()
+    options = parser.parse_args()
     rows = []
-    for seed in range(given.seed, given.seed + given.count):
+    for seed in range(options.seed, options.seed + options.count):
         rows.append(measures(seed))
-        pd.DataFrame(rows).to_csv(given.table, index=False, float_format="%.5g")
-    print(f"{len(rows)} tests in {given.table}, threshold of the error {single.THRESHOLD:g}")
+        pd.DataFrame(rows).to_csv(options.table, index=False, float_format="%.5g")
+    print(f"{len(rows)} tests in {options.table}, threshold of the error {THRESHOLD:g}")
 
 
 if __name__ == "__main__":

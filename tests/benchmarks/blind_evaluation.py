@@ -20,7 +20,7 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests"))
 
-from benchmarks.campaign_variants import MIXED, NOISY_DB, VARIANTS, changes_of  # noqa: E402
+from benchmarks.campaign_variants import MIXED_VARIANT, NOISY_DB, VARIANTS, changes_of  # noqa: E402
 from blind_campaigns.campaign import Options, generate  # noqa: E402
 from blind_campaigns.kinds import Kind  # noqa: E402
 from blind_campaigns.labels import write_label  # noqa: E402
@@ -60,48 +60,48 @@ def evaluate(seed: int, folder: Path, options: Options, *, variant: str | None =
 
 def answer(folder: Path) -> dict[str, Any]:
     """Diagnose a campaign; a campaign that is refused has the verdict `refused`."""
-    begin, worked = time.perf_counter(), time.process_time()
+    begin, start_of_process = time.perf_counter(), time.process_time()
     try:
-        found = diagnose(read_campaign(folder))
+        diagnosis = diagnose(read_campaign(folder))
     except InputError as refusal:
         return {"verdict": "refused", "effects": [], "refusal": str(refusal)}
-    result = found.to_dict()
-    result["misstated"] = [item.name for block in found.blocks for item in block.misstated]
-    result["either_misstated"] = [item.name for block in found.blocks for item in block.either_misstated]
-    result["foretold"] = [row for block in found.blocks for row in foretold(block)]
+    result = diagnosis.to_dict()
+    result["misstated"] = [item.name for block in diagnosis.blocks for item in block.misstated]
+    result["either_misstated"] = [item.name for block in diagnosis.blocks for item in block.either_misstated]
+    result["foretold"] = [row for block in diagnosis.blocks for row in foretold(block)]
     result["seconds"] = time.perf_counter() - begin
-    add(found)
+    add(diagnosis)
     result["seconds_with_posterior"] = time.perf_counter() - begin
-    result["processor_seconds"] = time.process_time() - worked
+    result["processor_seconds"] = time.process_time() - start_of_process
     return result
 
 
-def foretold(found: BlockDiagnosis) -> list[dict[str, Any]]:
+def foretold(diagnosis: BlockDiagnosis) -> list[dict[str, Any]]:
     """Compare the interval of the error on a further test with that on each held-out test.
 
     Both are those of the believed model, at the frequencies at which models are judged.
     """
-    if found.further is None:
+    if diagnosis.further is None:
         return []
-    proof, block = found.proof, found.proof.block
-    predicted = proof.predictions(found.best.space, found.best.coordinates)
+    proof, block = diagnosis.proof, diagnosis.proof.block
+    predictions = proof.predictions(diagnosis.best.space, diagnosis.best.coordinates)
     rows = []
     for test in sorted({segment.test for segment in proof.segments}):
-        missed = signal = 0.0
+        residual = signal = 0.0
         for segment in (s for s in proof.segments if s.test == test):
             measured = segment.spectrum(proof.measured(test))
-            missed += energy_of(measured - segment.coarse_spectrum(predicted[test], block.every))
+            residual += energy_of(measured - segment.coarse_spectrum(predictions[test], block.every))
             signal += energy_of(measured)
-        error = (missed / signal) ** 0.5
-        covers = found.further.low <= error <= found.further.high
+        error = (residual / signal) ** 0.5
+        covers = diagnosis.further.low <= error <= diagnosis.further.high
         rows.append(
             {
                 "block": str(block.block),
                 "file": block.tests[test].file,
-                "effects": len(found.best.space.effects),
+                "effects": len(diagnosis.best.space.effects),
                 "error": error,
                 "covers": covers,
-                **found.further.to_dict(),
+                **diagnosis.further.to_dict(),
             }
         )
     return rows
@@ -111,12 +111,12 @@ def show_times(folder: Path) -> None:
     """Print how long campaigns took: wall and processor, reading and posterior included."""
     results = [json.loads(path.read_text(encoding="utf-8")) for path in sorted(folder.glob("*.json"))]
     for key in ("seconds", "seconds_with_posterior", "processor_seconds"):
-        taken = sorted(float(one[key]) for one in results if key in one)
-        if taken:
-            shares = {q: taken[min(int(q * len(taken)), len(taken) - 1)] for q in (0.5, 0.9, 0.95)}
-            told = ", ".join(f"{q:.0%} within {value:.1f} s" for q, value in shares.items())
-            below = sum(value <= LIMIT for value in taken) / len(taken)
-            print(f"{key}: {told}, largest {taken[-1]:.1f} s, {below:.0%} within {LIMIT:.0f} s")
+        times = sorted(float(result[key]) for result in results if key in result)
+        if times:
+            shares = {q: times[min(int(q * len(times)), len(times) - 1)] for q in (0.5, 0.9, 0.95)}
+            text = ", ".join(f"{q:.0%} within {value:.1f} s" for q, value in shares.items())
+            share_in_time = sum(value <= LIMIT for value in times) / len(times)
+            print(f"{key}: {text}, largest {times[-1]:.1f} s, {share_in_time:.0%} within {LIMIT:.0f} s")
 
 
 def main() -> None:
@@ -131,32 +131,34 @@ def main() -> None:
         help="Do not find out which other effects could pass for the hidden one: the same campaigns, faster.",
     )
     parser.add_argument(
-        "--variant", choices=sorted([*VARIANTS, MIXED]), help="Make every campaign harder in this way."
+        "--variant",
+        choices=sorted([*VARIANTS, MIXED_VARIANT]),
+        help="Make every campaign harder in this way.",
     )
     parser.add_argument(
         "--kind", choices=[str(kind) for kind in Kind], help="Draw campaigns of one kind only."
     )
     parser.add_argument("--effect", help="Hide this effect in every campaign of a single one.")
-    given = parser.parse_args()
+    options_of_command = parser.parse_args()
     options = Options(
-        kind=None if given.kind is None else Kind(given.kind),
-        effect=given.effect,
-        snr_db=NOISY_DB if given.variant == "noisy" else None,
-        with_rivals=not given.without_rivals,
+        kind=None if options_of_command.kind is None else Kind(options_of_command.kind),
+        effect=options_of_command.effect,
+        snr_db=NOISY_DB if options_of_command.variant == "noisy" else None,
+        with_rivals=not options_of_command.without_rivals,
     )
     for part in ("labels", "results"):
-        (given.folder / part).mkdir(parents=True, exist_ok=True)
-    for seed in range(given.seed, given.seed + given.count):
-        if not (given.folder / "labels" / f"campaign_{seed}.json").exists():
-            evaluate(seed, given.folder, options, variant=given.variant)
+        (options_of_command.folder / part).mkdir(parents=True, exist_ok=True)
+    for seed in range(options_of_command.seed, options_of_command.seed + options_of_command.count):
+        if not (options_of_command.folder / "labels" / f"campaign_{seed}.json").exists():
+            evaluate(seed, options_of_command.folder, options, variant=options_of_command.variant)
     score(
         [
-            *(str(given.folder / part) for part in ("labels", "results")),
+            *(str(options_of_command.folder / part) for part in ("labels", "results")),
             "--json",
-            str(given.folder / "figures.json"),
+            str(options_of_command.folder / "figures.json"),
         ]
     )
-    show_times(given.folder / "results")
+    show_times(options_of_command.folder / "results")
 
 
 if __name__ == "__main__":

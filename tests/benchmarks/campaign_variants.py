@@ -14,24 +14,24 @@ NOISY_DB = 15.0
 """Signal-to-noise ratio of noisy channels, the middle of 10 to 20 dB."""
 
 FORCE_OFFSET = "force_offset"
-MIXED = "mixed"
+MIXED_VARIANT = "mixed"
 _OFFSET = 0.1  # of the RMS of a test's force
 _EVERY_THIRD = 3
 _FORCE_BIAS = "force_bias"
 
 
-def _scaled(key: str, factor: float) -> Callable[[Path], None]:
+def _scale_value(key: str, factor: float) -> Callable[[Path], None]:
     def change(campaign: Path) -> None:
         file = campaign / "campaign.toml"
-        structure, *others = file.read_text(encoding="utf-8").partition("[specimen]")
+        structure, *tables = file.read_text(encoding="utf-8").partition("[specimen]")
         pattern = rf"^({key} = )(\S+)$"
-        scaled = re.sub(pattern, lambda m: f"{m[1]}{factor * float(m[2])!r}", structure, flags=re.MULTILINE)
-        file.write_text("".join([scaled, *others]), encoding="utf-8")
+        new_text = re.sub(pattern, lambda m: f"{m[1]}{factor * float(m[2])!r}", structure, flags=re.MULTILINE)
+        file.write_text("".join([new_text, *tables]), encoding="utf-8")
 
     return change
 
 
-def _shortened(campaign: Path) -> None:
+def _shorten(campaign: Path) -> None:
     """Keep the strongest five seconds of every test, which then begins in motion."""
     for file in campaign.glob("*.csv"):
         header, *rows = file.read_text(encoding="ascii").splitlines()
@@ -40,12 +40,12 @@ def _shortened(campaign: Path) -> None:
         length = min(round(SHORT / step), len(rows))
         middle = max(range(len(values)), key=values.__getitem__)
         begin = min(max(middle - length // 2, 0), len(rows) - length)
-        kept = [row.split(",", 1)[1] for row in rows[begin : begin + length]]
-        lines = [header, *(f"{k * step:.12g},{row}" for k, row in enumerate(kept))]
+        new_rows = [row.split(",", 1)[1] for row in rows[begin : begin + length]]
+        lines = [header, *(f"{k * step:.12g},{row}" for k, row in enumerate(new_rows))]
         file.write_text("\n".join(lines) + "\n", encoding="ascii")
 
 
-def _of_two_tests(campaign: Path) -> None:
+def _keep_two_tests(campaign: Path) -> None:
     """Keep the first test and the last one, which is held out."""
     file = campaign / "campaign.toml"
     head, *tests = file.read_text(encoding="utf-8").split("[[tests]]")
@@ -54,7 +54,7 @@ def _of_two_tests(campaign: Path) -> None:
     file.write_text(text, encoding="utf-8")
 
 
-def _with_offset_of_force(campaign: Path) -> None:
+def _add_force_offset(campaign: Path) -> None:
     """Add a constant to the recorded force, which the loop did not feel."""
     offset = None
     for file in sorted(campaign.glob("*.csv")):
@@ -64,8 +64,8 @@ def _with_offset_of_force(campaign: Path) -> None:
         split = [row.rsplit(",", 1) for row in rows]
         if offset is None:
             offset = _OFFSET * math.sqrt(sum(float(force) ** 2 for _, force in split) / len(split))
-        shifted = [f"{left},{float(force) + offset:.12g}" for left, force in split]
-        file.write_text("\n".join([header, *shifted]) + "\n", encoding="ascii")
+        new_rows = [f"{start},{float(force) + offset:.12g}" for start, force in split]
+        file.write_text("\n".join([header, *new_rows]) + "\n", encoding="ascii")
 
 
 def changes_of(variant: str | None, seed: int, *, hidden: Collection[str]) -> tuple[str, ...]:
@@ -75,7 +75,7 @@ def changes_of(variant: str | None, seed: int, *, hidden: Collection[str]) -> tu
     it would change; where nothing is hidden frequency, damping ratio or mass of the structure are stated
     wrongly in turn.
     """
-    if variant != MIXED:
+    if variant != MIXED_VARIANT:
         return () if variant is None else (variant,)
     offset = (FORCE_OFFSET,) if seed % _EVERY_THIRD == 0 and _FORCE_BIAS not in hidden else ()
     wrong = () if hidden else (tuple(WRONG_STRUCTURE)[seed // _EVERY_THIRD % len(WRONG_STRUCTURE)],)
@@ -83,12 +83,12 @@ def changes_of(variant: str | None, seed: int, *, hidden: Collection[str]) -> tu
 
 
 VARIANTS: dict[str, Callable[[Path], None]] = {
-    "frequency": _scaled("frequency_hz", 1.02),
-    "damping": _scaled("damping_ratio", 1.2),
-    "mass": _scaled("mass_kg", 1.02),
-    "short": _shortened,
-    "two_tests": _of_two_tests,
+    "frequency": _scale_value("frequency_hz", 1.02),
+    "damping": _scale_value("damping_ratio", 1.2),
+    "mass": _scale_value("mass_kg", 1.02),
+    "short": _shorten,
+    "two_tests": _keep_two_tests,
     "noisy": lambda _campaign: None,
-    FORCE_OFFSET: _with_offset_of_force,
+    FORCE_OFFSET: _add_force_offset,
 }
 """What is changed in the folder of a campaign, by name; noise is drawn by the laboratory itself."""

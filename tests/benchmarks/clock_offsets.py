@@ -30,12 +30,12 @@ def campaign_of(specimen: str, lag: float, seed: int, snr: float) -> Campaign:
         turns = 2.0 * np.pi * random.uniform(0.5, 2.5, 6)[:, np.newaxis]
         phases = random.uniform(0.0, 7.0, 6)[:, np.newaxis]
         late = turns * (time - lag) + phases
-        moved, speed = PEAK * np.sin(late).sum(axis=0), PEAK * (turns * np.cos(late)).sum(axis=0)
-        force = STIFFNESS * moved
+        displacement, speed = PEAK * np.sin(late).sum(axis=0), PEAK * (turns * np.cos(late)).sum(axis=0)
+        force = STIFFNESS * displacement
         if specimen == "damper":
             force += DAMPING_TIME * STIFFNESS * speed
         if specimen == "friction":
-            force += 0.25 * STIFFNESS * moved.std() * np.tanh(speed / 1e-4)
+            force += 0.25 * STIFFNESS * displacement.std() * np.tanh(speed / 1e-4)
         exact = {Channel.MEASURED: PEAK * np.sin(turns * time + phases).sum(axis=0), Channel.FORCE: force}
         noise = 10.0 ** (-snr / 20.0)
         channels = {
@@ -54,18 +54,20 @@ def campaign_of(specimen: str, lag: float, seed: int, snr: float) -> Campaign:
     )
 
 
-def told(found: Diagnosis) -> str:
+def describe_diagnosis(diagnosis: Diagnosis) -> str:
     """Say verdict, names with probabilities and first values, and rivals."""
     names = []
-    for effect in (*found.effects, *found.doubtful):
+    for effect in (*diagnosis.effects, *diagnosis.doubtful):
         first = effect.estimates[0]
         rivals = ", ".join(f"{r.name} {r.probability:.2f}" for r in effect.rivals if r.probability > 0.01)
         names.append(
             f"{effect.name} {effect.probability:.2f} ({first.value:.3g} ± {first.sd:.1g} {first.units}"
             f"{'; or ' + rivals if rivals else ''})"
         )
-    unknown = [] if found.unknown is None else [found.unknown.expression or found.unknown.description]
-    return f"{found.verdict}: {', '.join([*names, *unknown])}"
+    unknown = (
+        [] if diagnosis.unknown is None else [diagnosis.unknown.expression or diagnosis.unknown.description]
+    )
+    return f"{diagnosis.verdict}: {', '.join([*names, *unknown])}"
 
 
 def main() -> None:
@@ -73,11 +75,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--snr", type=float, default=50.0, help="signal to noise [dB]")
-    given = parser.parse_args()
+    options = parser.parse_args()
     for specimen in ("spring", "damper", "friction"):
         for lag in (0.0, *OFFSETS):
-            found = diagnose(campaign_of(specimen, lag, given.seed, given.snr))
-            print(f"{specimen}, force {1e3 * lag:+.0f} ms: {told(found)}", flush=True)
+            diagnosis = diagnose(campaign_of(specimen, lag, options.seed, options.snr))
+            print(f"{specimen}, force {1e3 * lag:+.0f} ms: {describe_diagnosis(diagnosis)}", flush=True)
 
 
 if __name__ == "__main__":

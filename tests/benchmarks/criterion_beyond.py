@@ -15,94 +15,93 @@ response.
 
 import argparse
 from functools import cache, partial
-from itertools import product
 
 import numpy as np
 import scipy
-from criterion_scope import CONFIDENCES, THRESHOLD, XI, F, limits_of
-from simulated_populations import POPULATIONS, SEED, simulated
+from criterion_scope import (
+    CONFIDENCES,
+    STRUCTURES,
+    THRESHOLD,
+    errors_on_edges,
+    limits_of,
+    read_inscribed,
+)
+from simulated_populations import POPULATIONS, SEED, simulate_earthquake
 
 from reliab.core.vocabulary import Side
 from reliab.criterion.carrying import carry_to_length, carry_to_response, protect_over_lengths
 from reliab.criterion.derivation import derive_criterion
 from reliab.criterion.response_measures import ResponseMeasures
-from reliab.criterion.shipped_tables import read_shipped_ellipses, read_shipped_measures
+from reliab.criterion.shipped_tables import read_shipped_measures
 from reliab.motions.loading import load_motions
 from reliab.motions.motion import Motion
 from reliab.structures.structure import Structure
 from reliab.sweep.request import excitation_of
 from reliab.tracking.boundary.first_order import first_order_ellipse
 from reliab.tracking.indices.window import Window
-from reliab.validation.cross_validation.truth import Cell, Region, SimulatedTruth
+from reliab.validation.cross_validation.truth import SimulatedTruth
 
-STRUCTURES = list(product(F, XI))
 GREATEST = 0.9  # amplitude error at which an edge is cut
 LONGEST = 0.2  # the same of a lead, as a share of the period
 STEP = 0.01  # s
 
 
-def shipped():
-    """Inscribed ellipses at the threshold, of the structures."""
-    table = read_shipped_ellipses("inscribed", "record", "rms")
-    near = {"f": F, "xi": XI, "threshold": (THRESHOLD,)}
-    places = {
-        name: [int(np.abs(table.coordinates[name] - value).argmin()) for value in wanted]
-        for name, wanted in near.items()
-    }
-    return table.take(**places)
-
-
 @cache
-def learned(without, side):
+def learn_criteria(left_out_event, side):
     """Ellipses without an earthquake, and limits as recorded and protected (confidence, structure, 2)."""
-    ellipses = shipped()
-    others = ellipses.take(motion=ellipses.events != without)
-    return others, limits_of(others, side), limits_of(protect_over_lengths(others), side)
+    ellipses = read_inscribed((THRESHOLD,))
+    others_ellipses = ellipses.take(motion=ellipses.events != left_out_event)
+    return (
+        others_ellipses,
+        limits_of(others_ellipses, side),
+        limits_of(protect_over_lengths(others_ellipses), side),
+    )
 
 
 @cache
-def limits_of_length(without, seconds, side):
+def limits_of_length(left_out_event, seconds, side):
     """The same carried to a length [s]."""
-    return limits_of(carry_to_length(learned(without, side)[0], seconds), side)
+    return limits_of(carry_to_length(learn_criteria(left_out_event, side)[0], seconds), side)
 
 
-def by_response(ellipses, excitation, f, xi, side):
+def limits_of_response(ellipses, excitation, f, xi, side):
     """Limits at each confidence (confidence, 2) by the response of a structure, and where that lies."""
     structure = Structure(frequency=f, damping_ratio=xi)
-    own = ResponseMeasures.from_response(first_order_ellipse(excitation, structure), structure, "this motion")
-    carried = carry_to_response(ellipses, read_shipped_measures(), own)
+    measures = ResponseMeasures.from_response(
+        first_order_ellipse(excitation, structure), structure, "this motion"
+    )
+    carried = carry_to_response(ellipses, read_shipped_measures(), measures)
     criteria = [derive_criterion(carried, threshold=THRESHOLD, confidence=share) for share in CONFIDENCES]
     return np.array([criterion.limits(f, xi, side) for criterion in criteria]), carried.attrs["position"]
 
 
-def judged(motion, window, without, side):
+def judge_motion(motion, window, left_out_event, side):
     """Whether outside, kept (criteria, confidences) and excess, for each structure."""
-    ellipses, recorded, protected = learned(without, side)
+    ellipses, plain, protection = learn_criteria(left_out_event, side)
     excitation = excitation_of(motion, window)
-    of_length = limits_of_length(without, float(max(1, round(excitation.window_duration))), side)
-    truth, found = SimulatedTruth(motions=[motion], window=window), []
+    limits_for_length = limits_of_length(
+        left_out_event, float(max(1, round(excitation.window_duration))), side
+    )
+    truth, rows = SimulatedTruth(motions=[motion], window=window), []
     for place, (f, xi) in enumerate(STRUCTURES):
-        response, position = by_response(ellipses, excitation, f, xi, side)
-        limits = np.array([recorded[:, place], protected[:, place], of_length[:, place], response])
+        response, position = limits_of_response(ellipses, excitation, f, xi, side)
+        limits = np.array([plain[:, place], protection[:, place], limits_for_length[:, place], response])
         longest = np.inf if side == Side.LAG else (1000.0 * LONGEST / f) ** 2
-        pairs = np.minimum(limits.reshape(-1, 2), [GREATEST, longest]).tolist()
-        edges = [Region(a=a, b=b, side=Side(side)).edge() for a, b in pairs]
-        gain, delay = (np.concatenate([getattr(edge, name) for edge in edges]) for name in ("gain", "delay"))
-        cell = Cell(frequency=f, damping_ratio=xi, threshold=THRESHOLD, metric="rms")
-        errors = truth.errors(cell, 0, gain, delay).reshape(4, len(CONFIDENCES), -1).max(axis=-1)
-        found.append((position == "outside", errors <= 1.0, errors[3, CONFIDENCES.index(0.95)]))
-    return found
+        regions = np.minimum(limits.reshape(-1, 2), [GREATEST, longest])
+        errors = errors_on_edges(truth, 0, f, xi, regions, side=side).reshape(4, -1)
+        rows.append((position == "outside", errors <= 1.0, errors[3, CONFIDENCES.index(0.95)]))
+    return rows
 
 
 def show(name, rows):
     """Print one line for what is in scope, and one for what is not."""
-    outside = np.array([row[0] for row in rows])
-    for words, chosen in (("in scope", ~outside), ("outside", outside)):
-        if not chosen.any():
+    is_outside = np.array([row[0] for row in rows])
+    for words, mask in (("in scope", ~is_outside), ("outside", is_outside)):
+        if not mask.any():
             continue
-        kept, excess = (np.array([row[place] for row in rows])[chosen] for place in (1, 2))
-        shares = "  ".join(" ".join(f"{100 * part:3.0f}" for part in row) for row in kept.mean(axis=0))
-        print(f"{name:26s} {words:9s} {chosen.sum():4d}  {shares}  {excess.max():.2f}", flush=True)
+        shares_kept, excess = (np.array([row[place] for row in rows])[mask] for place in (1, 2))
+        shares = "  ".join(" ".join(f"{100 * part:3.0f}" for part in row) for row in shares_kept.mean(axis=0))
+        print(f"{name:26s} {words:9s} {mask.sum():4d}  {shares}  {excess.max():.2f}", flush=True)
 
 
 def one_frequency(number, seed=SEED):
@@ -116,7 +115,7 @@ def one_frequency(number, seed=SEED):
     history = scipy.signal.lfilter(
         *high_pass, scipy.signal.lfilter(*soil, rng.normal(size=t.size) * envelope)
     )
-    return drawn("a soil of one frequency", number, history)
+    return make_motion("a soil of one frequency", number, history)
 
 
 def bare_pulse(number, seed=SEED):
@@ -133,10 +132,12 @@ def bare_pulse(number, seed=SEED):
         *band, rng.normal(size=t.size) * np.exp(-(((t - begin) / (0.12 * t[-1])) ** 2))
     )
     share = rng.uniform(0.0, 0.15)
-    return drawn("bare pulses", number, pulse / np.abs(pulse).max() + share * noise / np.abs(noise).max())
+    return make_motion(
+        "bare pulses", number, pulse / np.abs(pulse).max() + share * noise / np.abs(noise).max()
+    )
 
 
-def drawn(name, number, history):
+def make_motion(name, number, history):
     """A motion with a peak of 3 m/s²."""
     acceleration = 3.0 * history / np.abs(history).max()
     return Motion(
@@ -168,12 +169,16 @@ def main():
         window = Window.parse(f"{seconds:g}")
         show(
             f"first {seconds:g} s",
-            [row for motion in suite[::2] for row in judged(motion, window, motion.event, options.side)],
+            [
+                row
+                for motion in suite[::2]
+                for row in judge_motion(motion, window, motion.event, options.side)
+            ],
         )
     pairs, numbers = range(1, options.simulated // 2 + 1), range(options.simulated)
     populations = {
-        **{name: partial(_of_earthquakes, name, pairs) for name in POPULATIONS},
-        **{draw.__name__.replace("_", " "): partial(_of_draws, draw, numbers) for draw in DRAWS},
+        **{name: partial(_simulate_population, name, pairs) for name in POPULATIONS},
+        **{draw.__name__.replace("_", " "): partial(_draw_population, draw, numbers) for draw in DRAWS},
     }
     for name, motions in populations.items():
         if options.simulated and any(name.startswith(start) for start in options.population):
@@ -182,16 +187,16 @@ def main():
                 [
                     row
                     for motion in motions(options.seed)
-                    for row in judged(motion, Window(), "", options.side)
+                    for row in judge_motion(motion, Window(), "", options.side)
                 ],
             )
 
 
-def _of_earthquakes(name, pairs, seed):
-    return [motion for pair in pairs for motion in simulated(name, pair, seed)]
+def _simulate_population(name, pairs, seed):
+    return [motion for pair in pairs for motion in simulate_earthquake(name, pair, seed)]
 
 
-def _of_draws(draw, numbers, seed):
+def _draw_population(draw, numbers, seed):
     return [draw(number, seed) for number in numbers]
 
 

@@ -18,57 +18,39 @@ from itertools import pairwise, product
 
 import numpy as np
 from criterion_beyond import DRAWS
-from criterion_scope import CONFIDENCES, XI, F
-from simulated_populations import POPULATIONS, SEED, simulated
+from criterion_scope import STRUCTURES, errors_on_edges, limits_of as limits_at, read_inscribed
+from simulated_populations import POPULATIONS, SEED, simulate_earthquake
 
 from reliab.criterion.carrying import carry_to_length
-from reliab.criterion.derivation import Derivation
-from reliab.criterion.methods.registry import method_of
-from reliab.criterion.shipped_tables import read_shipped_ellipses
 from reliab.motions.intensity import arias_times
 from reliab.motions.loading import load_motions
-from reliab.validation.cross_validation.truth import Cell, Region, SimulatedTruth
+from reliab.validation.cross_validation.truth import SimulatedTruth
 
 THRESHOLDS = (0.02, 0.05)
-STRUCTURES = tuple(product(F, XI))
 LENGTHS = (10.0, 15.0, 20.0, 25.0, 30.0, 40.0)
 CLASSES = (0.0, 25.0, 40.0, 60.0, 1000.0)
 SHORTEST = 10.0  # s, of the population
 
 
 @cache
-def limits_of(without, duration):
+def limits_of(left_out_event, duration):
     """Limits without an earthquake, of all lengths or of one [s], (threshold, confidence, structure, 2)."""
-    table = read_shipped_ellipses("inscribed", "record", "rms")
-    near = {"f": F, "xi": XI, "threshold": THRESHOLDS}
-    places = {
-        name: [int(np.abs(table.coordinates[name] - value).argmin()) for value in of]
-        for name, of in near.items()
-    }
-    ellipses = table.take(**places, side=table.coordinates["side"] == "lag", motion=table.events != without)
+    table = read_inscribed(THRESHOLDS)
+    ellipses = table.take(side=table.coordinates["side"] == "lag", motion=table.events != left_out_event)
     ellipses = ellipses if duration is None else carry_to_length(ellipses, duration)
-    found = []
-    for threshold in THRESHOLDS:
-        derivation = Derivation.from_ellipses(
-            ellipses, method=method_of("dirichlet"), threshold=threshold, metric="rms"
-        )
-        criteria = [derivation.criterion(share, joint=True) for share in CONFIDENCES]
-        found.append([[criterion.limits(f, xi) for f, xi in STRUCTURES] for criterion in criteria])
-    return np.array(found, dtype=float)
+    return np.array([limits_at(ellipses, threshold=threshold) for threshold in THRESHOLDS])
 
 
-def kept(motion, without):
+def holds(motion, left_out_event):
     """Whether both criteria hold under a motion, (criterion, threshold, confidence, structure)."""
     duration = max(SHORTEST, round(motion.duration, 1))
-    limits = np.stack([limits_of(without, None), limits_of(without, duration)])
-    truth, held = SimulatedTruth(motions=[motion]), np.zeros(limits.shape[:-1], dtype=bool)
+    limits = np.stack([limits_of(left_out_event, None), limits_of(left_out_event, duration)])
+    truth, result = SimulatedTruth(motions=[motion]), np.zeros(limits.shape[:-1], dtype=bool)
     for (row, threshold), (place, (f, xi)) in product(enumerate(THRESHOLDS), enumerate(STRUCTURES)):
-        edges = [Region(a=a, b=b).edge() for a, b in limits[:, row, :, place].reshape(-1, 2).tolist()]
-        gain, delay = (np.concatenate([getattr(edge, name) for edge in edges]) for name in ("gain", "delay"))
-        cell = Cell(frequency=f, damping_ratio=xi, threshold=threshold, metric="rms")
-        errors = truth.errors(cell, 0, gain, delay).reshape(2, len(CONFIDENCES), -1)
-        held[:, row, :, place] = (errors <= 1.0).all(axis=-1)
-    return held
+        regions = limits[:, row, :, place].reshape(-1, 2)
+        errors = errors_on_edges(truth, 0, f, xi, regions, threshold=threshold)
+        result[:, row, :, place] = errors.reshape(2, -1) <= 1.0
+    return result
 
 
 def cut(motion, length=None):
@@ -81,16 +63,18 @@ def cut(motion, length=None):
     )
 
 
-def show(name, motions, without=None):
+def show(name, motions, left_out_event=None):
     """Print a line for all motions, and one for each class of lengths."""
-    held = np.array([kept(motion, motion.event if without is None else without) for motion in motions])
+    holding = np.array(
+        [holds(motion, motion.event if left_out_event is None else left_out_event) for motion in motions]
+    )
     lengths = np.array([motion.duration for motion in motions])
     for low, high in ((0.0, CLASSES[-1]), *pairwise(CLASSES)):
-        chosen = (lengths > low) & (lengths <= high)
-        if chosen.any():
-            shares = 100.0 * held[chosen].mean(axis=(0, 2, 4))
+        mask = (lengths > low) & (lengths <= high)
+        if mask.any():
+            shares = 100.0 * holding[mask].mean(axis=(0, 2, 4))
             row = "   ".join(" ".join(f"{share:5.1f}" for share in part) for part in shares)
-            print(f"{name:32s} {low:4g}-{high:4g} s {chosen.sum():4d}   {row}", flush=True)
+            print(f"{name:32s} {low:4g}-{high:4g} s {mask.sum():4d}   {row}", flush=True)
 
 
 def main():
@@ -110,7 +94,10 @@ def main():
         show("others", list(load_motions(options.others)))
     numbers = range(1, options.simulated + 1)
     populations = {
-        **{name: [m for n in numbers for m in simulated(name, n, options.seed)] for name in POPULATIONS},
+        **{
+            name: [m for n in numbers for m in simulate_earthquake(name, n, options.seed)]
+            for name in POPULATIONS
+        },
         **{draw.__name__: [draw(n, options.seed) for n in range(2 * options.simulated)] for draw in DRAWS},
     }
     for name, motions in populations.items() if options.simulated else ():

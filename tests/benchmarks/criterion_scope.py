@@ -17,10 +17,12 @@ import numpy as np
 import pandas as pd
 
 from reliab.core.shipped import shipped
+from reliab.core.vocabulary import Side
 from reliab.criterion.carrying import carry_to_length, carry_to_response, protect_over_lengths
 from reliab.criterion.derivation import Derivation
 from reliab.criterion.ellipse_reading import read_ellipses
 from reliab.criterion.methods.registry import method_of
+from reliab.criterion.shipped_tables import read_shipped_ellipses
 from reliab.motions.loading import load_motions
 from reliab.sweep.netcdf import read_netcdf
 from reliab.validation.cross_validation.truth import Cell, Region, SimulatedTruth
@@ -28,6 +30,7 @@ from reliab.validation.cross_validation.truth import Cell, Region, SimulatedTrut
 THRESHOLD = 0.05
 CONFIDENCES = (0.5, 0.8, 0.9, 0.95, 0.99)
 F, XI = (0.5, 1.0, 2.0), (0.02, 0.05)
+STRUCTURES = tuple(product(F, XI))
 MAGNITUDES = (6.4, 6.6, 7.0, 7.3, 8.0)
 LENGTHS = (0.0, 25.0, 34.0, 45.0, 200.0)
 
@@ -37,55 +40,76 @@ def groups_of(ellipses):
     table = pd.read_csv(shipped("datasets", "real_suite/earthquakes.csv")).set_index("event")
     events, lengths = ellipses["event"].values.astype(str), ellipses["duration"].values
     regions, magnitudes = (table.loc[events, name].to_numpy() for name in ("region", "magnitude"))
-    found = {f"region {region}": regions == region for region in np.unique(regions)}
+    groups = {f"region {region}": regions == region for region in np.unique(regions)}
     for name, values, edges in (("magnitude", magnitudes, MAGNITUDES), ("length", lengths, LENGTHS)):
         for low, high in pairwise(edges):
-            found[f"{name} {low:g} to {high:g}"] = (values > low) & (values <= high)
-    return found
+            groups[f"{name} {low:g} to {high:g}"] = (values > low) & (values <= high)
+    return groups
 
 
-def limits_of(ellipses, side="lag"):
+def limits_of(ellipses, side="lag", *, threshold=THRESHOLD, structures=STRUCTURES):
     """Limits a and b over (confidence, structure, 2)."""
     derivation = Derivation.from_ellipses(
-        ellipses, method=method_of("dirichlet"), threshold=THRESHOLD, metric="rms"
+        ellipses, method=method_of("dirichlet"), threshold=threshold, metric="rms"
     )
     criteria = [derivation.criterion(confidence, joint=True) for confidence in CONFIDENCES]
     return np.array(
-        [[criterion.limits(f, xi, side) for f, xi in product(F, XI)] for criterion in criteria], float
+        [[criterion.limits(f, xi, side) for f, xi in structures] for criterion in criteria], float
     )
 
 
-def kept_by(truth, motion, limits):
+def errors_on_edges(truth, motion, f, xi, limits, *, threshold=THRESHOLD, side="lag"):
+    """Largest error over the threshold on the edge of each region; `limits` (regions, 2)."""
+    edges = [Region(a=a, b=b, side=Side(side)).edge() for a, b in limits.tolist()]
+    gain, delay = (np.concatenate([getattr(edge, name) for edge in edges]) for name in ("gain", "delay"))
+    cell = Cell(frequency=f, damping_ratio=xi, threshold=threshold, metric="rms")
+    return truth.errors(cell, motion, gain, delay).reshape(len(limits), -1).max(axis=1)
+
+
+def are_kept(truth, motion, limits):
     """Whether the error stays below the threshold along the whole edge, over (confidence, structure)."""
-    kept = np.zeros(limits.shape[:2], dtype=bool)
-    for place, (f, xi) in enumerate(product(F, XI)):
-        cell = Cell(frequency=f, damping_ratio=xi, threshold=THRESHOLD, metric="rms")
-        edges = [Region(a=float(a), b=float(b)).edge() for a, b in limits[:, place]]
-        gain, delay = (np.concatenate([getattr(edge, name) for edge in edges]) for name in ("gain", "delay"))
-        errors = truth.errors(cell, motion, gain, delay).reshape(len(CONFIDENCES), -1)
-        kept[:, place] = (errors <= 1.0).all(axis=1)
-    return kept
+    errors = [
+        errors_on_edges(truth, motion, f, xi, limits[:, place]) for place, (f, xi) in enumerate(STRUCTURES)
+    ]
+    return np.array(errors).T <= 1.0
 
 
-def judge(ellipses, measures, truth, chosen):
+def read_inscribed(thresholds):
+    """Inscribed ellipses that ship, of the structures at some thresholds."""
+    table = read_shipped_ellipses("inscribed", "record", "rms")
+    near = {"f": F, "xi": XI, "threshold": thresholds}
+    return table.take(
+        **{
+            name: [int(np.abs(table.coordinates[name] - value).argmin()) for value in values]
+            for name, values in near.items()
+        }
+    )
+
+
+def judge(ellipses, measures, truth, left_out_motions):
     """Shares kept by the four criteria (motions, criteria, confidences), and areas (motions, criteria)."""
-    others, known = ellipses.isel(motion=~chosen), measures.isel(motion=~chosen)
-    recorded, protected = limits_of(others), limits_of(protect_over_lengths(others))
-    kept, areas = [], []
-    for motion in np.flatnonzero(chosen):
-        of_length = limits_of(carry_to_length(others, float(ellipses["duration"][motion])))
-        of_response = limits_of(carry_to_response(others, known, measures.isel(motion=[motion])))
-        every = recorded, protected, of_length, of_response
-        kept.append([kept_by(truth, motion, limits).mean(axis=-1) for limits in every])
-        areas.append([np.median(np.sqrt((limits / recorded)[-2].prod(axis=-1))) for limits in every])
-    return np.array(kept), np.array(areas)
+    learning, learning_measures = (
+        ellipses.isel(motion=~left_out_motions),
+        measures.isel(motion=~left_out_motions),
+    )
+    plain, protection = limits_of(learning), limits_of(protect_over_lengths(learning))
+    shares_kept, areas = [], []
+    for motion in np.flatnonzero(left_out_motions):
+        limits_for_length = limits_of(carry_to_length(learning, float(ellipses["duration"][motion])))
+        limits_for_response = limits_of(
+            carry_to_response(learning, learning_measures, measures.isel(motion=[motion]))
+        )
+        criteria = plain, protection, limits_for_length, limits_for_response
+        shares_kept.append([are_kept(truth, motion, limits).mean(axis=-1) for limits in criteria])
+        areas.append([np.median(np.sqrt((limits / plain)[-2].prod(axis=-1))) for limits in criteria])
+    return np.array(shares_kept), np.array(areas)
 
 
-def show(name, events, kept, areas):
+def show(name, events, shares_kept, areas):
     """Print one line."""
-    shares = "  ".join(" ".join(f"{100 * share:3.0f}" for share in row) for row in kept.mean(axis=0))
+    shares = "  ".join(" ".join(f"{100 * share:3.0f}" for share in row) for row in shares_kept.mean(axis=0))
     area = " ".join(f"{part:.2f}" for part in np.median(areas, axis=0)[1:])
-    print(f"{name:24s} {len(kept):7d} {np.unique(events).size:11d}  {shares}  {area}", flush=True)
+    print(f"{name:24s} {len(shares_kept):7d} {np.unique(events).size:11d}  {shares}  {area}", flush=True)
 
 
 def main():
@@ -96,19 +120,19 @@ def main():
     )
     measures = read_netcdf(shipped("datasets", "real_suite/first_order.nc"), "Measures", "").sel(structures)
     suite = load_motions(sys.argv[1], sets=["far_field", "near_field"])
-    by_name = {name: place for place, name in enumerate(suite.names)}
-    truth = SimulatedTruth(motions=[suite[by_name[str(name)]] for name in ellipses["motion"].values])
+    places = {name: place for place, name in enumerate(suite.names)}
+    truth = SimulatedTruth(motions=[suite[places[str(name)]] for name in ellipses["motion"].values])
     events = ellipses["event"].values.astype(str)
     groups = groups_of(ellipses)
-    wanted = [name for name in groups if any(name.startswith(start) for start in sys.argv[2:] or [""])]
+    selection = [name for name in groups if any(name.startswith(start) for start in sys.argv[2:] or [""])]
     heads = "as recorded          protected            by length            by response          areas"
     print(f"{'left out':24s} motions earthquakes  {heads}")
-    by_kind = {}
-    for name in wanted:
-        kept, areas = judge(ellipses, measures, truth, groups[name])
-        show(name, events[groups[name]], kept, areas)
-        by_kind.setdefault(name.split()[0], []).append((events[groups[name]], kept, areas))
-    for kind, parts in by_kind.items():
+    parts_of_kind = {}
+    for name in selection:
+        shares_kept, areas = judge(ellipses, measures, truth, groups[name])
+        show(name, events[groups[name]], shares_kept, areas)
+        parts_of_kind.setdefault(name.split()[0], []).append((events[groups[name]], shares_kept, areas))
+    for kind, parts in parts_of_kind.items():
         show(f"every {kind}", *(np.concatenate(part) for part in zip(*parts, strict=True)))
     if len(sys.argv) == 2:
         show_alone(ellipses, measures, truth, groups)
@@ -117,12 +141,14 @@ def main():
 def show_alone(ellipses, measures, truth, groups):
     """Print each class among motions that were left out by their earthquake alone."""
     events = ellipses["event"].values.astype(str)
-    kept, areas = np.empty((events.size, 4, len(CONFIDENCES))), np.empty((events.size, 4))
+    shares_kept, areas = np.empty((events.size, 4, len(CONFIDENCES))), np.empty((events.size, 4))
     for event in np.unique(events):
-        kept[events == event], areas[events == event] = judge(ellipses, measures, truth, events == event)
-    show("every earthquake", events, kept, areas)
-    for name, chosen in groups.items():
-        show(f"  {name}", events[chosen], kept[chosen], areas[chosen])
+        shares_kept[events == event], areas[events == event] = judge(
+            ellipses, measures, truth, events == event
+        )
+    show("every earthquake", events, shares_kept, areas)
+    for name, members in groups.items():
+        show(f"  {name}", events[members], shares_kept[members], areas[members])
 
 
 if __name__ == "__main__":

@@ -18,9 +18,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "desk"))
-
+import paths  # noqa: F401 - makes the browser importable
 from desk_browser import DeskBrowser
 from headless_browser import start
 from PIL import Image
@@ -32,35 +30,37 @@ _COLOURS = 200  # of a picture, which then has less than 150 kB
 SAMPLE = shipped("datasets", "sample_test/test.csv")
 
 
-def timed(what: str, act: Callable[[], object]) -> None:
+def print_time(label: str, act: Callable[[], object]) -> None:
     """Print how long something takes."""
     begin = time.monotonic()
     act()
-    print(f"{what}: {time.monotonic() - begin:.2f} s")
+    print(f"{label}: {time.monotonic() - begin:.2f} s")
 
 
 def measure_judge(desk: DeskBrowser) -> None:
     """Drop the shipped test and judge it."""
-    timed("page ready", lambda: desk.open("judge"))
+    print_time("page ready", lambda: desk.open("judge"))
     time.sleep(30.0)  # until the workers are warm
     desk.drop(SAMPLE)
-    timed("drawn", lambda: desk.wait_for("What was recognised in"))
+    print_time("drawn", lambda: desk.wait_for("What was recognised in"))
     desk.state_structure()
     desk.press("Judge this test")
-    timed("verdict", lambda: desk.wait_for("likely to be below 5 %"))
-    timed("report", lambda: desk.wait_for("The whole report"))
+    print_time("verdict", lambda: desk.wait_for("likely to be below 5 %"))
+    print_time("report", lambda: desk.wait_for("The whole report"))
 
 
 def measure_sliders(desk: DeskBrowser) -> None:
     """Move the slider of the damping ratio, one step after the other."""
     desk.open("before")
     desk.wait_for("but not both at once")
-    slider = next(one for one in desk.elements("input[type=range]") if one.get_attribute("max") == "0.1")
+    slider = next(
+        element for element in desk.elements("input[type=range]") if element.get_attribute("max") == "0.1"
+    )
     times = []
     for _ in range(MOVES):
-        shown, begin = desk.text(), time.monotonic()
+        text, begin = desk.text(), time.monotonic()
         slider.send_keys("\ue014")  # right arrow
-        while desk.text() == shown:
+        while desk.text() == text:
             time.sleep(0.005)
         times.append(1e3 * (time.monotonic() - begin))
         time.sleep(0.2)
@@ -94,13 +94,13 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         command = [sys.executable, "-m", "reliab", "desk", folder, "--no-browser", "--json", "-"]
         begin = time.monotonic()
-        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as served:  # noqa: S603
-            printed = ""
-            while not printed.rstrip().endswith("}"):
-                printed += served.stdout.readline() if served.stdout else ""
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:  # noqa: S603
+            output = ""
+            while not output.rstrip().endswith("}"):
+                output += server.stdout.readline() if server.stdout else ""
             print(f"address: {time.monotonic() - begin:.2f} s")
             chrome = start(Path(folder) / "profile", width=1280, height=1000)
-            desk = DeskBrowser(chrome, json.loads(printed)["address"])
+            desk = DeskBrowser(chrome, json.loads(output)["address"])
             for name, act in (
                 ("judge", measure_judge),
                 ("before", measure_sliders),
@@ -116,7 +116,7 @@ def main() -> None:
                         arguments.screenshots / f"desk-{name}.png", optimize=True
                     )
             chrome.quit()
-            served.terminate()
+            server.terminate()
 
 
 if __name__ == "__main__":

@@ -72,9 +72,9 @@ def runge_kutta(
         k4v = f2 - damping * k4x - stiffness * last
         x[i + 1] = x[i] + h / 6.0 * (k1x + 2.0 * k2x + 2.0 * k3x + k4x)
         v += h / 6.0 * (k1v + 2.0 * k2v + 2.0 * k3v + k4v)
-        strayed = gain * first - ideal[i]
-        squares += strayed * strayed
-        peak = max(peak, abs(strayed))
+        error = gain * first - ideal[i]
+        squares += error * error
+        peak = max(peak, abs(error))
     return squares, peak
 
 
@@ -137,10 +137,10 @@ def plane_rates(motion: Motion, structure: Structure) -> tuple[float, float]:
 
     responses = Loop(excitation=excitation, structure=structure).responses
 
-    def again() -> None:
+    def solve_again() -> None:
         mean_squares([responses], expansions, first)
 
-    return cells.gain.size / best(anew), cells.gain.size / best(again)
+    return cells.gain.size / best(anew), cells.gain.size / best(solve_again)
 
 
 def machine() -> str:
@@ -162,14 +162,14 @@ def main() -> None:
     def pole() -> object:
         return Loop(excitation=excitation, structure=structure, engine=Engine.POLE).deviation(cells)
 
-    def delayed() -> object:
+    def step_delay() -> object:
         return delay_stepper.deviation(blocks, structure, cells.gain, cells.delay)
 
     threadpoolctl.threadpool_limits(1)
     reference, plane = baseline(motion, structure), plane_rates(motion, structure)
     rates = {
         "Runge-Kutta at 1024 Hz (baseline)": reference,
-        "delay engine": cells.gain.size / best(delayed),
+        "delay engine": cells.gain.size / best(step_delay),
         "pole engine": cells.gain.size / best(pole),
         "pole plane, RMS^R only": plane[0],
         "the same, further actuators": plane[1],
@@ -178,8 +178,8 @@ def main() -> None:
     print(machine())
     print(f"{motion.name}: {motion.duration:.1f} s at {motion.time_step:g} s, {cells.gain.size} cells")
     for name, rate in rates.items():
-        shown = "not installed" if rate is None else f"{rate:14.4g} /s {rate / reference:12.3g} x baseline"
-        print(f"{name:36s} {shown}")
+        text = "not installed" if rate is None else f"{rate:14.4g} /s {rate / reference:12.3g} x baseline"
+        print(f"{name:36s} {text}")
     steps = rates["pole engine"] * blocks.left.size
     print(f"pole engine: {steps:.3g} system-steps/s of {1e3 * blocks.step:g} ms")
 

@@ -27,16 +27,16 @@ from reliab.tracking.indices.window import Window
 
 SHARES = (0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 1.0)
 FREQUENCIES, DAMPING_RATIOS = (0.5, 1.0, 2.0, 3.0), (0.01, 0.02, 0.05, 0.1)
-STIFF, DAMPED = (3.0, 5.0, 8.0, 10.0, 15.0, 20.0), (0.02, 0.05, 0.1, 0.2)
+STIFF, STIFF_DAMPING_RATIOS = (3.0, 5.0, 8.0, 10.0, 15.0, 20.0), (0.02, 0.05, 0.1, 0.2)
 THRESHOLD, POINTS = 0.05, 13
 QUANTILE = 1.645  # of the normal distribution, for the limit that 95 % of lognormal motions keep
 
 
-def errors_on_ellipses(motions: MotionSuite, traced: xr.Dataset) -> xr.DataArray:
+def errors_on_ellipses(motions: MotionSuite, ellipses: xr.Dataset) -> xr.DataArray:
     """Largest error over the threshold of tests on the inscribed ellipse of α = 1, for every share."""
-    inscribed = traced.sel(alpha=1.0, curve="inscribed").squeeze(["threshold", "metric"])
+    ellipse = ellipses.sel(alpha=1.0, curve="inscribed").squeeze(["threshold", "metric"])
     empty = xr.full_like(
-        traced["a"].sel(curve="inscribed").squeeze(["threshold", "metric"], drop=True), np.nan
+        ellipses["a"].sel(curve="inscribed").squeeze(["threshold", "metric"], drop=True), np.nan
     )
     angles = np.linspace(0.0, np.pi, POINTS)
     for motion in motions:
@@ -44,8 +44,8 @@ def errors_on_ellipses(motions: MotionSuite, traced: xr.Dataset) -> xr.DataArray
         for f in FREQUENCIES:
             for xi in DAMPING_RATIOS:
                 for side in Side:
-                    at = {"motion": motion.name, "f": f, "xi": xi, "side": str(side)}
-                    a, b = (float(inscribed[name].sel(at)) for name in ("a", "b"))
+                    place = {"motion": motion.name, "f": f, "xi": xi, "side": str(side)}
+                    a, b = (float(ellipse[name].sel(place)) for name in ("a", "b"))
                     gain = 1.0 + np.sqrt(a) * np.cos(angles)
                     delay = 1e-3 * side.sign * np.sqrt(b) * np.sin(angles)
                     for share in SHARES:
@@ -53,16 +53,18 @@ def errors_on_ellipses(motions: MotionSuite, traced: xr.Dataset) -> xr.DataArray
                         loop = Loop(excitation=excitation, structure=structure)
                         deviation = loop.deviation(Cells(structure=structure, gain=gain, delay=delay))
                         worst = float(relative_error(deviation, Metric.RMS).max())
-                        empty.loc[at | {"alpha": share}] = worst / THRESHOLD
+                        empty.loc[place | {"alpha": share}] = worst / THRESHOLD
     return empty
 
 
-def growth_table(traced: xr.Dataset, errors: xr.DataArray) -> pd.DataFrame:
+def growth_table(ellipses: xr.Dataset, errors: xr.DataArray) -> pd.DataFrame:
     """One row for each damping ratio and share, over motions and frequencies."""
-    logarithms = np.log(traced[["a", "b"]].sel(curve="ellipse", side="lag").squeeze(["threshold", "metric"]))
+    logarithms = np.log(
+        ellipses[["a", "b"]].sel(curve="ellipse", side="lag").squeeze(["threshold", "metric"])
+    )
     limits = np.exp(logarithms.mean("motion") - QUANTILE * logarithms.std("motion"))
     limits = limits / limits.sel(alpha=1.0)
-    ratios = (traced[["a", "b"]] / traced[["a", "b"]].sel(alpha=1.0)).squeeze(["threshold", "metric"])
+    ratios = (ellipses[["a", "b"]] / ellipses[["a", "b"]].sel(alpha=1.0)).squeeze(["threshold", "metric"])
     rows = []
     for xi in DAMPING_RATIOS:
         for share in SHARES[:-1]:
@@ -71,11 +73,11 @@ def growth_table(traced: xr.Dataset, errors: xr.DataArray) -> pd.DataFrame:
             row = {"xi": xi, "alpha": share, "law": round(law, 3)}
             here = ratios.sel(xi=xi, alpha=share)
             for name in ("a", "b"):
-                over_law = here[name].sel(curve="ellipse", side="lag").values / law
-                low, middle, high = np.nanquantile(over_law, (0.05, 0.5, 0.95))
+                growth = here[name].sel(curve="ellipse", side="lag").values / law
+                low, middle, high = np.nanquantile(growth, (0.05, 0.5, 0.95))
                 row |= {f"{name}_05": low, f"{name}_50": middle, f"{name}_95": high}
-                of_limits = limits[name].sel(xi=xi, alpha=share).values / law
-                row |= {f"{name}_limit_least": of_limits.min(), f"{name}_limit_most": of_limits.max()}
+                limit_growth = limits[name].sel(xi=xi, alpha=share).values / law
+                row |= {f"{name}_limit_least": limit_growth.min(), f"{name}_limit_most": limit_growth.max()}
                 row |= {f"{name}_least": float(here[name].min())}
             for side in Side:
                 row[f"error_{side}"] = float(errors.sel(xi=xi, alpha=share, side=str(side)).max())
@@ -86,11 +88,14 @@ def growth_table(traced: xr.Dataset, errors: xr.DataArray) -> pd.DataFrame:
 def stiff_table(motions: MotionSuite) -> pd.DataFrame:
     """Motions under which some smaller share tolerates less, to first order."""
     shares = (0.05, 0.2, 0.5, 0.8, 1.0)
-    predicted = (
+    ellipses = (
         predict_ellipses(
             motions,
             EllipseRequest(
-                frequencies=STIFF, damping_ratios=DAMPED, experimental_fractions=shares, curves=(Ellipse,)
+                frequencies=STIFF,
+                damping_ratios=STIFF_DAMPING_RATIOS,
+                experimental_fractions=shares,
+                curves=(Ellipse,),
             ),
         )
         .sel(side="lag")
@@ -98,10 +103,10 @@ def stiff_table(motions: MotionSuite) -> pd.DataFrame:
     )
     rows = []
     for f in STIFF:
-        for xi in DAMPED:
+        for xi in STIFF_DAMPING_RATIOS:
             row = {"f": f, "xi": xi, "n_motions": len(motions)}
             for name in ("a", "b"):
-                here = predicted[name].sel(f=f, xi=xi)
+                here = ellipses[name].sel(f=f, xi=xi)
                 ratio = (here / here.sel(alpha=1.0)).min("alpha")
                 row |= {f"{name}_less": int((ratio < 1.0 - 1e-9).sum()), f"{name}_least": float(ratio.min())}
             rows.append(row)
@@ -116,8 +121,8 @@ def main(records: str, out: str) -> None:
     request = EllipseRequest(
         frequencies=FREQUENCIES, damping_ratios=DAMPING_RATIOS, experimental_fractions=SHARES
     )
-    traced = trace_ellipses(motions, request)
-    growth_table(traced, errors_on_ellipses(motions, traced)).to_csv(folder / "growth.csv", index=False)
+    ellipses = trace_ellipses(motions, request)
+    growth_table(ellipses, errors_on_ellipses(motions, ellipses)).to_csv(folder / "growth.csv", index=False)
     print(f"{len(motions)} motions of {len(set(motions.events))} earthquakes")
 
 

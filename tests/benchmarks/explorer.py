@@ -8,25 +8,22 @@ first picture [ms] and the longest and median time of a slider's move until the 
 
 import argparse
 import statistics
-import sys
 import tempfile
 import time
 from pathlib import Path
 
+import paths  # noqa: F401 - makes the browser importable
+from headless_browser import start
 from selenium.webdriver import Chrome
 
 from reliab.app.cli import run
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
-from headless_browser import start
 
 SLIDERS = ("frequency", "damping", "share", "threshold", "confidence")
 MOVES = 20
 PAUSE = 0.15
 
 
-def moved(page: Chrome, slider: str, part: float) -> float:
+def move_slider(page: Chrome, slider: str, part: float) -> float:
     """Move a slider to a part of its range; return the milliseconds until everything was drawn."""
     script = (
         "const e = document.getElementById(arguments[0]), [low, high] = [Number(e.min), Number(e.max)];"
@@ -60,7 +57,7 @@ def main() -> None:
         for slider in SLIDERS:
             times = []
             for k in range(MOVES):
-                times.append(moved(page, slider, (k + 0.5) / MOVES))
+                times.append(move_slider(page, slider, (k + 0.5) / MOVES))
                 time.sleep(PAUSE)
             print(f"{slider}: median {statistics.median(times):.1f} ms, longest {max(times):.1f} ms")
         page.quit()

@@ -11,35 +11,31 @@ for the noise of 45 dB. Ordinary equipment is assumed, the ground acceleration i
 intervals that hold, of the interface and of floors and storeys, and tests whose worst storey is named.
 """
 
-import argparse
-import sys
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import paths  # noqa: F401 - makes the laboratories importable
+from frames_by_matrices import Matrices, Outcome, run, run_yielding, shear
+from laboratory_tests import DECIBELS, LARGEST, SMALLEST, argument_parser
+from rebuilt_error.laboratory import read_at2
+from several_actuators import read_by_chance
+from uncertain_frames import true_errors
 
-sys.path[:0] = [str(Path(__file__).resolve().parents[1]), str(Path(__file__).resolve().parents[2])]
+from reliab.assessment.assess import assess
+from reliab.assessment.budget.sizes import ordinary_equipment
+from reliab.recordings.coupled_recording import CoupledRecording
+from reliab.recordings.recording import Recording
+from reliab.simulation.frames.frame_file import FrameUnderTest
+from reliab.structures.partition import Partition
 
-from assessment.frames_by_matrices import Matrices, Outcome, run, run_yielding, shear  # noqa: E402
-from assessment.rebuilt_error.laboratory import read_at2  # noqa: E402
-from benchmarks.several_actuators import read_by_chance  # noqa: E402
-from benchmarks.uncertain_frames import true_errors  # noqa: E402
-
-from reliab.assessment.assess import assess  # noqa: E402
-from reliab.assessment.budget.sizes import ordinary_equipment  # noqa: E402
-from reliab.recordings.coupled_recording import CoupledRecording  # noqa: E402
-from reliab.recordings.recording import Recording  # noqa: E402
-from reliab.simulation.frames.frame_file import FrameUnderTest  # noqa: E402
-from reliab.structures.partition import Partition  # noqa: E402
-
-RATE, LONGEST, DECIBELS = 512.0, 25.0, 45.0
-SMALLEST, LARGEST = 0.01, 0.12
+RATE, LONGEST = 512.0, 25.0
 KINDS = ("linear", "yields, no force", "yields, by its force", "two actuators")
 NAMES = ("1", "2", "3")
 
 
-def drawn(kind: str, rng: np.random.Generator) -> Matrices:
+def draw_frame(kind: str, rng: np.random.Generator) -> Matrices:
     """Frame as stated."""
     springs = shear(rng.uniform(0.8, 1.2, 3))
     squares = np.linalg.eigvalsh(springs)
@@ -56,16 +52,16 @@ def drawn(kind: str, rng: np.random.Generator) -> Matrices:
     )
 
 
-def simulated(
-    kind: str, stated: Matrices, records: list[Path], rng: np.random.Generator
+def simulate_test(
+    kind: str, frame: Matrices, records: list[Path], rng: np.random.Generator
 ) -> tuple[Outcome, np.ndarray]:
     """Test of another structure than stated, whose true error lies between the limits; its ground motion."""
     f, ratio = (1.0, 1.0) if kind == "yields, by its force" else 1.0 + rng.standard_normal(2) * [0.02, 0.15]
-    k = stated.specimen[0] * f**2
-    tested = replace(
-        stated,
-        stiffness=stated.stiffness * f**2,
-        damping=stated.damping * f * max(ratio, 0.3),
+    k = frame.specimen[0] * f**2
+    tested_frame = replace(
+        frame,
+        stiffness=frame.stiffness * f**2,
+        damping=frame.damping * f * max(ratio, 0.3),
         specimen=(k, 0.0, 0.0),
     )
     while True:
@@ -73,16 +69,16 @@ def simulated(
         size = 2 if kind == "two actuators" else 1
         gain, corner = 1.0 + 0.02 * rng.standard_normal(size), 1.4 / (0.016 * rng.uniform(0.05, 1.0, size))
         if kind.startswith("yields"):
-            found = run_yielding(
-                tested, float(gain[0]), float(corner[0]), ground, 1.0 / RATE, rng.uniform(1.5, 3.0)
+            outcome = run_yielding(
+                tested_frame, float(gain[0]), float(corner[0]), ground, 1.0 / RATE, rng.uniform(1.5, 3.0)
             )
         else:
-            found = run(tested, gain, corner, ground, 1.0 / RATE)
-        if found is not None and all(SMALLEST < error < LARGEST for error in at_interface(found)):
-            return found, ground
+            outcome = run(tested_frame, gain, corner, ground, 1.0 / RATE)
+        if outcome is not None and all(SMALLEST < error < LARGEST for error in interface_errors(outcome)):
+            return outcome, ground
 
 
-def at_interface(outcome: Outcome) -> list[float]:
+def interface_errors(outcome: Outcome) -> list[float]:
     """RMS^R of the measured interface displacements."""
     ideal = np.atleast_2d(outcome.interface.T @ outcome.ideal)
     return [outcome.error_of(*pair) for pair in zip(np.atleast_2d(outcome.measured), ideal, strict=True)]
@@ -94,80 +90,82 @@ def noisy(values: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     return values + level * rng.standard_normal(values.shape)
 
 
-def judged(kind: str, seed: int, records: list[Path]) -> dict[str, object]:
+def judge_test(kind: str, seed: int, records: list[Path]) -> dict[str, object]:
     """Simulate a test and judge it."""
     rng = np.random.default_rng([seed, KINDS.index(kind)])
-    stated = drawn(kind, rng)
-    outcome, ground = simulated(kind, stated, records, rng)
-    by_force, several = kind == "yields, by its force", kind == "two actuators"
+    matrices = draw_frame(kind, rng)
+    outcome, ground = simulate_test(kind, matrices, records, rng)
+    has_force, has_two_actuators = kind == "yields, by its force", kind == "two actuators"
     read = np.atleast_2d(outcome.measured)
-    read = noisy(read if by_force else read_by_chance(read, rng, RATE), rng)
-    k, gamma = stated.specimen[0], stated.interface.reshape(3, -1)
+    read = noisy(read if has_force else read_by_chance(read, rng, RATE), rng)
+    k, gamma = matrices.specimen[0], matrices.interface.reshape(3, -1)
     size = gamma.shape[1]
     partition = Partition(
-        mass=stated.mass,
-        damping=stated.damping,
-        stiffness=stated.stiffness,
+        mass=matrices.mass,
+        damping=matrices.damping,
+        stiffness=matrices.stiffness,
         interface=gamma,
-        influence=stated.influence,
+        influence=matrices.influence,
         specimen_stiffness=k * np.eye(size),
         names=NAMES[:size],
         degrees_of_freedom=NAMES,
     )
-    if several:
+    if has_two_actuators:
         frame = FrameUnderTest(name=kind, partition=partition, has_several=True)
         recording = CoupledRecording(
             command=outcome.command, measured=read, time_step=1.0 / RATE, ground=ground
         )
-        found = assess(recording, frame, equipment=ordinary_equipment())
-        sizes, of = [degree.rms for degree in found.error.displacements], found.responses
+        assessment = assess(recording, frame, equipment=ordinary_equipment())
+        sizes, responses = [degree.rms for degree in assessment.error.displacements], assessment.responses
     else:
-        alone = assess(
+        assessment = assess(
             Recording(
                 command=outcome.command,
                 measured=read[0],
                 time_step=1.0 / RATE,
                 ground=ground,
-                force=noisy(outcome.force, rng) if by_force else None,
+                force=noisy(outcome.force, rng) if has_force else None,
             ),
             FrameUnderTest(name=kind, partition=partition, output=None, error_of="interface"),
             equipment=ordinary_equipment(),
-            measured_specimen=by_force,
+            measured_specimen=has_force,
         )
-        sizes, of = [alone.error.rebuilt.rms], alone.responses
-    true, over_peaks = true_errors(outcome), of.each if of.over_peaks else ()
+        sizes, responses = [assessment.error.rebuilt.rms], assessment.responses
+    true, relative_errors = true_errors(outcome), responses.each if responses.over_peaks else ()
     storeys = {name: error for name, error in true.items() if name.startswith("storey")}
     return {
         "kind": kind,
         "held": np.mean(
-            [one.low <= error <= one.high for one, error in zip(sizes, at_interface(outcome), strict=True)]
+            [
+                size.low <= error <= size.high
+                for size, error in zip(sizes, interface_errors(outcome), strict=True)
+            ]
         ),
-        "responses": [one.rms.low <= true[one.name] <= one.rms.high for one in over_peaks],
-        "ratio": [one.rms.value / true[one.name] for one in over_peaks],
-        "width": [(one.rms.high - one.rms.low) / true[one.name] for one in over_peaks],
-        "in_millimetres": not of.over_peaks,
-        "governs": of.governing_storey.name == max(storeys, key=storeys.get),
+        "responses": [size.rms.low <= true[size.name] <= size.rms.high for size in relative_errors],
+        "ratio": [size.rms.value / true[size.name] for size in relative_errors],
+        "width": [(size.rms.high - size.rms.low) / true[size.name] for size in relative_errors],
+        "in_millimetres": not responses.over_peaks,
+        "governs": responses.governing_storey.name == max(storeys, key=storeys.get),
     }
 
 
 def main() -> None:
     """Judge tests and print a line for each kind."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("folder", type=Path)
-    parser.add_argument("--seed", type=int, required=True)
-    parser.add_argument("--count", type=int, default=10)
+    parser = argument_parser(__doc__, count=10)
     parser.add_argument("--kinds", nargs="+", choices=KINDS, default=KINDS)
-    asked = parser.parse_args()
-    records = sorted(asked.folder.rglob("*.AT2"))
-    for kind in asked.kinds:
-        of = pd.DataFrame(judged(kind, seed, records) for seed in range(asked.seed, asked.seed + asked.count))
-        held, ratio, width = (np.concatenate(of[name]) for name in ("responses", "ratio", "width"))
+    options = parser.parse_args()
+    records = sorted(options.folder.rglob("*.AT2"))
+    for kind in options.kinds:
+        tests = pd.DataFrame(
+            judge_test(kind, seed, records) for seed in range(options.seed, options.seed + options.count)
+        )
+        shares, ratio, width = (np.concatenate(tests[name]) for name in ("responses", "ratio", "width"))
         low, middle, high = np.quantile(ratio, [0.05, 0.5, 0.95])
         print(
-            f"{kind:21} {len(of):3} tests: interface held {of['held'].mean():.0%}, floors and "
-            f"storeys {held.mean():.0%} of {held.size}, ratio {middle:.2f} ({low:.2f} to {high:.2f}), "
-            f"width over true {np.median(width):.2f}, worst storey named in {of['governs'].sum()}, "
-            f"in millimetres alone {of['in_millimetres'].sum()}",
+            f"{kind:21} {len(tests):3} tests: interface held {tests['held'].mean():.0%}, floors and "
+            f"storeys {shares.mean():.0%} of {shares.size}, ratio {middle:.2f} ({low:.2f} to {high:.2f}), "
+            f"width over true {np.median(width):.2f}, worst storey named in {tests['governs'].sum()}, "
+            f"in millimetres alone {tests['in_millimetres'].sum()}",
             flush=True,
         )
 

@@ -37,8 +37,8 @@ def main() -> None:
         start, processor = time.perf_counter(), time.process_time()
         with ThreadPoolExecutor(2) as pool:
             list(pool.map(lambda motion, frame=frame: solve(frame, motion), suite))
-        elapsed, used = time.perf_counter() - start, time.process_time() - processor
-        print(f"{name}: {len(suite)} motions in {elapsed:.1f} s, {used:.1f} s of processor time")
+        wall_time, processor_time = time.perf_counter() - start, time.process_time() - processor
+        print(f"{name}: {len(suite)} motions in {wall_time:.1f} s, {processor_time:.1f} s of processor time")
 
 
 if __name__ == "__main__":

@@ -11,7 +11,6 @@ there already is not done again.
 
 import argparse
 import json
-import sys
 import tempfile
 import time
 from collections import Counter
@@ -23,27 +22,21 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+import paths  # noqa: F401 - makes the worlds importable
+from blind_campaigns.scoring import wilson_interval
+from imperfect_worlds.world import FURTHER, RATE, write_world
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tests"))
-
-from blind_campaigns.scoring import wilson_interval  # noqa: E402
-from imperfect_worlds.world import FURTHER, RATE, write_world  # noqa: E402
-
-from reliab.discrepancy.blocks.actuator import ActuatorBlock  # noqa: E402
-from reliab.discrepancy.blocks.specimen import SpecimenBlock  # noqa: E402
-from reliab.discrepancy.campaign.campaign import Campaign, MeasuredTest, Stretch  # noqa: E402
-from reliab.discrepancy.campaign.reading import (  # noqa: E402
-    read_campaign,
-    read_channels,
-)
-from reliab.discrepancy.diagnose import diagnose  # noqa: E402
-from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis  # noqa: E402
-from reliab.discrepancy.result.diagnosis import Diagnosis  # noqa: E402
-from reliab.discrepancy.spectra.segment import cut_segments  # noqa: E402
-from reliab.discrepancy.spectra.smoothing import motions_of  # noqa: E402
-from reliab.recordings.recording import StatedChannels  # noqa: E402
-from reliab.study.folders import PACKAGE  # noqa: E402
+from reliab.discrepancy.blocks.actuator import ActuatorBlock
+from reliab.discrepancy.blocks.specimen import SpecimenBlock
+from reliab.discrepancy.campaign.campaign import Campaign, MeasuredTest, Stretch
+from reliab.discrepancy.campaign.reading import read_campaign, read_channels
+from reliab.discrepancy.diagnose import diagnose
+from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
+from reliab.discrepancy.result.diagnosis import Diagnosis
+from reliab.discrepancy.spectra.segment import cut_segments
+from reliab.discrepancy.spectra.smoothing import motions_of
+from reliab.recordings.recording import StatedChannels
+from reliab.study.folders import PACKAGE
 
 OFFSETS = {"sensor_bias", "force_bias"}
 BINS = (0.0, 0.05, 0.2, 0.5, 0.8, 0.95, 1.001)
@@ -54,11 +47,11 @@ def evaluate(seed: int, folder: Path) -> None:
     with tempfile.TemporaryDirectory() as scratch:
         path = Path(scratch)
         world = write_world(path, seed)
-        begin, worked = time.perf_counter(), time.process_time()
+        begin, start_of_process = time.perf_counter(), time.process_time()
         campaign = read_campaign(path)
         diagnosis = diagnose(campaign)
-        seconds, processor = time.perf_counter() - begin, time.process_time() - worked
-        further = MeasuredTest(
+        seconds, processor = time.perf_counter() - begin, time.process_time() - start_of_process
+        further_test = MeasuredTest(
             file=FURTHER,
             motion="further",
             held_out=True,
@@ -70,11 +63,11 @@ def evaluate(seed: int, folder: Path) -> None:
         "verdict": str(diagnosis.verdict),
         "effects": [{"name": e.name, "probability": e.probability} for e in diagnosis.effects],
         "doubtful": [e.name for e in diagnosis.doubtful],
-        "stated": stated_probabilities(diagnosis),
+        "stated": largest_probabilities(diagnosis),
         "unknown": None if diagnosis.unknown is None else diagnosis.unknown.expression,
         "gap": diagnosis.gap.to_dict(),
         "expected": None if block.further is None else block.further.to_dict(),
-        "error": error_on(block, replace(campaign, tests=(*campaign.tests, further))),
+        "error": error_on(block, replace(campaign, tests=(*campaign.tests, further_test))),
         "structured_share": block.structured_share,
         "seconds": seconds,
         "processor_seconds": processor,
@@ -84,54 +77,53 @@ def evaluate(seed: int, folder: Path) -> None:
     print(f"{seed} {world.name} {world.model_error:.2f}: {diagnosis.verdict} {names}", flush=True)
 
 
-def error_on(found: BlockDiagnosis, campaign: Campaign) -> float:
+def error_on(diagnosis: BlockDiagnosis, campaign: Campaign) -> float:
     """Error of the best model on a campaign's last test, RMS over that of the signal, judged frequencies."""
     last = len(campaign.tests) - 1
-    if isinstance(found.block, ActuatorBlock):
-        block = ActuatorBlock(campaign, found.block.scales)
+    if isinstance(diagnosis.block, ActuatorBlock):
+        block = ActuatorBlock(campaign, diagnosis.block.scales)
     else:
-        block = SpecimenBlock(campaign, found.block.scales, motions_of(campaign), is_smoothed=True)
-    whole = Stretch(test=last, begin=0, end=campaign.tests[last].size)
-    (segment, *rest) = cut_segments((whole,) * 3, campaign.rate, lambda _: found.block.highest)
-    del rest
-    model = found.best.space.model(found.best.coordinates)
+        block = SpecimenBlock(campaign, diagnosis.block.scales, motions_of(campaign), is_smoothed=True)
+    stretch = Stretch(test=last, begin=0, end=campaign.tests[last].size)
+    segment = cut_segments((stretch,) * 3, campaign.rate, lambda _: diagnosis.block.highest)[0]
+    model = diagnosis.best.space.model(diagnosis.best.coordinates)
     measured = block.measured(last)
-    missed = segment.spectrum(measured) - segment.spectrum(block.predict(model, last))
-    return float(np.linalg.norm(missed) / np.linalg.norm(segment.spectrum(measured)))
+    residual = segment.spectrum(measured) - segment.spectrum(block.predict(model, last))
+    return float(np.linalg.norm(residual) / np.linalg.norm(segment.spectrum(measured)))
 
 
-def stated_probabilities(diagnosis: Diagnosis) -> dict[str, float]:
+def largest_probabilities(diagnosis: Diagnosis) -> dict[str, float]:
     """Largest stated probability by name, of effects and of their rivals; offsets are left out."""
-    stated: dict[str, float] = {}
+    probabilities: dict[str, float] = {}
     for effect in (*diagnosis.effects, *diagnosis.doubtful):
         for item in (effect, *effect.rivals):
             if not {effect.name, item.name} & OFFSETS:  # type: ignore[attr-defined]
-                stated[item.name] = max(stated.get(item.name, 0.0), item.probability)  # type: ignore[attr-defined]
-    return stated
+                probabilities[item.name] = max(probabilities.get(item.name, 0.0), item.probability)  # type: ignore[attr-defined]
+    return probabilities
 
 
-def judged(stated: dict[str, float], accepted: set[str]) -> list[tuple[float, bool]]:
+def pair_with_truth(probabilities: dict[str, float], names_accepted: set[str]) -> list[tuple[float, bool]]:
     """Stated probabilities, and whether they are true; of several accepted names the most probable counts."""
-    first = max((p for name, p in stated.items() if name in accepted), default=None)
-    wrong = [(p, False) for name, p in stated.items() if name not in accepted]
+    first = max((p for name, p in probabilities.items() if name in names_accepted), default=None)
+    wrong = [(p, False) for name, p in probabilities.items() if name not in names_accepted]
     return wrong if first is None else [*wrong, (first, True)]
 
 
-def draw(stated: list[tuple[float, bool]], path: Path) -> None:
+def draw(pairs: list[tuple[float, bool]], path: Path) -> None:
     """Draw how often what was stated with a probability was true."""
     rows = []
     for low, high in pairwise(BINS):
-        inside = [(p, true) for p, true in stated if low <= p < high]
-        if inside:
-            count = sum(true for _, true in inside)
-            ends = wilson_interval(count, len(inside))
+        band = [(p, true) for p, true in pairs if low <= p < high]
+        if band:
+            count = sum(true for _, true in band)
+            ends = wilson_interval(count, len(band))
             rows.append(
                 {
-                    "mean_stated": float(np.mean([p for p, _ in inside])),
-                    "share": count / len(inside),
+                    "mean_stated": float(np.mean([p for p, _ in band])),
+                    "share": count / len(band),
                     "low": ends[0],
                     "high": ends[1],
-                    "of": len(inside),
+                    "of": len(band),
                 }
             )
     if rows:
@@ -149,7 +141,7 @@ def share(answers: list[bool]) -> str:
     )
 
 
-def recorded(folder: Path) -> dict[int, dict[str, Any]]:
+def read_results(folder: Path) -> dict[int, dict[str, Any]]:
     """Answers of a folder by seed."""
     return {
         int(path.stem.removeprefix("world_")): json.loads(path.read_text(encoding="utf-8"))
@@ -162,54 +154,59 @@ def table(folder: Path) -> pd.DataFrame:
     return pd.DataFrame(
         {
             "seed": seed,
-            "world": one["world"]["name"],
-            "model_error": one["world"]["model_error"],
-            "accepted": " ".join(one["world"]["accepted"]),
-            "verdict": one["verdict"],
-            "named": " ".join(effect["name"] for effect in one["effects"]),
-            "error": one["error"],
-            **{f"error_{end}": (one["expected"] or {}).get(end) for end in ("low", "high")},
+            "world": result["world"]["name"],
+            "model_error": result["world"]["model_error"],
+            "accepted": " ".join(result["world"]["accepted"]),
+            "verdict": result["verdict"],
+            "named": " ".join(effect["name"] for effect in result["effects"]),
+            "error": result["error"],
+            **{f"error_{end}": (result["expected"] or {}).get(end) for end in ("low", "high")},
         }
-        for seed, one in recorded(folder).items()
+        for seed, result in read_results(folder).items()
     )
 
 
 def show(folder: Path) -> None:
     """Print all rates of what is in a folder."""
-    results = list(recorded(folder).values())
-    names = [[e["name"] for e in one["effects"]] for one in results]
-    accepted = [set(one["world"]["accepted"]) for one in results]
-    dominant = [bool(set(n) & a) for n, a in zip(names, accepted, strict=True)]
-    false = [bool(set(n) - a - OFFSETS) for n, a in zip(names, accepted, strict=True)]
+    results = list(read_results(folder).values())
+    names = [[e["name"] for e in result["effects"]] for result in results]
+    names_accepted = [set(result["world"]["accepted"]) for result in results]
+    dominant = [bool(set(n) & a) for n, a in zip(names, names_accepted, strict=True)]
+    false = [bool(set(n) - a - OFFSETS) for n, a in zip(names, names_accepted, strict=True)]
     offsets = [bool(set(n) & OFFSETS) for n in names]
     print(f"{len(results)} worlds, model error {min(r['world']['model_error'] for r in results):.2f} to"
           f" {max(r['world']['model_error'] for r in results):.2f} of the signal")  # fmt: skip
     print(f"dominant effect named: {share(dominant)}")
     print(f"a false name: {share(false)}; a false offset: {share(offsets)}")
-    print("verdicts:", dict(Counter(one["verdict"] for one in results)))
-    stated = [pair for one, a in zip(results, accepted, strict=True) for pair in judged(one["stated"], a)]
-    draw(stated, folder / "reliability.png")
-    for low, high in pairwise(BINS):
-        inside = [true for p, true in stated if low <= p < high]
-        if inside:
-            print(f"  stated {low:.2f} to {min(high, 1.0):.2f}: true {share(inside)}")
-    covered = [
-        one["expected"]["low"] <= one["error"] <= one["expected"]["high"]
-        for one in results
-        if one["expected"]
+    print("verdicts:", dict(Counter(result["verdict"] for result in results)))
+    pairs = [
+        pair
+        for result, a in zip(results, names_accepted, strict=True)
+        for pair in pair_with_truth(result["stated"], a)
     ]
-    print(f"90 % intervals hold the error on a further test: {share(covered)}")
-    closed = [one["gap"]["closed_fraction"] for one in results]
-    print("closed fractions within [0, 1]:", all(c is None or 0.0 <= c <= 1.0 for c in closed))
+    draw(pairs, folder / "reliability.png")
+    for low, high in pairwise(BINS):
+        band = [true for p, true in pairs if low <= p < high]
+        if band:
+            print(f"  stated {low:.2f} to {min(high, 1.0):.2f}: true {share(band)}")
+    are_covered = [
+        result["expected"]["low"] <= result["error"] <= result["expected"]["high"]
+        for result in results
+        if result["expected"]
+    ]
+    print(f"90 % intervals hold the error on a further test: {share(are_covered)}")
+    closed_fractions = [result["gap"]["closed_fraction"] for result in results]
+    print("closed fractions within [0, 1]:", all(c is None or 0.0 <= c <= 1.0 for c in closed_fractions))
     for key in ("seconds", "processor_seconds"):
-        taken = np.quantile([one[key] for one in results], (0.5, 0.9, 0.95, 1.0))
+        times = np.quantile([result[key] for result in results], (0.5, 0.9, 0.95, 1.0))
         print(
-            f"{key}: median {taken[0]:.1f}, 90 % {taken[1]:.1f}, 95 % {taken[2]:.1f}, largest {taken[3]:.1f}"
+            f"{key}: median {times[0]:.1f}, 90 % {times[1]:.1f}, 95 % {times[2]:.1f}, largest {times[3]:.1f}"
         )
     rows = zip(results, dominant, false, names, strict=True)
-    for one, right, wrong, given in rows:
+    for result, right, wrong, names_of_world in rows:
         if not right or wrong:
-            print(f"  {one['world']['name']} {one['world']['model_error']:.2f}: {one['verdict']} {given}")
+            world, verdict = result["world"], result["verdict"]
+            print(f"  {world['name']} {world['model_error']:.2f}: {verdict} {names_of_world}")
 
 
 def main() -> None:
@@ -219,14 +216,14 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--count", type=int, default=200)
     parser.add_argument("--table", type=Path, help="CSV with a row for each world of FOLDER")
-    given = parser.parse_args()
-    given.folder.mkdir(parents=True, exist_ok=True)
-    for seed in range(given.seed, given.seed + given.count):
-        if not (given.folder / f"world_{seed}.json").exists():
-            evaluate(seed, given.folder)
-    show(given.folder)
-    if given.table is not None:
-        table(given.folder).to_csv(given.table, index=False, float_format="%.4g")
+    options = parser.parse_args()
+    options.folder.mkdir(parents=True, exist_ok=True)
+    for seed in range(options.seed, options.seed + options.count):
+        if not (options.folder / f"world_{seed}.json").exists():
+            evaluate(seed, options.folder)
+    show(options.folder)
+    if options.table is not None:
+        table(options.folder).to_csv(options.table, index=False, float_format="%.4g")
 
 
 if __name__ == "__main__":

@@ -23,8 +23,8 @@ from reliab.structures.partition import Partition
 from reliab.structures.structure import Structure
 
 FLAGS = ("-std=c99", "-O2")
-REPEATED = 60
-TIMED = """
+REPETITIONS = 60
+TIMING_PROGRAM = """
 #define _GNU_SOURCE
 #include "reliab_monitor.h"
 #include <math.h>
@@ -128,7 +128,7 @@ def chain(floors: int) -> Partition:
     )
 
 
-def compiled(folder: Path, main: str, flags: tuple[str, ...] = FLAGS) -> Path:
+def compile_program(folder: Path, main: str, flags: tuple[str, ...] = FLAGS) -> Path:
     (folder / "main.c").write_text(main)
     program = folder / "program"
     sources = ["reliab_monitor.c", "main.c", "-lm", "-o", str(program)]
@@ -136,7 +136,7 @@ def compiled(folder: Path, main: str, flags: tuple[str, ...] = FLAGS) -> Path:
     return program
 
 
-def timed_monitors() -> dict[str, LoopMonitor]:
+def list_monitors() -> dict[str, LoopMonitor]:
     """Monitors whose steps are timed, by what they are of."""
     step = 1.0 / 4096.0
     frame = read_structure(shipped("datasets", "frames/two_actuators.toml"))
@@ -153,20 +153,22 @@ def timed_monitors() -> dict[str, LoopMonitor]:
 
 
 def latency(steps: int) -> None:
-    for what, monitor in timed_monitors().items():
+    for label, monitor in list_monitors().items():
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)
             for file, text in monitor_sources(monitor).items():
                 (folder / file).write_text(text)
-            program = compiled(folder, TIMED.replace("@REPEATED@", str(REPEATED)))
+            program = compile_program(folder, TIMING_PROGRAM.replace("@REPEATED@", str(REPETITIONS)))
             words = [program, str(steps)]
-            said = subprocess.run(words, capture_output=True, text=True, check=True).stdout  # noqa: S603
-            half, most, worst, beyond, *least, again, taken, alone, locked = map(int, said.split())
+            output = subprocess.run(words, capture_output=True, text=True, check=True).stdout  # noqa: S603
+            half, most_steps, worst, slow_steps, *least, repeats, stops, is_alone, is_locked = map(
+                int, output.split()
+            )
             print(
-                f"{what:12} median {half} ns, 99.99 % {most} ns, worst {worst} ns, {beyond} steps beyond ten "
-                f"medians; work of a step: {least[0]}, {least[1]}, {least[2]} ns, {least[3]} beyond, "
-                f"{again} repeated; {taken} steps interrupted by others, {steps:,} steps"
-                f"{', on one processor' * alone}{', in locked memory' * locked}",
+                f"{label:12} median {half} ns, 99.99 % {most_steps} ns, worst {worst} ns, {slow_steps} steps "
+                f"beyond ten medians; work of a step: {least[0]}, {least[1]}, {least[2]} ns, "
+                f"{least[3]} beyond, {repeats} repeated; {stops} steps interrupted by others, {steps:,} steps"
+                f"{', on one processor' * is_alone}{', in locked memory' * is_locked}",
                 flush=True,
             )
 

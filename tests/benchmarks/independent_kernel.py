@@ -42,13 +42,13 @@ def recursion(w0: float, xi: float, gain: Numbers, delay: Numbers, h: float) -> 
     late = gain * np.exp(-s * delay)
     residue = -late / (2.0 * (s + xi * w0) - delay * w0**2 * late)
     feed = 2.0 * (residue / s).real - 1.0 / w0**2
-    grown = np.exp(s * h)
-    ramp = ((grown - 1.0) / s - h) / (s * h)
-    held = (grown - 1.0) / s - ramp
-    c1, c2 = 2.0 * grown.real, -(np.abs(grown) ** 2)
+    growth = np.exp(s * h)
+    ramp = ((growth - 1.0) / s - h) / (s * h)
+    constant_part = (growth - 1.0) / s - ramp
+    c1, c2 = 2.0 * growth.real, -(np.abs(growth) ** 2)
     new = 2.0 * (residue * ramp).real + feed
-    middle = 2.0 * (residue * (held - ramp * grown.conj())).real - c1 * feed
-    old = -2.0 * (residue * held * grown.conj()).real - c2 * feed
+    middle = 2.0 * (residue * (constant_part - ramp * growth.conj())).real - c1 * feed
+    old = -2.0 * (residue * constant_part * growth.conj()).real - c2 * feed
     return np.stack([c1, c2, new, middle, old])
 
 
@@ -129,8 +129,8 @@ class Kernel:
 
     def __init__(self, structure: Structure, gain: Numbers, delay: Numbers, h: float) -> None:
         cells = structure.circular_frequency, structure.damping_ratio
-        filled = -gain.size % LANES
-        gains, delays = (np.append(values, np.repeat(values[-1], filled)) for values in (gain, delay))
+        padding = -gain.size % LANES
+        gains, delays = (np.append(values, np.repeat(values[-1], padding)) for values in (gain, delay))
         self.size, self.coefficients = gain.size, recursion(*cells, gains, delays, h)
         self.ideal = tuple(recursion(*cells, np.ones(1), np.zeros(1), h)[:, 0].tolist())
 
@@ -140,7 +140,7 @@ class Kernel:
         return rms[: self.size], mte[: self.size]
 
 
-def paired_times(*works: Callable[[], object]) -> Numbers:
+def measure_in_turns(*works: Callable[[], object]) -> Numbers:
     """Processor times [s] of several works that take turns, shape (turns, works)."""
     for work in works:
         work()
@@ -163,16 +163,21 @@ def compare(motion: Motion) -> str:
     def pole() -> object:
         return Loop(excitation=excitation, structure=structure, engine=Engine.POLE).deviation(cells)
 
-    times = paired_times(lambda: kernel.errors(motion.acceleration), pole)
+    times = measure_in_turns(lambda: kernel.errors(motion.acceleration), pole)
     exact, ours = (
         Loop(excitation=excitation, structure=structure, engine=engine).deviation(cells)
         for engine in (Engine.SPECTRAL, Engine.POLE)
     )
     usual = cells.delay < 0.9 * critical_delay(structure, cells.gain)
-    errors = [(np.sqrt(one.mean_square) / one.ideal_peak, one.peak / one.ideal_peak) for one in (exact, ours)]
+    errors = [
+        (np.sqrt(deviation.mean_square) / deviation.ideal_peak, deviation.peak / deviation.ideal_peak)
+        for deviation in (exact, ours)
+    ]
     rms, mte = (
-        [float(np.abs(found - true)[usual].max()) for found in (other, own)]
-        for other, own, true in zip(kernel.errors(motion.acceleration), errors[1], errors[0], strict=True)
+        [float(np.abs(error - true)[usual].max()) for error in (kernel_errors, engine_errors)]
+        for kernel_errors, engine_errors, true in zip(
+            kernel.errors(motion.acceleration), errors[1], errors[0], strict=True
+        )
     )
     ratio = float(np.median(times[:, 0] / times[:, 1]))
     return (
@@ -187,11 +192,11 @@ def main() -> None:
     if sys.argv[1:]:
         motions = [*load_motions(*sys.argv[1:])]
         steps = sorted({motion.time_step for motion in motions})
-        chosen = [next(motion for motion in motions if motion.time_step == one) for one in steps]
+        records = [next(motion for motion in motions if motion.time_step == step_size) for step_size in steps]
     else:
         (motion, *_) = load_motions("synthetic")
-        chosen = [resample(motion, rate) for rate in (200.0, 100.0, 50.0)]
-    for motion in chosen:
+        records = [resample(motion, rate) for rate in (200.0, 100.0, 50.0)]
+    for motion in records:
         print(compare(motion))
 
 

@@ -37,16 +37,18 @@ STRUCTURES = (0.5, 0.02), (1.0, 0.05), (2.0, 0.02)
 BANDS = (0.0, 0.02, 0.1, 0.3, 0.5, 0.7, 0.9, 0.98, 1.0)
 
 
-def judged(motion, seconds, f, xi, rng, *, population, rigs):
+def judge_rigs(motion, seconds, f, xi, rng, *, population, rigs):
     """Probabilities (3, rigs), whether good (rigs,), edges kept (2,) and areas (2,) under one record."""
     structure = Structure(frequency=f, damping_ratio=xi)
     excitation = excitation_of(motion, Window.parse("record" if seconds is None else f"{seconds:g}"))
     response = first_order_ellipse(excitation, structure)
     length = response.duration
-    of_length = default_criterion(f, xi, THRESHOLD, CONFIDENCE, excluded_event=motion.event, duration=length)
-    without = {"threshold": THRESHOLD, "confidence": CONFIDENCE, "without": [motion.event]}
-    of_response = criterion_of_response(response, structure, **without)
-    a, b = (float(limit) for limit in of_response.limits(f, xi))
+    length_criterion = default_criterion(
+        f, xi, THRESHOLD, CONFIDENCE, excluded_event=motion.event, duration=length
+    )
+    settings = {"threshold": THRESHOLD, "confidence": CONFIDENCE, "without": [motion.event]}
+    response_criterion = criterion_of_response(response, structure, **settings)
+    a, b = (float(limit) for limit in response_criterion.limits(f, xi))
     turn, size = np.pi * rng.random(rigs), np.exp(rng.uniform(-1.2, 1.2, rigs))
     gain = 1.0 + size * np.sqrt(a) * np.cos(turn)
     delay = size * np.sqrt(b) * np.sin(turn) / 1000.0
@@ -55,26 +57,30 @@ def judged(motion, seconds, f, xi, rng, *, population, rigs):
     def errors(gain, delay):
         return relative_error(loop.deviation(loop.cells(gain=gain, delay=delay)), Metric.RMS)
 
-    by_population = of_length.probability(gain, delay, f, xi)
-    known = ResponseMeasures.from_response(response, structure, "this test").measure_values
-    test = {"length": length, "cycles": length * f} | {name: value.item() for name, value in known.items()}
-    outside = compare_with_scope(of_length.provenance.scope, test).position is Position.OUTSIDE
+    population_probability = length_criterion.probability(gain, delay, f, xi)
+    measures = ResponseMeasures.from_response(response, structure, "this test").measure_values
+    test = {"length": length, "cycles": length * f} | {name: value.item() for name, value in measures.items()}
+    is_outside = compare_with_scope(length_criterion.provenance.scope, test).position is Position.OUTSIDE
     unknown = np.full(rigs, np.nan)
-    stated = [unknown if outside else by_population, unknown, by_population if outside else unknown]
+    probabilities = [
+        unknown if is_outside else population_probability,
+        unknown,
+        population_probability if is_outside else unknown,
+    ]
     if not population:
-        stated[1] = [
+        probabilities[1] = [
             float(
-                criterion_of_response(response, structure, tracking=rig, **without).probability(*rig, f, xi)
+                criterion_of_response(response, structure, tracking=rig, **settings).probability(*rig, f, xi)
             )
             for rig in zip(gain.tolist(), delay.tolist(), strict=True)
         ]
-    kept, areas = [], []
-    for criterion in (of_length, of_response):
+    edges_kept, areas = [], []
+    for criterion in (length_criterion, response_criterion):
         limits = [float(limit) for limit in criterion.limits(f, xi)]
         edge = Region(a=limits[0], b=limits[1]).edge()
-        kept.append(bool((errors(edge.gain, edge.delay) <= THRESHOLD).all()))
+        edges_kept.append(bool((errors(edge.gain, edge.delay) <= THRESHOLD).all()))
         areas.append(np.sqrt(limits[0] * limits[1]))
-    return np.array(stated), errors(gain, delay) <= THRESHOLD, kept, areas
+    return np.array(probabilities), errors(gain, delay) <= THRESHOLD, edges_kept, areas
 
 
 def show_bands(name, probability, good, events):
@@ -82,27 +88,27 @@ def show_bands(name, probability, good, events):
 
     Beside the share that is good stands its standard deviation by earthquakes drawn with replacement.
     """
-    known = np.isfinite(probability)
-    probability, good, events = probability[known], good[known], events[known]
+    finite = np.isfinite(probability)
+    probability, good, events = probability[finite], good[finite], events[finite]
     band = np.clip(np.digitize(probability, BANDS) - 1, 0, len(BANDS) - 2)
     for place in range(len(BANDS) - 1):
-        if (chosen := band == place).any():
-            doubt = by_earthquakes(good[chosen], events[chosen])
+        if (members := band == place).any():
+            doubt = earthquake_deviation(good[members], events[members])
             print(
                 f"  {name:10s} {BANDS[place]:.2f} to {BANDS[place + 1]:.2f}: stated "
-                f"{probability[chosen].mean():.2f}, good {good[chosen].mean():.2f} ± {doubt:.2f} "
-                f"of {chosen.sum()}"
+                f"{probability[members].mean():.2f}, good {good[members].mean():.2f} ± {doubt:.2f} "
+                f"of {members.sum()}"
             )
-    if known.any():
+    if finite.any():
         print(f"  {name:10s} Brier score {np.mean((probability - good) ** 2):.3f}", flush=True)
 
 
-def by_earthquakes(good, events):
+def earthquake_deviation(good, events):
     """Standard deviation of a share when whole earthquakes are drawn with replacement."""
     _, group = np.unique(events, return_inverse=True)
     sums = np.array([np.bincount(group, weights=values) for values in (good, np.ones(good.size))])
-    drawn = np.random.default_rng(1).integers(0, sums.shape[1], (500, sums.shape[1]))
-    shares = sums[0][drawn].sum(axis=1) / sums[1][drawn].sum(axis=1)
+    rows = np.random.default_rng(1).integers(0, sums.shape[1], (500, sums.shape[1]))
+    shares = sums[0][rows].sum(axis=1) / sums[1][rows].sum(axis=1)
     return shares.std()
 
 
@@ -120,24 +126,26 @@ def main():
     for seconds in [None, *options.seconds]:
         rng = np.random.default_rng(options.seed)
         results = [
-            judged(motion, seconds, f, xi, rng, population=options.population, rigs=options.rigs)
+            judge_rigs(motion, seconds, f, xi, rng, population=options.population, rigs=options.rigs)
             for motion in suite
             for f, xi in STRUCTURES
         ]
-        stated = np.concatenate([part[0] for part in results], axis=1)
+        probabilities = np.concatenate([part[0] for part in results], axis=1)
         good = np.concatenate([part[1] for part in results])
         events = np.repeat([motion.event for motion in suite], len(STRUCTURES) * options.rigs)
         if options.groups:
             lengths = np.repeat([motion.duration for motion in suite], len(STRUCTURES) * options.rigs)
             for low, high in pairwise(LENGTHS):
-                chosen = (lengths > low) & (lengths <= high)
-                show_bands(f"{low:g} to {high:g} s", stated[0][chosen], good[chosen], events[chosen])
-        kept, areas = (np.array([part[place] for part in results]) for place in (2, 3))
+                members = (lengths > low) & (lengths <= high)
+                show_bands(
+                    f"{low:g} to {high:g} s", probabilities[0][members], good[members], events[members]
+                )
+        edges_kept, areas = (np.array([part[place] for part in results]) for place in (2, 3))
         print(f"{'whole records' if seconds is None else f'first {seconds:g} s'}: {good.size} tests")
-        for name, probability in zip(("population", "response", "unstated"), stated, strict=True):
+        for name, probability in zip(("population", "response", "unstated"), probabilities, strict=True):
             show_bands(name, probability, good, events)
         print(
-            f"  95 % kept by {', '.join(f'{share:.1%}' for share in kept.mean(axis=0))}; "
+            f"  95 % kept by {', '.join(f'{share:.1%}' for share in edges_kept.mean(axis=0))}; "
             f"area of the second over the first {np.median(areas[:, 1] / areas[:, 0]):.2f}",
             flush=True,
         )

@@ -49,12 +49,12 @@ class World:
     rms: float  # True error
 
 
-def held(a, b, step):
+def discretize(a, b, step):
     """Exact step of x' = a x + b u under straight lines."""
     size = len(a)
-    whole = np.zeros((size + 2, size + 2))
-    whole[:size, :size], whole[:size, size], whole[size, size + 1] = a * step, b * step, 1.0
-    exact = scipy.linalg.expm(whole)
+    matrix = np.zeros((size + 2, size + 2))
+    matrix[:size, :size], matrix[:size, size], matrix[size, size + 1] = a * step, b * step, 1.0
+    exact = scipy.linalg.expm(matrix)
     late = exact[:size, size + 1]
     return np.ascontiguousarray(exact[:size, :size]), exact[:size, size] - late, late.copy()
 
@@ -64,8 +64,8 @@ def loop(numerical, early, late, servo, servo_early, servo_late, ground, noise, 
     """Command, displacement and force of a hybrid test; `law`: stiffness, hardening, yield displacement."""
     size = ground.size
     stiffness, hardening, yields = law
-    command, moved, force, sent = np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(size)
-    state, piston, slipped = np.zeros(2), np.zeros(2), 0.0
+    command, displacement, force, sent = np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(size)
+    state, piston, slip = np.zeros(2), np.zeros(2), 0.0
     for i in range(size - 1):
         now = -ground[i] - force[i] - noise[i]
         ahead = 2.0 * force[i] - force[i - 1] if i else force[i]
@@ -78,16 +78,16 @@ def loop(numerical, early, late, servo, servo_early, servo_late, ground, noise, 
         j = i + 1 - dead
         first, second = (sent[j - 1] if j >= 1 else 0.0), (sent[j] if j >= 0 else 0.0)
         piston = servo @ piston + servo_early * first + servo_late * second
-        moved[i + 1] = gain * piston[0]
+        displacement[i + 1] = gain * piston[0]
         if yields > 0.0:
-            slipped = min(max(slipped, moved[i + 1] - yields), moved[i + 1] + yields)
-            elastic = moved[i + 1] - slipped
-            force[i + 1] = stiffness * (hardening * moved[i + 1] + (1.0 - hardening) * elastic)
+            slip = min(max(slip, displacement[i + 1] - yields), displacement[i + 1] + yields)
+            elastic = displacement[i + 1] - slip
+            force[i + 1] = stiffness * (hardening * displacement[i + 1] + (1.0 - hardening) * elastic)
         else:
-            force[i + 1] = stiffness * moved[i + 1]
+            force[i + 1] = stiffness * displacement[i + 1]
         if abs(command[i + 1]) > 1e3:
             break
-    return command, moved, force
+    return command, displacement, force
 
 
 def critical_delay(omega, ratio, share):
@@ -95,8 +95,8 @@ def critical_delay(omega, ratio, share):
     b = 2.0 * (1.0 - share) * omega**2 - 4.0 * (ratio * omega) ** 2
     c = ((1.0 - share) ** 2 - share**2) * omega**4
     square = 0.5 * (b + np.sqrt(b * b - 4.0 * c))
-    at = np.sqrt(square)
-    return np.arctan2(2.0 * ratio * omega * at, square - (1.0 - share) * omega**2) / at
+    frequency = np.sqrt(square)
+    return np.arctan2(2.0 * ratio * omega * frequency, square - (1.0 - share) * omega**2) / frequency
 
 
 def excitation(kind, generator, time, frequency, motions):
@@ -120,8 +120,8 @@ def excitation(kind, generator, time, frequency, motions):
             )
         case "pulse":
             length = generator.uniform(0.5, 2.0) / frequency
-            inside = (time > 3.0) & (time < 3.0 + length)
-            return np.where(inside, np.sin(2.0 * np.pi * (time - 3.0) / length), 0.0)
+            is_pulse = (time > 3.0) & (time < 3.0 + length)
+            return np.where(is_pulse, np.sin(2.0 * np.pi * (time - 3.0) / length), 0.0)
     return np.where(time < 0.2 / frequency, 1.0, 0.0)
 
 
@@ -135,12 +135,14 @@ def simulate(generator, motions, kind, *, yielding):
     ground = excitation(kind, generator, time, frequency, motions)
     late = generator.uniform(-0.5, 0.8) if generator.random() < 0.8 else generator.uniform(-0.1, 0.1)
     delay = np.clip(late * critical_delay(omega, ratio, share), -0.02, 0.04)
-    servo, damped = 2.0 * np.pi * generator.uniform(8.0, 25.0) * max(1.0, frequency / 1.5), 0.7
+    servo, servo_damping = 2.0 * np.pi * generator.uniform(8.0, 25.0) * max(1.0, frequency / 1.5), 0.7
     dead = int(generator.integers(1, 4))
-    own = 2.0 * damped / servo + dead * step
-    second = (1.0 / servo**2 + 2.0 * damped / servo * dead * step + 0.5 * (dead * step) ** 2) * rate**2
-    inverse = np.array([(own - delay) * rate, second * generator.uniform(0.6, 1.0)])
-    exact = held(np.array([[0.0, 1.0], [-(omega**2), -2.0 * ratio * omega]]), np.array([0.0, 1.0]), step)
+    servo_delay = 2.0 * servo_damping / servo + dead * step
+    second = (1.0 / servo**2 + 2.0 * servo_damping / servo * dead * step + 0.5 * (dead * step) ** 2) * rate**2
+    inverse = np.array([(servo_delay - delay) * rate, second * generator.uniform(0.6, 1.0)])
+    exact = discretize(
+        np.array([[0.0, 1.0], [-(omega**2), -2.0 * ratio * omega]]), np.array([0.0, 1.0]), step
+    )
     nothing = np.zeros(time.size)
     still = (np.eye(2), np.zeros(2), np.zeros(2))
     perfect = (*exact, *still, ground, nothing, np.zeros(2), 1.0, 0, (0.0, 1.0, 0.0))
@@ -149,29 +151,29 @@ def simulate(generator, motions, kind, *, yielding):
     ground, response = ground * scale, response * scale
     stiffness = share * omega**2
     law = (stiffness, 0.05, PEAK / generator.uniform(1.2, 5.0) if yielding else 0.0)
-    numerical = held(
+    numerical = discretize(
         np.array([[0.0, 1.0], [-(1.0 - share) * omega**2, -2.0 * ratio * omega]]), np.array([0.0, 1.0]), step
     )
-    actuator = held(
-        np.array([[0.0, 1.0], [-(servo**2), -2.0 * damped * servo]]), np.array([0.0, servo**2]), step
+    actuator = discretize(
+        np.array([[0.0, 1.0], [-(servo**2), -2.0 * servo_damping * servo]]), np.array([0.0, servo**2]), step
     )
     noise = generator.normal(size=time.size) * stiffness * PEAK * 10.0 ** (-generator.uniform(50, 65) / 20.0)
     gain = 1.0 + generator.uniform(-0.02, 0.02)
-    tested = (*numerical, *actuator, ground, noise, inverse, gain, dead, law)
-    command, moved, force = loop(*tested)
+    arguments = (*numerical, *actuator, ground, noise, inverse, gain, dead, law)
+    command, displacement, force = loop(*arguments)
     if not np.abs(command).max() < 10.0 * PEAK:
         return None
     if yielding:
         response = bilinear(ground, omega, ratio, share, law, step)
     peak = np.abs(response).max()
-    error = float(np.sqrt(np.mean((moved - response) ** 2)) / peak)
+    error = float(np.sqrt(np.mean((displacement - response) ** 2)) / peak)
     return World(
         rate=rate,
         frequency=frequency,
         damping_ratio=ratio,
         share=share,
         command=command,
-        measured=moved,
+        measured=displacement,
         force=force,
         ground=ground,
         rms=error,
@@ -182,48 +184,55 @@ def simulate(generator, motions, kind, *, yielding):
 def bilinear(ground, omega, ratio, share, law, step, fine=8):
     """Response of a bilinear specimen by central differences in fine steps."""
     stiffness, hardening, yields = law
-    h, damped = step / fine, ratio * omega * step / fine
-    answer, x, v, slipped = np.zeros(ground.size), 0.0, 0.0, 0.0
+    h, half_damping = step / fine, ratio * omega * step / fine
+    answer, x, v, slip = np.zeros(ground.size), 0.0, 0.0, 0.0
     for i in range(ground.size - 1):
         for k in range(fine):
-            slipped = min(max(slipped, x - yields), x + yields)
-            spring = stiffness * (hardening * x + (1.0 - hardening) * (x - slipped))
+            slip = min(max(slip, x - yields), x + yields)
+            spring = stiffness * (hardening * x + (1.0 - hardening) * (x - slip))
             shaken = ground[i] + (ground[i + 1] - ground[i]) * k / fine
-            v = ((1.0 - damped) * v + h * (-shaken - (1.0 - share) * omega**2 * x - spring)) / (1.0 + damped)
+            v = ((1.0 - half_damping) * v + h * (-shaken - (1.0 - share) * omega**2 * x - spring)) / (
+                1.0 + half_damping
+            )
             x += h * v
         answer[i + 1] = x
     return answer
 
 
-def ask(world, generator, *, ground=False, force=False, calibrated=False, specimen=None):
+def ask(world, generator, *, ground=False, force=False, is_calibrated=False, specimen=None):
     """Record a test as a laboratory does, state what it knows, and judge it."""
     step, time = 1.0 / world.rate, np.arange(world.command.size) / world.rate
     scale, skew = 1.0 + generator.uniform(-0.005, 0.005), generator.uniform(-0.5, 0.5) * step
     level = 10.0 ** (-generator.uniform(40.0, 60.0) / 20.0)
     read = np.interp(time - skew, time, world.measured) * scale
-    felt = np.interp(time - generator.uniform(-0.5, 0.5) * step, time, world.force)
-    felt *= 1.0 + generator.uniform(-0.005, 0.005)
-    told, stated = world.command, {}
+    recorded_force = np.interp(time - generator.uniform(-0.5, 0.5) * step, time, world.force)
+    recorded_force *= 1.0 + generator.uniform(-0.005, 0.005)
+    recorded_command, statements = world.command, {}
     corner = generator.uniform(60.0, 120.0) * max(1.0, world.frequency)
     if generator.random() < 0.5 and corner < 0.4 * world.rate:
-        through = [
+        filters = [
             scipy.signal.butter(2, corner * (1.0 + generator.uniform(-0.05, 0.05)), fs=world.rate)
             for _ in range(2)
         ]
-        told, read = (scipy.signal.lfilter(*one, row) for one, row in zip(through, (told, read), strict=True))
-        stated["filter"] = [f"{name}={corner:.1f}" for name in ("command", "measured")]
+        recorded_command, read = (
+            scipy.signal.lfilter(*coefficients, row)
+            for coefficients, row in zip(filters, (recorded_command, read), strict=True)
+        )
+        statements["filter"] = [f"{name}={corner:.1f}" for name in ("command", "measured")]
     read = read + generator.normal(size=read.size) * read.std() * level
-    felt = felt + generator.normal(size=felt.size) * felt.std() * level
+    recorded_force = (
+        recorded_force + generator.normal(size=recorded_force.size) * recorded_force.std() * level
+    )
     converter = np.abs(read).max() * generator.uniform(3.0, 8.0) / 2.0**16
     read = np.round(read / converter) * converter
-    if calibrated:
-        stated |= {"scale": StatedValue(scale, 5e-4), "skew": StatedValue(1e3 * skew, 20.0 * step)}
+    if is_calibrated:
+        statements |= {"scale": StatedValue(scale, 5e-4), "skew": StatedValue(1e3 * skew, 20.0 * step)}
     recording = Recording(
-        command=told,
+        command=recorded_command,
         measured=read,
         time_step=step,
         ground=world.ground if ground else None,
-        force=MASS * felt if force else None,
+        force=MASS * recorded_force if force else None,
     )
     return assess(
         recording,
@@ -232,31 +241,31 @@ def ask(world, generator, *, ground=False, force=False, calibrated=False, specim
         alpha=world.share,
         specimen=specimen,
         **({"mass": MASS} if force else {}),
-        **stated,
+        **statements,
     )
 
 
 def measure(name, seed, tests, kind, motions):
     """Print the line of one row."""
-    asked = dict(ROWS[name])
-    yielding = asked.pop("yielding", False)
-    found, took, number = [], 0.0, 0
-    while len(found) < tests:
+    settings = dict(ROWS[name])
+    yielding = settings.pop("yielding", False)
+    rows, took, number = [], 0.0, 0
+    while len(rows) < tests:
         generator = np.random.default_rng([seed, number])
         number += 1
         world = simulate(generator, motions, kind, yielding=yielding)
         if world is None or not 0.001 < world.rms < 0.35:
             continue
         began = time.perf_counter()
-        verdict = ask(world, generator, **asked)
+        verdict = ask(world, generator, **settings)
         took += time.perf_counter() - began
         rms = verdict.error.rebuilt.rms
-        found.append((world.rms, rms.value, rms.low, rms.high, str(verdict.verdict)))
-    true, value, low, high = np.array([row[:4] for row in found]).T
-    word = np.array([row[4] for row in found])
+        rows.append((world.rms, rms.value, rms.low, rms.high, str(verdict.verdict)))
+    true, value, low, high = np.array([row[:4] for row in rows]).T
+    word = np.array([row[4] for row in rows])
 
-    def share(what, among):
-        return f"{np.mean(word[among] == what):.2f}" if among.any() else "-"
+    def share(answer, among):
+        return f"{np.mean(word[among] == answer):.2f}" if among.any() else "-"
 
     bad = true > 0.05
     print(
@@ -280,10 +289,10 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--tests", type=int, default=40)
     parser.add_argument("--excitation", choices=EXCITATIONS, default="earthquake")
-    given = parser.parse_intermixed_args()
-    motions = load_motions(given.folder)
-    for row in given.rows or ROWS:
-        measure(row, given.seed, given.tests, given.excitation, motions)
+    options = parser.parse_intermixed_args()
+    motions = load_motions(options.folder)
+    for row in options.rows or ROWS:
+        measure(row, options.seed, options.tests, options.excitation, motions)
 
 
 if __name__ == "__main__":

@@ -115,14 +115,14 @@ def rungs(length: float, speed: float) -> dict[str, Rung]:
 
 def read(folder: Path) -> tuple[list[Cycles], float]:
     """Read the tests of a campaign, and their step [s]; of a single test the last third is held out."""
-    described = tomllib.loads((folder / "campaign.toml").read_text(encoding="utf-8"))
-    rate, tests = described["sampling"]["rate_hz"], described["tests"]
-    marked = [test.get("held_out", False) for test in tests]
-    if not any(marked):
-        marked = [False] * (len(tests) - 1) + [len(tests) > 1]
-    every = max(1, int(rate // LEAST_RATE))
+    description = tomllib.loads((folder / "campaign.toml").read_text(encoding="utf-8"))
+    rate, tests = description["sampling"]["rate_hz"], description["tests"]
+    are_held_out = [test.get("held_out", False) for test in tests]
+    if not any(are_held_out):
+        are_held_out = [False] * (len(tests) - 1) + [len(tests) > 1]
+    thinning = max(1, int(rate // LEAST_RATE))
     cycles = []
-    for test, out in zip(tests, marked, strict=True):
+    for test, out in zip(tests, are_held_out, strict=True):
         table = np.genfromtxt(folder / test["file"], delimiter=",", names=True)
         x = table["measured_m"]
         if rate > 2.5 * HIGHEST:
@@ -132,18 +132,18 @@ def read(folder: Path) -> tuple[list[Cycles], float]:
         if len(tests) == 1:
             held_out[2 * x.size // 3 :] = True
         rows = (x, v, np.gradient(v, 1.0 / rate), table["force_n"], held_out)
-        x, v, a, force, held_out = (row[::every] for row in rows)
+        x, v, a, force, held_out = (row[::thinning] for row in rows)
         cycles.append(Cycles(x=x, v=v, a=a, force=force, held_out=held_out))
-    return cycles, every / rate
+    return cycles, thinning / rate
 
 
 class Regression:
     """Least squares of the force on fitted samples, for some rungs of the ladder."""
 
     def __init__(
-        self, tests: Sequence[Cycles], step: float, chosen: Sequence[Rung], *, passive: bool = False
+        self, tests: Sequence[Cycles], step: float, model: Sequence[Rung], *, passive: bool = False
     ) -> None:
-        self.tests, self.step, self.chosen, self.passive = tests, step, chosen, passive
+        self.tests, self.step, self.chosen, self.passive = tests, step, model, passive
         self.force = np.concatenate([test.force for test in tests])
         self.out = np.concatenate([test.held_out for test in tests])
 
@@ -162,8 +162,8 @@ class Regression:
     def residual(self, p):
         """What the best linear numbers leave of the force, fitted to what is not held out."""
         columns = self.columns(p)
-        fitted = columns[~self.out]
-        size = np.linalg.norm(fitted, axis=0) + 1e-300
+        training = columns[~self.out]
+        size = np.linalg.norm(training, axis=0) + 1e-300
         if self.passive:
             elastic = [
                 False,
@@ -174,18 +174,18 @@ class Regression:
             ]
             lower = np.where(elastic, -np.inf, 0.0)
             factors = (
-                optimize.lsq_linear(fitted / size, self.force[~self.out], bounds=(lower, np.inf)).x / size
+                optimize.lsq_linear(training / size, self.force[~self.out], bounds=(lower, np.inf)).x / size
             )
         else:
-            factors = np.linalg.lstsq(fitted / size, self.force[~self.out], rcond=1e-10)[0] / size
+            factors = np.linalg.lstsq(training / size, self.force[~self.out], rcond=1e-10)[0] / size
         return self.force - columns @ factors
 
-    def solved(self, starts):
+    def solve(self, starts):
         """Numbers of the smallest error on fitted samples."""
         bounds = np.array([bound for rung in self.chosen for bound in rung.bounds]).T
         if not bounds.size:
             return np.zeros(0)
-        found = [
+        solutions = [
             optimize.least_squares(
                 lambda p: self.residual(p)[~self.out],
                 np.clip(start, bounds[0] + 1e-9, bounds[1] - 1e-9),
@@ -195,13 +195,13 @@ class Regression:
             )
             for start in starts
         ]
-        return min(found, key=lambda one: one.cost).x
+        return min(solutions, key=lambda solution: solution.cost).x
 
     def errors(self, p):
         """Error on fitted and on held-out samples, RMS over that of the force."""
-        missed = self.residual(p)
+        residual = self.residual(p)
         return [
-            float(np.linalg.norm(missed[part]) / np.linalg.norm(self.force[part]))
+            float(np.linalg.norm(residual[part]) / np.linalg.norm(self.force[part]))
             for part in (~self.out, self.out)
         ]
 
@@ -211,21 +211,21 @@ def climb(folder: Path, *, passive: bool = False) -> list[dict[str, object]]:
     tests, step = read(folder)
     length = max(float(np.abs(test.x[~test.held_out]).max(initial=0.0)) for test in tests)
     speed = max(float(np.quantile(np.abs(test.v), 0.999)) for test in tests if not test.held_out.all())
-    known, rest, rows = rungs(length, speed), {}, []
-    names = [(), *((name,) for name in known), *itertools.combinations(known, 2)]
-    for chosen in names:
-        fitted = Regression(tests, step, [known[name] for name in chosen], passive=passive)
-        starts = list(itertools.product(*(known[name].starts for name in chosen)))
-        if len(chosen) > 1:
-            starts = [[rest[name] for name in chosen], *starts[:1]]
-        p = fitted.solved([[number for part in start for number in part] for start in starts])
-        if len(chosen) == 1:
-            rest[chosen[0]] = p
-        here, there = fitted.errors(p)
+    rungs_by_name, solutions, rows = rungs(length, speed), {}, []
+    names = [(), *((name,) for name in rungs_by_name), *itertools.combinations(rungs_by_name, 2)]
+    for model in names:
+        regression = Regression(tests, step, [rungs_by_name[name] for name in model], passive=passive)
+        starts = list(itertools.product(*(rungs_by_name[name].starts for name in model)))
+        if len(model) > 1:
+            starts = [[solutions[name] for name in model], *starts[:1]]
+        p = regression.solve([[number for part in start for number in part] for start in starts])
+        if len(model) == 1:
+            solutions[model[0]] = p
+        here, there = regression.errors(p)
         rows.append(
             {
                 "campaign": folder.name,
-                "model": " + ".join(chosen) or "linear",
+                "model": " + ".join(model) or "linear",
                 "fitted": here,
                 "held_out": there,
             }
@@ -236,14 +236,14 @@ def climb(folder: Path, *, passive: bool = False) -> list[dict[str, object]]:
 def answer(folder: Path) -> dict[str, object]:
     """Ask the product, in a process of its own."""
     command = [sys.executable, "-m", "reliab", "diagnose", str(folder), "--json", "-"]
-    done = subprocess.run(command, check=True, capture_output=True, text=True)  # noqa: S603 - our own
-    said = json.loads(done.stdout)
-    block = next(block for block in said["blocks"] if block["block"] == "specimen")
-    believed = next(row for row in block["candidates"] if row["believed"])
+    process = subprocess.run(command, check=True, capture_output=True, text=True)  # noqa: S603 - our own
+    content = json.loads(process.stdout)
+    block = next(block for block in content["blocks"] if block["block"] == "specimen")
+    best = next(row for row in block["candidates"] if row["believed"])
     return {
         "campaign": folder.name,
-        "model": f"reliab, {said['verdict']}: {' + '.join(block['effects']) or 'nothing'}",
-        "fitted": believed["left_out_nrmse"],
+        "model": f"reliab, {content['verdict']}: {' + '.join(block['effects']) or 'nothing'}",
+        "fitted": best["left_out_nrmse"],
         "held_out": block["gap"]["nrmse_after"],
     }
 
@@ -255,19 +255,19 @@ def main() -> None:
     parser.add_argument("--table", type=Path)
     parser.add_argument("--without-answers", action="store_true")
     parser.add_argument("--passive", action="store_true")
-    given = parser.parse_args()
+    options = parser.parse_args()
     rows = []
-    for folder in given.campaigns:
-        climbed = climb(folder, passive=given.passive)
-        best = min(climbed, key=lambda row: row["fitted"])
+    for folder in options.campaigns:
+        rows_of_campaign = climb(folder, passive=options.passive)
+        best = min(rows_of_campaign, key=lambda row: row["fitted"])
         print(f"{folder.name}: ladder {best['held_out']:.4f} ({best['model']})", flush=True)
-        rows += climbed
-        if not given.without_answers:
+        rows += rows_of_campaign
+        if not options.without_answers:
             rows.append(answer(folder))
             ratio = rows[-1]["held_out"] / best["held_out"]
             print(f"  {rows[-1]['model']} {rows[-1]['held_out']:.4f}, {ratio:.2f} times that", flush=True)
-    if given.table:
-        with given.table.open("w", newline="", encoding="utf-8") as file:
+    if options.table:
+        with options.table.open("w", newline="", encoding="utf-8") as file:
             writer = csv.DictWriter(file, FIELDS)
             writer.writeheader()
             writer.writerows(rows)

@@ -76,16 +76,18 @@ def steel_brace(random: Random, motions: Sequence[Array]) -> tuple[Answers, Mapp
 
 
 @numba.njit(cache=False)
-def _softened(x: Array, k1: float, k3: float, r: float, m: float, branch: float, time: float, most: float):
+def _softening_spring(
+    x: Array, k1: float, k3: float, r: float, m: float, branch: float, time: float, largest: float
+):
     """Ogden and Roxburgh (1999): the force of a virgin spring, less where the energy was once larger."""
     forces, q = np.zeros(x.size), x[0]
     for k in range(x.size):
         energy = 0.5 * k1 * x[k] ** 2 + 0.25 * k3 * x[k] ** 4
-        most = max(most, energy)
-        softer = 1.0 - math.erf((most - energy) / m) / r
+        largest = max(largest, energy)
+        softer = 1.0 - math.erf((largest - energy) / m) / r
         q += STEP * (x[k] - q) / time
         forces[k] = softer * (k1 * x[k] + k3 * x[k] ** 3) + branch * (x[k] - q)
-    return forces, most
+    return forces, largest
 
 
 def rubber_bearing(random: Random, motions: Sequence[Array]) -> tuple[Answers, Mapping[str, float]]:
@@ -93,12 +95,12 @@ def rubber_bearing(random: Random, motions: Sequence[Array]) -> tuple[Answers, M
     peak = max(float(np.abs(x).max()) for x in motions)
     k1 = random.uniform(5e4, 2e5)
     k3 = k1 * random.uniform(0.2, 0.6) / peak**2
-    whole = 0.5 * k1 * peak**2
-    r, m = random.uniform(1.5, 3.0), random.uniform(0.2, 0.6) * whole
+    energy = 0.5 * k1 * peak**2
+    r, m = random.uniform(1.5, 3.0), random.uniform(0.2, 0.6) * energy
     branch, time = random.uniform(0.1, 0.3) * k1, random.uniform(0.02, 0.1)
-    forces, most = [], 0.0
+    forces, largest = [], 0.0
     for x in motions:
-        force, most = _softened(x, k1, k3, r, m, branch, time, most)
+        force, largest = _softening_spring(x, k1, k3, r, m, branch, time, largest)
         forces.append(force)
     return forces, {"stiffness_n_per_m": k1}
 
@@ -134,8 +136,8 @@ def _oil(x: Array, stiffness: float, coefficient: float, power: float) -> Array:
     for k in range(1, x.size):
         v = (x[k] - x[k - 1]) / STEP
         for _ in range(20):
-            through = math.copysign((abs(force) / coefficient) ** (1.0 / power), force)
-            force += 0.05 * STEP * stiffness * (v - through)
+            flow = math.copysign((abs(force) / coefficient) ** (1.0 / power), force)
+            force += 0.05 * STEP * stiffness * (v - flow)
         forces[k] = force
     return forces
 
@@ -198,9 +200,9 @@ def _two_sliders(x: Array, strengths: Array, stiffnesses: Array, forward: float)
     for k in range(x.size):
         for j in range(strengths.size):
             force = stiffnesses[j] * (x[k] - slid[j])
-            most = strengths[j] * (forward if force > 0.0 else 2.0 - forward)
-            if abs(force) > most:
-                force = math.copysign(most, force)
+            strength = strengths[j] * (forward if force > 0.0 else 2.0 - forward)
+            if abs(force) > strength:
+                force = math.copysign(strength, force)
                 slid[j] = x[k] - force / stiffnesses[j]
             forces[k] += force
     return forces
@@ -285,11 +287,11 @@ def _hydraulic(r: Array, gain: float, flow: float, spring: float, friction: floa
     for k in range(r.size):
         for _ in range(4):
             step = 0.25 * STEP
-            wanted = min(max(gain * (r[k] - position), -1.0), 1.0)
-            rate += step * (valve**2 * (wanted - opening) - 1.4 * valve * rate)
+            target = min(max(gain * (r[k] - position), -1.0), 1.0)
+            rate += step * (valve**2 * (target - opening) - 1.4 * valve * rate)
             opening += step * rate
-            through = opening * math.sqrt(max(1.0 - math.copysign(load, opening), 0.0))
-            load += step * (spring / 60.0 * (flow * through - speed) - 0.6 * math.sqrt(spring) * load)
+            flow_through = opening * math.sqrt(max(1.0 - math.copysign(load, opening), 0.0))
+            load += step * (spring / 60.0 * (flow * flow_through - speed) - 0.6 * math.sqrt(spring) * load)
             load = min(max(load, -0.98), 0.98)
             speed += step * 60.0 * (load - friction * math.tanh(speed / (1e-3 * flow)))
             position += step * speed
@@ -311,18 +313,18 @@ def hydraulic_servo(random: Random, motions: Sequence[Array]) -> tuple[Answers, 
     return _servo(random, motions, random.uniform(3.0, 6.0))
 
 
-def starved_servo(random: Random, motions: Sequence[Array]) -> tuple[Answers, Mapping[str, float]]:
+def servo_without_reserve(random: Random, motions: Sequence[Array]) -> tuple[Answers, Mapping[str, float]]:
     """Model a hydraulic servo whose valve cannot give the largest speed of the command."""
     return _servo(random, motions, random.uniform(0.55, 0.75))
 
 
 @numba.njit(cache=False)
-def _electric(r: Array, turn: float, ratio: float, most: float, cogging: float, pitch: float, dry: float):
+def _electric(r: Array, turn: float, ratio: float, largest: float, cogging: float, pitch: float, dry: float):
     """Table on a linear motor: position loop with a current limit, cogging and dry friction [m/s²]."""
     x, position, speed = np.zeros(r.size), r[0], 0.0
     for k in range(r.size):
-        wanted = turn**2 * (r[k] - position) - 2.0 * ratio * turn * speed
-        drive = min(max(wanted, -most), most)
+        target = turn**2 * (r[k] - position) - 2.0 * ratio * turn * speed
+        drive = min(max(target, -largest), largest)
         force = drive + cogging * math.sin(2.0 * math.pi * position / pitch) - dry * math.tanh(speed / 1e-3)
         speed += STEP * force
         position += STEP * speed
@@ -334,11 +336,11 @@ def _table(random: Random, motions: Sequence[Array], reserve: float) -> tuple[An
     """Electric table whose current gives a multiple of the largest acceleration of the command."""
     peak = max(float(np.abs(x).max()) for x in motions)
     turn, ratio = 2.0 * np.pi * random.uniform(8.0, 14.0), random.uniform(0.5, 0.9)
-    whole = turn**2 * peak
-    cogging, dry = random.uniform(0.001, 0.004) * whole, random.uniform(0.001, 0.004) * whole
+    scale = turn**2 * peak
+    cogging, dry = random.uniform(0.001, 0.004) * scale, random.uniform(0.001, 0.004) * scale
     pitch = random.uniform(0.2, 0.5) * peak
-    most = reserve * max(float(np.abs(np.gradient(np.gradient(x, STEP), STEP)).max()) for x in motions)
-    return [_electric(x, turn, ratio, most, cogging, pitch, dry) for x in motions], {}
+    largest = reserve * max(float(np.abs(np.gradient(np.gradient(x, STEP), STEP)).max()) for x in motions)
+    return [_electric(x, turn, ratio, largest, cogging, pitch, dry) for x in motions], {}
 
 
 def electric_table(random: Random, motions: Sequence[Array]) -> tuple[Answers, Mapping[str, float]]:
@@ -346,26 +348,26 @@ def electric_table(random: Random, motions: Sequence[Array]) -> tuple[Answers, M
     return _table(random, motions, 10.0)
 
 
-def limited_table(random: Random, motions: Sequence[Array]) -> tuple[Answers, Mapping[str, float]]:
+def table_without_reserve(random: Random, motions: Sequence[Array]) -> tuple[Answers, Mapping[str, float]]:
     """Model an electric table whose current cannot give the largest acceleration of the command."""
     return _table(random, motions, random.uniform(0.5, 0.7))
 
 
 @numba.njit(cache=False)
-def _after_play(x: Array, width: float) -> Array:
-    moved, last = np.zeros(x.size), x[0]
+def _screw_play(x: Array, width: float) -> Array:
+    displacement, last = np.zeros(x.size), x[0]
     for k in range(x.size):
         last = min(max(last, x[k] - 0.5 * width), x[k] + 0.5 * width)
-        moved[k] = last
-    return moved
+        displacement[k] = last
+    return displacement
 
 
-def worn_screw(random: Random, motions: Sequence[Array]) -> tuple[Answers, Mapping[str, float]]:
+def screw_with_play(random: Random, motions: Sequence[Array]) -> tuple[Answers, Mapping[str, float]]:
     """Model a ball screw with a worn nut behind a motor's position loop."""
     peak = max(float(np.abs(x).max()) for x in motions)
     driven, _ = electric_table(random, motions)
     width = random.uniform(0.02, 0.08) * peak
-    return [_after_play(x, width) for x in driven], {}
+    return [_screw_play(x, width) for x in driven], {}
 
 
 _LAG = frozenset({"first_order_lag", "second_order_dynamics"})
@@ -405,7 +407,7 @@ MACHINES: Mapping[str, Machine] = {
         answer=hydraulic_servo, dominant=(_LAG,), accepted=frozenset({"backlash"}), actuator=True
     ),
     "starved_servo": Machine(
-        answer=starved_servo,
+        answer=servo_without_reserve,
         dominant=(frozenset({"rate_limit"}),),
         accepted=_LAG | {"backlash"},
         unknown=True,
@@ -415,9 +417,13 @@ MACHINES: Mapping[str, Machine] = {
         answer=electric_table, dominant=(_LAG,), accepted=frozenset({"backlash"}), actuator=True
     ),
     "limited_table": Machine(
-        answer=limited_table, dominant=(_LAG,), accepted=frozenset({"backlash"}), unknown=True, actuator=True
+        answer=table_without_reserve,
+        dominant=(_LAG,),
+        accepted=frozenset({"backlash"}),
+        unknown=True,
+        actuator=True,
     ),
-    "worn_screw": Machine(answer=worn_screw, dominant=(_LAG, frozenset({"backlash"})), actuator=True),
+    "worn_screw": Machine(answer=screw_with_play, dominant=(_LAG, frozenset({"backlash"})), actuator=True),
 }
 """Machines by name, with the names that an expert would give; offsets may always stand beside."""
 

@@ -11,7 +11,6 @@ What an expert calls each machine stands in `machine_models.py`, fixed before th
 import argparse
 import itertools
 import json
-import sys
 import tempfile
 import time
 from collections.abc import Mapping, Sequence
@@ -19,25 +18,21 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from blind_evaluation import foretold
+from machine_models import ALWAYS_ACCEPTED, MACHINES, STEP, Machine
 from scipy import signal
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tests"))
+from reliab.core.arrays import Array
+from reliab.discrepancy.campaign.reading import read_campaign
+from reliab.discrepancy.diagnose import diagnose
+from reliab.discrepancy.fitting.fit import fit
+from reliab.discrepancy.fitting.screening import screen_effects
+from reliab.discrepancy.fitting.space import ModelSpace
+from reliab.discrepancy.proof import compute_nrmse, residuals
+from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
+from reliab.discrepancy.result.diagnosis import Diagnosis
 
-from benchmarks.blind_evaluation import foretold  # noqa: E402
-from benchmarks.machine_models import ALWAYS_ACCEPTED, MACHINES, STEP, Machine  # noqa: E402
-
-from reliab.core.arrays import Array  # noqa: E402
-from reliab.discrepancy.campaign.reading import read_campaign  # noqa: E402
-from reliab.discrepancy.diagnose import diagnose  # noqa: E402
-from reliab.discrepancy.fitting.fit import fit  # noqa: E402
-from reliab.discrepancy.fitting.screening import screen_effects  # noqa: E402
-from reliab.discrepancy.fitting.space import ModelSpace  # noqa: E402
-from reliab.discrepancy.proof import compute_nrmse, residuals  # noqa: E402
-from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis  # noqa: E402
-from reliab.discrepancy.result.diagnosis import Diagnosis  # noqa: E402
-
-EVERY = 5
+THINNING = 5
 """Steps of the simulation in a sample: 400 Hz."""
 
 DURATION = 10.0  # s
@@ -71,8 +66,8 @@ def _irregular(random: np.random.Generator, time: Array) -> Array:
     band = signal.butter(3, (0.3, 3.0), btype="bandpass", fs=1.0 / STEP, output="sos")
     values = signal.sosfiltfilt(band, random.standard_normal(time.size))
     envelope = np.exp(-(((time - 4.0) / 3.0) ** 2))
-    shaped = np.asarray(values * envelope)
-    return shaped / np.abs(shaped).max()
+    shape = np.asarray(values * envelope)
+    return shape / np.abs(shape).max()
 
 
 def simulate(machine: Machine, seed: int, folder: Path) -> None:
@@ -86,18 +81,18 @@ def simulate(machine: Machine, seed: int, folder: Path) -> None:
     text += "".join(["[specimen]\n", *(f"{key} = {value!r}\n" for key, value in nominal.items())]) * (
         not machine.actuator
     )
-    text += f"[sampling]\nrate_hz = {1.0 / STEP / EVERY!r}\n"
+    text += f"[sampling]\nrate_hz = {1.0 / STEP / THINNING!r}\n"
     for k, (motion, answer) in enumerate(zip(motions, answers, strict=True)):
         held_out = str(k in HELD_OUT).lower()
         text += f'[[tests]]\nfile = "test_{k}.csv"\nmotion = "{k}"\nheld_out = {held_out}\n'
-        given, read = motion[::EVERY].copy(), answer[::EVERY].copy()
+        driven, read = motion[::THINNING].copy(), answer[::THINNING].copy()
         read += NOISE * read.std() * random.standard_normal(read.size)
         if not machine.actuator:
-            given += NOISE * given.std() * random.standard_normal(given.size)
-        time_s = np.arange(given.size) * STEP * EVERY
+            driven += NOISE * driven.std() * random.standard_normal(driven.size)
+        time_s = np.arange(driven.size) * STEP * THINNING
         np.savetxt(
             folder / f"test_{k}.csv",
-            np.column_stack([time_s, given, read]),
+            np.column_stack([time_s, driven, read]),
             delimiter=",",
             header=",".join(["time_s", *names]),
             comments="",
@@ -106,16 +101,16 @@ def simulate(machine: Machine, seed: int, folder: Path) -> None:
     (folder / "campaign.toml").write_text(text, encoding="utf-8")
 
 
-def examined(name: str, seed: int, *, pairs: bool) -> dict[str, Any]:
+def examine(name: str, seed: int, *, pairs: bool) -> dict[str, Any]:
     """Simulate and diagnose a campaign, and compare with what an expert says."""
     machine = MACHINES[name]
     with tempfile.TemporaryDirectory() as scratch:
         simulate(machine, seed, Path(scratch))
         begin = time.process_time()
-        found = diagnose(read_campaign(Path(scratch)))
+        diagnosis = diagnose(read_campaign(Path(scratch)))
         spent = time.process_time() - begin
-    (block,) = found.blocks
-    row = {**judged(machine, found), "processor_seconds": spent}
+    (block,) = diagnosis.blocks
+    row = {**judge_diagnosis(machine, diagnosis), "processor_seconds": spent}
     row["foretold"] = foretold(block)
     if pairs:
         begin = time.process_time()
@@ -125,87 +120,87 @@ def examined(name: str, seed: int, *, pairs: bool) -> dict[str, Any]:
     return row
 
 
-def judged(machine: Machine, found: Diagnosis) -> dict[str, Any]:
+def judge_diagnosis(machine: Machine, diagnosis: Diagnosis) -> dict[str, Any]:
     """Compare names and verdict with what an expert says of a machine."""
-    (block,) = found.blocks
-    names = [effect.name for effect in (*found.effects, *found.doubtful)]
-    allowed = frozenset().union(*machine.dominant) | machine.accepted | ALWAYS_ACCEPTED
-    verdict = str(found.verdict)
-    unexplained = block.gap.worst_unexplained_share or 0.0
+    (block,) = diagnosis.blocks
+    names = [effect.name for effect in (*diagnosis.effects, *diagnosis.doubtful)]
+    acceptable = frozenset().union(*machine.dominant) | machine.accepted | ALWAYS_ACCEPTED
+    verdict = str(diagnosis.verdict)
+    remainder = block.gap.worst_unexplained_share or 0.0
     right = all(group & set(names) for group in machine.dominant)
     return {
         "verdict": verdict,
         "names": names,
         "right": right or (machine.unknown and verdict == "unknown_effect"),
-        "false": sorted(set(names) - allowed),
-        "unknown": None if found.unknown is None else found.unknown.to_dict(),
+        "false": sorted(set(names) - acceptable),
+        "unknown": None if diagnosis.unknown is None else diagnosis.unknown.to_dict(),
         "before": block.gap.before,
         "after": block.gap.after,
-        "worst_unexplained": unexplained,
-        "overstated": verdict == "named" and unexplained > LARGEST_REMAINDER,
-        "probability": {effect.name: effect.probability for effect in found.effects},
+        "worst_unexplained": remainder,
+        "overstated": verdict == "named" and remainder > LARGEST_REMAINDER,
+        "probability": {effect.name: effect.probability for effect in diagnosis.effects},
     }
 
 
-def errors_of_pairs(found: BlockDiagnosis) -> dict[str, float]:
+def errors_of_pairs(diagnosis: BlockDiagnosis) -> dict[str, float]:
     """Held-out error of each pair of effects of the library, and of each single one."""
-    problem = found.problem
-    null = found.calibrated
+    problem = diagnosis.problem
+    null = diagnosis.calibrated
     singles = {}
-    for one in screen_effects(problem, null, found.block.candidates, null):
-        if one.start.size:
-            space = ModelSpace(found.block, (one.kind,))
-            singles[one.kind] = fit(problem, space, [one.start, *one.others], null.noise)
+    for effect in screen_effects(problem, null, diagnosis.block.candidates, null):
+        if effect.start.size:
+            space = ModelSpace(diagnosis.block, (effect.kind,))
+            singles[effect.kind] = fit(problem, space, [effect.start, *effect.others], null.noise)
     errors = {}
     for kind, single in singles.items():
-        errors[str(kind.name)] = compute_nrmse(found.proof, residuals(found.proof, single))
-        for one in screen_effects(problem, single, found.block.candidates, null):
-            if one.start.size and one.kind not in single.space.effects:
-                space = ModelSpace(found.block, (kind, one.kind))
-                pair = fit(problem, space, [one.start, *one.others], single.noise)
-                error = compute_nrmse(found.proof, residuals(found.proof, pair))
-                key = " + ".join(sorted((str(kind.name), str(one.kind.name))))
+        errors[str(kind.name)] = compute_nrmse(diagnosis.proof, residuals(diagnosis.proof, single))
+        for effect in screen_effects(problem, single, diagnosis.block.candidates, null):
+            if effect.start.size and effect.kind not in single.space.effects:
+                space = ModelSpace(diagnosis.block, (kind, effect.kind))
+                pair = fit(problem, space, [effect.start, *effect.others], single.noise)
+                error = compute_nrmse(diagnosis.proof, residuals(diagnosis.proof, pair))
+                key = " + ".join(sorted((str(kind.name), str(effect.kind.name))))
                 errors[key] = min(error, errors.get(key, np.inf))
     return errors
 
 
 def show(rows: Mapping[str, Mapping[str, Any]]) -> None:
     """Print the shares over all campaigns."""
-    every = list(rows.values())
-    told = {
-        "dominant effect named, or rightly unknown": [row["right"] for row in every],
-        "a false name beside it": [bool(row["false"]) for row in every],
+    results = list(rows.values())
+    shares = {
+        "dominant effect named, or rightly unknown": [row["right"] for row in results],
+        "a false name beside it": [bool(row["false"]) for row in results],
         "named although more than 20 % of a kind of test is unexplained": [
-            row["overstated"] for row in every
+            row["overstated"] for row in results
         ],
     }
-    beside = [row["after"] <= CLOSE * row["best_pair"][1] for row in every if "best_pair" in row]
-    if beside:
-        told["held-out error within 1.15 times that of the best pair"] = beside
-    for words, answers in told.items():
+    near_best = [row["after"] <= CLOSE * row["best_pair"][1] for row in results if "best_pair" in row]
+    if near_best:
+        shares["held-out error within 1.15 times that of the best pair"] = near_best
+    for words, answers in shares.items():
         print(f"{words}: {sum(answers)} of {len(answers)}, {np.mean(answers):.0%}")
     for low, high in itertools.pairwise(PROBABILITIES):
-        stated = [
+        pairs = [
             (probability, name not in row["false"])
-            for row in every
+            for row in results
             for name, probability in row["probability"].items()
             if low <= probability < high or probability == high == PROBABILITIES[-1]
         ]
-        if stated:
-            mean = np.mean([probability for probability, _ in stated])
-            right = sum(accepted for _, accepted in stated)
-            print(f"probability {low} to {high}, mean {mean:.3f}: {right} of {len(stated)} are no false name")
+        if pairs:
+            mean = np.mean([probability for probability, _ in pairs])
+            right = sum(is_true for _, is_true in pairs)
+            print(f"probability {low} to {high}, mean {mean:.3f}: {right} of {len(pairs)} are no false name")
     for number in range(4):
-        covers = [test["covers"] for row in every for test in row["foretold"] if test["effects"] == number]
+        covers = [test["covers"] for row in results for test in row["foretold"] if test["effects"] == number]
         if covers:
             print(
                 f"error on a held-out test, {number} effects: {sum(covers)} of {len(covers)} intervals hold"
             )
-    print_times("diagnosis", [row["processor_seconds"] for row in every])
-    fitted = [row for row in every if "pair_seconds" in row]
-    if fitted:
-        models = np.median([row["models"] for row in fitted])
-        print_times(f"all pairs ({models:.0f} models)", [row["pair_seconds"] for row in fitted])
+    print_times("diagnosis", [row["processor_seconds"] for row in results])
+    rows_with_pairs = [row for row in results if "pair_seconds" in row]
+    if rows_with_pairs:
+        models = np.median([row["models"] for row in rows_with_pairs])
+        print_times(f"all pairs ({models:.0f} models)", [row["pair_seconds"] for row in rows_with_pairs])
 
 
 def print_times(name: str, seconds: Sequence[float]) -> None:
@@ -221,21 +216,21 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--count", type=int, default=2)
     parser.add_argument("--machines", nargs="*", default=list(MACHINES), choices=list(MACHINES))
     parser.add_argument("--pairs", action="store_true", help="fit all pairs of effects, which takes longer")
-    given = parser.parse_args(arguments)
-    given.folder.mkdir(parents=True, exist_ok=True)
+    options = parser.parse_args(arguments)
+    options.folder.mkdir(parents=True, exist_ok=True)
     rows = {}
-    for seed, name in itertools.product(range(given.seed, given.seed + given.count), given.machines):
-        file = given.folder / f"{name}_{seed}.json"
+    for seed, name in itertools.product(range(options.seed, options.seed + options.count), options.machines):
+        file = options.folder / f"{name}_{seed}.json"
         if not file.exists():
-            file.write_text(json.dumps(examined(name, seed, pairs=given.pairs)), encoding="utf-8")
+            file.write_text(json.dumps(examine(name, seed, pairs=options.pairs)), encoding="utf-8")
         rows[file.stem] = row = json.loads(file.read_text(encoding="utf-8"))
         mark = "right" if row["right"] and not row["false"] else "WRONG"
-        beside = (
+        comparison = (
             f", best pair {row['best_pair'][1]:.4f} ({row['best_pair'][0]})" if "best_pair" in row else ""
         )
         print(
             f"{file.stem}: {mark}: {row['verdict']} {', '.join(row['names'])}, {row['before']:.4f} → "
-            f"{row['after']:.4f}{beside} ({row['processor_seconds']:.0f} s)",
+            f"{row['after']:.4f}{comparison} ({row['processor_seconds']:.0f} s)",
             flush=True,
         )
     show(rows)

@@ -4,20 +4,15 @@ python tests/benchmarks/measured_frames.py RECORDS --seed 371127 --count 5
 """
 
 import argparse
-import sys
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import paths  # noqa: F401 - makes the frames importable
+from nonlinear_frames import FAMILIES, STEP, FrameTest, simulate_frame_test
 
 from reliab.assessment.assess import assess
 from reliab.motions.loading import load_motions
 from reliab.motions.motion import Motion
-from reliab.study import folders  # noqa: F401 - makes the studies importable
-
-sys.path.insert(0, str(Path(__file__).parents[1]))
-
-from nonlinear_frames import FAMILIES, STEP, FrameTest, simulate_frame_test
 
 _FAMILIES = (
     *("linear", "bilinear", "cubic", "gap", "Bouc-Wen", "degrading", "Baber-Noori"),
@@ -26,36 +21,36 @@ _FAMILIES = (
 _GOOD = 0.05
 
 
-def drawn(family: str, motions: list[Motion], draw: np.random.Generator, decibels: float) -> FrameTest:
+def draw_test(family: str, motions: list[Motion], draw: np.random.Generator, decibels: float) -> FrameTest:
     """Simulate a test whose error is neither tiny nor of a loop that diverges."""
     times = np.arange(0.0, 40.0, STEP)
     while True:
         motion = motions[int(draw.integers(len(motions)))]
         ends = motion.time_step * motion.acceleration.size
-        known = np.arange(motion.acceleration.size) * motion.time_step
-        ground = np.interp(times, known, motion.acceleration) * (times <= ends)
+        instants = np.arange(motion.acceleration.size) * motion.time_step
+        ground = np.interp(times, instants, motion.acceleration) * (times <= ends)
         test = simulate_frame_test(family, ground, draw, decibels=decibels)
         if np.isfinite(test.moved).all() and 0.003 < test.error < 0.3:
             return test
 
 
-def judged(family: str, test: FrameTest) -> dict[str, object]:
+def judge_test(family: str, test: FrameTest) -> dict[str, object]:
     """Judge a test by its force, and that of a linear specimen as it is stated, too."""
-    found = assess(test.recording, test.frame, measured_specimen=True)
-    rebuilt, original = found.error.rebuilt, test.moved - test.exact
+    assessment = assess(test.recording, test.frame, measured_specimen=True)
+    rebuilt, original = assessment.error.rebuilt, test.moved - test.exact
     row = {
         "family": family,
         "true": test.error,
         "value": rebuilt.rms.value,
         "low": rebuilt.rms.low,
         "high": rebuilt.rms.high,
-        "word": str(found.verdict),
+        "word": str(assessment.verdict),
         "inside": np.mean((rebuilt.low <= original) & (original <= rebuilt.high)),
         "left": np.sqrt(np.mean((rebuilt.reference - test.exact) ** 2) / np.mean(original**2)),
     }
     if family == "linear":
-        stated = assess(test.recording, test.frame, linear_specimen=True).error.rebuilt.rms
-        row["width"] = (rebuilt.rms.high - rebuilt.rms.low) / (stated.high - stated.low)
+        stated_error = assess(test.recording, test.frame, linear_specimen=True).error.rebuilt.rms
+        row["width"] = (rebuilt.rms.high - rebuilt.rms.low) / (stated_error.high - stated_error.low)
     return row
 
 
@@ -64,12 +59,12 @@ def main() -> None:
     parser.add_argument("records")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--count", type=int, default=1)
-    asked = parser.parse_args()
-    motions, rows = list(load_motions(asked.records)), []
-    for number in range(asked.count):
+    options = parser.parse_args()
+    motions, rows = list(load_motions(options.records)), []
+    for number in range(options.count):
         for family in _FAMILIES:
-            draw = np.random.default_rng([asked.seed, list(FAMILIES).index(family), number])
-            rows.append(judged(family, drawn(family, motions, draw, (40.0, 30.0)[number % 2])))
+            draw = np.random.default_rng([options.seed, list(FAMILIES).index(family), number])
+            rows.append(judge_test(family, draw_test(family, motions, draw, (40.0, 30.0)[number % 2])))
     tests = pd.DataFrame(rows)
     away, good = (tests["value"] / tests["true"] - 1.0).abs(), tests["true"] <= _GOOD
     tests = tests.assign(

@@ -35,7 +35,7 @@ LOOK = 128  # samples between two looks
 THRESHOLD = 0.05
 LARGE = 2.0  # times the exact peak before which a diverging loop should be caught
 SKEW = 0.29  # standard deviation of one within half a sample [samples]
-STOPPED = 3.0  # times the exact peak at which a rig switches off
+SWITCH_OFF = 3.0  # times the exact peak at which a rig switches off
 STABLE = ("gain and delay", "backlash", "backlash and delay", "series play", "lag", "second order", "offset")
 DIVERGING = ("delay", "delay and backlash", "lag")
 
@@ -89,8 +89,8 @@ def cases(suite: MotionSuite, count: int, seed: int, diverging: int | None = Non
     motions = list(suite)
     kinds = [(kind, False) for kind in STABLE] + [(kind, True) for kind in DIVERGING]
     for k, (kind, diverges) in enumerate(kinds):
-        made, wanted = 0, diverging if diverges and diverging is not None else count
-        for number in range(3 * wanted):
+        count_of_kind, target = 0, diverging if diverges and diverging is not None else count
+        for number in range(3 * target):
             rng = np.random.default_rng((seed, k, number))
             motion = resample(motions[int(rng.integers(len(motions)))], RATE)
             structure = Structure(
@@ -109,12 +109,12 @@ def cases(suite: MotionSuite, count: int, seed: int, diverging: int | None = Non
             if kind == "offset":
                 measured += rng.uniform(-0.1, 0.1) * peak
             level = peak * np.exp(rng.uniform(np.log(1e-4), np.log(3e-3)))
-            large = ~(np.abs(command) < STOPPED * peak)
+            large = ~(np.abs(command) < SWITCH_OFF * peak)
             if diverges and not large.any():
                 continue
             end = int(np.argmax(large)) if diverges else command.size
             noise = level * rng.standard_normal(end)
-            made += 1
+            count_of_kind += 1
             yield Case(
                 kind=kind,
                 diverges=diverges,
@@ -124,17 +124,17 @@ def cases(suite: MotionSuite, count: int, seed: int, diverging: int | None = Non
                 ideal=ideal[:end],
                 facts={"share": share, "peak": peak, "offset": kind == "offset", "level": level},
             )
-            if made == wanted:
+            if count_of_kind == target:
                 break
 
 
-def with_faults(case: Case, rng: np.random.Generator, *, skew: bool, rest: float) -> Case:
+def add_faults(case: Case, rng: np.random.Generator, *, skew: bool, rest_duration: float) -> Case:
     """Record the measured displacement early or late, and a rest [s] before the motion."""
-    size, before = case.command.size, round(rest * RATE)
+    size, rest_samples = case.command.size, round(rest_duration * RATE)
     late = rng.uniform(-0.5, 0.5) if skew else 0.0
     measured = np.interp(np.arange(size) - late, np.arange(size), case.measured)
-    noise = case.facts["level"] * rng.standard_normal(before)
-    still = np.zeros(before)
+    noise = case.facts["level"] * rng.standard_normal(rest_samples)
+    still = np.zeros(rest_samples)
     return replace(
         case,
         command=np.concatenate([still, case.command]),
@@ -143,10 +143,10 @@ def with_faults(case: Case, rng: np.random.Generator, *, skew: bool, rest: float
     )
 
 
-def judged(case: Case, *, skew: bool) -> dict[str, object]:
+def judge_case(case: Case, *, skew: bool) -> dict[str, object]:
     """Alarms of one test with their times [s]."""
-    known = Tolerances(time_shift=SKEW / RATE if skew else 0.0)
-    monitor = Monitor(case.structure, 1.0 / RATE, tolerances=known)
+    tolerances = Tolerances(time_shift=SKEW / RATE if skew else 0.0)
+    monitor = Monitor(case.structure, 1.0 / RATE, tolerances=tolerances)
     energy = error = None
     for begin in range(0, case.command.size, LOOK):
         stretch = slice(begin, begin + LOOK)
@@ -157,8 +157,8 @@ def judged(case: Case, *, skew: bool) -> dict[str, object]:
         if error is None and monitor.exceeds(THRESHOLD):
             error = monitor.now.time
     peak = case.facts["peak"]
-    strayed = case.measured - case.ideal
-    strayed = strayed - (np.mean(strayed[:20]) if case.facts["offset"] else 0.0)
+    error_history = case.measured - case.ideal
+    error_history = error_history - (np.mean(error_history[:20]) if case.facts["offset"] else 0.0)
     large = np.abs(case.command) > LARGE * peak
     return {
         "kind": case.kind,
@@ -166,7 +166,7 @@ def judged(case: Case, *, skew: bool) -> dict[str, object]:
         "share": case.facts["share"],
         "f": case.structure.frequency,
         "seconds": case.command.size / RATE,
-        "rms": float(np.sqrt(np.mean(strayed**2)) / peak),
+        "rms": float(np.sqrt(np.mean(error_history**2)) / peak),
         "final": monitor.ask().rms.value,
         "energy": energy,
         "error": error,
@@ -182,33 +182,35 @@ def main() -> None:
     parser.add_argument("--out", type=Path)
     parser.add_argument("--skew", action="store_true")
     parser.add_argument("--rest", type=float, default=0.0)
-    given = parser.parse_args()
-    suite = load_motions(given.motions) if given.motions else synthetic_suite(count=40, seed=given.seed)
-    rng = np.random.default_rng((given.seed, 1))
+    options = parser.parse_args()
+    suite = load_motions(options.motions) if options.motions else synthetic_suite(count=40, seed=options.seed)
+    rng = np.random.default_rng((options.seed, 1))
     table = pd.DataFrame(
         [
-            judged(with_faults(case, rng, skew=given.skew, rest=given.rest), skew=given.skew)
-            for case in cases(suite, given.count, given.seed)
+            judge_case(
+                add_faults(case, rng, skew=options.skew, rest_duration=options.rest), skew=options.skew
+            )
+            for case in cases(suite, options.count, options.seed)
         ]
     )
-    if given.out:
-        table.to_csv(given.out, index=False)
+    if options.out:
+        table.to_csv(options.out, index=False)
     stable, diverging = table[~table.diverges], table[table.diverges]
     good = stable[stable.rms < THRESHOLD]
     bad = table[table.rms > THRESHOLD]
     for name, part in stable.groupby("kind"):
         print(f"{name:20} {len(part):4} stable, {part.energy.notna().sum():3} false alarms of the energy")
     for name, part in diverging.groupby("kind"):
-        in_time = part.energy.notna() & (part.energy <= part.doubled.fillna(np.inf))
+        is_early = part.energy.notna() & (part.energy <= part.doubled.fillna(np.inf))
         margin = (part.doubled - part.energy).median()
         print(
-            f"{name:20} {len(part):4} diverge, {part.energy.isna().sum():3} missed, {in_time.sum():3} caught "
-            f"before twice the exact peak, half of them {margin:.1f} s or more"
+            f"{name:20} {len(part):4} diverge, {part.energy.isna().sum():3} missed, {is_early.sum():3} "
+            f"caught before twice the exact peak, half of them {margin:.1f} s or more"
         )
     print(f"error, good tests: {len(good)}, false alarms {good.error.notna().sum()}")
     print(f"error, bad tests: {len(bad)}, with an alarm {bad.error.notna().sum()}")
-    refused, accepted = (good.final > THRESHOLD).sum(), (bad.final < THRESHOLD).sum()
-    print(f"at the end: {refused} good ones refused, {accepted} bad ones accepted")
+    false_refusals, bad_accepted = (good.final > THRESHOLD).sum(), (bad.final < THRESHOLD).sum()
+    print(f"at the end: {false_refusals} good ones refused, {bad_accepted} bad ones accepted")
 
 
 if __name__ == "__main__":

@@ -12,16 +12,15 @@ twice its peak.
 
 import argparse
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from in_loop_alarms import LARGE, RATE, STOPPED, THRESHOLD, frame_case
+from in_loop_alarms import RATE, THRESHOLD, LoopCase, end_at_switch_off, frame_case
 
 from reliab.assessment.monitor import Monitor
-from reliab.core.arrays import Array
 from reliab.motions.motion import Motion, resample
 from reliab.motions.synthetic.suite import synthetic_suite
 from reliab.study.folders import PACKAGE
@@ -35,28 +34,15 @@ LONGEST = 40.0  # s of the benchmark
 LOOK = 0.5  # s between two looks
 
 
-@dataclass(frozen=True, kw_only=True)
-class Followed:
-    """A test at the interface, and its monitor."""
-
-    kind: str
-    diverges: bool
-    monitor: Monitor
-    command: Array
-    measured: Array
-    ideal: Array
-    peaks: Array
-
-
-def of_benchmark(number: int, diverges: bool, motion: Motion, rng: np.random.Generator) -> Followed | None:  # noqa: FBT001
+def benchmark_case(number: int, diverges: bool, motion: Motion, rng: np.random.Generator) -> LoopCase | None:  # noqa: FBT001
     ground = resample(motion, RATE_OF_BENCHMARK).acceleration[: round(LONGEST * RATE_OF_BENCHMARK)]
     ground = np.ascontiguousarray(structure.SCALE * ground)
     plant = plants.drawn_plants(1, int(rng.integers(1 << 31)))[0]
     name = controllers.CONTROLLERS[number % len(controllers.CONTROLLERS)]
     run = loop.run_test(ground, plant, controllers.find_controller(name), seed=number)
     ideal = structure.to_node(loop.run_perfect(ground).target)
-    return cut(
-        Followed(
+    return end_at_switch_off(
+        LoopCase(
             kind="multi-axial benchmark",
             diverges=diverges,
             monitor=Monitor(
@@ -67,82 +53,61 @@ def of_benchmark(number: int, diverges: bool, motion: Motion, rng: np.random.Gen
             command=structure.to_node(run.target),
             measured=structure.to_node(run.measured),
             ideal=ideal,
-            peaks=np.abs(ideal).max(axis=1),
         )
     )
 
 
-def cut(test: Followed) -> Followed | None:
-    """End a test where its rig switches off; None where it does not do what was drawn."""
-    beyond = ~(np.abs(test.command) < STOPPED * test.peaks[:, np.newaxis]).all(axis=0)
-    if beyond.any() != test.diverges:
-        return None
-    end = int(np.argmax(beyond)) if test.diverges else test.command.shape[1]
-    return replace(
-        test, command=test.command[:, :end], measured=test.measured[:, :end], ideal=test.ideal[:, :end]
-    )
-
-
-def of_frame(number: int, diverges: bool, motion: Motion, rng: np.random.Generator) -> Followed | None:  # noqa: ARG001, FBT001
+def frame_test(number: int, diverges: bool, motion: Motion, rng: np.random.Generator) -> LoopCase | None:  # noqa: ARG001, FBT001
     case = frame_case("several actuators", diverges, motion, rng)
-    if case is None:
-        return None
-    return Followed(
-        kind="frame",
-        diverges=diverges,
-        monitor=Monitor(case.monitor.linear, 1.0 / RATE),
-        command=case.command,
-        measured=case.measured,
-        ideal=case.ideal,
-        peaks=case.peaks,
-    )
+    monitor = case and Monitor(case.monitor.linear, 1.0 / RATE)
+    return case and replace(case, kind="frame", monitor=monitor)
 
 
-def tests(count: int, seed: int) -> Iterator[tuple[str, Followed]]:
+def tests(count: int, seed: int) -> Iterator[tuple[str, LoopCase]]:
     """Yield tests with their names, one that was drawn in vain after the other."""
     suite = list(synthetic_suite(count=40, seed=seed))
-    for place, (make, diverges) in enumerate(((of_frame, False), (of_frame, True), (of_benchmark, False))):
-        made, number = 0, 0
-        while made < count:
+    for place, (make, diverges) in enumerate(
+        ((frame_test, False), (frame_test, True), (benchmark_case, False))
+    ):
+        tests_of_kind, number = 0, 0
+        while tests_of_kind < count:
             rng = np.random.default_rng((seed, place, number))
             test = make(number, diverges, suite[int(rng.integers(len(suite)))], rng)
             number += 1
             if test is not None:
-                made += 1
+                tests_of_kind += 1
                 yield f"{place} {number}", test
 
 
-def judged(test: Followed) -> dict[str, object]:
+def judge_test(test: LoopCase) -> dict[str, object]:
     """Alarms of a test with their times [s], and what is true of it."""
     monitor, step = test.monitor, test.monitor.time_step
     size, error = round(LOOK / step), None
     for begin in range(0, test.command.shape[1], size):
-        until = slice(begin, begin + size)
-        monitor.feed(test.command[:, until], test.measured[:, until])
+        stretch = slice(begin, begin + size)
+        monitor.feed(test.command[:, stretch], test.measured[:, stretch])
         if monitor.due:
             monitor.ask()
         if error is None and monitor.exceeds(THRESHOLD):
             error = monitor.now.time
-    large = (np.abs(test.command) > LARGE * test.peaks[:, np.newaxis]).any(axis=0)
-    strayed = np.sqrt(np.mean((test.measured - test.ideal) ** 2, axis=1)) / test.peaks
     return {
         "kind": test.kind,
         "diverges": test.diverges,
         "energy": monitor.gains_energy_since,
         "error": error,
-        "doubled": float(np.argmax(large)) * step if large.any() else None,
-        "rms": float(strayed.max()),
+        "doubled": test.time_of_doubling,
+        "rms": test.rms,
     }
 
 
 def say(table: pd.DataFrame) -> None:
     for (kind, diverges), part in table.groupby(["kind", "diverges"]):
         if diverges:
-            passed = part[part["doubled"].notna()]
-            first = passed[["energy", "error"]].astype(float).min(axis=1)
-            in_time = (first < passed["doubled"].astype(float)).sum()
+            unstable = part[part["doubled"].notna()]
+            first = unstable[["energy", "error"]].astype(float).min(axis=1)
+            early = (first < unstable["doubled"].astype(float)).sum()
             print(
-                f"{kind}: {len(passed)} that diverge, {in_time} in time, {int(first.isna().sum())} not at all"
+                f"{kind}: {len(unstable)} that diverge, {early} in time, {int(first.isna().sum())} not at all"
             )
             continue
         good, bad = part[part["rms"] < THRESHOLD], part[part["rms"] > 2.0 * THRESHOLD]
@@ -159,15 +124,17 @@ def main() -> None:
     parser.add_argument("count", type=int)
     parser.add_argument("seed", type=int)
     parser.add_argument("--table", type=Path)
-    asked = parser.parse_args()
-    known = pd.read_csv(asked.table) if asked.table is not None and asked.table.exists() else pd.DataFrame()
-    rows = known.to_dict("records")
+    options = parser.parse_args()
+    table = (
+        pd.read_csv(options.table) if options.table is not None and options.table.exists() else pd.DataFrame()
+    )
+    rows = table.to_dict("records")
     names = {row["name"] for row in rows}
-    for name, test in tests(asked.count, asked.seed):
+    for name, test in tests(options.count, options.seed):
         if name not in names:
-            rows.append({"name": name, **judged(test)})
-            if asked.table is not None:
-                pd.DataFrame(rows).to_csv(asked.table, index=False)
+            rows.append({"name": name, **judge_test(test)})
+            if options.table is not None:
+                pd.DataFrame(rows).to_csv(options.table, index=False)
     say(pd.DataFrame(rows))
 
 

@@ -11,7 +11,6 @@ there already are not run again.
 """
 
 import argparse
-import sys
 from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
@@ -19,12 +18,10 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+import paths  # noqa: F401 - makes the laboratory importable
+from rebuilt_error.laboratory import read_at2
 
 from reliab.study.folders import PACKAGE
-
-sys.path[:0] = [str(Path(__file__).resolve().parents[1])]
-
-from assessment.rebuilt_error.laboratory import read_at2  # noqa: E402
 
 controllers, loop, plants, outcomes, structure = (
     import_module(f"{PACKAGE}.marths_benchmark.{name}")
@@ -33,11 +30,11 @@ controllers, loop, plants, outcomes, structure = (
 
 LONGEST = 40.0  # s
 THRESHOLD = 0.05
-LOST = 10.0  # times the motion with perfect actuators
+LOSS_OF_CONTROL = 10.0  # times the motion with perfect actuators
 DRAWS, FEW_DRAWS = 64, 2
 
 
-def judged(
+def judge_plant(
     plant: Any, ground: np.ndarray, decibels: float, rng: np.random.Generator, *, ordinary: bool
 ) -> Iterator[dict[str, object]]:
     """Judge a run with every controller."""
@@ -45,28 +42,28 @@ def judged(
     ideal = structure.to_node(perfect.target)
     for name in controllers.CONTROLLERS:
         run = loop.run_test(ground, plant, controllers.find_controller(name), seed=None)
-        if not (np.abs(run.true) < LOST * np.abs(perfect.target).max(axis=1, keepdims=True)).all():
+        if not (np.abs(run.true) < LOSS_OF_CONTROL * np.abs(perfect.target).max(axis=1, keepdims=True)).all():
             continue
-        strayed = structure.to_node(run.true) - ideal
-        true = np.sqrt(np.mean(strayed**2, axis=1)) / np.abs(ideal).max(axis=1)
+        error_history = structure.to_node(run.true) - ideal
+        true = np.sqrt(np.mean(error_history**2, axis=1)) / np.abs(ideal).max(axis=1)
         white = rng.standard_normal(run.true.shape) * run.true.std(axis=1, keepdims=True)
         noisy = outcomes.rebuilt_error(
             run.target, run.true + 10.0 ** (-decibels / 20.0) * white, DRAWS, ordinary=ordinary
         )
         clean = outcomes.rebuilt_error(run.target, run.true, FEW_DRAWS)
-        for found, exact, error in zip(noisy.displacements, clean.displacements, true, strict=True):
+        for degree, exact, error in zip(noisy.displacements, clean.displacements, true, strict=True):
             yield {
                 "plant": plant.name,
                 "controller": name,
-                "displacement": found.name,
+                "displacement": degree.name,
                 "true": error,
-                "ratio": found.rms.value / error,
-                "near": abs(found.rms.value / error - 1.0) < 0.02,
-                "width": (found.rms.high - found.rms.low) / error,
-                "held": found.rms.low <= error <= found.rms.high,
+                "ratio": degree.rms.value / error,
+                "near": abs(degree.rms.value / error - 1.0) < 0.02,
+                "width": (degree.rms.high - degree.rms.low) / error,
+                "held": degree.rms.low <= error <= degree.rms.high,
                 "without_noise": abs(exact.rms.value / error - 1.0),
-                "false_safe": error > THRESHOLD and found.probability(THRESHOLD) > 0.95,
-                "judged": found.judged,
+                "false_safe": error > THRESHOLD and degree.probability(THRESHOLD) > 0.95,
+                "judged": degree.judged,
             }
 
 
@@ -79,22 +76,24 @@ def main() -> None:
     parser.add_argument("--decibels", type=float, default=40.0)
     parser.add_argument("--ordinary", action="store_true")
     parser.add_argument("--table", type=Path)
-    asked = parser.parse_args()
-    records = sorted(asked.folder.rglob("*.AT2"))
-    kept = asked.table is not None and asked.table.exists()
-    tables = [pd.read_csv(asked.table, dtype={"plant": str})] if kept else []
-    known = set(tables[0]["plant"]) if kept else set()
-    for number, plant in enumerate(plants.drawn_plants(asked.plants, asked.seed)):
-        if plant.name in known:
+    options = parser.parse_args()
+    records = sorted(options.folder.rglob("*.AT2"))
+    has_table = options.table is not None and options.table.exists()
+    tables = [pd.read_csv(options.table, dtype={"plant": str})] if has_table else []
+    plants_done = set(tables[0]["plant"]) if has_table else set()
+    for number, plant in enumerate(plants.drawn_plants(options.plants, options.seed)):
+        if plant.name in plants_done:
             continue
-        rng = np.random.default_rng([asked.seed, number])
+        rng = np.random.default_rng([options.seed, number])
         ground = (
             structure.SCALE
             * read_at2(records[rng.integers(len(records))], structure.RATE)[: int(LONGEST * structure.RATE)]
         )
-        tables.append(pd.DataFrame(judged(plant, ground, asked.decibels, rng, ordinary=asked.ordinary)))
-        if asked.table is not None:
-            tables[-1].to_csv(asked.table, mode="a", index=False, header=not asked.table.exists())
+        tables.append(
+            pd.DataFrame(judge_plant(plant, ground, options.decibels, rng, ordinary=options.ordinary))
+        )
+        if options.table is not None:
+            tables[-1].to_csv(options.table, mode="a", index=False, header=not options.table.exists())
     table = pd.concat(tables)
     table = table[table["judged"]]
     columns = {
@@ -106,8 +105,8 @@ def main() -> None:
         "without_noise": "max",
         "false_safe": "sum",
     }
-    of = table.groupby(["controller", "displacement"], sort=False)
-    print(of.agg(columns).assign(errors=of.size()).to_string(float_format="{:.4g}".format))
+    groups = table.groupby(["controller", "displacement"], sort=False)
+    print(groups.agg(columns).assign(errors=groups.size()).to_string(float_format="{:.4g}".format))
     print(
         f"{len(table)} errors: within 2 % {table['near'].mean():.1%}, held {table['held'].mean():.1%}, "
         f"false-safe {table['false_safe'].sum()}"

@@ -60,7 +60,7 @@ class Home:
 
     statement: ast.stmt
     function: ast.FunctionDef | None
-    in_body: bool
+    is_in_body: bool
 
 
 def mutants(room: str, kind: str = "operators") -> list[Mutant]:
@@ -80,7 +80,7 @@ def files(room: str = "") -> list[str]:
     return [str(path.relative_to(ROOT)) for path in sorted((ROOT / "reliab" / room).rglob("*.py"))]
 
 
-def mutated(mutant: Mutant) -> ast.Module:
+def mutate(mutant: Mutant) -> ast.Module:
     """The module with the change; every line keeps its number."""
     tree = ast.parse((ROOT / mutant.file).read_text(encoding="utf-8"))
     list(_places(tree, mutant.kind))[mutant.place][2]()
@@ -101,11 +101,11 @@ def _places(tree: ast.AST, kind: str) -> Iterator[Change]:
 def _operators(node: ast.AST) -> Iterator[Change]:
     match node:
         case ast.BinOp(op=operator) | ast.UnaryOp(op=operator) | ast.BoolOp(op=operator):
-            if (other := _OPERATORS.get(type(operator))) is not None:
-                yield node, _words(operator, other), partial(setattr, node, "op", other())
+            if (opposite := _OPERATORS.get(type(operator))) is not None:
+                yield node, _words(operator, opposite), partial(setattr, node, "op", opposite())
         case ast.Compare(ops=[operator]) if type(operator) in _OPERATORS:
-            other = _OPERATORS[type(operator)]
-            yield node, _words(operator, other), partial(setattr, node, "ops", [other()])
+            opposite = _OPERATORS[type(operator)]
+            yield node, _words(operator, opposite), partial(setattr, node, "ops", [opposite()])
         case ast.Constant(value=float() | int() as value) if not isinstance(value, bool):
             another = _another(value)
             yield node, f"{value} to {another}", partial(setattr, node, "value", another)
@@ -118,9 +118,9 @@ def _statements(node: ast.AST) -> Iterator[Change]:
         case ast.If(body=[ast.Raise(), *_]):
             yield node, "never refused", partial(setattr, node, "test", ast.Constant(value=False))
         case ast.If() | ast.IfExp():
-            negated = ast.UnaryOp(ast.Not(), node.test)
-            yield node, "branches exchanged", partial(setattr, node, "test", negated)
-        case ast.Call(args=[first, second, *rest]) if _ordered(node):
+            negation = ast.UnaryOp(ast.Not(), node.test)
+            yield node, "branches exchanged", partial(setattr, node, "test", negation)
+        case ast.Call(args=[first, second, *rest]) if _order_matters(node):
             yield node, "arguments exchanged", partial(setattr, node, "args", [second, first, *rest])
         case ast.BinOp(op=ast.Mult() | ast.Div()):
             yield node, "factor dropped", partial(setattr, node, "right", ast.Constant(1))
@@ -130,15 +130,15 @@ def _statements(node: ast.AST) -> Iterator[Change]:
             yield node, "term dropped", partial(setattr, node, "right", ast.Constant(0))
 
 
-def _ordered(call: ast.Call) -> bool:
+def _order_matters(call: ast.Call) -> bool:
     """Whether it may matter in which order the first two arguments of a call stand."""
-    starred = any(isinstance(part, ast.Starred) for part in call.args)
-    alike = ast.dump(call.args[0]) == ast.dump(call.args[1])
-    return not (starred or alike or _name(call.func) in _SYMMETRIC)
+    has_star = any(isinstance(part, ast.Starred) for part in call.args)
+    are_equal = ast.dump(call.args[0]) == ast.dump(call.args[1])
+    return not (has_star or are_equal or _name(call.func) in _SYMMETRIC)
 
 
-def _words(operator: ast.AST, other: type[ast.AST]) -> str:
-    return f"{type(operator).__name__} to {other.__name__}"
+def _words(operator: ast.AST, opposite: type[ast.AST]) -> str:
+    return f"{type(operator).__name__} to {opposite.__name__}"
 
 
 def _another(value: float) -> float:
@@ -147,18 +147,18 @@ def _another(value: float) -> float:
 
 def home(mutant: Mutant) -> Home:
     """Innermost statement and function around a place."""
-    tree = parsed(mutant.file)
+    tree = parse_file(mutant.file)
     node = list(_places(tree, mutant.kind))[mutant.place][0]
-    statement, function, in_body = tree.body[0], None, False
-    inside: ast.AST = tree
-    while inside is not node:
-        parent = inside
-        inside = next(child for child in ast.iter_child_nodes(parent) if _holds(child, node))
-        if isinstance(inside, ast.stmt):
-            statement, in_body = inside, in_body or parent is function
-            if isinstance(inside, ast.FunctionDef) and function is None:
-                function = inside
-    return Home(statement, function, in_body)
+    statement, function, is_in_body = tree.body[0], None, False
+    inner: ast.AST = tree
+    while inner is not node:
+        parent = inner
+        inner = next(child for child in ast.iter_child_nodes(parent) if _holds(child, node))
+        if isinstance(inner, ast.stmt):
+            statement, is_in_body = inner, is_in_body or parent is function
+            if isinstance(inner, ast.FunctionDef) and function is None:
+                function = inner
+    return Home(statement, function, is_in_body)
 
 
 def _holds(tree: ast.AST, node: ast.AST) -> bool:
@@ -166,7 +166,7 @@ def _holds(tree: ast.AST, node: ast.AST) -> bool:
 
 
 @cache
-def parsed(file: str) -> ast.Module:
+def parse_file(file: str) -> ast.Module:
     return ast.parse((ROOT / file).read_text(encoding="utf-8"))
 
 
@@ -185,19 +185,19 @@ def lines_of_body(function: ast.FunctionDef) -> range:
 @cache
 def kernels() -> dict[str, list[tuple[str, ast.FunctionDef]]]:
     """Compiled functions by name: decorated ones, and those that a `Kernel` is given."""
-    by_name: dict[str, list[tuple[str, ast.FunctionDef]]] = {}
+    functions: dict[str, list[tuple[str, ast.FunctionDef]]] = {}
     for file in files():
-        given = {
+        arguments = {
             word.value.id
-            for node in ast.walk(parsed(file))
+            for node in ast.walk(parse_file(file))
             if isinstance(node, ast.Call)
             for word in node.keywords
             if word.arg == "function" and isinstance(word.value, ast.Name)
         }
-        for node in ast.walk(parsed(file)):
-            if isinstance(node, ast.FunctionDef) and (node.name in given or _is_compiled(node)):
-                by_name.setdefault(node.name, []).append((file, node))
-    return by_name
+        for node in ast.walk(parse_file(file)):
+            if isinstance(node, ast.FunctionDef) and (node.name in arguments or _is_compiled(node)):
+                functions.setdefault(node.name, []).append((file, node))
+    return functions
 
 
 def _is_compiled(function: ast.FunctionDef) -> bool:
@@ -207,13 +207,13 @@ def _is_compiled(function: ast.FunctionDef) -> bool:
 @cache
 def _users() -> dict[str, list[tuple[str, ast.FunctionDef]]]:
     """Functions of the package by the names that they mention."""
-    by_name: dict[str, list[tuple[str, ast.FunctionDef]]] = {}
+    functions: dict[str, list[tuple[str, ast.FunctionDef]]] = {}
     for file in files():
-        for node in ast.walk(parsed(file)):
+        for node in ast.walk(parse_file(file)):
             if isinstance(node, ast.FunctionDef):
                 for name in {_name(part) for part in ast.walk(node)} - {""}:
-                    by_name.setdefault(name, []).append((file, node))
-    return by_name
+                    functions.setdefault(name, []).append((file, node))
+    return functions
 
 
 def _name(node: ast.AST) -> str:
@@ -224,7 +224,7 @@ def classes_with(file: str, names: set[str]) -> set[str]:
     """Classes of a file that mention names, as an effect has its kernel."""
     return {
         node.name
-        for node in ast.walk(parsed(file))
+        for node in ast.walk(parse_file(file))
         if isinstance(node, ast.ClassDef) and not names.isdisjoint(map(_name, ast.walk(node)))
     }
 
@@ -232,15 +232,15 @@ def classes_with(file: str, names: set[str]) -> set[str]:
 def callers(names: set[str]) -> tuple[list[tuple[str, ast.FunctionDef]], set[tuple[str, str]]]:
     """Plain functions that mention names, also through kernels; and files and names of these kernels."""
     plain: list[tuple[str, ast.FunctionDef]] = []
-    compiled: set[tuple[str, str]] = set()
-    waiting, seen = sorted(names), set(names)
+    compiled_functions: set[tuple[str, str]] = set()
+    waiting, known_names = sorted(names), set(names)
     while waiting:
         for file, function in _users().get(waiting.pop(), []):
             if any(function is kernel for _, kernel in kernels().get(function.name, [])):
-                compiled.add((file, function.name))
-                if function.name not in seen:
-                    seen.add(function.name)
+                compiled_functions.add((file, function.name))
+                if function.name not in known_names:
+                    known_names.add(function.name)
                     waiting.append(function.name)
             else:
                 plain.append((file, function))
-    return plain, compiled
+    return plain, compiled_functions

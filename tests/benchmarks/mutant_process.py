@@ -25,7 +25,7 @@ def outcome(code: int) -> str:
     return ends.get(code, "killed")
 
 
-def in_fresh_process(work: Callable[[], int], seconds: float | None = None) -> int:
+def run_in_copy(work: Callable[[], int], seconds: float | None = None) -> int:
     """Do work in a copy of this process, where large libraries are loaded, and return its code.
 
     The limit is processor time, which the kernel counts: neither load nor a pause ends the work.
@@ -52,8 +52,8 @@ def in_fresh_process(work: Callable[[], int], seconds: float | None = None) -> i
             os._exit(code)
     end = time.monotonic() + (math.inf if seconds is None else _LONGEST_WAIT)
     while time.monotonic() < end:
-        finished, status = os.waitpid(child, os.WNOHANG)
-        if finished:
+        ended_child, status = os.waitpid(child, os.WNOHANG)
+        if ended_child:
             return os.waitstatus_to_exitcode(status)
         time.sleep(0.02)
     os.killpg(child, signal.SIGKILL)

@@ -14,9 +14,9 @@ from pathlib import Path
 from types import CodeType, FunctionType
 
 import pytest
-from benchmarks.mutant_places import ROOT, Mutant, home, mutated
-from benchmarks.mutant_process import in_fresh_process
-from benchmarks.mutant_tests import OPTIONS, Chosen, forget_kernels, judged, module_of, stale
+from benchmarks.mutant_places import ROOT, Mutant, home, mutate
+from benchmarks.mutant_process import run_in_copy
+from benchmarks.mutant_tests import OPTIONS, TestSelection, forget_kernels, judge_run, module_of, stale
 from numba.core.dispatcher import Dispatcher
 
 from reliab.effects.kernel import Kernel
@@ -27,7 +27,7 @@ Work = tuple[Mutant, list[str], float]
 
 def judge_together(tests: list[str], work: list[Work], note: Callable[[Mutant, str], None]) -> None:
     """Try changes in one session of the tests; note the outcome of those whose code can be replaced."""
-    in_fresh_process(lambda: int(pytest.main([*OPTIONS, *tests], plugins=[_Session(work, note)])))
+    run_in_copy(lambda: int(pytest.main([*OPTIONS, *tests], plugins=[_Session(work, note)])))
 
 
 class _Session:
@@ -41,13 +41,13 @@ class _Session:
     def pytest_runtestloop(self, session):
         for mutant, _, _ in self.work:
             importlib.import_module(module_of(mutant.file))
-        functions, self.compiled = _functions(), _compiled()
+        functions, self.compiled = _functions(), _list_kernels()
         for mutant, names, seconds in self.work:
-            code = _changed_code(mutant)
+            code = _mutate_code(mutant)
             targets = functions.get(_key(code), []) if code is not None and names else []
             if targets:
                 run = partial(_run, session, targets, code, self._stale(mutant))
-                self.note(mutant, judged(names, run, seconds))
+                self.note(mutant, judge_run(names, run, seconds))
         return True
 
     def _stale(self, mutant: Mutant) -> tuple[set[str], list[Dispatcher | Kernel]]:
@@ -65,7 +65,7 @@ def _functions() -> dict[tuple[str, int, str], list[FunctionType]]:
     return functions
 
 
-def _compiled() -> list[Dispatcher | Kernel]:
+def _list_kernels() -> list[Dispatcher | Kernel]:
     """Compiled functions that are alive; a copy of the process no longer lists what was there before it."""
     return [thing for thing in gc.get_objects() if isinstance(thing, Dispatcher | Kernel)]
 
@@ -79,13 +79,13 @@ def _key(code: CodeType) -> tuple[str, int, str]:
     return code.co_filename, code.co_firstlineno, code.co_qualname
 
 
-def _changed_code(mutant: Mutant) -> CodeType | None:
+def _mutate_code(mutant: Mutant) -> CodeType | None:
     """Code of the changed function; None where the change is outside functions."""
     place = home(mutant)
-    if not place.in_body:
+    if not place.is_in_body:
         return None
     first = min([place.function.lineno, *(mark.lineno for mark in place.function.decorator_list)])
-    waiting = [compile(mutated(mutant), str(ROOT / mutant.file), "exec")]
+    waiting = [compile(mutate(mutant), str(ROOT / mutant.file), "exec")]
     while waiting:
         code = waiting.pop()
         if code.co_name == place.function.name and code.co_firstlineno == first:
@@ -98,19 +98,19 @@ def _run(
     session: pytest.Session,
     targets: list[FunctionType],
     code: CodeType,
-    outdated: tuple[set[str], list[Dispatcher | Kernel]],
+    kernels_to_compile: tuple[set[str], list[Dispatcher | Kernel]],
     names: list[str],
     note: Path,
     *,
-    changed: bool,
+    is_changed: bool,
 ) -> int:
     """Run tests until the first fails, with changed code; kernels of some sources are compiled anew."""
-    if changed:
+    if is_changed:
         for function in targets:
             function.__code__ = code
-        _compile_anew(*outdated)
+        _compile_anew(*kernels_to_compile)
     items = list(session.items)
-    Chosen(names).pytest_collection_modifyitems(items)
+    TestSelection(names).pytest_collection_modifyitems(items)
     for item, following in zip(items, [*items[1:], None], strict=True):
         item.config.hook.pytest_runtest_protocol(item=item, nextitem=following)
         if session.testsfailed:
@@ -120,12 +120,12 @@ def _run(
     return 0
 
 
-def _compile_anew(sources: set[str], compiled: list[Dispatcher | Kernel]) -> None:
+def _compile_anew(sources: set[str], dispatchers: list[Dispatcher | Kernel]) -> None:
     """Forget what was compiled from some files, in memory and on disk."""
     if not sources:
         return
     forget_kernels(sources)
-    for thing in compiled:
+    for thing in dispatchers:
         if isinstance(thing, Kernel):
             vars(thing).pop("_compiled", None)
         else:

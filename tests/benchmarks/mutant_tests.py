@@ -24,10 +24,10 @@ from benchmarks.mutant_places import (
     kernels,
     lines,
     lines_of_body,
-    mutated,
-    parsed,
+    mutate,
+    parse_file,
 )
-from benchmarks.mutant_process import in_fresh_process, outcome
+from benchmarks.mutant_process import outcome, run_in_copy
 from benchmarks.slowest_tests import processor_time
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ OPTIONS = [
     *("-W", "ignore::pytest.PytestAssertRewriteWarning"),
 ]
 FIXTURE = "fixture:"
-NOTICED = ("killed", "endless")
+KILLED_OUTCOMES = ("killed", "endless")
 
 Run = Callable[..., int]
 """Runs tests with or without a change, notes the one that fails in a file, and gives pytest's exit code."""
@@ -79,7 +79,7 @@ class Recorder:
             self.failed.add(report.nodeid)
 
 
-class Chosen:
+class TestSelection:
     """Plugin that runs the chosen tests, in their order, and notes the one that fails."""
 
     def __init__(self, names: list[str], note: Path | None = None) -> None:
@@ -112,55 +112,55 @@ class Reach:
         folder = f"tests/{mutant.file.split('/')[1]}"
         return not (ROOT / folder).is_dir() or any(name.startswith(f"{folder}/") for name in self.seconds)
 
-    def at(self, file: str, numbers: range) -> set[str]:
+    def tests_at(self, file: str, numbers: range) -> set[str]:
         """Tests that reach any of some lines of a file, themselves or by a fixture."""
-        reached = self.lines.get(file, {})
-        contexts = {name for number in numbers for name in reached.get(str(number), [])}
+        contexts_of_line = self.lines.get(file, {})
+        contexts = {name for number in numbers for name in contexts_of_line.get(str(number), [])}
         shared = {name.removeprefix(FIXTURE) for name in contexts if name.startswith(FIXTURE)}
-        own = {name for name in contexts if name in self.seconds}
-        return own | {test for test, names in self.fixtures.items() if shared.intersection(names)}
+        direct = {name for name in contexts if name in self.seconds}
+        return direct | {test for test, names in self.fixtures.items() if shared.intersection(names)}
 
     def tests(self, mutant: Mutant) -> list[str]:
         """Tests that reach a change, quick ones first, and then the others of their files."""
         place = home(mutant)
         first = set()
-        if place.in_body:
-            first = self.at(mutant.file, lines(place.statement))
+        if place.is_in_body:
+            first = self.tests_at(mutant.file, lines(place.statement))
         elif place.function is not None:
-            first = self.at(mutant.file, lines_of_body(place.function))
+            first = self.tests_at(mutant.file, lines_of_body(place.function))
         names = _names(mutant)
-        plain, compiled = callers(names)
+        plain, kernel_users = callers(names)
         for file, function in plain:
-            first |= self.at(file, lines_of_body(function))
+            first |= self.tests_at(file, lines_of_body(function))
         if names:
             classes = classes_with(mutant.file, names)
-            words = frozenset({*names, *(name for _, name in compiled), *classes, Path(mutant.file).stem})
+            words = frozenset({*names, *(name for _, name in kernel_users), *classes, Path(mutant.file).stem})
             first |= {test for test in self.seconds if _mentions(file_of(test), words)}
-        if not first and (not place.in_body or names):
-            bodies = [part for part in ast.walk(parsed(mutant.file)) if isinstance(part, ast.FunctionDef)]
-            first = {name for body in bodies for name in self.at(mutant.file, lines_of_body(body))}
+        if not first and (not place.is_in_body or names):
+            bodies = [part for part in ast.walk(parse_file(mutant.file)) if isinstance(part, ast.FunctionDef)]
+            first = {name for body in bodies for name in self.tests_at(mutant.file, lines_of_body(body))}
             first = first or set(self.seconds)
         files = {file_of(name) for name in first}
-        rest = {name for name in self.seconds if file_of(name) in files} - first
+        others_of_files = {name for name in self.seconds if file_of(name) in files} - first
         near = partial(_nearness, Path(mutant.file))
-        return self._by_cost(*self._within_budget(first, rest, near=near), near=near)
+        return self._sort_by_cost(*self._limit_to_budget(first, others_of_files, near=near), near=near)
 
-    def _within_budget(self, *groups: set[str], near: Callable[[str], int]) -> list[set[str]]:
+    def _limit_to_budget(self, *groups: set[str], near: Callable[[str], int]) -> list[set[str]]:
         """Of each group the nearest and quickest tests, up to the longest time.
 
         A share that is too low, never too high, comes of it.
         """
-        left, kept = self.budget, []
+        budget_left, groups_kept = self.budget, []
         for group in groups:
             fitting = set()
             for name in sorted(group, key=lambda name: (near(name), self.seconds[name], name)):
-                if self.seconds[name] <= left or not (kept or fitting):
+                if self.seconds[name] <= budget_left or not (groups_kept or fitting):
                     fitting.add(name)
-                    left -= self.seconds[name]
-            kept.append(fitting)
-        return kept
+                    budget_left -= self.seconds[name]
+            groups_kept.append(fitting)
+        return groups_kept
 
-    def _by_cost(self, *groups: set[str], near: Callable[[str], int]) -> list[str]:
+    def _sort_by_cost(self, *groups: set[str], near: Callable[[str], int]) -> list[str]:
         """Tests group by group, near and cheap files first."""
         names = []
         for group in groups:
@@ -183,17 +183,17 @@ def _nearness(source: Path, test: str) -> int:
     return len(source.parts) - shared
 
 
-def together(records: list[dict]) -> dict:
+def merge_records(records: list[dict]) -> dict:
     """Put together which test reaches what, of several rooms whose tests were run one after the other."""
-    whole: dict = {"seconds": {}, "fixtures": {}, "lines": {}}
+    record_of_all: dict = {"seconds": {}, "fixtures": {}, "lines": {}}
     for record in records:
         for name in ("seconds", "fixtures"):
-            whole[name] |= record[name]
+            record_of_all[name] |= record[name]
         for file, lines_of_file in record["lines"].items():
-            reached = whole["lines"].setdefault(file, {})
+            tests_of_line = record_of_all["lines"].setdefault(file, {})
             for line, names in lines_of_file.items():
-                reached.setdefault(line, []).extend(names)
-    return whole
+                tests_of_line.setdefault(line, []).extend(names)
+    return record_of_all
 
 
 def file_of(test: str) -> str:
@@ -203,10 +203,12 @@ def file_of(test: str) -> str:
 @cache
 def _mentions(file: str, words: frozenset[str]) -> bool:
     """Whether a file of tests names compiled code, or the module in which it stands, as an effect is."""
-    nodes = list(ast.walk(parsed(file)))
-    used = {getattr(node, "id", getattr(node, "attr", "")) for node in nodes}
-    used |= {node.value for node in nodes if isinstance(node, ast.Constant) and isinstance(node.value, str)}
-    return file.startswith("tests/") and not words.isdisjoint(used)
+    nodes = list(ast.walk(parse_file(file)))
+    words_of_file = {getattr(node, "id", getattr(node, "attr", "")) for node in nodes}
+    words_of_file |= {
+        node.value for node in nodes if isinstance(node, ast.Constant) and isinstance(node.value, str)
+    }
+    return file.startswith("tests/") and not words.isdisjoint(words_of_file)
 
 
 def _names(mutant: Mutant) -> set[str]:
@@ -219,9 +221,9 @@ def _names(mutant: Mutant) -> set[str]:
         return {place.function.name}
     if place.function is not None:
         return set()
-    assigned = getattr(place.statement, "targets", [getattr(place.statement, "target", None)])
+    targets = getattr(place.statement, "targets", [getattr(place.statement, "target", None)])
     return {
-        part.id for target in assigned if target for part in ast.walk(target) if isinstance(part, ast.Name)
+        part.id for target in targets if target for part in ast.walk(target) if isinstance(part, ast.Name)
     }
 
 
@@ -233,11 +235,11 @@ def stale(mutant: Mutant) -> set[str]:
     return {mutant.file} | {file for file, _ in callers(names)[1]}
 
 
-def measured_reach(room: str, tests: list[str]) -> dict:
+def measure_reach(room: str, tests: list[str]) -> dict:
     """Run the tests of a room once; which lines each reaches, and the processor time it takes [s]."""
     with tempfile.TemporaryDirectory() as name:
         answer = Path(name) / "reach.json"
-        code = in_fresh_process(lambda: _measure(tests, answer))
+        code = run_in_copy(lambda: _measure(tests, answer))
         if code != 0:
             sys.exit(f"the tests of {room} could not be run: code {code}")
         return json.loads(answer.read_text())
@@ -252,13 +254,13 @@ def _measure(tests: list[str], answer: Path) -> int:
     code = pytest.main([*OPTIONS, *tests], plugins=[recorder])
     measurement.stop()
     data = measurement.get_data()
-    reached = {
+    contexts = {
         str(Path(file).relative_to(ROOT)): data.contexts_by_lineno(file) for file in data.measured_files()
     }
     for name in recorder.failed:
         print(f"{name} fails without any change and takes no part")
         recorder.seconds.pop(name, None)
-    record = {"seconds": recorder.seconds, "fixtures": recorder.fixtures, "lines": reached}
+    record = {"seconds": recorder.seconds, "fixtures": recorder.fixtures, "lines": contexts}
     answer.write_text(json.dumps(record))
     return 0 if code == pytest.ExitCode.TESTS_FAILED else int(code)
 
@@ -267,10 +269,12 @@ def judge(mutant: Mutant, names: list[str], seconds: float) -> str:
     """Run tests on a change, imported anew, and say what came of it, as `outcome`."""
     if not names:
         return "unreached"
-    return judged(names, lambda some, note, changed: _try(mutant, some, note, changed=changed), seconds)
+    return judge_run(
+        names, lambda some, note, is_changed: _try(mutant, some, note, is_changed=is_changed), seconds
+    )
 
 
-def judged(names: list[str], run: Run, seconds: float) -> str:
+def judge_run(names: list[str], run: Run, seconds: float) -> str:
     """Run tests with a change; if they fail, up to the one that failed also without it.
 
     A change counts as noticed only if these tests pass without it, in the same order, the same way and
@@ -278,23 +282,27 @@ def judged(names: list[str], run: Run, seconds: float) -> str:
     """
     with tempfile.TemporaryDirectory() as folder:
         note = Path(folder) / "failed"
-        answer = outcome(in_fresh_process(lambda: run(names, note, changed=True), seconds))
-        if answer not in NOTICED:
+        answer = outcome(run_in_copy(lambda: run(names, note, changed=True), seconds))
+        if answer not in KILLED_OUTCOMES:
             return answer
         # without a note nothing was collected, or nothing ended
-        failed = note.read_text() if note.exists() else names[0 if answer == "killed" else -1]
-        same = names[: names.index(failed) + 1]
-        return answer if in_fresh_process(lambda: run(same, note, changed=False), seconds) == 0 else "unsound"
+        failure = note.read_text() if note.exists() else names[0 if answer == "killed" else -1]
+        first_tests = names[: names.index(failure) + 1]
+        return (
+            answer if run_in_copy(lambda: run(first_tests, note, changed=False), seconds) == 0 else "unsound"
+        )
 
 
-def _try(mutant: Mutant, names: list[str], note: Path, *, changed: bool) -> int:
+def _try(mutant: Mutant, names: list[str], note: Path, *, is_changed: bool) -> int:
     for name in [name for name in sys.modules if name.partition(".")[0] in ("reliab", "blind_campaigns")]:
         del sys.modules[name]
-    sys.meta_path.insert(0, _Changed(mutant, mutated(mutant) if changed else parsed(mutant.file)))
+    sys.meta_path.insert(
+        0, _MutantImporter(mutant, mutate(mutant) if is_changed else parse_file(mutant.file))
+    )
     forget_kernels({str(ROOT / file) for file in stale(mutant)})
     importlib.import_module(module_of(mutant.file))
     files = list(dict.fromkeys(map(file_of, names)))
-    return int(pytest.main([*OPTIONS, "-x", *files], plugins=[Chosen(names, note)]))
+    return int(pytest.main([*OPTIONS, "-x", *files], plugins=[TestSelection(names, note)]))
 
 
 def module_of(file: str) -> str:
@@ -310,16 +318,16 @@ def forget_kernels(sources: set[str]) -> None:
     def is_stale(cache):
         return cache._py_func.__code__.co_filename in sources  # noqa: SLF001 - Numba has no other way
 
-    def loaded(cache, *arguments):
+    def load_fresh(cache, *arguments):
         return None if is_stale(cache) else load(cache, *arguments)
 
-    def saved(cache, *arguments):
+    def save_fresh(cache, *arguments):
         return None if is_stale(cache) else save(cache, *arguments)
 
-    Cache.load_overload, Cache.save_overload = loaded, saved
+    Cache.load_overload, Cache.save_overload = load_fresh, save_fresh
 
 
-class _Changed(importlib.abc.MetaPathFinder, importlib.abc.Loader):
+class _MutantImporter(importlib.abc.MetaPathFinder, importlib.abc.Loader):
     """Imports the changed module; what is on disk stays as it is."""
 
     def __init__(self, mutant: Mutant, tree: ast.Module) -> None:

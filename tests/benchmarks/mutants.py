@@ -32,7 +32,7 @@ sys.path[:0] = [str(Path(__file__).resolve().parents[1]), str(Path(__file__).res
 
 from benchmarks.mutant_places import KINDS, ROOT, Mutant, mutants  # noqa: E402
 from benchmarks.mutant_session import judge_together  # noqa: E402
-from benchmarks.mutant_tests import NOTICED, Reach, judge, measured_reach, together  # noqa: E402
+from benchmarks.mutant_tests import KILLED_OUTCOMES, Reach, judge, measure_reach, merge_records  # noqa: E402
 from blind_campaigns.scoring import wilson_interval  # noqa: E402
 
 
@@ -40,24 +40,24 @@ def main() -> None:
     options = _options()
     room = "" if options.room == "all" else options.room
     everything = mutants(room, options.kind)
-    shuffled = random.Random(options.seed).sample(everything, len(everything))  # noqa: S311 - no secret
-    chosen = shuffled[: options.count][options.part - 1 :: options.parts]
+    random_order = random.Random(options.seed).sample(everything, len(everything))  # noqa: S311 - no secret
+    sample = random_order[: options.count][options.part - 1 :: options.parts]
     tests = options.tests or [f"tests/{room.partition('/')[0]}".rstrip("/"), f"reliab/{room}".rstrip("/")]
     reach = Reach(_record(options.room, tests, options.reach), options.budget)
-    chosen = [mutant for mutant in chosen if reach.knows(mutant)]
-    _try(chosen, tests, reach, options.out)
-    judged = _judged(options.out)
-    for mutant in chosen:
-        print(f"{judged[_key(mutant)]:9} {mutant.file}:{mutant.line} {mutant.change}: {mutant.text}")
-    print(_score(chosen, judged), f"of {len(everything)} possible")
+    sample = [mutant for mutant in sample if reach.knows(mutant)]
+    _try(sample, tests, reach, options.out)
+    outcomes_by_key = _read_outcomes(options.out)
+    for mutant in sample:
+        print(f"{outcomes_by_key[_key(mutant)]:9} {mutant.file}:{mutant.line} {mutant.change}: {mutant.text}")
+    print(_score(sample, outcomes_by_key), f"of {len(everything)} possible")
 
 
-def _try(chosen: list[Mutant], tests: list[str], reach: Reach, out: Path) -> None:
+def _try(sample: list[Mutant], tests: list[str], reach: Reach, out: Path) -> None:
     """Try changes in one session, and in a process of its own what that cannot try."""
-    judged = _judged(out)
+    outcomes_by_key = _read_outcomes(out)
     work = []
-    for mutant in chosen:
-        if _key(mutant) not in judged:
+    for mutant in sample:
+        if _key(mutant) not in outcomes_by_key:
             names = reach.tests(mutant)
             work.append((mutant, names, 60.0 + 5.0 * sum(reach.seconds[name] for name in names)))
 
@@ -67,9 +67,9 @@ def _try(chosen: list[Mutant], tests: list[str], reach: Reach, out: Path) -> Non
 
     if work:
         judge_together(tests, work, note)
-    judged = _judged(out)
+    outcomes_by_key = _read_outcomes(out)
     for mutant, names, seconds in work:
-        if _key(mutant) not in judged:
+        if _key(mutant) not in outcomes_by_key:
             note(mutant, judge(mutant, names, seconds))
 
 
@@ -98,8 +98,8 @@ def _options() -> argparse.Namespace:
 
 def _record(room: str, tests: list[str], files: list[Path]) -> dict:
     if files and all(file.exists() for file in files):
-        return together([json.loads(file.read_text()) for file in files])
-    record = measured_reach(room, tests)
+        return merge_records([json.loads(file.read_text()) for file in files])
+    record = measure_reach(room, tests)
     for file in files:
         file.write_text(json.dumps(record))
     return record
@@ -109,36 +109,38 @@ def _key(mutant: Mutant) -> tuple[str, str, int]:
     return mutant.file, mutant.kind, mutant.place
 
 
-def _judged(out: Path) -> dict[tuple[str, str, int], str]:
+def _read_outcomes(out: Path) -> dict[tuple[str, str, int], str]:
     rows = map(json.loads, out.read_text().splitlines() if out.exists() else [])
     return {(row["file"], row["kind"], row["place"]): row["outcome"] for row in rows}
 
 
-def _score(chosen: list[Mutant], judged: dict[tuple[str, str, int], str]) -> str:
+def _score(sample: list[Mutant], outcomes_by_key: dict[tuple[str, str, int], str]) -> str:
     """Share of mutants that a test notices, with and without those that none can notice, and by room."""
-    listed = tomllib.loads((ROOT / "tests/benchmarks/equivalent_mutants.toml").read_text(encoding="utf-8"))
-    equivalent = {(row["file"], row["line"], row["change"]) for row in listed.get("equivalent", [])}
+    equivalents = tomllib.loads(
+        (ROOT / "tests/benchmarks/equivalent_mutants.toml").read_text(encoding="utf-8")
+    )
+    equivalent = {(row["file"], row["line"], row["change"]) for row in equivalents.get("equivalent", [])}
     rooms: dict[str, Counter[str]] = defaultdict(Counter)
-    for mutant in chosen:
+    for mutant in sample:
         outcome = (
             "killed"
-            if judged[_key(mutant)] in NOTICED
+            if outcomes_by_key[_key(mutant)] in KILLED_OUTCOMES
             else "equivalent"
             if (mutant.file, mutant.text, mutant.change) in equivalent
             else "survived"
         )
         rooms[mutant.file.split("/")[1]][outcome] += 1
     outcomes = sum(rooms.values(), Counter())
-    killed = outcomes["killed"]
-    seen = killed + outcomes["survived"]
-    low, high = wilson_interval(killed, seen)
-    by_room = ", ".join(
+    number_killed = outcomes["killed"]
+    number_counted = number_killed + outcomes["survived"]
+    low, high = wilson_interval(number_killed, number_counted)
+    text_by_room = ", ".join(
         f"{room} {row['killed']} of {row['killed'] + row['survived']}" for room, row in sorted(rooms.items())
     )
     return (
-        f"{by_room}\n{dict(outcomes)}: {100 * killed / max(seen, 1):.0f} % killed "
+        f"{text_by_room}\n{dict(outcomes)}: {100 * number_killed / max(number_counted, 1):.0f} % killed "
         f"({100 * low:.0f} to {100 * high:.0f} % by Wilson), "
-        f"{100 * killed / max(len(chosen), 1):.0f} % with equivalent ones"
+        f"{100 * number_killed / max(len(sample), 1):.0f} % with equivalent ones"
     )
 
 

@@ -26,7 +26,7 @@ SHARE, ASSURANCE = 0.95, 0.9
 REPETITIONS = 5
 
 
-def timed(work: Callable[[], object]) -> tuple[np.ndarray, float]:
+def measure_time(work: Callable[[], object]) -> tuple[np.ndarray, float]:
     """Answer of a piece of work, and its shortest time [s]."""
     times = []
     for _ in range(REPETITIONS + 1):
@@ -39,24 +39,24 @@ def timed(work: Callable[[], object]) -> tuple[np.ndarray, float]:
 def eqsig(record, step, _values):
     from eqsig import sdof
 
-    return timed(lambda: sdof.pseudo_response_spectra(record, step, PERIODS, DAMPING)[2])
+    return measure_time(lambda: sdof.pseudo_response_spectra(record, step, PERIODS, DAMPING)[2])
 
 
 def pyrotd(record, step, _values):
     import pyrotd as peer
 
     peer.processes = 1
-    return timed(lambda: peer.calc_spec_accels(step, record, 1.0 / PERIODS, DAMPING).spec_accel)
+    return measure_time(lambda: peer.calc_spec_accels(step, record, 1.0 / PERIODS, DAMPING).spec_accel)
 
 
 def reliability(_record, _step, values):
     from reliability.Fitters import Fit_Lognormal_2P
 
-    def fitted():
+    def fit_values():
         fit = Fit_Lognormal_2P(failures=values, show_probability_plot=False, print_results=False)
         return fit.mu, fit.sigma
 
-    return timed(fitted)
+    return measure_time(fit_values)
 
 
 def openturns(_record, _step, values):
@@ -64,12 +64,12 @@ def openturns(_record, _step, values):
 
     sample = peer.Sample(values[:, np.newaxis])
 
-    def fitted():
+    def fit_values():
         # maximum likelihood with the location held at zero is that of a normal distribution of logarithms
         fit = peer.NormalFactory().buildAsNormal(peer.Sample(np.log(np.asarray(sample))))
         return fit.getMu()[0], fit.getSigma()[0] * np.sqrt((values.size - 1) / values.size)
 
-    return timed(fitted)
+    return measure_time(fit_values)
 
 
 def openturns_tolerance(_record, _step, values):
@@ -77,7 +77,7 @@ def openturns_tolerance(_record, _step, values):
 
     root = np.sqrt(values.size)
     shift = peer.Normal().computeQuantile(SHARE)[0] * root
-    return timed(
+    return measure_time(
         lambda: [peer.NonCentralStudent(values.size - 1, shift).computeQuantile(ASSURANCE)[0] / root]
     )
 
@@ -97,10 +97,10 @@ def grid(_record, _step, values):
         weights = np.exp(density - density.max())
         weights /= weights.sum()
         places = mean + spread * np.linspace(-2.2, -1.2, 41)
-        below = [(weights * ndtr((place - mu) * np.exp(-log_sigma))).sum() for place in places]
-        return [np.interp(1.0 - SHARE, below, places)]
+        probabilities = [(weights * ndtr((place - mu) * np.exp(-log_sigma))).sum() for place in places]
+        return [np.interp(1.0 - SHARE, probabilities, places)]
 
-    return timed(quantiles)
+    return measure_time(quantiles)
 
 
 PEERS = {
@@ -133,7 +133,7 @@ def ours(question, motion, values):
         posterior = NormalInverseChiSquared.posterior(np.log(values))
         return [float(posterior.predictive_quantile(1.0 - SHARE))]
 
-    def at_samples():
+    def spectrum_at_samples():
         peaks = []
         for w in 2.0 * np.pi / PERIODS:
             dynamics = np.array([[0.0, 1.0], [-(w**2), -2.0 * DAMPING * w]])
@@ -143,24 +143,24 @@ def ours(question, motion, values):
         return peaks
 
     answers = {
-        "samples": at_samples,
+        "samples": spectrum_at_samples,
         "spectrum": lambda: response_spectra([motion], PERIODS).values[0],
         "fit": lambda: Lognormal.fit(values).parameters,
         "tolerance": lambda: [tolerance_factor(values.size, SHARE, ASSURANCE)],
         "predictive": predictive,
     }
-    return timed(answers[question])
+    return measure_time(answers[question])
 
 
 def ask(python: str, peer: str, data: Path) -> dict | None:
     """Answer of a peer; None where it is not installed or fails."""
     call = [python, __file__, "--peer", peer, "--data", str(data)]
-    done = subprocess.run(call, capture_output=True, text=True, check=False)  # noqa: S603 - this very file
-    if done.returncode != 0:
-        reason = (done.stderr.strip().splitlines() or ["no message"])[-1]
+    process = subprocess.run(call, capture_output=True, text=True, check=False)  # noqa: S603 - this very file
+    if process.returncode != 0:
+        reason = (process.stderr.strip().splitlines() or ["no message"])[-1]
         print(f"| {QUESTIONS[PEERS[peer][0]]} | {peer} | left out: {reason} | |")
         return None
-    return json.loads(done.stdout.splitlines()[-1])
+    return json.loads(process.stdout.splitlines()[-1])
 
 
 def main() -> None:
@@ -168,10 +168,10 @@ def main() -> None:
     parser.add_argument("--python", default=sys.executable, help="interpreter that has the peers")
     parser.add_argument("--peer", help="answer as this peer and end")
     parser.add_argument("--data", type=Path)
-    given = parser.parse_args()
-    if given.peer:
-        with np.load(given.data) as data:
-            answer, seconds = PEERS[given.peer][1](data["record"], float(data["step"]), data["values"])
+    options = parser.parse_args()
+    if options.peer:
+        with np.load(options.data) as data:
+            answer, seconds = PEERS[options.peer][1](data["record"], float(data["step"]), data["values"])
         print(json.dumps({"answer": answer.tolist(), "seconds": seconds}))
         return
     from reliab.motions.loading import load_motions
@@ -183,13 +183,15 @@ def main() -> None:
         data = Path(folder) / "data.npz"
         np.savez(data, record=motion.acceleration, step=motion.time_step, values=values)
         for peer, (question, _) in PEERS.items():
-            said = ask(given.python, peer, data)
-            if said is None:
+            peer_answer = ask(options.python, peer, data)
+            if peer_answer is None:
                 continue
             answer, seconds = ours(question, motion, values)
-            difference = float(np.max(np.abs(np.asarray(said["answer"]) / answer - 1.0)))
+            difference = float(np.max(np.abs(np.asarray(peer_answer["answer"]) / answer - 1.0)))
             digits = -np.log10(max(difference, 1e-16))
-            print(f"| {QUESTIONS[question]} | {peer} | {digits:.1f} | {seconds / said['seconds']:.3g} |")
+            print(
+                f"| {QUESTIONS[question]} | {peer} | {digits:.1f} | {seconds / peer_answer['seconds']:.3g} |"
+            )
 
 
 if __name__ == "__main__":

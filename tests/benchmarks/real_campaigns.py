@@ -54,28 +54,30 @@ class Row:
     processor_seconds: float = 0.0
 
 
-def examined(folder: Path) -> Row:
+def examine(folder: Path) -> Row:
     """Diagnose a campaign and compare with what is known of it."""
-    worked = time.process_time()
+    start_of_process = time.process_time()
     try:
         diagnosis = diagnose(read_campaign(folder))
     except InputError as refusal:
         return Row(verdict=f"refused: {refusal}")
-    spent = time.process_time() - worked
+    spent = time.process_time() - start_of_process
     truth = folder / "TRUTH.json"
-    known: dict[str, Any] | None = json.loads(truth.read_text(encoding="utf-8")) if truth.exists() else None
+    expectation: dict[str, Any] | None = (
+        json.loads(truth.read_text(encoding="utf-8")) if truth.exists() else None
+    )
     names = {effect.name for effect in (*diagnosis.effects, *diagnosis.doubtful)}
-    wanted = names if known is None else set(known.get("effects", []))
-    allowed = names if known is None else wanted | set(known.get("accepted", []))
+    expected_names = names if expectation is None else set(expectation.get("effects", []))
+    acceptable = names if expectation is None else expected_names | set(expectation.get("accepted", []))
     verdict = str(diagnosis.verdict)
-    if known is not None and verdict not in known.get("verdicts", [verdict]):
+    if expectation is not None and verdict not in expectation.get("verdicts", [verdict]):
         verdict += " (wrong)"
     return Row(
         verdict=verdict,
         names=tuple(sorted(names)),
-        missing=tuple(sorted(wanted - names)),
-        false=tuple(sorted(names - allowed)),
-        errors=errors_of(diagnosis, {} if known is None else known.get("errors", {})),
+        missing=tuple(sorted(expected_names - names)),
+        false=tuple(sorted(names - acceptable)),
+        errors=errors_of(diagnosis, {} if expectation is None else expectation.get("errors", {})),
         processor_seconds=spent,
     )
 
@@ -84,22 +86,22 @@ def errors_of(diagnosis: Diagnosis, best_known: Mapping[str, float]) -> dict[str
     """Errors of every held-out test, by block and file, the least explained first."""
     errors = {}
     for block in diagnosis.blocks:
-        reference = errors_of_filter(block)
+        filter_errors = errors_of_filter(block)
         for gap in block.gap.by_test:
             (file,) = gap.files
-            beside = float(best_known.get(file, reference.get(file, float("nan"))))
-            errors[f"{block.block.block} {file}"] = (gap.before, gap.after, beside)
+            reference = float(best_known.get(file, filter_errors.get(file, float("nan"))))
+            errors[f"{block.block.block} {file}"] = (gap.before, gap.after, reference)
     return errors
 
 
-def errors_of_filter(found: BlockDiagnosis) -> dict[str, float]:
+def errors_of_filter(diagnosis: BlockDiagnosis) -> dict[str, float]:
     """Errors of a linear filter of the input that was fitted to the training tests, by held-out file."""
-    block = found.block
-    every = max(1, round(FILTER_LENGTH * block.rate / COEFFICIENTS))
-    training = {segment.test for segment in found.problem.segments}
-    held_out = {segment.test for segment in found.proof.segments}
-    columns = {test: _lagged(_inputs(found, test), every) for test in training | held_out}
-    channel = {test: block.measured(test)[::every] for test in training | held_out}
+    block = diagnosis.block
+    thinning = max(1, round(FILTER_LENGTH * block.rate / COEFFICIENTS))
+    training = {segment.test for segment in diagnosis.problem.segments}
+    held_out = {segment.test for segment in diagnosis.proof.segments}
+    columns = {test: _lag_columns(_inputs(diagnosis, test), thinning) for test in training | held_out}
+    channel = {test: block.measured(test)[::thinning] for test in training | held_out}
     rows = np.concatenate([columns[test] for test in sorted(training)])
     target = np.concatenate([channel[test] for test in sorted(training)])
     weights = np.linalg.lstsq(rows, target, rcond=1e-9)[0]
@@ -111,33 +113,34 @@ def errors_of_filter(found: BlockDiagnosis) -> dict[str, float]:
     }
 
 
-def _inputs(found: BlockDiagnosis, test: int) -> Array:
-    channels = found.block.tests[test].channels
-    return np.stack([channels[name] for name in found.block.inputs])
+def _inputs(diagnosis: BlockDiagnosis, test: int) -> Array:
+    channels = diagnosis.block.tests[test].channels
+    return np.stack([channels[name] for name in diagnosis.block.inputs])
 
 
-def _lagged(inputs: Array, every: int) -> Array:
+def _lag_columns(inputs: Array, thinning: int) -> Array:
     """Each input now and at earlier times, and a constant, shape (samples, columns)."""
-    thinned = inputs[:, ::every]
-    size = thinned.shape[1]
-    padded = np.concatenate([np.repeat(thinned[:, :1], COEFFICIENTS, axis=1), thinned], axis=1)
+    coarse = inputs[:, ::thinning]
+    size = coarse.shape[1]
+    history = np.concatenate([np.repeat(coarse[:, :1], COEFFICIENTS, axis=1), coarse], axis=1)
     lags = range(COEFFICIENTS + 1)
-    delayed = [row[COEFFICIENTS - lag : COEFFICIENTS - lag + size] for row in padded for lag in lags]
-    return np.stack([*delayed, np.ones(size)], axis=1)
+    columns = [row[COEFFICIENTS - lag : COEFFICIENTS - lag + size] for row in history for lag in lags]
+    return np.stack([*columns, np.ones(size)], axis=1)
 
 
-def changes(former: Row, now: Row) -> list[str]:
+def changes(last_run: Row, now: Row) -> list[str]:
     """Sentences on what differs between two runs on one campaign."""
-    said = []
-    if former.verdict != now.verdict:
-        said.append(f"verdict {former.verdict} → {now.verdict}")
-    if former.names != now.names:
-        said.append(f"names {', '.join(former.names) or 'none'} → {', '.join(now.names) or 'none'}")
-    for test, (_, after, _) in now.errors.items():
-        before = former.errors.get(test, (0.0, after, 0.0))[1]
-        if abs(after - before) > NOTICEABLE * before:
-            said.append(f"{test} {before:.4f} → {after:.4f} {'worse' if after > before else 'better'}")
-    return said
+    sentences = []
+    if last_run.verdict != now.verdict:
+        sentences.append(f"verdict {last_run.verdict} → {now.verdict}")
+    if last_run.names != now.names:
+        sentences.append(f"names {', '.join(last_run.names) or 'none'} → {', '.join(now.names) or 'none'}")
+    for test, (_, error_after, _) in now.errors.items():
+        error_before = last_run.errors.get(test, (0.0, error_after, 0.0))[1]
+        if abs(error_after - error_before) > NOTICEABLE * error_before:
+            change = "worse" if error_after > error_before else "better"
+            sentences.append(f"{test} {error_before:.4f} → {error_after:.4f} {change}")
+    return sentences
 
 
 def show(name: str, row: Row) -> None:
@@ -145,8 +148,9 @@ def show(name: str, row: Row) -> None:
     print(f"{name}: {row.verdict}, {', '.join(row.names) or 'no effect'} ({row.processor_seconds:.0f} s)")
     if row.missing or row.false:
         print(f"  missing: {', '.join(row.missing) or 'none'}; false: {', '.join(row.false) or 'none'}")
-    for test, (before, after, beside) in row.errors.items():
-        print(f"  {test}: {before:.4f} calibrated, {after:.4f} with effects, {beside:.4f} reference")
+    for test, (error_before, error_after, reference) in row.errors.items():
+        errors = f"{error_before:.4f} calibrated, {error_after:.4f} with effects, {reference:.4f} reference"
+        print(f"  {test}: {errors}")
 
 
 def read_table(path: Path) -> dict[str, Row]:
@@ -171,15 +175,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--table", type=Path, help="the last run's results, which this run's replace")
-    given = parser.parse_args()
-    path = given.table or given.folder / "table.json"
-    former = read_table(path)
-    rows = dict(former)
-    for file in sorted(given.folder.glob("*/campaign.toml")):
+    options = parser.parse_args()
+    path = options.table or options.folder / "table.json"
+    last = read_table(path)
+    rows = dict(last)
+    for file in sorted(options.folder.glob("*/campaign.toml")):
         name = file.parent.name
-        rows[name] = examined(file.parent)
+        rows[name] = examine(file.parent)
         show(name, rows[name])
-        for sentence in changes(former[name], rows[name]) if name in former else []:
+        for sentence in changes(last[name], rows[name]) if name in last else []:
             print(f"  since the last run: {sentence}")
         sys.stdout.flush()
         path.write_text(json.dumps({n: asdict(row) for n, row in rows.items()}, indent=1), encoding="utf-8")

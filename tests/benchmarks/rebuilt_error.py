@@ -20,9 +20,7 @@ folder with a catalog.csv, `../shared/motions` by default), each cut at random t
 """
 
 import argparse
-import csv
 import math
-import sys
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -31,48 +29,32 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
+import paths
+from laboratory_tests import STEP, draw_ground, draw_test, noise_level, read_records
+from rebuilt_error import laboratory as lab
 from scipy.stats import beta
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tests/assessment"))
+from reliab.assessment.assess import assess
+from reliab.assessment.monitor import Monitor
+from reliab.assessment.rebuilt_error.interval import sweep
+from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_with_specimen
+from reliab.assessment.rebuilt_error.rebuild import RebuiltError, rebuild
+from reliab.assessment.rebuilt_error.specimen_check import examine_specimen
+from reliab.assessment.rebuilt_error.spread import Spread
+from reliab.assessment.rebuilt_error.tolerances import Tolerances
+from reliab.core.stated_value import StatedValue
+from reliab.core.vocabulary import Metric
+from reliab.effects.registry import find_effect
+from reliab.recordings.recording import Recording
+from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.structures.specimen import Specimen
+from reliab.structures.structure import Structure
 
-from rebuilt_error import laboratory as lab  # noqa: E402
-
-from reliab.assessment.assess import assess  # noqa: E402
-from reliab.assessment.monitor import Monitor  # noqa: E402
-from reliab.assessment.rebuilt_error.interval import sweep  # noqa: E402
-from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_with_specimen  # noqa: E402
-from reliab.assessment.rebuilt_error.rebuild import RebuiltError, rebuild  # noqa: E402
-from reliab.assessment.rebuilt_error.specimen_check import examine_specimen  # noqa: E402
-from reliab.assessment.rebuilt_error.spread import Spread  # noqa: E402
-from reliab.assessment.rebuilt_error.tolerances import Tolerances  # noqa: E402
-from reliab.core.stated_value import StatedValue  # noqa: E402
-from reliab.core.vocabulary import Metric  # noqa: E402
-from reliab.effects.registry import find_effect  # noqa: E402
-from reliab.recordings.recording import Recording  # noqa: E402
-from reliab.simulation.hybrid_test.model import HybridTest  # noqa: E402
-from reliab.structures.specimen import Specimen  # noqa: E402
-from reliab.structures.structure import Structure  # noqa: E402
-
-STEP = 1.0 / lab.RATE
 EDGES = (0.0, 0.05, 0.2, 0.4, 0.6, 0.8, 0.95, 1.0)
 SPECIMENS = ("linear", "cubic", "Coulomb", "hysteresis")
 
 Row = dict[str, object]
 ACTUATORS = (lab.DELAY, lab.DELAY, lab.LAG, lab.RATE_LIMIT, lab.BACKLASH, lab.LEAD, lab.SECOND_ORDER)
-
-
-class Records:
-    """Ground motions, drawn at random."""
-
-    def __init__(self, folder: Path) -> None:
-        with (folder / "catalog.csv").open(encoding="utf-8") as file:
-            self.files = [folder / row["file"] for row in csv.DictReader(file)]
-
-    def draw(self, rng: np.random.Generator) -> np.ndarray:
-        """One record of 15 to 40 s."""
-        ground = lab.read_at2(self.files[rng.integers(len(self.files))])
-        return ground[: int(rng.uniform(15.0, 40.0) * lab.RATE)]
 
 
 @dataclass(frozen=True)
@@ -94,7 +76,7 @@ class Sample:
 class Series:
     """Tests of random structures and actuators; each by its number, so that a series can be resumed."""
 
-    records: Records
+    records: list[Path]
     seed: int
 
     def rng(self, number: int) -> np.random.Generator:
@@ -104,39 +86,12 @@ class Series:
     def draw(self, number: int, low: float, high: float) -> tuple[Sample, np.random.Generator]:
         """Test whose RMS^R lies in a range, and the source of what is random about its reading."""
         rng = self.rng(number)
-        while True:
-            ground = self.records.draw(rng)
-            f, xi = math.exp(rng.uniform(math.log(0.4), math.log(2.5))), rng.uniform(0.02, 0.08)
-            alpha = 1.0 if rng.uniform() < 0.5 else rng.uniform(0.3, 1.0)
-            plain = lab.Lab(f, xi, alpha)
-            ideal = lab.run(plain, ground, ideal=ground).command
-            peak = float(np.abs(ideal).max())
-            if not peak > 0.0:
-                continue
-            built = replace(plain, kind=int(rng.choice(ACTUATORS)))
-            outcome = lab.run(replace(built, numbers=numbers(built, peak, rng)), ground, ideal=ideal)
-            if np.isfinite(outcome.rms) and low < outcome.rms < high:
-                return Sample(built, outcome), rng
-
-
-def numbers(built: lab.Lab, peak: float, rng: np.random.Generator) -> tuple[float, float, float, float]:
-    """Numbers of an actuator that errs by some per cent."""
-    w0 = 2.0 * math.pi * built.f
-    tau = 2.0 * built.xi / w0 / built.alpha * math.exp(rng.uniform(math.log(0.02), math.log(0.4)))
-    gain = 1.0 + 0.3 * built.xi * rng.normal()
-    return {
-        lab.DELAY: (gain, tau, 0.01 * tau * rng.uniform(-1.0, 1.0), 0.0),
-        lab.LAG: (gain, tau, 0.0, 0.0),
-        lab.RATE_LIMIT: (gain, tau, peak * w0 * rng.uniform(0.4, 1.0), 0.0),
-        lab.BACKLASH: (peak * built.xi * rng.uniform(0.02, 0.3), 0.0, 0.0, 0.0),
-        lab.LEAD: (gain, tau, 0.0, 0.0),
-        lab.SECOND_ORDER: (gain, 1.4 / tau, 0.7, 0.0),
-    }[built.kind]
+        return Sample(*draw_test(self.records, rng, (low, high), ACTUATORS)), rng
 
 
 def read(outcome: lab.Outcome, kind: str, decibels: float, rng: np.random.Generator) -> np.ndarray:
     """Measured displacement with noise so many decibels below it."""
-    level = 10.0 ** (-decibels / 20.0) * float(np.sqrt(np.mean(outcome.measured**2)))
+    level = noise_level(outcome.measured, decibels)
     if kind == "quantised":
         return lab.quantise(outcome.measured, level, rng)
     return outcome.measured + lab.noise(kind, outcome.measured.size, level, rng)
@@ -166,13 +121,13 @@ def state_history(rows: pd.DataFrame) -> None:
         print(f"actuator {kind}: relative RMS at most {group['off'].max():.1e} over {len(group)} tests")
 
 
-def judged(test: Sample, rebuilt: RebuiltError) -> Row:
+def compare_with_truth(test: Sample, rebuilt: RebuiltError) -> Row:
     """Truth, statement and probability of a test."""
-    o, stated = test.outcome, {"rms": rebuilt.rms, "mte": rebuilt.mte}
+    o, estimates = test.outcome, {"rms": rebuilt.rms, "mte": rebuilt.mte}
     row: Row = {"actuator": test.lab.kind, "f": test.lab.f, "xi": test.lab.xi, "alpha": test.lab.alpha}
     for name, true in (("rms", o.rms), ("mte", o.mte)):
-        row |= {f"true_{name}": true, name: stated[name].value}
-        row |= {f"{name}_low": stated[name].low, f"{name}_high": stated[name].high}
+        row |= {f"true_{name}": true, name: estimates[name].value}
+        row |= {f"{name}_low": estimates[name].low, f"{name}_high": estimates[name].high}
     return row | {"probability": rebuilt.probability(0.05)}
 
 
@@ -180,27 +135,29 @@ def noise(series: Series, number: int) -> Iterator[Row]:
     """40 dB, structure known."""
     test, rng = series.draw(number, 0.01, 0.2)
     measured = read(test.outcome, "white", 40.0, rng)
-    yield judged(test, rebuild(test.outcome.command, measured, STEP, test.structure))
+    yield compare_with_truth(test, rebuild(test.outcome.command, measured, STEP, test.structure))
 
 
 def threshold(series: Series, number: int) -> Iterator[Row]:
     """40 dB, structure known, true error about the threshold."""
     test, rng = series.draw(number, 0.035, 0.075)
     measured = read(test.outcome, "white", 40.0, rng)
-    yield judged(test, rebuild(test.outcome.command, measured, STEP, test.structure))
+    yield compare_with_truth(test, rebuild(test.outcome.command, measured, STEP, test.structure))
 
 
 def state_noise(rows: pd.DataFrame) -> None:
     """How near, and how often rightly accepted."""
     for name in ("rms", "mte"):
         ratio = rows[name] / rows[f"true_{name}"]
-        print(f"{name} within 2 %: {share(np.abs(ratio - 1.0) < 0.02)}, inside {share(inside(rows, name))}")
-    accepted = rows["rms"] < 0.05
-    print(f"at 5 %: bad accepted {share(accepted[rows['true_rms'] > 0.05 * 1.03])}")
-    print(f"at 5 %: good accepted {share(accepted[rows['true_rms'] < 0.05 * 0.97])}")
+        print(
+            f"{name} within 2 %: {share(np.abs(ratio - 1.0) < 0.02)}, inside {share(is_inside(rows, name))}"
+        )
+    is_accepted = rows["rms"] < 0.05
+    print(f"at 5 %: bad accepted {share(is_accepted[rows['true_rms'] > 0.05 * 1.03])}")
+    print(f"at 5 %: good accepted {share(is_accepted[rows['true_rms'] < 0.05 * 0.97])}")
 
 
-def inside(rows: pd.DataFrame, name: str) -> pd.Series:
+def is_inside(rows: pd.DataFrame, name: str) -> pd.Series:
     """Whether intervals hold the truth."""
     return (rows[f"{name}_low"] <= rows[f"true_{name}"]) & (rows[f"true_{name}"] <= rows[f"{name}_high"])
 
@@ -217,13 +174,13 @@ def coverage(series: Series, number: int) -> Iterator[Row]:
     )
     tolerances = Tolerances(frequency=0.01, damping_ratio=0.1, sensor_scale=0.005)
     rebuilt = rebuild(test.outcome.command, measured, STEP, wrong, tolerances=tolerances)
-    yield {"noise": kind, "decibels": decibels, **judged(test, rebuilt)}
+    yield {"noise": kind, "decibels": decibels, **compare_with_truth(test, rebuilt)}
 
 
 def state_coverage(rows: pd.DataFrame) -> None:
     """Coverage by kind of noise, and how often tests of a stated probability are good."""
     for kind, group in [*rows.groupby("noise"), ("all", rows)]:
-        print(f"{kind:10} RMS^R {share(inside(group, 'rms'))}, MTE^R {share(inside(group, 'mte'))}")
+        print(f"{kind:10} RMS^R {share(is_inside(group, 'rms'))}, MTE^R {share(is_inside(group, 'mte'))}")
     good = rows["true_rms"] < 0.05
     for _, group in rows.groupby(pd.cut(rows["probability"], EDGES, include_lowest=True), observed=True):
         true = good[group.index].mean()
@@ -237,11 +194,13 @@ def draw_reliability(rows: pd.DataFrame, path: Path) -> None:
     axes.plot([0.0, 1.0], [0.0, 1.0], color="0.6", linewidth=1.0)
     for _, group in rows.groupby(pd.cut(rows["probability"], EDGES, include_lowest=True), observed=True):
         count, total = int(good[group.index].sum()), len(group)
-        stated, share_of_good = float(group["probability"].mean()), count / total
+        probability, share_of_good = float(group["probability"].mean()), count / total
         low, high = beta.ppf([0.05, 0.95], [count + 0.5, count + 0.5], [total - count + 0.5] * 2)
-        axes.plot([stated, stated], [low, high], color="tab:blue", linewidth=1.2)
-        axes.plot(stated, share_of_good, "o", color="tab:blue", markersize=4.0)
-        axes.annotate(str(total), (stated, share_of_good), (5, -10), textcoords="offset points", fontsize=7.0)
+        axes.plot([probability, probability], [low, high], color="tab:blue", linewidth=1.2)
+        axes.plot(probability, share_of_good, "o", color="tab:blue", markersize=4.0)
+        axes.annotate(
+            str(total), (probability, share_of_good), (5, -10), textcoords="offset points", fontsize=7.0
+        )
     axes.set(xlabel="Stated probability of RMS$^R$ < 5 %", ylabel="Share of tests with RMS$^R$ < 5 %")
     axes.set(xlim=(-0.02, 1.06), ylim=(-0.02, 1.04))
     figure.savefig(path, dpi=150)
@@ -254,7 +213,7 @@ def levels(series: Series, number: int) -> Iterator[Row]:
         for decibels in (20.0, 30.0, 40.0, 50.0, 60.0):
             measured = read(test.outcome, kind, decibels, rng)
             rebuilt = rebuild(test.outcome.command, measured, STEP, test.structure)
-            yield {"noise": kind, "decibels": decibels, **judged(test, rebuilt)}
+            yield {"noise": kind, "decibels": decibels, **compare_with_truth(test, rebuilt)}
 
 
 def state_levels(rows: pd.DataFrame) -> None:
@@ -263,7 +222,7 @@ def state_levels(rows: pd.DataFrame) -> None:
         ends = np.quantile(group["rms"] / group["true_rms"], [0.05, 0.5, 0.95])
         print(
             f"{kind} {decibels:.0f} dB: RMS^R ratio {ends.round(3).tolist()} (5, 50, 95 %), "
-            f"inside RMS^R {share(inside(group, 'rms'))}, MTE^R {share(inside(group, 'mte'))}"
+            f"inside RMS^R {share(is_inside(group, 'rms'))}, MTE^R {share(is_inside(group, 'mte'))}"
         )
 
 
@@ -274,7 +233,7 @@ def small(series: Series, number: int) -> Iterator[Row]:
         decibels = rng.uniform(40.0, 60.0)
         measured = read(test.outcome, kind, decibels, rng)
         rebuilt = rebuild(test.outcome.command, measured, STEP, test.structure)
-        yield {"noise": kind, "decibels": decibels, **judged(test, rebuilt)}
+        yield {"noise": kind, "decibels": decibels, **compare_with_truth(test, rebuilt)}
 
 
 def state_small(rows: pd.DataFrame) -> None:
@@ -292,7 +251,7 @@ def widest(series: Series, number: int) -> Iterator[Row]:
     rebuilt = rebuild(test.outcome.command, measured, STEP, test.structure, tolerances=tolerances)
     noisy, quiet = rebuilt.differences, rebuilt.differences.mean(axis=0, keepdims=True)
 
-    def drawn(differences: np.ndarray, **sizes: float) -> Spread:
+    def resample(differences: np.ndarray, **sizes: float) -> Spread:
         unknown = replace(rebuilt.unknown, tolerances=Tolerances(**sizes))
         rows = rebuilt.histories, rebuilt.structure, unknown, differences, rebuilt.every
         return sweep(*rows, draws=512, seed=number).spread
@@ -302,19 +261,21 @@ def widest(series: Series, number: int) -> Iterator[Row]:
         return high - low
 
     sizes = {name: size for name, size in tolerances.items() if size}
-    scatter, whole = float(np.std(rebuilt.draws.rms)), width(rebuilt.draws)
-    for one in rebuilt.widenings():
-        if one.name in sizes:
-            alone = drawn(quiet, **{one.name: sizes[one.name]})
-            others = drawn(noisy, **{name: size for name, size in sizes.items() if name != one.name})
-        elif one.name == "sensor_noise":
-            alone, others = drawn(noisy), drawn(quiet, **sizes)
+    scatter, full_width = float(np.std(rebuilt.draws.rms)), width(rebuilt.draws)
+    for widening in rebuilt.widenings():
+        if widening.name in sizes:
+            single_spread = resample(quiet, **{widening.name: sizes[widening.name]})
+            spread_without = resample(
+                noisy, **{name: size for name, size in sizes.items() if name != widening.name}
+            )
+        elif widening.name == "sensor_noise":
+            single_spread, spread_without = resample(noisy), resample(quiet, **sizes)
         else:
             continue
         yield {
-            "unknown": one.name,
-            "contribution": (one.contribution - float(np.std(alone.rms))) / scatter,
-            "without": (one.width_without - width(others)) / whole,
+            "unknown": widening.name,
+            "contribution": (widening.contribution - float(np.std(single_spread.rms))) / scatter,
+            "without": (widening.width_without - width(spread_without)) / full_width,
         }
 
 
@@ -323,8 +284,8 @@ def state_widest(rows: pd.DataFrame) -> None:
     for name, group in [*rows.groupby("unknown"), ("all", rows)]:
         for column in ("contribution", "without"):
             off = group[column]
-            most = np.abs(off).quantile(0.9)
-            print(f"{name:22} {column:13} off by {np.median(off):+.3f}, 90 % within {most:.3f}")
+            limit = np.abs(off).quantile(0.9)
+            print(f"{name:22} {column:13} off by {np.median(off):+.3f}, 90 % within {limit:.3f}")
 
 
 def parameters(series: Series, number: int) -> Iterator[Row]:
@@ -335,33 +296,33 @@ def parameters(series: Series, number: int) -> Iterator[Row]:
         values + lab.noise("white", values.size, 0.01 * float(np.std(values)), rng)
         for values in (o.measured, o.ground, o.force)
     )
-    for with_force in (True, False):
-        row: Row = {"force": with_force}
+    for has_force in (True, False):
+        row: Row = {"force": has_force}
         for name, factor in (("right", 1.0), ("wrong", float(rng.choice([0.98, 1.02])))):
-            stated = replace(test.structure, frequency=factor * test.lab.f)
+            stated_structure = replace(test.structure, frequency=factor * test.lab.f)
             recording = Recording(
                 command=o.command,
                 measured=measured,
                 time_step=STEP,
                 ground=ground,
-                force=force if with_force else None,
+                force=force if has_force else None,
             )
-            mass = {"mass": StatedValue(1.0)} if with_force else {}
-            shown = assess(recording, stated, stated=mass).equation.identified
-            if shown is None:
+            mass = {"mass": StatedValue(1.0)} if has_force else {}
+            identification = assess(recording, stated_structure, stated=mass).equation.identified
+            if identification is None:
                 continue
-            row[f"{name}_contradicted"] = "frequency" in shown.disagreements()
-        row["f_off"] = abs(shown.frequency.value / test.lab.f - 1.0)
-        row["xi_off"] = abs(shown.damping_ratio.value / test.lab.xi - 1.0)
+            row[f"{name}_contradicted"] = "frequency" in identification.disagreements()
+        row["f_off"] = abs(identification.frequency.value / test.lab.f - 1.0)
+        row["xi_off"] = abs(identification.damping_ratio.value / test.lab.xi - 1.0)
         yield row
 
 
 def state_parameters(rows: pd.DataFrame) -> None:
     """How near, and how often contradicted."""
-    for with_force, group in rows.groupby("force"):
-        recorded = "recorded" if with_force else "absent"
+    for has_force, group in rows.groupby("force"):
+        text = "recorded" if has_force else "absent"
         print(
-            f"force {recorded}: f within 0.2 % {share(group['f_off'] < 0.002)}, "
+            f"force {text}: f within 0.2 % {share(group['f_off'] < 0.002)}, "
             f"ξ within 5 % {share(group['xi_off'] < 0.05)}; f wrong by 2 % reported "
             f"{share(group['wrong_contradicted'])}, right f contradicted {share(group['right_contradicted'])}"
         )
@@ -372,7 +333,7 @@ def nonlinear(series: Series, number: int) -> Iterator[Row]:
     rng = series.rng(number)
     for kind in (lab.LINEAR, lab.CUBIC, lab.COULOMB, lab.HYSTERESIS):
         while True:
-            ground = series.records.draw(rng)
+            ground = draw_ground(series.records, rng)
             f, xi = math.exp(rng.uniform(math.log(0.5), math.log(2.0))), rng.uniform(0.02, 0.05)
             w0, k = 2.0 * math.pi * f, (2.0 * math.pi * f) ** 2
             peak = float(np.abs(lab.run(lab.Lab(f, xi), ground, ideal=ground).command).max())
@@ -387,9 +348,9 @@ def nonlinear(series: Series, number: int) -> Iterator[Row]:
         row: Row = {"specimen": SPECIMENS[kind], "linear_ratio": plain.rms.value / o.rms}
         row["flagged"] = examine_specimen(plain.histories.measured, force, STEP, f).nonlinear
         if test is not None:
-            modelled = rebuild_with_specimen(o.command, measured, STEP, test, deviations=deviations)
-            row["ratio"] = modelled.rms.value / o.rms
-            row["inside"] = modelled.rms.low <= o.rms <= modelled.rms.high
+            rebuilt_with_model = rebuild_with_specimen(o.command, measured, STEP, test, deviations=deviations)
+            row["ratio"] = rebuilt_with_model.rms.value / o.rms
+            row["inside"] = rebuilt_with_model.rms.low <= o.rms <= rebuilt_with_model.rms.high
         yield row
 
 
@@ -401,9 +362,9 @@ def state_nonlinear(rows: pd.DataFrame) -> None:
             "(median)"
         )
         if group["ratio"].notna().any():
-            within = np.abs(group["ratio"] - 1.0) < 0.1
-            held = group["inside"].astype(str) == "True"
-            print(f"  with a model: within 10 % {share(within)}, inside {share(held)}")
+            is_near = np.abs(group["ratio"] - 1.0) < 0.1
+            is_covered = group["inside"].astype(str) == "True"
+            print(f"  with a model: within 10 % {share(is_near)}, inside {share(is_covered)}")
 
 
 def specimen(
@@ -416,28 +377,28 @@ def specimen(
         effect = find_effect("cubic_stiffness")
         name = effect.parameters[0].name
         effects, stiffness = effect(**{name: k * shape[0] * off[1]}), k
-        stated = {f"cubic_stiffness.{name}": 0.01 * k * shape[0]}
+        stated_deviations = {f"cubic_stiffness.{name}": 0.01 * k * shape[0]}
     elif kind == lab.COULOMB:
         shape = (rng.uniform(0.02, 0.1) * k * peak, 0.02 * w0 * peak, 0.0)
         effects = find_effect("coulomb_friction")(
             force_n=shape[0] * off[1], regularisation_velocity_m_per_s=shape[1] * off[2]
         )
-        stiffness, stated = k, {"coulomb_friction.force_n": 0.01 * shape[0]}
-        stated["coulomb_friction.regularisation_velocity_m_per_s"] = 0.01 * shape[1]
+        stiffness, stated_deviations = k, {"coulomb_friction.force_n": 0.01 * shape[0]}
+        stated_deviations["coulomb_friction.regularisation_velocity_m_per_s"] = 0.01 * shape[1]
     elif kind == lab.HYSTERESIS:
         shape = (rng.uniform(0.2, 0.5) * peak, rng.uniform(0.1, 0.5), 2.0)
         stiffness, force = shape[1] * k, (1.0 - shape[1]) * k * shape[0]
         effects = find_effect("hysteresis")(
             force_n=force * off[1], displacement_m=shape[0] * off[2], gamma=0.5, exponent=2.0, lost_share=0.0
         )
-        stated = {"hysteresis.force_n": 0.01 * force, "hysteresis.displacement_m": 0.01 * shape[0]}
+        stated_deviations = {"hysteresis.force_n": 0.01 * force, "hysteresis.displacement_m": 0.01 * shape[0]}
     else:
         return (0.0, 0.0, 0.0), None, {}
-    stated["stiffness_n_per_m"] = 0.01 * stiffness
+    stated_deviations["stiffness_n_per_m"] = 0.01 * stiffness
     test = HybridTest(
         structure=structure, specimen=Specimen(stiffness=stiffness * off[0]), effects=(effects,)
     )
-    return shape, test, stated
+    return shape, test, stated_deviations
 
 
 def monitor(series: Series, count: int) -> None:
@@ -446,7 +407,7 @@ def monitor(series: Series, count: int) -> None:
     o = test.outcome
     measured = read(o, "white", 40.0, rng)
     tolerances = Tolerances(frequency=0.01, damping_ratio=0.1, sensor_scale=0.005)
-    whole = rebuild(o.command, measured, STEP, test.structure, tolerances=tolerances)
+    offline_error = rebuild(o.command, measured, STEP, test.structure, tolerances=tolerances)
     for _ in range(count):
         follow = Monitor(test.structure, STEP, tolerances=tolerances)
         chunk = 64
@@ -458,11 +419,11 @@ def monitor(series: Series, count: int) -> None:
                 follow.ask()
         spent = (time.process_time() - begin) / (o.command.size - chunk)
         last = follow.ask(draws=256)
-        off = np.abs(follow.error - whole.error).max() / np.abs(whole.error).max()
+        off = np.abs(follow.error - offline_error.error).max() / np.abs(offline_error.error).max()
         print(
             f"{1e6 * spent:.1f} µs of processor a sample, history off by {off:.1e}, "
-            f"RMS^R by {abs(last.rms.value / whole.rms.value - 1.0):.1e}, its high end by "
-            f"{abs(last.rms.high / whole.rms.high - 1.0):.1e}"
+            f"RMS^R by {abs(last.rms.value / offline_error.rms.value - 1.0):.1e}, its high end by "
+            f"{abs(last.rms.high / offline_error.rms.high - 1.0):.1e}"
         )
 
 
@@ -475,13 +436,13 @@ def offline(series: Series, count: int) -> None:
         measured = read(o, "white", 40.0, rng)
         begin = time.process_time()
         rebuilt = rebuild(o.command, measured, STEP, test.structure, tolerances=tolerances)
-        between = time.process_time()
+        middle = time.process_time()
         rebuilt.widenings()
-        widened = time.process_time() - between
-        print(f"{o.command.size} samples: {between - begin:.3f} s, widenings {widened:.3f} s")
+        widening_time = time.process_time() - middle
+        print(f"{o.command.size} samples: {middle - begin:.3f} s, widenings {widening_time:.3f} s")
 
 
-MEASURED = {
+PARTS = {
     "history": (history, state_history, 60),
     "noise": (noise, state_noise, 200),
     "threshold": (threshold, state_noise, 800),
@@ -494,18 +455,18 @@ MEASURED = {
 }
 """Rows of one test, what is said of all rows, and how many tests."""
 
-TIMED = {"monitor": (monitor, 2), "time": (offline, 3)}
+TIMINGS = {"monitor": (monitor, 2), "time": (offline, 3)}
 
 
 def measure(part: str, series: Series, count: int, out: Path | None) -> pd.DataFrame:
     """Measure test by test; rows are appended to a file, and tests that it holds are not simulated again."""
-    of_test, state, _ = MEASURED[part]
+    measure_test, state, _ = PARTS[part]
     rows = pd.read_csv(out) if out is not None and out.exists() else pd.DataFrame()
-    done = set(rows["test"]) if len(rows) else set()
+    tests_done = set(rows["test"]) if len(rows) else set()
     for number in range(count):
-        if number in done:
+        if number in tests_done:
             continue
-        new = pd.DataFrame([{"test": number, **row} for row in of_test(series, number)])
+        new = pd.DataFrame([{"test": number, **row} for row in measure_test(series, number)])
         if out is not None:
             new.to_csv(out, mode="a", header=not out.exists(), index=False, float_format="%.6g")
         rows = pd.concat([rows, new], ignore_index=True)
@@ -518,21 +479,21 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("part", choices=[*MEASURED, *TIMED])
+    parser.add_argument("part", choices=[*PARTS, *TIMINGS])
     parser.add_argument("--count", type=int)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--out", type=Path, help="CSV with a row for each test, in which a run resumes")
     parser.add_argument("--figure", type=Path, help="PNG of the reliability diagram, for coverage")
-    parser.add_argument("--records", type=Path, default=ROOT.parent / "shared" / "motions")
-    chosen = parser.parse_args()
-    series = Series(Records(chosen.records), chosen.seed)
-    if chosen.part in TIMED:
-        timed, count = TIMED[chosen.part]
-        timed(series, chosen.count or count)
+    parser.add_argument("--records", type=Path, default=paths.MOTIONS)
+    options = parser.parse_args()
+    series = Series(read_records(options.records), options.seed)
+    if options.part in TIMINGS:
+        measure_times, count = TIMINGS[options.part]
+        measure_times(series, options.count or count)
     else:
-        rows = measure(chosen.part, series, chosen.count or MEASURED[chosen.part][2], chosen.out)
-        if chosen.figure is not None and chosen.part == "coverage":
-            draw_reliability(rows, chosen.figure)
+        rows = measure(options.part, series, options.count or PARTS[options.part][2], options.out)
+        if options.figure is not None and options.part == "coverage":
+            draw_reliability(rows, options.figure)
 
 
 if __name__ == "__main__":

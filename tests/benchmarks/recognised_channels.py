@@ -10,8 +10,8 @@ headers of laboratories of eight countries (`channel_names/`), each in the langu
 
 import argparse
 import json
-import sys
 import tempfile
+import tomllib
 import zlib
 from collections import Counter
 from pathlib import Path
@@ -19,119 +19,10 @@ from random import Random
 
 import numpy as np
 
-sys.path[:0] = [str(Path(__file__).resolve().parents[2])]
+from reliab.core.errors import InputError
+from reliab.recordings.reading import read_recording
 
-from reliab.core.errors import InputError  # noqa: E402
-from reliab.recordings.reading import read_recording  # noqa: E402
-
-COMMANDS = """
-Dis command; Command; Cmd; DispCmd; disp_cmd; Actuator Command; Act Cmd; x_cmd; xcmd; cmd_disp;
-Displacement Command; Command Displacement; Disp. Cmd.; Ch 1 Command; Axial Displacement Command;
-Axial Cmd; Position Command; PosCmd; PosCommand; Setpoint; Set Point; Disp_Setpoint; Target; Target
-Displacement; TargetDisp; targDsp; targDisp; commDsp; commDisp; x_target; d_target; u_target; ref;
-Reference; Ref Disp; Reference Position; Desired; Desired Disp; x_des; disp_desired; uc; u_c; xc;
-x_c; d_cmd; Demand; Demand Position; Sollwert; Weg Soll; s_soll; Soll-Weg; Sollposition; Comando;
-Spostamento comando; Riferimento; Desplazamiento comandado; Consigna; Referencia; mubiao weiyi;
-mingling; zhiling_weiyi; Commanded position; MTS Cmd; Stroke Cmd; Stroke Command; Act1_Disp_Cmd;
-cmdX; Kolben Soll; y_ref; Displ. target; Actuator 1 desired displacement; reference displacement;
-command signal; CommandSignal; Displacement_Reference; Axial Command; LVDT Command; Ram position
-demand; consigne deplacement; calculated displacement command; Table Disp Command; Servo Cmd
-Position; Desired Position; piston command; x_desired; disp cmnd; Set value displacement; dref;
-xref; x_ref; u_ref; d_ref; targetDisplacement; tgt_disp
-"""
-MEASURED = """
-Dis
-feedback; Measured; Meas; DispMeas; disp_meas; Actuator Displacement; Act Disp; x_meas; xmeas;
-meas_disp; Measured Displacement; Displacement Feedback; Disp. Fbk.; Ch 1 Feedback; Axial
-Displacement; Axial Disp; Position Feedback; PosFbk; PosActual; Actual; Actual Displacement;
-ActualDisp; measDsp; measDisp; x_actual; d_meas; u_meas; feedback; Feedback; fb_disp; Achieved;
-Achieved Disp; um; u_m; xm; x_m; Response; Response Position; Istwert; Weg Ist; s_ist; Ist-Weg;
-Istposition; LVDT; LVDT 1; Temposonic; Temposonics; Spostamento misurato; Spostamento;
-Desplazamiento medido; Desplazamiento; Medida; shice weiyi; fankui; celiang_weiyi; Measured
-position; MTS Disp; Stroke; Stroke Feedback; Act1_Disp_Fbk; measX; Kolbenweg; y_meas; Displ.
-measured; Actuator 1 measured displacement; displacement sensor; Encoder Position;
-Displacement_Measured; Axial Feedback; LVDT Feedback; Ram position; deplacement mesure;
-Wegaufnehmer; disp fdbk; Position; Actuator Stroke; piston displacement; x_measured; d_m; Inner
-LVDT; LVDT_disp; measured disp; DispFB; disp_fbk; x_fb; actuator position; Verschiebung; Hub; dm;
-dmeas; Internal LVDT; measuredDisplacement; act_position
-"""
-FORCES = """
-Load cell; Force; Restoring force; Axial Force; Load; force_n; Measured Force; meas_force; measFrc;
-measForc; Actuator Force; LC1; Load Cell 1; Kraft; Kraftmessdose; Forza; Fuerza; Carga; fm;
-lc_force; Force Feedback; Axial Load; Actuator Load; specimen force; force_meas; F_meas; Fbk Force;
-shice li; zaihe; Force Transducer; loadcell; Reaction force; Kolbenkraft; Shear Force
-"""
-TIMES = "Time;time;t;Time (sec);Running Time;Elapsed Time;time_s;Zeit;Tempo;Tiempo;Timestamp;"
-TIMES += "shijian;Test Time;tout"
-OTHERS = (
-    ("Servovalve command", "V"),
-    ("Voltage command", "V"),
-    ("Valve output", "V"),
-    ("Axial Disp Error", "mm"),
-    ("Tracking error", "mm"),
-    ("Table acceleration", "g"),
-    ("acc_1", "g"),
-    ("Strain 3", "µε"),
-    ("SG_05", "ustrain"),
-    ("Oil pressure", "bar"),
-    ("Oil temperature", "°C"),
-    ("Counter", ""),
-    ("state", ""),
-    ("Sync pulse", "V"),
-    ("Actuator velocity", "mm/s"),
-    ("Force command", "kN"),
-    ("Spool position", "V"),
-    ("Compensated command", "mm"),
-    ("Predicted displacement", "mm"),
-    ("Frame drift", "mm"),
-    ("Table displacement", "mm"),
-)
-# A second list, not by the author of the recogniser: names of OpenFresco's Simulink and dSPACE models, of
-# MTS, HBM and NI programs, of public data sets and benchmarks of RTHS, in English and four other languages.
-LABORATORIES: dict[str, str] = {
-    "command": """
-targDsp; commDsp; ctrlDsp; targSig Dsp; commSig disp; xd; x_d; u_c; disp_cmd; DispCmd; Disp Command;
-Axial Disp Cmd; Axial Displacement Command; Ch 1 Axial Disp. Command; ATTarget; Actuator Target;
-target displacement; Target Disp; Commanded displacement; Cmd Pos; Position Cmd; Stroke command; Set
-Position; reference displacement; ref_disp; Ref Position; x_ref; xref; desired displacement;
-des_disp; r_disp_ref; Sollweg; Weg_Soll; Kolbenweg Soll; Sollwert Weg; Spostamento imposto;
-Spostamento comandato; Riferimento posizione; Desplazamiento objetivo; Desplazamiento comandado;
-Consigna desplazamiento; zhiling weiyi; mubiao weiyi; input displacement; disp_in; Actuator Cmd;
-act_cmd_disp; Act1 Command; Hydraulic command displacement; Demand displacement; dispDemand
-""",
-    "measured": """
-measDsp; daqDsp; measSig Dsp; xm; x_m; u_m; disp_meas; DispMeas; Disp Feedback; Axial Disp Fbk;
-Axial Displacement; Ch 1 Axial Disp.; ATL1; ATLVDT; LVDT1; LVDT_1; Actuator LVDT; measured
-displacement; Meas Disp; Achieved displacement; Position Fbk; Pos Feedback; Stroke; Actual Position;
-Temposonic 1; Linear pot; String pot 1; actual displacement; act_disp; feedback displacement;
-fbk_disp; Istweg; Weg_Ist; Kolbenweg Ist; Istwert Weg; Spostamento misurato; Spostamento attuatore;
-Posizione misurata; Desplazamiento medido; Desplazamiento real; Medida LVDT; shice weiyi; fankui
-weiyi; output displacement; disp_out; Actuator Position; Encoder position; Laser displacement;
-WA_100; Actuator stroke; resp_disp; Rod displacement; Wegaufnehmer 1
-""",
-    "force": """
-measFrc; daqFrc; measForc; Force; Axial Force; Axial Force Fbk; Ch 1 Axial Force; ATLoad; LC1; Load
-Cell; Load cell 1; f_m; F_meas; Restoring Force; measured force; Actuator load; Kraft; Kraft_Ist;
-Kraftmessdose; Forza misurata; Cella di carico; Fuerza medida; Celda de carga; zuoli; shice li;
-Reaction; Friction force; Actuator force 1
-""",
-}
-DECOYS = (
-    *OTHERS,
-    ("AO0", "V"),
-    ("Valve Cmd", "V"),
-    ("valve drive", "mA"),
-    ("newTarget", ""),
-    ("switchPC", ""),
-    ("atTarget", ""),
-    ("targVel", "mm/s"),
-    ("Force Cmd", "kN"),
-    ("TC_01", "°C"),
-    ("Thermocouple", "degC"),
-    ("Supply Pressure", "psi"),
-    ("Accelerometer X", "g"),
-    ("Strain gauge 4", "microstrain"),
-)
+NAMES = tomllib.loads((Path(__file__).parent / "channel_names/names.toml").read_text(encoding="utf-8"))
 _LISTS = ("at_hand", "held_out", "all", "laboratories", "countries", "countries_held_out")
 _BARE = 0.2  # share of files without units
 _LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254, "inch": 0.0254, "Millimeters": 1e-3}
@@ -170,19 +61,20 @@ def main() -> None:
     print(json.dumps({**counts, "columns": columns, "right_share": counts["right"] / columns}))
 
 
-def held_out(name: str) -> bool:
+def is_held_out(name: str) -> bool:
     return zlib.crc32(name.lower().encode()) % 3 == 0
 
 
-def _drawn(random: Random, part: str, listed: str, names: str) -> str:
-    listed = LABORATORIES.get(part, listed) if names == "laboratories" else listed
-    choices = [" ".join(name.split()) for name in listed.split(";")]
-    chosen = [
+def _draw_name(random: Random, part: str, names: str) -> str:
+    source = "laboratories" if names == "laboratories" and part != "time" else "author"
+    names = "all" if part == "time" else names
+    choices = [" ".join(name.split()) for name in NAMES[source][part].split(";")]
+    choices_of_list = [
         name
         for name in choices
-        if names in {"all", "laboratories"} or held_out(name) is (names == "held_out")
+        if names in {"all", "laboratories"} or is_held_out(name) is (names == "held_out")
     ]
-    return random.choice(chosen)
+    return random.choice(choices_of_list)
 
 
 def _headers(names: str) -> list[list[tuple[str, str, str]]]:
@@ -203,7 +95,7 @@ def _evaluate(random: Random, path: Path, options: argparse.Namespace, counts: C
         else _write(random, path, options.names)
     )
     try:
-        found = {channel.part.value: channel for channel in read_recording(path).channels}
+        channels = {channel.part.value: channel for channel in read_recording(path).channels}
     except InputError as error:
         counts["asked"] += len(truth)
         counts["files_asked"] += 1
@@ -212,7 +104,7 @@ def _evaluate(random: Random, path: Path, options: argparse.Namespace, counts: C
         return
     wrong = 0
     for part, (name, factor) in truth.items():
-        channel = found.get(part)
+        channel = channels.get(part)
         if channel is None:
             counts["missed"] += 1
         elif channel.column == name and np.isclose(channel.factor, factor, rtol=1e-6):
@@ -223,11 +115,13 @@ def _evaluate(random: Random, path: Path, options: argparse.Namespace, counts: C
             wrong += 1
         if options.show:
             print(part, repr(name), factor, channel, path.read_text(encoding="utf-8").splitlines()[:2])
-    others = {"force", "ground acceleration"} if options.headers else {"force"}  # a table accelerates, too
-    for part in others & set(found) - set(truth):
+    asked_parts = (
+        {"force", "ground acceleration"} if options.headers else {"force"}
+    )  # a table accelerates, too
+    for part in asked_parts & set(channels) - set(truth):
         wrong += 1
         if options.show:
-            print("NOT ONE", part, found[part], path.read_text(encoding="utf-8").splitlines()[:2])
+            print("NOT ONE", part, channels[part], path.read_text(encoding="utf-8").splitlines()[:2])
     counts["files_silently_wrong"] += bool(wrong)
 
 
@@ -237,17 +131,17 @@ def _write(random: Random, path: Path, names: str) -> dict[str, tuple[str, float
     length, strength = random.choice(list(_LENGTHS)), random.choice(list(_FORCES))
     columns: dict[str, tuple[str, np.ndarray]] = {}
     truth: dict[str, tuple[str, float]] = {}
-    for part, listed, values, unit, factor in (
-        ("time", TIMES, time, "s", 1.0),
-        ("command", COMMANDS, command, length, _LENGTHS[length]),
-        ("measured", MEASURED, measured, length, _LENGTHS[length]),
-        ("force", FORCES, force, strength, _FORCES[strength]),
+    for part, values, unit, factor in (
+        ("time", time, "s", 1.0),
+        ("command", command, length, _LENGTHS[length]),
+        ("measured", measured, length, _LENGTHS[length]),
+        ("force", force, strength, _FORCES[strength]),
     ):
         if part == "force" and random.random() < 0.3:
             continue
-        name = _drawn(random, part, listed, "all" if part == "time" else names)
+        name = _draw_name(random, part, names)
         while name in columns:
-            name = _drawn(random, part, listed, "all" if part == "time" else names)
+            name = _draw_name(random, part, names)
         columns[name] = (unit, values / factor)
         truth[part] = (name, factor)
     if random.random() < _BARE:  # which then is metres and newtons, as far as anyone can tell
@@ -257,8 +151,10 @@ def _write(random: Random, path: Path, names: str) -> dict[str, tuple[str, float
             for values in [columns[name][1]]
         }
         truth = {part: (name, 1.0) for part, (name, _) in truth.items()}
-    for name, unit in random.sample(DECOYS if names == "laboratories" else OTHERS, random.randrange(4)):
-        columns[name] = (unit, _other(name, time, command, measured, force, noise))
+    sources = ("author", "laboratories") if names == "laboratories" else ("author",)
+    distractors = [pair for source in sources for pair in NAMES["others"][source]]
+    for name, unit in random.sample(distractors, random.randrange(4)):
+        columns[name] = (unit, _other_channel(name, time, command, measured, force, noise))
     heads = _save(random, path, columns)
     return {part: (heads[name], factor) for part, (name, factor) in truth.items()}
 
@@ -275,8 +171,10 @@ def _write_header(random: Random, path: Path, header) -> dict[str, tuple[str, fl
     motion = {"t": time, "c": command, "m": measured, "f": force, "g": ground}
     columns: dict[str, tuple[str, np.ndarray]] = {}
     truth: dict[str, tuple[str, float]] = {}
-    for name, stated, role in header:
-        unit = "" if bare else swaps.get(stated, stated) if manner == "other" else stated
+    for name, unit_in_header, role in header:
+        unit = (
+            "" if bare else swaps.get(unit_in_header, unit_in_header) if manner == "other" else unit_in_header
+        )
         if role not in motion:
             accelerates = "acc" in name.lower() and role == "a"
             columns[name] = (
@@ -324,21 +222,22 @@ def _motion(random: Random):
     frequencies = [random.uniform(0.3, 3.0) for _ in range(4)]
     phases = [random.uniform(0.0, 6.0) for _ in range(4)]
 
-    def moved(at):
+    def motion_at(instants):
         return sum(
-            0.01 * np.sin(2.0 * np.pi * f * at + p) / f for f, p in zip(frequencies, phases, strict=True)
+            0.01 * np.sin(2.0 * np.pi * f * instants + p) / f
+            for f, p in zip(frequencies, phases, strict=True)
         )
 
     delay = random.uniform(-0.002, 0.02)
-    command, measured = moved(time), random.uniform(0.96, 1.02) * moved(time - delay)
+    command, measured = motion_at(time), random.uniform(0.96, 1.02) * motion_at(time - delay)
     measured = measured + 1e-5 * noise.normal(size=size)
     force = 1e5 * measured + 20.0 * noise.normal(size=size)
     return noise, time, command, measured, force
 
 
-def _other(name, time, command, measured, force, noise):
+def _other_channel(name, time, command, measured, force, noise):
     drift = np.gradient(command)
-    known = {
+    channels_by_name = {
         "Axial Disp Error": 1e3 * (command - measured),
         "Tracking error": 1e3 * (command - measured),
         "Servovalve command": 50.0 * drift,
@@ -354,7 +253,7 @@ def _other(name, time, command, measured, force, noise):
         "Counter": np.arange(time.size),
         "state": np.ones(time.size),
     }
-    return known.get(name, noise.normal(size=time.size))
+    return channels_by_name.get(name, noise.normal(size=time.size))
 
 
 if __name__ == "__main__":

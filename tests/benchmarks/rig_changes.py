@@ -10,12 +10,13 @@ a limit and would not have been without it; limits are so many scatters above th
 import sys
 
 import numpy as np
+import paths  # noqa: F401 - makes rows of rigs importable
 from rig_rows import rig_table, rig_test
-from rigs import KINDS, simulated_rig
+from rigs import KINDS, simulate_rig
 
 from reliab.rig.watching import drift_chart
 
-TESTS, BEGIN, SCATTER, UNWATCHED = 200, 100, 0.5, 13
+TESTS, BEGIN, SCATTER, FIRST_TESTS = 200, 100, 0.5, 13
 
 
 def normal(rng):
@@ -23,7 +24,7 @@ def normal(rng):
     return rng.normal(size=TESTS)
 
 
-def skewed(rng):
+def skew_normal(rng):
     """Gamma distribution of skewness 1.6."""
     return (rng.gamma(1.5, size=TESTS) - 1.5) / np.sqrt(1.5)
 
@@ -51,45 +52,49 @@ def rig(rng, scatter, shift):
 
 def false_alarms(tables):
     """Share of tests at which a change was noticed though there was none."""
-    noticed = [len({change.noticed for change in drift_chart(table.rows).changes}) for table in tables]
-    return sum(noticed) / sum(len(table) - UNWATCHED for table in tables)
+    detections = [len({change.noticed for change in drift_chart(table.rows).changes}) for table in tables]
+    return sum(detections) / sum(len(table) - FIRST_TESTS for table in tables)
 
 
 def steps_noticed(first, rigs, scatter, size):
     """Share of steps that are noticed within five tests."""
     shift = size * (np.arange(TESTS) >= BEGIN)
-    noticed = 0
+    detections = 0
     for seed in range(first, first + rigs):
         changes = drift_chart(rig(np.random.default_rng([1, seed]), scatter, shift).rows).changes
-        noticed += any(BEGIN <= change.noticed < BEGIN + 5 and change.cause == "delay" for change in changes)
-    return noticed / rigs
+        detections += any(
+            BEGIN <= change.noticed < BEGIN + 5 and change.cause == "delay" for change in changes
+        )
+    return detections / rigs
 
 
 def drifts(first, rigs, margins):
     """Tests until a drift is noticed, and the share noticed before a verdict is lost, by margin."""
     ramp = 0.02 * np.maximum(np.arange(TESTS) - BEGIN + 1, 0)
-    waits, before = [], {margin: [] for margin in margins}
+    waits, in_advance = [], {margin: [] for margin in margins}
     for seed in range(first, first + rigs):
         table = rig(np.random.default_rng([2, seed]), normal, ramp)
-        noticed = [
+        detections = [
             change.noticed
             for change in drift_chart(table.rows).changes
             if change.cause == "delay" and change.noticed >= BEGIN and change.size > 0.0
         ]
-        first_noticed = min(noticed, default=TESTS)
+        first_noticed = min(detections, default=TESTS)
         waits.append(first_noticed - BEGIN + 1)
         delays = table.numbers("d_ms")
         for margin in margins:
             limit = 2.0 + margin * SCATTER
-            lost = np.flatnonzero((delays > limit) & (delays - ramp <= limit))
-            before[margin].append(first_noticed <= (lost[0] if lost.size else TESTS))
-    return float(np.median(waits)), {margin: float(np.mean(kept)) for margin, kept in before.items()}
+            lost_tests = np.flatnonzero((delays > limit) & (delays - ramp <= limit))
+            in_advance[margin].append(first_noticed <= (lost_tests[0] if lost_tests.size else TESTS))
+    return float(np.median(waits)), {
+        margin: float(np.mean(advance)) for margin, advance in in_advance.items()
+    }
 
 
 def main(first=9000, rigs=300):
     """Print shares."""
     still = np.zeros(TESTS)
-    for scatter in (normal, skewed, odd):
+    for scatter in (normal, skew_normal, odd):
         tables = [
             rig(np.random.default_rng([0, seed]), scatter, still) for seed in range(first, first + rigs)
         ]
@@ -99,10 +104,12 @@ def main(first=9000, rigs=300):
             f"a step of 1 ms within 5 tests {later:.3f}, of -1 ms {sooner:.3f}",
             flush=True,
         )
-    wait, before = drifts(first, rigs, (2.0, 3.0, 4.0))
-    print(f"drift: noticed at test {wait:g} in the median; before a verdict was lost {before}", flush=True)
+    wait, in_advance = drifts(first, rigs, (2.0, 3.0, 4.0))
+    print(
+        f"drift: noticed at test {wait:g} in the median; before a verdict was lost {in_advance}", flush=True
+    )
     for kind in KINDS:
-        tables = [simulated_rig(kind, seed) for seed in range(first, first + rigs // 6)]
+        tables = [simulate_rig(kind, seed) for seed in range(first, first + rigs // 6)]
         print(f"{kind}: alarms {false_alarms(tables):.4f} a test", flush=True)
 
 

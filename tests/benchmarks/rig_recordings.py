@@ -1,6 +1,6 @@
 """A rig learned from recordings of its tests: what predictions of further earthquakes cover, restartable.
 
-    python tests/benchmarks/rig_recordings.py FOLDER --seed S --rigs N [--earthquakes 4]
+    python tests/benchmarks/rig_recordings.py FOLDER --seed S --count N [--earthquakes 4]
 
 Tests are simulated by `tests/assessment/rebuilt_error/laboratory.py`, which shares no code with `reliab`,
 under the real records of `../shared/motions` (`--records`). Each rig has an actuator of second order behind
@@ -12,37 +12,33 @@ unknown motion, and beside it whether amplitude and delay found lie in their int
 which nobody told, in that of the error.
 """
 
-import argparse
 import json
 import math
-import sys
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import paths
+from laboratory_tests import THRESHOLD, argument_parser
+from rebuilt_error import laboratory as lab
+from rig_rows import rig_table, rig_test
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / "tests/assessment"), str(ROOT / "tests/rig"), str(ROOT / "tests/benchmarks")]
+from reliab.assessment.assess import assess
+from reliab.assessment.budget.sizes import ordinary_equipment
+from reliab.core.errors import InputError
+from reliab.criterion.published import published_criterion
+from reliab.recordings.recording import Recording
+from reliab.rig.memory import NextTest
+from reliab.rig.prediction import predict_next
+from reliab.rig.rig_table import describe_test
+from reliab.structures.structure import Structure
 
-from rebuilt_error import laboratory as lab  # noqa: E402
-from rig_rows import rig_table, rig_test  # noqa: E402
-
-from reliab.assessment.assess import assess  # noqa: E402
-from reliab.assessment.budget.sizes import ordinary_equipment  # noqa: E402
-from reliab.core.errors import InputError  # noqa: E402
-from reliab.criterion.published import published_criterion  # noqa: E402
-from reliab.recordings.recording import Recording  # noqa: E402
-from reliab.rig.memory import NextTest  # noqa: E402
-from reliab.rig.prediction import predict_next  # noqa: E402
-from reliab.rig.rig_table import describe_test  # noqa: E402
-from reliab.structures.structure import Structure  # noqa: E402
-
-TESTS, PER_DAY, THRESHOLD, RATE = 96, 6, 0.05, 512.0
+TESTS, TESTS_OF_DAY, RATE = 96, 6, 512.0
 LATER_MS = 1.0
 
 
-def simulated_tests(seed: int, records: pd.DataFrame, folder: Path) -> list[dict]:
+def simulate_tests(seed: int, records: pd.DataFrame, folder: Path) -> list[dict]:
     """Rows of a rig's tests, with their true errors."""
     rng = np.random.default_rng(seed)
     lag, gain = rng.uniform(0.2e-3, 1.2e-3), rng.normal(0.995, 0.003)
@@ -52,16 +48,16 @@ def simulated_tests(seed: int, records: pd.DataFrame, folder: Path) -> list[dict
         record = records.iloc[rng.integers(len(records))]
         ground = rng.uniform(0.3, 1.0) * strongest(lab.read_at2(folder / record["file"], RATE))
         structure = Structure(frequency=float(rng.choice([0.8, 1.0, 1.5])), damping_ratio=0.03)
-        day, place = divmod(number, PER_DAY)
+        day, place = divmod(number, TESTS_OF_DAY)
         late = lag + 1e-3 * (0.8 / (1.0 + place) + 0.2 * rng.normal() + LATER_MS * (number >= TESTS // 2))
-        built = lab.Lab(structure.frequency, structure.damping_ratio)
-        ideal = lab.run(built, ground, RATE, ideal=ground).command
+        rig = lab.Lab(structure.frequency, structure.damping_ratio)
+        ideal = lab.run(rig, ground, RATE, ideal=ground).command
         peak = float(np.abs(ideal).max())
-        of_test = gain - softening * math.tanh(peak / stroke) + 0.001 * rng.normal()
+        test_gain = gain - softening * math.tanh(peak / stroke) + 0.001 * rng.normal()
         # a second order of damping 0.7 lags by 1.4/ω
-        numbers = (of_test, 1.4 / max(late, 4e-4), 0.7, 0.0)
-        tested = replace(built, kind=lab.SECOND_ORDER, numbers=numbers)
-        outcome = lab.run(tested, ground, RATE, parts=8, ideal=ideal)
+        numbers = (test_gain, 1.4 / max(late, 4e-4), 0.7, 0.0)
+        rig_of_test = replace(rig, kind=lab.SECOND_ORDER, numbers=numbers)
+        outcome = lab.run(rig_of_test, ground, RATE, parts=8, ideal=ideal)
         if not outcome.rms < 0.5:
             continue
         level = 0.005 * float(np.sqrt(np.mean(outcome.measured**2)))
@@ -75,7 +71,7 @@ def simulated_tests(seed: int, records: pd.DataFrame, folder: Path) -> list[dict
             "event": str(record["event"]),
         }
         try:
-            found = assess(
+            assessment = assess(
                 Recording(command=outcome.command, measured=measured, time_step=1.0 / RATE),
                 structure,
                 equipment=ordinary_equipment(),
@@ -84,7 +80,7 @@ def simulated_tests(seed: int, records: pd.DataFrame, folder: Path) -> list[dict
         except InputError as error:
             print(f"refused: {error}")
             continue
-        rows.append({**describe_test(found, labels, {}).to_dict(), "true": outcome.rms})
+        rows.append({**describe_test(assessment, labels, {}).to_dict(), "true": outcome.rms})
     return rows
 
 
@@ -99,55 +95,54 @@ def predictions(rows: list[dict], earthquakes: int, seed: int) -> list[dict]:
     table = rig_table([rig_test(0, **{k: v for k, v in row.items() if k != "true"}) for row in rows])
     true = {row["sha256"]: row["true"] for row in rows}
     events = np.unique(table.texts("event"))
-    judged = []
+    results = []
     for event in np.random.default_rng(seed).choice(events, size=earthquakes, replace=False):
-        outside = [place for place, row in enumerate(table.rows) if row["event"] != event]
+        other_tests = [place for place, row in enumerate(table.rows) if row["event"] != event]
         for row in (row for row in table.rows if row["event"] == event):
             structure = Structure(frequency=row["f"], damping_ratio=row["xi"])
-            found = predict_next(
-                table.only(outside), structure, NextTest(date=str(row["date"])), threshold=THRESHOLD
+            prediction = predict_next(
+                table.only(other_tests), structure, NextTest(date=str(row["date"])), threshold=THRESHOLD
             )
             actual = {"A": row["A"], "d_ms": row["d_ms"], "rms": true[row["sha256"]]}
-            held = {
-                name: found.intervals[name]["low"] <= value <= found.intervals[name]["high"]
+            covers = {
+                name: prediction.intervals[name]["low"] <= value <= prediction.intervals[name]["high"]
                 for name, value in actual.items()
             }
-            judged.append(
+            results.append(
                 {
-                    **held,
-                    "probability": found.probability,
+                    **covers,
+                    "probability": prediction.probability,
                     "good": actual["rms"] < THRESHOLD,
-                    **{f"score {name}": score for name, score in found.log_scores.items()},
+                    **{f"score {name}": score for name, score in prediction.log_scores.items()},
                 }
             )
-    return judged
+    return results
 
 
 def main() -> None:
     """Simulate, judge, predict; print shares for each rig and for all."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("folder", type=Path)
-    parser.add_argument("--seed", type=int, required=True)
-    parser.add_argument("--rigs", type=int, default=3)
+    parser = argument_parser(__doc__, count=3)
     parser.add_argument("--earthquakes", type=int, default=4)
-    parser.add_argument("--records", type=Path, default=ROOT.parent / "shared/motions")
+    parser.add_argument("--records", type=Path, default=paths.MOTIONS)
     options = parser.parse_args()
     options.folder.mkdir(parents=True, exist_ok=True)
     records = pd.read_csv(options.records / "catalog.csv").query("set != 'held_out'")
-    every = []
-    for seed in range(options.seed, options.seed + options.rigs):
-        kept = options.folder / f"rig_{seed}.json"
-        if not kept.is_file():
-            kept.write_text(json.dumps(simulated_tests(seed, records, options.records)), encoding="utf-8")
-        every.append(pd.DataFrame(predictions(json.loads(kept.read_text()), options.earthquakes, seed)))
-        state(f"rig {seed}", every[-1])
-    together = pd.concat(every)
-    state("all", together)
+    tables = []
+    for seed in range(options.seed, options.seed + options.count):
+        answers = options.folder / f"rig_{seed}.json"
+        if not answers.is_file():
+            answers.write_text(json.dumps(simulate_tests(seed, records, options.records)), encoding="utf-8")
+        tables.append(pd.DataFrame(predictions(json.loads(answers.read_text()), options.earthquakes, seed)))
+        state(f"rig {seed}", tables[-1])
+    table = pd.concat(tables)
+    state("all", table)
     for low, high in ((0.0, 0.2), (0.2, 0.4), (0.4, 0.6), (0.6, 0.8), (0.8, 1.0)):
-        inside = together[together["probability"].between(low, high)]
-        if len(inside):
-            stated, good = inside["probability"].mean(), inside["good"].mean()
-            print(f"probability {low} to {high}: stated {stated:.2f}, good {good:.2f}, of {len(inside)}")
+        band = table[table["probability"].between(low, high)]
+        if len(band):
+            mean_probability, good = band["probability"].mean(), band["good"].mean()
+            print(
+                f"probability {low} to {high}: stated {mean_probability:.2f}, good {good:.2f}, of {len(band)}"
+            )
 
 
 def state(name: str, rows: pd.DataFrame) -> None:

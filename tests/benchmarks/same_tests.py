@@ -10,15 +10,26 @@ the runs are to the true ones, how often the 90 % interval holds them, and the s
 undecided.
 """
 
-import argparse
 import math
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-import imperfect_recordings as single  # which puts the laboratory on the path
 import numpy as np
 import pandas as pd
+from laboratory_tests import (
+    LARGEST,
+    SMALLEST,
+    STEP,
+    THRESHOLD,
+    add_noise,
+    argument_parser,
+    draw_ground,
+    draw_structure,
+    misstate_structure,
+    read_records,
+    specimen_shape,
+)
 from rebuilt_error import laboratory as lab
 
 from reliab.assessment.assess import assess
@@ -28,7 +39,6 @@ from reliab.assessment.verdict import word_of_probability
 from reliab.core.errors import InputError
 from reliab.criterion.published import published_criterion
 from reliab.recordings.recording import Recording
-from reliab.structures.structure import Structure
 
 SPECIMENS = (lab.LINEAR, lab.CUBIC, lab.HYSTERESIS)
 
@@ -37,55 +47,44 @@ def runs_of(seed: int, records: list[Path]) -> tuple[lab.Lab, list[lab.Outcome]]
     """Draw a structure with its specimen, and three runs whose first one errs by 1 to 12 %."""
     rng = np.random.default_rng(seed)
     while True:
-        ground = lab.read_at2(records[rng.integers(len(records))])[: int(rng.uniform(15.0, 30.0) * lab.RATE)]
-        f, xi = math.exp(rng.uniform(math.log(0.4), math.log(2.5))), rng.uniform(0.02, 0.08)
-        built = lab.Lab(f, xi, 1.0 if rng.uniform() < 0.5 else rng.uniform(0.3, 1.0), lab.DELAY)
-        peak = float(np.abs(lab.run(replace(built, kind=lab.PERFECT), ground, ideal=ground).command).max())
+        ground = draw_ground(records, rng, longest=30.0)
+        rig = draw_structure(rng)
+        peak = float(np.abs(lab.run(rig, ground, ideal=ground).command).max())
         specimen = int(rng.choice(SPECIMENS))
-        built = replace(built, specimen=specimen, shape=single.shape(specimen, peak, rng))
-        ideal = lab.run(replace(built, kind=lab.PERFECT), ground, ideal=ground).command
-        delay = 2.0 * xi / (2.0 * math.pi * f) / built.alpha * math.exp(rng.uniform(math.log(0.02), -1.5))
-        outcomes = [
-            lab.run(replace(built, numbers=(1.0, times * delay, 0.0, 0.0)), ground, ideal=ideal)
-            for times in (1.0, 2.0, 3.0)
-        ]
-        if single.SMALLEST < outcomes[0].rms < single.LARGEST and np.isfinite(outcomes[2].rms):
-            return built, [noisy(outcome, rng) for outcome in outcomes]
+        rig = replace(rig, specimen=specimen, shape=specimen_shape(specimen, peak, rng))
+        ideal = lab.run(rig, ground, ideal=ground).command
+        critical = 2.0 * rig.xi / (2.0 * math.pi * rig.f) / rig.alpha
+        delay = critical * math.exp(rng.uniform(math.log(0.02), -1.5))
+        rigs = (
+            replace(rig, kind=lab.DELAY, numbers=(1.0, times * delay, 0.0, 0.0)) for times in (1.0, 2.0, 3.0)
+        )
+        outcomes = [lab.run(delayed, ground, ideal=ideal) for delayed in rigs]
+        if SMALLEST < outcomes[0].rms < LARGEST and np.isfinite(outcomes[2].rms):
+            return rig, [replace(run, measured=add_noise(run.measured, rng)) for run in outcomes]
 
 
-def noisy(outcome: lab.Outcome, rng: np.random.Generator) -> lab.Outcome:
-    """Add the noise of the displacement sensor."""
-    level = 10.0 ** (-single.DECIBELS / 20.0) * float(np.sqrt(np.mean(outcome.measured**2)))
-    return replace(outcome, measured=outcome.measured + lab.noise("white", outcome.measured.size, level, rng))
-
-
-def judged(seed: int, records: list[Path]) -> Iterator[dict[str, float | str]]:
+def judge_runs(seed: int, records: list[Path]) -> Iterator[dict[str, float | str]]:
     """Judge three runs alone and together; nothing where they are refused."""
-    built, outcomes = runs_of(seed, records)
-    rng = np.random.default_rng([seed, 1])
-    structure = Structure(
-        frequency=built.f * (1.0 + 0.02 * rng.standard_normal()),
-        damping_ratio=built.xi * max(1.0 + 0.15 * rng.standard_normal(), 0.4),
-        experimental_fraction=built.alpha,
-    )
+    rig, outcomes = runs_of(seed, records)
+    structure = misstate_structure(rig, np.random.default_rng([seed, 1]))
     try:
-        alone = {
+        assessments = {
             f"run {place}": assess(
-                Recording(command=one.command, measured=one.measured, time_step=single.STEP),
+                Recording(command=outcome.command, measured=outcome.measured, time_step=STEP),
                 structure,
                 equipment=ordinary_equipment(),
                 criterion=published_criterion("guo_2017_15"),
             )
-            for place, one in enumerate(outcomes)
+            for place, outcome in enumerate(outcomes)
         }
-        together = combine_runs(alone).runs
+        runs = combine_runs(assessments).runs
     except InputError as error:
         print(seed, error, flush=True)
         return
-    for run, outcome, found in zip(together, outcomes, alone.values(), strict=True):
+    for run, outcome, assessment in zip(runs, outcomes, assessments.values(), strict=True):
         yield {
             "seed": seed,
-            "specimen": built.specimen,
+            "specimen": rig.specimen,
             "run": run.file,
             "true": outcome.rms,
             "ratio": run.error.value / outcome.rms,
@@ -93,16 +92,16 @@ def judged(seed: int, records: list[Path]) -> Iterator[dict[str, float | str]]:
             "held": run.error.low <= outcome.rms <= run.error.high,
             "held_alone": run.alone.low <= outcome.rms <= run.alone.high,
             "word": str(run.word),
-            "word_alone": str(word_of_probability(found.error.probability)),
+            "word_alone": str(word_of_probability(assessment.error.probability)),
         }
 
 
 def state(rows: pd.DataFrame, name: str) -> None:
     """Print a line about runs."""
-    near, alone = ((rows[ratio] - 1.0).abs() < 0.2 for ratio in ("ratio", "ratio_alone"))
-    bad = rows["true"] > single.THRESHOLD
+    near, near_alone = ((rows[ratio] - 1.0).abs() < 0.2 for ratio in ("ratio", "ratio_alone"))
+    bad = rows["true"] > THRESHOLD
     print(
-        f"{name}: {len(rows)} runs, within 20 % {near.mean():.0%} (alone {alone.mean():.0%}), held "
+        f"{name}: {len(rows)} runs, within 20 % {near.mean():.0%} (alone {near_alone.mean():.0%}), held "
         f"{rows['held'].mean():.0%} (alone {rows['held_alone'].mean():.0%}), undecided "
         f"{(rows['word'] == 'undecided').mean():.0%} "
         f"(alone {(rows['word_alone'] == 'undecided').mean():.0%}), "
@@ -113,14 +112,10 @@ def state(rows: pd.DataFrame, name: str) -> None:
 
 def main() -> None:
     """Judge tests and print the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("folder", type=Path)
-    parser.add_argument("--seed", type=int, required=True)
-    parser.add_argument("--count", type=int, default=40)
-    asked = parser.parse_args()
-    records = single.read_records(asked.folder)
+    options = argument_parser(__doc__, count=40).parse_args()
+    records = read_records(options.folder)
     rows = pd.DataFrame(
-        row for seed in range(asked.seed, asked.seed + asked.count) for row in judged(seed, records)
+        row for seed in range(options.seed, options.seed + options.count) for row in judge_runs(seed, records)
     )
     state(rows, "all")
     for name, specimen in (("linear", lab.LINEAR), ("hardening", lab.CUBIC), ("yielding", lab.HYSTERESIS)):

@@ -25,10 +25,10 @@ NAMES = ("time_s", "command_m", "measured_m")
 PROGRAM = "import sys; from reliab.app.cli import run; sys.exit(run(sys.argv[1:]))"
 
 
-def measured(label: str, *arguments: object) -> None:
+def measure_command(label: str, *arguments: object) -> None:
     """Run a command in a new process; print its time [s], peak memory [MB], exit code and first line."""
     read, write = os.pipe()
-    begun = time.perf_counter()
+    start = time.perf_counter()
     child = os.fork()
     if child == 0:
         os.dup2(write, 1)
@@ -39,10 +39,10 @@ def measured(label: str, *arguments: object) -> None:
     with os.fdopen(read, errors="replace") as stream:
         lines = [line.strip() for line in stream if line.strip()]
     _, status, usage = os.wait4(child, 0)
-    taken, memory = time.perf_counter() - begun, usage.ru_maxrss / 1e3
+    seconds, memory = time.perf_counter() - start, usage.ru_maxrss / 1e3
     code = os.waitstatus_to_exitcode(status)
-    said = f" {lines[-1]}" if code and lines else ""
-    print(f"{label:38} {taken:8.1f} s {memory:8.0f} MB  exit {code}{said}", flush=True)
+    last_line = f" {lines[-1]}" if code and lines else ""
+    print(f"{label:38} {seconds:8.1f} s {memory:8.0f} MB  exit {code}{last_line}", flush=True)
 
 
 def short_motion(number: int) -> Motion:
@@ -63,12 +63,12 @@ def motions(folder: Path) -> None:
         write_suite(MotionSuite.from_motions(map(short_motion, range(count))), suite)
         store, ellipses = folder / f"{count}.zarr", folder / f"{count}.nc"
         work = f"{count:,} motions"
-        measured(f"simulate, {work}", "simulate", "--motions", suite, *STRUCTURE, "--out", store)
+        measure_command(f"simulate, {work}", "simulate", "--motions", suite, *STRUCTURE, "--out", store)
         files = [path for path in store.rglob("*") if path.is_file()]
-        stored = sum(path.stat().st_size for path in files)
-        print(f"  store: {stored / count:,.0f} bytes and {len(files) / count:.1f} files a motion")
-        measured(f"ellipses, {work}", "ellipses", "--results", store, "--out", ellipses)
-        measured(f"criterion, {work}", "criterion", "--ellipses", ellipses, *STRUCTURE)
+        store_size = sum(path.stat().st_size for path in files)
+        print(f"  store: {store_size / count:,.0f} bytes and {len(files) / count:.1f} files a motion")
+        measure_command(f"ellipses, {work}", "ellipses", "--results", store, "--out", ellipses)
+        measure_command(f"criterion, {work}", "criterion", "--ellipses", ellipses, *STRUCTURE)
         shutil.rmtree(store)
         shutil.rmtree(suite)
 
@@ -81,7 +81,7 @@ def record(folder: Path) -> None:
         stream.write("# units: m/s2\n# time_step: 0.01\n")
         for _ in range(10):
             stream.write(f"{lines}\n")
-    measured("a record of 10,000,000 samples", "motions", "list", path)
+    measure_command("a record of 10,000,000 samples", "motions", "list", path)
 
 
 def pieces(rate: int) -> Iterator[np.ndarray]:
@@ -90,8 +90,8 @@ def pieces(rate: int) -> Iterator[np.ndarray]:
     for hour in range(DAY // 3_600):
         instants = (hour * steps + np.arange(steps)) / rate
         command, late = (
-            0.01 * np.sin(2.0 * np.pi * shifted) * np.sin(0.001 * shifted)
-            for shifted in (instants, instants - 0.004)
+            0.01 * np.sin(2.0 * np.pi * instants_of_channel) * np.sin(0.001 * instants_of_channel)
+            for instants_of_channel in (instants, instants - 0.004)
         )
         yield np.stack([instants, command, late + 1e-6 * np.sin(37.0 * instants)], axis=1)
 
@@ -103,13 +103,15 @@ def test(folder: Path) -> None:
             for name, values in zip(NAMES, np.concatenate(list(pieces(rate))).T, strict=True):
                 file[name] = values
         del values  # a new process begins with the memory that this one has
-        measured(f"assess, 24 h at {rate} Hz", "assess", path, *STRUCTURE)
+        measure_command(f"assess, 24 h at {rate} Hz", "assess", path, *STRUCTURE)
         path.unlink()
     with (folder / "day.csv").open("w") as stream:
         stream.write(",".join(NAMES) + "\n")
         for piece in pieces(32):
             np.savetxt(stream, piece, fmt="%.8g", delimiter=",")
-    measured("monitor, 24 h at 32 Hz", "monitor", folder / "day.csv", *STRUCTURE, "--wait", 1, "--every", 600)
+    measure_command(
+        "monitor, 24 h at 32 Hz", "monitor", folder / "day.csv", *STRUCTURE, "--wait", 1, "--every", 600
+    )
 
 
 def campaign(folder: Path) -> None:
@@ -125,7 +127,7 @@ def campaign(folder: Path) -> None:
             for k, name in enumerate(names)
         ]
         (place / "campaign.toml").write_text(CAMPAIGN + "\n".join(tables) + "\n")
-        measured(f"diagnose, {tests:,} tests of {seconds} s", "diagnose", place)
+        measure_command(f"diagnose, {tests:,} tests of {seconds} s", "diagnose", place)
 
 
 CAMPAIGN = """name = "many tests"
@@ -147,9 +149,9 @@ def _write_test(path: Path, number: int, seconds: int) -> None:
     instants = np.arange(seconds * 128) / 128
     phase, frequency = random.uniform(0.0, 6.0), random.uniform(0.7, 1.4)
 
-    def command(shifted: np.ndarray) -> np.ndarray:
-        envelope = np.sin(np.pi * np.clip(shifted, 0.0, seconds) / seconds) ** 2
-        return 0.01 * np.sin(2.0 * np.pi * frequency * shifted + phase) * envelope
+    def command(instants_of_channel: np.ndarray) -> np.ndarray:
+        envelope = np.sin(np.pi * np.clip(instants_of_channel, 0.0, seconds) / seconds) ** 2
+        return 0.01 * np.sin(2.0 * np.pi * frequency * instants_of_channel + phase) * envelope
 
     noise = 1e-6 * random.standard_normal(instants.size)
     columns = (instants, command(instants), command(instants - 0.004) + noise)

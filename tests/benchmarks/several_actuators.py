@@ -21,7 +21,6 @@ contradicts, and how many of the others; with `--imperfect` by frequencies that 
 """
 
 import argparse
-import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import product
@@ -29,51 +28,43 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import paths  # noqa: F401 - makes the laboratories importable
+from coupled_structures import coupled_response, described, node, plate, two_storeys
+from laboratory_tests import THRESHOLD, argument_parser
+from rebuilt_error.laboratory import read_at2
 from scipy.interpolate import CubicSpline
 
-sys.path[:0] = [str(Path(__file__).resolve().parents[1])]
-
-from assessment.rebuilt_error.laboratory import read_at2  # noqa: E402
-from coupled_structures import (  # noqa: E402
-    coupled_response,
-    described,
-    node,
-    plate,
-    two_storeys,
-)
-
-from reliab.assessment.budget.sizes import ordinary_equipment, sizes_of_unknown, tolerances_of  # noqa: E402
-from reliab.assessment.coupled_error.posterior_errors import channels_of_several  # noqa: E402
-from reliab.assessment.coupled_error.rebuild import rebuild_coupled  # noqa: E402
-from reliab.assessment.rebuilt_error.tolerances import Tolerances  # noqa: E402
-from reliab.assessment.recorded_ground import examine_ground  # noqa: E402
-from reliab.core.errors import InputError  # noqa: E402
-from reliab.core.shipped import shipped  # noqa: E402
-from reliab.recordings.coupled_recording import CoupledRecording  # noqa: E402
-from reliab.simulation.frames.frame_file import read_structure  # noqa: E402
-from reliab.simulation.transfer_systems.transfer_function import ActuatorMatrix, TransferFunction  # noqa: E402
-from reliab.structures.partition import Partition  # noqa: E402
-from reliab.structures.structure import Structure  # noqa: E402
+from reliab.assessment.budget.sizes import ordinary_equipment, sizes_of_unknown, tolerances_of
+from reliab.assessment.coupled_error.posterior_errors import channels_of_several
+from reliab.assessment.coupled_error.rebuild import rebuild_coupled
+from reliab.assessment.rebuilt_error.tolerances import Tolerances
+from reliab.assessment.recorded_ground import examine_ground
+from reliab.core.errors import InputError
+from reliab.core.shipped import shipped
+from reliab.recordings.coupled_recording import CoupledRecording
+from reliab.simulation.frames.frame_file import read_structure
+from reliab.simulation.transfer_systems.transfer_function import ActuatorMatrix, TransferFunction
+from reliab.structures.partition import Partition
+from reliab.structures.structure import Structure
 
 RATE = 512.0
 CLOCK = 1024.0  # Hz, of the converters, whose recordings are thinned to RATE
 LONGEST = 30.0  # s
 LONGEST_LAG = 8e-3  # s, of actuators; shorter until the loop is stable
-THRESHOLD = 0.05
 FAR_OFF = 0.015  # of the natural frequency
 
 
 def structures() -> dict[str, tuple[Partition, np.ndarray]]:
     """Structures and their kinematics."""
     corner = read_structure(shipped("datasets", "frames/two_actuators.toml"))
-    found = {"corner": (corner.partition, corner.kinematics)}
-    for one in (two_storeys, node, plate):
-        partition, actuators = described(one)
-        found[one.__name__] = (partition, actuators.kinematics)
-    return found
+    structures_by_name = {"corner": (corner.partition, corner.kinematics)}
+    for make in (two_storeys, node, plate):
+        partition, actuators = described(make)
+        structures_by_name[make.__name__] = (partition, actuators.kinematics)
+    return structures_by_name
 
 
-def drawn_actuators(kinematics: np.ndarray, longest: float, rng: np.random.Generator) -> ActuatorMatrix:
+def draw_actuators(kinematics: np.ndarray, longest: float, rng: np.random.Generator) -> ActuatorMatrix:
     """Second-order lags up to the longest [s], alike but not equal, that move each other."""
     lag, size = longest * rng.uniform(0.2, 1.0), len(kinematics)
     corners = 1.4 / (lag * rng.uniform(0.8, 1.25, size))
@@ -94,7 +85,7 @@ def tests(
     kinematics: np.ndarray,
     seed: int,
     records: list[Path],
-    asked: argparse.Namespace,
+    options: argparse.Namespace,
 ) -> Iterator[dict[str, object]]:
     """Simulate a test and judge it at each level of noise."""
     rng = np.random.default_rng([seed, len(name)])
@@ -102,17 +93,19 @@ def tests(
     while True:
         ground = read_at2(records[rng.integers(len(records))], RATE)[: int(LONGEST * RATE)]
         try:
-            tested = off_by_chance(partition, rng, asked)
-            run = coupled_response(tested, drawn_actuators(kinematics, longest, rng), ground, 1.0 / RATE)
+            tested_partition = off_by_chance(partition, rng, options)
+            run = coupled_response(
+                tested_partition, draw_actuators(kinematics, longest, rng), ground, 1.0 / RATE
+            )
             break
         except InputError:  # unstable
             longest *= 0.7
-    strayed, peak = run.measured - run.reference, np.abs(run.reference).max(axis=1)
-    true = np.sqrt(np.mean(strayed**2, axis=1)) / peak
+    error_history, peak = run.measured - run.reference, np.abs(run.reference).max(axis=1)
+    true = np.sqrt(np.mean(error_history**2, axis=1)) / peak
     command, measured = kinematics @ run.command, kinematics @ run.measured
-    read = read_by_chance(measured, rng, asked.clock) if asked.imperfect else measured
+    read = read_by_chance(measured, rng, options.clock) if options.imperfect else measured
     white = rng.standard_normal(measured.shape) * measured.std(axis=1, keepdims=True)
-    for level, (assumed, tolerances) in product(asked.decibels, assumptions(partition, asked).items()):
+    for level, (assumption, tolerances) in product(options.decibels, assumptions(partition, options).items()):
         recording = CoupledRecording(
             command=command,
             measured=read + 10.0 ** (-level / 20.0) * white,
@@ -129,8 +122,8 @@ def tests(
             draws=128,
         )
         channels = channels_of_several(error, recording)
-        shown = examine_ground(recording, channels, partition, feedback_lag=0.0)
-        lowest = tested.natural_frequencies[0] / partition.natural_frequencies[0]
+        ground_check = examine_ground(recording, channels, partition, feedback_lag=0.0)
+        lowest = tested_partition.natural_frequencies[0] / partition.natural_frequencies[0]
         probability = error.probability(THRESHOLD)
         bad = (
             max(true[place] for place, degree in enumerate(error.displacements) if degree.judged) > THRESHOLD
@@ -139,7 +132,7 @@ def tests(
             yield {
                 "structure": name,
                 "decibels": level,
-                "assumed": assumed,
+                "assumed": assumption,
                 "degree": place + 1,
                 "seed": seed,
                 "true": true[place],
@@ -150,31 +143,36 @@ def tests(
                 "bad_accepted": bad and probability > 0.95,
                 "good_refused": not bad and probability < 0.05,
                 "off": abs(lowest - 1.0) > FAR_OFF,
-                "told": abs(shown.frequency - 1.0) > 3.0 * shown.deviation,
+                "told": abs(ground_check.frequency - 1.0) > 3.0 * ground_check.deviation,
                 "undecided": 0.05 <= probability <= 0.95,
             }
 
 
-def assumptions(partition: Partition, asked: argparse.Namespace) -> dict[str, Tolerances]:
+def assumptions(partition: Partition, options: argparse.Namespace) -> dict[str, Tolerances]:
     """What intervals are to hold."""
     lowest = float(partition.natural_frequencies[0])
     mode = Structure(frequency=lowest, damping_ratio=0.05, experimental_fraction=0.5)
     ordinary = tolerances_of(sizes_of_unknown({}, mode, ordinary_equipment(), 1.0 / RATE))
-    if asked.imperfect:
+    if options.imperfect:
         return {"ordinary": ordinary}
-    if asked.stiffness:
-        stated = Tolerances(frequency=0.5 * asked.stiffness)
-        beside = replace(ordinary, frequency=stated.frequency)
-        return {"stated": beside, "stated alone": stated, "ordinary": ordinary, "exact": Tolerances()}
+    if options.stiffness:
+        stated_stiffness = Tolerances(frequency=0.5 * options.stiffness)
+        combination = replace(ordinary, frequency=stated_stiffness.frequency)
+        return {
+            "stated": combination,
+            "stated alone": stated_stiffness,
+            "ordinary": ordinary,
+            "exact": Tolerances(),
+        }
     return {"exact": Tolerances()}
 
 
-def off_by_chance(partition: Partition, rng: np.random.Generator, asked: argparse.Namespace) -> Partition:
+def off_by_chance(partition: Partition, rng: np.random.Generator, options: argparse.Namespace) -> Partition:
     """Draw the structure that is tested, where another one is stated."""
-    if asked.stiffness:
-        frequency = np.sqrt(1.0 + asked.stiffness * rng.standard_normal())
+    if options.stiffness:
+        frequency = np.sqrt(1.0 + options.stiffness * rng.standard_normal())
         return partition.scale(frequency=frequency, damping_ratio=1.0, share=1.0)
-    if not asked.imperfect:
+    if not options.imperfect:
         return partition
     frequency, ratio, share = 1.0 + rng.standard_normal(3) * [0.02, 0.15, 0.01]
     return partition.scale(frequency=frequency, damping_ratio=max(ratio, 0.3), share=share)
@@ -183,8 +181,8 @@ def off_by_chance(partition: Partition, rng: np.random.Generator, asked: argpars
 def read_by_chance(measured: np.ndarray, rng: np.random.Generator, clock: float) -> np.ndarray:
     """Readings of sensors whose scales and clocks are not as those of the commands; `clock` [Hz]."""
     times = np.arange(measured.shape[1], dtype=float)
-    spaced = rng.uniform(0.0, 1.0, len(measured)) - rng.uniform(0.0, 1.0, len(measured))
-    skews = RATE / clock * spaced  # samples
+    clock_offsets = rng.uniform(0.0, 1.0, len(measured)) - rng.uniform(0.0, 1.0, len(measured))
+    skews = RATE / clock * clock_offsets  # samples
     scales = 1.0 + 0.006 * rng.standard_normal(len(measured))
     return np.stack(
         [
@@ -196,21 +194,21 @@ def read_by_chance(measured: np.ndarray, rng: np.random.Generator, clock: float)
 
 def state(rows: pd.DataFrame) -> None:
     """Print a line for each displacement."""
-    judged = rows[rows["judged"]]
-    by = ["structure", "decibels", "assumed", "degree"]
-    for (structure, level, assumed, place), of in judged.groupby(by, sort=False):
-        low, middle, high = of["ratio"].quantile([0.05, 0.5, 0.95])
-        near = ((of["ratio"] - 1.0).abs() < 0.02).mean()
+    judged_rows = rows[rows["judged"]]
+    keys = ["structure", "decibels", "assumed", "degree"]
+    for (structure, level, assumption, place), group in judged_rows.groupby(keys, sort=False):
+        low, middle, high = group["ratio"].quantile([0.05, 0.5, 0.95])
+        near = ((group["ratio"] - 1.0).abs() < 0.02).mean()
         print(
-            f"{structure:12} {level:3.0f} dB, {assumed}, displacement {place}: {len(of):3} tests, true "
-            f"{of['true'].median():.2%}, ratio {middle:.3f} ({low:.3f} to {high:.3f}), "
-            f"within 2 % {near:.0%}, held {of['held'].mean():.0%}, false-safe {of['false_safe'].sum()}"
+            f"{structure:12} {level:3.0f} dB, {assumption}, displacement {place}: {len(group):3} tests, true "
+            f"{group['true'].median():.2%}, ratio {middle:.3f} ({low:.3f} to {high:.3f}), "
+            f"within 2 % {near:.0%}, held {group['held'].mean():.0%}, false-safe {group['false_safe'].sum()}"
         )
-    for assumed in rows["assumed"].unique().tolist():
-        of = rows[rows["assumed"] == assumed]
-        shown = of[of["judged"]]
-        print(f"{assumed}: judged {len(shown)} of {len(of)}, held {shown['held'].mean():.0%}")
-        tests = of.groupby(["structure", "decibels", "seed"])
+    for assumption in rows["assumed"].unique().tolist():
+        group = rows[rows["assumed"] == assumption]
+        counted = group[group["judged"]]
+        print(f"{assumption}: judged {len(counted)} of {len(group)}, held {counted['held'].mean():.0%}")
+        tests = group.groupby(["structure", "decibels", "seed"])
         verdicts = tests[["bad_accepted", "good_refused", "undecided", "off", "told"]].first()
         counts = verdicts[["bad_accepted", "good_refused", "undecided"]].sum()
         print(f"tests {len(verdicts)}: " + ", ".join(f"{name} {n}" for name, n in counts.items()))
@@ -221,23 +219,20 @@ def state(rows: pd.DataFrame) -> None:
 
 def main() -> None:
     """Judge tests and print the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("folder", type=Path)
-    parser.add_argument("--seed", type=int, required=True)
-    parser.add_argument("--count", type=int, default=20)
+    parser = argument_parser(__doc__, count=20)
     parser.add_argument("--decibels", type=float, nargs="+", default=[40.0])
     parser.add_argument("--structures", nargs="+", choices=list(structures()), default=list(structures()))
     parser.add_argument("--imperfect", action="store_true")
     parser.add_argument("--clock", type=float, default=CLOCK)
     parser.add_argument("--stiffness", type=float, default=0.0)
-    asked = parser.parse_args()
-    records = sorted(asked.folder.rglob("*.AT2"))
+    options = parser.parse_args()
+    records = sorted(options.folder.rglob("*.AT2"))
     rows = []
-    for name in asked.structures:
-        for seed in range(asked.seed, asked.seed + asked.count):
-            rows += tests(name, *structures()[name], seed, records, asked)
+    for name in options.structures:
+        for seed in range(options.seed, options.seed + options.count):
+            rows += tests(name, *structures()[name], seed, records, options)
         state(pd.DataFrame(row for row in rows if row["structure"] == name))
-    if len(asked.structures) > 1:
+    if len(options.structures) > 1:
         state(pd.DataFrame(rows))
 
 

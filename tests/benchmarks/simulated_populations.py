@@ -19,18 +19,16 @@ FOLDER keeps the responses, so that a second run begins with them.
 import argparse
 from dataclasses import replace
 from functools import partial
-from itertools import count
+from itertools import count, product
 from math import pi
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from criterion_scope import CONFIDENCES, THRESHOLD, groups_of
+from criterion_scope import THRESHOLD, groups_of, limits_of as limits_at
 
 from reliab.core.shipped import shipped
 from reliab.criterion.carrying import carry_to_length, carry_to_suite, protect_over_lengths
-from reliab.criterion.derivation import Derivation
-from reliab.criterion.methods.registry import method_of
 from reliab.motions.motion import Motion
 from reliab.motions.suite import MotionSuite
 from reliab.motions.synthetic.dabaghi_der_kiureghian_2018 import physical_parameters, regression_of
@@ -54,7 +52,7 @@ CUT = 3.0  # standard deviations of the model's errors
 XI, F = (0.02, 0.05), (1.0,)
 
 
-def simulated(name, number, seed=SEED):
+def simulate_earthquake(name, number, seed=SEED):
     """Two components of an earthquake of a population."""
     ranges = dict(POPULATIONS[name])
     place = list(POPULATIONS).index(name)
@@ -68,8 +66,8 @@ def simulated(name, number, seed=SEED):
         scenario = replace(scenario, **values)
         regression = regression_of(pulse_like=pulse_like)
         standard = regression.factor @ random.normal(size=regression.deviations.size)
-        transformed = regression.means(scenario) + standard * regression.deviations
-        parameters = physical_parameters(transformed, pulse_like=pulse_like)
+        transformed_values = regression.means(scenario) + standard * regression.deviations
+        parameters = physical_parameters(transformed_values, pulse_like=pulse_like)
         if np.abs(standard).max() < CUT and (parameters.pulse is None or parameters.pulse.start >= 0.0):
             break
     noises = streams(0, 3), streams(0, 4)
@@ -91,62 +89,67 @@ def population(name, motions, folder, seed):
     path = folder / f"{name.replace(' ', '_')}_{motions}_{seed}.nc"
     if not path.is_file():
         numbers = range(1, motions // 2 + 1)
-        suite = [motion for number in numbers for motion in simulated(name, number, seed)]
+        suite = [motion for number in numbers for motion in simulate_earthquake(name, number, seed)]
         measure_responses(MotionSuite.from_motions(suite), F, XI).to_netcdf(path, engine="h5netcdf")
     measures = xr.load_dataset(path, engine="h5netcdf")
     lengths, responses = (
-        measures[each].quantile([0.0, 0.5, 1.0]).values for each in ("duration", "effective_duration")
+        measures[name_of_measure].quantile([0.0, 0.5, 1.0]).values
+        for name_of_measure in ("duration", "effective_duration")
     )
     print(f"{name:28s} lengths {lengths.round(0)} s, effective durations {responses.round(1)} s", flush=True)
-    return of_small_errors(measures)
+    return predict_ellipses(measures)
 
 
-def of_small_errors(measures):
+def predict_ellipses(measures):
     """Ellipses at the threshold as predicted for small errors."""
     single = {"threshold": [THRESHOLD], "metric": ["rms"], "curve": ["inscribed"], "side": ["lag"]}
-    found = xr.Dataset({name: THRESHOLD**2 * measures[f"{name}_first"] for name in "ab"})
-    found = found.expand_dims(single, axis=list(range(3, 7)))
-    return found.assign_attrs(window="record", experimental_fraction=1.0)
+    ellipses = xr.Dataset({name: THRESHOLD**2 * measures[f"{name}_first"] for name in "ab"})
+    ellipses = ellipses.expand_dims(single, axis=list(range(3, 7)))
+    return ellipses.assign_attrs(window="record", experimental_fraction=1.0)
 
 
 def limits_of(ellipses):
     """Limits a and b over (confidence, damping ratio, 2)."""
-    learned = {"method": method_of("dirichlet"), "threshold": THRESHOLD, "metric": "rms"}
-    derivation = Derivation.from_ellipses(ellipses, **learned)
-    criteria = [derivation.criterion(confidence, joint=True) for confidence in CONFIDENCES]
-    return np.array([[criterion.limits(F[0], xi) for xi in XI] for criterion in criteria], float)
+    return limits_at(ellipses, structures=tuple(product(F, XI)))
 
 
-def kept(limits, judged):
+def shares_kept(limits, target):
     """Whether the region lies within a motion's inscribed ellipse, over (motion, confidence)."""
-    single = {name: 0 for name in judged["a"].dims if name not in {"motion", "xi"}}
-    a, b = (judged[name].isel(single).transpose("motion", "xi").values[:, None] for name in "ab")
-    within = (limits[None, ..., 0] <= a) & (limits[None, ..., 1] <= b)
-    return (within & np.isfinite(a)).mean(axis=-1)
+    single = {name: 0 for name in target["a"].dims if name not in {"motion", "xi"}}
+    a, b = (target[name].isel(single).transpose("motion", "xi").values[:, None] for name in "ab")
+    is_within = (limits[None, ..., 0] <= a) & (limits[None, ..., 1] <= b)
+    return (is_within & np.isfinite(a)).mean(axis=-1)
 
 
-def by_three(learned, judged):
+def compare_criteria(source, target):
     """Shares kept by criteria as recorded, protected, and carried to the length of each record."""
-    lengths = judged["duration"].values
+    lengths = target["duration"].values
     lengths = np.maximum(5.0 * np.round(lengths / 5.0), 5.0)
-    by_length = {length: limits_of(carry_to_length(learned, float(length))) for length in np.unique(lengths)}
-    of_length = [
-        kept(by_length[length], judged.isel(motion=[place]))[0] for place, length in enumerate(lengths)
+    limits_by_length = {
+        length: limits_of(carry_to_length(source, float(length))) for length in np.unique(lengths)
+    }
+    kept_by_length = [
+        shares_kept(limits_by_length[length], target.isel(motion=[place]))[0]
+        for place, length in enumerate(lengths)
     ]
-    plain, protected = limits_of(learned), limits_of(protect_over_lengths(learned))
-    return [kept(plain, judged).mean(0), kept(protected, judged).mean(0), np.mean(of_length, axis=0)]
+    plain, protected_limits = limits_of(source), limits_of(protect_over_lengths(source))
+    return [
+        shares_kept(plain, target).mean(0),
+        shares_kept(protected_limits, target).mean(0),
+        np.mean(kept_by_length, axis=0),
+    ]
 
 
-def of_ten(learned, target, random):
+def pool_ten_records(source, target, random):
     """Share that a criterion pooled with ten records of a population keeps on its other earthquakes."""
-    own = []
+    own_records = []
     for event in random.permutation(np.unique(target["event"].values)):
-        own += np.flatnonzero(target["event"].values == event).tolist()
-        if len(own) >= TEN:
+        own_records += np.flatnonzero(target["event"].values == event).tolist()
+        if len(own_records) >= TEN:
             break
-    others = np.setdiff1d(np.arange(target.sizes["motion"]), own)
-    limits = limits_of(carry_to_suite(learned, target.isel(motion=own[:TEN])))
-    return kept(limits, target.isel(motion=others)).mean(0)
+    other_records = np.setdiff1d(np.arange(target.sizes["motion"]), own_records)
+    limits = limits_of(carry_to_suite(source, target.isel(motion=own_records[:TEN])))
+    return shares_kept(limits, target.isel(motion=other_records)).mean(0)
 
 
 def line(name, shares):
@@ -164,28 +167,30 @@ def main():
     options = parser.parse_args()
     options.folder.mkdir(exist_ok=True)
     measures = read_netcdf(shipped("datasets", "real_suite/first_order.nc"), "Measures", "")
-    real = of_small_errors(measures.sel(f=list(F), xi=list(XI)))
+    real = predict_ellipses(measures.sel(f=list(F), xi=list(XI)))
     targets = {
         name: (population(name, options.motions, options.folder, options.seed), real) for name in POPULATIONS
     }
     print("learned from / judged on                     as recorded, protected over lengths, by length")
-    for name, (judged, _) in targets.items():
-        line(f"real / {name}", by_three(real, judged))
-    for name, (learned, _) in targets.items():
-        line(f"{name} / real", by_three(learned, real))
-    for name, chosen in groups_of(real).items():
-        group, rest = real.isel(motion=chosen), real.isel(motion=~chosen)
-        apart = ~np.isin(rest["event"].values, group["event"].values)
+    for name, (target, _) in targets.items():
+        line(f"real / {name}", compare_criteria(real, target))
+    for name, (source, _) in targets.items():
+        line(f"{name} / real", compare_criteria(source, real))
+    for name, members in groups_of(real).items():
+        group, complement = real.isel(motion=members), real.isel(motion=~members)
+        is_independent = ~np.isin(complement["event"].values, group["event"].values)
         if np.unique(group["event"].values).size >= TEN // 2 and group.sizes["motion"] >= 3 * TEN:
-            targets[f"real, {name}"] = group, rest.isel(motion=apart)
+            targets[f"real, {name}"] = group, complement.isel(motion=is_independent)
     print("ten own records pooled with the real population, judged on other earthquakes of their kind")
-    random, every = np.random.default_rng(options.seed), []
-    for place, (name, (target, learned)) in enumerate(targets.items()):
+    random, shares_of_sets = np.random.default_rng(options.seed), []
+    for place, (name, (target, source)) in enumerate(targets.items()):
         sets = range(options.sets // len(targets) + (place < options.sets % len(targets)))
-        shares = [of_ten(learned, target, random) for _ in sets]
-        every += shares
+        shares = [pool_ten_records(source, target, random) for _ in sets]
+        shares_of_sets += shares
         line(f"{name} ({len(shares)} sets)", [np.mean(shares, axis=0), np.std(shares, axis=0)])
-    line(f"all ({len(every)} sets)", [np.mean(every, axis=0), np.std(every, axis=0)])
+    line(
+        f"all ({len(shares_of_sets)} sets)", [np.mean(shares_of_sets, axis=0), np.std(shares_of_sets, axis=0)]
+    )
 
 
 if __name__ == "__main__":

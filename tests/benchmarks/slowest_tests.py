@@ -25,7 +25,7 @@ PHASES = ("setup", "call", "teardown")
 
 def processor_time() -> float:
     """Processor time in s of this process and of its finished subprocesses, in user and system mode."""
-    usages = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    usages = (resource.getrusage(scope) for scope in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
     return sum(usage.ru_utime + usage.ru_stime for usage in usages)
 
 
@@ -42,7 +42,7 @@ class ProcessorTimes:
         self.count = count
         self.times: dict[str, dict[str, float]] = defaultdict(lambda: dict.fromkeys(PHASES, 0.0))
 
-    def _timed(self, item: pytest.Item, phase: str) -> Iterator[None]:
+    def _measure_phase(self, item: pytest.Item, phase: str) -> Iterator[None]:
         start = processor_time()
         try:
             return (yield)
@@ -51,15 +51,15 @@ class ProcessorTimes:
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_setup(self, item: pytest.Item) -> Iterator[None]:
-        return (yield from self._timed(item, "setup"))
+        return (yield from self._measure_phase(item, "setup"))
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_call(self, item: pytest.Item) -> Iterator[None]:
-        return (yield from self._timed(item, "call"))
+        return (yield from self._measure_phase(item, "call"))
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_teardown(self, item: pytest.Item) -> Iterator[None]:
-        return (yield from self._timed(item, "teardown"))
+        return (yield from self._measure_phase(item, "teardown"))
 
     def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> None:
         """Write the table of the slowest tests below pytest's own summary."""
@@ -69,8 +69,8 @@ class ProcessorTimes:
             f"processor time {total:.1f} s in tests, {processor_time():.1f} s with imports and collection"
         )
         terminalreporter.write_line("   total   setup    call  test")
-        by_time = sorted(self.times.items(), key=lambda entry: -sum(entry[1].values()))
-        for name, phases in by_time[: self.count]:
+        sorted_tests = sorted(self.times.items(), key=lambda entry: -sum(entry[1].values()))
+        for name, phases in sorted_tests[: self.count]:
             terminalreporter.write_line(
                 f"{sum(phases.values()):8.2f}{phases['setup']:8.2f}{phases['call']:8.2f}  {name}"
             )

@@ -34,7 +34,7 @@ DAMPING_RATIOS = (0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.09, 0.10)
 TURNS = 3
 
 
-def timed(
+def time_sweep(
     suite: MotionSuite, request: SweepRequest, workers: int | None, scheduler: str | None = None
 ) -> float:
     """Time of a sweep [s]."""
@@ -60,27 +60,27 @@ class Machine:
             LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None)
             for workers in (1, 2)
         ]
-        self.in_two_processes(suite[:4], request)
+        self.sweep_in_two_processes(suite[:4], request)
         for cluster in self.clusters:
-            timed(suite[:8], request, None, cluster.scheduler_address)
+            time_sweep(suite[:8], request, None, cluster.scheduler_address)
 
-    def in_two_processes(self, suite: MotionSuite, request: SweepRequest) -> float:
+    def sweep_in_two_processes(self, suite: MotionSuite, request: SweepRequest) -> float:
         """Time in which two processes each solve the whole suite on one thread [s]."""
         start = time.perf_counter()
-        both = [self.processes.submit(timed, suite, request, 1) for _ in range(2)]
-        for one in both:
-            one.result()
+        both = [self.processes.submit(time_sweep, suite, request, 1) for _ in range(2)]
+        for future in both:
+            future.result()
         return time.perf_counter() - start
 
     def ways(self, suite: MotionSuite, request: SweepRequest) -> dict[str, Callable[[], float]]:
         """Ways to solve a sweep by name, each of which returns the time of one sweep [s]."""
         addresses = [cluster.scheduler_address for cluster in self.clusters]
         return {
-            "one thread": lambda: timed(suite, request, 1),
-            "two threads": lambda: timed(suite, request, 2),
-            "two processes, half their time": lambda: self.in_two_processes(suite, request) / 2.0,
-            "dask, one worker": lambda: timed(suite, request, None, addresses[0]),
-            "dask, two workers": lambda: timed(suite, request, None, addresses[1]),
+            "one thread": lambda: time_sweep(suite, request, 1),
+            "two threads": lambda: time_sweep(suite, request, 2),
+            "two processes, half their time": lambda: self.sweep_in_two_processes(suite, request) / 2.0,
+            "dask, one worker": lambda: time_sweep(suite, request, None, addresses[0]),
+            "dask, two workers": lambda: time_sweep(suite, request, None, addresses[1]),
         }
 
 
@@ -89,10 +89,12 @@ class Turn(NamedTuple):
 
     seconds: float  # Time of one sweep
     processor: float  # Processor time of this process and of those that it started [s]
-    others: float  # Share of the machine's processor time that other programs had
+    share_of_others: float  # Share of the machine's processor time that other programs had
 
     def __str__(self) -> str:
-        return f"{self.seconds:.2f} s, {self.processor:.2f} s of processors (others {self.others:.0%})"
+        return (
+            f"{self.seconds:.2f} s, {self.processor:.2f} s of processors (others {self.share_of_others:.0%})"
+        )
 
 
 def shortest(ways: Mapping[str, Callable[[], float]]) -> dict[str, Turn]:
@@ -103,49 +105,50 @@ def shortest(ways: Mapping[str, Callable[[], float]]) -> dict[str, Turn]:
 
 def one_turn(way: Callable[[], float]) -> Turn:
     """Take a way once."""
-    start, (everybody, own) = time.perf_counter(), processor_times()
+    start, (everybody, own_start) = time.perf_counter(), processor_times()
     seconds = way()
-    wall, after = time.perf_counter() - start, processor_times()
-    processor = after[1] - own
-    others = (after[0] - everybody - processor) / (psutil.cpu_count() * wall)
-    return Turn(seconds, processor, max(others, 0.0))
+    wall, end = time.perf_counter() - start, processor_times()
+    processor = end[1] - own_start
+    share_of_others = (end[0] - everybody - processor) / (psutil.cpu_count() * wall)
+    return Turn(seconds, processor, max(share_of_others, 0.0))
 
 
 def processor_times() -> tuple[float, float]:
     """Processor time of everybody, and of this process and those that it started [s]."""
-    everybody, own = psutil.cpu_times(), psutil.Process()
-    times = [process.cpu_times() for process in (own, *own.children(recursive=True))]
-    return everybody.user + everybody.nice + everybody.system, sum(one.user + one.system for one in times)
+    everybody, this_process = psutil.cpu_times(), psutil.Process()
+    times = [process.cpu_times() for process in (this_process, *this_process.children(recursive=True))]
+    total = sum(item.user + item.system for item in times)
+    return everybody.user + everybody.nice + everybody.system, total
 
 
 def print_ratios(name: str, turns: Mapping[str, Turn]) -> None:
     """State what two threads and two workers add to one, beside what two processes add."""
-    one, threads, processes, worker, workers = (turn.seconds for turn in turns.values())
-    ceiling = one / processes
+    single, threads, processes, worker, workers = (turn.seconds for turn in turns.values())
+    ceiling = single / processes
     print(
-        f"{name}: two processes {ceiling:.2f} times one thread; two threads {one / threads:.2f} times, "
+        f"{name}: two processes {ceiling:.2f} times one thread; two threads {single / threads:.2f} times, "
         f"{processes / threads:.0%} of that; dask, two workers {worker / workers:.2f} times one worker "
         f"(efficiency {worker / workers / 2.0:.2f}, {worker / workers / ceiling:.0%} of what two processes "
-        f"add) and {one / workers:.2f} times one thread ({processes / workers:.0%})"
+        f"add) and {single / workers:.2f} times one thread ({processes / workers:.0%})"
     )
 
 
 def main() -> None:
     suite = load_motions(*(sys.argv[1:] or ["synthetic"]))
     paper = SweepRequest(frequencies=FREQUENCIES, damping_ratios=(0.02,), grid=ExplicitGrid())
-    scaled = SweepRequest(frequencies=FREQUENCIES, damping_ratios=(0.02,))
+    scaled_grid = SweepRequest(frequencies=FREQUENCIES, damping_ratios=(0.02,))
     factorial = SweepRequest(frequencies=FREQUENCIES, damping_ratios=DAMPING_RATIOS)
-    timed(suite[:2], paper, None)  # compiles
+    time_sweep(suite[:2], paper, None)  # compiles
     machine = Machine(suite, paper)
     print(f"{len(suite)} motions")
-    for name, request in (("paper's grid", paper), ("scaled grid with leads", scaled)):
+    for name, request in (("paper's grid", paper), ("scaled grid with leads", scaled_grid)):
         turns = shortest(machine.ways(suite, request))
         for way, turn in turns.items():
             print(f"{name} x 8 frequencies, {way}: {turn}")
         print_ratios(f"{name} x 8 frequencies", turns)
-    print(f"scaled grid x 72 structures, two threads: {one_turn(lambda: timed(suite, factorial, 2))}")
+    print(f"scaled grid x 72 structures, two threads: {one_turn(lambda: time_sweep(suite, factorial, 2))}")
     for count in (12, 25, 50, len(suite)):
-        print(f"paper's grid, {count} motions: {timed(suite[:count], paper, None):.2f} s")
+        print(f"paper's grid, {count} motions: {time_sweep(suite[:count], paper, None):.2f} s")
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
     print(f"peak memory {peak:.2f} GB")
 

@@ -42,12 +42,12 @@ def write_test(path: Path, seed: int = 1) -> None:
     rng = np.random.default_rng(seed)
     times = np.arange(0.0, SECONDS, 1.0 / RATE)
 
-    def moved(instants: np.ndarray) -> np.ndarray:
+    def displacement_at(instants: np.ndarray) -> np.ndarray:
         swing = np.sin(ONE_HERTZ * instants) + 0.5 * np.sin(0.9 * ONE_HERTZ * instants + 1.0)
         return np.asarray(0.01 * swing * np.sin(np.pi * instants / SECONDS) ** 2)
 
-    command = moved(times)
-    piston = 0.99 * moved(np.maximum(times - 1e-3, 0.0))
+    command = displacement_at(times)
+    piston = 0.99 * displacement_at(np.maximum(times - 1e-3, 0.0))
     measured = piston + 3e-5 * rng.standard_normal(times.size)
     force = MASS * ONE_HERTZ**2 * piston + rng.standard_normal(times.size)
     np.savetxt(
@@ -59,7 +59,7 @@ def write_test(path: Path, seed: int = 1) -> None:
     )
 
 
-def printed(tree: Path, *arguments: str) -> str:
+def run_python(tree: Path, *arguments: str) -> str:
     """Run Python with the package of a checkout; return what it prints."""
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
     environment |= {"PYTHONPATH": str(tree)}
@@ -68,47 +68,47 @@ def printed(tree: Path, *arguments: str) -> str:
     ).stdout
 
 
-def of_process(tree: Path, *arguments: str) -> tuple[float, float]:
+def measure_process(tree: Path, *arguments: str) -> tuple[float, float]:
     """Processor time and time on the clock [s] of a Python process with the package of a checkout."""
-    before, begun = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
-    printed(tree, *arguments)
-    passed, after = time.perf_counter() - begun, resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, passed
+    start, clock_start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
+    run_python(tree, *arguments)
+    clock_time, end = time.perf_counter() - clock_start, resource.getrusage(resource.RUSAGE_CHILDREN)
+    return end.ru_utime + end.ru_stime - start.ru_utime - start.ru_stime, clock_time
 
 
-def of_later_calls(
-    tree: Path, calls: int, test: Path | str, stated: dict[str, object]
+def measure_later_calls(
+    tree: Path, calls: int, test: Path | str, options: dict[str, object]
 ) -> tuple[float, float]:
     """Shortest processor time and time on the clock [s] of verdicts after the first in a process."""
-    lines = printed(tree, "-c", LATER.format(calls=calls, test=str(test), stated=stated)).splitlines()
-    spent, passed = np.array([line.split() for line in lines[1:]], dtype=float).min(axis=0).tolist()
-    return spent, passed
+    lines = run_python(tree, "-c", LATER.format(calls=calls, test=str(test), stated=options)).splitlines()
+    spent, clock_time = np.array([line.split() for line in lines[1:]], dtype=float).min(axis=0).tolist()
+    return spent, clock_time
 
 
 def compare(
-    label: str, calls: int, measured: Callable[[Path], tuple[float, float]], trees: list[Path]
+    label: str, calls: int, measure: Callable[[Path], tuple[float, float]], trees: list[Path]
 ) -> None:
     """Print shortest times; beside a checkout of before the ratio of medians, in turns."""
-    rounds = [[measured(tree) for tree in trees] for _ in range(calls + 1)][1:]
-    taken = np.array(rounds)  # shape (calls, trees, 2)
-    spent, passed = taken[:, 0].min(axis=0)
+    rounds = [[measure(tree) for tree in trees] for _ in range(calls + 1)][1:]
+    times = np.array(rounds)  # shape (calls, trees, 2)
+    spent, clock_time = times[:, 0].min(axis=0)
     ratio = ""
     if len(trees) > 1:
-        now, before = np.median(taken, axis=0)
+        now, former = np.median(times, axis=0)
         ratio = (
-            f"  {now[0] / before[0]:.2f} of the processor time before, {now[1] / before[1]:.2f} on the clock"
+            f"  {now[0] / former[0]:.2f} of the processor time before, {now[1] / former[1]:.2f} on the clock"
         )
-    print(f"{label:40} {spent:6.2f} s, {passed:6.2f} s on the clock{ratio}", flush=True)
+    print(f"{label:40} {spent:6.2f} s, {clock_time:6.2f} s on the clock{ratio}", flush=True)
 
 
 def shortest(calls: int, call: Callable[[], object]) -> float:
     """Shortest processor time [s] of calls after the first."""
-    taken = []
+    times = []
     for _ in range(calls + 1):
-        begun = time.process_time()
+        start = time.process_time()
         call()
-        taken.append(time.process_time() - begun)
-    return min(taken[1:])
+        times.append(time.process_time() - start)
+    return min(times[1:])
 
 
 def main() -> None:
@@ -117,8 +117,8 @@ def main() -> None:
     )
     parser.add_argument("--calls", type=int, default=5, help="calls after the first")
     parser.add_argument("--before", type=Path, help="checkout with which commands are run in turns")
-    given = parser.parse_args()
-    calls, trees = given.calls, [ROOT, *([given.before.resolve()] if given.before else [])]
+    options = parser.parse_args()
+    calls, trees = options.calls, [ROOT, *([options.before.resolve()] if options.before else [])]
     with tempfile.TemporaryDirectory() as folder:
         path, bare = Path(folder) / "test.csv", Path(folder) / "bare.csv"
         write_test(path)
@@ -136,7 +136,7 @@ def main() -> None:
             "command, with a force and the mass": (*command, str(path), *STRUCTURE, "--mass", str(MASS)),
             "command, six tests with a force": (*command, *six, *STRUCTURE, "--mass", str(MASS)),
         }.items():
-            compare(label, calls, lambda tree, given=arguments: of_process(tree, *given), trees)
+            compare(label, calls, lambda tree, options=arguments: measure_process(tree, *options), trees)
         print(f"{'reading of 40 s at 1024 Hz':40} {shortest(calls, lambda: read_recording(path)):6.2f} s")
         cases: dict[str, tuple[Path | str, dict[str, object]]] = {
             "later call, the test that ships": ("sample_test", {}),
@@ -146,7 +146,7 @@ def main() -> None:
             "the specimen known by its force": (path, {"specimen": "measured", "mass": MASS}),
         }
         for label, case in cases.items():
-            compare(label, calls, lambda tree, case=case: of_later_calls(tree, calls, *case), trees)
+            compare(label, calls, lambda tree, case=case: measure_later_calls(tree, calls, *case), trees)
 
 
 if __name__ == "__main__":

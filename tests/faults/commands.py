@@ -31,7 +31,7 @@ class Work:
     """
 
     arguments: Callable[[Path, Path], Sequence[object]]
-    again: tuple[str, ...] = ()
+    resume_options: tuple[str, ...] = ()
     once: bool = False
 
 
@@ -40,7 +40,7 @@ def material(folder: Path) -> None:
     write_suite(corpus.suite(), folder / "motions")
     write_ellipses(corpus.ellipse_dataset(), folder / "ellipses.nc")
     write({f"campaign/{name}": content for name, content in corpus.campaign()[0].items()}, folder)
-    write({f"damped/{name}": content for name, content in damped_campaign().items()}, folder)
+    write({f"damped/{name}": content for name, content in damper_campaign().items()}, folder)
     (folder / "study.toml").write_text(
         f"""title = "Small"
 kind = "criterion"
@@ -62,17 +62,21 @@ trials = 64
     )
 
 
-def damped_campaign() -> corpus.Case:
+def damper_campaign() -> corpus.Case:
     """A campaign whose specimen has a damper that nobody stated, so that a posterior is sampled."""
     case = dict(corpus.campaign()[0])
     instants = np.arange(12 * corpus.RATE) / corpus.RATE
     for seed, name in enumerate(("a.csv", "b.csv")):
         random = np.random.default_rng(seed)
         waves = zip(random.uniform(0.5, 2.0, 4), random.uniform(0.0, 6.0, 4), strict=True)
-        moved = sum(np.sin(2.0 * np.pi * frequency * instants + phase) for frequency, phase in waves)
-        moved = 0.01 * np.sin(np.pi * instants / instants[-1]) ** 2 * moved
-        force = 4e4 * moved + 400.0 * np.gradient(moved, instants) + 0.5 * random.normal(size=moved.size)
-        columns = {"time_s": instants, "measured_m": moved, "force_n": force}
+        displacement = sum(np.sin(2.0 * np.pi * frequency * instants + phase) for frequency, phase in waves)
+        displacement = 0.01 * np.sin(np.pi * instants / instants[-1]) ** 2 * displacement
+        force = (
+            4e4 * displacement
+            + 400.0 * np.gradient(displacement, instants)
+            + 0.5 * random.normal(size=displacement.size)
+        )
+        columns = {"time_s": instants, "measured_m": displacement, "force_n": force}
         case[name] = pd.DataFrame(columns).round(9).to_csv(index=False).encode()
     return case
 
@@ -87,7 +91,7 @@ WORKS = {
             *("simulate", "--motions", material / "motions", "--f", 1, "--xi", 0.02, "--workers", 1),
             *("--out", out / "results.zarr", "--json", "-"),
         ),
-        again=("--resume",),
+        resume_options=("--resume",),
     ),
     "ellipses": Work(
         arguments=lambda material, out: (

@@ -7,17 +7,17 @@ import pytest
 from faults.commands import material
 from faults.crashing import Forks
 
-_COUNTED = pytest.StashKey[Counter]()
+_COUNTER = pytest.StashKey[Counter]()
 
 
 def pytest_configure(config):
-    config.stash[_COUNTED] = Counter()
+    config.stash[_COUNTER] = Counter()
 
 
 @pytest.fixture(scope="session")
-def counted(pytestconfig):
+def counter(pytestconfig):
     """Faults that happened, by command and kind; printed at the end of a run in one process (`-n 0`)."""
-    return pytestconfig.stash[_COUNTED]
+    return pytestconfig.stash[_COUNTER]
 
 
 @pytest.fixture(scope="session")
@@ -35,7 +35,7 @@ def forks():
 
 
 def pytest_terminal_summary(terminalreporter, config):
-    faults = config.stash[_COUNTED]
+    faults = config.stash[_COUNTER]
     for (name, kind), count in sorted(faults.items()):
         terminalreporter.write_line(f"{name:12} {kind:24} {count:4}")
     if faults:

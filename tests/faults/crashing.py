@@ -25,7 +25,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 _NOBODY = 65534
-_IMPORTED = (
+_MODULES = (
     "encodings.utf_8_sig",  # which another user may be unable to import later
     *(
         "arviz_stats",
@@ -70,7 +70,7 @@ class Forks:
         )
 
     def run(
-        self, arguments: Sequence[object], folder: Path, *, at: float = 0, action: str = "kill"
+        self, arguments: Sequence[object], folder: Path, *, instant: float = 0, action: str = "kill"
     ) -> Outcome:
         """Run a command line.
 
@@ -88,8 +88,13 @@ class Forks:
             "sampling" the steps of chains after which they are kept and the process is killed; with
             "readonly" it may not write to the folder.
         """
-        asked = {"arguments": [*map(str, arguments)], "folder": str(folder), "at": at, "action": action}
-        print(json.dumps(asked), file=self._server.stdin, flush=True)
+        request = {
+            "arguments": [*map(str, arguments)],
+            "folder": str(folder),
+            "at": instant,
+            "action": action,
+        }
+        print(json.dumps(request), file=self._server.stdin, flush=True)
         return Outcome(**json.loads(self._server.stdout.readline()))
 
     def close(self) -> None:
@@ -99,20 +104,20 @@ class Forks:
 def command(arguments: Sequence[object], environment: dict[str, str]) -> Outcome:
     """Run a command line in a new process with variables of its own."""
     program = "import sys; from reliab.app.cli import main; sys.argv[0] = 'reliab'; main()"
-    done = subprocess.run(  # noqa: S603 - this very package
+    process = subprocess.run(  # noqa: S603 - this very package
         [sys.executable, "-c", program, *map(str, arguments)],
         capture_output=True,
         check=False,
         env={**os.environ, **environment},
     )
-    return Outcome(done.returncode, done.stderr.decode(errors="replace"))
+    return Outcome(process.returncode, process.stderr.decode(errors="replace"))
 
 
 class _Fault:
     """Something that happens at the n-th write below a folder."""
 
-    def __init__(self, folder: str, at: int, action: str) -> None:
-        self.folder, self.at, self.action, self.writes = folder, at, action, 0
+    def __init__(self, folder: str, instant: int, action: str) -> None:
+        self.folder, self.instant, self.action, self.writes = folder, instant, action, 0
 
     def __call__(self, event: str, arguments: tuple[object, ...]) -> None:
         if event == "open":
@@ -123,8 +128,8 @@ class _Fault:
         if isinstance(name, str | bytes) and os.path.abspath(os.fsdecode(name)).startswith(self.folder):  # noqa: PTH100
             self.writes += 1
             if self.action == "full" and event in {"os.rename", "os.remove"}:
-                self.at += self.writes == self.at  # neither needs room
-            elif self.writes == self.at:
+                self.instant += self.writes == self.instant  # neither needs room
+            elif self.writes == self.instant:
                 self._happen(os.fsdecode(name))
 
     def _happen(self, name: str) -> None:
@@ -136,7 +141,7 @@ class _Fault:
             case "vanish":
                 shutil.rmtree(self.folder, ignore_errors=True)
             case "full":
-                self.at += 1  # it stays full
+                self.instant += 1  # it stays full
                 raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), name)
 
 
@@ -145,30 +150,30 @@ def _announce_hdf5() -> None:
 
     opening, closing = h5py.File.__init__, h5py.File.close
 
-    def opened(self, name, mode="r", *rest, **more):
+    def open_announced(self, name, mode="r", *positional, **options):
         self.announced = os.fspath(name) if mode != "r" and isinstance(name, str | os.PathLike) else ""
         if self.announced:
             sys.audit("open", self.announced, mode, os.O_RDWR)
-        opening(self, name, mode, *rest, **more)
+        opening(self, name, mode, *positional, **options)
 
-    def closed(self):
+    def close_announced(self):
         if self.announced:
             sys.audit("open", self.announced, "r+", os.O_RDWR)
         closing(self)
 
-    h5py.File.__init__, h5py.File.close = opened, closed
+    h5py.File.__init__, h5py.File.close = open_announced, close_announced
 
 
 def _kill_while_sampling(steps: int) -> None:
     """Kill this process after so many steps of chains, which are kept as if some seconds had passed."""
     from reliab.sampling.ensembles import ChainFile
 
-    made = 0
+    count = 0
 
     def save(file, **_):
-        nonlocal made
-        made += 1
-        if made == steps:
+        nonlocal count
+        count += 1
+        if count == steps:
             file._write()  # noqa: SLF001 - what it does every few seconds
             os.kill(os.getpid(), signal.SIGKILL)
 
@@ -177,54 +182,54 @@ def _kill_while_sampling(steps: int) -> None:
 
 def _serve() -> None:
     """Fork for every line of standard input; answer with how the child ended."""
-    for name in _IMPORTED:
+    for name in _MODULES:
         importlib.import_module(name)
     _announce_hdf5()
     for line in sys.stdin:
-        asked = json.loads(line)
+        request = json.loads(line)
         with tempfile.TemporaryFile() as errors:
-            begun = time.monotonic()
+            start = time.monotonic()
             child = os.fork()
             if child == 0:
-                _run(asked, errors.fileno())
-            status = _waited(child, asked)
+                _run(request, errors.fileno())
+            status = _wait_for(child, request)
             errors.seek(0)
             text = errors.read().decode(errors="replace")
         answer = {
             "code": os.waitstatus_to_exitcode(status),
             "errors": text,
-            "seconds": time.monotonic() - begun,
+            "seconds": time.monotonic() - start,
         }
         print(json.dumps(answer), flush=True)
 
 
-def _waited(child: int, asked: dict) -> int:
+def _wait_for(child: int, request: dict) -> int:
     """Wait for a child, and kill it when its time is over."""
-    clock = threading.Timer(asked["at"], os.kill, (child, signal.SIGKILL))
-    if asked["action"] == "clock":
+    clock = threading.Timer(request["at"], os.kill, (child, signal.SIGKILL))
+    if request["action"] == "clock":
         clock.start()
     os.waitid(os.P_PID, child, os.WEXITED | os.WNOWAIT)
     clock.cancel()
     return os.waitpid(child, 0)[1]
 
 
-def _run(asked: dict, errors: int) -> None:
+def _run(request: dict, errors: int) -> None:
     from reliab.app.cli import run
 
     os.dup2(errors, 2)
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-    fault = _Fault(asked["folder"], asked["at"], asked["action"])
+    fault = _Fault(request["folder"], request["at"], request["action"])
     sys.addaudithook(fault)
-    if asked["action"] == "quota":
+    if request["action"] == "quota":
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-        resource.setrlimit(resource.RLIMIT_FSIZE, (int(asked["at"]), resource.RLIM_INFINITY))
-    elif asked["action"] == "sampling":
-        _kill_while_sampling(int(asked["at"]))
-    elif asked["action"] == "readonly" and os.geteuid() == 0:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (int(request["at"]), resource.RLIM_INFINITY))
+    elif request["action"] == "sampling":
+        _kill_while_sampling(int(request["at"]))
+    elif request["action"] == "readonly" and os.geteuid() == 0:
         os.setuid(_NOBODY)
     code = 70
     try:
-        code = run(asked["arguments"])
+        code = run(request["arguments"])
     except BaseException:  # noqa: BLE001 - printed for the test
         import traceback
 

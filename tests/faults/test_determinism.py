@@ -20,15 +20,15 @@ PLACES = {
 @pytest.fixture(scope="module")
 def usual(sources, tmp_path_factory):
     """Function that runs a command in the usual place, each once; its results."""
-    known = {}
+    answers = {}
 
     def run(name):
-        if name not in known:
+        if name not in answers:
             out = tmp_path_factory.mktemp(name)
             outcome = command(WRITING[name].arguments(sources, out), {})
             assert outcome.code in (0, 1, 3), outcome.errors
-            known[name] = results(out)
-        return known[name]
+            answers[name] = results(out)
+        return answers[name]
 
     return run
 

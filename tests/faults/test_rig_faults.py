@@ -26,7 +26,7 @@ def adding(files, out, *names):
     return ("rig", "add", out / "rig", *tests, "--f", 1, "--xi", 0.05, "--json", out / "answer.json")
 
 
-def held(out):
+def content_of_rig(out):
     """Rows of a rig's tests by name, and the bytes of their records, without what says when."""
     folder = RigFolder.open(out / "rig")
     table = folder.table()
@@ -40,7 +40,7 @@ def held(out):
 
 
 @pytest.fixture(scope="module")
-def begun(files, forks, tmp_path_factory):
+def rig_with_one_test(files, forks, tmp_path_factory):
     """A folder with a rig that holds the first test."""
     out = tmp_path_factory.mktemp("begun")
     assert forks.run(adding(files, out, "a.csv"), out).code == 0
@@ -48,60 +48,60 @@ def begun(files, forks, tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def whole(begun, files, forks, tmp_path_factory):
+def complete_rig(rig_with_one_test, files, forks, tmp_path_factory):
     """A rig of two tests that nothing happened to, and how often the second one was written."""
     out = tmp_path_factory.mktemp("whole")
-    shutil.copytree(begun, out, dirs_exist_ok=True)
+    shutil.copytree(rig_with_one_test, out, dirs_exist_ok=True)
     second = forks.run(adding(files, out, "a.csv", "b.csv"), out)
     assert second.code == 0, second.errors
-    assert held(out).keys() == {"a.csv", "b.csv"}
-    return held(out), second.writes
+    assert content_of_rig(out).keys() == {"a.csv", "b.csv"}
+    return content_of_rig(out), second.writes
 
 
 @pytest.fixture
-def rig(begun, tmp_path):
+def rig(rig_with_one_test, tmp_path):
     """Function that makes a folder with a rig that holds the first test."""
 
     def make(name):
-        return shutil.copytree(begun, tmp_path / str(name))
+        return shutil.copytree(rig_with_one_test, tmp_path / str(name))
 
     return make
 
 
-def check_nothing_is_lost(files, forks, out, whole):
+def check_nothing_is_lost(files, forks, out, complete_rig):
     """The first test is there, the second whole or not at all, and adding again completes the rig."""
-    now = held(out)
+    now = content_of_rig(out)
     assert {"a.csv"} <= now.keys()
-    assert all(now[name] == whole[0][name] for name in now)
-    again = forks.run(adding(files, out, "a.csv", "b.csv"), out)
-    assert again.code == 0, again.errors
-    assert held(out) == whole[0]
+    assert all(now[name] == complete_rig[0][name] for name in now)
+    repetition = forks.run(adding(files, out, "a.csv", "b.csv"), out)
+    assert repetition.code == 0, repetition.errors
+    assert content_of_rig(out) == complete_rig[0]
     assert not [*out.rglob(".unfinished-*")]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("action", ["kill", "full", "terminate"])
-def test_a_fault_at_any_write_loses_no_test(action, files, forks, rig, whole, counted):
-    for at in range(1, whole[1] + 1):
-        out = rig(at)
-        stopped = forks.run(adding(files, out, "a.csv", "b.csv"), out, at=at, action=action)
-        assert "Traceback" not in stopped.errors, stopped.errors
-        counted["rig add", action] += stopped.code != 0
-        check_nothing_is_lost(files, forks, out, whole)
+def test_a_fault_at_any_write_loses_no_test(action, files, forks, rig, complete_rig, counter):
+    for instant in range(1, complete_rig[1] + 1):
+        out = rig(instant)
+        outcome = forks.run(adding(files, out, "a.csv", "b.csv"), out, at=instant, action=action)
+        assert "Traceback" not in outcome.errors, outcome.errors
+        counter["rig add", action] += outcome.code != 0
+        check_nothing_is_lost(files, forks, out, complete_rig)
 
 
 @pytest.mark.slow
-def test_a_quota_loses_no_test(files, forks, rig, whole, counted):
-    for most in (2000, 8000, 16_000):
-        out = rig(most)
-        stopped = forks.run(adding(files, out, "a.csv", "b.csv"), out, at=most, action="quota")
-        assert "Traceback" not in stopped.errors, stopped.errors
-        counted["rig add", "quota"] += stopped.code != 0
-        check_nothing_is_lost(files, forks, out, whole)
+def test_a_quota_loses_no_test(files, forks, rig, complete_rig, counter):
+    for quota in (2000, 8000, 16_000):
+        out = rig(quota)
+        outcome = forks.run(adding(files, out, "a.csv", "b.csv"), out, at=quota, action="quota")
+        assert "Traceback" not in outcome.errors, outcome.errors
+        counter["rig add", "quota"] += outcome.code != 0
+        check_nothing_is_lost(files, forks, out, complete_rig)
 
 
 @pytest.mark.slow
-def test_a_rig_that_may_not_be_written_to_is_refused(files, forks, rig, whole, counted, tmp_path_factory):
+def test_a_read_only_rig_is_refused(files, forks, rig, complete_rig, counter, tmp_path_factory):
     out = rig("read_only")
     for folder in (files, *out.parents):
         if folder.is_relative_to(tmp_path_factory.getbasetemp().parent):
@@ -110,18 +110,18 @@ def test_a_rig_that_may_not_be_written_to_is_refused(files, forks, rig, whole, c
     for place in places:
         place.chmod(0o555)
     try:
-        stopped = forks.run(adding(files, out, "b.csv"), out, action="readonly")
+        outcome = forks.run(adding(files, out, "b.csv"), out, action="readonly")
     finally:
         for place in places:
             place.chmod(0o755)
-    counted["rig add", "read-only folder"] += 1
-    assert stopped.code == 2, stopped.errors
-    assert "Traceback" not in stopped.errors
-    check_nothing_is_lost(files, forks, out, whole)
+    counter["rig add", "read-only folder"] += 1
+    assert outcome.code == 2, outcome.errors
+    assert "Traceback" not in outcome.errors
+    check_nothing_is_lost(files, forks, out, complete_rig)
 
 
 @pytest.mark.slow
-def test_two_commands_that_add_the_same_tests_at_once_both_succeed(files, rig, whole, counted):
+def test_two_commands_adding_the_same_tests_both_succeed(files, rig, complete_rig, counter):
     out = rig("two")
     program = "import sys; from reliab.app.cli import run; sys.exit(run(sys.argv[1:]))"
     running = []
@@ -130,7 +130,7 @@ def test_two_commands_that_add_the_same_tests_at_once_both_succeed(files, rig, w
         arguments[-1] = str(out / f"answer_{number}.json")
         running.append(subprocess.Popen([sys.executable, "-c", program, *arguments]))  # noqa: S603
     assert [process.wait() for process in running] == [0, 0]
-    counted["rig add", "two at once"] += 1
-    assert held(out) == whole[0]
+    counter["rig add", "two at once"] += 1
+    assert content_of_rig(out) == complete_rig[0]
     answers = [json.loads((out / f"answer_{number}.json").read_text()) for number in range(2)]
     assert all(len(answer["added"]) + len(answer["present"]) == 2 for answer in answers)

@@ -227,8 +227,8 @@ def ellipse_files() -> list[Case]:
 @cache
 def criteria() -> list[Case]:
     laws = ("guo_2017_18", "guo_2017_12")
-    derived = derive_criterion(ellipse_dataset(), method="quantile", confidence=0.8)
-    texts = [*(published_criterion(law).to_json() for law in laws), derived.to_json()]
+    criterion = derive_criterion(ellipse_dataset(), method="quantile", confidence=0.8)
+    texts = [*(published_criterion(law).to_json() for law in laws), criterion.to_json()]
     return [{"criterion.json": text.encode()} for text in texts]
 
 
@@ -307,8 +307,8 @@ def _matlab(variables: dict[str, object]) -> bytes:
 
 @cache
 def manifests() -> list[Case]:
-    done = {"inputs": "0" * 64, "files": {"a.json": "1" * 64}, "date": "2026-11-22"}
-    stages = {"one": {**done, "packages": {"numpy": "2.0"}}, "report": {"inputs": ""}}
+    stage = {"inputs": "0" * 64, "files": {"a.json": "1" * 64}, "date": "2026-11-22"}
+    stages = {"one": {**stage, "packages": {"numpy": "2.0"}}, "report": {"inputs": ""}}
     content = {"study": {"kind": "criterion", "title": "small"}, "stages": stages}
     return [{"manifest.json": json.dumps(content).encode()}]
 

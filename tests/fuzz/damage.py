@@ -39,7 +39,7 @@ SECRET = b"root:x:0:0:root:/root:/bin/sh\n"
 INSTEAD = ("pipe", "loop", "zero", "folder", "nowhere", "secret")
 
 EDITS = ("number", "number", "word", "bits", "cut", "put", "line twice", "no line", "end", "instead", "lost")
-Damaged = Mapping[str, "bytes | Instead"]
+DamagedCase = Mapping[str, "bytes | Instead"]
 
 
 @dataclass(frozen=True)
@@ -58,24 +58,24 @@ _SHARES = st.floats(0.0, 1.0)
 _EDITS = st.builds(Edit, _SHARES, st.sampled_from(EDITS), _SHARES, st.integers(0, 64), _INSERTIONS)
 
 
-def damaged(seeds: list[Case]) -> st.SearchStrategy[Damaged]:
+def damaged_cases(seeds: list[Case]) -> st.SearchStrategy[DamagedCase]:
     """One of the seeds with one to four edits."""
-    return st.builds(with_edits, st.sampled_from(seeds), st.lists(_EDITS, min_size=1, max_size=4))
+    return st.builds(apply_edits, st.sampled_from(seeds), st.lists(_EDITS, min_size=1, max_size=4))
 
 
-def drawn(random: Random, seeds: list[Case]) -> tuple[Case, list[Edit]]:
+def draw_case(random: Random, seeds: list[Case]) -> tuple[Case, list[Edit]]:
     """One of the seeds and one to four edits, drawn without the bookkeeping of hypothesis."""
-    return random.choice(seeds), [_drawn_edit(random) for _ in range(random.randint(1, 4))]
+    return random.choice(seeds), [_draw_edit(random) for _ in range(random.randint(1, 4))]
 
 
-def _drawn_edit(random: Random) -> Edit:
-    known = random.random() < 0.75
-    insertion = random.choice(NUMBERS + WORDS) if known else random.randbytes(random.randint(0, 8))
+def _draw_edit(random: Random) -> Edit:
+    from_list = random.random() < 0.75
+    insertion = random.choice(NUMBERS + WORDS) if from_list else random.randbytes(random.randint(0, 8))
     place = random.choice((0.0, 1.0, *[random.random()] * 8))
     return Edit(random.random(), random.choice(EDITS), place, random.randint(0, 64), insertion)
 
 
-def with_edits(case: Case, edits: Sequence[Edit]) -> Damaged:
+def apply_edits(case: Case, edits: Sequence[Edit]) -> DamagedCase:
     """Apply edits to a case."""
     content: dict[str, bytes | Instead] = dict(case)
     for edit in edits:
@@ -89,36 +89,36 @@ def with_edits(case: Case, edits: Sequence[Edit]) -> Damaged:
         elif edit.kind == "lost" and len(content) > 1:
             del content[name]
         else:
-            content[name] = edited(present, edit.kind, edit.place, edit.size, edit.insertion)
+            content[name] = edit_content(present, edit.kind, edit.place, edit.size, edit.insertion)
     return content
 
 
-def edited(  # noqa: PLR0911 - a line for each kind of edit
+def edit_content(  # noqa: PLR0911 - a line for each kind of edit
     content: bytes, kind: str, place: float, size: int, insertion: bytes
 ) -> bytes:
     """Content with one edit near a place between its begin, 0, and its end, 1."""
-    at = int(place * len(content))
+    offset = int(place * len(content))
     lines = content.split(b"\n")
     row = int(place * (len(lines) - 1))
     match kind:
         case "number" | "word":
             pattern = _NUMBER if kind == "number" else _WORD
-            match = pattern.search(content, at) or pattern.search(content)
+            match = pattern.search(content, offset) or pattern.search(content)
             if match is None:
                 return content
             return content[: match.start()] + insertion + content[match.end() :]
         case "bits":
-            flipped = bytes(byte ^ (1 << size % 8) for byte in content[at : at + 1 + size // 8])
-            return content[:at] + flipped + content[at + 1 + size // 8 :]
+            bits = bytes(byte ^ (1 << size % 8) for byte in content[offset : offset + 1 + size // 8])
+            return content[:offset] + bits + content[offset + 1 + size // 8 :]
         case "cut":
-            return content[:at] + content[at + size :]
+            return content[:offset] + content[offset + size :]
         case "put":
-            return content[:at] + insertion + content[at:]
+            return content[:offset] + insertion + content[offset:]
         case "line twice":
             return b"\n".join([*lines[: row + 1], *lines[row:]])
         case "no line":
             return b"\n".join([*lines[:row], *lines[row + 1 :]])
-    return content[:at]
+    return content[:offset]
 
 
 def secret_of(folder: Path) -> Path:
@@ -126,7 +126,7 @@ def secret_of(folder: Path) -> Path:
     return folder.with_name(f"{folder.name}-secret")
 
 
-def write(case: Damaged, folder: Path) -> None:
+def write(case: DamagedCase, folder: Path) -> None:
     """Write a case to a folder."""
     for name, content in case.items():
         path = folder / name
@@ -146,19 +146,19 @@ def write(case: Damaged, folder: Path) -> None:
             case "nowhere":
                 path.symlink_to(folder / "nowhere" / "at all")
             case "secret":
-                outside = secret_of(folder)
-                outside.write_bytes(SECRET)
-                path.symlink_to(outside)
+                secret = secret_of(folder)
+                secret.write_bytes(SECRET)
+                path.symlink_to(secret)
 
 
-def keep(case: Damaged, folder: Path) -> None:
+def keep(case: DamagedCase, folder: Path) -> None:
     """Keep a case that was found, with a list of what stands in place of ordinary files."""
     special = {name: content.kind for name, content in case.items() if isinstance(content, Instead)}
     write({name: content for name, content in case.items() if isinstance(content, bytes)}, folder)
     (folder / "instead.json").write_text(json.dumps(special))
 
 
-def kept(folder: Path) -> Damaged:
+def read_kept(folder: Path) -> DamagedCase:
     """Read a case that `keep` wrote."""
     special = json.loads((folder / "instead.json").read_text())
     files = [path for path in folder.rglob("*") if stat.S_ISREG(path.lstat().st_mode)]

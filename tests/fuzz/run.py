@@ -61,16 +61,16 @@ def main() -> int:
     options = _options()
     if options.coverage:
         _instrument()
-    from fuzz.damage import kept
+    from fuzz.damage import read_kept
     from fuzz.targets import SLOW_TARGETS, TARGETS, examine
 
     targets = {**TARGETS, **SLOW_TARGETS}
     if options.again is not None:
-        print(examine(targets[options.targets[0]], kept(options.again)))
+        print(examine(targets[options.targets[0]], read_kept(options.again)))
         return 0
     names = options.targets or list(TARGETS)
     if options.coverage:
-        return _by_coverage(names[0], targets, options)
+        return _fuzz_by_coverage(names[0], targets, options)
     for signal_number in (signal.SIGALRM, signal.SIGPROF):
         signal.signal(signal_number, _stop)
     for name in names:
@@ -118,7 +118,7 @@ class _Trial:
 
         start = time.process_time()
         _forget_peak()
-        held = _peak()
+        memory_before = _peak()
         signal.setitimer(signal.ITIMER_PROF, _SECONDS)
         signal.alarm(_SECONDS_BLOCKED)
         try:
@@ -132,7 +132,7 @@ class _Trial:
             signal.alarm(0)
             self.slowest = max(self.slowest, time.process_time() - start)
             self.largest = max(self.largest, peak := _peak())
-        return TooLarge(f"{peak - held >> 10} MB") if peak - held > _MEMORY else None
+        return TooLarge(f"{peak - memory_before >> 10} MB") if peak - memory_before > _MEMORY else None
 
 
 def _forget_peak() -> None:
@@ -148,18 +148,18 @@ def _peak() -> int:
 
 def _fuzz(name: str, target: Any, seconds: float, keep: Path) -> int:
     """Try cases of one target until the time is over; print what was counted."""
-    from fuzz.damage import drawn, with_edits
+    from fuzz.damage import apply_edits, draw_case
 
     trial, begin, random = _Trial(target), time.monotonic(), Random()  # noqa: S311
     while time.monotonic() - begin < seconds:
-        case, edits = drawn(random, target.seeds())
-        error = trial.failure(with_edits(case, edits))
+        case, edits = draw_case(random, target.seeds())
+        error = trial.failure(apply_edits(case, edits))
         if error is not None:
             place = _place(error)
             trial.findings[place] += 1
             if trial.findings[place] == 1:
                 fewest, error = _fewest(trial, case, edits, error)
-                _report(name, len(trial.findings), with_edits(case, fewest), error, keep)
+                _report(name, len(trial.findings), apply_edits(case, fewest), error, keep)
     line = {
         "target": name,
         **trial.counts,
@@ -174,11 +174,11 @@ def _fuzz(name: str, target: Any, seconds: float, keep: Path) -> int:
 
 def _fewest(trial: _Trial, case, edits: list, error: BaseException) -> tuple[list, BaseException]:
     """Leave out edits without which a case still fails in the same place."""
-    from fuzz.damage import with_edits
+    from fuzz.damage import apply_edits
 
     for edit in list(edits):
-        fewer = [other for other in edits if other is not edit]
-        failure = trial.failure(with_edits(case, fewer))
+        fewer = [remaining for remaining in edits if remaining is not edit]
+        failure = trial.failure(apply_edits(case, fewer))
         if failure is not None and _place(failure) == _place(error):
             edits, error = fewer, failure
     return edits, error
@@ -202,23 +202,23 @@ def _report(name: str, number: int, case, error: BaseException, keep: Path) -> N
     print(f"FINDING {name} {_place(error)}: {str(error)[:300]!r}; kept in {folder}", flush=True)
 
 
-def _by_coverage(name: str, targets, options) -> int:
+def _fuzz_by_coverage(name: str, targets, options) -> int:
     import atheris
 
-    from fuzz.damage import damaged
+    from fuzz.damage import damaged_cases
     from fuzz.targets import examine
 
     target = targets[name]
     options.keep.mkdir(parents=True, exist_ok=True)
 
     @settings(deadline=None, database=None, suppress_health_check=list(HealthCheck))
-    @given(case=damaged(target.seeds()))
-    def tried(case):
+    @given(case=damaged_cases(target.seeds()))
+    def try_case(case):
         examine(target, case)
 
     limits = [f"-max_total_time={int(60 * options.minutes)}", "-timeout=10", "-rss_limit_mb=2048"]
-    kept = f"-artifact_prefix={options.keep}/{name}-"
-    atheris.Setup([sys.argv[0], *limits, "-len_control=0", kept], tried.hypothesis.fuzz_one_input)  # type: ignore[attr-defined]
+    prefix = f"-artifact_prefix={options.keep}/{name}-"
+    atheris.Setup([sys.argv[0], *limits, "-len_control=0", prefix], try_case.hypothesis.fuzz_one_input)  # type: ignore[attr-defined]
     atheris.Fuzz()
     return 0
 

@@ -17,7 +17,7 @@ import numpy as np
 import typer
 
 from fuzz import corpus
-from fuzz.damage import SECRET, Damaged, secret_of, write
+from fuzz.damage import SECRET, DamagedCase, secret_of, write
 from reliab.app.cli import application, run
 from reliab.app.cli.defaults import read_defaults
 from reliab.core.errors import IncompleteError, InputError
@@ -61,7 +61,7 @@ class Target:
     read: Callable[[Path], object]
 
 
-def examine(target: Target, case: Damaged) -> bool:
+def examine(target: Target, case: DamagedCase) -> bool:
     """Read a case: a result or one clear error, without a warning and without running what is in the files.
 
     Returns
@@ -75,7 +75,7 @@ def examine(target: Target, case: Damaged) -> bool:
         write(case, folder)
         warnings.simplefilter("error")
         try:
-            with _watched(), _bounded_memory():
+            with _watch(), _bound_memory():
                 target.read(folder)
         except (InputError, IncompleteError) as error:
             message = str(error)
@@ -107,7 +107,7 @@ sys.addaudithook(_hook)
 
 
 @contextlib.contextmanager
-def _watched() -> Iterator[None]:
+def _watch() -> Iterator[None]:
     """Fail where a process is started or a connection opened."""
     global _watching  # noqa: PLW0603 - an audit hook cannot be removed
     _watching = True
@@ -118,15 +118,15 @@ def _watched() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _bounded_memory() -> Iterator[None]:
+def _bound_memory() -> Iterator[None]:
     """Let what is read take 1 GB more address space than there was before."""
     pages = int(Path("/proc/self/statm").read_text().split()[0])
-    before = resource.getrlimit(resource.RLIMIT_AS)
-    resource.setrlimit(resource.RLIMIT_AS, (pages * resource.getpagesize() + _MEMORY, before[1]))
+    limits = resource.getrlimit(resource.RLIMIT_AS)
+    resource.setrlimit(resource.RLIMIT_AS, (pages * resource.getpagesize() + _MEMORY, limits[1]))
     try:
         yield
     finally:
-        resource.setrlimit(resource.RLIMIT_AS, before)
+        resource.setrlimit(resource.RLIMIT_AS, limits)
 
 
 def _command(*arguments: object) -> str:

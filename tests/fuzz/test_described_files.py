@@ -12,7 +12,7 @@ from reliab.core.described_files import DEEPEST, parse_json, parse_toml, read_js
 from reliab.core.errors import InputError
 
 DEEP = 600
-BOUNDED = {"rule": "It must be sound", "remedy": "Mend it"}
+MESSAGE = {"rule": "It must be sound", "remedy": "Mend it"}
 HOSTILE_TOML = {
     "digits": f"name = {'9' * 5000}",
     "hexadecimal digits": f"name = 0x{'f' * 5000}",
@@ -39,23 +39,23 @@ HOSTILE_JSON = {
 @pytest.mark.parametrize("text", HOSTILE_TOML.values(), ids=HOSTILE_TOML)
 def test_toml_beyond_its_bounds_is_refused(text):
     with pytest.raises(InputError, match=r"^a\.toml: "):
-        parse_toml(text, where="a.toml", **BOUNDED)
+        parse_toml(text, where="a.toml", **MESSAGE)
 
 
 @pytest.mark.parametrize("text", HOSTILE_JSON.values(), ids=HOSTILE_JSON)
 def test_json_beyond_its_bounds_is_refused(text):
     with pytest.raises(InputError, match=r"^a\.json: "):
-        parse_json(text, where="a.json", **BOUNDED)
+        parse_json(text, where="a.json", **MESSAGE)
 
 
-def test_what_is_described_is_within_the_bounds():
-    nested = "[" * (DEEPEST - 2) + "]" * (DEEPEST - 2)
-    assert parse_toml(f"a = {nested}", where="", **BOUNDED)["a"] is not None
+def test_descriptions_within_the_bounds_are_read():
+    deep_list = "[" * (DEEPEST - 2) + "]" * (DEEPEST - 2)
+    assert parse_toml(f"a = {deep_list}", where="", **MESSAGE)["a"] is not None
     assert (
-        parse_toml(f"a = {2**63 - 1}\nb = 'a.{'b.' * 50}'\n# {'c.' * 20}", where="", **BOUNDED)["a"]
+        parse_toml(f"a = {2**63 - 1}\nb = 'a.{'b.' * 50}'\n# {'c.' * 20}", where="", **MESSAGE)["a"]
         == 2**63 - 1
     )
-    assert parse_json("999999999999999999999", **BOUNDED) == pytest.approx(1e21)
+    assert parse_json("999999999999999999999", **MESSAGE) == pytest.approx(1e21)
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
@@ -63,13 +63,13 @@ def test_descriptions_are_read_in_the_encodings_of_windows(tmp_path, encoding):
     (tmp_path / "a.toml").write_bytes("name = 'Küche'\r\n".encode(encoding))
     (tmp_path / "a.json").write_bytes('{"name": "Küche"}\r\n'.encode(encoding))
     for read, file in ((read_toml, "a.toml"), (read_json, "a.json")):
-        assert read(tmp_path / file, **BOUNDED) == {"name": "Küche"}
+        assert read(tmp_path / file, **MESSAGE) == {"name": "Küche"}
 
 
-DESCRIBED = ("campaign", "study", "model", "frame")
+DESCRIPTIONS = ("campaign", "study", "model", "frame")
 
 
-@pytest.mark.parametrize("name", DESCRIBED)
+@pytest.mark.parametrize("name", DESCRIPTIONS)
 @pytest.mark.parametrize("hostile", HOSTILE_TOML.values(), ids=HOSTILE_TOML)
 def test_every_door_refuses_hostile_toml(tmp_path, name, hostile):
     case = TARGETS[name].seeds()[0]
@@ -80,7 +80,7 @@ def test_every_door_refuses_hostile_toml(tmp_path, name, hostile):
 
 
 @pytest.mark.parametrize("hostile", HOSTILE_JSON.values(), ids=HOSTILE_JSON)
-def test_a_manifest_that_no_run_has_written_is_none(tmp_path, hostile):
+def test_a_hostile_manifest_is_no_run(tmp_path, hostile):
     from reliab.study.stages import study_of
 
     for text in (hostile, "[]", '{"study": [], "stages": {}}', json.dumps({"study": {}, "stages": {"a": 1}})):
@@ -106,14 +106,14 @@ def places(content, place=()):
         yield from places(value, (*place, key))
 
 
-def with_value(content, place, value):
+def replace_value(content, place, value):
     """Put a value in a place of what JSON holds."""
     if not place:
         return value
-    first, *further = place
-    changed = dict(content) if isinstance(content, dict) else list(content)
-    changed[first] = with_value(content[first], further, value)
-    return changed
+    first, *deeper = place
+    copy = dict(content) if isinstance(content, dict) else list(content)
+    copy[first] = replace_value(content[first], deeper, value)
+    return copy
 
 
 @pytest.mark.slow
@@ -122,11 +122,13 @@ def test_every_value_of_a_criterion_may_be_anything():
     from reliab.criterion.criterion import Criterion
 
     text = json.loads(corpus.criteria()[2]["criterion.json"])
-    chosen = [place for place in places(text) if all(not isinstance(key, int) or key < 3 for key in place)]
-    assert len(chosen) > 60
-    for place in chosen:
+    places_of_numbers = [
+        place for place in places(text) if all(not isinstance(key, int) or key < 3 for key in place)
+    ]
+    assert len(places_of_numbers) > 60
+    for place in places_of_numbers:
         for value in VALUES:
             with contextlib.suppress(InputError):
-                criterion = Criterion.from_json(json.dumps(with_value(text, place, value)))
+                criterion = Criterion.from_json(json.dumps(replace_value(text, place, value)))
                 criterion.limits(1.0, 0.02)
                 criterion.probability(1.001, 0.001, 1.0, 0.02)

@@ -14,7 +14,7 @@ from scipy.io import savemat
 from fuzz import corpus
 from fuzz.damage import Instead, write
 from fuzz.targets import TARGETS, examine
-from fuzz.test_described_files import with_value
+from fuzz.test_described_files import replace_value
 from reliab.core.errors import InputError
 from reliab.core.untrusted_files import open_hdf5
 from reliab.criterion.criterion import Criterion
@@ -31,31 +31,33 @@ from reliab.sweep.run import run_sweep
 
 @pytest.mark.parametrize("name", TARGETS)
 @pytest.mark.parametrize("kind", ["pipe", "zero"])
-def test_what_is_no_ordinary_file_is_refused_at_once(name, kind):
+def test_special_files_are_refused_at_once(name, kind):
     first = max(TARGETS[name].seeds()[0])
     examine(TARGETS[name], {**TARGETS[name].seeds()[0], first: Instead(kind)})
 
 
-def spoiled(tmp_path, case, name, change):
+def spoil_file(tmp_path, case, name, change):
     write({**case, name: change(case[name])}, tmp_path)
     return tmp_path / name
 
 
-def with_flipped_bit(folder, array):
+def flip_bit(folder, array):
     """Write a store with one bit of the first chunk of an array flipped."""
     case = corpus.stores()[0]
     name = next(name for name in sorted(case) if name.startswith(f"results.zarr/{array}/c."))
-    spoiled(folder, case, name, lambda content: content[:20] + bytes([content[20] ^ 1]) + content[21:])
+    spoil_file(folder, case, name, lambda content: content[:20] + bytes([content[20] ^ 1]) + content[21:])
     return folder / "results.zarr"
 
 
 def test_a_matlab_file_of_an_unknown_kind_is_explained(tmp_path):
-    path = spoiled(tmp_path, corpus.plants()[0], "plant.mat", lambda content: content[:132] + content[100:])
+    path = spoil_file(
+        tmp_path, corpus.plants()[0], "plant.mat", lambda content: content[:132] + content[100:]
+    )
     with pytest.raises(InputError, match="A MATLAB file must be readable"):
         read_matlab(path)
 
 
-def test_a_matlab_file_whose_compressed_part_is_damaged_is_explained(tmp_path):
+def test_damage_in_a_compressed_matlab_file_is_explained(tmp_path):
     savemat(tmp_path / "test.mat", {"command": np.arange(99.0)}, do_compression=True)
     content = bytearray((tmp_path / "test.mat").read_bytes())
     content[-6] ^= 255
@@ -71,7 +73,7 @@ def test_an_hdf5_file_with_a_damaged_tree_is_explained(tmp_path):
         read_tests(tmp_path / "test.h5")
 
 
-def test_an_hdf5_file_whose_texts_never_end_is_refused(tmp_path):
+def test_endless_texts_of_hdf5_are_refused(tmp_path):
     path = tmp_path / "record.h5"
     with h5py.File(path, "w") as file:
         file.attrs.create("names", ["command", "measured"], dtype=h5py.string_dtype())
@@ -95,14 +97,14 @@ def test_a_table_of_ellipses_without_whole_rows_is_refused(tmp_path, table, rule
 
 
 def test_a_file_of_ellipses_cut_short_is_explained_without_a_traceback(tmp_path, capfd):
-    path = spoiled(tmp_path, corpus.ellipse_files()[0], "ellipses.nc", lambda content: content[:900])
+    path = spoil_file(tmp_path, corpus.ellipse_files()[0], "ellipses.nc", lambda content: content[:900])
     with pytest.raises(InputError, match="Ellipses in NetCDF are a and b"):
         open_ellipses(path)
     assert capfd.readouterr().err == ""
 
 
 def test_a_store_with_a_damaged_chunk_is_refused(tmp_path):
-    results = open_results(with_flipped_bit(tmp_path, "rms"))
+    results = open_results(flip_bit(tmp_path, "rms"))
     with pytest.raises(InputError, match="with every checksum right"):
         results.reliab.ellipses()
 
@@ -110,17 +112,17 @@ def test_a_store_with_a_damaged_chunk_is_refused(tmp_path):
 @pytest.mark.parametrize(
     "name", ["rms/c.1", "A/c.", "stable/c.", "rms_at_rest/c.", "kp/c.", "f/c.", "event/c.", "motion/c."]
 )
-def test_a_store_that_lost_a_chunk_is_refused(tmp_path, name):
+def test_a_store_without_a_chunk_is_refused(tmp_path, name):
     """Zarr would put NaN, False or empty names in its place."""
     case = corpus.stores()[0]
-    lost = next(file for file in sorted(case) if file.startswith(f"results.zarr/{name}"))
-    write({file: content for file, content in case.items() if file != lost}, tmp_path)
+    chunk = next(file for file in sorted(case) if file.startswith(f"results.zarr/{name}"))
+    write({file: content for file, content in case.items() if file != chunk}, tmp_path)
     with pytest.raises(InputError, match=f"1 of . chunks of {name.partition('/')[0]} missing"):
         open_results(tmp_path / "results.zarr")
 
 
 @pytest.mark.parametrize("name", ["rms", "kp", "event"])
-def test_a_store_that_lost_an_array_is_refused_without_a_warning(tmp_path, name, capfd):
+def test_a_store_without_an_array_is_refused_without_a_warning(tmp_path, name, capfd):
     case = corpus.stores()[0]
     write({f: c for f, c in case.items() if f != f"results.zarr/{name}/zarr.json"}, tmp_path)
     with pytest.raises(InputError, match=f"no array {name}"):
@@ -140,7 +142,7 @@ def test_a_store_with_several_damaged_arrays_is_one_error_and_no_traceback(tmp_p
 
 
 @pytest.mark.parametrize("key", ["study_hash", "windows", "experimental_fraction"])
-def test_a_store_that_lost_an_attribute_is_refused(tmp_path, key):
+def test_a_store_without_an_attribute_is_refused(tmp_path, key):
     write(corpus.stores()[0], tmp_path)
     group = zarr.open_group(tmp_path / "results.zarr", mode="r+")
     attributes = dict(group.attrs)
@@ -151,19 +153,21 @@ def test_a_store_that_lost_an_attribute_is_refused(tmp_path, key):
         open_results(tmp_path / "results.zarr").reliab.ellipses()
 
 
-def with_metadata(folder, name, change):
+def change_metadata(folder, name, change):
     """Write a store whose description of a group or array is changed."""
     case = corpus.stores()[0]
     file = f"results.zarr/{name}zarr.json"
-    described = json.loads(case[file])
-    change(described)
-    write({**case, file: json.dumps(described).encode()}, folder)
+    description = json.loads(case[file])
+    change(description)
+    write({**case, file: json.dumps(description).encode()}, folder)
     return folder / "results.zarr"
 
 
 @pytest.mark.parametrize("windows", [[], "", None, ["arias"]])
-def test_a_store_whose_first_window_is_not_its_own_is_refused(tmp_path, windows):
-    store = with_metadata(tmp_path, "", lambda described: described["attributes"].update(windows=windows))
+def test_a_store_without_its_first_window_is_refused(tmp_path, windows):
+    store = change_metadata(
+        tmp_path, "", lambda description: description["attributes"].update(windows=windows)
+    )
     with pytest.raises(InputError):
         open_results(store)
 
@@ -180,8 +184,8 @@ def test_a_store_whose_first_window_is_not_its_own_is_refused(tmp_path, windows)
     ],
 )
 def test_a_store_with_an_array_over_other_dimensions_is_refused(tmp_path, name, dimensions):
-    store = with_metadata(
-        tmp_path, f"{name}/", lambda described: described.update(dimension_names=dimensions)
+    store = change_metadata(
+        tmp_path, f"{name}/", lambda description: description.update(dimension_names=dimensions)
     )
     with pytest.raises(InputError, match="must be as `reliab simulate` wrote them"):
         open_results(store)
@@ -203,17 +207,17 @@ def test_nothing_is_written_where_a_link_in_a_store_leads():
     ],
 )
 def test_a_store_with_arrays_of_other_shapes_is_not_resumed(tmp_path, name, shape, chunks):
-    def reshaped(described):
-        described["shape"] = shape
-        described["chunk_grid"]["configuration"]["chunk_shape"] = chunks
+    def reshape(description):
+        description["shape"] = shape
+        description["chunk_grid"]["configuration"]["chunk_shape"] = chunks
 
-    store = with_metadata(tmp_path, f"{name}/", reshaped)
+    store = change_metadata(tmp_path, f"{name}/", reshape)
     with pytest.raises(InputError, match="A store can be resumed only if"):
         run_sweep(corpus.suite(), corpus.REQUEST, store, resume=True)
 
 
-def test_chains_whose_random_state_is_damaged_are_not_resumed(tmp_path):
-    path = spoiled(tmp_path, corpus.chains()[0], "chains.h5", lambda content: content)
+def test_chains_with_a_damaged_random_state_are_not_resumed(tmp_path):
+    path = spoil_file(tmp_path, corpus.chains()[0], "chains.h5", lambda content: content)
     with h5py.File(path, "r+") as file:
         file["run/ensemble_0"].attrs["random_state_0"] = "PCG64"
     with pytest.raises(InputError, match="The file of the chains"):
@@ -222,7 +226,7 @@ def test_chains_whose_random_state_is_damaged_are_not_resumed(tmp_path):
 
 @pytest.mark.parametrize("spoil", [float("nan"), 0.25])
 def test_chains_with_a_changed_value_are_not_resumed(tmp_path, spoil):
-    path = spoiled(tmp_path, corpus.chains()[0], "chains.h5", lambda content: content)
+    path = spoil_file(tmp_path, corpus.chains()[0], "chains.h5", lambda content: content)
     with h5py.File(path, "r") as file:
         values = file["run/ensemble_0/chain"][...]
     place = path.read_bytes().index(values[3, 2, 0].tobytes())
@@ -234,7 +238,7 @@ def test_chains_with_a_changed_value_are_not_resumed(tmp_path, spoil):
 
 
 @pytest.mark.parametrize("value", [1e308, -1e160])
-def test_a_displacement_that_no_sensor_reads_is_refused(value):
+def test_an_impossible_displacement_is_refused(value):
     histories = corpus.test_histories()
     command, measured = (histories[name].to_numpy(copy=True) for name in ("command_m", "measured_m"))
     measured[300] = value
@@ -279,7 +283,7 @@ def test_a_described_fault_is_refused_by_its_rule(tmp_path, target, text, replac
 
 
 @pytest.mark.parametrize("column", [0, 2])
-def test_a_value_of_a_campaign_that_no_sensor_reads_is_refused(tmp_path, column):
+def test_an_impossible_value_of_a_campaign_is_refused(tmp_path, column):
     lines = corpus.campaign()[0]["a.csv"].split(b"\n")
     cells = lines[7].split(b",")
     cells[column] = b"-1e308"
@@ -309,12 +313,12 @@ def test_a_key_without_end_gives_a_short_error(tmp_path, table):
     sound = corpus.models()[0]["model.toml"].decode()
     path = tmp_path / "model.toml"
     path.write_text(table + "x" * 10_000 + " = 1\n" if table else "x" * 10_000 + " = 1\n" + sound)
-    with pytest.raises(InputError) as refused:
+    with pytest.raises(InputError) as refusal:
         read_model(path)
-    assert len(str(refused.value)) < 2500
+    assert len(str(refusal.value)) < 2500
 
 
-def test_a_matlab_file_whose_numbers_are_of_no_kind_is_refused_before_scipy_reads_it(tmp_path):
+def test_matlab_numbers_of_no_kind_are_refused_before_scipy_reads_them(tmp_path):
     content = bytearray(corpus.plants()[0]["plant.mat"])
     place = content.index(b"num") + 4
     content[place : place + 2] = (1234).to_bytes(2, "little")
@@ -329,7 +333,7 @@ def test_an_ellipse_beyond_any_boundary_is_refused(tmp_path):
     assert not examine(TARGETS["ellipse_table"], {"ellipses.csv": text})
 
 
-def test_a_running_test_refuses_what_no_sensor_reads():
+def test_a_running_test_refuses_an_impossible_displacement():
     text = corpus.tests()[0]["test.csv"].split(b"\n")
     text[300] = text[300].rsplit(b",", 1)[0] + b",1e308"
     assert not examine(TARGETS["monitor"], {"test.csv": b"\n".join(text)})
@@ -337,7 +341,7 @@ def test_a_running_test_refuses_what_no_sensor_reads():
 
 def test_a_store_with_damaged_delays_is_refused(tmp_path):
     with pytest.raises(InputError, match="with every checksum right"):
-        open_results(with_flipped_bit(tmp_path, "tau"))
+        open_results(flip_bit(tmp_path, "tau"))
 
 
 @pytest.mark.parametrize("digits", [21, 400])
@@ -364,11 +368,11 @@ def test_a_criterion_with_a_whole_number_of_very_many_digits_is_read_or_refused(
 def test_a_criterion_of_immense_numbers_is_refused(place, value, rule):
     content = json.loads(corpus.criteria()[2]["criterion.json"])
     with pytest.raises(InputError, match=rule):
-        Criterion.from_json(json.dumps(with_value(content, place, value)))
+        Criterion.from_json(json.dumps(replace_value(content, place, value)))
 
 
 @pytest.mark.parametrize("denominator", [[5e-256, 8e-53, 1e184], [1e20, 1e200, 1e20]])
-def test_coefficients_of_a_plant_whose_ratio_is_no_number_are_refused(tmp_path, denominator):
+def test_plant_coefficients_of_immense_ratio_are_refused(tmp_path, denominator):
     savemat(tmp_path / "plant.mat", {"num": [1.0, 2.0], "den": denominator})
     with pytest.raises(InputError, match=r"The denominator .* at most 1e\+100 times the first"):
         read_matlab(tmp_path / "plant.mat")

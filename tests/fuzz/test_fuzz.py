@@ -3,7 +3,7 @@
 import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 
-from fuzz.damage import damaged
+from fuzz.damage import damaged_cases
 from fuzz.targets import TARGETS, examine
 
 
@@ -23,4 +23,4 @@ def test_sound_files_are_read(name):
 @given(choice=st.data())
 def test_damaged_files_are_read_or_refused(name, choice):
     target = TARGETS[name]
-    examine(target, choice.draw(damaged(target.seeds())))
+    examine(target, choice.draw(damaged_cases(target.seeds())))

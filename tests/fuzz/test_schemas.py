@@ -11,7 +11,7 @@ from scipy.io import savemat
 from fuzz import corpus
 from fuzz.corpus import CHAIN_MODEL, CHAIN_SETTINGS
 from fuzz.damage import write
-from fuzz.test_described_files import VALUES, places, with_value
+from fuzz.test_described_files import VALUES, places, replace_value
 from reliab.core.errors import InputError
 from reliab.criterion.derivation import derive_criterion
 from reliab.recordings.readers.registry import read_tests
@@ -47,10 +47,10 @@ CONTENTS = (
 def test_any_two_variables_of_a_plant_may_be_anything(tmp_path, plant, structure):
     path = tmp_path / "plant.mat"
     pairs = list(itertools.combinations(plant, 2))
-    for number, (one, two) in enumerate(itertools.product(CONTENTS, CONTENTS)):
+    for number, (first_content, two) in enumerate(itertools.product(CONTENTS, CONTENTS)):
         first, second = pairs[number % len(pairs)]
-        held = {**plant, first: one, second: two}
-        savemat(path, held if structure is None else {structure: held})
+        variables = {**plant, first: first_content, second: two}
+        savemat(path, variables if structure is None else {structure: variables})
         with contextlib.suppress(InputError):
             system = read_matlab(path, structure)
             assert isinstance(system, TransferFunction)
@@ -112,10 +112,10 @@ def test_every_value_of_a_description_in_a_store_may_be_anything(tmp_path, name)
     import json
 
     case = corpus.stores()[0]
-    described = json.loads(case[name])
-    for number, (place, value) in enumerate(itertools.product(places(described), VALUES)):
+    description = json.loads(case[name])
+    for number, (place, value) in enumerate(itertools.product(places(description), VALUES)):
         folder = tmp_path / str(number)
-        write({**case, name: json.dumps(with_value(described, place, value)).encode()}, folder)
+        write({**case, name: json.dumps(replace_value(description, place, value)).encode()}, folder)
         with contextlib.suppress(InputError):
             open_results(folder / "results.zarr").reliab.ellipses()
 
@@ -125,9 +125,9 @@ def test_errors_at_rest_over_other_dimensions_are_refused(tmp_path, dimensions):
     import json
 
     case, name = corpus.stores()[0], "results.zarr/rms_at_rest/zarr.json"
-    described = json.loads(case[name])
-    described["dimension_names"] = [*dimensions, *described["dimension_names"][len(dimensions) :]]
-    write({**case, name: json.dumps(described).encode()}, tmp_path)
+    description = json.loads(case[name])
+    description["dimension_names"] = [*dimensions, *description["dimension_names"][len(dimensions) :]]
+    write({**case, name: json.dumps(description).encode()}, tmp_path)
     with pytest.raises(InputError, match="must be as `reliab simulate` wrote them"):
         open_results(tmp_path / "results.zarr")
 

@@ -20,7 +20,7 @@ from shutil import copytree, ignore_patterns
 
 ROOT = Path(__file__).resolve().parents[2]
 RECIPE = ROOT / ".ci/release/conda/recipe.yaml"
-ON_CONDA = {"seaborn": "seaborn-base", "matplotlib": "matplotlib-base", "typst": "typst-py"}
+CONDA_NAMES = {"seaborn": "seaborn-base", "matplotlib": "matplotlib-base", "typst": "typst-py"}
 SUBDIR = "linux-64"
 
 
@@ -36,10 +36,10 @@ class Channel:
     def add(self, name: str, version: str, files: Path, depends: Iterable[str] = ()) -> None:
         from rattler_build import assemble_package
 
-        described = {"name": name, "version": version, "depends": list(depends)}
+        description = {"name": name, "version": version, "depends": list(depends)}
         place = self.folder / SUBDIR
-        made = assemble_package(
-            **described,
+        package = assemble_package(
+            **description,
             target_platform=SUBDIR,
             build_string="0",
             output_dir=place,
@@ -47,9 +47,9 @@ class Channel:
             compression_level=1,
             detect_prefix=False,
         )
-        content = Path(made.path).read_bytes()
-        self.packages[Path(made.path).name] = {
-            **described,
+        content = Path(package.path).read_bytes()
+        self.packages[Path(package.path).name] = {
+            **description,
             "build": "0",
             "build_number": 0,
             "sha256": hashlib.sha256(content).hexdigest(),
@@ -59,38 +59,38 @@ class Channel:
         self.write(SUBDIR, self.packages)
 
     def write(self, subdir: str, packages: dict[str, dict[str, object]]) -> None:
-        described = {"info": {"subdir": subdir}, "packages": {}, "packages.conda": packages}
-        (self.folder / subdir / "repodata.json").write_text(json.dumps(described), encoding="utf-8")
+        description = {"info": {"subdir": subdir}, "packages": {}, "packages.conda": packages}
+        (self.folder / subdir / "repodata.json").write_text(json.dumps(description), encoding="utf-8")
 
 
-def asked(python: Path, code: str) -> str:
+def run_python(python: Path, code: str) -> str:
     return subprocess.run([python, "-c", code], capture_output=True, text=True, check=True).stdout.strip()  # noqa: S603
 
 
 def fill(channel: Channel, environment: Path, folder: Path) -> None:
     """Add Python, what builds the wheel, and what the package requires."""
     python = environment / "bin/python"
-    of_machine = Path(asked(python, "import sys; print(sys.base_prefix)"))
-    version = asked(python, "import platform; print(platform.python_version())")
+    machine_prefix = Path(run_python(python, "import sys; print(sys.base_prefix)"))
+    version = run_python(python, "import platform; print(platform.python_version())")
     places = f"lib/python{version.rpartition('.')[0]}/site-packages"
     left_out = ignore_patterns("__pycache__", "test", "tests", "idlelib", "*.a", "share", "pip*", "reliab*")
-    copytree(of_machine, folder / "python", symlinks=True, ignore=left_out)
+    copytree(machine_prefix, folder / "python", symlinks=True, ignore=left_out)
     copytree(environment / places, folder / "packages" / places, ignore=left_out)
-    of_wheel = folder / "wheel" / places
-    command = [python, "-m", "pip", "install", "--quiet", "--target", of_wheel, "hatchling", "pip"]
+    wheel_folder = folder / "wheel" / places
+    command = [python, "-m", "pip", "install", "--quiet", "--target", wheel_folder, "hatchling", "pip"]
     subprocess.run(command, check=True)  # noqa: S603
     channel.add("python", version, folder / "python")
     channel.add("packages", "1", folder / "packages", ["python"])
     versions = {item.name.lower(): item.version for item in distributions(path=[str(environment / places)])}
-    versions |= {item.name.lower(): item.version for item in distributions(path=[str(of_wheel)])}
+    versions |= {item.name.lower(): item.version for item in distributions(path=[str(wheel_folder)])}
     channel.add("hatchling", versions["hatchling"], folder / "wheel", ["python"])
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    required = {re.match(r"[\w-]+", item)[0]: "packages" for item in project["dependencies"]}
-    for name, holder in {**required, "pip": "hatchling"}.items():
-        called = ON_CONDA.get(name, name)
-        (folder / called / "share").mkdir(parents=True)
-        (folder / called / "share" / called).write_text(name, encoding="utf-8")
-        channel.add(called, versions[name.lower()], folder / called, [holder])
+    kinds = {re.match(r"[\w-]+", item)[0]: "packages" for item in project["dependencies"]}
+    for name, holder in {**kinds, "pip": "hatchling"}.items():
+        conda_name = CONDA_NAMES.get(name, name)
+        (folder / conda_name / "share").mkdir(parents=True)
+        (folder / conda_name / "share" / conda_name).write_text(name, encoding="utf-8")
+        channel.add(conda_name, versions[name.lower()], folder / conda_name, [holder])
 
 
 def main(environment: Path, folder: Path) -> None:
@@ -98,12 +98,12 @@ def main(environment: Path, folder: Path) -> None:
 
     channel = Channel(folder / "channel")
     fill(channel, environment, folder)
-    built = Stage0Recipe.from_file(RECIPE).run_build(
+    build = Stage0Recipe.from_file(RECIPE).run_build(
         tool_config=ToolConfiguration(test_strategy="native"),
         output_dir=folder / "built",
         channels=[channel.folder.resolve().as_uri()],
     )
-    for package in built[0].packages:
+    for package in build[0].packages:
         print(f"{package.name}: {package.stat().st_size / 1e6:.1f} MB, built and tested")
 
 

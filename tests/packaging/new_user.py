@@ -53,10 +53,10 @@ class Newcomer:
         for name in ("home", "kernels", "work"):
             (folder / name).mkdir(parents=True)
         venv.create(folder / "environment", with_pip=True)
-        own = ("XDG_", "PYTHON", "NUMBA_", "MPL", "RELIAB_")
-        others = {name: value for name, value in os.environ.items() if not name.startswith(own)}
+        prefixes = ("XDG_", "PYTHON", "NUMBA_", "MPL", "RELIAB_")
+        environment = {name: value for name, value in os.environ.items() if not name.startswith(prefixes)}
         self.environment = {
-            **others,
+            **environment,
             "HOME": str(folder / "home"),
             "MPLBACKEND": "Agg",
             "NUMBA_CACHE_DIR": str(folder / "kernels"),
@@ -85,18 +85,18 @@ class Newcomer:
         return [str(self.programs / name), *arguments]
 
     def do(self, page: str, text: str, command: list[str]) -> Step:
-        began, before = time.perf_counter(), processor_seconds()
-        done = subprocess.run(  # noqa: S603 - what our own site tells its readers to type
+        began, processor_start = time.perf_counter(), processor_seconds()
+        process = subprocess.run(  # noqa: S603 - what our own site tells its readers to type
             command, cwd=self.work, env=self.environment, capture_output=True, text=True, check=False
         )
-        wall, processor = time.perf_counter() - began, processor_seconds() - before
-        failure = (done.stdout + done.stderr)[-2000:] if done.returncode else ""
+        wall, processor = time.perf_counter() - began, processor_seconds() - processor_start
+        failure = (process.stdout + process.stderr)[-2000:] if process.returncode else ""
         return Step(page, text, wall, processor, failure)
 
 
 def processor_seconds() -> float:
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
 
 
 def words(page: str) -> int:
@@ -123,10 +123,10 @@ def main(wheel: str, folder: str) -> int:
     for page in PAGES:
         steps += newcomer.follow(page)
     report(steps)
-    failed = [step for step in steps if step.failure]
-    for step in failed:
+    failures = [step for step in steps if step.failure]
+    for step in failures:
         print(f"\n{step.page}: {step.text}\n{step.failure}", file=sys.stderr)
-    return 1 if failed else 0
+    return 1 if failures else 0
 
 
 if __name__ == "__main__":

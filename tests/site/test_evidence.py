@@ -24,18 +24,20 @@ def test_a_result_is_a_figure_or_an_interval_with_a_source(subject):
     sources = set(pd.read_csv(RESULTS / "sources.csv")["source"])
     assert set(rows["source"]) <= sources
     assert (rows["value"].notna() | (rows["low"].notna() & rows["high"].notna())).all()
-    inside = ~(rows["low"] > rows["value"]) & ~(rows["value"] > rows["high"])
-    assert rows[~inside].empty
+    is_inside = ~(rows["low"] > rows["value"]) & ~(rows["value"] > rows["high"])
+    assert rows[~is_inside].empty
     assert not rows.duplicated(["table", "case", "quantity"]).any()
 
 
 def test_every_source_has_a_figure():
-    used = pd.concat([pd.read_csv(RESULTS / f"{subject}.csv") for subject in SUBJECTS])["source"]
-    assert set(pd.read_csv(RESULTS / "sources.csv")["source"]) == set(used)
+    sources_of_figures = pd.concat([pd.read_csv(RESULTS / f"{subject}.csv") for subject in SUBJECTS])[
+        "source"
+    ]
+    assert set(pd.read_csv(RESULTS / "sources.csv")["source"]) == set(sources_of_figures)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
-def test_a_page_shows_tables_and_quantities_that_exist(page, figures):
+def test_a_page_shows_existing_tables_and_quantities(page, figures):
     """Its calls, without the drawing."""
 
     def check(subject, tables, quantities):
@@ -50,6 +52,6 @@ def test_a_page_shows_tables_and_quantities_that_exist(page, figures):
         "show_probabilities": lambda subject, table, **_: check(subject, [table], []),
         "show_sources": lambda *subjects: [figures.show_sources(subject) for subject in subjects],
     }
-    others = {name: lambda: None for name, _ in inspect.getmembers(figures, inspect.isfunction)}
+    idle_functions = {name: lambda: None for name, _ in inspect.getmembers(figures, inspect.isfunction)}
     for cell in code(page):
-        exec(cell.replace("from evidence_figures import *", ""), others | calls)  # noqa: S102 - our own page
+        exec(cell.replace("from evidence_figures import *", ""), idle_functions | calls)  # noqa: S102 - our own page

@@ -20,11 +20,11 @@ LONG_CODE = ("tutorial/campaign", "explanation/paper", "explanation/criterion", 
 LINES = {line for page in PAGES for line in reliab_lines(page.read_text(encoding="utf-8"))}
 
 
-def pages_with(what, long):
+def pages_with(kind, long):
     return [
         pytest.param(page, id=name_of(page), marks=pytest.mark.slow if long(page) else ())
         for page in PAGES
-        if what(page)
+        if kind(page)
     ]
 
 
@@ -60,11 +60,15 @@ def test_code_of_a_page_runs(page, monkeypatch):
         plt.close("all")
 
 
-def test_the_cluster_on_a_page_is_the_one_that_the_readme_s_test_starts():
-    started = [block for block in command_blocks(README.read_text(encoding="utf-8")) if "dask" in str(block)]
+def test_the_cluster_of_a_page_is_the_tested_one():
+    cluster_blocks = [
+        block for block in command_blocks(README.read_text(encoding="utf-8")) if "dask" in str(block)
+    ]
     (block,) = [block for page in PAGES for block in commands(page) if "dask" in str(block)]
-    without_port = [[re.sub(r":?\b879\d", "", line) for line in lines] for lines in (*started, block)]
-    assert without_port[0][: len(block)] == without_port[-1]
+    lines_without_ports = [
+        [re.sub(r":?\b879\d", "", line) for line in lines] for lines in (*cluster_blocks, block)
+    ]
+    assert lines_without_ports[0][: len(block)] == lines_without_ports[-1]
 
 
 @pytest.mark.slow

@@ -36,10 +36,10 @@ def text_of(*runs):
     return json.dumps(json.loads(files_of(document)[CONTENT_FILE]), ensure_ascii=False)
 
 
-def test_the_verdict_counts_what_was_asked():
-    found = text_of(RUN)
-    assert "1 of 2 targets" in found
-    assert "All runs" not in found
+def test_the_verdict_counts_the_campaigns():
+    text = text_of(RUN)
+    assert "1 of 2 targets" in text
+    assert "All runs" not in text
 
 
 def test_failures_are_named():
@@ -63,5 +63,5 @@ def test_evaluations_are_drawn():
     )
     assert discrepancy_reliability(bins).axes[0].get_lines()
     counts = {"gap": {"gap": 9, "(not_identifiable)": 1}, "none": {"(no_missing_effect)": 12}}
-    drawn = {text.get_text() for text in discrepancy_confusion(counts).axes[0].texts}
-    assert drawn == {"9", "1", "12"}
+    texts = {text.get_text() for text in discrepancy_confusion(counts).axes[0].texts}
+    assert texts == {"9", "1", "12"}

@@ -23,20 +23,20 @@ def motion():
     return synthetic_suite(count=3)[1]
 
 
-def of_level(motion, kind, level):
+def tolerances_at_level(motion, kind, level):
     specimen = NonlinearSpecimen(kind=SpecimenKind(kind), level=level)
     return tolerances([motion], [STRUCTURE], [specimen], threshold=THRESHOLD).iloc[0]
 
 
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize(("kind", "level"), [("bilinear", 0.4), ("coulomb", 1e-6), ("cubic", 1e-6)])
-def test_a_specimen_that_hardly_leaves_its_linear_range_tolerates_what_a_linear_one_does(motion, kind, level):
-    row = of_level(motion, kind, level)
+def test_a_nearly_linear_specimen_tolerates_as_much_as_a_linear_one(motion, kind, level):
+    row = tolerances_at_level(motion, kind, level)
     np.testing.assert_allclose(row[list(DIRECTIONS)].astype(float), 1.0, rtol=2e-3)
 
 
-def test_linear_tolerances_lie_on_the_boundary_that_another_engine_traces(motion):
-    row = of_level(motion, "cubic", 1e-6)
+def test_linear_tolerances_lie_on_the_boundary_of_another_engine(motion):
+    row = tolerances_at_level(motion, "cubic", 1e-6)
     excitation = Excitation(acceleration=motion.acceleration, time_step=motion.time_step)
     (contour,) = motion_contours(Loop(excitation=excitation, structure=STRUCTURE), (THRESHOLD,))
     punctual = np.interp(1.0, contour.amplitude, contour.delay)
@@ -49,7 +49,7 @@ def test_linear_tolerances_lie_on_the_boundary_that_another_engine_traces(motion
 def test_a_yielding_test_at_its_tolerance_has_the_tolerated_error_in_an_independent_integration(
     motion, direction
 ):
-    row = of_level(motion, "bilinear", 3.0)
+    row = tolerances_at_level(motion, "bilinear", 3.0)
     record, step = _fine(motion, STRUCTURE)
     linear = _response(record, step, STRUCTURE, 1.0, 0.0, np.inf)
     limit = float(np.abs(linear).max()) / 3.0
@@ -69,7 +69,7 @@ def test_a_level_without_meaning_is_refused():
         NonlinearSpecimen(kind=SpecimenKind.CUBIC, level=0.0)
 
 
-def made_up(count):
+def make_tests(count):
     """Tests of a specimen whose tolerances are known: narrower by a tenth in every fifth test."""
     names = [f"m{number}" for number in range(count)]
     late = np.where(np.arange(count) % 5 == 0, 0.9, 2.0)
@@ -91,8 +91,8 @@ def made_up(count):
     )
 
 
-def test_levels_count_tests_that_tolerate_less():
-    rows = compare_levels(made_up(40))
+def test_levels_count_tests_of_smaller_tolerance():
+    rows = compare_levels(make_tests(40))
     overall = rows[rows["f"].isna()].set_index("direction")
     assert overall.loc["late", "narrower"] == overall.loc["narrowest", "narrower"] == pytest.approx(0.2)
     assert overall.loc["large", "narrower"] == 0.0
@@ -101,21 +101,21 @@ def test_levels_count_tests_that_tolerate_less():
     assert set(rows["f"].dropna()) == {1.0}
 
 
-def test_limits_are_those_that_95_percent_of_the_motions_keep():
-    tests = made_up(40)
+def test_limits_are_kept_by_95_percent_of_the_motions():
+    tests = make_tests(40)
     (row,) = compare_limits(tests).to_dict(orient="records")
-    kept = np.sort(tests["linear_delay_ms"] * tests["late"])
-    assert row["delay_ms"] == pytest.approx(np.quantile(kept, 0.05))
+    delays = np.sort(tests["linear_delay_ms"] * tests["late"])
+    assert row["delay_ms"] == pytest.approx(np.quantile(delays, 0.05))
     assert row["amplitude"] == pytest.approx(0.015)
     assert row["linear_amplitude"] == pytest.approx(0.01)
 
 
 def test_few_motions_state_no_limit():
-    assert compare_limits(made_up(19))["delay_ms"].isna().all()
+    assert compare_limits(make_tests(19))["delay_ms"].isna().all()
 
 
-def test_a_response_that_runs_away_is_counted_and_tolerates_nothing():
-    tests = made_up(40)
+def test_a_diverging_response_is_counted_and_tolerates_nothing():
+    tests = make_tests(40)
     tests.loc[:9, list(DIRECTIONS)] = np.nan
     overall = compare_levels(tests).query("f != f").set_index("direction")
     assert overall.loc["late", "lost"] == 10

@@ -19,7 +19,7 @@ def study_of(**tables):
 
 
 @pytest.fixture
-def stored(tmp_path):
+def results_folder(tmp_path):
     """Results of 40 motions under which a specimen tolerates half of the delay and twice the gain."""
     names = [f"m{number}" for number in range(40)]
     tests = pd.DataFrame(
@@ -53,8 +53,8 @@ def tables_of(document):
     }
 
 
-def test_a_report_of_stored_results_says_what_they_hold(stored, tmp_path):
-    study = study_of(motions={"results": str(stored)})
+def test_a_report_of_stored_results_tells_their_content(results_folder, tmp_path):
+    study = study_of(motions={"results": str(results_folder)})
     (stage,) = KIND.stages(study, quietly)
     folder = tmp_path / "run"
     folder.mkdir()
@@ -78,9 +78,9 @@ def test_a_report_of_stored_results_says_what_they_hold(stored, tmp_path):
         {"ductility": {"threshold": 0.1}},
     ],
 )
-def test_stored_results_of_others_are_refused(stored, tables):
+def test_stored_results_of_others_are_refused(results_folder, tables):
     with pytest.raises(InputError, match="answer for the structures and the error of their own run"):
-        KIND.stages(study_of(motions={"results": str(stored)}, **tables), quietly)
+        KIND.stages(study_of(motions={"results": str(results_folder)}, **tables), quietly)
 
 
 def test_a_folder_without_results_is_refused(tmp_path):

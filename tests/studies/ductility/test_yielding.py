@@ -17,7 +17,7 @@ def motions():
     return list(synthetic_suite(count=3))
 
 
-def test_on_the_linear_boundary_a_specimen_that_does_not_yield_has_the_error_of_the_boundary(motions):
+def test_a_specimen_without_yielding_has_the_error_of_the_linear_boundary(motions):
     tests = yielding_tests(motions, [STRUCTURE], reductions=(0.5,))
     assert len(tests) == 3 * 5
     np.testing.assert_allclose(tests["ratio"], 1.0, rtol=1e-3)  # the boundary is traced by another engine
@@ -38,13 +38,15 @@ def test_yielding_response_agrees_with_an_independent_integration(motions):
         ground = np.interp(t, times, record)
         return [v, -ground - 2.0 * 0.05 * w0 * v - w0**2 * force, 0.0 if slipping else v]
 
-    solved = solve_ivp(rate, (0.0, times[-1]), [0.0, 0.0, 0.0], t_eval=times[::50], max_step=2e-3, rtol=1e-6)
+    solution = solve_ivp(
+        rate, (0.0, times[-1]), [0.0, 0.0, 0.0], t_eval=times[::50], max_step=2e-3, rtol=1e-6
+    )
     peak = np.abs(response).max()
     assert np.abs(response - linear).max() > 0.2 * peak
-    np.testing.assert_allclose(response[::50], solved.y[0], atol=0.01 * peak)
+    np.testing.assert_allclose(response[::50], solution.y[0], atol=0.01 * peak)
 
 
-def test_summary_counts_what_exceeds(motions):
+def test_summary_counts_errors_above_the_threshold(motions):
     tests = yielding_tests(motions, [STRUCTURE], reductions=(2.0, 4.0))
     summary = summarise(tests)
     overall = summary[summary["f"].isna()].set_index("R")

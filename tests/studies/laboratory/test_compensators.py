@@ -39,8 +39,8 @@ def polynomial_command(degree):
 def test_extrapolation_is_exact_for_polynomials_of_its_order(order):
     t, command = polynomial_command(order)
     sent = kernel_output(PolynomialExtrapolation(steps=4, order=order), command)
-    expected = ((t + 4 * STEP) / 0.1) ** order
-    np.testing.assert_allclose(sent[50:], expected[50:], rtol=1e-10)
+    reference = ((t + 4 * STEP) / 0.1) ** order
+    np.testing.assert_allclose(sent[50:], reference[50:], rtol=1e-10)
 
 
 def test_inverse_and_feedforward_are_exact_for_a_constant_velocity():
@@ -79,15 +79,15 @@ def test_displacement_velocity_and_acceleration_follow_the_definition(compensato
         compensator.kernel(row, k * STEP, STEP, coefficients, state)
         sent[:, k] = row
     x, (v, a) = command[0], command[1:]
-    before = np.pad(command, ((0, 0), (1, 0)))[:, :-1]
+    earlier_samples = np.pad(command, ((0, 0), (1, 0)))[:, :-1]
     late = [np.pad(x, (lag, 0))[: x.size] for lag in (0, 4, 8)]
-    expected = {
-        "inverse": 4.0 * command - 3.0 * before,
+    reference = {
+        "inverse": 4.0 * command - 3.0 * earlier_samples,
         "feedforward": [x + 0.004 * v, v + 0.004 * a, a],
         "polynomial_extrapolation": differences(3.0 * late[0] - 3.0 * late[1] + late[2])[:3],
         "model_inverse": differences(np.array([1.1, 0.02, 2e-4, 1e-6]) @ differences(x))[:3],
     }[compensator.name]
-    np.testing.assert_allclose(sent, expected, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(sent, reference, rtol=1e-9, atol=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -99,9 +99,9 @@ def test_delay_is_compensated_in_the_loop(compensator):
     ground = np.sin(2 * np.pi * STEP * np.arange(20 * 1024)) * np.exp(-STEP * np.arange(20 * 1024) / 6.0)
     late = HybridTest(structure=structure, actuator=Actuator(delay=4 * STEP))
     delays = []
-    for plugged in (None, compensator):
-        found = run_closed_loop(late, ground, STEP, compensator=plugged)
-        index = frequency_evaluation(found.command.values[0], found.measured, STEP)
+    for plugged_compensator in (None, compensator):
+        outcome = run_closed_loop(late, ground, STEP, compensator=plugged_compensator)
+        index = frequency_evaluation(outcome.command.values[0], outcome.measured, STEP)
         delays.append(index.equivalent_delay)
     assert delays[0] == pytest.approx(4 * STEP, abs=2e-5)
     assert abs(delays[1]) < 0.02 * delays[0]
@@ -124,6 +124,6 @@ def test_an_inverse_needs_a_positive_first_factor_only():
         lambda: Feedforward(time=-0.1),
     ],
 )
-def test_settings_that_make_no_sense(wrong):
+def test_senseless_settings_are_refused(wrong):
     with pytest.raises(InputError, match="must"):
         wrong()

@@ -38,9 +38,9 @@ def test_scheme_converges_to_the_exact_response_with_second_order(name, fraction
     for step in (0.01, 0.005):
         excitation = Excitation(acceleration=record(0.0025), time_step=0.0025)
         exact, fine = spectral.response(excitation, structure, 1.0, 0.0)
-        found = response(name, structure, step)
-        sampled = np.interp(step * np.arange(found.size), fine * np.arange(exact.size), exact)
-        errors.append(np.abs(found - sampled).max() / np.abs(exact).max())
+        solution = response(name, structure, step)
+        samples = np.interp(step * np.arange(solution.size), fine * np.arange(exact.size), exact)
+        errors.append(np.abs(solution - samples).max() / np.abs(exact).max())
     assert errors[1] < 2e-3
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.15)
 
@@ -48,8 +48,8 @@ def test_scheme_converges_to_the_exact_response_with_second_order(name, fraction
 @pytest.mark.parametrize(("name", "stable"), [("cr", True), ("cd", False), ("os", True)])
 def test_stability_at_a_step_of_a_third_of_the_period(name, stable):
     structure = Structure(frequency=1.0, damping_ratio=0.02)
-    found = response(name, structure, 1.0 / 3.0)
-    assert bool(np.isfinite(found).all() and np.abs(found).max() < 1.0) is stable
+    solution = response(name, structure, 1.0 / 3.0)
+    assert bool(np.isfinite(solution).all() and np.abs(solution).max() < 1.0) is stable
 
 
 def test_schemes_agree_at_the_rate_of_a_laboratory():
@@ -66,16 +66,18 @@ def least_damped_pole(structure, step, delay, integrator):
     """
     w0, xi, h = structure.circular_frequency, structure.damping_ratio, step
     damping, specimen = 2.0 * xi * w0, structure.experimental_fraction * w0**2
-    whole = int(delay / step)
-    part = delay / step - whole
-    (x, v, a), past = np.split(np.eye(whole + 6), [3])  # columns of the map are the images of unit vectors
+    whole_steps = int(delay / step)
+    part = delay / step - whole_steps
+    (x, v, a), past = np.split(
+        np.eye(whole_steps + 6), [3]
+    )  # columns of the map are the images of unit vectors
     if integrator is ChenRicles:
-        moved = 4.0 / (4.0 + 2.0 * h * damping + (h * w0) ** 2) * a
-        x, v = x + h * v + h**2 * moved, v + h * moved
+        factor = 4.0 / (4.0 + 2.0 * h * damping + (h * w0) ** 2) * a
+        x, v = x + h * v + h**2 * factor, v + h * factor
     else:
         x, v = x + h * v + 0.5 * h**2 * a, v + 0.5 * h * a
     sent = np.vstack([x, past])
-    force = specimen * ((1.0 - part) * sent[whole] + part * sent[whole + 1])
+    force = specimen * ((1.0 - part) * sent[whole_steps] + part * sent[whole_steps + 1])
     load = damping * v + (w0**2 - specimen) * x + force
     if integrator is ChenRicles:
         a = -load
@@ -94,6 +96,8 @@ def test_the_least_damped_discrete_pole_is_the_growth_of_the_integrated_test(int
     test = HybridTest(structure=structure, actuator=Actuator(delay=delay))
     scheme_of_test = integrator() if integrator is CentralDifference else integrator(structure=structure)
     ground = np.concatenate([np.hanning(30), np.zeros(1500)])
-    moved = run_closed_loop(test, ground, step, integrator=scheme_of_test).command.values[0]
-    first, second = (np.std(moved[part]) for part in (slice(500, 756), slice(1244, 1500)))  # two cycles each
+    displacement = run_closed_loop(test, ground, step, integrator=scheme_of_test).command.values[0]
+    first, second = (
+        np.std(displacement[part]) for part in (slice(500, 756), slice(1244, 1500))
+    )  # two cycles each
     assert np.log(second / first) / (744 * step) == pytest.approx(pole.real, rel=0.02)

@@ -57,11 +57,11 @@ def ground(shared_folder):
 
 def test_structure_and_idealised_bay():
     parts = substructures()
-    massed = parts.mass.any(axis=1)
-    coupling = parts.stiffness[np.ix_(massed, ~massed)]
-    inner = parts.stiffness[np.ix_(~massed, ~massed)]
-    condensed = parts.stiffness[np.ix_(massed, massed)] - coupling @ np.linalg.solve(inner, coupling.T)
-    squares = scipy.linalg.eigvalsh(condensed, parts.mass[np.ix_(massed, massed)])
+    has_mass = parts.mass.any(axis=1)
+    coupling = parts.stiffness[np.ix_(has_mass, ~has_mass)]
+    inner = parts.stiffness[np.ix_(~has_mass, ~has_mass)]
+    condensation = parts.stiffness[np.ix_(has_mass, has_mass)] - coupling @ np.linalg.solve(inner, coupling.T)
+    squares = scipy.linalg.eigvalsh(condensation, parts.mass[np.ix_(has_mass, has_mass)])
     frequency = np.sqrt(squares[:5]) / (2.0 * np.pi)
     np.testing.assert_allclose(frequency, [2.291, 12.748, 26.280, 26.535, 29.912], atol=6e-4)
     bay = [[4915814, -1560771, -1560771], [-1560771, 1259051, -133981], [-1560771, -133981, 1259051]]
@@ -103,46 +103,46 @@ def errors_of_uncertain_plant(ground, name):
 def test_the_error_follows_from_the_displacements_to_rounding():
     time = np.arange(6.0 * RATE) / RATE
     ground = np.sin(2.0 * np.pi * 2.2 * time) * np.minimum(time, 1.0) + 0.3 * np.sin(79.0 * time)
-    run, strayed, _ = errors_of_uncertain_plant(ground, "none")
+    run, errors, _ = errors_of_uncertain_plant(ground, "none")
     difference = to_node(run.target) - to_node(run.true)
-    found = respond(own_recursion(), difference) - difference
-    np.testing.assert_allclose(found, strayed, rtol=0.0, atol=1e-9 * np.abs(strayed).max())
+    errors_of_recursion = respond(own_recursion(), difference) - difference
+    np.testing.assert_allclose(errors_of_recursion, errors, rtol=0.0, atol=1e-9 * np.abs(errors).max())
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", CONTROLLERS)
 def test_without_noise_the_rebuilt_error_is_the_true_one(ground, name):
-    run, strayed, peak = errors_of_uncertain_plant(ground, name)
-    found = [degree.rms.value for degree in rebuilt_error(run.target, run.true, 2).displacements]
-    np.testing.assert_allclose(found, np.sqrt(np.mean(strayed**2, axis=1)) / peak, rtol=1e-4)
+    run, errors, peak = errors_of_uncertain_plant(ground, name)
+    estimates = [degree.rms.value for degree in rebuilt_error(run.target, run.true, 2).displacements]
+    np.testing.assert_allclose(estimates, np.sqrt(np.mean(errors**2, axis=1)) / peak, rtol=1e-4)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", list(PROTOTYPE))
 def test_criteria_are_those_of_the_prototype(ground, name):
     """Within 3 % or 0.2 percentage points; J1 within a sample."""
-    found = criteria(run_test(ground, nominal_plant(), find_controller(name), seed=0), reference(ground))
-    for criterion, expected in PROTOTYPE[name].items():
+    values = criteria(run_test(ground, nominal_plant(), find_controller(name), seed=0), reference(ground))
+    for criterion, prototype_value in PROTOTYPE[name].items():
         absolute = 1e3 / RATE if criterion == "J1" else 0.25
-        np.testing.assert_allclose(found[criterion], expected, rtol=0.03, atol=absolute)
+        np.testing.assert_allclose(values[criterion], prototype_value, rtol=0.03, atol=absolute)
 
 
 @pytest.mark.slow
 def test_feedback_leaves_a_smaller_error_than_feedforward_alone(ground):
     """LQG removes the coupling that one filter for each actuator leaves, and stays stable on other plants."""
     nominal = nominal_plant()
-    left = {}
+    remaining_errors = {}
     for name in ("feedforward", "lqg"):
         run = run_test(ground, nominal, find_controller(name), seed=0)
-        left[name] = np.std(run.true - run.target, axis=1)
-    assert (left["lqg"] < 0.5 * left["feedforward"]).all()
+        remaining_errors[name] = np.std(run.true - run.target, axis=1)
+    assert (remaining_errors["lqg"] < 0.5 * remaining_errors["feedforward"]).all()
     for plant in drawn_plants(3, 7):
         run = run_test(ground, plant, find_controller("lqg"), seed=0)
-        assert (np.std(run.true - run.target, axis=1) < left["feedforward"]).all()
+        assert (np.std(run.true - run.target, axis=1) < remaining_errors["feedforward"]).all()
 
 
 @pytest.mark.slow
 def test_perfect_actuators_leave_the_floor(ground):
-    found = criteria(run_perfect(ground), reference(ground))
-    assert found["J2"] == [0.0, 0.0]
-    np.testing.assert_allclose(found["J7"], [9.8, 7.7], atol=0.1)
+    values = criteria(run_perfect(ground), reference(ground))
+    assert values["J2"] == [0.0, 0.0]
+    np.testing.assert_allclose(values["J7"], [9.8, 7.7], atol=0.1)

@@ -7,6 +7,6 @@ from reliab.core.shipped import shipped
 
 
 @pytest.fixture
-def printed_rows() -> pd.DataFrame:
+def rows_of_paper() -> pd.DataFrame:
     """Table 2 as printed."""
     return pd.read_csv(shipped("datasets", "paper/table2.csv"))

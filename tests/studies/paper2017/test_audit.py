@@ -29,8 +29,8 @@ from reliab.criterion.laws.guo_2017 import (
 from reliab.motions.loading import load_motions
 from reliab.sweep.ellipse_dataset import open_ellipses
 
-DEFINED = ("1", "2", "3a", "3b", "4", "5", "6", "7a", "7b", "7c", "8", "9", "10", "13")
-FITTED = ("11", "12", "14", "15", "16a", "16b", "17", "18")
+DEFINITIONS = ("1", "2", "3a", "3b", "4", "5", "6", "7a", "7b", "7c", "8", "9", "10", "13")
+FITTED_EQUATIONS = ("11", "12", "14", "15", "16a", "16b", "17", "18")
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +39,7 @@ def table():
 
 
 @pytest.fixture(scope="module")
-def with_shipped_ellipses():
+def audit_of_shipped_ellipses():
     ellipses = open_ellipses(shipped("datasets", "real_suite/ellipses.nc"))
     return audit(ellipses=ellipses).set_index(["item", "quantity"])
 
@@ -74,11 +74,11 @@ def test_every_number_stands_once(table):
 
 
 def test_nothing_of_the_paper_is_missing(table):
-    expected = [f"Table {number}" for number in range(1, 7)]
-    expected += [f"Figure {number}" for number in range(1, 18)]
-    expected += [f"Equation ({number})" for number in (*DEFINED, *FITTED)]
+    sources = [f"Table {number}" for number in range(1, 7)]
+    sources += [f"Figure {number}" for number in range(1, 18)]
+    sources += [f"Equation ({number})" for number in (*DEFINITIONS, *FITTED_EQUATIONS)]
     items = set(table.index.get_level_values("item"))
-    assert {item for item in items if not item.startswith("Text")} == set(expected)
+    assert {item for item in items if not item.startswith("Text")} == set(sources)
 
 
 @pytest.mark.parametrize(
@@ -92,7 +92,7 @@ def test_nothing_of_the_paper_is_missing(table):
         (Equation18, 0.02 * EQUATION_18[0], 0.02 * EQUATION_18[1] * np.exp(-EQUATION_15[2])),
     ],
 )
-def test_the_laws_are_those_that_are_printed(law, a, b):
+def test_laws_equal_the_printed_ones(law, a, b):
     limits = law().limits(1.0, 0.02)
     np.testing.assert_allclose([float(limit) for limit in limits], [a, b], rtol=1e-12)
 
@@ -105,24 +105,26 @@ def test_errata_are_named(table):
 
 
 @pytest.mark.slow
-def test_one_value_for_the_a_of_equation_15(with_shipped_ellipses):
-    numbers = with_shipped_ellipses["from_records"]
+def test_one_value_for_the_a_of_equation_15(audit_of_shipped_ellipses):
+    numbers = audit_of_shipped_ellipses["from_records"]
     assert numbers["Equation (15)", "a"] == pytest.approx(5.25e-5, rel=2e-3)
     assert numbers["Figure 15", "a, all motions and frequencies pooled"] == pytest.approx(5.05e-5, rel=2e-3)
     assert numbers["Equation (17)", "a at ξ = 0.02"] == pytest.approx(1.264e-4, rel=1e-3)
 
 
 @pytest.mark.slow
-def test_three_rows_of_table_2_explain_equation_12(with_shipped_ellipses):
+def test_three_rows_of_table_2_explain_equation_12(audit_of_shipped_ellipses):
     for name in "ab":
-        row = with_shipped_ellipses.loc[("Equation (12)", f"{name} without three rows (none printed)")]
+        row = audit_of_shipped_ellipses.loc[("Equation (12)", f"{name} without three rows (none printed)")]
         assert row["from_tables"] == pytest.approx(row["from_records"], rel=0.01)
-    assert with_shipped_ellipses.loc[("Equation (12)", "b"), "difference"] == pytest.approx(0.16, abs=0.005)
+    assert audit_of_shipped_ellipses.loc[("Equation (12)", "b"), "difference"] == pytest.approx(
+        0.16, abs=0.005
+    )
 
 
 @pytest.mark.slow
-def test_rows_of_table_2_are_counted_in_a_and_b_and_in_their_error(with_shipped_ellipses):
-    rows = with_shipped_ellipses.loc["Table 2", "from_records"]
+def test_rows_of_table_2_are_counted_in_a_and_b_and_in_their_error(audit_of_shipped_ellipses):
+    rows = audit_of_shipped_ellipses.loc["Table 2", "from_records"]
     assert rows["rows within 10 % in a and b"] == 75  # one at 10 %, within the rounding of what ships
     assert rows["rows within 10 % in the fitting error"] == 3
 
@@ -149,15 +151,15 @@ def ellipses_of(table2):
 
 
 @pytest.mark.slow
-def test_rows_are_compared_with_the_records(printed_rows):
-    numbers = audit(ellipses=ellipses_of(printed_rows)).set_index(["item", "quantity"])
-    names = printed_rows["record"].tolist()
+def test_rows_are_compared_with_the_records(rows_of_paper):
+    numbers = audit(ellipses=ellipses_of(rows_of_paper)).set_index(["item", "quantity"])
+    names = rows_of_paper["record"].tolist()
     assert "by about 2, as another duration" in numbers.loc[("Table 2", f"a of {names[0]}"), "finding"]
     assert "is not reproduced" in numbers.loc[("Table 2", f"b of {names[1]}"), "finding"]
     assert numbers.loc[("Table 2", f"error of {names[2]}"), "finding"] == "differs by +200 %, unexplained"
     rows = numbers.loc["Table 2"]
-    others = [f"{column} of {name}" for name in names[3:] for column in ("a", "b", "error")]
-    assert (rows.loc[others, "finding"] == "reproduced").all()
+    other_rows = [f"{column} of {name}" for name in names[3:] for column in ("a", "b", "error")]
+    assert (rows.loc[other_rows, "finding"] == "reproduced").all()
     assert rows.loc["rows within 10 % in a and b", "from_records"] == 98
     assert rows.loc["rows within 10 % in the fitting error", "from_records"] == 99
     assert np.isnan(numbers.loc[("Table 3", "a at 2 Hz"), "from_records"])

@@ -35,6 +35,6 @@ def test_verdicts_stand_beside_the_printed_ones(real_motions_folder):
     assert table["accepted"].tolist() == table["accepted_printed"].tolist() == [True, True, True, False]
     assert table["good"].tolist() == [True, True, True, False]
     assert cases.attrs["window"] == 40.0
-    ideal, measured = (cases[name].sel(case=2).values for name in ("ideal", "measured"))
-    error = ((measured - ideal) ** 2).mean() ** 0.5 / (ideal**2).mean() ** 0.5
+    ideal, response = (cases[name].sel(case=2).values for name in ("ideal", "measured"))
+    error = ((response - ideal) ** 2).mean() ** 0.5 / (ideal**2).mean() ** 0.5
     assert table.loc[1, "of_rms"] == pytest.approx(error, rel=1e-4)

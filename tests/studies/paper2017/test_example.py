@@ -17,32 +17,32 @@ def example():
 
 
 def test_the_perfect_actuator_makes_no_error(example):
-    for name, at in (("error_of_delay", {"long_delay": 0}), ("error_of_gain", {"gain": 20})):
-        assert np.abs(example[name].isel(at)).max() < 1e-9
+    for name, coordinates in (("error_of_delay", {"long_delay": 0}), ("error_of_gain", {"gain": 20})):
+        assert np.abs(example[name].isel(coordinates)).max() < 1e-9
 
 
 def test_the_map_contains_both_sections(example):
     np.testing.assert_allclose(
         example["error"].isel(delay=0), example["error_of_gain"], rtol=1e-6, atol=1e-12
     )
-    at_gain_one = example["error"].sel(gain=1.0, method="nearest")
-    np.testing.assert_allclose(at_gain_one, example["error_of_delay"].isel(long_delay=slice(21)), rtol=1e-6)
+    section = example["error"].sel(gain=1.0, method="nearest")
+    np.testing.assert_allclose(section, example["error_of_delay"].isel(long_delay=slice(21)), rtol=1e-6)
 
 
 def test_errors_follow_from_the_histories(example):
     exact = example["displacement"].isel(test=0)
     late = example["displacement"].isel(test=1)
     peak = float(np.abs(late - exact).max() / np.abs(exact).max())
-    stated = float(example["error_of_delay"].sel(metric="mte").sel(long_delay=5e-3, method="nearest"))
-    assert peak == pytest.approx(stated, rel=2e-3)
+    error_of_map = float(example["error_of_delay"].sel(metric="mte").sel(long_delay=5e-3, method="nearest"))
+    assert peak == pytest.approx(error_of_map, rel=2e-3)
 
 
 def test_the_example_of_the_paper(real_motions_folder):
     motion = load_motions(real_motions_folder).select(names=["KOBE/NIS000"])[0]
-    found = run_paper_example(motion)
-    errors = found["error_of_gain"].sel(gain=0.99, method="nearest")
+    results = run_paper_example(motion)
+    errors = results["error_of_gain"].sel(gain=0.99, method="nearest")
     assert 100 * float(errors.sel(metric="rms")) == pytest.approx(4.2, rel=0.02)
     assert 100 * float(errors.sel(metric="mte")) == pytest.approx(9.2, rel=0.02)
-    contour = Contour(amplitude=found["amplitude_rms"].values, delay=found["delay_rms"].values)
+    contour = Contour(amplitude=results["amplitude_rms"].values, delay=results["delay_rms"].values)
     fit = Ellipse.fit(contour)
     assert (fit.a, fit.b) == (pytest.approx(1.3e-4, rel=0.05), pytest.approx(2.3, rel=0.05))

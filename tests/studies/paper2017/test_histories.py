@@ -26,9 +26,9 @@ def panel(record):
 
 
 def test_it_looks_the_same(panel):
-    shown = as_printed(panel)
-    drawn = np.interp(panel.times, shown.times, shown.ideal)
-    assert np.abs(drawn - panel.ideal).max() < 0.02 * np.abs(panel.ideal).max()
+    digitized = as_printed(panel)
+    interpolated_history = np.interp(panel.times, digitized.times, digitized.ideal)
+    assert np.abs(interpolated_history - panel.ideal).max() < 0.02 * np.abs(panel.ideal).max()
 
 
 def rebuilt(panel, times):
@@ -42,6 +42,6 @@ def rebuilt(panel, times):
 def test_the_record_cannot_be_found_again(panel, record):
     times = STEP * np.arange(record.size)
     fine = np.corrcoef(rebuilt(panel, times), record)[0, 1]
-    drawn = np.corrcoef(rebuilt(as_printed(panel), times), record)[0, 1]
+    correlation = np.corrcoef(rebuilt(as_printed(panel), times), record)[0, 1]
     assert fine > 0.8
-    assert drawn < 0.5
+    assert correlation < 0.5

@@ -28,13 +28,13 @@ def parts(ellipses_of):
 
 
 @pytest.mark.slow
-def test_what_has_a_printed_number_is_recomputed_or_said_to_be_beyond_it(parts):
+def test_printed_numbers_are_recomputed_or_named_as_impossible(parts):
     example, ellipses, cases = parts
     numbers = audit(ellipses=ellipses, example=example, cases=cases)
     rows = numbers[~numbers["quantity"].str.startswith("error of")]
-    printed = rows.dropna(subset=["printed"])
-    beyond = printed[printed[["from_tables", "from_records"]].isna().all(axis=1)]
-    assert beyond["quantity"].tolist() == ["EA"]
+    rows_with_number = rows.dropna(subset=["printed"])
+    impossible_rows = rows_with_number[rows_with_number[["from_tables", "from_records"]].isna().all(axis=1)]
+    assert impossible_rows["quantity"].tolist() == ["EA"]
     assert (rows["finding"] != "").all()
 
 
@@ -47,7 +47,7 @@ def test_containment_counts_motions(parts):
 
 
 @pytest.mark.slow
-def test_the_report_says_what_was_found(parts, text_of):
+def test_the_report_tells_the_audit(parts, text_of):
     example, ellipses, cases = parts
     text = text_of(
         paper_report(title="T", example=example, ellipses=ellipses, cases=cases, provenance={"seed": 1})

@@ -33,43 +33,45 @@ def real_ellipses(suite):
 
 
 @pytest.fixture(scope="module")
-def audited(real_ellipses):
+def audit_table(real_ellipses):
     return audit(shipped("datasets", "paper"), real_ellipses).set_index(["item", "quantity"])
 
 
-def test_table_3_comes_back_from_the_records(audited):
-    rows = audited.loc["Table 3"]
+def test_table_3_comes_back_from_the_records(audit_table):
+    rows = audit_table.loc["Table 3"]
     ratio = rows["from_records"] / rows["printed"] - 1.0
     assert ratio[ratio.index.str.startswith("a")].abs().max() < 0.35
     assert ratio[ratio.index.str.startswith("b")].abs().max() < 0.20
 
 
-def test_column_b_of_table_4_is_the_root(audited):
-    rows = audited.loc["Table 4"]
+def test_column_b_of_table_4_is_the_root(audit_table):
+    rows = audit_table.loc["Table 4"]
     roots = rows[rows.index.str.startswith("b")]
     np.testing.assert_allclose(roots["from_records"], roots["printed"], rtol=0.16)
     assert (roots["from_records"].iloc[1:] ** 2 > 1.8 * roots["printed"].iloc[1:]).all()
 
 
-def test_three_quarters_of_table_2_come_back(audited):
-    back = audited.loc["Table 2", "finding"] == "reproduced"
-    of_a, of_b = (back[back.index.str.startswith(f"{column} of ")].to_numpy() for column in "ab")
-    assert of_a.size == of_b.size == 100
-    assert (of_a & of_b).sum() >= 70
+def test_three_quarters_of_table_2_come_back(audit_table):
+    back = audit_table.loc["Table 2", "finding"] == "reproduced"
+    differences_of_a, differences_of_b = (
+        back[back.index.str.startswith(f"{column} of ")].to_numpy() for column in "ab"
+    )
+    assert differences_of_a.size == differences_of_b.size == 100
+    assert (differences_of_a & differences_of_b).sum() >= 70
 
 
 def test_the_new_law_beats_the_old_ones_at_every_frequency(real_ellipses):
     table = compare_laws(real_ellipses)
     for column in ("log_score", "region_at_f"):
-        found = table.pivot_table(index="f", columns="law", values=column)
-        for other in ("exponential", "guo_2017_18"):
-            assert (found["dimensionless"] > found[other]).all()
+        errors_by_law = table.pivot_table(index="f", columns="law", values=column)
+        for old_law in ("exponential", "guo_2017_18"):
+            assert (errors_by_law["dimensionless"] > errors_by_law[old_law]).all()
 
 
 def test_the_closed_form_explains_most_of_the_scatter_between_motions(suite, real_ellipses):
-    chosen = real_ellipses.sel(xi=[0.02, 0.10])
+    ellipses_at_two = real_ellipses.sel(xi=[0.02, 0.10])
     records = {motion.name: motion for motion in suite}
-    predicted = np.log(
+    closed_form = np.log(
         [
             [
                 [
@@ -83,14 +85,16 @@ def test_the_closed_form_explains_most_of_the_scatter_between_motions(suite, rea
                 ]
                 for f in FREQUENCIES
             ]
-            for name in chosen["motion"].values.astype(str)
+            for name in ellipses_at_two["motion"].values.astype(str)
         ]
     )
     for k, (name, least) in enumerate((("a", 0.95), ("b", 0.75))):
-        true = np.log(chosen[name].sel(threshold=0.05, metric="rms", curve="ellipse", side="lag").values)
-        unexplained = (true - predicted[..., k]).var(axis=0) / true.var(axis=0)
-        assert (1.0 - unexplained).min() > least
-    gain = gain_of_terms(chosen, {"closed form": predicted}).loc["closed form"]
+        true = np.log(
+            ellipses_at_two[name].sel(threshold=0.05, metric="rms", curve="ellipse", side="lag").values
+        )
+        variance_left = (true - closed_form[..., k]).var(axis=0) / true.var(axis=0)
+        assert (1.0 - variance_left).min() > least
+    gain = gain_of_terms(ellipses_at_two, {"closed form": closed_form}).loc["closed form"]
     assert gain["gain"] > 2.0
 
 

@@ -12,26 +12,29 @@ from reliab.motions.motion import Motion
 from reliab.structures.structure import Structure
 
 STRUCTURE = Structure(frequency=1.0, damping_ratio=0.02)
-PLANTED = {
+PLANTED_DIFFERENCES = {
     "SYN003/H1": "time step",
     "SYN003/H2": "time step",
     "SYN007/H1": "component",
     "SYN012/H1": "duration",
     "SYN012/H2": "duration",
 }
-UNEXPLAINED = ("SYN020/H1", "SYN021/H2", "SYN022/H1", "SYN023/H2", "SYN024/H1", "SYN025/H1")
+UNEXPLAINED_ROWS = ("SYN020/H1", "SYN021/H2", "SYN022/H1", "SYN023/H2", "SYN024/H1", "SYN025/H1")
 
 
 @pytest.fixture(scope="module")
 def suite():
     """The built-in suite, every third earthquake sampled half as often."""
     motions = list(load_motions("synthetic"))
-    return [_coarse(one) if int(one.event[3:]) % 3 == 1 else one for one in motions]
+    return [_coarse(motion) if int(motion.event[3:]) % 3 == 1 else motion for motion in motions]
 
 
-def _coarse(one):
+def _coarse(motion):
     return Motion(
-        name=one.name, event=one.event, acceleration=one.acceleration[::2], time_step=2.0 * one.time_step
+        name=motion.name,
+        event=motion.event,
+        acceleration=motion.acceleration[::2],
+        time_step=2.0 * motion.time_step,
     )
 
 
@@ -39,57 +42,57 @@ def pair_of(*arguments):
     return logarithms(simulated_ellipse(*arguments))
 
 
-def printed_pair(motion, by_name):
-    kind = PLANTED.get(motion.name)
+def pair_of_paper(motion, motions_by_name):
+    kind = PLANTED_DIFFERENCES.get(motion.name)
     if kind == "time step":
         return pair_of(motion.acceleration, 2.0 * motion.time_step, STRUCTURE)
     if kind == "duration":
         quiet = np.concatenate([motion.acceleration, np.zeros(2 * motion.acceleration.size)])
         return pair_of(quiet, motion.time_step, STRUCTURE, 2.0 * motion.duration)
     if kind == "component":
-        motion = by_name[motion.name.replace("H1", "H2")]
+        motion = motions_by_name[motion.name.replace("H1", "H2")]
     return pair_of(motion.acceleration, motion.time_step, STRUCTURE)
 
 
 @pytest.fixture(scope="module")
-def audited(suite):
-    by_name = {one.name: one for one in suite}
+def audit_table(suite):
+    motions_by_name = {motion.name: motion for motion in suite}
     rng = np.random.default_rng(8)
     rows = []
-    for one in suite:
-        pair = np.array(printed_pair(one, by_name)) + 0.02 * rng.standard_normal(2)
-        if one.name in UNEXPLAINED:
+    for motion in suite:
+        pair = np.array(pair_of_paper(motion, motions_by_name)) + 0.02 * rng.standard_normal(2)
+        if motion.name in UNEXPLAINED_ROWS:
             pair += rng.choice([-1.0, 1.0]) * rng.uniform(0.4, 1.0) * np.array([1.0, rng.uniform(0.4, 1.6)])
-        rows.append({"record": one.name, "a": np.exp(pair[0]), "b": np.exp(pair[1]), "error": 1.0})
+        rows.append({"record": motion.name, "a": np.exp(pair[0]), "b": np.exp(pair[1]), "error": 1.0})
     return audit_table2(suite, pd.DataFrame(rows)).set_index("record")
 
 
 @pytest.mark.slow
-def test_planted_differences_are_named(audited):
-    named = audited.loc[list(PLANTED), "difference"]
-    assert named.to_dict() == PLANTED
+def test_planted_differences_are_named(audit_table):
+    differences = audit_table.loc[list(PLANTED_DIFFERENCES), "difference"]
+    assert differences.to_dict() == PLANTED_DIFFERENCES
 
 
 @pytest.mark.slow
-def test_named_rows_close_their_gap(audited):
-    named = audited.loc[list(PLANTED)]
-    assert (named["gap_before"] > 0.1).all()
-    assert (named["gap_after"] < 0.08).all()
-    assert (named["chance"] <= 0.05).all()
+def test_named_rows_close_their_gap(audit_table):
+    rows = audit_table.loc[list(PLANTED_DIFFERENCES)]
+    assert (rows["gap_before"] > 0.1).all()
+    assert (rows["gap_after"] < 0.08).all()
+    assert (rows["chance"] <= 0.05).all()
 
 
 @pytest.mark.slow
-def test_rows_without_a_difference_are_seldom_given_one(audited):
-    given = audited.loc[list(UNEXPLAINED), "difference"] != NONE_FOUND
-    assert given.sum() <= 1
+def test_rows_without_a_difference_are_seldom_given_one(audit_table):
+    has_difference = audit_table.loc[list(UNEXPLAINED_ROWS), "difference"] != NONE_FOUND
+    assert has_difference.sum() <= 1
 
 
 @pytest.mark.slow
-def test_rows_that_agree_are_left_alone(audited):
-    rest = audited.drop([*PLANTED, *UNEXPLAINED])
-    assert rest["agrees"].all()
-    assert (rest["difference"] == "").all()
-    np.testing.assert_array_equal(rest["a_after"], rest["a"])
+def test_agreeing_rows_have_no_difference(audit_table):
+    agreeing = audit_table.drop([*PLANTED_DIFFERENCES, *UNEXPLAINED_ROWS])
+    assert agreeing["agrees"].all()
+    assert (agreeing["difference"] == "").all()
+    np.testing.assert_array_equal(agreeing["a_after"], agreeing["a"])
 
 
 def test_other_records_are_refused(suite):

@@ -41,7 +41,7 @@ def elcentro(shared_folder):
 
 
 @pytest.fixture
-def published(shared_folder):
+def published_differences(shared_folder):
     with (shared_folder / "benchmark/published_table3.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     names = ["J1_ms", *(f"J{number}_pct" for number in range(2, 10))]
@@ -87,16 +87,18 @@ def criteria_of(elcentro, seed, *, emulate):
     return np.array([list(benchmark_criteria(run).values()) for run in runs])
 
 
-def test_published_table_comes_back(elcentro, published):
+def test_published_table_comes_back(elcentro, published_differences):
     values = criteria_of(elcentro, 0, emulate=False)
-    assert np.abs(values / published - 1.0).max() < 0.06
+    assert np.abs(values / published_differences - 1.0).max() < 0.06
 
 
 @pytest.mark.slow
-def test_published_table_comes_back_to_its_digits_from_the_published_differences(elcentro, published):
+def test_published_table_comes_back_to_its_digits_from_the_published_differences(
+    elcentro, published_differences
+):
     values = np.array([criteria_of(elcentro, seed, emulate=True) for seed in range(6)])
-    assert np.abs(values.mean(axis=0) / published - 1.0).max() < 0.04
-    assert (np.round(values, 1) == published).any(axis=0).sum() >= 30
+    assert np.abs(values.mean(axis=0) / published_differences - 1.0).max() < 0.04
+    assert (np.round(values, 1) == published_differences).any(axis=0).sum() >= 30
 
 
 @pytest.mark.default_cases(1)
@@ -158,8 +160,8 @@ def test_a_delayed_spring_is_the_closed_loop_of_one_mode():
     # The force that is held costs a step and a half of further delay in the loop.
     late = HybridTest(structure=structure, actuator=Actuator(gain=0.99, delay=delay + 1.5 / rate))
     shaken = np.interp(np.arange(run.command.size) / rate, t, ground)
-    expected = run_closed_loop(late, shaken, 1 / rate).command.values[0]
-    assert np.abs(run.command - expected).max() < 2e-4 * np.abs(expected).max()
+    reference = run_closed_loop(late, shaken, 1 / rate).command.values[0]
+    assert np.abs(run.command - reference).max() < 2e-4 * np.abs(reference).max()
 
 
 @pytest.mark.slow
@@ -180,7 +182,7 @@ def test_a_nonlinear_specimen_before_a_servo_is_a_fine_integration():
     def slope(w, u):
         return plant.dynamics @ w + plant.command * u - plant.nonlinear * cubic * w[3] ** 3
 
-    w, moved, parts = np.zeros(5), [0.0], 4  # the actuator alone, under the command that was sent
+    w, positions, parts = np.zeros(5), [0.0], 4  # the actuator alone, under the command that was sent
     h = 1 / RATE / parts
     for u in run.sent[:-1]:
         for _ in range(parts):
@@ -188,10 +190,10 @@ def test_a_nonlinear_specimen_before_a_servo_is_a_fine_integration():
             k2 = slope(w + 0.5 * h * k1, u)
             k3 = slope(w + 0.5 * h * k2, u)
             w = w + h / 6 * (k1 + 2 * k2 + 2 * k3 + slope(w + h * k3, u))
-        moved.append(w[3])
+        positions.append(w[3])
     peak = np.abs(run.piston).max()
     assert cubic * peak**2 > 0.1 * specimen.stiffness  # the cubic term matters
-    assert np.abs(run.piston - moved).max() < 1e-3 * peak
+    assert np.abs(run.piston - positions).max() < 1e-3 * peak
 
 
 def test_limits_hold():
@@ -200,7 +202,7 @@ def test_limits_hold():
     partition, plant = benchmark_partition(1), benchmark_plants(0)[0]
     free = run_laboratory(partition, benchmark_rig("inverse", plant), ground, 0.01, seed=0)
     assert np.abs(free.force).max() > 8900.0
-    for limits, history, most in (
+    for limits, history, limit in (
         (Limits(force=8900.0), lambda run: run.force, 8900.0 + 20.0),
         (Limits(stroke=0.007), lambda run: run.sent, 0.007 + 4e-6),
         (Limits(rate=0.1), lambda run: np.diff(run.sent) * RATE, 0.1 + 0.02),
@@ -212,10 +214,10 @@ def test_limits_hold():
             limits=limits,
         )
         run = run_laboratory(partition, rig, ground, 0.01, seed=0)
-        assert np.abs(history(run)).max() <= most
+        assert np.abs(history(run)).max() <= limit
 
 
-def test_sensors_have_the_noise_and_resolution_that_they_are_given():
+def test_sensors_have_their_noise_and_resolution():
     rig = Rig(
         transfer_system=TransferFunction(numerator=(63165.0,), denominator=(1.0, 402.1, 63165.0)),
         sensors=Sensors(displacement_noise=1e-5, displacement_step=2e-6, force_step=3.0),
@@ -268,7 +270,7 @@ def test_bad_laboratories_are_refused():
             build()
 
 
-def test_a_step_of_the_classical_runge_kutta_method_is_that_of_the_textbook():
+def test_a_step_is_the_classical_runge_kutta_method():
     """Slopes at the beginning, twice in the middle and at the end, under a load that changes meanwhile."""
     rng = np.random.default_rng(3)
     dynamics, loads, step = rng.normal(size=(3, 3)), rng.normal(size=(3, 2)), 0.1
@@ -277,9 +279,11 @@ def test_a_step_of_the_classical_runge_kutta_method_is_that_of_the_textbook():
     k2 = dynamics @ (state + 0.5 * step * k1) + loads @ middle
     k3 = dynamics @ (state + 0.5 * step * k2) + loads @ middle
     k4 = dynamics @ (state + step * k3) + loads @ end
-    expected = state + step / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
-    transition, early, between, late = _runge_kutta_step(dynamics, loads, step)
-    assert transition @ state + early @ begin + between @ middle + late @ end == pytest.approx(expected)
+    reference = state + step / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+    transition, early, middle_matrix, late = _runge_kutta_step(dynamics, loads, step)
+    assert transition @ state + early @ begin + middle_matrix @ middle + late @ end == pytest.approx(
+        reference
+    )
 
 
 def test_benchmark_plant_has_the_published_inverse():

@@ -25,7 +25,7 @@ def criterion():
 
 
 @pytest.fixture(scope="module")
-def tried(criterion):
+def trials(criterion):
     motions = load_motions("synthetic")[:6]
     structure = Structure(frequency=1.0, damping_ratio=0.02)
     return try_rigs(motions, [structure], lambda _: rigs_of_delay(0.001), criterion, levels=(1.0,), count=6)
@@ -43,27 +43,27 @@ def around_the_limits(criterion):
     "rig",
     ["constant delay", "first-order lag", "second-order dynamics", "inverse compensation, wrong estimate"],
 )
-def test_linear_actuators_act_as_gain_and_delay(tried, rig):
-    rows = tried[tried["rig"] == rig]
+def test_linear_actuators_act_as_gain_and_delay(trials, rig):
+    rows = trials[trials["rig"] == rig]
     np.testing.assert_allclose(rows["d"], 0.001, rtol=0.02)
     np.testing.assert_allclose(rows["predicted"], rows["error"], rtol=0.01)
 
 
 @pytest.mark.slow
-def test_drifting_delay_is_less_well_described(tried):
-    rows = tried[tried["rig"] == "drifting delay"]
+def test_drifting_delay_is_less_well_described(trials):
+    rows = trials[trials["rig"] == "drifting delay"]
     assert np.abs(rows["predicted"] / rows["error"] - 1.0).max() > 0.01
     np.testing.assert_allclose(rows["d"], 0.001, rtol=0.5)
 
 
-def test_verdict_is_by_the_criterion_and_truth_by_the_error(tried):
-    index = (tried["A"] - 1.0) ** 2 / 6e-5 + (1e3 * tried["d"]) ** 2 / 1.2
-    np.testing.assert_array_equal(tried["accepted"], index <= 1.0)
-    np.testing.assert_array_equal(tried["good"], tried["error"] <= 0.05)
+def test_verdict_is_by_the_criterion_and_truth_by_the_error(trials):
+    index = (trials["A"] - 1.0) ** 2 / 6e-5 + (1e3 * trials["d"]) ** 2 / 1.2
+    np.testing.assert_array_equal(trials["accepted"], index <= 1.0)
+    np.testing.assert_array_equal(trials["good"], trials["error"] <= 0.05)
 
 
 def test_tests_lie_on_both_sides_of_both_limits(around_the_limits):
     assert set(around_the_limits["good"]) == {True, False}
     assert set(around_the_limits["accepted"]) == {True, False}
-    own = around_the_limits.groupby("motion").nth([2, 3])
-    assert own["good"].tolist() == [True, False] * 3
+    limits_of_motion = around_the_limits.groupby("motion").nth([2, 3])
+    assert limits_of_motion["good"].tolist() == [True, False] * 3

@@ -12,10 +12,10 @@ from reliab.criterion.methods.registry import METHODS, method_of
 BOUND_METHODS = [name for name, method in METHODS.items() if issubclass(method, BoundMethod)]
 
 INDEPENDENT = Truth(n_events=60, motions_per_event=1, event_share=0.0)
-GROUPED = Truth(n_events=19, motions_per_event=5, event_share=0.15)
-SKEWED = Truth(n_events=60, motions_per_event=2, event_share=0.15, skewness=0.25)
-ON_AVERAGE = ("predictive", "dirichlet")
-WITH_ASSURANCE = ("tolerance", "order_statistic")
+GROUPED_TRUTH = Truth(n_events=19, motions_per_event=5, event_share=0.15)
+SKEWED_TRUTH = Truth(n_events=60, motions_per_event=2, event_share=0.15, skewness=0.25)
+AVERAGE_METHODS = ("predictive", "dirichlet")
+ASSURANCE_METHODS = ("tolerance", "order_statistic")
 
 
 SIZES = pytest.mark.parametrize("count", [40, pytest.param(1000, marks=pytest.mark.slow)])
@@ -23,30 +23,30 @@ SIZES = pytest.mark.parametrize("count", [40, pytest.param(1000, marks=pytest.ma
 
 @pytest.mark.default_cases(1)
 @SIZES
-@pytest.mark.parametrize("name", ON_AVERAGE)
+@pytest.mark.parametrize("name", AVERAGE_METHODS)
 @pytest.mark.parametrize("confidence", [0.8, 0.95])
-def test_methods_that_promise_an_average_keep_it(name, confidence, count):
-    found = simulate_coverage(method_of(name), INDEPENDENT, confidence, suites=count)
-    slack = 4.0 * found.contents.std() / np.sqrt(count) + 0.005
-    assert found.mean == pytest.approx(confidence, abs=slack)
+def test_methods_keep_their_average_coverage(name, confidence, count):
+    coverage = simulate_coverage(method_of(name), INDEPENDENT, confidence, suites=count)
+    slack = 4.0 * coverage.contents.std() / np.sqrt(count) + 0.005
+    assert coverage.mean == pytest.approx(confidence, abs=slack)
 
 
 @pytest.mark.default_cases(1)
 @SIZES
-@pytest.mark.parametrize("name", WITH_ASSURANCE)
+@pytest.mark.parametrize("name", ASSURANCE_METHODS)
 @pytest.mark.parametrize("confidence", [0.8, 0.95])
-def test_methods_that_promise_an_assurance_keep_it(name, confidence, count):
-    found = simulate_coverage(method_of(name), INDEPENDENT, confidence, suites=count)
+def test_methods_keep_their_assurance(name, confidence, count):
+    coverage = simulate_coverage(method_of(name), INDEPENDENT, confidence, suites=count)
     slack = 4.0 * np.sqrt(0.05 * 0.95 / count)
-    assert found.kept_share >= 0.95 - slack
+    assert coverage.kept_share >= 0.95 - slack
     if name != "order_statistic":  # whose ranks are whole numbers
-        assert found.kept_share <= 0.95 + slack
+        assert coverage.kept_share <= 0.95 + slack
 
 
 @pytest.mark.slow
 def test_the_plug_in_quantile_falls_short_with_few_motions():
-    few = Truth(n_events=10, motions_per_event=1, event_share=0.0)
-    content = simulate_coverage(Quantile(), few, 0.95, suites=200).mean
+    small_truth = Truth(n_events=10, motions_per_event=1, event_share=0.0)
+    content = simulate_coverage(Quantile(), small_truth, 0.95, suites=200).mean
     # The mean content of mean + z s over normal samples of ten, by integration over s and the mean.
     rng = np.random.default_rng(1)
     mean, spread = rng.normal(size=10**6) / np.sqrt(10), np.sqrt(rng.chisquare(9, 10**6) / 10)
@@ -56,30 +56,30 @@ def test_the_plug_in_quantile_falls_short_with_few_motions():
 
 @pytest.mark.default_cases(1)
 @SIZES
-@pytest.mark.parametrize("truth", [GROUPED, SKEWED])
+@pytest.mark.parametrize("truth", [GROUPED_TRUTH, SKEWED_TRUTH])
 @pytest.mark.parametrize("confidence", [0.8, 0.95])
 def test_the_recommended_method_is_right_for_a_and_b_together(truth, confidence, count):
-    found = simulate_coverage(method_of("dirichlet"), truth, confidence, joint=True, suites=count)
-    slack = 4.0 * found.contents.std() / np.sqrt(count) + 0.007
-    assert found.mean == pytest.approx(confidence, abs=slack)
+    coverage = simulate_coverage(method_of("dirichlet"), truth, confidence, joint=True, suites=count)
+    slack = 4.0 * coverage.contents.std() / np.sqrt(count) + 0.007
+    assert coverage.mean == pytest.approx(confidence, abs=slack)
 
 
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize("count", [60, pytest.param(1000, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("name", WITH_ASSURANCE)
+@pytest.mark.parametrize("name", ASSURANCE_METHODS)
 @pytest.mark.parametrize("confidence", [0.8, 0.9])
 def test_an_assurance_is_kept_where_half_of_the_variance_lies_between_19_earthquakes(name, confidence, count):
-    alike = Truth(n_events=19, motions_per_event=5, event_share=0.5)
-    kept = simulate_coverage(method_of(name), alike, confidence, suites=count).kept_share
-    assert kept >= 0.95 - 3.0 * np.sqrt(0.05 * 0.95 / count)
+    correlated_truth = Truth(n_events=19, motions_per_event=5, event_share=0.5)
+    assurance = simulate_coverage(method_of(name), correlated_truth, confidence, suites=count).kept_share
+    assert assurance >= 0.95 - 3.0 * np.sqrt(0.05 * 0.95 / count)
 
 
 def test_skewness_spoils_the_lognormal_quantile_and_not_the_recommended_one():
     large = Truth(n_events=400, motions_per_event=2, skewness=0.25)
     lognormal = simulate_coverage(Quantile(), large, 0.95, suites=20).mean
-    learned = simulate_coverage(method_of("dirichlet"), large, 0.95, suites=20).mean
+    coverage_of_dirichlet = simulate_coverage(method_of("dirichlet"), large, 0.95, suites=20).mean
     assert abs(lognormal - 0.95) > 0.02
-    assert learned == pytest.approx(0.95, abs=0.005)
+    assert coverage_of_dirichlet == pytest.approx(0.95, abs=0.005)
 
 
 @pytest.mark.slow

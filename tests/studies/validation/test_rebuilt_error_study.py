@@ -54,7 +54,7 @@ def test_true_errors_are_those_of_another_laboratory():
     tau = 0.004
     lab = laboratory.Lab(1.0, 0.05, 1.0, laboratory.LAG, (1.0, tau, 0.0, 0.0))
     motion = shaken()
-    other = laboratory.run(lab, np.asarray(motion.acceleration), rate=simulated.RATE_HZ)
+    reference_run = laboratory.run(lab, np.asarray(motion.acceleration), rate=simulated.RATE_HZ)
     bench = simulated._Bench(  # noqa: SLF001 - the truth of the study, before anything is drawn
         design=Design.for_motions([motion], [STRUCTURE], trials=1),
         record=motion,
@@ -75,7 +75,7 @@ def test_true_errors_are_those_of_another_laboratory():
     late = bench.run(effect(size, scales), None).piston.values[0]
     ideal = bench.run(Rig(name="perfect"), None).command.values[0]
     error = response_error(late, ideal)
-    assert error == pytest.approx(other.rms, rel=2e-3)
+    assert error == pytest.approx(reference_run.rms, rel=2e-3)
     assert 0.01 < error < 0.5
 
 
@@ -87,15 +87,17 @@ def test_the_rebuilt_error_is_the_true_one_whatever_the_actuator_did(short):
     assert np.median(np.abs(rebuilt["estimate"] / rebuilt["error"] - 1.0)) < 0.02
     clear = rebuilt[np.abs(rebuilt["error"] / 0.05 - 1.0) > 0.1]
     np.testing.assert_array_equal(clear["accepted"], clear["good"])
-    own = plain[plain["judge"] == OWN_BOUNDARY].set_index("rig")
-    assert abs(own.loc["gain and delay", "estimate"] / own.loc["gain and delay", "error"] - 1.0) < 0.05
-    assert np.abs(own["estimate"] / own["error"] - 1.0).max() > 0.1
+    own_rows = plain[plain["judge"] == OWN_BOUNDARY].set_index("rig")
+    assert (
+        abs(own_rows.loc["gain and delay", "estimate"] / own_rows.loc["gain and delay", "error"] - 1.0) < 0.05
+    )
+    assert np.abs(own_rows["estimate"] / own_rows["error"] - 1.0).max() > 0.1
 
 
 @pytest.mark.slow
 def test_a_wrong_frequency_moves_the_rebuilt_error(short):
     rebuilt = short[(short["judge"] == REBUILT) & (short["specimen"] == LINEAR)]
-    right, wrong = (rebuilt[rebuilt["stated"] == each] for each in ("right", "f +2 %"))
+    right, wrong = (rebuilt[rebuilt["stated"] == statement] for statement in ("right", "f +2 %"))
     off = [np.abs(np.log(part["estimate"] / part["error"])).mean() for part in (right, wrong)]
     assert off[1] > 2.0 * off[0]
 
@@ -104,9 +106,9 @@ def test_nonlinear_specimens_are_flagged_and_rebuilt_with_their_model(short):
     nonlinear = short[short["specimen"] != LINEAR]
     assert (nonlinear["looks_nonlinear"] == 1.0).all()
     assert not nonlinear[nonlinear["judge"] == CERTAIN]["accepted"].any()
-    modelled = nonlinear[nonlinear["judge"] == WITH_MODEL]
-    assert len(modelled) == 3
-    np.testing.assert_allclose(modelled["estimate"] / modelled["error"], 1.0, atol=0.15)
+    rows_with_model = nonlinear[nonlinear["judge"] == WITH_MODEL]
+    assert len(rows_with_model) == 3
+    np.testing.assert_allclose(rows_with_model["estimate"] / rows_with_model["error"], 1.0, atol=0.15)
 
 
 def test_a_study_goes_on_where_it_was_and_in_no_other(short, design, tmp_path, monkeypatch):
@@ -117,8 +119,8 @@ def test_a_study_goes_on_where_it_was_and_in_no_other(short, design, tmp_path, m
         raise AssertionError
 
     monkeypatch.setattr(study, "tests_of_round", never)
-    again = try_tests(design, kept=path)
-    np.testing.assert_allclose(again["error"], short["error"])
+    resumed_rows = try_tests(design, kept=path)
+    np.testing.assert_allclose(resumed_rows["error"], short["error"])
     with pytest.raises(InputError, match="resumed with its own file"):
         try_tests(replace(design, seed=1), kept=path)
     path.write_text("nothing of the kind\n1\n", encoding="utf-8")
@@ -161,7 +163,7 @@ def test_the_report_shows_the_study(short, text_of_section):
 
 @pytest.fixture
 def text_of_section():
-    def told(tests):
+    def text_with(tests):
         from reliab.report.prose import plain_text
 
         pages = pytest.importorskip("reliab_studies.validation.rebuilt_error")
@@ -174,7 +176,7 @@ def text_of_section():
                 parts.append(block.frame.to_string())
         return " ".join(parts)
 
-    return told
+    return text_with
 
 
 @pytest.mark.slow
@@ -189,8 +191,8 @@ def test_shares_of_many_tests():
     assert 0.8 < judges.loc[REBUILT, "covered"] <= 1.0
 
 
-def test_a_converter_shows_levels_of_one_width_whose_error_is_its_noise():
-    condition = next(each for each in CONDITIONS if each.sensor == QUANTISED)
+def test_a_converter_has_levels_of_one_width_and_their_noise():
+    condition = next(item for item in CONDITIONS if item.sensor == QUANTISED)
     true = np.sin(np.linspace(0.0, 300.0, 4000)) + 0.2
     error = condition.read(true, np.random.default_rng(1)) - true
     width = np.sqrt(12.0) * 10.0 ** (-_DECIBELS[QUANTISED] / 20.0) * np.sqrt(np.mean(true**2))
@@ -200,10 +202,10 @@ def test_a_converter_shows_levels_of_one_width_whose_error_is_its_noise():
     assert np.std(error) == pytest.approx(width / np.sqrt(12.0), rel=0.1)
 
 
-def test_specimens_that_bend_are_as_stiff_at_first_as_was_asked():
+def test_bending_specimens_have_the_stated_initial_stiffness():
     specimen = rigs._hysteresis(3e5, 0.02, np.random.default_rng(2))  # noqa: SLF001 - one of the kinds
     bends = vars(specimen.effect)
-    at_first = specimen.stiffness + bends["force_n"] / bends["displacement_m"]
-    assert at_first == pytest.approx(3e5)
+    initial_stiffness = specimen.stiffness + bends["force_n"] / bends["displacement_m"]
+    assert initial_stiffness == pytest.approx(3e5)
     assert 0.2 * 0.02 <= bends["displacement_m"] <= 0.5 * 0.02
     assert 0.1 * 3e5 <= specimen.stiffness <= 0.5 * 3e5
