@@ -33,7 +33,7 @@ class Known(ErrorSearch):
 
     def __init__(self, rows):
         self.rows = {frozenset(one.fit.space.effects): one for one in rows}
-        self.problem = SimpleNamespace(block=SimpleNamespace(linear=()))
+        self.problem = SimpleNamespace(block=SimpleNamespace(linear=(), candidates=()))
 
     def remove_effect(self, fitted, kind):
         return self.rows[frozenset(fitted.space.effects) - {kind}].fit

@@ -10,6 +10,7 @@ from reliab.discrepancy.fitting.prior import cost
 from reliab.discrepancy.fitting.space import MODEL_ERROR
 from reliab.discrepancy.naming.choice import (
     _clock_models,
+    _place_effects,
     _shares_of_parts,
     _shares_of_scores,
     _split_by_certainty,
@@ -135,3 +136,29 @@ def test_an_offset_of_the_clocks_is_doubtful_where_it_is_more_probable_than_none
     assert sure == {AFTER}
     assert doubtful == ({ClockOffset} if doubted else set())
     assert set(best.fit.space.effects) == sure | doubtful
+
+
+@pytest.mark.parametrize(
+    ("energies", "likelihood", "place"),
+    [
+        ([3.3, 0.65, 0.8, 0.5], 78.0, BEFORE),  # a limit that shows in one test only, which is left out once
+        ([3.3, 3.0, 3.5, 3.1], 78.0, AFTER),  # left-out tests tell
+        ([3.3, 0.65, 0.8, 0.5], 58.0, AFTER),  # all tests together say the same
+    ],
+)
+def test_all_tests_tell_where_a_limit_acts_if_left_out_ones_do_not(monkeypatch, energies, likelihood, place):
+    def fitted(effect, log_likelihood):
+        return SimpleNamespace(space=SimpleNamespace(effects=(effect,)), log_likelihood=log_likelihood)
+
+    after, before = fitted(AFTER, 68.0), fitted(BEFORE, likelihood)
+    left = {id(after): errors([1.0, 1.1, 0.9, 1.0]), id(before): errors(energies)}
+    search = SimpleNamespace(
+        candidates=(AFTER, BEFORE, BACKLASH),
+        error=lambda fit: left[id(fit)],
+        exchange=lambda _fit, _kind, _other: before,
+    )
+    monkeypatch.setattr("reliab.discrepancy.naming.choice.residuals", lambda _proof, fit: fit)
+    monkeypatch.setattr("reliab.discrepancy.naming.choice.errors_of_parts", lambda _proof, fit: left[id(fit)])
+    monkeypatch.setattr("reliab.discrepancy.naming.choice.compute_nrmse", lambda _proof, _fit: 0.0)
+    chosen = _place_effects(search, SimpleNamespace(fit=after), None)
+    assert chosen.fit.space.effects == (place,)

@@ -433,16 +433,13 @@ class Search:
             if self._matters(candidate, best):
                 self.keep(candidate)
 
-    def simplify(self, fitted_model: Fit, special: type[Effect]) -> Fit:
-        """Fit a model with the simpler effect in the place of a special form."""
-        simple = special.refines
-        if simple is None:
-            return fitted_model
-        kinds = tuple(simple if effect is special else effect for effect in fitted_model.space.effects)
+    def exchange(self, fitted_model: Fit, kind: type[Effect], other: type[Effect]) -> Fit:
+        """Fit a model with another effect in the place of one, whose parameters it has."""
+        kinds = tuple(other if effect is kind else effect for effect in fitted_model.space.effects)
         space = ModelSpace(fitted_model.space.block, kinds)
         if space.key in self.fitted:
             return self.fitted[space.key]
-        (start, *_) = space.replace_effect(fitted_model.space, fitted_model.coordinates, special, simple)
+        (start, *_) = space.replace_effect(fitted_model.space, fitted_model.coordinates, kind, other)
         return self.keep(self.fit(space, [start], fitted_model.noise))
 
     def settle(self) -> None:

@@ -161,6 +161,8 @@ def choose(search: Search, rows: Sequence[RankedModel], proof: Problem) -> Choic
             [row for row in rows if not any(map(is_general, row.fit.space.effects))]
         )
         best = best if best.held_out < (1.0 - _GENERAL) * library_model.held_out else library_model
+    if isinstance(search, ErrorSearch):
+        best = _place_effects(search, best, proof)
     slack = 1.0 + (_LITTLE if isinstance(search, ErrorSearch) else NO_CHANGE)
     least = best.held_out
     contradicted_model = rows[0] if rows[0].held_out > (1.0 + NO_CHANGE) * best.held_out else None
@@ -231,6 +233,43 @@ def find_sustained(rows: Sequence[RankedModel]) -> RankedModel:
     explaining = [row for row, square in zip(rows, squares, strict=True) if square <= limit]
     least = min(row.held_out for row in explaining)
     return next(row for row in explaining if row.held_out <= (1.0 + NO_CHANGE) * least)
+
+
+def _place_effects(search: ErrorSearch, best: RankedModel, proof: Problem) -> RankedModel:
+    """Let the likelihood say where along the block an effect acts if no part that is left out does.
+
+    Models that differ in nothing but that have the same names and as many parameters. A part in which the
+    place shows best is missing where it is left out.
+    """
+    for kind in best.fit.space.effects:
+        for other in search.candidates:
+            is_elsewhere = other.position and other is not kind and other.label() == kind.label()
+            if not is_elsewhere or other in best.fit.space.effects:
+                continue
+            moved = search.exchange(best.fit, kind, other)
+            if moved.log_likelihood > best.fit.log_likelihood and not _is_told(
+                search, moved, best.fit, proof
+            ):
+                return _row_of(search, moved, proof)
+    return best
+
+
+def _is_told(search: Search, first: Fit, second: Fit, proof: Problem) -> bool:
+    """Whether left-out parts and held-out tests tell two models apart, by the mean ratio of their errors."""
+    first_errors, second_errors = (
+        np.concatenate(
+            [search.error(model).relative, errors_of_parts(proof, residuals(proof, model)).relative]
+        )
+        for model in (first, second)
+    )
+    ratios = np.log(np.maximum(first_errors, 1e-300) / np.maximum(second_errors, 1e-300))
+    return bool(abs(ratios.mean()) > _STANDARD_ERRORS * ratios.std(ddof=1) / np.sqrt(ratios.size))
+
+
+def _row_of(search: Search, fit: Fit, proof: Problem) -> RankedModel:
+    """Return a model that was fitted after all others were ranked."""
+    error = compute_nrmse(proof, residuals(proof, fit))
+    return RankedModel(fit=fit, probability=0.0, left_out=search.error(fit).nrmse, held_out=error)
 
 
 def _idle(
@@ -312,8 +351,7 @@ def _remove_effect(
     fit = search.remove_effect(best.fit, kind)
     rows = [row for row in ranked_models if row.fit is fit or set(row.fit.space.effects) <= other_effects]
     if all(row.fit is not fit for row in rows):
-        error = compute_nrmse(proof, residuals(proof, fit))
-        rows.append(RankedModel(fit=fit, probability=0.0, left_out=search.error(fit).nrmse, held_out=error))
+        rows.append(_row_of(search, fit, proof))
     if not isinstance(search, ErrorSearch):
         return next(row for row in rows if row.fit is fit)
     return min(rows, key=lambda row: row.held_out)

@@ -216,7 +216,7 @@ class _Naming:
         simple = effect.refines
         if simple is None:
             return (first,)
-        simple_error = self._error(self.search.simplify(self.best, effect))
+        simple_error = self._error(self.search.exchange(self.best, effect, simple))
         if isinstance(self.search, ErrorSearch) and not explains_more_than_left(
             simple_error, self._error(self.best)
         ):
