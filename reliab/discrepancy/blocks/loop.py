@@ -107,7 +107,7 @@ class LoopBlock(ObservedBlock):
         self._grounds = [
             _resample(test.channels[Channel.GROUND], self.parts, self.every) for test in self.tests
         ]
-        self._moved = lru_cache(maxsize=2 * len(self.tests))(self._move)
+        self._moved = lru_cache(maxsize=4 * len(self.tests))(self._move)  # of the last model in two threads
 
     @property
     def memory(self) -> float:

@@ -206,7 +206,9 @@ def _differentiate(
     if centre is None:
         centre = problem.whiten(space, coordinates, noise)
     columns = np.empty((centre.size, space.size))
-    for place in range(space.size):
+    offsets = [place for offset in space.block.offsets for place in range(space.size)[space.places(offset)]]
+    # Offsets first: the motion that a block simulated last is still remembered, and they leave it as it is.
+    for place in dict.fromkeys([*offsets, *range(space.size)]):
         step = _STEP if coordinates[place] + _STEP < upper[place] else -_STEP
         trial = coordinates.copy()
         trial[place] += step
