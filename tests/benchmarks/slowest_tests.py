@@ -3,13 +3,14 @@
     python tests/benchmarks/slowest_tests.py [--count 20] [pytest's own arguments, e.g. tests/app/cli]
 
 The processor time of a test counts this process and the subprocesses that it waited for. It is measured in
-one process, so it holds on a busy machine too; what a shared fixture costs is counted for the first test that
-asks for it, in the column "setup".
+one process with one thread for linear algebra, so it holds on a busy machine too; what a shared fixture costs
+is counted for the first test that asks for it, in the column "setup".
 """
 
 from __future__ import annotations
 
 import argparse
+import os
 import resource
 import sys
 from collections import defaultdict
@@ -83,6 +84,7 @@ def main() -> int:
     )
     parser.add_argument("--count", type=int, default=20, help="how many tests to name")
     options, arguments = parser.parse_known_args()
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
     return pytest.main([*arguments, "-n", "0"], plugins=[ProcessorTimes(options.count)])
 
 
