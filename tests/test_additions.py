@@ -71,6 +71,7 @@ ADDITIONS = {
 
         class Thermal(SensorBias):
             name = "thermal_bias"
+            description = "the sensor warms up"
         """,
     ),
     "format": (

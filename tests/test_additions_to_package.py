@@ -11,6 +11,7 @@ from pathlib import Path
 from textwrap import dedent
 
 import pytest
+from test_additions import ADDITIONS
 
 import reliab
 
@@ -26,57 +27,9 @@ FILES = {
                 return source.path.suffix == ".pairs"
         """,
     },
-    "effect": {
-        "effects/thermal.py": """
-            from reliab.effects.sensor_bias import SensorBias
-
-
-            class Thermal(SensorBias):
-                name = "thermal_bias"
-                description = "the sensor warms up"
-        """,
-    },
-    "law": {
-        "criterion/laws/constant.py": """
-            from dataclasses import dataclass
-
-            import numpy as np
-
-            from reliab.criterion.laws.law import LogLinearLaw
-
-
-            @dataclass(frozen=True, kw_only=True)
-            class Constant(LogLinearLaw):
-                name = "constant"
-                equation = "a = c, b = c'"
-
-                @staticmethod
-                def _terms(f, xi):
-                    return np.ones_like(f)[..., None], np.ones_like(f)[..., None]
-
-                @staticmethod
-                def _references(f, xi):
-                    return np.ones_like(f), np.ones_like(f)
-        """,
-    },
-    "method": {
-        "criterion/methods/least.py": """
-            from dataclasses import dataclass
-
-            from reliab.criterion.methods.method import BoundMethod
-
-
-            @dataclass(frozen=True, kw_only=True)
-            class Least(BoundMethod):
-                name = "least"
-                meaning = "the least of the motions at hand"
-                exchangeable = "motions"
-                distribution_free = True
-
-                def _lower_bound(self, logarithms, events, confidence):
-                    return float(logarithms.min())
-        """,
-    },
+    "effect": {"effects/thermal.py": ADDITIONS["effect"][-1]},
+    "law": {"criterion/laws/constant.py": ADDITIONS["law"][-1]},
+    "method": {"criterion/methods/least.py": ADDITIONS["method"][-1]},
     "study": {
         "../studies/nothing/study.toml": """
             title = "A study"
@@ -147,7 +100,7 @@ USE = """
 
     import numpy as np
 
-    from reliab.criterion.laws.registry import FITTED, law_from_dict, law_to_dict
+    from reliab.criterion.laws.registry import FITTED_LAWS, law_from_dict, law_to_dict
     from reliab.criterion.methods.registry import method_of
     from reliab.effects.registry import find_effect
     from reliab.motions.loading import load_motions
@@ -159,7 +112,8 @@ USE = """
     t = 0.01 * np.arange(600)
     rows = "\\n".join(f"{x:.2f} {np.sin(x):.6e}" for x in t)
     (folder / "shake.pairs").write_text(rows + "\\n", encoding="utf-8")
-    law = FITTED.find("constant").fit([1.0, 2.0], [0.02, 0.05], np.full((2, 2), 1e-4), np.full((2, 2), 2.0))
+    a, b = np.full((2, 2), 1e-4), np.full((2, 2), 2.0)
+    law = FITTED_LAWS.find("constant").fit([1.0, 2.0], [0.02, 0.05], a, b)
     study = open_study("nothing")
     answer = {
         "reader": load_motions(folder / "shake.pairs", units="m/s2")[0].acceleration.size,
@@ -206,7 +160,7 @@ def copy(tmp_path_factory):
 def test_additions_touch_few_files_and_are_then_found(copy, tmp_path):
     touched = {thing: add(thing, copy / "reliab") for thing in FILES}
     assert {thing: len(files) for thing, files in touched.items()} == MOST_FILES
-    found = subprocess.run(  # noqa: S603
+    process = subprocess.run(  # noqa: S603
         [sys.executable, "-c", dedent(USE), str(tmp_path)],
         capture_output=True,
         text=True,
@@ -214,8 +168,8 @@ def test_additions_touch_few_files_and_are_then_found(copy, tmp_path):
         cwd=copy,
         env={"PYTHONPATH": str(copy), "NUMBA_CACHE_DIR": str(tmp_path)},
     )
-    assert found.returncode == 0, found.stderr
-    assert json.loads(found.stdout) == {
+    assert process.returncode == 0, process.stderr
+    assert json.loads(process.stdout) == {
         "reader": 600,
         "effect": "the sensor warms up",
         "law": 2.0,
