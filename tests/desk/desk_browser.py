@@ -46,7 +46,7 @@ class DeskBrowser:
         end = time.monotonic() + patience
         while not question():
             assert time.monotonic() < end, self.text()[-1500:]
-            time.sleep(0.05)
+            time.sleep(0.25)
 
     def wait_for(self, words, patience=PATIENCE):
         self.until(lambda: words in self.text(), patience)

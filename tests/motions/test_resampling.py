@@ -45,12 +45,6 @@ def test_name_event_and_set_are_kept() -> None:
     assert (second.name, second.event, second.set_name) == ("a", "e", "s")
 
 
-@pytest.mark.parametrize("rate", [0.0, -1.0, np.nan, np.inf, 1.0])
-def test_an_impossible_rate_is_refused(rate: float) -> None:
-    with pytest.raises(InputError, match="sampling rate"):
-        resample(motion([0.0, 1.0], 0.1), rate)
-
-
 @pytest.mark.parametrize(
     ("duration", "samples"),
     [(0.01, 2), (0.3, 31), (0.305, 31), (0.29999999999, 31), (0.4, 41), (9.0, 41)],
@@ -60,7 +54,14 @@ def test_truncation_keeps_samples_within_duration(duration: float, samples: int)
     assert truncate(record, duration).acceleration.tolist() == list(range(samples))
 
 
-@pytest.mark.parametrize("duration", [0.0, -1.0, 0.005, np.nan])
-def test_less_than_one_step_is_refused(duration: float) -> None:
-    with pytest.raises(InputError, match="shorter than a time step"):
-        truncate(motion([0.0, 1.0], 0.01), duration)
+@pytest.mark.default_cases(9)
+@pytest.mark.parametrize(
+    ("change", "number", "rule"),
+    [
+        *((resample, rate, "sampling rate") for rate in (0.0, -1.0, np.nan, np.inf, 1.0)),
+        *((truncate, duration, "shorter than a time step") for duration in (0.0, -1.0, 0.005, np.nan)),
+    ],
+)
+def test_an_impossible_rate_or_duration_is_refused(change, number: float, rule: str) -> None:
+    with pytest.raises(InputError, match=rule):
+        change(motion([0.0, 1.0], 0.1), number)

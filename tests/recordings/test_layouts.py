@@ -127,17 +127,14 @@ THETA = np.arange(9) * np.pi / 4.0
         "testdouble_7.1_GLNX86.mat",
         "testdouble_7.4_GLNX86.mat",
         "testhdf5_7.4_GLNX86.mat",
+        "testmulti_7.1_GLNX86.mat",
+        "testmulti_7.4_GLNX86.mat",
     ],
 )
 def test_vectors_saved_by_matlab(name):
     (test,) = read_tests(data_of("scipy.io", "matlab", "tests", "data") / name)
-    np.testing.assert_allclose(test.values["testdouble"], THETA, rtol=1e-15)
-
-
-@pytest.mark.parametrize("name", ["testmulti_7.1_GLNX86.mat", "testmulti_7.4_GLNX86.mat"])
-def test_a_vector_beside_other_variables(name):
-    (test,) = read_tests(data_of("scipy.io", "matlab", "tests", "data") / name)
-    np.testing.assert_allclose(test.values["theta"], THETA, rtol=1e-15)
+    variable = "theta" if "multi" in name else "testdouble"  # beside other variables
+    np.testing.assert_allclose(test.values[variable], THETA, rtol=1e-15)
 
 
 @pytest.mark.parametrize("release", ["6.1_SOL2", "6.5.1_GLNX86", "7.1_GLNX86", "7.4_GLNX86"])

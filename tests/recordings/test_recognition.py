@@ -65,22 +65,27 @@ def test_following_column_is_measured_if_only_units_help():
     }  # fmt: skip
 
 
-def test_two_sensors_following_the_command_are_questioned():
-    table = {
-        "t": TIME,
-        "cmd (mm)": COMMAND,
-        "LVDT A (mm)": MEASURED,
-        "LVDT B (mm)": 0.9 * np.roll(MEASURED, 1),
-    }
-    with pytest.raises(InputError, match=r"'LVDT A \(mm\)' and 'LVDT B \(mm\)'"):
-        columns_of(table)
-
-
-def test_the_more_alike_of_three_is_no_reason_where_nothing_is_named():
-    """Two sensors of one motion are more alike than it is to its command."""
-    table = {"t": TIME, "a (mm)": 1e3 * MEASURED, "b (mm)": 0.9e3 * MEASURED, "c (mm)": 1e3 * COMMAND}
-    with pytest.raises(InputError, match="'a \\(mm\\)' and 'b \\(mm\\)' and 'c \\(mm\\)'"):
-        columns_of(table)
+@pytest.mark.parametrize(
+    ("columns", "question"),
+    [
+        (  # two sensors that follow the command
+            {"cmd (mm)": COMMAND, "LVDT A (mm)": MEASURED, "LVDT B (mm)": 0.9 * np.roll(MEASURED, 1)},
+            r"'LVDT A \(mm\)' and 'LVDT B \(mm\)'",
+        ),
+        (  # without names; two sensors of one motion are more alike than it is to its command
+            {"a (mm)": 1e3 * MEASURED, "b (mm)": 0.9e3 * MEASURED, "c (mm)": 1e3 * COMMAND},
+            r"'a \(mm\)' and 'b \(mm\)' and 'c \(mm\)'",
+        ),
+        ({"a": COMMAND, "b": MEASURED}, "No column for the command"),
+        (
+            {"command_m": COMMAND, "measured": 1e3 * MEASURED},
+            "'measured' states no unit, and is 997 times",
+        ),
+    ],
+)
+def test_ambiguous_columns_are_questioned(columns, question):
+    with pytest.raises(InputError, match=question):
+        columns_of({"time": TIME, **columns})
 
 
 def test_the_output_of_a_model_is_no_measurement():
@@ -102,23 +107,12 @@ def test_per_cent_in_front_of_a_line_of_units_begins_no_comment(tmp_path):
     assert factors["command"] == factors["measured"] == 1e-3
 
 
-def test_meaningless_names_without_units_are_questioned():
-    with pytest.raises(InputError, match="No column for the command"):
-        columns_of({"time": TIME, "a": COMMAND, "b": MEASURED})
-
-
 def test_early_measurement_without_names_is_never_taken_for_the_command(tmp_path):
     """An overcompensated actuator leads; its noise contradicts, and the user is asked."""
     early = np.roll(MEASURED, -5)
     np.savetxt(tmp_path / "t.csv", np.column_stack([TIME, early, COMMAND]), delimiter=",")
     with pytest.raises(InputError, match="Which is the command"):
         read_recording(tmp_path / "t.csv")
-
-
-def test_one_displacement_in_metres_beside_one_in_unstated_millimetres_is_asked_about():
-    table = {"time": TIME, "command_m": COMMAND, "measured": 1e3 * MEASURED}
-    with pytest.raises(InputError, match="'measured' states no unit, and is 997 times"):
-        columns_of(table)
 
 
 def test_force_is_the_column_explained_by_the_motion():

@@ -24,23 +24,15 @@ def error_of_share(share, effective_size):
 
 
 @pytest.mark.slow
-def test_quantiles_of_the_mean_are_exact_within_monte_carlo_error(posteriors):
+def test_quantiles_of_mean_and_spread_are_exact_within_monte_carlo_error(posteriors):
     samples, exact = posteriors
-    spread = np.sqrt(exact.variance / exact.mean_weight)
-    quantiles = stats.t.ppf(SHARES, exact.degrees_of_freedom, exact.mean, spread)  # of μ, Student's t
-    result = (samples.flat[:, :1] <= quantiles).mean(axis=0)
-    size = min(samples.diagnostics.bulk_size[0], samples.diagnostics.tail_size[0])
-    assert (np.abs(result - SHARES) < 4.0 * error_of_share(SHARES, size)).all()
-
-
-@pytest.mark.slow
-def test_quantiles_of_the_spread_are_exact_within_monte_carlo_error(posteriors):
-    samples, exact = posteriors
-    degrees = exact.degrees_of_freedom
+    degrees, spread = exact.degrees_of_freedom, np.sqrt(exact.variance / exact.mean_weight)
+    mu = stats.t.ppf(SHARES, degrees, exact.mean, spread)
     sigma = np.sqrt(degrees * exact.variance / stats.chi2.isf(SHARES, degrees))
-    result = (np.exp(samples.flat[:, 1:]) <= sigma).mean(axis=0)
-    size = min(samples.diagnostics.bulk_size[1], samples.diagnostics.tail_size[1])
-    assert (np.abs(result - SHARES) < 4.0 * error_of_share(SHARES, size)).all()
+    for place, quantiles in enumerate((mu, np.log(sigma))):
+        result = (samples.flat[:, [place]] <= quantiles).mean(axis=0)
+        size = min(samples.diagnostics.bulk_size[place], samples.diagnostics.tail_size[place])
+        assert (np.abs(result - SHARES) < 4.0 * error_of_share(SHARES, size)).all()
 
 
 def test_predictive_quantiles_are_exact_within_monte_carlo_error(posteriors):

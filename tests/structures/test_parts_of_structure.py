@@ -26,21 +26,23 @@ def modes_of(mass, damping, stiffness):
     return omega, np.diag(shapes.T @ damping @ shapes) / (2.0 * omega * modal), shapes
 
 
-def test_a_storey_of_a_shear_frame_is_stiffer():
-    variant = change_matrices(
-        MASS, DAMPING, STIFFNESS, {"storey_stiffness_2": 0.1, "storey_stiffness_3": -0.2}
-    )[2]
-    np.testing.assert_allclose(variant, shear_frame(MASSES, [9e5, 7.7e5, 4e5])[1], rtol=1e-12)
-
-
-def test_all_storeys_are_stiffer_alike():
-    variant = change_matrices(MASS, DAMPING, STIFFNESS, {"storey_stiffness": 0.1})[2]
-    np.testing.assert_allclose(variant, 1.1 * STIFFNESS, rtol=1e-12)
-
-
-def test_a_floor_is_heavier():
-    variant = change_matrices(MASS, DAMPING, STIFFNESS, {"floor_mass_1": 0.25})[0]
-    np.testing.assert_allclose(variant, np.diag([1500.0, 1000.0, 700.0]), rtol=1e-12)
+@pytest.mark.default_cases(3)
+@pytest.mark.parametrize(
+    ("changes", "matrix", "reference"),
+    [
+        (
+            {"storey_stiffness_2": 0.1, "storey_stiffness_3": -0.2},
+            2,
+            shear_frame(MASSES, [9e5, 7.7e5, 4e5])[1],
+        ),
+        ({"storey_stiffness": 0.1}, 2, 1.1 * STIFFNESS),
+        ({"floor_mass_1": 0.25}, 0, np.diag([1500.0, 1000.0, 700.0])),
+    ],
+    ids=["single storeys", "all storeys", "floor"],
+)
+def test_storeys_and_floors_of_a_shear_frame_are_changed(changes, matrix, reference):
+    variant = change_matrices(MASS, DAMPING, STIFFNESS, changes)[matrix]
+    np.testing.assert_allclose(variant, reference, rtol=1e-12)
 
 
 def test_a_dashpot_of_a_storey_is_stronger():

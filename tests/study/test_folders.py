@@ -145,7 +145,7 @@ print([run(arguments.split()) for arguments in sys.argv[1:]], file=sys.stderr)
 
 
 @pytest.fixture
-def answers(tmp_path, request):
+def answer(tmp_path, request):
     """What commands say in a checkout that has no folder of studies."""
     checkout, product = tmp_path, Path(reliab.__file__).parent
     for folder in (product, product.parent / "datasets"):
@@ -161,17 +161,17 @@ def answers(tmp_path, request):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("answer", [["assess sample_test --f 1 --xi 0.02"]], indirect=True)
-def test_assessments_need_no_study(answer):
+@pytest.mark.parametrize(
+    ("answer", "word"),
+    [
+        (["assess sample_test --f 1 --xi 0.02"], "RELIABLE"),
+        (["criterion --ellipses real_suite --f 1 --xi 0.02"], "confidence"),
+    ],
+    indirect=["answer"],
+)
+def test_verdicts_and_criteria_need_no_study(answer, word):
     assert answer.stderr.splitlines()[-1] == "[0]"
-    assert "RELIABLE" in answer.stdout
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("answer", [["criterion --ellipses real_suite --f 1 --xi 0.02"]], indirect=True)
-def test_criteria_need_no_study(answer):
-    assert answer.stderr.splitlines()[-1] == "[0]"
-    assert "confidence" in answer.stdout
+    assert word in answer.stdout
 
 
 @pytest.mark.slow

@@ -265,20 +265,13 @@ _NORMAL = st.floats(-3.5, 3.5)
 
 
 @given(_NORMAL)
-def test_oscillations_are_beta_distributed_between_2_and_3_2(nu: float) -> None:
-    expected = stats.beta(1.30326178289206, 3.96858083951547, loc=2.0, scale=1.2).ppf(stats.norm.cdf(nu))
-    assert model.oscillations(nu) == pytest.approx(expected, rel=1e-5)
-
-
-@given(_NORMAL)
-def test_logarithm_of_the_bandwidth_is_beta_distributed(nu: float) -> None:
-    expected = stats.beta(5.33551936215137, 3.82954843573707, loc=-4.7, scale=4.7).ppf(stats.norm.cdf(nu))
-    assert np.log(model.bandwidth(nu)) == pytest.approx(expected, abs=1e-5)
-
-
-@given(_NORMAL)
-def test_phase_is_uniform_over_a_turn(nu: float) -> None:
-    assert model.phase(nu) == pytest.approx(2.0 * stats.norm.cdf(nu))
+def test_oscillations_and_bandwidth_are_beta_distributed_and_the_phase_uniform(nu: float) -> None:
+    share = stats.norm.cdf(nu)
+    oscillations = stats.beta(1.30326178289206, 3.96858083951547, loc=2.0, scale=1.2).ppf(share)
+    bandwidth = stats.beta(5.33551936215137, 3.82954843573707, loc=-4.7, scale=4.7).ppf(share)
+    assert model.oscillations(nu) == pytest.approx(oscillations, rel=1e-5)
+    assert np.log(model.bandwidth(nu)) == pytest.approx(bandwidth, abs=1e-5)
+    assert model.phase(nu) == pytest.approx(2.0 * share)
 
 
 def _slope_density(slope: float) -> float:
