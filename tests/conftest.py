@@ -73,7 +73,7 @@ def pytest_collection_modifyitems(items):
 _DEFAULT_CASES, _LONG_CASES = 2, 1
 """Cases of one test that run by default, so that `.ci/run` takes ten minutes; the second of verdicts."""
 
-_OF_VERDICTS = ("tests/app/", "tests/assessment/")
+_FOLDERS_OF_VERDICTS = ("tests/app/", "tests/assessment/")
 
 
 def _cases_beyond_the_default(items):
@@ -83,7 +83,7 @@ def _cases_beyond_the_default(items):
         cases[item.nodeid.partition("[")[0]].append(item)
     for group in cases.values():
         marker = group[0].get_closest_marker("default_cases")
-        usual = _LONG_CASES if group[0].nodeid.startswith(_OF_VERDICTS) else _DEFAULT_CASES
+        usual = _LONG_CASES if group[0].nodeid.startswith(_FOLDERS_OF_VERDICTS) else _DEFAULT_CASES
         number = min(marker.args[0] if marker else usual, len(group))
         run = {rank * len(group) // number for rank in range(number)}
         yield from (item for rank, item in enumerate(group) if rank not in run)
@@ -139,7 +139,7 @@ def figures_are_drawn(pytestconfig):
 
 
 @contextmanager
-def with_blank_figures(figures_are_drawn):
+def use_blank_figures(figures_are_drawn):
     """Write reports with empty figures, unless they are to be drawn."""
     with pytest.MonkeyPatch.context() as patch:
         if not figures_are_drawn:
@@ -154,7 +154,7 @@ def written(figures_are_drawn):
     from reliab.report.content import files_of
 
     def write(document):
-        with with_blank_figures(figures_are_drawn):
+        with use_blank_figures(figures_are_drawn):
             return files_of(document)
 
     return write
@@ -163,7 +163,7 @@ def written(figures_are_drawn):
 @pytest.fixture(scope="module")
 def blank_figures(figures_are_drawn):
     """Reports that a module's tests write have empty figures by default."""
-    with with_blank_figures(figures_are_drawn):
+    with use_blank_figures(figures_are_drawn):
         yield
 
 
@@ -244,7 +244,7 @@ def grouped_ellipses():
     dims = ("motion", "f", "xi", "threshold", "metric", "curve")
     a, b = (np.exp(x) * s for x, s in ((log_alpha, scale_a), (log_beta, scale_b)))
     return xr.Dataset(
-        {name: (dims, each[..., None, None, None]) for name, each in (("a", a), ("b", b))},
+        {name: (dims, rows[..., None, None, None]) for name, rows in (("a", a), ("b", b))},
         coords={
             "motion": [f"E{e}/M{m}" for m, e in enumerate(event)],
             "event": ("motion", [f"E{e}" for e in event]),
@@ -260,18 +260,18 @@ def grouped_ellipses():
 
 
 @pytest.fixture(scope="session", autouse=True)
-def shipped_results_are_decoded_once():
+def decode_shipped_results_once():
     """Simulated results that ship take seconds to decode; the tests of a process read them once."""
     from reliab.sweep.results import open_compact
 
     shipped_folder = shipped("datasets", "real_suite")
-    decoded = cache(open_compact)
+    decode = cache(open_compact)
 
-    def opened(path):
-        return decoded(path).copy() if path.parent == shipped_folder else open_compact(path)
+    def open_cached(path):
+        return decode(path).copy() if path.parent == shipped_folder else open_compact(path)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("reliab.sweep.results.open_compact", opened)
+        patch.setattr("reliab.sweep.results.open_compact", open_cached)
         yield
 
 
@@ -332,9 +332,9 @@ def ellipses_of():
             * (thresholds / 0.05).reshape(1, 1, 1, -1, 1, 1, 1) ** 2
         )
         noise = np.exp(0.1 * rng.normal(size=(2, *shape)))
-        of_xi = (xi / 0.02).reshape(1, 1, -1, 1, 1, 1, 1) ** 2
-        a = 1.5e-4 * size * of_xi * noise[0]
-        b = 2.5 * size * of_xi / f.reshape(1, -1, 1, 1, 1, 1, 1) ** 2 * noise[1]
+        damping_factor = (xi / 0.02).reshape(1, 1, -1, 1, 1, 1, 1) ** 2
+        a = 1.5e-4 * size * damping_factor * noise[0]
+        b = 2.5 * size * damping_factor / f.reshape(1, -1, 1, 1, 1, 1, 1) ** 2 * noise[1]
         dimensions = ("motion", "f", "xi", "threshold", "metric", "curve", "side")
         names = [f"E{each}/M{rank}" for rank, each in enumerate(event)] if names is None else names
         return xr.Dataset(

@@ -13,7 +13,7 @@ from reliab.structures.partition import Partition
 from reliab.structures.specimen import Specimen
 
 _WELL_POSED = 1e12
-_ANY = Specimen(stiffness=1.0)  # transfer functions do not depend on it
+_MASSLESS = Specimen(stiffness=1.0)  # transfer functions do not depend on it
 
 
 def ideal_response(partition: Partition, ground: Array, time_step: float) -> Array:
@@ -117,19 +117,19 @@ def coupled_response(
     `ground` [m/s²], shape (n,); `time_step` [s]. Raises InputError where the test is unstable or actuators
     have pure delays.
     """
-    whole = partition.nonsingular_form
-    dynamics, load, command, measured = hybrid_system(whole, actuators)
+    complete = partition.nonsingular_form
+    dynamics, load, command, measured = hybrid_system(complete, actuators)
     fastest = np.linalg.eigvals(dynamics).real.max()
     if fastest > 0.0:
         raise InputError(
             "hybrid test is unstable even without delay",
             value=f"a pole at {fastest:.4g} 1/s to the right of the axis",
         )
-    moved = _followed(dynamics, load, np.vstack([command, measured]), ground, time_step)
+    displacements = _follow(dynamics, load, np.vstack([command, measured]), ground, time_step)
     return CoupledResponse(
-        command=moved[: whole.degrees],
-        measured=moved[whole.degrees :],
-        reference=ideal_response(whole, ground, time_step),
+        command=displacements[: complete.degrees],
+        measured=displacements[complete.degrees :],
+        reference=ideal_response(complete, ground, time_step),
         time_step=time_step,
     )
 
@@ -149,8 +149,8 @@ def responses_over_frequency(
     force = gamma @ (partition.impedance(s) @ actuator) @ gamma.T
     dynamic = square**2 * mass + square * damping + stiffness + force
     load = -(partition.mass @ partition.influence).astype(complex)
-    moved = np.linalg.solve(dynamic, np.broadcast_to(load[:, np.newaxis], (*dynamic.shape[:-1], 1)))
-    command = gamma.T @ moved
+    displacement = np.linalg.solve(dynamic, np.broadcast_to(load[:, np.newaxis], (*dynamic.shape[:-1], 1)))
+    command = gamma.T @ displacement
     return command[..., 0], (actuator @ command)[..., 0]
 
 
@@ -161,9 +161,9 @@ def hybrid_system(partition: Partition, actuators: ActuatorMatrix) -> tuple[Arra
     k, damping, m = partition.specimen_stiffness, partition.specimen_damping, partition.specimen_mass
     viscous, stiffness = partition.numerical_damping, partition.numerical_stiffness
     # y_m = C z + D y, y_m' = CA z + CB y + D y', y_m'' = CA² z + CAB y + CB y' + D y''
-    of_state = k @ c + damping @ c @ a + m @ c @ a @ a
-    of_size = k @ d + damping @ c @ b + m @ c @ a @ b
-    of_rate = damping @ d + m @ c @ b
+    state_force = k @ c + damping @ c @ a + m @ c @ a @ a
+    displacement_force = k @ d + damping @ c @ b + m @ c @ a @ b
+    velocity_force = damping @ d + m @ c @ b
     inertia = partition.numerical_mass + gamma @ (m @ d) @ gamma.T
     if not np.linalg.cond(inertia) < _WELL_POSED:
         raise InputError(
@@ -174,9 +174,9 @@ def hybrid_system(partition: Partition, actuators: ActuatorMatrix) -> tuple[Arra
     inverse = np.linalg.inv(inertia)
     dynamics = np.zeros((2 * size + order, 2 * size + order))
     dynamics[:size, size : 2 * size] = np.eye(size)
-    dynamics[size : 2 * size, :size] = -inverse @ (stiffness + gamma @ of_size @ gamma.T)
-    dynamics[size : 2 * size, size : 2 * size] = -inverse @ (viscous + gamma @ of_rate @ gamma.T)
-    dynamics[size : 2 * size, 2 * size :] = -inverse @ gamma @ of_state
+    dynamics[size : 2 * size, :size] = -inverse @ (stiffness + gamma @ displacement_force @ gamma.T)
+    dynamics[size : 2 * size, size : 2 * size] = -inverse @ (viscous + gamma @ velocity_force @ gamma.T)
+    dynamics[size : 2 * size, 2 * size :] = -inverse @ gamma @ state_force
     dynamics[2 * size :, :size] = b @ gamma.T
     dynamics[2 * size :, 2 * size :] = a
     load = np.zeros(2 * size + order)
@@ -199,7 +199,7 @@ def state_space(actuators: ActuatorMatrix) -> tuple[Array, Array, Array, Array]:
         for j, entry in enumerate(row):
             if entry is None:
                 continue
-            plant = entry.plant(_ANY)
+            plant = entry.plant(_MASSLESS)
             blocks.append(plant.dynamics)
             commands.append(np.outer(plant.command, np.eye(size)[j]))
             outputs.append(np.outer(np.eye(size)[i], plant.displacement))
@@ -208,16 +208,16 @@ def state_space(actuators: ActuatorMatrix) -> tuple[Array, Array, Array, Array]:
     a = scipy.linalg.block_diag(*blocks) if order else np.zeros((0, 0))
     b = np.vstack([np.zeros((0, size)), *commands]) @ actuators.kinematics
     c = np.linalg.solve(actuators.kinematics, np.hstack([np.zeros((size, 0)), *outputs]))
-    at_interface = np.linalg.solve(actuators.kinematics, direct @ actuators.kinematics)
+    interface_gain = np.linalg.solve(actuators.kinematics, direct @ actuators.kinematics)
     return (
         np.asarray(a, dtype=np.float64),
         np.asarray(b),
         np.asarray(c, dtype=np.float64),
-        np.asarray(at_interface, dtype=np.float64),
+        np.asarray(interface_gain, dtype=np.float64),
     )
 
 
-def _followed(dynamics: Array, load: Array, rows: Array, ground: Array, step: float) -> Array:
+def _follow(dynamics: Array, load: Array, rows: Array, ground: Array, step: float) -> Array:
     transition, early, late = exact_step(dynamics, load[:, np.newaxis], step)
     states = follow_load(
         transition,

@@ -26,11 +26,11 @@ def start(profile: Path, *, width: int = 1400, height: int = 1600) -> Chrome:
     from selenium.webdriver import Chrome, ChromeOptions
     from selenium.webdriver.chrome.service import Service
 
-    installed = programs()
-    if installed is None:
+    browser_and_driver = programs()
+    if browser_and_driver is None:
         raise FileNotFoundError("neither chromium nor its driver is installed here")
     options = ChromeOptions()
-    options.binary_location, driver = installed
+    options.binary_location, driver = browser_and_driver
     for argument in (
         *("--headless=new", "--no-sandbox", "--disable-gpu", f"--window-size={width},{height}"),
         *(

@@ -18,7 +18,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 _BOUND = re.compile(r"^([A-Za-z0-9_.\[\]-]+)\s*>=\s*([0-9][0-9.]*)")
-_TESTED = ("dask", "distributed", "hypothesis", "pytest")  # not mat-io, which needs newer ones
+_TEST_TOOLS = ("dask", "distributed", "hypothesis", "pytest")  # not mat-io, which needs newer ones
 
 
 def lowest(requirement: str) -> str | None:
@@ -37,8 +37,8 @@ def pins() -> list[str]:
     """Lowest versions of what runs and of what tests it."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     optional = [item for group in project["optional-dependencies"].values() for item in group]
-    wanted = [*project["dependencies"], *(item for item in optional if item.startswith(_TESTED))]
-    return [pin for pin in map(lowest, wanted) if pin]
+    requirements = [*project["dependencies"], *(item for item in optional if item.startswith(_TEST_TOOLS))]
+    return [pin for pin in map(lowest, requirements) if pin]
 
 
 def main(arguments: list[str]) -> int:

@@ -42,27 +42,29 @@ class FrameTest:
 def _run(law, parameters, unit, stiffness_of_specimen, inverse, damping, stiffness, mass, load, actuator):
     """Floors in the computer, displacement of the specimen in the first storey and its force."""
     gain, delay = actuator
-    whole, part = int(delay / STEP), delay / STEP - int(delay / STEP)
+    whole_steps, part = int(delay / STEP), delay / STEP - int(delay / STEP)
     size = load.shape[1]
     state, force, last = np.zeros(STATES), np.zeros(size), 0.0
     command = np.zeros((load.shape[0] + 1, size))
-    moved, felt = np.zeros(load.shape[0]), np.zeros(load.shape[0])
+    displacement, specimen_force = np.zeros(load.shape[0]), np.zeros(load.shape[0])
     for i in range(load.shape[0]):
-        near = command[i - whole, 0] if i >= whole else 0.0
-        far = command[i - whole - 1, 0] if i > whole else 0.0
-        moved[i] = gain * ((1.0 - part) * near + part * far)
-        by = (moved[i] - last) / unit
-        last = moved[i]
-        felt[i] = (
+        near = command[i - whole_steps, 0] if i >= whole_steps else 0.0
+        far = command[i - whole_steps - 1, 0] if i > whole_steps else 0.0
+        displacement[i] = gain * ((1.0 - part) * near + part * far)
+        step_over_unit = (displacement[i] - last) / unit
+        last = displacement[i]
+        specimen_force[i] = (
             stiffness_of_specimen
             * unit
-            * resist(law, moved[i] / unit, by, by / STEP, STEP, state, parameters)
+            * resist(
+                law, displacement[i] / unit, step_over_unit, step_over_unit / STEP, STEP, state, parameters
+            )
         )
-        force[0] = felt[i]
-        before = command[i - 1] if i > 0 else np.zeros(size)
-        right = load[i] - force - stiffness @ command[i] + damping @ before / (2.0 * STEP)
-        command[i + 1] = inverse @ (right + mass @ (2.0 * command[i] - before) / STEP**2)
-    return command[:-1].copy(), moved, felt
+        force[0] = specimen_force[i]
+        last_command = command[i - 1] if i > 0 else np.zeros(size)
+        right = load[i] - force - stiffness @ command[i] + damping @ last_command / (2.0 * STEP)
+        command[i + 1] = inverse @ (right + mass @ (2.0 * command[i] - last_command) / STEP**2)
+    return command[:-1].copy(), displacement, specimen_force
 
 
 def simulate_frame_test(
@@ -78,33 +80,35 @@ def simulate_frame_test(
         (draw.uniform(1e5, 3e5) * draw.uniform(0.8, 1.2, storeys)).tolist(),
     )
     damping = modal_damping(mass, stiffness, draw.uniform(0.02, 0.05))
-    of_specimen = draw.uniform(0.3, 0.9) * stiffness[0].sum()  # of the first storey
-    whole = Frame(mass=mass, stiffness=stiffness, damping=damping)
-    interface = floor_interface(whole, 1)
+    specimen_stiffness = draw.uniform(0.3, 0.9) * stiffness[0].sum()  # of the first storey
+    complete = Frame(mass=mass, stiffness=stiffness, damping=damping)
+    interface = floor_interface(complete, 1)
     partition = Partition.from_frame(
-        frame=whole, interface=interface, specimen=Specimen(stiffness=of_specimen)
+        frame=complete, interface=interface, specimen=Specimen(stiffness=specimen_stiffness)
     )
-    numerical = stiffness - of_specimen * np.outer(interface, interface)
+    numerical = stiffness - specimen_stiffness * np.outer(interface, interface)
     inverse = np.linalg.inv(mass / STEP**2 + damping / (2.0 * STEP))
     load = np.ascontiguousarray(-ground[:, np.newaxis] * mass.sum(axis=1))
     law, traits = FAMILIES[family]
-    of_linear = np.zeros(PARAMETERS)
-    parameters = of_linear.copy()
-    drawn = traits(draw)
-    parameters[: len(drawn)] = drawn
+    no_parameters = np.zeros(PARAMETERS)
+    parameters = no_parameters.copy()
+    sample = traits(draw)
+    parameters[: len(sample)] = sample
     matrices = (inverse, damping, numerical, mass, load)
     perfect, linear = np.array([1.0, 0.0]), FAMILIES["linear"][0]
-    peak = float(np.abs(_run(linear, of_linear, 1.0, of_specimen, *matrices, perfect)[0][:, 0]).max())
+    peak = float(
+        np.abs(_run(linear, no_parameters, 1.0, specimen_stiffness, *matrices, perfect)[0][:, 0]).max()
+    )
     unit = peak / draw.uniform(1.5, 5.0)
-    late = abs(draw.normal()) * 0.003 / float(whole.modes.frequency[0])
+    late = abs(draw.normal()) * 0.003 / float(complete.modes.frequency[0])
     actuator = np.array([1.0 + 0.01 * draw.normal(), late])
-    exact, _, exact_force = _run(law, parameters, unit, of_specimen, *matrices, perfect)
-    floors, moved, force = _run(law, parameters, unit, of_specimen, *matrices, actuator)
+    exact, _, exact_force = _run(law, parameters, unit, specimen_stiffness, *matrices, perfect)
+    floors, displacement, force = _run(law, parameters, unit, specimen_stiffness, *matrices, actuator)
     noise = 10.0 ** (-decibels / 20.0)
     recording = Recording(
         name=family,
         command=floors[:, 0].copy(),
-        measured=moved + noise * moved.std() * draw.standard_normal(moved.size),
+        measured=displacement + noise * displacement.std() * draw.standard_normal(displacement.size),
         force=force + noise * force.std() * draw.standard_normal(force.size),
         time_step=STEP,
     )
@@ -112,7 +116,7 @@ def simulate_frame_test(
     return FrameTest(
         frame=frame,
         recording=recording,
-        moved=moved,
+        moved=displacement,
         ground=ground,
         exact_floors=exact,
         exact_force=exact_force,

@@ -22,9 +22,11 @@ def read(file=RECORD):
 
 def commit(root=ROOT):
     """Commit that is checked out; an error where files differ from it, the record apart."""
-    changed = _git(root, "status", "--porcelain", "--untracked-files=no", "--", ".", f":!tests/{RECORD.name}")
-    if changed:
-        raise pytest.UsageError(f"--record needs a commit; these files differ from it:\n{changed}")
+    differences = _git(
+        root, "status", "--porcelain", "--untracked-files=no", "--", ".", f":!tests/{RECORD.name}"
+    )
+    if differences:
+        raise pytest.UsageError(f"--record needs a commit; these files differ from it:\n{differences}")
     return _git(root, "rev-parse", "--short=12", "HEAD").strip()
 
 

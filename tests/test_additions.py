@@ -148,7 +148,7 @@ def test_law_is_fitted_and_comes_back_from_json(plugin):
     assert law_from_dict(law_to_dict(law)) == law
 
 
-def test_method_bounds_and_says_what_its_confidence_means(plugin):
+def test_method_bounds_and_tells_the_meaning_of_its_confidence(plugin):
     plugin("method")
     assert method_of("least").lower_bound(np.array([3.0, 1.0, 2.0]), np.array(["p", "q", "r"]), 0.9) == 1.0  # type: ignore[attr-defined]
     assert meaning_of_confidence("least") == "the least of the motions at hand"
@@ -206,7 +206,7 @@ def test_kind_of_study_is_read_with_its_tables_only(plugin, tmp_path):
 
 
 @pytest.mark.parametrize("thing", REGISTRIES)
-def test_addition_under_a_name_that_is_taken_is_refused(plugin, thing, tmp_path):
+def test_addition_under_a_taken_name_is_refused(plugin, thing, tmp_path):
     plugin(thing)
     about = tmp_path / "plugin_twice-1.dist-info"
     about.mkdir()

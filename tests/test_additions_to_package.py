@@ -129,20 +129,24 @@ USE = """
 
 def add(thing: str, package: Path) -> set[Path]:
     """Add a thing to a package, and return the files that were written for it."""
-    touched = set()
+    new_files = set()
     for path, text in FILES[thing].items():
         (package / path).parent.mkdir(exist_ok=True, parents=True)
         (package / path).write_text(dedent(text).lstrip(), encoding="utf-8")
-        touched.add(package / path)
+        new_files.add(package / path)
     if thing in REGISTRIES:
-        path, before, imported, opening, name = REGISTRIES[thing]
+        path, place_of_import, import_line, opening, name = REGISTRIES[thing]
         text = (package / path).read_text(encoding="utf-8")
-        place = text.index(before) + len(before) if before else text.index("from reliab")
-        text = text[:place] + imported + text[place:]
+        place = (
+            text.index(place_of_import) + len(place_of_import)
+            if place_of_import
+            else text.index("from reliab")
+        )
+        text = text[:place] + import_line + text[place:]
         text = text.replace(opening, f"{opening}\n    {name}", 1)
         (package / path).write_text(text, encoding="utf-8")
-        touched.add(package / path)
-    return touched
+        new_files.add(package / path)
+    return new_files
 
 
 @pytest.fixture(scope="module")
@@ -158,8 +162,8 @@ def copy(tmp_path_factory):
 
 @pytest.mark.slow
 def test_additions_touch_few_files_and_are_then_found(copy, tmp_path):
-    touched = {thing: add(thing, copy / "reliab") for thing in FILES}
-    assert {thing: len(files) for thing, files in touched.items()} == MOST_FILES
+    new_files = {thing: add(thing, copy / "reliab") for thing in FILES}
+    assert {thing: len(files) for thing, files in new_files.items()} == MOST_FILES
     process = subprocess.run(  # noqa: S603
         [sys.executable, "-c", dedent(USE), str(tmp_path)],
         capture_output=True,

@@ -19,9 +19,9 @@ NAMING = ("README.md", "reliab/README.md", "reports/site/explanation/paper.md", 
 def test_the_citation_states_this_version():
     citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
     assert f"version: {__version__}\n" in citation
-    released = re.search(r"^date-released: (\S+)$", citation, re.MULTILINE)[1]
+    release_date = re.search(r"^date-released: (\S+)$", citation, re.MULTILINE)[1]
     changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
-    assert f"## [{__version__}] - {released}\n" in changes
+    assert f"## [{__version__}] - {release_date}\n" in changes
 
 
 def test_the_summary_has_the_sections_and_the_length_of_a_software_journal():
@@ -32,12 +32,12 @@ def test_the_summary_has_the_sections_and_the_length_of_a_software_journal():
     assert len(text.split()) <= MOST_WORDS
 
 
-def test_the_paper_cites_what_its_list_holds_and_nothing_else():
+def test_citations_of_the_paper_equal_its_list():
     text = (ROOT / "reports/paper.md").read_text(encoding="utf-8")
-    listed = (ROOT / "reports/paper.bib").read_text(encoding="utf-8")
-    entries = re.findall(r"^@\w+\{(\w+),$", listed, re.MULTILINE)
+    bibliography = (ROOT / "reports/paper.bib").read_text(encoding="utf-8")
+    entries = re.findall(r"^@\w+\{(\w+),$", bibliography, re.MULTILINE)
     assert sorted(set(re.findall(r"@(\w+\d{4})", text))) == sorted(entries)
-    assert f"title = {{{paper_title()}}}" in listed.casefold()
+    assert f"title = {{{paper_title()}}}" in bibliography.casefold()
 
 
 def test_numbers_of_the_paper_are_those_of_the_package():
@@ -71,7 +71,7 @@ def texts():
 @pytest.mark.parametrize(("name", "text"), [pytest.param(*item, id=item[0]) for item in texts().items()])
 def test_the_paper_has_one_title_wherever_it_is_named(name, text):
     """In italics after its authors, or in a list of references: authors, year, title."""
-    named = re.findall(r"Guo and others,?(?: \(2017\),)? \*([^*]+)\*", text)
-    named += re.findall(r"^Guo(?:, T\.)? and others \(2017\)\. ([^.]+)\.", text, re.MULTILINE)
-    assert {" ".join(title.split()).casefold() for title in named} <= {paper_title()}
-    assert named or name not in NAMING
+    titles = re.findall(r"Guo and others,?(?: \(2017\),)? \*([^*]+)\*", text)
+    titles += re.findall(r"^Guo(?:, T\.)? and others \(2017\)\. ([^.]+)\.", text, re.MULTILINE)
+    assert {" ".join(title.split()).casefold() for title in titles} <= {paper_title()}
+    assert titles or name not in NAMING

@@ -83,11 +83,11 @@ def test_functions_are_short():
     assert long == set(LONG_FUNCTIONS)
 
 
-def test_a_function_says_what_it_does():
+def test_no_function_is_called_of():
     """A function called `of` leaves it to its reader to find out what is made of what."""
-    of = re.compile(r"(\bdef _*|\.)of_*\(")
+    pattern = re.compile(r"(\bdef _*|\.)of_*\(")
     files = [path for top in (PACKAGE, STUDIES, TESTS) for path in top.rglob("*.py")]
-    assert [str(path) for path in files if of.search(path.read_text(encoding="utf-8"))] == []
+    assert [str(path) for path in files if pattern.search(path.read_text(encoding="utf-8"))] == []
 
 
 COMMANDS = {command.callback.__name__ for command in application().registered_commands}
@@ -100,76 +100,76 @@ def is_command(node: ast.FunctionDef | ast.ClassDef) -> bool:
     )
 
 
-def offered() -> set[str]:
+def public_names() -> set[str]:
     """Return the names that reliab itself offers to Python users, and those that its examples import."""
-    shown = (
-        node for path in modules() for node in ast.walk(ast.parse("\n".join(imported_in_examples(path))))
+    import_nodes = (
+        node for path in modules() for node in ast.walk(ast.parse("\n".join(example_imports(path))))
     )
     return {
         alias.asname or alias.name
-        for node in (*shown, *nodes(PACKAGE / "__init__.pyi"))
+        for node in (*import_nodes, *nodes(PACKAGE / "__init__.pyi"))
         if isinstance(node, ast.ImportFrom)
         for alias in node.names
     }
 
 
-def imported_in_examples(path: Path) -> list[str]:
+def example_imports(path: Path) -> list[str]:
     """Return the lines of examples in docstrings that import something."""
     return re.findall(r"^ *>>> (from reliab\.\S+ import .*)$", path.read_text(encoding="utf-8"), re.MULTILINE)
 
 
 def test_public_code_has_a_user_in_the_package():
-    unused = {
+    names_without_use = {
         f"{path.relative_to(PACKAGE)}:{node.name}"
         for path in modules()
         for node in source(path)[1].body
         if isinstance(node, ast.FunctionDef | ast.ClassDef)
         if not (node.name.startswith("__") or is_command(node))
-        if uses()[node.name] == 0 and node.name not in offered()
+        if uses()[node.name] == 0 and node.name not in public_names()
     }
-    assert unused == set()
+    assert names_without_use == set()
 
 
 WRITING = frozenset({"write_text", "write_bytes", "to_csv", "to_netcdf", "savefig"})
-WRITTEN_IN_A_FOLDER_THAT_IS_RENAMED = {"report/content.py", "motions/writing.py"}
+FILES_IN_RENAMED_FOLDERS = {"report/content.py", "motions/writing.py"}
 """Whole folders are written under another name first."""
-WRITTEN_IN_MEMORY = {"report/style.py"}
+FILES_IN_MEMORY = {"report/style.py"}
 
 
 def test_results_are_written_whole_or_not_at_all():
     """Every call that writes a file stands in a `with written_whole(…)`, but for those named above."""
-    exempt = WRITTEN_IN_A_FOLDER_THAT_IS_RENAMED | WRITTEN_IN_MEMORY
+    exempt = FILES_IN_RENAMED_FOLDERS | FILES_IN_MEMORY
     stray = {
         f"{path.relative_to(PACKAGE)}:{call.lineno}"
         for path in PACKAGE.rglob("*.py")
         if str(path.relative_to(PACKAGE)) not in exempt
-        for call in _unguarded(source(path)[1])
+        for call in _find_unguarded_calls(source(path)[1])
     }
     assert stray == set()
 
 
-def _unguarded(node: ast.AST) -> Iterator[ast.Call]:
+def _find_unguarded_calls(node: ast.AST) -> Iterator[ast.Call]:
     if isinstance(node, ast.With) and any("written_whole" in ast.unparse(item) for item in node.items):
         return
     if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr in WRITING:
         yield node
     for child in ast.iter_child_nodes(node):
-        yield from _unguarded(child)
+        yield from _find_unguarded_calls(child)
 
 
 PARSING = frozenset({"tomllib.load", "tomllib.loads", "json.load", "json.loads"})
-PARSED_AS_WE_WROTE_IT = {"sweep/store.py", "study/steps.py", "desk/document_html.py"}
+OWN_TEXTS = {"sweep/store.py", "study/steps.py", "desk/document_html.py"}
 """The journal of a store, whose entries are digests, and JSON from memory."""
 
 
-def test_what_users_describe_is_parsed_within_bounds():
-    parsed = {
+def test_descriptions_of_users_are_parsed_within_bounds():
+    parsers = {
         str(path.relative_to(PACKAGE))
         for path in PACKAGE.rglob("*.py")
         for node in nodes(path)
         if isinstance(node, ast.Call) and ast.unparse(node.func) in PARSING
     }
-    assert parsed == {"core/described_files.py"} | PARSED_AS_WE_WROTE_IT
+    assert parsers == {"core/described_files.py"} | OWN_TEXTS
 
 
 _PERCENT_ALONE = re.compile(r"(?<!±)(?<!\+- )\b\d+%(?![\w;])")

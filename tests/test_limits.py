@@ -46,7 +46,7 @@ def test_more_structures_than_a_sweep_may_have_are_refused_before_they_are_made(
             request(frequencies=frequencies, damping_ratios=ratios)
 
 
-def test_results_of_a_motion_that_would_fill_the_memory_are_refused():
+def test_results_that_fill_the_memory_are_refused():
     windows = tuple(Window(kind="seconds", seconds=10.0 + k) for k in range(20))
     with pytest.raises(InputError, match=r"more than 1 GB; found 3\.7 GB for 2,400 structures, 20 windows"):
         SweepRequest(
@@ -65,7 +65,7 @@ def test_tables_of_too_many_columns_are_refused_before_they_are_cut(tmp_path, co
             read(tmp_path / "wide.csv")
 
 
-def test_columns_that_are_aligned_with_blanks_are_not_too_many(tmp_path):
+def test_columns_aligned_with_blanks_are_not_too_many(tmp_path):
     rows = [" " * 20 + (" " * 20).join(["0.1"] * 60)] * 3
     (tmp_path / "narrow.txt").write_text("\n".join(rows))
     LIMITS["test"].require_narrow(tmp_path / "narrow.txt")
@@ -75,16 +75,16 @@ def test_columns_that_are_aligned_with_blanks_are_not_too_many(tmp_path):
 def test_ellipses_larger_than_the_memory_are_refused_before_they_are_read(tmp_path, name, size):
     with (tmp_path / name).open("wb") as file:
         file.truncate(size)  # takes no room on the disk
-    assert taken_by(lambda: read_ellipses(tmp_path / name))[0] < 20_000_000
+    assert peak_and_refusal(lambda: read_ellipses(tmp_path / name))[0] < 20_000_000
 
 
-def taken_by(work):
+def peak_and_refusal(work):
     """Memory [bytes] that a piece of work took at most before it was refused."""
     tracemalloc.start()
     try:
-        with pytest.raises(InputError) as refused:
+        with pytest.raises(InputError) as refusal:
             work()
-        return tracemalloc.get_traced_memory()[1], str(refused.value)
+        return tracemalloc.get_traced_memory()[1], str(refusal.value)
     finally:
         tracemalloc.stop()
 
@@ -98,8 +98,8 @@ def taken_by(work):
         ),
     ],
 )
-def test_a_test_whose_draws_would_fill_the_memory_is_refused_before_they_are_made(histories, judge):
-    memory, sentence = taken_by(lambda: judge(*histories))
+def test_draws_that_fill_the_memory_are_refused_at_once(histories, judge):
+    memory, sentence = peak_and_refusal(lambda: judge(*histories))
     assert "may last 1.09 h at most" in sentence
     assert "Cut it where everything stands still" in sentence
     assert memory < 20 * histories[0].nbytes  # of 256 draws and their copies
@@ -113,16 +113,16 @@ def test_draws_of_a_test_take_little_more_than_their_own_memory():
     rebuild(command[:3000], measured[:3000], STEP, FOUR_HERTZ)
     tracemalloc.start()
     error = rebuild(command, measured, STEP, FOUR_HERTZ)
-    kept, peak = tracemalloc.get_traced_memory()
+    current, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     draws = 256 * time.nbytes
     assert error.every == 1
     assert peak < 2.2 * draws
-    assert kept < 0.7 * draws
+    assert current < 0.7 * draws
 
 
 @pytest.mark.parametrize("kind", ["h5", "mat"])
-def test_vectors_that_are_too_long_are_refused_before_they_are_read(tmp_path, monkeypatch, kind):
+def test_too_long_vectors_are_refused_before_reading(tmp_path, monkeypatch, kind):
     path, columns = tmp_path / f"test.{kind}", {"command_m": np.arange(99.0), "measured_m": np.arange(99.0)}
     if kind == "mat":
         savemat(path, columns)
@@ -130,26 +130,28 @@ def test_vectors_that_are_too_long_are_refused_before_they_are_read(tmp_path, mo
         with h5py.File(path, "w") as file:
             file.update(columns)
     module = matlab if kind == "mat" else hierarchical
-    asked = []
+    calls = []
 
-    def few(samples, where):
-        asked.append((samples, where))
-        raise InputError("A test may have 98 samples at most", value=samples, where=where)
+    def require_few(samples, source):
+        calls.append((samples, source))
+        raise InputError("A test may have 98 samples at most", value=samples, where=source)
 
-    monkeypatch.setattr(module, "require_few_samples", few)
+    monkeypatch.setattr(module, "require_few_samples", require_few)
     with pytest.raises(InputError, match="98 samples at most; found 99"):
         read_tests(path)
-    assert asked == [(99, f"test.{kind}, command_m")]
+    assert calls == [(99, f"test.{kind}, command_m")]
 
 
 def test_a_recording_of_too_many_samples_is_refused():
     long = np.broadcast_to(0.0, (10_000_001,))  # one number in memory
-    memory, sentence = taken_by(lambda: Recording(command=long, measured=long, time_step=STEP, name="t.h5"))
+    memory, sentence = peak_and_refusal(
+        lambda: Recording(command=long, measured=long, time_step=STEP, name="t.h5")
+    )
     assert sentence.startswith("t.h5: Too many samples: 10,000,001, above 10,000,000. Resample")
     assert memory < 1e6
 
 
-def test_a_file_that_is_too_large_is_refused(tmp_path):
+def test_a_too_large_file_is_refused(tmp_path):
     (tmp_path / "t.csv").write_bytes(bytes(2_000_001))
     require_small(tmp_path / "t.csv", 2_000_001, remedy="Cut it")
     with pytest.raises(InputError, match=r"larger than 2 MB; found 2 MB. Cut it"):
@@ -158,7 +160,7 @@ def test_a_file_that_is_too_large_is_refused(tmp_path):
 
 def test_a_motion_of_ten_million_samples_is_refused_before_it_is_copied():
     long = np.broadcast_to(1.0, (10_000_000,))  # one number in memory
-    memory, sentence = taken_by(lambda: Motion(name="long", acceleration=long, time_step=0.01))
+    memory, sentence = peak_and_refusal(lambda: Motion(name="long", acceleration=long, time_step=0.01))
     assert sentence.startswith("long: Too many samples, above 2,000,000; found 10,000,000. Keep")
     assert memory < 1e6
 
@@ -183,11 +185,11 @@ def test_a_record_in_a_large_file_is_refused_after_reading_no_more_than_allowed(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("rest", [pytest.param(0, marks=pytest.mark.slow), 10_000])
-def test_a_running_test_of_any_length_takes_the_memory_of_two_stretches(rest):
+@pytest.mark.parametrize("rest_share", [pytest.param(0, marks=pytest.mark.slow), 10_000])
+def test_a_running_test_of_any_length_takes_the_memory_of_two_stretches(rest_share):
     stretch, seconds = 2048, 80
     time = np.arange(seconds * 256) * STEP
-    command = np.concatenate([np.zeros(rest), np.sin(6.0 * time)])
+    command = np.concatenate([np.zeros(rest_share), np.sin(6.0 * time)])
     monitor = Monitor(FOUR_HERTZ, STEP, stretch=stretch)
     for first in range(0, command.size, 3000):
         monitor.feed(command[first : first + 3000], 0.99 * command[first : first + 3000])

@@ -29,10 +29,10 @@ def checkout(tmp_path, monkeypatch):
 
 @pytest.mark.usefixtures("checkout")
 @pytest.mark.parametrize("line", reliab_lines(README))
-def test_command_prints_what_the_readme_shows(line, capsys):
+def test_command_prints_the_output_in_the_readme(line, capsys):
     assert run(shlex.split(line)[1:]) == 0
-    shown = blocks(README.split(line)[1], "text")[0]
-    assert capsys.readouterr().out.split() == shown.split()
+    text = blocks(README.split(line)[1], "text")[0]
+    assert capsys.readouterr().out.split() == text.split()
 
 
 @pytest.mark.parametrize("line", TABLE)
@@ -49,8 +49,8 @@ def test_table_names_commands():
 def test_lines_of_python_run(block, capsys):
     exec(block, {})  # noqa: S102 - our own README
     word, probability = capsys.readouterr().out.split()[:2]
-    _, _, said = block.partition("# ")
-    assert said.split()[:2] == [word, f"{float(probability):.2f}"]
+    _, _, comment = block.partition("# ")
+    assert comment.split()[:2] == [word, f"{float(probability):.2f}"]
 
 
 @pytest.mark.of_studies
@@ -59,22 +59,22 @@ def test_each_shipped_folder_says_where_it_came_from():
         assert (ROOT / folder / "README.md").exists()
 
 
-def test_every_report_of_the_folder_is_listed_with_what_makes_it():
-    listed = (ROOT / "reports/README.md").read_text(encoding="utf-8")
+def test_every_report_of_the_folder_is_listed_with_its_maker():
+    readme_of_reports = (ROOT / "reports/README.md").read_text(encoding="utf-8")
     for path in (ROOT / "reports").iterdir():
         if path.suffix in {".pdf", ".svg", ".png"}:
-            assert f"`{path.name}`" in listed
+            assert f"`{path.name}`" in readme_of_reports
 
 
-def test_the_caption_counts_what_the_figure_draws():
+def test_the_caption_counts_the_boundaries_of_the_figure():
     """Beside how many boundaries of the hundred lie outside of the criterion and of the published one."""
     ellipses = read_ellipses("real_suite")
-    derived = derive_criterion(ellipses, f=1.0, xi=0.02)
-    drawn = {"frequency": 1.0, "damping_ratio": 0.02, "threshold": 0.05, "metric": "rms"}
-    sample = sample_of(ellipses, **drawn, curve=derived.provenance.curve)
-    pairs = (derived.limits(1.0, 0.02), Equation18().limits(1.0, 0.02))
-    ours, published = (int(((sample.a >= a) & (sample.b >= b)).sum()) for a, b in pairs)
+    criterion = derive_criterion(ellipses, f=1.0, xi=0.02)
+    case = {"frequency": 1.0, "damping_ratio": 0.02, "threshold": 0.05, "metric": "rms"}
+    sample = sample_of(ellipses, **case, curve=criterion.provenance.curve)
+    pairs = (criterion.limits(1.0, 0.02), Equation18().limits(1.0, 0.02))
+    ours, published_count = (int(((sample.a >= a) & (sample.b >= b)).sum()) for a, b in pairs)
     for page in (ROOT / "README.md", ROOT / "reports/site/index.md"):
         caption = " ".join(page.read_text(encoding="utf-8").split())
         assert f"lies inside {ours} of these {sample.n_motions}" in caption
-        assert re.search(rf"inside {published}\b", caption)
+        assert re.search(rf"inside {published_count}\b", caption)

@@ -14,24 +14,24 @@ import reliab
 
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-OWN = {"reliab", "reliab_studies"}
-OF_USERS = ("cluster", "desk", "recordings", "records")  # groups of requirements that users choose
+OWN_PACKAGES = {"reliab", "reliab_studies"}
+USER_GROUPS = ("cluster", "desk", "recordings", "records")  # groups of requirements that users choose
 UNSEEN = {"matio": "mat-io"}  # where it has no wheel for this version of Python
-BY_NAME = {"h5netcdf", "dask"}  # an engine of xarray, and what distributed runs
+INDIRECT = {"h5netcdf", "dask"}  # an engine of xarray, and what distributed runs
 
 
-def named(requirement):
+def normalise_name(requirement):
     """Normalised name of a distribution."""
     return re.sub(r"[-_.]+", "-", re.match(r"[\w.-]+", requirement)[0]).lower()
 
 
-def declared(*groups):
+def optional_requirements(*groups):
     """Distributions that groups of requirements name."""
     optional = PROJECT["optional-dependencies"]
-    return {named(item) for group in groups for item in optional.get(group, ())}
+    return {normalise_name(item) for group in groups for item in optional.get(group, ())}
 
 
-def imported_by(path):
+def imports_of(path):
     """Top-level names that a module imports, wherever in it, also for type checkers alone."""
     for node in nodes(path):
         if isinstance(node, ast.Import):
@@ -40,34 +40,40 @@ def imported_by(path):
             yield str(node.module).partition(".")[0]
 
 
-def imported(*folders):
+def imported_distributions(*folders):
     """Distributions that modules in folders import, each with one that does."""
     homes = packages_distributions()
-    found = {}
+    distributions = {}
     for path in (path for folder in folders for path in sorted(folder.rglob("*.py*"))):
         if path.suffix in {".py", ".pyi"}:
-            for name in set(imported_by(path)) - OWN - sys.stdlib_module_names:
+            for name in set(imports_of(path)) - OWN_PACKAGES - sys.stdlib_module_names:
                 places = homes.get(name) or [UNSEEN.get(name, name)]
-                found.update({named(place): str(path.relative_to(ROOT)) for place in places})
-    return found
+                distributions.update({normalise_name(place): str(path.relative_to(ROOT)) for place in places})
+    return distributions
 
 
 @pytest.fixture(scope="module")
-def of_package():
+def package_imports():
     """Distributions that the package imports."""
-    return imported(Path(reliab.__file__).parent)
+    return imported_distributions(Path(reliab.__file__).parent)
 
 
-def test_package_requires_what_it_imports(of_package):
-    required = {named(item) for item in PROJECT["dependencies"]}
-    missing = {name: path for name, path in of_package.items() if name not in required | declared(*OF_USERS)}
+def test_imports_of_the_package_are_required(package_imports):
+    requirements = {normalise_name(item) for item in PROJECT["dependencies"]}
+    missing = {
+        name: path
+        for name, path in package_imports.items()
+        if name not in requirements | optional_requirements(*USER_GROUPS)
+    }
     assert not missing
 
 
-def test_package_imports_what_it_requires(of_package):
-    required = {named(item) for item in PROJECT["dependencies"]} | declared("cluster", "recordings")
-    assert required - BY_NAME <= set(of_package)
+def test_requirements_of_the_package_are_imported(package_imports):
+    requirements = {normalise_name(item) for item in PROJECT["dependencies"]} | optional_requirements(
+        "cluster", "recordings"
+    )
+    assert requirements - INDIRECT <= set(package_imports)
 
 
-def test_studies_need_nothing_beside_the_package(of_package):
-    assert set(imported(ROOT / "studies")) <= set(of_package)
+def test_studies_need_nothing_beside_the_package(package_imports):
+    assert set(imported_distributions(ROOT / "studies")) <= set(package_imports)

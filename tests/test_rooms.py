@@ -45,9 +45,9 @@ DOORS = {"__init__", "__main__"}
 """Files beside the rooms through which users enter."""
 
 
-def module_file(dotted: str) -> Path | None:
+def module_file(module_name: str) -> Path | None:
     """Return the file of a module or package of reliab; None for everything else."""
-    parts = dotted.split(".")
+    parts = module_name.split(".")
     if parts[0] != "reliab":
         return None
     path = PACKAGE.joinpath(*parts[1:])
@@ -58,13 +58,13 @@ def module_file(dotted: str) -> Path | None:
 
 
 @cache
-def imported_files(path: Path) -> frozenset[Path]:
+def files_of_imports(path: Path) -> frozenset[Path]:
     """Return every file of reliab that a file imports, at its top or late, inside a function."""
     files: set[Path | None] = set()
     for node in nodes(path):
         if isinstance(node, ast.ImportFrom) and node.module:
-            inside = (module_file(f"{node.module}.{alias.name}") for alias in node.names)
-            files.update(file or module_file(node.module) for file in inside)
+            submodules = (module_file(f"{node.module}.{alias.name}") for alias in node.names)
+            files.update(file or module_file(node.module) for file in submodules)
         elif isinstance(node, ast.Import):
             files.update(module_file(alias.name) for alias in node.names)
     return frozenset(file for file in files if file is not None and file != path)
@@ -90,20 +90,20 @@ def test_the_package_knows_no_study():
 
 @pytest.mark.parametrize("room", ROOMS)
 def test_room_imports_nothing_from_above(room):
-    allowed = {*ROOMS[ROOMS.index(room) :], *GROUND}
+    rooms_below = {*ROOMS[ROOMS.index(room) :], *GROUND}
     for path in sorted((PACKAGE / room).rglob("*.py")):
-        assert {part_of(file) for file in imported_files(path)} <= allowed, path
+        assert {part_of(file) for file in files_of_imports(path)} <= rooms_below, path
 
 
 @pytest.mark.parametrize("name", sorted(GROUND))
-def test_files_that_all_rooms_share_import_no_room(name):
-    assert {part_of(file) for file in imported_files(PACKAGE / f"{name}.py")} <= GROUND
+def test_shared_files_import_no_room(name):
+    assert {part_of(file) for file in files_of_imports(PACKAGE / f"{name}.py")} <= GROUND
 
 
 def neighbours() -> Iterator[tuple[Path, str, str]]:
     """Yield the folder and two of its files or folders of which the first imports something of the second."""
     for path in modules():
-        for file in imported_files(path):
+        for file in files_of_imports(path):
             ours, theirs = path.relative_to(PACKAGE).parts, file.relative_to(PACKAGE).parts
             shared = next(i for i, (a, b) in enumerate(zip(ours, theirs, strict=False)) if a != b)
             yield PACKAGE.joinpath(*ours[:shared]), ours[shared], theirs[shared]
@@ -111,8 +111,8 @@ def neighbours() -> Iterator[tuple[Path, str, str]]:
 
 def test_neither_files_nor_folders_import_one_another_in_a_circle():
     drawings: dict[Path, dict[str, set[str]]] = {}
-    for folder, user, used in neighbours():
-        drawings.setdefault(folder, {}).setdefault(user, set()).add(used)
+    for folder, user, imported_file in neighbours():
+        drawings.setdefault(folder, {}).setdefault(user, set()).add(imported_file)
     for folder, drawing in drawings.items():
         try:
             TopologicalSorter(drawing).prepare()

@@ -27,14 +27,16 @@ def verdict():
 
 
 @pytest.fixture(scope="module")
-def judged(verdict):
-    again = replace(verdict.recording, name="again")
-    return reliab.assess([verdict.recording, again], f=1.0, xi=0.02)
+def assessments(verdict):
+    second = replace(verdict.recording, name="again")
+    return reliab.assess([verdict.recording, second], f=1.0, xi=0.02)
 
 
 @pytest.mark.parametrize("kind", ["one", "several", "compared"])
-def test_judged_tests_show_themselves(judged, kind):
-    answer = {"one": judged.judged["again"], "several": judged}.get(kind) or compare_assessments(judged)
+def test_judged_tests_show_themselves(assessments, kind):
+    answer = {"one": assessments.judged["again"], "several": assessments}.get(kind) or compare_assessments(
+        assessments
+    )
     rows, lines = answer.to_dataframe(), answer.summary().splitlines()
     assert list(rows["verdict"]) == ["reliable"] * len(rows)
     assert len(lines) > len(rows)
@@ -64,32 +66,32 @@ class Cells(HTMLParser):
             self.rows[self.head] = text
 
 
-def test_a_verdict_is_a_table_in_which_names_are_text(verdict):
-    shown = Cells(verdict._repr_html_())
-    assert "b" not in shown.tags
-    assert shown.rows["verdict"] == "reliable"
-    assert shown.rows["amplitude A"] == f"{verdict.tracking.amplitude:.4f}"
+def test_a_verdict_is_a_table_with_names_as_text(verdict):
+    table = Cells(verdict._repr_html_())
+    assert "b" not in table.tags
+    assert table.rows["verdict"] == "reliable"
+    assert table.rows["amplitude A"] == f"{verdict.tracking.amplitude:.4f}"
 
 
 def test_a_criterion_is_a_table():
-    shown = Cells(default_criterion(0.8, 0.03)._repr_html_())
-    assert shown.rows["motions"] == "100 of 19 earthquakes"
-    assert shown.rows["natural frequency"] == "0.75 to 1 Hz"
+    table = Cells(default_criterion(0.8, 0.03)._repr_html_())
+    assert table.rows["motions"] == "100 of 19 earthquakes"
+    assert table.rows["natural frequency"] == "0.75 to 1 Hz"
 
 
 def test_a_suite_is_a_table_of_its_earthquakes():
     suite = reliab.load_motions("synthetic")
-    shown = Cells(suite[:3]._repr_html_())
-    assert shown.rows == {"SYN001": "SYN001/H1, SYN001/H2", "SYN002": "SYN002/H1"}
+    table = Cells(suite[:3]._repr_html_())
+    assert table.rows == {"SYN001": "SYN001/H1, SYN001/H2", "SYN002": "SYN002/H1"}
     assert "0 more" not in suite._repr_html_()
 
 
 @pytest.mark.slow
 def test_a_diagnosis_is_a_table_and_two_bars_for_each_block():
     diagnosis = reliab.diagnose("rig_a")
-    shown = Cells(diagnosis._repr_html_())
-    assert shown.rows["verdict"] == "named"
-    assert shown.rows["coulomb_friction"].startswith("probability 0.99")
+    table = Cells(diagnosis._repr_html_())
+    assert table.rows["verdict"] == "named"
+    assert table.rows["coulomb_friction"].startswith("probability 0.99")
     assert repr(diagnosis) == "<Diagnosis of rig_a: named (coulomb_friction)>"
     assert len(diagnosis.plot().patches) == 2 * len(diagnosis.blocks)
 
@@ -99,11 +101,11 @@ def test_each_half_of_a_region_ends_on_no_delay_at_the_limits_of_its_side():
     axes = criterion.plot(1.0, 0.02)
     names = [text.get_text() for text in axes.get_legend().get_texts()]
     for rank, (side, sign) in enumerate((("lag", 1.0), ("lead", -1.0))):
-        across, up = axes.lines[rank].get_data()
+        x, up = axes.lines[rank].get_data()
         a, b = (float(limit) for limit in criterion.limits(1.0, 0.02, side))
         assert np.max(sign * up) == pytest.approx(b**0.5, rel=1e-6)
         assert np.min(sign * up) >= -1e-12
-        np.testing.assert_allclose(np.sort(across)[[0, -1]], [-100 * a**0.5, 100 * a**0.5])
+        np.testing.assert_allclose(np.sort(x)[[0, -1]], [-100 * a**0.5, 100 * a**0.5])
         np.testing.assert_allclose(up[[0, -1]], 0.0, atol=1e-12)  # type: ignore[index]
         assert f"{100 * a**0.5:.2f} % or {b**0.5:.2f} ms" in names[rank]
 
@@ -111,8 +113,8 @@ def test_each_half_of_a_region_ends_on_no_delay_at_the_limits_of_its_side():
 def test_the_ellipses_of_leads_are_the_wider_ones_on_no_delay():
     """Why the halves of a region do not meet there, for every motion that ships."""
     ellipses = open_ellipses(shipped("datasets", "real_suite/ellipses.nc")).sel(curve="inscribed")
-    known = ellipses.sel(f=1.0, xi=0.02, threshold=0.05, metric="rms")["a"]
-    ratios = np.sqrt(known.sel(side="lead") / known.sel(side="lag")).values  # type: ignore[attr-defined]
+    amplitudes = ellipses.sel(f=1.0, xi=0.02, threshold=0.05, metric="rms")["a"]
+    ratios = np.sqrt(amplitudes.sel(side="lead") / amplitudes.sel(side="lag")).values  # type: ignore[attr-defined]
     assert ratios.min() > 1.0
     assert ratios.max() < 1.15
 
@@ -135,15 +137,25 @@ def test_a_suite_a_recording_a_campaign_and_rates_show_themselves(verdict):
 
 
 SHOWING = ("summary", "plot", "to_dataframe", "_repr_html_")
-OF_OTHERS = (Path, xr.Dataset, dict, tuple, int, type(None))
+FOREIGN_TYPES = (Path, xr.Dataset, dict, tuple, int, type(None))
 
 
 def test_every_answer_of_the_interface_shows_itself():
     functions = [getattr(reliab, name) for name in dir(reliab) if name.islower()]
-    answers = {inspect.signature(one).return_annotation for one in functions if inspect.isfunction(one)}
-    own = [one for one in answers if isinstance(one, type) and not issubclass(one, OF_OTHERS)]
-    assert len(own) > 10
-    assert [(one, way) for one in own for way in SHOWING if not hasattr(one, way)] == []
+    answers = {
+        inspect.signature(answer_type).return_annotation
+        for answer_type in functions
+        if inspect.isfunction(answer_type)
+    }
+    own_types = [
+        answer_type
+        for answer_type in answers
+        if isinstance(answer_type, type) and not issubclass(answer_type, FOREIGN_TYPES)
+    ]
+    assert len(own_types) > 10
+    assert [
+        (answer_type, way) for answer_type in own_types for way in SHOWING if not hasattr(answer_type, way)
+    ] == []
 
 
 @pytest.mark.parametrize("kind", ["record", "monitor"])

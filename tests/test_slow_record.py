@@ -8,44 +8,44 @@ import pytest
 from parsed import nodes
 from slow_record import ROOT, SlowRecord, commit, read
 
-_BEFORE = '{"old::test": {"passed": "2020-01-01", "commit": "abc"}}'
+_EARLIER_RECORD = '{"old::test": {"passed": "2020-01-01", "commit": "abc"}}'
 
 
-def report(name, outcome, *, when="call", marks=("slow",)):
+def report(name, outcome, *, phase="call", marks=("slow",)):
     return SimpleNamespace(
         nodeid=name,
-        when=when,
+        when=phase,
         keywords=dict.fromkeys(marks, 1),
         passed=outcome == "passed",
         failed=outcome == "failed",
     )
 
 
-def test_only_slow_tests_that_pass_are_noted(tmp_path):
+def test_only_passing_slow_tests_are_noted(tmp_path):
     file = tmp_path / "slow_tests.json"
-    file.write_text(_BEFORE)
+    file.write_text(_EARLIER_RECORD)
     record = SlowRecord(file, "0123456789ab")
-    for each in (
+    for item in (
         report("a::passes", "passed"),
-        report("a::passes", "passed", when="teardown"),
+        report("a::passes", "passed", phase="teardown"),
         report("a::fails", "failed"),
-        report("a::fails", "passed", when="teardown"),
+        report("a::fails", "passed", phase="teardown"),
         report("a::leaves_a_mess", "passed"),
-        report("a::leaves_a_mess", "failed", when="teardown"),
+        report("a::leaves_a_mess", "failed", phase="teardown"),
         report("a::skipped", "skipped"),
-        report("a::skipped", "passed", when="teardown"),
+        report("a::skipped", "passed", phase="teardown"),
         report("a::quick", "passed", marks=()),
-        report("a::quick", "passed", when="teardown", marks=()),
+        report("a::quick", "passed", phase="teardown", marks=()),
         report("old::test", "failed"),
     ):
-        record.pytest_runtest_logreport(each)
-    noted = read(file)
-    assert set(noted) == {"a::passes", "old::test"}
-    assert noted["a::passes"]["commit"] == "0123456789ab"
-    assert noted["old::test"]["passed"] == "2020-01-01"
+        record.pytest_runtest_logreport(item)
+    content = read(file)
+    assert set(content) == {"a::passes", "old::test"}
+    assert content["a::passes"]["commit"] == "0123456789ab"
+    assert content["old::test"]["passed"] == "2020-01-01"
 
 
-def test_changes_that_are_not_committed_are_refused(tmp_path):
+def test_uncommitted_changes_are_refused(tmp_path):
     def git(*arguments):
         user = ("-c", "user.name=a", "-c", "user.email=a@example.org")
         subprocess.run(["git", "-C", str(tmp_path), *user, *arguments], check=True, capture_output=True)  # noqa: S603, S607 - git
@@ -61,7 +61,7 @@ def test_changes_that_are_not_committed_are_refused(tmp_path):
 
 
 def test_every_recorded_test_exists():
-    recorded = {tuple(name.partition("[")[0].split("::")) for name in read()}
-    for file in {file for file, *_ in recorded}:
+    record = {tuple(name.partition("[")[0].split("::")) for name in read()}
+    for file in {file for file, *_ in record}:
         names = {node.name for node in nodes(ROOT / file) if isinstance(node, ast.FunctionDef)}
-        assert {function for of, *_, function in recorded if of == file} <= names, file
+        assert {function for path, *_, function in record if path == file} <= names, file

@@ -22,29 +22,29 @@ def windows(monkeypatch, tmp_path):
     """No folder is opened, no file open for reading is synchronised, and no open file moves or goes."""
     really = {name: getattr(os, name) for name in ("open", "fsync", "unlink", "replace", "rename")}
 
-    def opened(path, flags, *further, **named):
+    def open_file(path, flags, *positional, **options):
         if Path(path).is_dir() and Path(path).is_relative_to(tmp_path):
             raise PermissionError(errno.EACCES, "Permission denied", str(path))
-        return really["open"](path, flags, *further, **named)
+        return really["open"](path, flags, *positional, **options)
 
-    def synchronised(descriptor):
+    def synchronise(descriptor):
         if fcntl.fcntl(descriptor, fcntl.F_GETFL) & os.O_ACCMODE == os.O_RDONLY:
             raise OSError(errno.EBADF, "Bad file descriptor")
         really["fsync"](descriptor)
 
-    def moved(name):
-        def as_on_windows(path, *further, **named):
+    def refuse_open_files(name):
+        def as_on_windows(path, *positional, **options):
             if any(file.is_relative_to(os.path.realpath(path)) for file in open_below(tmp_path)):
                 raise PermissionError(errno.EACCES, "used by another process", str(path))
-            return really[name](path, *further, **named)
+            return really[name](path, *positional, **options)
 
         return as_on_windows
 
     monkeypatch.setattr(files, "sys", SimpleNamespace(platform="win32"))
-    monkeypatch.setattr(os, "open", opened)
-    monkeypatch.setattr(os, "fsync", synchronised)
+    monkeypatch.setattr(os, "open", open_file)
+    monkeypatch.setattr(os, "fsync", synchronise)
     for name in ("unlink", "replace", "rename"):
-        monkeypatch.setattr(os, name, moved(name))
+        monkeypatch.setattr(os, name, refuse_open_files(name))
 
 
 def open_below(folder):
@@ -67,18 +67,18 @@ def test_a_file_is_written_and_written_again(tmp_path):
 
 @pytest.mark.usefixtures("windows")
 def test_a_folder_is_written(tmp_path):
-    with folder_written_whole(tmp_path / "suite") as unfinished:
-        (unfinished / "a.csv").write_text("1", encoding="utf-8")
+    with folder_written_whole(tmp_path / "suite") as temporary:
+        (temporary / "a.csv").write_text("1", encoding="utf-8")
     assert [path.name for path in tmp_path.rglob("*")] == ["suite", "a.csv"]
 
 
 @pytest.mark.usefixtures("windows")
-def test_what_a_killed_process_left_goes_and_what_is_being_written_stays(tmp_path):
+def test_leftovers_go_and_unfinished_files_stay(tmp_path):
     (tmp_path / f"{UNFINISHED}1.json").write_text("left", encoding="utf-8")
-    with written_whole(tmp_path / "a.json") as unfinished:
-        assert [path.name for path in tmp_path.iterdir()] == [unfinished.name]
+    with written_whole(tmp_path / "a.json") as temporary:
+        assert [path.name for path in tmp_path.iterdir()] == [temporary.name]
         write_json_file({}, tmp_path / "b.json")
-        unfinished.write_text("{}", encoding="utf-8")
+        temporary.write_text("{}", encoding="utf-8")
     assert {path.name for path in tmp_path.iterdir()} == {"a.json", "b.json"}
 
 

@@ -83,24 +83,24 @@ def test_the_plugin_on_its_page_is_known_by_its_name(tmp_path):
     about.mkdir()
     (tmp_path / f"{name}.py").write_text(module, encoding="utf-8")
     (about / "METADATA").write_text(f"Name: {project['name']}\nVersion: 1\n", encoding="utf-8")
-    lines = [f"[{group}]", *(f"{item} = {where}" for item, where in items.items())]
+    lines = [f"[{group}]", *(f"{item} = {location}" for item, location in items.items())]
     (about / "entry_points.txt").write_text("\n".join(lines), encoding="utf-8")
     command = ["criterion", "--ellipses", "real_suite", "--f", "1", "--xi", "0.02", "--method", "least"]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(SITE.parents[1]), str(tmp_path)])}
-    done = subprocess.run(  # noqa: S603
+    process = subprocess.run(  # noqa: S603
         [sys.executable, "-m", "reliab", *command, "--json", "-"],
         env=environment,
         check=True,
         capture_output=True,
     )
-    limits = json.loads(done.stdout)["criteria"][0]
+    limits = json.loads(process.stdout)["criteria"][0]
     assert limits["method"] == "least"
     assert limits["b"] > 0.0
 
 
-def test_the_answer_on_the_first_page_is_that_of_the_readme():
-    (shown,) = blocks((SITE / "index.md").read_text(encoding="utf-8"), "text")
-    assert shown in README.read_text(encoding="utf-8")
+def test_first_page_and_readme_show_one_answer():
+    (answer,) = blocks((SITE / "index.md").read_text(encoding="utf-8"), "text")
+    assert answer in README.read_text(encoding="utf-8")
 
 
 def test_every_link_between_pages_leads_somewhere():
@@ -111,8 +111,8 @@ def test_every_link_between_pages_leads_somewhere():
 
 def test_every_page_is_in_the_table_of_contents():
     contents = (SITE / "index.md").read_text(encoding="utf-8")
-    listed = set(re.findall(r"^([\w/]+)$", contents, flags=re.MULTILINE))
-    assert {name_of(page) for page in PAGES} - {"index"} == listed
+    pages_in_contents = set(re.findall(r"^([\w/]+)$", contents, flags=re.MULTILINE))
+    assert {name_of(page) for page in PAGES} - {"index"} == pages_in_contents
 
 
 @pytest.mark.slow
@@ -141,16 +141,16 @@ WORDS = (
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("default")
-def test_the_search_finds_what_users_type(tmp_path):
+def test_the_search_finds_the_words_of_users(tmp_path):
     pytest.importorskip("myst_nb", reason="the site is built by sphinx and myst-nb")
     pytest.importorskip("furo", reason="the theme furo is not installed here")
     from sphinx.cmd.build import build_main
     from sphinx.search.en import SearchEnglish
 
-    unexecuted = ["-D", "nb_execution_mode=off", "-q", "-b", "html", str(SITE), str(tmp_path)]
-    assert build_main(unexecuted) == 0
-    written = (tmp_path / "searchindex.js").read_text(encoding="utf-8")
-    index = json.loads(written.removeprefix("Search.setIndex(").removesuffix(")"))
+    options = ["-D", "nb_execution_mode=off", "-q", "-b", "html", str(SITE), str(tmp_path)]
+    assert build_main(options) == 0
+    index = (tmp_path / "searchindex.js").read_text(encoding="utf-8")
+    index = json.loads(index.removeprefix("Search.setIndex(").removesuffix(")"))
     language = SearchEnglish({})
     stems = {language.stem(word.lower()) for words in WORDS for word in words.split()}
     assert {stem for stem in stems if stem not in {**index["terms"], **index["titleterms"]}} == set()

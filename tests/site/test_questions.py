@@ -16,13 +16,13 @@ QUESTIONS = tomllib.loads((Path(__file__).parent / "questions.toml").read_text(e
 FEWEST_WORDS, MOST_WORDS = 4, 15  # of an answer
 
 
-def included(page):
+def included_pages(page):
     """Return the lines of the files that a page includes."""
     for target in re.findall(r"^```\{include\} (.+)$", page.read_text(encoding="utf-8"), re.MULTILINE):
         yield from (page.parent / target).read_text(encoding="utf-8").splitlines()
 
 
-def generated(page):
+def generated_lines(page):
     """Return the lines that the extensions of the site write into a page."""
     text = page.read_text(encoding="utf-8")
     directives = set(re.findall(r"^```\{(commands|options|keys|effects)\}", text, re.MULTILINE))
@@ -34,11 +34,11 @@ def generated(page):
         yield from options.command_table().splitlines()
     if "options" in directives:
         yield from options.option_tables().splitlines()
-    for described in re.findall(r"^```\{keys\} ([\w.]+)\.(\w+)$", text, re.MULTILINE):
-        yield from keys.reference(getattr(importlib.import_module(described[0]), described[1])).splitlines()
+    for part in re.findall(r"^```\{keys\} ([\w.]+)\.(\w+)$", text, re.MULTILINE):
+        yield from keys.reference(getattr(importlib.import_module(part[0]), part[1])).splitlines()
 
 
-def shown_results(page):
+def results_of_page(page):
     """Return a line for each result that a page shows, "case | quantity"."""
     for subject, table in re.findall(r'show_table\("(\w+)", "([^"]+)"', "\n".join(code(page))):
         rows = pd.read_csv(SITE.parents[1] / "tests" / "benchmarks" / "results" / f"{subject}.csv")
@@ -51,7 +51,7 @@ def shown_results(page):
 def test_page_answers_its_five_questions(page, monkeypatch):
     monkeypatch.syspath_prepend(SITE)
     source = page.read_text(encoding="utf-8").splitlines()
-    lines = [*source, *included(page), *generated(page), *shown_results(page)]
+    lines = [*source, *included_pages(page), *generated_lines(page), *results_of_page(page)]
     questions = QUESTIONS[name_of(page)]
     assert len({entry["question"] for entry in questions}) == 5
     for entry in questions:
@@ -59,5 +59,5 @@ def test_page_answers_its_five_questions(page, monkeypatch):
         assert FEWEST_WORDS <= len(entry["answer"].split()) <= MOST_WORDS, entry
 
 
-def test_no_question_is_of_a_page_that_is_gone():
+def test_every_question_has_an_existing_page():
     assert set(QUESTIONS) == {name_of(page) for page in PAGES}

@@ -14,7 +14,7 @@ from reliab.discrepancy.campaign.reading import CampaignDescription
 from reliab.simulation.frames.frame_tables import FrameDescription
 
 API = (SITE / "reference" / "python.md").read_text(encoding="utf-8")
-DOCUMENTED = re.findall(r"^\.\. auto\w+:: ([\w.]+)$", API, re.MULTILINE)
+REFERENCE_NAMES = re.findall(r"^\.\. auto\w+:: ([\w.]+)$", API, re.MULTILINE)
 FILES = (CampaignDescription, FrameDescription)
 
 
@@ -25,21 +25,21 @@ def keys(monkeypatch):
     return importlib.import_module("keys")
 
 
-@pytest.mark.parametrize("name", [*DOCUMENTED, *re.findall(r"`(reliab\.[\w.]+)`", API)])
+@pytest.mark.parametrize("name", [*REFERENCE_NAMES, *re.findall(r"`(reliab\.[\w.]+)`", API)])
 def test_a_name_of_the_reference_is_the_public_one(name):
     """The package offers it, or it is imported from the module that defines it."""
-    module, _, own = name.rpartition(".")
-    thing = getattr(importlib.import_module(module), own)
-    assert own in reliab.__all__ if module == "reliab" else thing.__module__ == module  # type: ignore[attr-defined]
-    assert module == "reliab" or own not in reliab.__all__  # type: ignore[attr-defined]
+    module, _, public_name = name.rpartition(".")
+    thing = getattr(importlib.import_module(module), public_name)
+    assert public_name in reliab.__all__ if module == "reliab" else thing.__module__ == module  # type: ignore[attr-defined]
+    assert module == "reliab" or public_name not in reliab.__all__  # type: ignore[attr-defined]
 
 
 def test_every_command_stands_in_the_table_of_functions():
-    listed = re.findall(r"`reliab (\w+)`", API)
-    assert sorted(listed) == sorted(typer.main.get_group(application()).commands)
+    commands_of_table = re.findall(r"`reliab (\w+)`", API)
+    assert sorted(commands_of_table) == sorted(typer.main.get_group(application()).commands)
 
 
-def described(schema):
+def description_of(schema):
     """Keys of every table, with what the schema says of them."""
     for table in (schema, *schema["$defs"].values()):
         yield from table["properties"].items()
@@ -48,7 +48,7 @@ def described(schema):
 @pytest.mark.parametrize("file", FILES)
 def test_every_key_of_a_file_stands_in_its_reference(file, keys):
     text = keys.reference(file)
-    for key, entry in described(file.model_json_schema()):
+    for key, entry in description_of(file.model_json_schema()):
         rows = [line for line in text.splitlines() if line.startswith(f"| `{key}` | ")]
         described_so = [row for row in rows if row.endswith(f" | {entry['description']} |")]
         assert described_so
@@ -76,10 +76,10 @@ def test_formulas_are_drawn_without_a_rest_of_their_source(page):
     convert = pytest.importorskip("latex2mathml.converter", reason="it belongs to the site").convert
     text = re.sub(r"```.*?```|`[^`]*`", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
     for formula in re.findall(r"\$\$(.+?)\$\$|\$([^$\n]+)\$", text, flags=re.DOTALL):
-        drawn = convert("".join(formula).strip())
-        assert "\\" not in drawn
-        assert "&amp;" not in drawn
-        assert "<mo>&#x00026;</mo>" not in drawn
+        mathml = convert("".join(formula).strip())
+        assert "\\" not in mathml
+        assert "&amp;" not in mathml
+        assert "<mo>&#x00026;</mo>" not in mathml
 
 
 @pytest.mark.parametrize("page", PAGES, ids=name_of)
@@ -90,7 +90,7 @@ def test_no_formula_is_set_as_code(page):
 
 
 @pytest.mark.parametrize("key", ["frame", "damping"])
-def test_the_reference_says_that_matrices_of_a_frame_contain_its_specimen(key):
+def test_the_reference_tells_that_frame_matrices_contain_the_specimen(key):
     """A frame that is described without its specimen has other frequencies and another error."""
     assert "of the whole structure, with its specimen" in (
         FrameDescription.model_fields[key].description or ""
