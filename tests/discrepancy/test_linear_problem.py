@@ -20,6 +20,7 @@ RNG = np.random.default_rng(1)
 MATRIX = RNG.standard_normal((ROWS, SIZE)) * [3.0, 1.0, 10.0, 0.3]
 TARGET = RNG.standard_normal(ROWS) + MATRIX @ [0.5, -1.0, 0.2, 2.0]
 NOISE = NoiseModel.white(100.0, 1.0)
+BLOCK = SimpleNamespace(offsets=())
 
 
 class Linear:
@@ -42,7 +43,7 @@ class Linear:
 
 def space_of(reach=np.inf):
     bounds = (np.full(SIZE, -reach), np.full(SIZE, reach))
-    return SimpleNamespace(bounds=bounds, size=SIZE, effects=(), places=lambda effect: effect)
+    return SimpleNamespace(bounds=bounds, size=SIZE, effects=(), block=BLOCK, places=lambda effect: effect)
 
 
 def stacked():
@@ -89,7 +90,7 @@ def test_the_best_of_several_starts_is_kept_by_likelihood_and_prior():
             return np.array([10.0 * min(abs(x - 5.0), abs(x - 0.5) + 0.02)])
 
     bounds = (np.full(1, -9.0), np.full(1, 9.0))
-    space = SimpleNamespace(bounds=bounds, size=1, effects=())
+    space = SimpleNamespace(bounds=bounds, size=1, effects=(), block=BLOCK)
     found = fit(TwoOptima(), space, [np.array([4.9]), np.array([0.6])], NOISE)
     assert found.coordinates[0] == pytest.approx(0.5, abs=0.1)
 
@@ -429,6 +430,6 @@ def test_starts_are_compared_by_likelihood_and_half_the_square_of_the_coordinate
             return np.array([1e3 * (x - (3.0 if far else 0.0)), 0.0 if far else np.sqrt(2.0 * 4.7)])
 
     bounds = (np.full(1, -9.0), np.full(1, 9.0))
-    space = SimpleNamespace(bounds=bounds, size=1, effects=())
+    space = SimpleNamespace(bounds=bounds, size=1, effects=(), block=BLOCK)
     found = fit(TwoValleys(), space, [np.array([0.001]), np.array([2.999])], NOISE)
     assert found.coordinates[0] == pytest.approx(3.0, abs=1e-3)

@@ -35,6 +35,8 @@ class Promise:
 def screen_effects(problem: Problem, parent: Fit, kinds: Sequence[type[Effect]], null: Fit) -> list[Promise]:
     """Rank effects by what they promise to explain beside a model."""
     fresh = [kind for kind in kinds if kind not in parent.space.effects]
+    if not fresh:
+        return []
     basis = np.linalg.qr(parent.jacobian[:, parent.free])[0]
     sketch_residual = problem.sketch.whiten(parent.space, parent.coordinates, parent.noise)
     with ThreadPoolExecutor(_WORKERS) as pool:

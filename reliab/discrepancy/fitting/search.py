@@ -64,6 +64,7 @@ class Search:
         self.with_clocks: dict[frozenset[str], Fit] = {}
         self._errors: WeakKeyDictionary[Fit, LeftOut] = WeakKeyDictionary()
         self._roughly_fitted: dict[frozenset[str], Fit] = {}
+        self._promises: WeakKeyDictionary[Fit, dict[type[Effect], Promise]] = WeakKeyDictionary()
         block = problem.block
         space = ModelSpace(block, ())
         spread = np.mean([block.measured(s.test)[s.begin : s.end].var() for s in problem.segments])
@@ -213,7 +214,13 @@ class Search:
 
     def screen(self, parent: Fit, kinds: Sequence[type[Effect]]) -> list[Promise]:
         """Give effects that may be added to a model, those of the largest promise first."""
-        return screen_effects(self.problem, parent, kinds, self.null)
+        promises = self._promises.setdefault(parent, {})
+        fresh = [kind for kind in kinds if kind not in promises]
+        promises |= {
+            promise.kind: promise for promise in screen_effects(self.problem, parent, fresh, self.null)
+        }
+        known = [promises[kind] for kind in kinds if kind in promises]
+        return sorted(known, key=lambda promise: -promise.gain)
 
     def extend(self, parent: Fit, promising: Sequence[Promise]) -> list[Fit]:
         """Fit a model with each of some effects added."""
