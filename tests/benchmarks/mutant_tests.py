@@ -282,14 +282,14 @@ def judge_run(names: list[str], run: Run, seconds: float) -> str:
     """
     with tempfile.TemporaryDirectory() as folder:
         note = Path(folder) / "failed"
-        answer = outcome(run_in_copy(lambda: run(names, note, changed=True), seconds))
+        answer = outcome(run_in_copy(lambda: run(names, note, is_changed=True), seconds))
         if answer not in KILLED_OUTCOMES:
             return answer
         # without a note nothing was collected, or nothing ended
         failure = note.read_text() if note.exists() else names[0 if answer == "killed" else -1]
         first_tests = names[: names.index(failure) + 1]
         return (
-            answer if run_in_copy(lambda: run(first_tests, note, changed=False), seconds) == 0 else "unsound"
+            answer if run_in_copy(lambda: run(first_tests, note, is_changed=False), seconds) == 0 else "unsound"
         )
 
 

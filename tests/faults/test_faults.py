@@ -101,7 +101,7 @@ def test_a_command_killed_at_a_write_resumes_to_the_same_bytes(
 ):
     for instant in instants(name, reference_run(name)[0].writes):
         out = folders(name, instant)
-        interruption = forks.run(WORKS[name].arguments(sources, out), out, at=instant)
+        interruption = forks.run(WORKS[name].arguments(sources, out), out, instant=instant)
         counter[name, "killed at a write"] += is_stop_of_fault(interruption, -9, instant)
         check_resumed(name, sources, forks, out, reference_run)
 
@@ -116,7 +116,7 @@ def test_a_command_killed_at_any_time_resumes_to_the_same_bytes(
     for number in range(INSTANTS):
         out = folders(name, number)
         instant = random_times.uniform(0.0, seconds)
-        interruption = forks.run(WORKS[name].arguments(sources, out), out, at=instant, action="clock")
+        interruption = forks.run(WORKS[name].arguments(sources, out), out, instant=instant, action="clock")
         counter[name, "killed by the clock"] += interruption.code == -9
         check_resumed(name, sources, forks, out, reference_run)
 
@@ -140,7 +140,7 @@ def test_sampling_killed_halfway_is_continued(name, sources, forks, tmp_path, co
     for steps in range(5, 5 + 10 * INSTANTS, 10):
         out = tmp_path / str(steps)
         out.mkdir()
-        interruption = forks.run(arguments(sources, out), out, at=steps, action="sampling")
+        interruption = forks.run(arguments(sources, out), out, instant=steps, action="sampling")
         assert interruption.code == -9
         assert 0 < steps_kept(out) < steps_kept(complete)
         counter[name, "killed while sampling"] += 1
@@ -158,7 +158,7 @@ def test_a_full_or_missing_disk_gives_one_error(
     writes = reference_run(name)[0].writes
     for instant in instants(name, writes):
         out = folders(name, instant)
-        outcome = forks.run(WORKS[name].arguments(sources, out), out, at=instant, action=action)
+        outcome = forks.run(WORKS[name].arguments(sources, out), out, instant=instant, action=action)
         assert "Traceback" not in outcome.errors, outcome.errors
         counter[name, action] += action != "terminate" or is_stop_of_fault(outcome, -15, instant)
         if action == "full":
@@ -177,7 +177,7 @@ def test_a_quota_gives_one_error(name, sources, forks, folders, reference_run, c
     for number in range(INSTANTS):
         out = folders(name, number)
         quota = max(4096, max(sizes) * (number + 1) // (INSTANTS + 1))
-        outcome = forks.run(WORKS[name].arguments(sources, out), out, at=quota, action="quota")
+        outcome = forks.run(WORKS[name].arguments(sources, out), out, instant=quota, action="quota")
         counter[name, "quota"] += outcome.code != reference_run(name)[0].code
         assert "Traceback" not in outcome.errors, outcome.errors
         assert outcome.code in FAILURE_CODES or results(out) == reference_run(name)[1], outcome.errors
@@ -295,7 +295,7 @@ def test_posteriors_need_no_home_and_no_caches_either(name, sources, tmp_path, c
 def test_a_clock_set_meanwhile_changes_nothing(name, years, sources, forks, folders, reference_run, counter):
     out = folders(name, 0)
     half = max(1, reference_run(name)[0].writes // 2)
-    interruption = forks.run(WORKS[name].arguments(sources, out), out, at=half)
+    interruption = forks.run(WORKS[name].arguments(sources, out), out, instant=half)
     assert is_stop_of_fault(interruption, -9, half)
     time_of_clock = time.time() + years * YEAR
     for path in out.rglob("*"):

@@ -84,7 +84,7 @@ def check_nothing_is_lost(files, forks, out, complete_rig):
 def test_a_fault_at_any_write_loses_no_test(action, files, forks, rig, complete_rig, counter):
     for instant in range(1, complete_rig[1] + 1):
         out = rig(instant)
-        outcome = forks.run(adding(files, out, "a.csv", "b.csv"), out, at=instant, action=action)
+        outcome = forks.run(adding(files, out, "a.csv", "b.csv"), out, instant=instant, action=action)
         assert "Traceback" not in outcome.errors, outcome.errors
         counter["rig add", action] += outcome.code != 0
         check_nothing_is_lost(files, forks, out, complete_rig)
@@ -94,7 +94,7 @@ def test_a_fault_at_any_write_loses_no_test(action, files, forks, rig, complete_
 def test_a_quota_loses_no_test(files, forks, rig, complete_rig, counter):
     for quota in (2000, 8000, 16_000):
         out = rig(quota)
-        outcome = forks.run(adding(files, out, "a.csv", "b.csv"), out, at=quota, action="quota")
+        outcome = forks.run(adding(files, out, "a.csv", "b.csv"), out, instant=quota, action="quota")
         assert "Traceback" not in outcome.errors, outcome.errors
         counter["rig add", "quota"] += outcome.code != 0
         check_nothing_is_lost(files, forks, out, complete_rig)
