@@ -88,7 +88,6 @@ def measures(seed: int) -> dict[str, float | str]:
 
 
 def main() -> None:
-    """Judge all tests and write one row for each."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("table", type=Path)
     parser.add_argument("--seed", type=int, default=0)

@@ -71,7 +71,6 @@ def describe_diagnosis(diagnosis: Diagnosis) -> str:
 
 
 def main() -> None:
-    """Run the command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--snr", type=float, default=50.0, help="signal to noise [dB]")

@@ -79,7 +79,6 @@ def compare_pair(seed: int, records: list[Path], rate: float, *, independent_ske
 
 
 def main() -> None:
-    """Compare pairs of tests and print what was found."""
     parser = argument_parser(__doc__, count=40)
     parser.add_argument("--rate", type=float, default=lab.RATE)
     parser.add_argument("--apart", action="store_true")

@@ -153,7 +153,6 @@ DRAWS = (one_frequency, bare_pulse)
 
 
 def main():
-    """Print two lines for each length and population."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("records")
     parser.add_argument("--cut", type=float, nargs="*", default=())

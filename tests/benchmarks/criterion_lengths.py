@@ -78,7 +78,6 @@ def show(name, motions, left_out_event=None):
 
 
 def main():
-    """Print the shares."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("records")
     parser.add_argument("--others")

@@ -113,7 +113,6 @@ def show(name, events, shares_kept, areas):
 
 
 def main():
-    """Print one line for each group, and for all of a kind."""
     structures = {"f": list(F), "xi": list(XI)}
     ellipses = read_ellipses("real_suite").sel(
         metric=["rms"], threshold=[THRESHOLD], side=["lag"], curve=["inscribed"], **structures

@@ -87,7 +87,6 @@ def show_rig(desk: DeskBrowser) -> None:
 
 
 def main() -> None:
-    """Measure, print, and take the pictures that are asked for."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--screenshots", type=Path)
     arguments = parser.parse_args()

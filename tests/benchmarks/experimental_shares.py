@@ -114,7 +114,6 @@ def stiff_table(motions: MotionSuite) -> pd.DataFrame:
 
 
 def main(records: str, out: str) -> None:
-    """Write both tables."""
     motions = load_motions(records)[::5]
     folder = Path(out)
     stiff_table(motions).to_csv(folder / "stiff.csv", index=False)

@@ -34,7 +34,6 @@ def move_slider(page: Chrome, slider: str, part: float) -> float:
 
 
 def main() -> None:
-    """Measure, print, and take the picture that is asked for."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--screenshot", type=Path)
     arguments = parser.parse_args()

@@ -150,7 +150,6 @@ def judge_test(kind: str, seed: int, records: list[Path]) -> dict[str, object]:
 
 
 def main() -> None:
-    """Judge tests and print a line for each kind."""
     parser = argument_parser(__doc__, count=10)
     parser.add_argument("--kinds", nargs="+", choices=KINDS, default=KINDS)
     options = parser.parse_args()

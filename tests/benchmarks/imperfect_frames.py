@@ -74,7 +74,6 @@ def judge_test(name: str, seed: int, records: list[Path], clock: float) -> Itera
 
 
 def main() -> None:
-    """Judge tests and print the table."""
     parser = argument_parser(__doc__, count=20)
     parser.add_argument("--clock", type=float, default=CLOCK)
     options = parser.parse_args()

@@ -460,7 +460,6 @@ def state(rows: pd.DataFrame) -> None:
 
 
 def main() -> None:
-    """Judge tests and print the table."""
     parser = argument_parser(__doc__, count=100)
     parser.add_argument("--rows", nargs="*", default=[*PLAIN, *SPECIMENS])
     parser.add_argument("--records", type=Path, default=paths.MOTIONS)

@@ -113,7 +113,6 @@ def earthquake_deviation(good, events):
 
 
 def main():
-    """Print one table for each length."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("records")
     parser.add_argument("seconds", type=float, nargs="*")

@@ -282,7 +282,6 @@ def measure(name, seed, tests, kind, motions):
 
 
 def main():
-    """Print the rows that are named."""
     parser = argparse.ArgumentParser()
     parser.add_argument("folder", type=Path)
     parser.add_argument("rows", nargs="*", choices=[*ROWS, []])

@@ -249,7 +249,6 @@ def answer(folder: Path) -> dict[str, object]:
 
 
 def main() -> None:
-    """Run the command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("campaigns", type=Path, nargs="+")
     parser.add_argument("--table", type=Path)

@@ -119,7 +119,6 @@ def say(table: pd.DataFrame) -> None:
 
 
 def main() -> None:
-    """Follow tests and print the alarms."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("count", type=int)
     parser.add_argument("seed", type=int)

@@ -68,7 +68,6 @@ def judge_plant(
 
 
 def main() -> None:
-    """Judge runs and print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--seed", type=int, required=True)

@@ -289,7 +289,9 @@ def judge_run(names: list[str], run: Run, seconds: float) -> str:
         failure = note.read_text() if note.exists() else names[0 if answer == "killed" else -1]
         first_tests = names[: names.index(failure) + 1]
         return (
-            answer if run_in_copy(lambda: run(first_tests, note, is_changed=False), seconds) == 0 else "unsound"
+            answer
+            if run_in_copy(lambda: run(first_tests, note, is_changed=False), seconds) == 0
+            else "unsound"
         )
 
 

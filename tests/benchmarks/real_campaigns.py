@@ -171,7 +171,6 @@ def read_table(path: Path) -> dict[str, Row]:
 
 
 def main() -> None:
-    """Run the command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--table", type=Path, help="the last run's results, which this run's replace")

@@ -475,7 +475,6 @@ def measure(part: str, series: Series, count: int, out: Path | None) -> pd.DataF
 
 
 def main() -> None:
-    """Run one part."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

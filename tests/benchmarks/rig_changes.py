@@ -92,7 +92,6 @@ def drifts(first, rigs, margins):
 
 
 def main(first=9000, rigs=300):
-    """Print shares."""
     still = np.zeros(TESTS)
     for scatter in (normal, skew_normal, odd):
         tables = [

@@ -120,7 +120,6 @@ def predictions(rows: list[dict], earthquakes: int, seed: int) -> list[dict]:
 
 
 def main() -> None:
-    """Simulate, judge, predict; print shares for each rig and for all."""
     parser = argument_parser(__doc__, count=3)
     parser.add_argument("--earthquakes", type=int, default=4)
     parser.add_argument("--records", type=Path, default=paths.MOTIONS)

@@ -182,7 +182,6 @@ def predict_left_out(table, events):
 
 
 def main(first=100, rigs=20, events_to_check=0):
-    """Print coverage, log scores and the calibration of the probability; `checked` earthquakes a rig."""
     probabilities, good = [], []
     for kind in KINDS:
         shares, scores, equal = {name: [] for name in ("A", "d_ms", "rms")}, [], []

@@ -111,7 +111,6 @@ def state(rows: pd.DataFrame, name: str) -> None:
 
 
 def main() -> None:
-    """Judge tests and print the table."""
     options = argument_parser(__doc__, count=40).parse_args()
     records = read_records(options.folder)
     rows = pd.DataFrame(

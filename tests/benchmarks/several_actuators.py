@@ -218,7 +218,6 @@ def state(rows: pd.DataFrame) -> None:
 
 
 def main() -> None:
-    """Judge tests and print the table."""
     parser = argument_parser(__doc__, count=20)
     parser.add_argument("--decibels", type=float, nargs="+", default=[40.0])
     parser.add_argument("--structures", nargs="+", choices=list(structures()), default=list(structures()))

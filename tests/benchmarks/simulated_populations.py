@@ -158,7 +158,6 @@ def line(name, shares):
 
 
 def main():
-    """Print shares kept, from real to simulated, from simulated to real, and by ten own records."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--motions", type=int, default=100)

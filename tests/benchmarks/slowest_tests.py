@@ -78,7 +78,6 @@ class ProcessorTimes:
 
 
 def main() -> int:
-    """Run pytest in this one process and print the table."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -194,7 +194,6 @@ def true_errors(outcome: Outcome) -> dict[str, float]:
 
 
 def main() -> None:
-    """Judge tests and print the table."""
     parser = argument_parser(__doc__, count=20)
     parser.add_argument("--rows", nargs="+", choices=list(ROWS), default=list(ROWS))
     parser.add_argument("--rate", type=float, default=RATE)

@@ -30,6 +30,7 @@ MEASURED = 0.997 * _motion(TIME - 0.006) + 2e-6 * _RANDOM.normal(size=SIZE)
 FORCE = 4e4 * MEASURED + 300.0 * np.gradient(MEASURED, 1.0 / RATE) + 5.0 * _RANDOM.normal(size=SIZE)
 GROUND = _RANDOM.normal(size=SIZE)
 VALVE = 0.5 * np.gradient(COMMAND, 1.0 / RATE)
+COLUMNS = [TIME, 1e3 * COMMAND, 1e3 * MEASURED, 1e-3 * FORCE]  # s, mm, mm and kN
 
 
 def _rows(columns, delimiter=",", *, decimal="."):
@@ -53,8 +54,7 @@ def csv_with_units_in_brackets(folder):
 
 def semicolons_and_decimal_comma(folder):
     header = "Zeit [s];Sollweg [mm];Istweg [mm];Kraft [kN]"
-    columns = [TIME, 1e3 * COMMAND, 1e3 * MEASURED, 1e-3 * FORCE]
-    return _text(folder / "t.csv", header, columns, ";", decimal=",", encoding="latin-1", end="\r\n")
+    return _text(folder / "t.csv", header, COLUMNS, ";", decimal=",", encoding="latin-1", end="\r\n")
 
 
 def tabs_units_below_utf_16(folder):
@@ -66,7 +66,7 @@ def tabs_units_below_utf_16(folder):
 
 def blanks_and_long_preamble(folder):
     header = "\n".join([f"Setting {k} of the controller" for k in range(60)] + ["time_s x_c_mm x_m_mm"])
-    return _text(folder / "t.dat", header, [TIME, 1e3 * COMMAND, 1e3 * MEASURED], "   ")
+    return _text(folder / "t.dat", header, COLUMNS[:3], "   ")
 
 
 def mts_793(folder):
@@ -88,14 +88,7 @@ def labview_measurement(folder):
         "Y_Unit_Label\tmm\tmm\tkN\nX_Dimension\tTime\tTime\tTime\nX0\t0\t0\t0\nDelta_X\t0,00390625\t0,00390625\t0,00390625\n"
         "***End_of_Header***\t\t\t\nX_Value\tDisp Setpoint\tLVDT\tLoad\tComment"
     )
-    return _text(
-        folder / "t.lvm",
-        header,
-        [TIME, 1e3 * COMMAND, 1e3 * MEASURED, 1e-3 * FORCE],
-        "\t",
-        decimal=",",
-        end="\r\n",
-    )
+    return _text(folder / "t.lvm", header, COLUMNS, "\t", decimal=",", end="\r\n")
 
 
 def labview_measurement_without_times(folder):
@@ -128,7 +121,7 @@ def matlab_vectors(folder):
 def matlab_matrix_with_names(folder):
     names = np.array(["Time", "Command", "Feedback", "Load"], dtype=object)
     units = np.array(["sec", "mm", "mm", "kN"], dtype=object)
-    matrix = np.column_stack([TIME, 1e3 * COMMAND, 1e3 * MEASURED, 1e-3 * FORCE])
+    matrix = np.column_stack(COLUMNS)
     savemat(folder / "t.mat", {"data": matrix, "channel_names": names, "channel_units": units})
     return folder / "t.mat"
 
@@ -369,7 +362,7 @@ def mts_test_suite(folder):
         '"Run Time","Axial Displacement Command","Axial Displacement","Axial Force"\n'
         '"Timer","Axial Disp Cmd","Axial Disp Fbk","Axial Force Fbk"\n"sec","mm","mm","kN"'
     )
-    return _text(folder / "t.csv", header, [TIME, 1e3 * COMMAND, 1e3 * MEASURED, 1e-3 * FORCE])
+    return _text(folder / "t.csv", header, COLUMNS)
 
 
 def labview_measurement_of_several_clocks(folder):
@@ -385,8 +378,7 @@ def labview_measurement_of_several_clocks(folder):
 
 def dewesoft(folder):
     header = "DEWESoft X\nSample rate: 256 Hz\n\nTime (s);Cmd Disp (mm);LVDT (mm);Load cell (kN)"
-    columns = [TIME, 1e3 * COMMAND, 1e3 * MEASURED, 1e-3 * FORCE]
-    return _text(folder / "t.csv", header, columns, ";", decimal=",")
+    return _text(folder / "t.csv", header, COLUMNS, ";", decimal=",")
 
 
 def catman(folder):
@@ -395,8 +387,7 @@ def catman(folder):
         "Time  1 - default sample rate\tWeg Soll\tWeg Ist\tKraft\n"
         "[s]\t[mm]\t[mm]\t[kN]\nMX440 CH1\tMX440 CH2\tMX440 CH3\tMX440 CH4\nSampleRate\t256\t256\t256\n"
     )
-    columns = [TIME, 1e3 * COMMAND, 1e3 * MEASURED, 1e-3 * FORCE]
-    return _text(folder / "t.asc", header, columns, "\t", decimal=",", encoding="latin-1")
+    return _text(folder / "t.asc", header, COLUMNS, "\t", decimal=",", encoding="latin-1")
 
 
 def nees_with_units_above(folder):
@@ -404,7 +395,7 @@ def nees_with_units_above(folder):
         "Active channels:\tTime,DispCmd,LVDT1,LC1\nSample rate:\t256.0000\nChannel units:\tsec,mm,mm,kN\n\n"
         "Time\tDispCmd\tLVDT1\tLC1\nsec\tmm\tmm\tkN"
     )
-    return _text(folder / "t.txt", header, [TIME, 1e3 * COMMAND, 1e3 * MEASURED, 1e-3 * FORCE], "\t")
+    return _text(folder / "t.txt", header, COLUMNS, "\t")
 
 
 def excel_with_dates(folder):
@@ -486,7 +477,7 @@ def signal_express(folder):
 
 def names_in_a_comment_with_a_title(folder):
     header = "# RTHS test 12\n# date: 2026-11-01\n# columns: time[s] x_ref[mm] x_act[mm] F[kN]"
-    return _text(folder / "t.dat", header, [TIME, 1e3 * COMMAND, 1e3 * MEASURED, 1e-3 * FORCE], " ")
+    return _text(folder / "t.dat", header, COLUMNS, " ")
 
 
 def catman_with_names_below_the_units(folder):
@@ -494,8 +485,7 @@ def catman_with_names_below_the_units(folder):
         "HBM_CATMAN_DATAFILE_40\nnoname\nCHANNELCOUNT=4\n\nTime  1 - default sample rate\tMX840_0_CH 1\t"
         "MX840_0_CH 2\tMX840_0_CH 3\ns\tmm\tmm\tkN\nSollweg\tIstweg\tKraft"
     )
-    columns = [TIME, 1e3 * COMMAND, 1e3 * MEASURED, 1e-3 * FORCE]
-    return _text(folder / "t.asc", header, columns, "\t", decimal=",", end="\r\n")
+    return _text(folder / "t.asc", header, COLUMNS, "\t", decimal=",", end="\r\n")
 
 
 def structures_of_values_beside_their_time(folder):
@@ -523,7 +513,7 @@ def hdf5_table(folder):
 
 def hdf5_matrix_with_names_as_attributes(folder):
     with h5py.File(folder / "t.h5", "w") as file:
-        matrix = np.column_stack([TIME, 1e3 * COMMAND, 1e3 * MEASURED, 1e-3 * FORCE])
+        matrix = np.column_stack(COLUMNS)
         data = file.create_dataset("daq", data=matrix)
         data.attrs["columns"] = ["time", "disp_cmd", "disp_fbk", "load"]
         data.attrs["units"] = ["s", "mm", "mm", "kN"]
@@ -547,66 +537,9 @@ def xarray_with_a_dimension_of_channels(folder):
     return folder / "t.nc"
 
 
-LAYOUTS = (
-    *(
-        csv_with_units_in_brackets,
-        semicolons_and_decimal_comma,
-        tabs_units_below_utf_16,
-        blanks_and_long_preamble,
-    ),
-    *(
-        mts_793,
-        labview_measurement,
-        labview_measurement_without_times,
-        time_of_day_and_remarks,
-        matlab_vectors,
-    ),
-    *(
-        matlab_matrix_with_names,
-        dspace,
-        xpc,
-        simulink_structure_with_time,
-        simulink_array_per_signal,
-        timetable,
-    ),
-    *(
-        timetable_73,
-        timeseries,
-        timeseries_as_saved,
-        matlab_73_vectors,
-        dspace_73,
-        hdf5_groups,
-        tdms,
-        tdms_with_times,
-        classic_netcdf,
-    ),
-    *(
-        mts_test_suite,
-        labview_measurement_of_several_clocks,
-        dewesoft,
-        catman,
-        nees_with_units_above,
-        excel_with_dates,
-    ),
-    *(
-        pacific_instruments,
-        matlab_4,
-        simulink_array,
-        save_logged_signals,
-        save_logsout,
-        signal_express,
-    ),
-    *(
-        names_in_a_comment_with_a_title,
-        catman_with_names_below_the_units,
-        structures_of_values_beside_their_time,
-        simulink_output_beside_its_time,
-    ),
-    *(
-        hdf5_table,
-        hdf5_matrix_with_names_as_attributes,
-        xarray_with_dates,
-        xarray_with_a_dimension_of_channels,
-    ),
-    record,
+LAYOUTS = tuple(
+    item
+    for name, item in globals().items()
+    if not name.startswith("_") and getattr(item, "__module__", "") == __name__
 )
+"""Functions above, each of which writes one layout."""
