@@ -79,11 +79,11 @@ def test_a_linear_effect_has_the_posterior_of_least_squares(damped):
     slope = fitted.jacobian.T @ fitted.residual + fitted.coordinates
     mode = fitted.space.values(fitted.coordinates - fitted.covariance @ slope)
     assert (exact > MODEL_ERROR * np.abs(mode)).all()
-    np.testing.assert_allclose(posterior.sd, exact, rtol=0.06)
-    np.testing.assert_allclose((posterior.mean - mode) / exact, 0.0, atol=0.08)
+    spreads, low, high = np.array([posterior.spread_of(name) for name in posterior.names]).T
+    np.testing.assert_allclose(spreads, exact, rtol=0.06)
+    np.testing.assert_allclose((posterior.draws.mean(axis=0) - mode) / exact, 0.0, atol=0.08)
     assert posterior.agreement > 0.99
-    half = 0.5 * (posterior.interval[1] - posterior.interval[0])
-    np.testing.assert_allclose(half, stats.norm.ppf(0.95) * exact, rtol=0.06)
+    np.testing.assert_allclose(0.5 * (high - low), stats.norm.ppf(0.95) * exact, rtol=0.06)
 
 
 @pytest.mark.slow
@@ -96,10 +96,11 @@ def test_it_says_that_it_converged(damped):
 
 @pytest.mark.slow
 def test_the_truth_lies_within_four_standard_deviations(damped):
-    entry = damped[2].parameters_of("viscous_damping")["damping_n_s_per_m"]
-    assert entry["units"] == "N·s/m"
-    assert abs(entry["value"] - 30.0) < 4.0 * entry["sd"]
-    assert entry["interval_90"][0] < entry["value"] < entry["interval_90"][1]
+    name = "viscous_damping.damping_n_s_per_m"
+    mean = damped[2].draws[:, damped[2].names.index(name)].mean()
+    sd, low, high = damped[2].spread_of(name)
+    assert abs(mean - 30.0) < 4.0 * sd
+    assert low < mean < high
 
 
 def drawn_by_importance(log_density, size, population, enough):
@@ -142,8 +143,9 @@ def rubbing():
 
 def assert_values_come_back(posterior, name, values):
     for parameter, truth in values.items():
-        entry = posterior.parameters_of(name)[parameter]
-        assert abs(entry["value"] - truth) < 4.0 * entry["sd"]
+        key = f"{name}.{parameter}"
+        mean = posterior.draws[:, posterior.names.index(key)].mean()
+        assert abs(mean - truth) < 4.0 * posterior.spread_of(key)[0]
 
 
 @pytest.mark.slow

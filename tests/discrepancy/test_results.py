@@ -38,7 +38,7 @@ def sampled(*, sd, interval, converged=True):
     """Stand for a posterior of a force."""
     return SimpleNamespace(
         converged=converged,
-        parameters_of=lambda _name: {"force_n": {"sd": sd, "interval_90": interval}},
+        spread_of=lambda _name: (sd, *interval),
         inseparable=lambda _names: (),
     )
 

@@ -96,7 +96,7 @@ def test_a_report_with_a_posterior_is_set(damping_diagnosis):
     )
     assert first.startswith(b"%PDF")
     assert first == second
-    low, high = posterior.parameters_of("viscous_damping")["damping_n_s_per_m"]["interval_90"]
+    _, low, high = posterior.spread_of("viscous_damping.damping_n_s_per_m")
     assert low < 30.0 < high or abs(low - 30.0) < 1.0
 
 

@@ -105,16 +105,14 @@ def _apply_posterior(block: BlockDiagnosis, posterior: Posterior | None) -> Bloc
 
 def _apply_intervals(effect: MissingEffect, posterior: Posterior) -> MissingEffect:
     """Take spreads from a posterior of one model, and how far models differ from the diagnosis."""
-    parameters = posterior.parameters_of(str(effect.effect.name))
     estimates = []
     for estimate in effect.estimates:
-        low, high = parameters[estimate.name]["interval_90"]
+        sd, low, high = posterior.spread_of(f"{effect.effect.name}.{estimate.name}")
         value, spread_between = estimate.value, NORMAL_REACH_90 * estimate.between
         low = value - math.hypot(value - min(low, value), spread_between)
         high = value + math.hypot(max(high, value) - value, spread_between)
-        sd = math.hypot(parameters[estimate.name]["sd"], estimate.between)
         interval = (low if estimate.signed else max(low, 0.0), high)
-        estimates.append(replace(estimate, sd=sd, interval=interval))
+        estimates.append(replace(estimate, sd=math.hypot(sd, estimate.between), interval=interval))
     return replace(effect, estimates=tuple(estimates))
 
 
@@ -122,7 +120,7 @@ def _shift(diagnosis: Diagnosis, model: UpdatedModel) -> dict[str, float] | None
     if diagnosis.campaign.structure is None or not (diagnosis.effects or diagnosis.doubtful):
         return None
     try:
-        return criterion_shift(model.test, shaking_of(diagnosis.campaign)).to_dict()
+        return criterion_shift(model.test, shaking_of(diagnosis.campaign))
     except InputError:  # no boundary under these motions, hence no criterion
         return None
 

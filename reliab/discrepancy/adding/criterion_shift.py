@@ -1,14 +1,13 @@
 """Effect of the added effects on the criterion: how its limits for the actuator shrink or grow."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from scipy.stats import norm
 
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
-from reliab.core.plain_values import PlainResult
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
 from reliab.motions.loading import load_motions
 from reliab.simulation.effect_loop import EffectLoop
@@ -27,16 +26,10 @@ _PHASE_STEP = 0.08  # rad; errors of the step cancel in the ratio
 _SYNTHETIC_STRIDE = 16  # through the built-in suite, whose neighbours are of one earthquake
 
 
-@dataclass(frozen=True, kw_only=True)
-class CriterionShift(PlainResult):
-    """Criterion with effects over criterion without them."""
+def criterion_shift(test: HybridTest, shaking: Sequence[Excitation]) -> dict[str, float]:
+    """Divide the criterion of a model by that of the same model without its effects.
 
-    a: float  # a, b: Ratios of the ellipse parameters [-]; zero where effects alone exceed the error
-    b: float
-
-
-def criterion_shift(test: HybridTest, shaking: Sequence[Excitation]) -> CriterionShift:
-    """Compare the criterion of a model with that of the same model without its effects.
+    Returns the ratios of the ellipse parameters a and b [-], zero where effects alone exceed the error.
 
     The criterion is the paper's, the 5 % quantile of a lognormal distribution of a and of b over the ground
     motions. Both criteria are those of an actuator's gain and delay, see
@@ -50,7 +43,7 @@ def criterion_shift(test: HybridTest, shaking: Sequence[Excitation]) -> Criterio
     >>> test = HybridTest(structure=Structure(frequency=1.0, damping_ratio=0.02), effects=(lag,))
     >>> record = np.sin(2.0 * np.pi * np.arange(0.0, 10.0, 0.01))
     >>> shift = criterion_shift(test, [Excitation(acceleration=record, time_step=0.01)])
-    >>> shift.b < shift.a <= 1.0
+    >>> shift["b"] < shift["a"] <= 1.0
     True
     """
     if not shaking:
@@ -65,8 +58,8 @@ def criterion_shift(test: HybridTest, shaking: Sequence[Excitation]) -> Criterio
             value=f"none of {len(pairs)}",
             remedy="Choose a smaller error threshold",
         )
-    ratio = _criterion(sound[:, 0]) / _criterion(sound[:, 1])
-    return CriterionShift(a=float(ratio[0]), b=float(ratio[1]))
+    ratios = _criterion(sound[:, 0]) / _criterion(sound[:, 1])
+    return dict(zip("ab", ratios.tolist(), strict=True))
 
 
 def _axes(test: HybridTest, excitation: Excitation) -> tuple[float, float]:

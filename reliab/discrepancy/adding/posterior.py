@@ -12,9 +12,9 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
-from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reliab.core.arrays import Array
 from reliab.core.significant_digits import percent, significant
@@ -82,34 +82,28 @@ class LikelihoodSurface:
 
     def log_density(self, standard: Array) -> Array:
         """Logarithm of the posterior density by the polynomial, shape (points,)."""
-        features = _features(standard)
-        squares = np.einsum("ki,ki->k", features @ self._gram, features)
-        return self._restrict_to_bounds(
-            standard, lambda coordinates, is_inside: _posterior(squares[is_inside], coordinates)
-        )
+
+        def squares(is_inside: NDArray[np.bool_], _inside: Array) -> Array:
+            features = _features(standard[is_inside])
+            return np.asarray(np.einsum("ki,ki->k", features @ self._gram, features))
+
+        return self._density(standard, squares)
 
     def simulate_density(self, problem: Problem, fit: Fit, standard: Array) -> Array:
         """Return the same by simulations."""
+        return self._density(
+            standard, lambda _, inside: (simulate_residuals(problem, fit, inside) ** 2).sum(axis=1)
+        )
 
-        def density(coordinates: Array, _is_inside: Array) -> Array:
-            residuals = simulate_residuals(problem, fit, coordinates)
-            return _posterior((residuals**2).sum(axis=1), coordinates)
-
-        return self._restrict_to_bounds(standard, density)
-
-    def _restrict_to_bounds(self, standard: Array, density: Callable[[Array, Array], Array]) -> Array:
-        """Logarithm of a density that vanishes beyond the bounds."""
+    def _density(self, standard: Array, squares: Callable[[NDArray[np.bool_], Array], Array]) -> Array:
+        """Logarithm of a density from sums of squared residuals, which vanishes beyond the bounds."""
         coordinates = self.coordinates(standard)
         is_inside = (coordinates == np.clip(coordinates, *self.bounds)).all(axis=1)
         logs = np.full(len(standard), -np.inf)
         if is_inside.any():
-            logs[is_inside] = density(coordinates[is_inside], is_inside)
+            inside = coordinates[is_inside]
+            logs[is_inside] = -0.5 * squares(is_inside, inside) - 0.5 * (inside**2).sum(axis=1)
         return logs
-
-
-def _posterior(squares: Array, coordinates: Array) -> Array:
-    """Logarithm of the posterior density from sums of squared residuals, shape (points,)."""
-    return np.asarray(-0.5 * squares - 0.5 * (coordinates**2).sum(axis=1))
 
 
 def _design(size: int) -> Array:
@@ -138,21 +132,6 @@ class Posterior:
     simulated: bool  # Whether every draw was simulated, because the surface did not agree with simulations
 
     @property
-    def mean(self) -> Array:
-        """Means in SI units, shape (parameters,)."""
-        return np.asarray(self.draws.mean(axis=0))
-
-    @property
-    def sd(self) -> Array:
-        """Standard deviations in SI units, shape (parameters,)."""
-        return np.asarray(self.draws.std(axis=0, ddof=1))
-
-    @property
-    def interval(self) -> Array:
-        """Ends of the central 90 % intervals in SI units, shape (2, parameters)."""
-        return np.asarray(np.quantile(self.draws, _INTERVAL, axis=0))
-
-    @property
     def converged(self) -> bool:
         """Whether enough draws are in effect."""
         return self.effective >= ENOUGH
@@ -169,20 +148,11 @@ class Posterior:
         check = "" if self.simulated else f", of which {_CHECKS} were checked by simulation"
         return f"The parameters' distributions have converged: {count}{check}."
 
-    def parameters_of(self, effect: str) -> dict[str, dict[str, Any]]:
-        """Return means, standard deviations, 90 % intervals and units of an effect's parameters by name."""
-        low, high = self.interval.tolist()
-        rows = zip(self.names, self.units, self.mean.tolist(), self.sd.tolist(), low, high, strict=True)
-        return {
-            name.removeprefix(f"{effect}."): {
-                "value": mean,
-                "sd": sd,
-                "interval_90": [low, high],
-                "units": units,
-            }
-            for name, units, mean, sd, low, high in rows
-            if name.startswith(f"{effect}.")
-        }
+    def spread_of(self, name: str) -> tuple[float, float, float]:
+        """Return standard deviation and ends of the central 90 % interval of a parameter, in its unit."""
+        draws = self.draws[:, self.names.index(name)]
+        low, high = np.quantile(draws, _INTERVAL).tolist()
+        return float(draws.std(ddof=1)), low, high
 
     def inseparable(self, effects: Sequence[str]) -> tuple[str, ...]:
         """Say which pairs of parameters of an effect the tests show in combination only, and how large it is.

@@ -1,7 +1,7 @@
 """A missing effect: one of the library with its parameters and rivals, or a term outside the library."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set as AbstractSet
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
@@ -153,30 +153,20 @@ class MissingEffect:
     @property
     def split_members(self) -> "tuple[MissingEffect, ...]":
         """The effect, or each member of a composition with its parameters, the first with what is left."""
-        members = self.effect.members
-        owners = {
-            estimate.name: next((m for m in members if estimate.name in _names(m)), members[0])
-            for estimate in self.estimates
-            if members
-        }
-        return tuple(
-            replace(
-                self,
-                member=member,
-                estimates=tuple(e for e in self.estimates if owners[e.name] is member),
-                on_bounds=tuple(name for name in self.on_bounds if owners[name] is member),
-            )
-            for member in members
-        ) or (self,)
+        first, *others = self.effect.members or (None,)
+        if first is None:
+            return (self,)
+        left = {estimate.name for estimate in self.estimates}.difference(*map(_names, others))
+        return self.report_as(first, left), *(self.report_as(member) for member in others)
 
-    def report_as(self, member: type[Effect]) -> "MissingEffect":
+    def report_as(self, member: type[Effect], names: AbstractSet[str] = frozenset()) -> "MissingEffect":
         """State a special form under the name of the effect that it refines, with the parameters of that."""
-        names = _names(member)
+        own_names = names or _names(member)
         return replace(
             self,
             member=member,
-            estimates=tuple(estimate for estimate in self.estimates if estimate.name in names),
-            on_bounds=tuple(name for name in self.on_bounds if name in names),
+            estimates=tuple(estimate for estimate in self.estimates if estimate.name in own_names),
+            on_bounds=tuple(name for name in self.on_bounds if name in own_names),
         )
 
     @property
