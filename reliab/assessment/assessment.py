@@ -90,8 +90,6 @@ def _consequence(effect: FaultEffect, findings: Findings) -> Iterator[str]:
 def _warn_of_error(findings: Findings) -> Iterator[str]:
     yield from findings.equation.contradictions
     yield from findings.equation.notes
-    if findings.equation.identified is None:
-        yield from findings.error.frequency_shown
     error_verdict, index_word = findings.verdict, findings.verdict_by_index.word
     if Word.UNDECIDED in (error_verdict, index_word) or error_verdict is index_word or findings.index is None:
         return

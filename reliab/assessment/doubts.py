@@ -128,8 +128,7 @@ def doubt_entries(verdict: Verdict, error: ErrorWithThreshold) -> Verdict:
     The error is largest with the natural frequency that a test near resonance really had. Entries leave it
     open, so that a 90 % interval holds too rarely where the test is too short to show it.
     """
-    is_inferred = error.inferred is not None and bool(error.inferred.posterior.evidence)
-    is_learned = is_inferred or error.rebuilt.unknown.own_frequency is not None
+    is_learned = error.inferred is not None and bool(error.inferred.posterior.evidence)
     if is_learned or verdict.word is not Word.RELIABLE or not any(map(is_of_entries, error.sizes)):
         return verdict
     largest = error.largest_drawn

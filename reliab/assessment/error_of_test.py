@@ -1,8 +1,8 @@
 """The error of one test, rebuilt from its command and measured displacement."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final, TypedDict, overload
 
 import numpy as np
@@ -207,6 +207,10 @@ class ErrorOfTest(ErrorWithThreshold):
         if self.inferred is not None:
             return self.inferred.widenings(self.metric)
         return (self.specimen or self.rebuilt).widenings(self.metric)
+
+    def exact_draws(self) -> Iterator[tuple[Partition, Array]]:
+        """Draw structures, with their responses without actuator errors at swept samples [m], (1, m)."""
+        return (self.inferred or self.rebuilt).exact()
 
 
 def part_in_words(name: str) -> str:
@@ -422,15 +426,13 @@ def _error_of_several(
     frame = question.frame
     if frame is None:
         raise AssertionError  # one mass has one actuator
-    sizes = {**question.sizes(recording.time_step), **repairs}
     recording = replace(
         recording,
         command=frame.straighten(recording.command),
         measured=frame.straighten(recording.measured),
     )
     offsets = np.array([0.0 if place in known_offsets else np.nan for place in range(len(recording.command))])
-    rebuild = partial(
-        rebuild_coupled,
+    nominal_error = rebuild_coupled(
         recording.command,
         recording.measured,
         recording.time_step,
@@ -438,21 +440,19 @@ def _error_of_several(
         to_interface=frame.to_interface,
         feedback_lag=question.feedback_lag,
         sensor_offsets=offsets,
+        draws=_DRAWS_AS_STATED,
     )
-    combine = partial(ErrorOfSeveral, metric=question.metric, threshold=question.threshold, sizes=sizes)
-    if recording.ground is not None:
-        nominal_error = rebuild(draws=_DRAWS_AS_STATED)
-        channels = channels_of_several(nominal_error, recording)
-        ground = examine_ground(recording, channels, frame.partition, feedback_lag=question.feedback_lag)
-        combine = partial(combine, ground=ground)
-        if ground.fits and not any(start.standing or not start.at_rest for start in nominal_error.starts):
-            left_by_faults = {name: size.deviation for name, size in repairs.items()}
-            inferred_error = infer_errors(
-                question.circumstances(channels, ground, left_by_faults), nominal_error.every, seed=0
-            )
-            error = take_from_posterior(nominal_error, inferred_error, recording)
-            return combine(rebuilt=error, inferred=inferred_error)
-    error = rebuild(tolerances=tolerances_of(sizes))
-    if (own_frequency := error.unknown.own_frequency) is not None:
-        sizes["frequency"] = Size(deviation=own_frequency.deviation, source=Source.LEARNED)
-    return combine(rebuilt=error)
+    channels = channels_of_several(nominal_error, recording)
+    ground = examine_ground(recording, channels, frame.partition, feedback_lag=question.feedback_lag)
+    left_by_faults = {name: size.deviation for name, size in repairs.items()}
+    inferred_error = infer_errors(
+        question.circumstances(channels, ground, left_by_faults), nominal_error.every, question.seed
+    )
+    return ErrorOfSeveral(
+        rebuilt=take_from_posterior(nominal_error, inferred_error, recording),
+        inferred=inferred_error,
+        metric=question.metric,
+        threshold=question.threshold,
+        sizes={**question.sizes(recording.time_step), **repairs},
+        ground=ground,
+    )

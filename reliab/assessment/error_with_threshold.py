@@ -1,7 +1,7 @@
 """An error of a test with the threshold it is judged by, of one interface displacement or of several."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -12,8 +12,10 @@ from reliab.assessment.rebuilt_error.spread import LEVEL, Estimate
 from reliab.assessment.rebuilt_error.widenings import Widening
 from reliab.assessment.recorded_ground import ShownGround
 from reliab.assessment.uncertainty_budget import BudgetItem, budget_of_error
+from reliab.core.arrays import Array
 from reliab.core.significant_digits import significant
 from reliab.core.vocabulary import PERCENT, Metric
+from reliab.structures.partition import Partition
 
 if TYPE_CHECKING:
     from reliab.assessment.coupled_error.coupled_error import CoupledError, DegreeError
@@ -98,10 +100,14 @@ class ErrorWithThreshold(ABC):
     def parts(self) -> Parts:
         """Parts of the error."""
 
-    @cached_property
+    @property
+    @abstractmethod
     def widenings(self) -> tuple[Widening, ...]:
         """What widens the interval, the widest first."""
-        return self.rebuilt.widenings(self.metric)
+
+    @abstractmethod
+    def exact_draws(self) -> Iterator[tuple[Partition, Array]]:
+        """Draw structures, with their responses without actuator errors at swept samples [m], (p, m)."""
 
     @cached_property
     def budget(self) -> tuple[BudgetItem, ...]:
@@ -109,22 +115,6 @@ class ErrorWithThreshold(ABC):
         if self.inferred is not None:
             return self.inferred.budget(self.widenings)
         return budget_of_error(self.widenings, self.sizes)
-
-    @property
-    def frequency_shown(self) -> tuple[str, ...]:
-        """What the test shows of its natural frequency where it contradicts the stated one, in a sentence."""
-        own_frequency = None if self.inferred is not None else self.rebuilt.unknown.own_frequency
-        if own_frequency is None or not own_frequency.contradicts:
-            return ()
-        stated_frequency = float(self.rebuilt.structure.natural_frequencies[0])
-        sentence = (
-            f"The recording behaves like a structure of "
-            f"{significant(stated_frequency * (1.0 + own_frequency.value))} ± "
-            f"{significant(stated_frequency * own_frequency.deviation, 1)} Hz; "
-            f"{significant(stated_frequency)} Hz was stated. The "
-            "interval is computed with the recording's frequency, the value with the stated one."
-        )
-        return (sentence,)
 
     @property
     def would_decide(self) -> tuple[str, ...]:
@@ -167,6 +157,7 @@ class ErrorOfSeveral(ErrorWithThreshold):
     """
 
     rebuilt: "CoupledError"
+    inferred: "InferredError"
 
     @property
     def displacements(self) -> "tuple[DegreeError, ...]":
@@ -181,9 +172,13 @@ class ErrorOfSeveral(ErrorWithThreshold):
     @cached_property
     def widenings(self) -> tuple[Widening, ...]:
         """What widens the interval of the governing error, the widest first, if any is judged."""
-        if self.inferred is None or self.governing is None:
-            return self.rebuilt.widenings(self.metric)
+        if self.governing is None:
+            return ()
         return self.inferred.widenings(self.metric, self.displacements.index(self.governing))
+
+    def exact_draws(self) -> Iterator[tuple[Partition, Array]]:
+        """Draw structures, with their responses without actuator errors at swept samples [m], (p, m)."""
+        return self.inferred.exact()
 
     def probability_of(self, degree: "DegreeError") -> float:
         """Probability that the error of one displacement stays below the threshold."""

@@ -96,7 +96,7 @@ def exact_test(
             )
             yield from (_respond_to_force(*response) for response in draws_of_specimen)
             return
-        for structure, response in (error.inferred or rebuilt).exact():
+        for structure, response in error.exact_draws():
             yield _linear(_scale_by_mass(structure, mass), response, rebuilt.every * step)
 
     return ExactTest(

@@ -106,7 +106,6 @@ class JudgedFrame(JudgedTest, ABC):
         return (
             *(effect.fault.sentence for effect in self.faults),
             *self.error.not_judged,
-            *self.error.frequency_shown,
             *dict.fromkeys(
                 [*self.error.ground.notes, *(contradiction.finding for contradiction in contradictions)]
             ),

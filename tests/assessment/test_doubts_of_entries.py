@@ -12,17 +12,14 @@ RELIABLE = Verdict(word=Word.RELIABLE, reasons=("small",), would_decide=())
 def error(
     threshold: float = 0.05,
     unknown: tuple[str, ...] = ("frequency", "stiffness_entry_1_1"),
-    specimen: Any = None,
     evidence: tuple[Any, ...] | None = None,
 ) -> Any:
     """An error of which one draw is 6 %."""
-    rebuilt = SimpleNamespace(unknown=SimpleNamespace(own_frequency=specimen))
     posterior = None if evidence is None else SimpleNamespace(posterior=SimpleNamespace(evidence=evidence))
     return SimpleNamespace(
         sizes=dict.fromkeys(unknown),
         largest_drawn=0.06,
         threshold=threshold,
-        rebuilt=rebuilt,
         inferred=posterior,
     )
 
@@ -38,7 +35,6 @@ def test_one_structure_with_too_large_an_error_leaves_the_test_undecided():
 def test_nothing_is_doubted_without_entries_or_without_such_a_structure():
     assert doubt_entries(RELIABLE, error(unknown=("frequency", "storey_stiffness_1"))) is RELIABLE
     assert doubt_entries(RELIABLE, error(threshold=0.07)) is RELIABLE
-    assert doubt_entries(RELIABLE, error(specimen="frequency")) is RELIABLE
     assert doubt_entries(RELIABLE, error(evidence=("implied ground motion",))) is RELIABLE
     refusal = Verdict(word=Word.NOT_RELIABLE, reasons=("large",), would_decide=())
     assert doubt_entries(refusal, error()) is refusal

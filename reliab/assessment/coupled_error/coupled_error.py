@@ -9,7 +9,6 @@ is rebuilt by itself ::
 Together with a force that was fed back late they add up to the error.
 """
 
-from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -21,7 +20,6 @@ from reliab.assessment.rebuilt_error.noise import LOST_IN_NOISE, SensorNoise
 from reliab.assessment.rebuilt_error.parts import Parts, parts_of, pieces_of
 from reliab.assessment.rebuilt_error.recursion import Recursion
 from reliab.assessment.rebuilt_error.spread import DisplacementError, Estimate, Spread
-from reliab.assessment.rebuilt_error.widenings import Widening, widenings
 from reliab.core.arrays import Array
 from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import Metric
@@ -107,7 +105,6 @@ class DegreeError(DisplacementError):
     """Error of one interface displacement."""
 
     name: str
-    of_noise: Spread  # Of draws with all but the sensors' noise as stated
     noise: float  # Standard deviation of x_c − x_m that noise leaves open, over the largest ideal motion [-]
 
     @property
@@ -137,12 +134,9 @@ class CoupledError:
     noises: tuple[SensorNoise, ...]  # Of each sensor
     starts: tuple[Start, ...]  # How each channel begins
     unknown: Unknown
-    drawn: Mapping[str, Array]  # What was drawn by name, each shape (draws,)
     histories: Histories
     recursion: Recursion  # Of the ideal test as the computer steps it
     every: int  # Number of samples of which one was drawn
-    # Structures and responses at the interface without actuator errors [m], of some draws, shape (p, m)
-    exact: Callable[[], Iterator[tuple[Partition, Array]]]
 
     @property
     def command(self) -> Array:
@@ -179,14 +173,6 @@ class CoupledError:
         """The errors of all displacements divided by actuator and by cause."""
         return divide(self.histories, self.recursion)
 
-    def widenings(self, metric: Metric) -> tuple[Widening, ...]:
-        """Return what widens the interval of the governing error, the widest first, if any is judged."""
-        governing = self.governing(metric)
-        if governing is None:
-            return ()
-        deviations = self.unknown.deviations()
-        return widenings(governing.draws, self.drawn, deviations, governing.of_noise, metric)
-
 
 def errors_of_displacements(
     histories: Histories,
@@ -212,7 +198,6 @@ def errors_of_displacements(
             smooth_error=smooth[place],
             reference=reference[place],
             draws=spread,
-            of_noise=noise_spread,
             rms=_estimate(Metric.RMS, noise_spread, spread),
             mte=_estimate(Metric.MTE, noise_spread, spread),
             noise=float(loose[place] / peaks[place]) if moves[place] else np.inf,

@@ -14,18 +14,25 @@ from reliab.recordings.coupled_recording import CoupledRecording
 
 def channels_of_several(nominal_error: CoupledError, recording: CoupledRecording) -> ChannelSpectra:
     """Transform the channels of a test; `nominal_error`: with all as stated but the sensors' noise."""
+    structure = nominal_error.structure
+    carry = nominal_error.histories.carry_to_interface(np.eye(structure.degrees))
+    stood = np.array([start.standing for start in nominal_error.starts])
+    initial_displacement = np.linalg.solve(carry, structure.static_transfer @ carry @ stood)
+    remaining = stood - initial_displacement  # which the command did not answer before the record
     channels = ChannelSpectra.from_channels(
-        recording.command,
-        _read(nominal_error, recording),
+        recording.command + initial_displacement[:, np.newaxis],
+        _read(nominal_error, recording) - remaining[:, np.newaxis],
         nominal_error.time_step,
-        nominal_error.structure,
+        structure,
         ground=recording.ground,
-        interface_matrix=nominal_error.histories.carry,
+        interface_matrix=carry,
     )
+    at_rest = all(start.at_rest for start in nominal_error.starts)
     return replace(
         channels,
         offset_size=np.array([start.offset_deviation for start in nominal_error.starts]),
-        initial_size=0.0,
+        standing=carry @ remaining,
+        initial_size=0.0 if at_rest else channels.initial_size,
     )
 
 
@@ -53,7 +60,7 @@ def take_from_posterior(
                 draws=inferred_error.spread(place, errors[place]),
             )
         )
-    return replace(nominal_error, displacements=tuple(displacements), exact=inferred_error.exact)
+    return replace(nominal_error, displacements=tuple(displacements))
 
 
 def _read(nominal_error: CoupledError, recording: CoupledRecording) -> Array:

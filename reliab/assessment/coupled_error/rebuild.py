@@ -19,10 +19,8 @@ from reliab.assessment.coupled_error.coupled_error import (
 from reliab.assessment.coupled_error.joint_draws import draw_jointly
 from reliab.assessment.rebuilt_error.initial import Start, check_histories, examine_start
 from reliab.assessment.rebuilt_error.interval import (
-    EXACT_DRAWS,
     Histories,
     Unknown,
-    exact_of_draws,
     samples_in_step,
     sweep,
 )
@@ -111,7 +109,6 @@ def rebuild_coupled(
     nominal = run(noisy, differences[::2], draws=len(differences[::2]))
     swept = run(unknown, differences, draws=draws, accuracy=_EXACT_ACCURACY)
     loose = _looseness(channels, differences, carry)
-    nominal_differences = differences[:EXACT_DRAWS].copy()
     return CoupledError(
         time_step=time_step,
         displacements=errors_of_displacements(
@@ -122,13 +119,9 @@ def rebuild_coupled(
         noises=channels.noises,
         starts=channels.starts,
         unknown=unknown,
-        drawn=swept.drawn,
         histories=histories,
         recursion=recursion,
         every=stride,
-        exact=partial(
-            exact_of_draws, histories, partition, unknown, nominal_differences, stride, seed=seed, modes=modes
-        ),
     )
 
 

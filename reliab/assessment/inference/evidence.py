@@ -9,10 +9,11 @@ turned into forces at the interface, is the residual ::
     r = H⁻¹ (x_c + h a) − Z (x_c − x_f)
 
 Where the ground acceleration a was recorded, r is what noise of the sensors and of the integration leave.
-Where it was not, r is the force by which the ground drove one mass (of a frame, r H/h is its acceleration),
-and what is known of it is that earthquakes are broad-band: smooth over frequency. The test is then as likely
-as an autoregressive process with that innovation; its determinant is the second term of
-`ImpliedGroundMotion`.
+Where it was not, r holds the forces H⁻¹h a by which the ground drove the structure. With several interface
+displacements the one unknown a is eliminated, and the other equations remain (`EquationWithoutGround`). With
+one, r is the force by which the ground drove one mass (of a frame, r H/h is its acceleration), and what is
+known of it is that earthquakes are broad-band: smooth over frequency. The test is then as likely as an
+autoregressive process with that innovation; its determinant is the second term of `ImpliedGroundMotion`.
 """
 
 from abc import ABC, abstractmethod
@@ -36,6 +37,9 @@ _REACH_OF_GROUND = 3.0  # times the natural frequency, up to which a ground moti
 _WEIGHT_OF_GROUND = 0.4  # of the likelihood: earthquakes are less smooth than noise (tests/benchmarks)
 _PLACES = 64  # at which a power is smoothed
 _POINTS = 1500  # of the integral of the determinant
+_FARTHEST = 3.0  # standard deviations of the stated frequency, that an unrecorded ground motion may show
+_CONCENTRATION = 0.6  # of the power in three neighbouring frequencies: not broad-band
+_LARGEST_MISFIT = 0.3  # of the forces, that one ground acceleration may leave unexplained
 
 
 @dataclass(kw_only=True, eq=False)
@@ -45,6 +49,7 @@ class Evidence(ABC):
     channels: ChannelSpectra
     partition: Partition
     weight: float = 1.0  # Of its logarithm of the likelihood
+    farthest: float = np.inf  # Standard deviations of the stated frequency, beyond which it shows none
     _variance: Array = field(init=False)
 
     @cached_property
@@ -72,13 +77,24 @@ class Evidence(ABC):
         impedance = self.partition.impedance(self.channels.band.s)
         force = np.einsum("kpq,qk->pk", impedance, self.channels.to_interface @ self.channels.measured)
         power = self.channels.cells(force, self.highest) ** 2
-        return _ACCURACY**2 * np.stack([np.sum(fit_variances(row), axis=0) for row in power])
+        variances = np.stack([np.sum(fit_variances(row), axis=0) for row in power])
+        return _ACCURACY**2 * np.tensordot(self.shares, variances, axes=1)
+
+    @property
+    def shares(self) -> Array:
+        """Share of the variance of each interface force in that of each residual, shape (rows, p)."""
+        return np.eye(self.partition.degrees)
+
+    @cached_property
+    def sensor_noise(self) -> Array:
+        """Variance of a coefficient that each sensor's noise makes, shape (rows, p)."""
+        stiffness = self.partition.specimen_stiffness @ self.channels.to_interface
+        return np.asarray(self.shares @ stiffness**2 * self.channels.noise * self.channels.band.noise_gain)
 
     @property
     def noise(self) -> Array:
-        """Variance of a coefficient that the displacement sensors' noise makes at least, shape (p,)."""
-        stiffness = self.partition.specimen_stiffness @ self.channels.to_interface
-        return np.asarray(stiffness**2 @ self.channels.noise * self.channels.band.noise_gain)
+        """Variance of a coefficient that the displacement sensors' noise makes at least, shape (rows,)."""
+        return np.asarray(self.sensor_noise.sum(axis=1))
 
     def whiten(self, experiment: Experiment) -> Array:
         """Residual over its standard deviation, shape (m,)."""
@@ -97,14 +113,16 @@ class Evidence(ABC):
         (errors in variables: Fuller 1987, Measurement Error Models, 1.3). What that gains is taken away
         again, as far as the noise is that of sensors.
         """
-        stiffness = (self.partition.specimen_stiffness @ self.channels.to_interface) ** 2
-        sensor_noise = stiffness * self.channels.noise
-        total = np.maximum(sensor_noise.sum(axis=1, keepdims=True), np.finfo(float).tiny)
-        softer = np.log(experiment.share * experiment.frequency**2) - sensor_noise / total @ np.log(
+        total = np.maximum(self.noise[:, np.newaxis], np.finfo(float).tiny)
+        softer = np.log(experiment.share * experiment.frequency**2) - self.sensor_noise / total @ np.log(
             experiment.scale
         )
         share = np.sum(self.noise[:, np.newaxis, np.newaxis] / self._variance, axis=(1, 2))
         return -self.weight * float(share @ softer)
+
+    def holds(self, experiment: Experiment) -> bool:  # noqa: ARG002 - which some kinds ask
+        """Whether what this evidence assumes of the test holds, by the most probable world."""
+        return True
 
 
 def residual(channels: ChannelSpectra, partition: Partition, experiment: Experiment) -> Spectrum:
@@ -156,6 +174,7 @@ class ImpliedGroundMotion(Evidence):
     """
 
     weight: float = _WEIGHT_OF_GROUND
+    farthest: float = _FARTHEST
 
     @cached_property
     def highest(self) -> float:
@@ -201,6 +220,10 @@ class ImpliedGroundMotion(Evidence):
         blocks, hop = self._variance.shape[1], self.channels.hop * self.channels.band.time_step
         return float(-self.weight * blocks * hop / np.pi * log_determinant)
 
+    def holds(self, experiment: Experiment) -> bool:
+        """Whether the implied ground motion is that of an earthquake, which shows a frequency."""
+        return self.concentration(experiment) < _CONCENTRATION
+
     def concentration(self, experiment: Experiment) -> float:
         """Share of the implied motion's power that three neighbouring frequencies hold, whitened [-]."""
         history = self.channels.band.history(self.spectrum(experiment))[0]
@@ -215,6 +238,56 @@ class ImpliedGroundMotion(Evidence):
         ratio = power[is_inside] / _smooth(power[is_inside], frequency[is_inside])
         largest = int(np.argmax(ratio))
         return float(ratio[max(largest - 1, 0) : largest + 2].sum() / ratio.sum())
+
+
+@dataclass(kw_only=True, eq=False)
+class EquationWithoutGround(Evidence):
+    """The equations of motion of several interface displacements, without the ground acceleration they share.
+
+    With residuals r and loads g = H⁻¹h, each over the size of the specimen's force there, it is eliminated by
+    the displacement k that it loads most: q_i = (g_k r_i − g_i r_k)/|g| for all others.
+    """
+
+    @cached_property
+    def _size(self) -> Array:
+        """Size of the specimen's force at each interface displacement [N], shape (p, 1)."""
+        moved = self.channels.band.history(self.channels.to_interface @ self.channels.measured)
+        force = self.partition.specimen_stiffness @ moved
+        return np.maximum(force.std(axis=1, keepdims=True), np.finfo(float).tiny)
+
+    @cached_property
+    def _static_load(self) -> Array:
+        """Loads at rest over their length, shape (p,)."""
+        load = respond(self.partition, _STATIC_GRID).ground_load[0].real / self._size[:, 0]
+        return np.asarray(load / np.linalg.norm(load))
+
+    @cached_property
+    def _length(self) -> Array:
+        """|g| of the structure as stated, shape (K,)."""
+        load = respond(self.partition, self.channels.band).ground_load.T / self._size
+        return np.asarray(np.linalg.norm(load, axis=0))
+
+    @property
+    def shares(self) -> Array:
+        """Share of the variance of each interface force in that of each residual [1/N²], shape (p − 1, p)."""
+        most, load = int(np.argmax(np.abs(self._static_load))), self._static_load
+        shares = np.diag(np.full(load.size, load[most] ** 2))
+        shares[:, most] = load**2
+        return np.asarray(np.delete(shares, most, axis=0) / self._size[:, 0] ** 2)
+
+    def spectrum(self, experiment: Experiment) -> Spectrum:
+        """Return what remains of the equations without the ground acceleration [-], shape (p − 1, K)."""
+        most = int(np.argmax(np.abs(self._static_load)))
+        forces = residual(self.channels, self.partition, experiment) / self._size
+        load = respond(experiment.structure(self.partition), self.channels.band).ground_load.T
+        load = load / (self._size * self._length)
+        return np.asarray(np.delete(load[most] * forces - load * forces[most], most, axis=0))
+
+    def holds(self, experiment: Experiment) -> bool:
+        """Whether one ground acceleration explains the forces at all interface displacements."""
+        forces = residual(self.channels, self.partition, experiment) / self._size
+        left, whole = self.cells(experiment), self.channels.cells(forces, self.highest)
+        return bool(np.sum(left**2) <= _LARGEST_MISFIT**2 * np.sum(whole**2))
 
 
 def _mass_at_rest(structure: Partition) -> float:

@@ -9,6 +9,7 @@ import numpy as np
 
 from reliab.assessment.inference.evidence import (
     EquationOfMotion,
+    EquationWithoutGround,
     Evidence,
     ImpliedGroundMotion,
     SpecimenForce,
@@ -21,9 +22,6 @@ from reliab.core.arrays import Array, Spectrum
 
 DRAWS = 256
 """Draws of a posterior."""
-
-_CONCENTRATION = 0.6  # of the power in three neighbouring frequencies: not broad-band
-_FAR = 3.0  # standard deviations of the stated frequency: no ground motion that nobody recorded shows so much
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -97,9 +95,9 @@ def infer(circumstances: Circumstances, *, draws: int = DRAWS, seed: int = 0) ->
     """Infer what is uncertain about a test from all of its channels."""
     unknowns, evidence = list_unknowns(circumstances), collect_evidence(circumstances)
     fit = _fit_posterior(circumstances, unknowns, evidence)
-    implied_motion = next((item for item in evidence if isinstance(item, ImpliedGroundMotion)), None)
-    if implied_motion is not None and not _is_broad_band(circumstances, unknowns, fit, implied_motion):
-        evidence = tuple(item for item in evidence if item is not implied_motion)
+    holding = tuple(item for item in evidence if _holds(item, circumstances, unknowns, fit))
+    if len(holding) < len(evidence):
+        evidence = holding
         fit = _fit_posterior(circumstances, unknowns, evidence)
     return TestPosterior(
         circumstances=circumstances,
@@ -144,8 +142,9 @@ def collect_evidence(circumstances: Circumstances) -> tuple[Evidence, ...]:
     evidence: list[Evidence] = []
     if channels.ground is not None:
         evidence.append(EquationOfMotion(channels=channels, partition=partition))
-    elif partition.degrees == 1:
-        evidence.append(ImpliedGroundMotion(channels=channels, partition=partition))
+    else:
+        kind = ImpliedGroundMotion if partition.degrees == 1 else EquationWithoutGround
+        evidence.append(kind(channels=channels, partition=partition))
     if circumstances.specimen_force:
         evidence.append(SpecimenForce(channels=channels, partition=partition))
     return tuple(evidence)
@@ -200,14 +199,11 @@ def _least_squares(
     return LeastSquares(residuals=residuals, update=update, determinant=determinant, start=start)
 
 
-def _is_broad_band(
-    circumstances: Circumstances,
-    unknowns: tuple[Unknown, ...],
-    fit: LeastSquares,
-    implied_motion: ImpliedGroundMotion,
+def _holds(
+    item: Evidence, circumstances: Circumstances, unknowns: tuple[Unknown, ...], fit: LeastSquares
 ) -> bool:
-    """Return whether the implied ground motion is that of an earthquake, which shows a frequency."""
+    """Return whether what some evidence assumes of the test holds at the mode."""
     for unknown, z in zip(unknowns, fit.mode, strict=True):
-        if unknown.name == "frequency" and abs(z) > _FAR:
+        if unknown.name == "frequency" and abs(z) > item.farthest:
             return False
-    return implied_motion.concentration(experiment_at(circumstances, unknowns, fit.mode)) < _CONCENTRATION
+    return item.holds(experiment_at(circumstances, unknowns, fit.mode))
