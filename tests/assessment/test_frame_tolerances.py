@@ -19,12 +19,6 @@ from reliab.structures.specimen import Specimen
 RATE, DURATION, GAIN, CORNER = 256.0, 20.0, 1.01, 220.0
 # what is off, what is stated of it, and the names of what is drawn
 CASES = {
-    "stiffness": (
-        replace(TWO_STOREYS, stiffness=1.04 * TWO_STOREYS.stiffness, specimen=(2.08e5, 0.0, 0.0)),
-        {"stiffness": 0.03},
-        {"frequency"},
-    ),
-    "mass": (replace(TWO_STOREYS, mass=1.04 * TWO_STOREYS.mass), {"mass": 0.03}, {"frequency"}),
     "damping": (replace(TWO_STOREYS, damping=0.75 * TWO_STOREYS.damping), {"damping": 0.2}, {"damping"}),
     "specimen": (
         TWO_STOREYS.with_specimen(0.9),
@@ -64,9 +58,9 @@ CASES = {
 }
 
 
-def simulate_frame(tested_frame):
+def simulate_frame(tested_frame, seed=3):
     """Recording of a test of another structure than the stated one, and its true error."""
-    rng = np.random.default_rng(3)
+    rng = np.random.default_rng(seed)
     time = np.arange(int(DURATION * RATE)) / RATE
     ground = np.interp(time, np.arange(0.0, DURATION + 0.1, 0.1), rng.standard_normal(201))
     outcome = run(tested_frame, GAIN, CORNER, ground * np.minimum(time / 2.0, 1.0), 1.0 / RATE)
@@ -109,6 +103,23 @@ def test_interval_holds_with_true_tolerances(case):
     assert not low <= true <= high  # what is off matters
     assert result.error.rms.low <= true <= result.error.rms.high
     assert names <= {item.name for item in result.error.budget}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("matrix", ["stiffness", "mass"])
+def test_intervals_hold_for_most_structures_as_they_are_drawn(matrix):
+    """Structures off by 3 % as stated, and a ground motion for each: nine of ten intervals are to hold."""
+    held = 0
+    for seed, normal in enumerate(np.random.default_rng(17).standard_normal(16)):
+        factor = 1.0 + 0.03 * float(normal)
+        changed = {matrix: factor * getattr(TWO_STOREYS, matrix)}
+        if matrix == "stiffness":
+            changed["specimen"] = (factor * 2e5, 0.0, 0.0)
+        recording, true = simulate_frame(replace(TWO_STOREYS, **changed), seed)
+        result = assess(recording, frame(**{matrix: 0.03}))
+        held += result.error.rms.low <= true <= result.error.rms.high
+        assert "frequency" in {item.name for item in result.error.budget}
+    assert held >= 12
 
 
 @pytest.mark.slow
