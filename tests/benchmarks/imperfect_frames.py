@@ -4,12 +4,11 @@
 
 The frames that ship, under the real records of FOLDER, with an actuator of second order that lags by up to
 16 ms and has a gain 3 % off. The structure that is tested differs from the stated one, the sensor's scale
-and clock from those of the command, as in `several_actuators.py --imperfect`: the clock by up to a sample of
-the converter (`--clock`, 1024 Hz) either way. Noise is 45 dB below the displacement. Each test is judged
-twice: with what ordinary equipment leaves unknown, and as if all were exact.
+and clock from those of the command, as in `several_actuators.py` (scales ±0.6 %): the clock by up to a
+sample of the converter (`--clock`, 1024 Hz) either way. Noise is 45 dB below the displacement. Each test is
+judged twice: with what ordinary equipment leaves unknown, and as if all were exact.
 """
 
-import argparse
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -37,14 +36,13 @@ from reliab.recordings.recording import Recording
 from reliab.structures.partition import Partition
 
 FRAMES = ("benchmark_case_1", "three_storeys")
-_IMPERFECTIONS = argparse.Namespace(imperfect=True, stiffness=0.0)
 
 
 def simulate_test(partition: Partition, ground: np.ndarray, rng: np.random.Generator) -> CoupledResponse:
     """Test another structure than the stated one, with an actuator that leaves it stable."""
     longest = LONGEST_LAG
     while True:
-        frame = off_by_chance(partition, rng, _IMPERFECTIONS)
+        frame = off_by_chance(partition, rng)
         try:
             return coupled_response(frame, draw_actuators(np.eye(1), longest, rng), ground, 1.0 / RATE)
         except InputError:  # unstable

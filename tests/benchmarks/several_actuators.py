@@ -1,28 +1,21 @@
-"""Errors of tests with several actuators, rebuilt from noisy channels, beside the true ones.
+"""Tests with several actuators, judged by `assess` with and without their ground acceleration.
 
     python tests/benchmarks/several_actuators.py FOLDER --seed S --count N --decibels 40 30
 
 Four structures that are nobody's benchmark (a corner that translates and rotates, two storeys, a node on
 three actuators, a plate on four) under the real records of FOLDER, simulated by exact steps. Actuators lag
 by up to 8 ms (less where the loop is unstable), have gains 3 % off and move each other by 3 %. Each sensor
-has white noise, so many decibels below the RMS of its own displacement. Printed for each interface
-displacement that is judged: rebuilt over true RMS^R, how often it is within 2 % and how often the 90 %
-interval holds the true error.
+has white noise, so many decibels below the RMS of its own displacement. Structure and sensors are not as
+stated: frequencies are off by ±2 %, damping ratios by ±15 %, the specimen's share by ±1 %, each sensor's
+scale by ±0.3 % (standard deviations), and its clock by up to a sample of the converter (`--clock`, 1024 Hz)
+either way. Intervals are those of ordinary equipment, and verdicts those against 5 %.
 
-`--imperfect`: structure and sensors are not as stated. Frequencies are off by ±2 %, damping ratios by ±15 %,
-the specimen's share by ±1 % (standard deviations), each sensor's scale by ±0.6 % and its clock by up to a
-sample of the converter (`--clock`, 1024 Hz) either way; the interval is that of ordinary equipment. Verdicts
-against 5 % are counted.
-
-`--stiffness 0.05`: instead, all stiffnesses are off by a factor of that standard deviation and nothing else
-is; tests are judged with that stated beside ordinary equipment and alone, with ordinary equipment alone, and
-as if all were exact. Counted is how many stiffnesses that are off by more than 3 % the recorded ground motion
-contradicts, and how many of the others; with `--imperfect` by frequencies that are off by 1.5 %.
+`--exact`: structure and sensors are as stated, and judged so.
 """
 
 import argparse
+import time
 from collections.abc import Iterator
-from dataclasses import replace
 from itertools import product
 from pathlib import Path
 
@@ -34,34 +27,36 @@ from laboratory_tests import THRESHOLD, argument_parser
 from rebuilt_error.laboratory import read_at2
 from scipy.interpolate import CubicSpline
 
-from reliab.assessment.budget.sizes import ordinary_equipment, sizes_of_unknown, tolerances_of
-from reliab.assessment.coupled_error.posterior_errors import channels_of_several
-from reliab.assessment.coupled_error.rebuild import rebuild_coupled
-from reliab.assessment.rebuilt_error.tolerances import Tolerances
-from reliab.assessment.recorded_ground import examine_ground
+from reliab.assessment.assess import assess
+from reliab.assessment.budget.sizes import exact_equipment, ordinary_equipment
 from reliab.core.errors import InputError
 from reliab.core.shipped import shipped
 from reliab.recordings.coupled_recording import CoupledRecording
-from reliab.simulation.frames.frame_file import read_structure
+from reliab.simulation.frames.frame_file import FrameUnderTest, read_structure
 from reliab.simulation.transfer_systems.transfer_function import ActuatorMatrix, TransferFunction
 from reliab.structures.partition import Partition
-from reliab.structures.structure import Structure
 
 RATE = 512.0
 CLOCK = 1024.0  # Hz, of the converters, whose recordings are thinned to RATE
 LONGEST = 30.0  # s
 LONGEST_LAG = 8e-3  # s, of actuators; shorter until the loop is stable
-FAR_OFF = 0.015  # of the natural frequency
 
 
-def structures() -> dict[str, tuple[Partition, np.ndarray]]:
-    """Structures and their kinematics."""
-    corner = read_structure(shipped("datasets", "frames/two_actuators.toml"))
-    structures_by_name = {"corner": (corner.partition, corner.kinematics)}
-    for make in (two_storeys, node, plate):
-        partition, actuators = described(make)
-        structures_by_name[make.__name__] = (partition, actuators.kinematics)
-    return structures_by_name
+def structures() -> dict[str, FrameUnderTest]:
+    """Structures with their kinematics."""
+    found = {"corner": read_structure(shipped("datasets", "frames/two_actuators.toml"))}
+    for one in (two_storeys, node, plate):
+        partition, actuators = described(one)
+        found[one.__name__] = FrameUnderTest(
+            name=one.__name__,
+            partition=partition,
+            output=None,
+            error_of="interface",
+            has_several=True,
+            kinematics=actuators.kinematics,
+            channels_at_interface=False,
+        )
+    return found
 
 
 def draw_actuators(kinematics: np.ndarray, longest: float, rng: np.random.Generator) -> ActuatorMatrix:
@@ -80,159 +75,106 @@ def draw_actuators(kinematics: np.ndarray, longest: float, rng: np.random.Genera
 
 
 def tests(
-    name: str,
-    partition: Partition,
-    kinematics: np.ndarray,
-    seed: int,
-    records: list[Path],
-    options: argparse.Namespace,
+    name: str, frame: FrameUnderTest, seed: int, records: list[Path], options: argparse.Namespace
 ) -> Iterator[dict[str, object]]:
-    """Simulate a test and judge it at each level of noise."""
+    """Simulate a test and judge it at each level of noise, with and without its ground acceleration."""
     rng = np.random.default_rng([seed, len(name)])
-    longest = LONGEST_LAG
+    partition, kinematics, longest = frame.partition, frame.kinematics, LONGEST_LAG
     while True:
         ground = read_at2(records[rng.integers(len(records))], RATE)[: int(LONGEST * RATE)]
         try:
-            tested_partition = off_by_chance(partition, rng, options)
-            run = coupled_response(
-                tested_partition, draw_actuators(kinematics, longest, rng), ground, 1.0 / RATE
-            )
+            tested = partition if options.exact else off_by_chance(partition, rng)
+            run = coupled_response(tested, draw_actuators(kinematics, longest, rng), ground, 1.0 / RATE)
             break
         except InputError:  # unstable
             longest *= 0.7
-    error_history, peak = run.measured - run.reference, np.abs(run.reference).max(axis=1)
-    true = np.sqrt(np.mean(error_history**2, axis=1)) / peak
+    strayed, peak = run.measured - run.reference, np.abs(run.reference).max(axis=1)
+    true = np.sqrt(np.mean(strayed**2, axis=1)) / peak
     command, measured = kinematics @ run.command, kinematics @ run.measured
-    read = read_by_chance(measured, rng, options.clock) if options.imperfect else measured
+    read = measured if options.exact else read_by_chance(measured, rng, options.clock, scale=0.003)
     white = rng.standard_normal(measured.shape) * measured.std(axis=1, keepdims=True)
-    for level, (assumption, tolerances) in product(options.decibels, assumptions(partition, options).items()):
+    for level, has_ground in product(options.decibels, (False, True)):
         recording = CoupledRecording(
             command=command,
             measured=read + 10.0 ** (-level / 20.0) * white,
             time_step=1.0 / RATE,
-            ground=ground,
+            ground=ground if has_ground else None,
         )
-        error = rebuild_coupled(
-            recording.command,
-            recording.measured,
-            1.0 / RATE,
-            partition,
-            to_interface=np.linalg.inv(kinematics),
-            tolerances=tolerances,
-            draws=128,
-        )
-        channels = channels_of_several(error, recording)
-        ground_check = examine_ground(recording, channels, partition, feedback_lag=0.0)
-        lowest = tested_partition.natural_frequencies[0] / partition.natural_frequencies[0]
-        probability = error.probability(THRESHOLD)
-        bad = (
-            max(true[place] for place, degree in enumerate(error.displacements) if degree.judged) > THRESHOLD
-        )
-        for place, degree in enumerate(error.displacements):
+        begin = time.process_time()
+        equipment = exact_equipment() if options.exact else ordinary_equipment()
+        error = assess(recording, frame, threshold=THRESHOLD, equipment=equipment).error
+        took, probability = time.process_time() - begin, error.probability
+        judged = [place for place, degree in enumerate(error.displacements) if degree.judged]
+        bad = max(true[place] for place in judged) > THRESHOLD
+        for place in judged:
+            rms = error.displacements[place].rms
             yield {
                 "structure": name,
                 "decibels": level,
-                "assumed": assumption,
-                "degree": place + 1,
+                "recorded": "with ground" if has_ground else "displacements",
                 "seed": seed,
                 "true": true[place],
-                "ratio": degree.rms.value / true[place],
-                "held": degree.rms.low <= true[place] <= degree.rms.high,
-                "judged": degree.judged,
-                "false_safe": true[place] > THRESHOLD and degree.probability(THRESHOLD) > 0.95,
-                "bad_accepted": bad and probability > 0.95,
-                "good_refused": not bad and probability < 0.05,
-                "off": abs(lowest - 1.0) > FAR_OFF,
-                "told": abs(ground_check.frequency - 1.0) > 3.0 * ground_check.deviation,
+                "ratio": rms.value / true[place],
+                "width": (rms.high - rms.low) / true[place],
+                "held": rms.low <= true[place] <= rms.high,
                 "undecided": 0.05 <= probability <= 0.95,
+                "false": probability > 0.95 if bad else probability < 0.05,
+                "seconds": took,
             }
 
 
-def assumptions(partition: Partition, options: argparse.Namespace) -> dict[str, Tolerances]:
-    """What intervals are to hold."""
-    lowest = float(partition.natural_frequencies[0])
-    mode = Structure(frequency=lowest, damping_ratio=0.05, experimental_fraction=0.5)
-    ordinary = tolerances_of(sizes_of_unknown({}, mode, ordinary_equipment(), 1.0 / RATE))
-    if options.imperfect:
-        return {"ordinary": ordinary}
-    if options.stiffness:
-        stated_stiffness = Tolerances(frequency=0.5 * options.stiffness)
-        combination = replace(ordinary, frequency=stated_stiffness.frequency)
-        return {
-            "stated": combination,
-            "stated alone": stated_stiffness,
-            "ordinary": ordinary,
-            "exact": Tolerances(),
-        }
-    return {"exact": Tolerances()}
-
-
-def off_by_chance(partition: Partition, rng: np.random.Generator, options: argparse.Namespace) -> Partition:
+def off_by_chance(partition: Partition, rng: np.random.Generator) -> Partition:
     """Draw the structure that is tested, where another one is stated."""
-    if options.stiffness:
-        frequency = np.sqrt(1.0 + options.stiffness * rng.standard_normal())
-        return partition.scale(frequency=frequency, damping_ratio=1.0, share=1.0)
-    if not options.imperfect:
-        return partition
     frequency, ratio, share = 1.0 + rng.standard_normal(3) * [0.02, 0.15, 0.01]
     return partition.scale(frequency=frequency, damping_ratio=max(ratio, 0.3), share=share)
 
 
-def read_by_chance(measured: np.ndarray, rng: np.random.Generator, clock: float) -> np.ndarray:
-    """Readings of sensors whose scales and clocks are not as those of the commands; `clock` [Hz]."""
+def read_by_chance(
+    measured: np.ndarray, rng: np.random.Generator, clock: float, scale: float = 0.006
+) -> np.ndarray:
+    """Readings of sensors whose scales and clocks are not as those of the commands.
+
+    `clock` [Hz]; `scale`: standard deviation of the scales [-].
+    """
     times = np.arange(measured.shape[1], dtype=float)
-    clock_offsets = rng.uniform(0.0, 1.0, len(measured)) - rng.uniform(0.0, 1.0, len(measured))
-    skews = RATE / clock * clock_offsets  # samples
-    scales = 1.0 + 0.006 * rng.standard_normal(len(measured))
+    spaced = rng.uniform(0.0, 1.0, len(measured)) - rng.uniform(0.0, 1.0, len(measured))
+    skews = RATE / clock * spaced  # samples
+    scales = 1.0 + scale * rng.standard_normal(len(measured))
     return np.stack(
         [
-            scale * CubicSpline(times, row)(np.clip(times - skew, 0.0, times[-1]))
-            for row, skew, scale in zip(measured, skews, scales, strict=True)
+            factor * CubicSpline(times, row)(np.clip(times - skew, 0.0, times[-1]))
+            for row, skew, factor in zip(measured, skews, scales, strict=True)
         ]
     )
 
 
-def state(rows: pd.DataFrame) -> None:
-    """Print a line for each displacement."""
-    judged_rows = rows[rows["judged"]]
-    keys = ["structure", "decibels", "assumed", "degree"]
-    for (structure, level, assumption, place), group in judged_rows.groupby(keys, sort=False):
-        low, middle, high = group["ratio"].quantile([0.05, 0.5, 0.95])
-        near = ((group["ratio"] - 1.0).abs() < 0.02).mean()
+def state(rows: pd.DataFrame, by: list[str]) -> None:
+    """Print a line for each group of displacements."""
+    for names, of in rows.groupby(by, sort=False):
+        verdicts = of.groupby(["structure", "decibels", "seed"])[["undecided", "false"]].first()
+        low, middle, high = of["ratio"].quantile([0.05, 0.5, 0.95])
         print(
-            f"{structure:12} {level:3.0f} dB, {assumption}, displacement {place}: {len(group):3} tests, true "
-            f"{group['true'].median():.2%}, ratio {middle:.3f} ({low:.3f} to {high:.3f}), "
-            f"within 2 % {near:.0%}, held {group['held'].mean():.0%}, false-safe {group['false_safe'].sum()}"
+            f"{', '.join(map(str, names))}: {len(of)} displacements, held {of['held'].mean():.0%}, width "
+            f"{of['width'].median():.2f}, ratio {middle:.3f} ({low:.3f} to {high:.3f}); {len(verdicts)} "
+            f"tests, undecided {verdicts['undecided'].mean():.0%}, false {verdicts['false'].sum()}, "
+            f"{of['seconds'].median():.1f} s",
+            flush=True,
         )
-    for assumption in rows["assumed"].unique().tolist():
-        group = rows[rows["assumed"] == assumption]
-        counted = group[group["judged"]]
-        print(f"{assumption}: judged {len(counted)} of {len(group)}, held {counted['held'].mean():.0%}")
-        tests = group.groupby(["structure", "decibels", "seed"])
-        verdicts = tests[["bad_accepted", "good_refused", "undecided", "off", "told"]].first()
-        counts = verdicts[["bad_accepted", "good_refused", "undecided"]].sum()
-        print(f"tests {len(verdicts)}: " + ", ".join(f"{name} {n}" for name, n in counts.items()))
-        far = verdicts["off"].astype(bool)
-        print(f"ground motion contradicts {verdicts['told'][far].sum()} of {far.sum()} far off, ", end="")
-        print(f"{verdicts['told'][~far].sum()} of {(~far).sum()} others")
 
 
 def main() -> None:
     parser = argument_parser(__doc__, count=20)
     parser.add_argument("--decibels", type=float, nargs="+", default=[40.0])
-    parser.add_argument("--structures", nargs="+", choices=list(structures()), default=list(structures()))
-    parser.add_argument("--imperfect", action="store_true")
+    parser.add_argument("--exact", action="store_true")
     parser.add_argument("--clock", type=float, default=CLOCK)
-    parser.add_argument("--stiffness", type=float, default=0.0)
     options = parser.parse_args()
     records = sorted(options.folder.rglob("*.AT2"))
     rows = []
-    for name in options.structures:
+    for name, frame in structures().items():
         for seed in range(options.seed, options.seed + options.count):
-            rows += tests(name, *structures()[name], seed, records, options)
-        state(pd.DataFrame(row for row in rows if row["structure"] == name))
-    if len(options.structures) > 1:
-        state(pd.DataFrame(rows))
+            rows += tests(name, frame, seed, records, options)
+        state(pd.DataFrame(row for row in rows if row["structure"] == name), ["structure", "recorded"])
+    state(pd.DataFrame(rows), ["recorded", "decibels"])
 
 
 if __name__ == "__main__":

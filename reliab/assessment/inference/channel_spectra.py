@@ -17,7 +17,18 @@ _SMALLEST_HOP = 4
 _TAIL = (1.25, 0.95)  # of the band's edge and of the Nyquist frequency: between them noise is read
 _FEWEST_BINS = 16
 _COLLINEAR = 1e-6  # of the largest singular value, below which a sine gives gain and curvature alike
-_CLEAR = 2.0  # power of a tracking error over the sensor's noise, below which it cannot be told from noise
+_LEAST_NOISE = 1e-9  # of a channel's motion: sensors with less are taken to have that much
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class NoiseLeft:
+    """Noise that is left in measured displacements after they were freed of it."""
+
+    cells: Array  # Standard deviation over time and frequency, of mixtures of the channels [-], (p, J, hop)
+    unmixing: Array  # Channels by mixtures [m], shape (p, p)
+    # What one standard deviation of each coefficient, by which a channel follows the commands, would add, as
+    # far as noise leaves these open [m], shape (p, 3 p, K)
+    follows: Spectrum
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -32,11 +43,7 @@ class ChannelSpectra:
     command: Spectrum
     measured: Spectrum  # As the sensors read it
     tracked: Spectrum  # The same, its difference from the command freed of the sensors' noise
-    # Standard deviation of the noise that is left in `tracked`, over time and frequency, shape (p, J, hop)
-    noise_left: Array
-    # What one standard deviation of each coefficient, by which `tracked` follows the command, would add, as
-    # far as noise leaves these open [m], shape (p, 3, K)
-    follow_noise: Spectrum
+    noise_left: NoiseLeft  # Noise that is left in `tracked`
     noise: Array  # Variance of a sample of the displacement sensors' noise [m²], shape (p,)
     constant: Spectrum  # Of a channel that is 1 throughout, shape (K,)
     ramp: Spectrum  # Of one that rises from −½ to ½ over the record
@@ -82,7 +89,7 @@ class ChannelSpectra:
         noise = np.array([white_noise(row, time_step, band.flat, corner) for row in measured_displacement])
         places = np.linspace(-0.5, 0.5, command.shape[-1])
         command_spectrum, read = band.spectrum(command), band.spectrum(measured_displacement)
-        tracked_spectrum, noise_left, follow_noise = _remove_noise(band, command_spectrum, read, noise, hop)
+        tracked_spectrum, noise_left = _remove_noise(band, command_spectrum, read, noise, hop)
         offset, drift = slow_parts(command, measured_displacement, time_step)
         return cls(
             band=band,
@@ -91,7 +98,6 @@ class ChannelSpectra:
             measured=read,
             tracked=tracked_spectrum,
             noise_left=noise_left,
-            follow_noise=follow_noise,
             noise=noise,
             constant=band.spectrum(np.ones(command.shape[-1])),
             ramp=band.spectrum(places),
@@ -108,10 +114,11 @@ class ChannelSpectra:
 
     def draw_noise(self, generator: np.random.Generator) -> Spectrum:
         """Draw the noise that may be left in `tracked` [m], shape (p, K)."""
-        cells = self.noise_left * generator.standard_normal(self.noise_left.shape)
-        follows = generator.standard_normal(self.follow_noise.shape[:2])
-        remainder = np.einsum("pc,pck->pk", follows, self.follow_noise)
-        return np.asarray(self.band.coarse_spectrum(synthesise(cells, self.band.samples)) + remainder)
+        left = self.noise_left
+        cells = left.cells * generator.standard_normal(left.cells.shape)
+        follows = generator.standard_normal(left.follows.shape[:2])
+        rest = left.unmixing @ synthesise(cells, self.band.samples)
+        return np.asarray(self.band.coarse_spectrum(rest) + np.einsum("pc,pck->pk", follows, left.follows))
 
     @cached_property
     def columns(self) -> int:
@@ -153,51 +160,58 @@ def white_noise(values: Array, time_step: float, edge: float, corner: float | No
 
 def _remove_noise(
     band: AnalysisBand, command: Spectrum, measured_displacement: Spectrum, noise: Array, hop: int
-) -> tuple[Spectrum, Array, Spectrum]:
+) -> tuple[Spectrum, "NoiseLeft"]:
     """Free measured displacements of the sensors' noise.
 
-    What follows the command by a constant gain, delay and curvature is kept whole: it is coherent with the
-    command, so that its loss where the motion is weak would look like damping. The rest passes Wiener's
-    filter over time and frequency.
-    Returns also the standard deviation of the noise that is left, and what it leaves open of gain, delay and
-    curvature; see `ChannelSpectra`.
+    What follows the commands by constant gains, delays and curvatures is kept whole: it is coherent with the
+    commands, so that its loss where the motion is weak would look like damping. The rest passes Wiener's
+    filter over time and frequency. Several channels are mixed before it such that neither their noise nor
+    their rest has a covariance between them: what two parallel actuators do alike cancels in the rotation.
+    Returns also the noise that is left.
     """
-    answer = np.empty_like(measured_displacement)
-    remainder = np.zeros((len(measured_displacement), *analyse(np.zeros(band.samples), hop).shape))
-    follow_noise = np.zeros((len(measured_displacement), 3, band.bins), dtype=np.complex128)
+    follows, directions = _follow(command, measured_displacement, band)
+    rest = band.history(measured_displacement - follows)
+    deviation = np.sqrt(noise * band.noise_gain)
+    least = _LEAST_NOISE * band.history(measured_displacement).std(axis=-1) + np.finfo(float).tiny
+    mixing, unmixing = _mix(rest, np.maximum(deviation, least))
+    cells = np.stack([analyse(row, hop) for row in mixing @ rest])
     columns = max(int(2.0 * hop * band.time_step * band.flat), 2)
-    for row, variance in enumerate(noise):
-        level = variance * band.noise_gain
-        if level == 0.0:
-            answer[row] = measured_displacement[row]
-            continue
-        follows, directions = _follow(command[row], measured_displacement[row], band)
-        follow_noise[row] = np.sqrt(level) * directions
-        history = band.history(measured_displacement[row] - follows)
-        cells = analyse(history, hop)
-        power = scipy.ndimage.gaussian_filter(cells[:, :columns] ** 2, (1.5, 0.8), mode="nearest")
-        gain = np.zeros_like(cells)
-        least = np.finfo(float).tiny
-        gain[:, :columns] = np.where(power > _CLEAR * level, 1.0 - level / np.maximum(power, least), 0.0)
-        remainder[row] = np.sqrt(gain * level)
-        smooth_part = synthesise((cells * gain)[np.newaxis], history.size)[0]
-        answer[row] = follows + band.coarse_spectrum(smooth_part)
-    return answer, remainder, follow_noise
+    power = scipy.ndimage.gaussian_filter(cells[..., :columns] ** 2, (0.0, 1.5, 0.8), mode="nearest")
+    gain = np.zeros_like(cells)
+    gain[..., :columns] = np.maximum(1.0 - 1.0 / np.maximum(power, np.finfo(float).tiny), 0.0)
+    smooth_part = unmixing @ synthesise(cells * gain, band.samples)
+    noise_left = NoiseLeft(
+        cells=np.sqrt(gain),
+        unmixing=unmixing,
+        follows=deviation[:, np.newaxis, np.newaxis] * directions,
+    )
+    return follows + band.coarse_spectrum(smooth_part), noise_left
+
+
+def _mix(rest: Array, deviation: Array) -> tuple[Array, Array]:
+    """B and its inverse, with noise of unit variance in each row of B times the channels, each (p, p).
+
+    `rest`: what does not follow the commands [m], shape (p, m); `deviation` of the noise [m], shape (p,).
+    """
+    scaled = rest / deviation[:, np.newaxis]
+    _, vectors = np.linalg.eigh(scaled @ scaled.T)
+    return vectors.T / deviation, deviation[:, np.newaxis] * vectors
 
 
 def _follow(
     command: Spectrum, measured_displacement: Spectrum, band: AnalysisBand
 ) -> tuple[Spectrum, Spectrum]:
-    """Least squares of a measured displacement on the command and its first two derivatives, over time.
+    """Least squares of measured displacements on the commands and their first two derivatives, over time.
 
-    Returns also the directions in which noise of unit variance at the coarse samples moves the result.
+    Returns also the directions in which noise of unit variance at the coarse samples moves the result, shape
+    (3 p, K).
     """
     scale = np.sqrt(np.sum(np.abs(band.s * command) ** 2) / np.sum(np.abs(command) ** 2))
-    basis = np.stack([command, band.s / scale * command, (band.s / scale) ** 2 * command])
+    basis = np.concatenate([command, band.s / scale * command, (band.s / scale) ** 2 * command])
     shapes, sizes, components = np.linalg.svd(band.history(basis), full_matrices=False)
     inverse = np.where(sizes > _COLLINEAR * sizes[0], 1.0 / np.maximum(sizes, np.finfo(float).tiny), 0.0)
     directions = (shapes * inverse).T @ basis  # whose histories are the orthonormal rows of `components`
-    return np.asarray(components @ band.history(measured_displacement) @ directions), directions
+    return np.asarray(band.history(measured_displacement) @ components.T @ directions), directions
 
 
 @compiled

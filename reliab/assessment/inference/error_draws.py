@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.posterior import TestPosterior
 from reliab.assessment.inference.rebuilt import rebuild, relative_errors
@@ -41,6 +42,7 @@ class ErrorsOfTest:
     deviation: Array  # Standard deviation of x_m − x_I [m], shape (p, m)
     exact_spectrum: Spectrum  # Mean of x_I [m], shape (p, K)
     error_spectrum: Spectrum  # Mean of x_m − x_I [m], shape (p, K)
+    factors: Array  # From RMS^R and MTE^R on the coarse grid to those on the record's [-], shape (2, p)
 
     @property
     def largest(self) -> int:
@@ -71,6 +73,8 @@ def draw_errors(posterior: TestPosterior, names: Sequence[str], seed: int = 0) -
         mean += weights[row] * histories[0]
         square += weights[row] * histories[0] ** 2
         spectra += weights[row] * both
+    factors = _between_samples(channels, spectra)
+    rms, mte = factors[0] * rms, factors[1] * mte
     return ErrorsOfTest(
         displacements=tuple(
             ErrorDraws(name=name, rms=rms[:, place], mte=mte[:, place], weights=weights)
@@ -79,7 +83,20 @@ def draw_errors(posterior: TestPosterior, names: Sequence[str], seed: int = 0) -
         deviation=np.sqrt(np.maximum(square - mean**2, 0.0)),
         exact_spectrum=spectra[1],
         error_spectrum=spectra[0],
+        factors=factors,
     )
+
+
+def _between_samples(channels: ChannelSpectra, spectra: Spectrum) -> Array:
+    """Factors from RMS^R and MTE^R on the coarse grid to those on the record's, which holds the peaks.
+
+    `spectra`: of x_m − x_I and x_I [m], shape (2, p, K).
+    Returns shape (2, p).
+    """
+    coarse, fine = channels.band.history(spectra), channels.band.full_history(spectra)
+    least = np.finfo(float).tiny
+    error, exact = (np.abs(fine).max(axis=-1) + least) / (np.abs(coarse).max(axis=-1) + least)
+    return np.stack([1.0 / exact, error / exact])
 
 
 def typical_world(posterior: TestPosterior, errors: ErrorsOfTest) -> Experiment:
@@ -95,7 +112,7 @@ def typical_world(posterior: TestPosterior, errors: ErrorsOfTest) -> Experiment:
     if not deviation > 0.0:
         return posterior.mode
     slope = (draws.weights * deviations) @ (values - draws.weights @ values) / deviation
-    median = errors.displacements[place].estimate(Metric.RMS).value
+    median = errors.displacements[place].estimate(Metric.RMS).value / errors.factors[0, place]
 
     def miss(position: float) -> float:
         rebuilt = rebuild(channels, partition, posterior.experiment(posterior.fit.mode + position * slope))

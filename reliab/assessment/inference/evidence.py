@@ -253,7 +253,7 @@ class EquationWithoutGround(Evidence):
         """Size of the specimen's force at each interface displacement [N], shape (p, 1)."""
         moved = self.channels.band.history(self.channels.to_interface @ self.channels.measured)
         force = self.partition.specimen_stiffness @ moved
-        return np.maximum(force.std(axis=1, keepdims=True), np.finfo(float).tiny)
+        return np.asarray(np.maximum(force.std(axis=1, keepdims=True), np.finfo(float).tiny))
 
     @cached_property
     def _static_load(self) -> Array:
