@@ -29,6 +29,7 @@ from scipy.interpolate import CubicSpline
 
 from reliab.assessment.assess import assess
 from reliab.assessment.budget.sizes import exact_equipment, ordinary_equipment
+from reliab.assessment.error_with_threshold import ErrorOfSeveral
 from reliab.core.errors import InputError
 from reliab.core.shipped import shipped
 from reliab.recordings.coupled_recording import CoupledRecording
@@ -103,6 +104,8 @@ def tests(
         begin = time.process_time()
         equipment = exact_equipment() if options.exact else ordinary_equipment()
         error = assess(recording, frame, threshold=THRESHOLD, equipment=equipment).error
+        if not isinstance(error, ErrorOfSeveral):
+            raise TypeError  # these frames have several actuators
         took, probability = time.process_time() - begin, error.probability
         judged = [place for place, degree in enumerate(error.displacements) if degree.judged]
         bad = max(true[place] for place in judged) > THRESHOLD

@@ -112,7 +112,7 @@ def typical_world(posterior: TestPosterior, errors: ErrorsOfTest) -> Experiment:
     if not deviation > 0.0:
         return posterior.mode
     slope = (draws.weights * deviations) @ (values - draws.weights @ values) / deviation
-    median = errors.displacements[place].estimate(Metric.RMS).value / errors.factors[0, place]
+    median = errors.displacements[place].estimate(Metric.RMS).value / float(errors.factors[0, place])
 
     def miss(position: float) -> float:
         rebuilt = rebuild(channels, partition, posterior.experiment(posterior.fit.mode + position * slope))

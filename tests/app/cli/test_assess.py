@@ -77,7 +77,7 @@ def test_first_improvement_is_named(folder, name, first):
 
 def test_most_useful_improvement_comes_before_the_budget_table(folder):
     output = " ".join(run("sample_test", *ONE_HERTZ, "--details").stdout.split())
-    assert output.startswith("RELIABLE: RMS error 2.3 %, 9")
+    assert output.startswith("RELIABLE: RMS error 2.2 %, 9")
     assert "To narrow the interval: calibrate the displacement sensor" in output
     assert "skew of the channels" in output
     left_open = answer(folder / "good.csv")
