@@ -365,7 +365,7 @@ def highest_informed_frequency(problem: Problem, fit: Fit) -> float:
     Returns the highest frequency that is judged, where the model explains more than half of the power up to
     there.
     """
-    remainders = problem.residuals(fit.space, fit.coordinates)
+    remainders = problem.residuals(fit)
     highest = max(segment.highest for segment in problem.segments)
     grid = np.arange(_FINEST, highest, _FINEST)
     signal, remainder = np.zeros(grid.size), np.zeros(grid.size)

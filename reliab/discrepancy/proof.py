@@ -9,11 +9,9 @@ from scipy import fft, signal, stats
 
 from reliab.core.arrays import Array
 from reliab.discrepancy.campaign.campaign import Channel, MeasuredTest
-from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.result.gap import Gap, HeldOutTest
 from reliab.discrepancy.spectra.segment import energy_of
-from reliab.effects.effect import Effect
 from reliab.signals.noise import converter_step, near_mains
 
 _SAME_INPUT = 0.02  # RMS of a difference over that of the input
@@ -26,11 +24,6 @@ _FEWEST_CROSSINGS, _RANK_ORDER = 8, 0.9  # of zero, and the rank correlation of 
 _CLEAR = 0.2  # standard deviations from zero that noise does not cross
 _NOTHING = 1e-300  # energy of a channel that does not move
 _WHITE = 1.25  # ratio of the power in both halves of a band of white noise
-
-
-def residuals(proof: Problem, fit: Fit, *, neutral_offsets: Sequence[type[Effect]] = ()) -> dict[int, Array]:
-    """Measured minus predicted channel on held-out tests."""
-    return proof.residuals(fit.space, fit.space.neutralise(fit.coordinates, neutral_offsets))
 
 
 def compute_nrmse(proof: Problem, residual: dict[int, Array]) -> float:

@@ -28,7 +28,7 @@ from reliab.discrepancy.diagnose import diagnose
 from reliab.discrepancy.fitting.fit import fit
 from reliab.discrepancy.fitting.screening import screen_effects
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.discrepancy.proof import compute_nrmse, residuals
+from reliab.discrepancy.proof import compute_nrmse
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
 from reliab.discrepancy.result.diagnosis import Diagnosis
 
@@ -153,12 +153,12 @@ def errors_of_pairs(diagnosis: BlockDiagnosis) -> dict[str, float]:
             singles[effect.kind] = fit(problem, space, [effect.start, *effect.others], null.noise)
     errors = {}
     for kind, single in singles.items():
-        errors[str(kind.name)] = compute_nrmse(diagnosis.proof, residuals(diagnosis.proof, single))
+        errors[str(kind.name)] = compute_nrmse(diagnosis.proof, diagnosis.proof.residuals(single))
         for effect in screen_effects(problem, single, diagnosis.block.candidates, null):
             if effect.start.size and effect.kind not in single.space.effects:
                 space = ModelSpace(diagnosis.block, (kind, effect.kind))
                 pair = fit(problem, space, [effect.start, *effect.others], single.noise)
-                error = compute_nrmse(diagnosis.proof, residuals(diagnosis.proof, pair))
+                error = compute_nrmse(diagnosis.proof, diagnosis.proof.residuals(pair))
                 key = " + ".join(sorted((str(kind.name), str(effect.kind.name))))
                 errors[key] = min(error, errors.get(key, np.inf))
     return errors

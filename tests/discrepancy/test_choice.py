@@ -156,9 +156,8 @@ def test_fitted_tests_decide_where_held_out_ones_could_not_show_an_effect(
     monkeypatch, search, change, rows, silent
 ):
     with_it, without = row(CUBIC, left_out=0.1, held_out=1.0), row(left_out=0.2, held_out=1.0)
-    monkeypatch.setattr(choice, "residuals", lambda _, fit: {0: change * (fit is without.fit)})
     monkeypatch.setattr(choice, "compute_nrmse", lambda _, values: values[0])
-    proof = SimpleNamespace(rows=rows)
+    proof = SimpleNamespace(rows=rows, residuals=lambda fit: {0: change * (fit is without.fit)})
     judged = search((with_it, without))
     assert choice._is_silent(judged, with_it, without, proof) is silent  # noqa: SLF001
     assert not choice._is_silent(judged, with_it, with_it, proof)  # noqa: SLF001 - nor do the fitted ones

@@ -25,7 +25,7 @@ def problem_of(measured, left):
     return SimpleNamespace(
         segments=(Segment(test=0, begin=0, end=SIZE, rate=RATE, highest=HIGHEST),),
         measured=lambda _test: measured,
-        residuals=lambda _space, _coordinates: {0: left},
+        residuals=lambda _fit: {0: left},
     )
 
 

@@ -157,8 +157,7 @@ def test_all_tests_tell_where_a_limit_acts_if_left_out_ones_do_not(monkeypatch, 
         error=lambda fit: left[id(fit)],
         exchange=lambda _fit, _kind, _other: before,
     )
-    monkeypatch.setattr("reliab.discrepancy.naming.choice.residuals", lambda _proof, fit: fit)
     monkeypatch.setattr("reliab.discrepancy.naming.choice.errors_of_parts", lambda _proof, fit: left[id(fit)])
     monkeypatch.setattr("reliab.discrepancy.naming.choice.compute_nrmse", lambda _proof, _fit: 0.0)
-    chosen = _place_effects(search, SimpleNamespace(fit=after), None)
+    chosen = _place_effects(search, SimpleNamespace(fit=after), SimpleNamespace(residuals=lambda fit: fit))
     assert chosen.fit.space.effects == (place,)

@@ -11,6 +11,7 @@ from scipy import optimize
 from reliab.core.arrays import Array
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import ModelSpace
+from reliab.effects.effect import Effect
 from reliab.signals.noise import NoiseModel
 
 _STEP = 1e-3  # of a prior's standard deviation, for derivatives
@@ -41,6 +42,13 @@ class Fit:
         return np.asarray(
             (self.coordinates > lower + _BOUND_MARGIN) & (self.coordinates < upper - _BOUND_MARGIN)
         )
+
+    def neutralise(self, offsets: Sequence[type[Effect]]) -> "Fit":
+        """Return the same model, in which the parameters of some offsets are zero."""
+        coordinates = self.coordinates.copy()
+        for offset in offsets:
+            coordinates[self.space.places(offset)] = 0.0
+        return replace(self, coordinates=coordinates)
 
     @cached_property
     def precision(self) -> Array:

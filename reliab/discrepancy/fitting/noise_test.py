@@ -74,7 +74,7 @@ def _tests_within_steps(problem: Problem, fit: Fit) -> frozenset[int]:
     """Find the tests in which what a model leaves stays within a step of the converter."""
     if not any(step > 0.0 for step in problem.steps.values()):
         return frozenset()
-    residual = problem.residuals(fit.space, fit.coordinates)
+    residual = problem.residuals(fit)
     return frozenset(
         test for test, values in residual.items() if float(np.std(values)) < _STEPS * problem.steps[test]
     )

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,9 @@ from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.spectra.segment import Segment, split_by_segment
 from reliab.signals.noise import NoiseModel, Periodogram, converter_step, expect_rounding_error, fit_noise
+
+if TYPE_CHECKING:
+    from reliab.discrepancy.fitting.fit import Fit
 
 _LEAST_OF_CONVERSION = 0.2  # of the mean square of a converter's error
 _LEAST_POWER = 0.05  # of the strongest test's
@@ -119,9 +123,9 @@ class Problem:
         rows = np.concatenate(parts)
         return rows if np.isfinite(rows).all() else np.full(rows.size, _RUNAWAY)
 
-    def residuals(self, space: ModelSpace, coordinates: Array) -> dict[int, Array]:
+    def residuals(self, fitted_model: "Fit") -> dict[int, Array]:
         """Measured minus predicted channel by test."""
-        predictions = self.predictions(space, coordinates)
+        predictions = self.predictions(fitted_model.space, fitted_model.coordinates)
         return {
             test: self.block.measured(test) - self.block.interpolate(values, test)
             for test, values in predictions.items()

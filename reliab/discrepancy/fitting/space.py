@@ -218,14 +218,6 @@ class ModelSpace:
                 names.append(key)
         return tuple(names)
 
-    def neutralise(self, coordinates: Array, offsets: Sequence[type[Effect]]) -> Array:
-        """Coordinates with the parameters of some offsets at zero."""
-        names = {f"{offset.name}.{parameter.name}" for offset in offsets for parameter in offset.parameters}
-        changed_values = [
-            0.0 if key in names else c for key, c in zip(self.keys, coordinates.tolist(), strict=True)
-        ]
-        return np.array(changed_values)
-
     def places(self, effect: type[Effect]) -> slice:
         """Places of an effect's parameters among the coordinates."""
         first = self.keys.index(f"{effect.name}.{effect.parameters[0].name}")

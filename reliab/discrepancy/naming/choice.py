@@ -14,7 +14,7 @@ from reliab.discrepancy.fitting.prior import cost_beside_error
 from reliab.discrepancy.fitting.problem import Problem, observations
 from reliab.discrepancy.fitting.search import Search
 from reliab.discrepancy.fitting.space import MODEL_ERROR
-from reliab.discrepancy.proof import compute_nrmse, residuals
+from reliab.discrepancy.proof import compute_nrmse
 from reliab.discrepancy.result.block_diagnosis import RankedModel
 from reliab.discrepancy.terms import ClockOffset, StatedDamping
 from reliab.effects.effect import Effect
@@ -39,7 +39,7 @@ _MORE_THAN_LEFT = 2.0  # energy without an effect over that with it, from which 
 def ranking(search: Search, proof: Problem) -> tuple[RankedModel, ...]:
     """All fitted models with their probabilities and errors, the most probable first."""
     models = [*search.fitted.values(), *_clock_models(search)]
-    residuals_by_model = [residuals(proof, model) for model in models]
+    residuals_by_model = [proof.residuals(model) for model in models]
     if isinstance(search, ErrorSearch):
         held_out = [errors_of_parts(proof, model_residuals) for model_residuals in residuals_by_model]
         shares = _shares_of_parts(search, models, held_out, sum(observations(proof).values()))
@@ -258,7 +258,7 @@ def _is_told(search: Search, first: Fit, second: Fit, proof: Problem) -> bool:
     """Whether left-out parts and held-out tests tell two models apart, by the mean ratio of their errors."""
     first_errors, second_errors = (
         np.concatenate(
-            [search.error(model).relative, errors_of_parts(proof, residuals(proof, model)).relative]
+            [search.error(model).relative, errors_of_parts(proof, proof.residuals(model)).relative]
         )
         for model in (first, second)
     )
@@ -268,7 +268,7 @@ def _is_told(search: Search, first: Fit, second: Fit, proof: Problem) -> bool:
 
 def _row_of(search: Search, fit: Fit, proof: Problem) -> RankedModel:
     """Return a model that was fitted after all others were ranked."""
-    error = compute_nrmse(proof, residuals(proof, fit))
+    error = compute_nrmse(proof, proof.residuals(fit))
     return RankedModel(fit=fit, probability=0.0, left_out=search.error(fit).nrmse, held_out=error)
 
 
@@ -367,7 +367,7 @@ def _is_silent(search: Search, best: RankedModel, smaller: RankedModel, proof: P
     if search.energy(smaller.fit, noise) <= least * search.energy(best.fit, noise):
         return False
     scatter = 0.0 if isinstance(search, ErrorSearch) else (2.0 * _STANDARD_ERRORS) ** 2 / proof.rows
-    best_residuals, smaller_residuals = (residuals(proof, row.fit) for row in (best, smaller))
+    best_residuals, smaller_residuals = (proof.residuals(row.fit) for row in (best, smaller))
     change = compute_nrmse(
         proof, {test: smaller_residuals[test] - values for test, values in best_residuals.items()}
     )

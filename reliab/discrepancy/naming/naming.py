@@ -36,7 +36,7 @@ from reliab.discrepancy.naming.choice import (
     remarks_on,
 )
 from reliab.discrepancy.naming.unexplained import find_unexplained
-from reliab.discrepancy.proof import compute_nrmse, gap, residuals
+from reliab.discrepancy.proof import compute_nrmse, gap
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis, RankedModel
 from reliab.discrepancy.result.gap import FurtherError, Gap
 from reliab.discrepancy.result.missing_effect import (
@@ -78,8 +78,8 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
     naming = _Naming(search=search, ranked=ranked, choice=choice, proof=proof, structured=structure)
     effects, doubtful, uncertain = naming.state_effects()
     offsets = [effect.effect for effect in effects if effect.effect in best.space.block.offsets]
-    residuals_before = residuals(proof, search.plain(calibrated_model), neutral_offsets=offsets)
-    residuals_after = residuals(proof, best)
+    residuals_before = proof.residuals(search.plain(calibrated_model).neutralise(offsets))
+    residuals_after = proof.residuals(best)
     measured_gap = gap(proof, residuals_before, residuals_after, noise_like_tests(proof, noise_judgement[1]))
     missing = bool(set(best.space.effects) - restatements or offsets)
     proof_gap = naming.compare_with_others(replace(measured_gap, missing=missing))
@@ -259,12 +259,10 @@ class _Naming:
         odds = offset_odds(self.best, effect)
         relative = np.exp(np.minimum([0.0, -odds, -np.inf if rival is None else rival.odds], 700.0))
         shares = (relative / relative.sum()).tolist()
-        neutral = self.best.space.neutralise(self.best.coordinates, [effect])
         place = self.best.space.places(effect).start
         refitted_coordinates = refit(self.best, np.zeros(self.search.problem.rows, dtype=bool), (place,))
-        smaller = min(
-            (replace(self.best, coordinates=x) for x in (neutral, refitted_coordinates)), key=self._error
-        )
+        refitted_model = replace(self.best, coordinates=refitted_coordinates)
+        smaller = min((self.best.neutralise([effect]), refitted_model), key=self._error)
         rivals = () if rival is None else (self._rival(rival.effect.label(), shares[2], rival.fit),)
         return self._describe(effect, shares[0], smaller, rivals)
 
@@ -303,7 +301,7 @@ class _Naming:
         )
 
     def _error(self, fitted_model: Fit) -> float:
-        return compute_nrmse(self.proof, residuals(self.proof, fitted_model))
+        return compute_nrmse(self.proof, self.proof.residuals(fitted_model))
 
 
 def or_stated_damping(damper: MissingEffect, damping: float) -> MissingEffect:

@@ -141,7 +141,7 @@ def line_above(problem: Problem, best: Fit) -> tuple[str, str] | None:
         return None
     longest = max(problem.segments, key=lambda segment: segment.end - segment.begin)
     grid = np.arange((longest.end - longest.begin) // 2) * block.rate / (longest.end - longest.begin)
-    residual = problem.residuals(best.space, best.coordinates)
+    residual = problem.residuals(best)
     forces = _powers(problem, residual, grid)
     read = {s.test: block.tests[s.test].channels[Channel.MEASURED] for s in problem.segments}
     specimen = best.space.model(best.coordinates).specimen
@@ -198,7 +198,7 @@ def standstill(problem: Problem, best: Fit) -> tuple[str, str] | None:
         return None
     lengths: list[int] = []
     event_energy = total_energy = 0.0
-    for test, residual in problem.residuals(best.space, best.coordinates).items():
+    for test, residual in problem.residuals(best).items():
         read = problem.block.measured(test)
         expected_signal = _low_pass(read - residual, problem.block.highest / problem.block.rate)
         usual = max(problem.steps[test], float(np.median(np.abs(residual))))
