@@ -25,7 +25,6 @@ from reliab.assessment.rebuilt_error.interval import (
     sweep,
 )
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
-from reliab.assessment.rebuilt_error.own_frequency import EntriesOfStructure, learn_frequency
 from reliab.assessment.rebuilt_error.readings import delay_history
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.assessment.rebuilt_error.size import require_fitting
@@ -102,7 +101,8 @@ def rebuild_coupled(
     histories = _smooth_channels(channels, carry, feedback_lag)
     differences = _draw(channels, histories, structure, stride, draws, seed)
     recursion = recursion or histories.recursion(structure)
-    unknown = _collect_unknowns(channels, histories, partition, structure, tolerances or Tolerances())
+    offset, start_error = _start_deviations(channels, structure, histories)
+    unknown = Unknown(tolerances=tolerances or Tolerances(), offset=offset, error_at_start=start_error)
     run = partial(sweep, histories, partition, stride=stride, seed=seed, modes=modes, numerical=recursion)
     zero_deviations = np.zeros(partition.degrees)
     noisy = Unknown(tolerances=Tolerances(), offset=zero_deviations, error_at_start=zero_deviations)
@@ -143,31 +143,6 @@ def _smooth_channels(channels: Channels, carry: Array, feedback_lag: float) -> H
         standing=carry @ np.array([-start.standing for start in channels.starts]),
         carry=carry,
         smooth=True,
-    )
-
-
-def _collect_unknowns(
-    channels: Channels,
-    histories: Histories,
-    partition: Partition,
-    structure: Partition,
-    tolerances: Tolerances,
-) -> Unknown:
-    """Collect what is uncertain, with what the test shows of a natural frequency that is not exact."""
-    own_frequency = learn_frequency(
-        histories.carry_to_interface(histories.command),
-        histories.fed_back,
-        histories.difference,
-        histories.time_step,
-        structure,
-        tolerances.frequency,
-        standing=np.atleast_1d(histories.standing),
-        smooth=True,
-        entries=EntriesOfStructure.from_parts(partition, tolerances.of_parts),
-    )
-    offset, start_error = _start_deviations(channels, structure, histories)
-    return Unknown(
-        tolerances=tolerances, offset=offset, error_at_start=start_error, own_frequency=own_frequency
     )
 
 

@@ -14,7 +14,6 @@ import scipy
 
 from reliab.assessment.rebuilt_error.error_statistics import DrivenDraws, mean_and_deviation
 from reliab.assessment.rebuilt_error.noise import SensorNoise
-from reliab.assessment.rebuilt_error.own_frequency import OwnFrequency
 from reliab.assessment.rebuilt_error.readings import lag_of_reading
 from reliab.assessment.rebuilt_error.recursion import (
     Recursion,
@@ -97,13 +96,10 @@ class Unknown:
     # where the test begins at rest [m]; of several sensors each shape (p,)
     offset: float | Array
     error_at_start: float | Array
-    own_frequency: OwnFrequency | None = None  # What the test shows of its frequency, where that was learned
 
     def deviations(self) -> dict[str, float]:
         """Return standard deviations by name, in the order of the draws; sensors have numbers if several."""
         sizes = dict(self.tolerances.items())
-        if self.own_frequency is not None:
-            sizes["frequency"] = self.own_frequency.deviation
         # last and only where they are not zero, so that the draws of all others stay the same without them
         last = {name: sizes.pop(name) for name in _LAST}
         added = {**self._expand_sensors(last), **self.tolerances.of_parts}
@@ -228,8 +224,6 @@ def sweep(
     rough, exact = (_errors_as_stated(thin, coarse, swept), _errors_as_stated(histories, fine, stood))
     # what lies between the swept samples
     statistics *= np.divide(exact, rough, out=np.ones_like(rough), where=rough > 0.0)
-    if unknown.own_frequency is not None:  # whose error is the largest: what the computation adds shows there
-        accuracy = ACCURACY
     noise_factor = 1.0 + accuracy * np.random.default_rng(seed).standard_normal((draws, 1))
     statistics[:, 0] *= noise_factor**2
     statistics[:, 1] *= noise_factor
@@ -299,21 +293,10 @@ def draw_unknown(unknown: Unknown, draws: int, seed: int) -> tuple[dict[str, Arr
     deviations, sensors = unknown.deviations(), np.size(unknown.offset)
     points = normal_points(len(deviations) + sensors, draws, seed)
     start_points = _start_points(points[-sensors:].T.reshape(draws, *np.shape(unknown.offset)))
-    return quantities_at_points(
-        points[:-sensors], deviations, unknown.own_frequency
-    ), start_points * unknown.error_at_start
-
-
-def quantities_at_points(
-    points: Array, deviations: Mapping[str, float], own_frequency: OwnFrequency | None
-) -> dict[str, Array]:
-    """Quantities by name at standard normal points, shape (quantities, draws)."""
     quantities = {
         name: deviations[name] * (_start_points(row) if name.startswith("initial") else row)
-        for name, row in zip(deviations, points, strict=True)
+        for name, row in zip(deviations, points[:-sensors], strict=True)
     }
-    if own_frequency is not None:
-        quantities["frequency"] = own_frequency.offsets_at_points(points[list(deviations).index("frequency")])
     for name, values in quantities.items():
         if name == "damping_ratio" or (is_part(name) and "damping" in name):
             quantities[name] = relative_ratios(values, deviations[name])
@@ -321,9 +304,7 @@ def quantities_at_points(
             quantities[name] = np.maximum(values, 0.0)
         elif name.startswith(_OPEN):
             quantities[name] = np.where(values > 0.0, deviations[name], 0.0)
-    if own_frequency is not None and own_frequency.entries is not None:
-        return own_frequency.entries.match_frequencies(quantities)
-    return quantities
+    return quantities, start_points * unknown.error_at_start
 
 
 def relative_ratios(drawn: Array, deviation: float) -> Array:

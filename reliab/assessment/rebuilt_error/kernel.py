@@ -43,10 +43,6 @@ class Kernel:
         """Convolve a history with φ⁽ᵏ⁾, which gives its smoothed k-th derivative."""
         return convolve_valid(history, self.values[order])[:: self.every]
 
-    def sum_seen(self, history: Array, weights: tuple[float, float, float]) -> Array:
-        """Weighted sum of a history's smoothed derivatives, from none to the second, by one convolution."""
-        return convolve_valid(history, np.tensordot(weights, np.array(self.values), 1))[:: self.every]
-
 
 def fit_equation(columns: Array, target: Array, kernel: Kernel) -> tuple[Array, Array, Array]:
     """Fit an equation that was seen through a kernel.

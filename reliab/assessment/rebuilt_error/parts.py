@@ -102,13 +102,6 @@ class Parts:
         width = max(round(length / time_step), 1)
         return {name: _rms_of_stretches(part.history, width) for name, part in self.by_name.items()}
 
-    def power_over_frequency(self, time_step: float, edges: Array) -> dict[str, Array]:
-        """Mean square of each part in bands of frequency.
-
-        `time_step` [s]; `edges` [Hz]; returns [m²].
-        """
-        return {name: _power_in_bands(part.history, time_step, edges) for name, part in self.by_name.items()}
-
 
 def divide(histories: Histories, structure: Partition) -> Parts:
     """Divide a rebuilt error into its parts."""
@@ -194,12 +187,3 @@ def _rms_of_stretches(values: Array, width: int) -> Array:
     starts = np.arange(0, values.size, width)
     sizes = np.diff(np.append(starts, values.size))
     return np.asarray(np.sqrt(np.add.reduceat(values**2, starts) / sizes))
-
-
-def _power_in_bands(values: Array, step: float, edges: Array) -> Array:
-    power = np.abs(np.fft.rfft(values)) ** 2 * 2.0 / values.size**2
-    power[0] *= 0.5
-    frequency = np.fft.rfftfreq(values.size, step)
-    place = np.digitize(frequency, edges) - 1
-    is_inside = (place >= 0) & (place < edges.size - 1)
-    return np.bincount(place[is_inside], power[is_inside], minlength=edges.size - 1).astype(np.float64)

@@ -170,7 +170,7 @@ def rebuild(
     fed_back = command - delay_history(read, feedback_lag, time_step)
     recursion = Recursion.from_displacement(full_structure, time_step)
     response = respond(recursion, fed_back, -start.standing * recursion.static[:, 0])[0]
-    unknown = collect_unknowns(test, start, response, command, fed_back)
+    unknown = collect_unknowns(test, start, response, command)
     error, stretch_draws = draw_error(
         command, read, fed_back, test, noise=noise, start=start, unknown=unknown, draws=draws
     )

@@ -4,8 +4,7 @@ The histories of x_c − x_m that the sensor's noise leaves open are drawn for o
 the recursion of each draw goes on where the stretch before ended. The sums over the error are those of the
 whole test. The noise, its band and the levels of the actuator's error are those of each stretch. Every
 stretch is drawn with the same random numbers: what a draw assumes of the rig it assumes throughout, which
-makes the interval rather too wide than too narrow. The natural frequency is learned from the first two
-stretches, since the draws of all others go on from them; a test that is no longer has the interval of
+makes the interval rather too wide than too narrow. A test no longer than two stretches has the interval of
 `rebuild`.
 """
 
@@ -26,7 +25,6 @@ from reliab.assessment.rebuilt_error.interval import (
     sweep,
 )
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
-from reliab.assessment.rebuilt_error.own_frequency import EntriesOfStructure, learn_frequency
 from reliab.assessment.rebuilt_error.readings import delay_history
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
@@ -147,28 +145,13 @@ def draw_error(
     return error, StretchDraws(histories=histories, differences=differences, every=stride)
 
 
-def collect_unknowns(
-    test: StatedTest, start: Start, response: Array, command: Array, fed_back: Array
-) -> Unknown:
-    """Collect what is uncertain, with what the test shows of a natural frequency that is not exact.
-
-    `response`, `command`, `fed_back` [m].
-    """
+def collect_unknowns(test: StatedTest, start: Start, response: Array, command: Array) -> Unknown:
+    """Collect what is uncertain; `response`, `command` [m]."""
     relative = float(np.sqrt(mean_square(response) / mean_square(command)))
     return Unknown(
         tolerances=test.tolerances,
         offset=start.offset_deviation,
         error_at_start=0.0 if start.at_rest else relative * start.amplitude,
-        own_frequency=learn_frequency(
-            command[np.newaxis],
-            fed_back[np.newaxis],
-            fed_back[np.newaxis],
-            test.time_step,
-            test.structure,
-            test.tolerances.frequency,
-            standing=np.array([-start.standing]),
-            entries=EntriesOfStructure.from_parts(test.structure, test.tolerances.of_parts),
-        ),
     )
 
 
@@ -184,7 +167,7 @@ def error_of_stretch(
     """Draw the error of a test up to the end of its first or next stretch.
 
     `command`, `measured_displacement` [m]. The stretch has the first `samples` of them; with those that
-    follow, the first stretch tells more of the noise, of how the test begins, and of its natural frequency.
+    follow, the first stretch tells more of the noise and of how the test begins.
     """
     structure, step = test.structure, test.time_step
     if earlier is None:
@@ -201,7 +184,7 @@ def error_of_stretch(
     if earlier is None:
         recursion = Recursion.from_displacement(structure, step)
         response = respond(recursion, fed_back, -start.standing * recursion.static[:, 0])[0]
-        unknown = collect_unknowns(test, start, response, command, fed_back)
+        unknown = collect_unknowns(test, start, response, command)
     else:
         unknown = earlier.unknown
     return draw_error(

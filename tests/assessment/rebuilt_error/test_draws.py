@@ -270,26 +270,16 @@ def test_a_contribution_is_that_of_the_quantity_alone(histories):
         assert parts[name].contribution == pytest.approx(np.std(sizes), rel=0.15)
 
 
-def test_a_part_over_time_and_frequency_keeps_its_mean_square(histories):
+def test_a_part_over_time_keeps_its_mean_square(histories):
     parts = divide(histories, STRUCTURE)
-    edges = np.array([0.0, 0.8, 1.6, 20.0, 129.0])
     for name, part in parts.by_name.items():
         square = np.mean(part.history**2)
-        assert parts.power_over_frequency(STEP, edges)[name].sum() == pytest.approx(square)
         stretches = parts.rms_over_time(STEP, 2.0)[name]
         assert stretches.size == 4
         assert np.mean(stretches**2) == pytest.approx(square)
     uneven = parts.rms_over_time(STEP, 3.0)["delay"]
     history = parts.by_name["delay"].history
     assert uneven == pytest.approx([np.sqrt(np.mean(h**2)) for h in np.split(history, [768, 1536])])
-
-
-def test_a_sine_has_half_its_squared_amplitude_in_its_own_band(histories):
-    wave = 3e-3 * np.sin(2.0 * np.pi * 2.0 * TIME) + 1e-3
-    part = replace(divide(histories, STRUCTURE).by_name["delay"], history=wave)
-    parts = replace(divide(histories, STRUCTURE), by_name={"delay": part})
-    power = parts.power_over_frequency(STEP, np.array([0.0, 0.01, 1.0, 2.0, 3.0]))["delay"]
-    assert power == pytest.approx([1e-6, 0.0, 0.0, 4.5e-6], abs=1e-12)
 
 
 def test_parts_are_gain_delay_and_rest_of_least_squares(histories):
