@@ -46,7 +46,7 @@ def judge_rigs(motion, seconds, f, xi, rng, *, population, rigs):
     length_criterion = default_criterion(
         f, xi, THRESHOLD, CONFIDENCE, excluded_event=motion.event, duration=length
     )
-    settings = {"threshold": THRESHOLD, "confidence": CONFIDENCE, "without": [motion.event]}
+    settings = {"threshold": THRESHOLD, "confidence": CONFIDENCE, "excluded_events": [motion.event]}
     response_criterion = criterion_of_response(response, structure, **settings)
     a, b = (float(limit) for limit in response_criterion.limits(f, xi))
     turn, size = np.pi * rng.random(rigs), np.exp(rng.uniform(-1.2, 1.2, rigs))
