@@ -142,6 +142,7 @@ def test_a_damping_that_is_not_the_stated_one_is_calibrated_with_what_is_known_o
         block=block, size=2, effects=(StatedDamping,), places=lambda _effect: slice(1, 2),
         values=lambda x: np.array([1.0 + 0.01 * x[0], 100.0 * x[1]]),
         standard_deviations=lambda _x, c: np.array([0.01, 100.0]) * np.sqrt(np.diag(c)),
+        covariance_of_values=lambda _x, c: np.diag([0.01, 100.0]) @ c @ np.diag([0.01, 100.0]),
     )  # fmt: skip
     covariance = np.array([[1.0, -0.02], [-0.02, 0.0004 + 1e-4]])
     fitted = SimpleNamespace(space=space, coordinates=np.array([-1.0, -0.3]), covariance=covariance)

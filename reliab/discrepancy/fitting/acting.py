@@ -29,9 +29,8 @@ def acts(fit: Fit, effect: type[Effect], deviations: float) -> bool:
     if effect is ClockOffset:
         lag = fit.space.values(fit.coordinates)[place]
         return bool((np.abs(lag) * fit.space.block.rate > _LEAST_LAG).all())
-    neutral = fit.coordinates.copy()
-    neutral[place] = 0.0
-    distance = np.abs(fit.space.values(fit.coordinates) - fit.space.values(neutral))[place]
+    neutral = fit.neutralise([effect])
+    distance = np.abs(fit.space.values(fit.coordinates) - fit.space.values(neutral.coordinates))[place]
     spread = fit.space.standard_deviations(fit.coordinates, fit.covariance)[place]
     return bool((distance > deviations * spread).any())
 

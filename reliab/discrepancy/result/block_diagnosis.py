@@ -1,6 +1,6 @@
 """The results for one observed block."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any, ClassVar
@@ -58,17 +58,6 @@ class Verdict(StrEnum):
     NAMED = "named"
     NOT_IDENTIFIABLE = "not_identifiable"
     UNKNOWN_EFFECT = "unknown_effect"
-
-    @classmethod
-    def from_effects(
-        cls, effects: Sequence[MissingEffect], doubtful: Sequence[MissingEffect], unknown: Unknown | None
-    ) -> "Verdict":
-        """Answer for a block or a whole campaign: an unknown effect weighs most, then a doubtful one."""
-        if unknown is not None:
-            return cls.UNKNOWN_EFFECT
-        if doubtful:
-            return cls.NOT_IDENTIFIABLE
-        return cls.NAMED if effects else cls.NO_MISSING_EFFECT
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -147,12 +136,15 @@ class BlockDiagnosis:
 
     @property
     def verdict(self) -> Verdict:
-        """The answer for this block in one word.
+        """The answer for this block in one word: an unknown effect weighs most, then a doubtful one.
 
         Where parts that are left out judge, a further effect in doubt does not undo the others.
         """
-        doubtful = () if self.is_judged_by_parts and self.effects else self.doubtful
-        return Verdict.from_effects(self.effects, doubtful, self.unknown)
+        if self.unknown is not None:
+            return Verdict.UNKNOWN_EFFECT
+        if self.doubtful and not (self.is_judged_by_parts and self.effects):
+            return Verdict.NOT_IDENTIFIABLE
+        return Verdict.NAMED if self.effects else Verdict.NO_MISSING_EFFECT
 
     @property
     def held_out(self) -> str:

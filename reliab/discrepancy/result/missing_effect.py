@@ -7,7 +7,6 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from reliab.core.arrays import Array
 from reliab.core.plain_values import PlainResult
 from reliab.core.significant_digits import percent, value_and_interval
 from reliab.discrepancy.fitting.fit import Fit
@@ -37,7 +36,6 @@ _TELLS = {
 _DECISIVE_TEST = "A test with a stronger input of wider band, recorded on all four channels, would decide it"
 _LEAST_RIVAL = 0.01  # probability of an effect that is named as another one's rival
 _DAMPING = "structure_damping"
-_STEP = 1e-4  # of a coordinate
 _PREFIXES = {-6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 _READABLE = (0.01, 1e4)  # sizes of numbers that are shown without a power of ten
 _NOTHING = 1e-8  # SI value of a parameter whose lower bound stands a hair below zero
@@ -291,14 +289,9 @@ def calibration(fit: Fit, *, is_restated: bool = False) -> tuple[Estimate, ...]:
 def _restate_damping(damping: Estimate, fit: Fit) -> Estimate:
     """Damping of the structure over the stated one, of the calibrated factor and the effect together."""
     space = fit.space
-    nominal_damping = space.block.removable[StatedDamping]
-    place = space.places(StatedDamping).start
-    factor = [c.parameter.name for c in space.block.calibrations].index(damping.name)
-
-    def total_damping(coordinates: Array) -> float:
-        values = space.values(coordinates)
-        return float(values[factor] + values[place] / nominal_damping)
-
-    value, steps = total_damping(fit.coordinates), _STEP * np.eye(space.size)
-    slopes = np.array([total_damping(fit.coordinates + step) - value for step in steps]) / _STEP
-    return replace(damping, value=value, sd=float(np.sqrt(slopes @ fit.covariance @ slopes)))
+    names = [calibration.parameter.name for calibration in space.block.calibrations]
+    places = [names.index(damping.name), space.places(StatedDamping).start]
+    weights = np.array([1.0, 1.0 / space.block.removable[StatedDamping]])
+    covariance = space.covariance_of_values(fit.coordinates, fit.covariance)[np.ix_(places, places)]
+    value = float(weights @ space.values(fit.coordinates)[places])
+    return replace(damping, value=value, sd=float(np.sqrt(weights @ covariance @ weights)))
