@@ -30,7 +30,7 @@ def test_a_segment_has_the_fourier_sums_of_its_samples_up_to_its_highest_frequen
     assert segment.frequency == pytest.approx(0.32 * np.arange(38))
     turns = np.exp(-2j * np.pi * np.outer(np.arange(38), np.arange(800)) / 800)
     assert segment.spectrum(VALUES) == pytest.approx(turns @ VALUES[100:900] / np.sqrt(800.0))
-    power = segment.periodogram(VALUES)
+    power = segment.periodogram_above(VALUES, 0.0)
     assert power.frequency == pytest.approx(0.32 * np.arange(1, 401))
     assert power.power[:37] == pytest.approx(np.abs(segment.spectrum(VALUES)[1:]) ** 2)
     noise = NoiseModel(rate=RATE, weights=np.arange(1.0, 9.0))

@@ -176,17 +176,8 @@ class Problem:
     @cached_property
     def _high_band(self) -> list[Periodogram]:
         """Power of the measured channel at frequencies too high for any signal."""
-        high_periodograms = []
         limit = self.block.highest_signal
-        for segment in self.segments:
-            full_periodogram = segment.periodogram(self.measured(segment.test))
-            is_high = full_periodogram.frequency > limit
-            high_periodograms.append(
-                Periodogram(
-                    frequency=full_periodogram.frequency[is_high], power=full_periodogram.power[is_high]
-                )
-            )
-        return high_periodograms
+        return [s.periodogram_above(self.measured(s.test), limit) for s in self.segments]
 
     def log_volume(self, noise: NoiseModel) -> float:
         """Logarithm of the normalisation of the likelihood, up to a constant."""

@@ -196,9 +196,8 @@ class ModelSpace:
             size = f"{special.name}.{special.parameters[0].name}"
             shape = [key for key in inherited_values if key.startswith(f"{special.name}.") and key != size]
             other_values = {key: value for key, value in inherited_values.items() if key not in shape}
-            bases += [other_values] * max(
-                len(parameter.starts) for parameter in further_parameters(special, kind)
-            )
+            further = [parameter for parameter in special.parameters if parameter not in kind.parameters]
+            bases += [other_values] * max(len(parameter.starts) for parameter in further)
         lower, upper = self.bounds
         starts = []
         for k, base_values in enumerate(bases):
@@ -238,8 +237,3 @@ class ModelSpace:
             start = parameter.starts[min(k, len(parameter.starts) - 1)]
             starts.append(start - parameter.neutral if parameter.signed else np.log(start))
         return np.asarray((np.array(starts) - mean) / spread)
-
-
-def further_parameters(special: type[Effect], simple: type[Effect]) -> list[Parameter]:
-    """Parameters of a special form that the simpler effect does not have."""
-    return [parameter for parameter in special.parameters if parameter not in simple.parameters]

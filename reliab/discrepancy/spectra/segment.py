@@ -85,11 +85,11 @@ class Segment:
         white[: self.bins] *= np.sqrt(self.density(noise))
         return np.asarray(fft.irfft(white * np.sqrt(n), n))
 
-    def periodogram(self, values: Array) -> Periodogram:
-        """Power at all frequencies but zero."""
-        n = self.end - self.begin
+    def periodogram_above(self, values: Array, limit: float) -> Periodogram:
+        """Power at all frequencies above a limit [Hz]."""
+        frequency = fft.rfftfreq(self.end - self.begin, 1.0 / self.rate)
         power = np.abs(self.full_spectrum(values)) ** 2
-        return Periodogram(frequency=fft.rfftfreq(n, 1.0 / self.rate)[1:], power=power[1:])
+        return Periodogram(frequency=frequency[frequency > limit], power=power[frequency > limit])
 
 
 def split_by_segment(segments: Sequence[Segment], rows: Array) -> Iterator[tuple[Segment, Array]]:
