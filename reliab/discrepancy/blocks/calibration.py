@@ -64,13 +64,13 @@ def gain(nominal: HybridTest, spread: float = 0.05) -> Calibration:
     )
 
 
-def delay(nominal: HybridTest, spread: float = 0.005) -> Calibration:
+def delay(nominal: HybridTest) -> Calibration:
     """Delay of the actuator [s]."""
     nominal_delay = nominal.actuator.delay
     return Calibration(
         parameter=Parameter(
             name="delay_s", units="s", meaning="delay of the actuator", signed=True,
-            neutral=nominal_delay, typical=spread, lower=-1e-9, upper=nominal_delay + 0.2,
+            neutral=nominal_delay, typical=0.005, lower=-1e-9, upper=nominal_delay + 0.2,
             starts=(nominal_delay,),
         ),
         apply=lambda model, value: replace(
@@ -80,11 +80,11 @@ def delay(nominal: HybridTest, spread: float = 0.005) -> Calibration:
     )  # fmt: skip
 
 
-def stiffness(nominal: HybridTest, spread: float = 0.05, reach: float = 0.1) -> Calibration:
+def stiffness(nominal: HybridTest) -> Calibration:
     """Stiffness of the specimen, in units of its nominal value; a calibration within 10 %."""
     unit = stiffness_of(nominal)
     return Calibration(
-        parameter=_factor("stiffness", "stiffness", spread, 1.0 - reach, 1.0 + reach),
+        parameter=_factor("stiffness", "stiffness", 0.05, 0.9, 1.1),
         apply=lambda model, value: _set_stiffness(model, value * unit),
         key="stiffness_n_per_m",
         unit=unit,
@@ -184,7 +184,7 @@ def lag_of_force() -> Calibration:
     )
 
 
-def scale_of_excitation(expected_scale: float, spread: float = 0.5) -> Calibration:
+def scale_of_excitation(expected_scale: float) -> Calibration:
     """Scale of the ground motion over what a linear model expects of it, where no rig states it.
 
     With a nonlinear specimen it may differ from that by any factor: its bounds are wider than any data need.
@@ -192,7 +192,7 @@ def scale_of_excitation(expected_scale: float, spread: float = 0.5) -> Calibrati
     return Calibration(
         parameter=Parameter(
             name="excitation_scale", units="-", meaning="ground acceleration over its expected value",
-            typical=1.0, spread=spread, lower=1e-3, upper=1e3, starts=(1.0,),
+            typical=1.0, spread=0.5, lower=1e-3, upper=1e3, starts=(1.0,),
         ),
         apply=lambda model, value: model.adding(ExcitationScale(scale=value * expected_scale)),
         key="excitation_scale.scale",

@@ -62,46 +62,35 @@ class Finding(PlainResult):
         return f"{'< ' if self.p_value <= LEAST_PROBABILITY else ''}{self.p_value:.0e}"
 
 
-@dataclass(frozen=True)
-class _Family:
-    kind: str
-    sentence: str
-    columns: Callable[[Array, Array, Array, Array], tuple[Array, ...]]
+_Columns = Callable[[Array, Array, Array, Array], tuple[Array, ...]]
 
-
-_FAMILIES = (
-    _Family(
-        "time",
+_FAMILIES: dict[str, tuple[str, _Columns]] = {
+    "time": (
         "the residual changes in the course of the tests, whatever the motion",
         lambda t, x, v, _a: (t, t * x, t * v),
     ),
-    _Family(
-        "velocity_reversal",
+    "velocity_reversal": (
         "the residual jumps when the velocity changes sign",
         lambda _t, _x, v, _a: (np.tanh(v / 0.01),),
     ),
-    _Family(
-        "velocity",
+    "velocity": (
         "the residual opposes the velocity and dissipates energy",
         lambda _t, _x, v, _a: (v, v * np.abs(v)),
     ),
-    _Family(
-        "direction",
+    "direction": (
         "the residual differs between both directions of motion",
         lambda _t, _x, v, _a: (np.abs(v), v**2),
     ),
-    _Family(
-        "amplitude",
+    "amplitude": (
         "the residual grows out of proportion with the displacement",
         lambda _t, x, _v, _a: (x**2, x**3, x * np.abs(x)),
     ),
-    _Family("acceleration", "the residual is correlated with the acceleration", lambda _t, _x, _v, a: (a,)),
-    _Family(
-        "state_plane",
+    "acceleration": ("the residual is correlated with the acceleration", lambda _t, _x, _v, a: (a,)),
+    "state_plane": (
         "the residual depends on displacement and velocity together",
         lambda _t, x, v, _a: (x * v, x**2 * v, x * v**2, np.abs(x) * np.tanh(v / 0.01)),
     ),
-)
+}
 
 
 def locate(problem: Problem, calibrated_model: Fit, noise: NoiseModel) -> tuple[Finding, ...]:
@@ -112,19 +101,19 @@ def locate(problem: Problem, calibrated_model: Fit, noise: NoiseModel) -> tuple[
     residual = problem.whiten(calibrated_model.space, calibrated_model.coordinates, noise)
     excess = max(float(residual @ residual) - residual.size, 1e-300)
     basis, remainder = np.linalg.qr(calibrated_model.jacobian)[0], residual
-    families = {family: _columns(problem, noise, family) for family in _FAMILIES}
+    families = {kind: _columns(problem, noise, columns) for kind, (_, columns) in _FAMILIES.items()}
     parts: list[tuple[Array, str, str, float, float]] = []
     while families:
-        projections = {family: _project(remainder, basis, columns) for family, columns in families.items()}
-        family = max(projections, key=lambda family: float(np.sum(projections[family][0] ** 2)))
-        rows, axes = projections[family]
+        projections = {kind: _project(remainder, basis, columns) for kind, columns in families.items()}
+        kind = max(projections, key=lambda kind: float(np.sum(projections[kind][0] ** 2)))
+        rows, axes = projections[kind]
         energy = float(rows @ rows)
         p_value = min(1.0, len(_FAMILIES) * float(stats.chi2.sf(energy, axes.shape[1])))
         if p_value >= _SIGNIFICANT or energy < _LEAST_SHARE * excess:
             break
-        parts.append((rows, family.kind, family.sentence, energy / excess, p_value))
+        parts.append((rows, kind, _FAMILIES[kind][0], energy / excess, p_value))
         basis, remainder = np.concatenate([basis, axes], axis=1), remainder - rows
-        del families[family]
+        del families[kind]
     rest_energy = float(remainder @ remainder)
     p_value = float(stats.chi2.sf(rest_energy, remainder.size))
     if rest_energy - remainder.size > _LEAST_SHARE * excess and p_value < _SIGNIFICANT:
@@ -195,12 +184,12 @@ def _quantiles(values: Array, weights: Array, shares: tuple[float, ...]) -> list
     return [float(value) for value in values[order][np.minimum(places, values.size - 1)]]
 
 
-def _columns(problem: Problem, noise: NoiseModel, family: _Family) -> Array:
+def _columns(problem: Problem, noise: NoiseModel, family: _Columns) -> Array:
     """Whiten what a family would add to the channel, shape (rows, columns)."""
     block = problem.block
     columns: dict[int, tuple[Array, ...]] = {}
     for test in {segment.test for segment in problem.segments}:
-        columns[test] = family.columns(*_scale_motion(block.motions[test], block.scales.duration, problem))
+        columns[test] = family(*_scale_motion(block.motions[test], block.scales.duration, problem))
     parts = [
         np.stack(
             [
