@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +14,6 @@ from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.spectra.segment import Segment, split_by_segment
 from reliab.signals.noise import NoiseModel, Periodogram, converter_step, expect_rounding_error, fit_noise
 
-if TYPE_CHECKING:
-    from reliab.discrepancy.fitting.fit import Fit
-
 _LEAST_OF_CONVERSION = 0.2  # of the mean square of a converter's error
 _LEAST_POWER = 0.05  # of the strongest test's
 _RUNAWAY = 1e6  # a whitened residual that stands for a simulation that ran away
@@ -24,6 +21,18 @@ MOST_OF_A_TEST = 24.0
 """Largest number of observations in one test: later swings repeat the earlier ones."""
 
 _FEWEST = 4.0
+
+
+class PlacedModel(Protocol):
+    """A model at given coordinates, as a fit is."""
+
+    @property
+    def space(self) -> ModelSpace:
+        """Which model."""
+
+    @property
+    def coordinates(self) -> Array:
+        """Its coordinates, shape (size,)."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -123,7 +132,7 @@ class Problem:
         rows = np.concatenate(parts)
         return rows if np.isfinite(rows).all() else np.full(rows.size, _RUNAWAY)
 
-    def residuals(self, fitted_model: "Fit") -> dict[int, Array]:
+    def residuals(self, fitted_model: PlacedModel) -> dict[int, Array]:
         """Measured minus predicted channel by test."""
         predictions = self.predictions(fitted_model.space, fitted_model.coordinates)
         return {
