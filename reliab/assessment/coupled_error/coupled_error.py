@@ -15,8 +15,8 @@ from functools import cached_property
 import numpy as np
 
 from reliab.assessment.rebuilt_error.initial import Start
-from reliab.assessment.rebuilt_error.interval import Histories, Swept, Unknown
-from reliab.assessment.rebuilt_error.noise import LOST_IN_NOISE, SensorNoise
+from reliab.assessment.rebuilt_error.interval import Histories, Swept
+from reliab.assessment.rebuilt_error.noise import LOST_IN_NOISE
 from reliab.assessment.rebuilt_error.parts import Parts, parts_of, pieces_of
 from reliab.assessment.rebuilt_error.recursion import Recursion
 from reliab.assessment.rebuilt_error.spread import DisplacementError, Estimate, Spread
@@ -130,10 +130,7 @@ class CoupledError:
     time_step: float  # s
     displacements: tuple[DegreeError, ...]  # In the order of the interface displacements
     structure: Partition  # As stated
-    reduced: Partition  # With which it was rebuilt: no modes far above the motion
-    noises: tuple[SensorNoise, ...]  # Of each sensor
     starts: tuple[Start, ...]  # How each channel begins
-    unknown: Unknown
     histories: Histories
     recursion: Recursion  # Of the ideal test as the computer steps it
     every: int  # Number of samples of which one was drawn
@@ -153,9 +150,12 @@ class CoupledError:
         return max(self.judged, key=lambda degree: degree.estimate(metric).value, default=None)
 
     def probability(self, threshold: float, metric: Metric = Metric.RMS) -> float:
-        """Probability that every judged displacement's error is below a threshold."""
-        least = (degree.probability(threshold, metric) for degree in self.judged)
-        return min(least, default=0.5)
+        """Probability that the errors of all judged displacements are below a threshold."""
+        governing = self.governing(metric)
+        if governing is None:
+            return 0.5
+        largest = replace(governing.draws, rms=self.errors(Metric.RMS), mte=self.errors(Metric.MTE))
+        return largest.probability_below(threshold, metric)
 
     def estimate(self, metric: Metric) -> Estimate:
         """RMS^R or MTE^R of the governing displacement with its interval; NaN where all are lost in noise."""

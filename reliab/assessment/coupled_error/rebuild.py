@@ -115,10 +115,7 @@ def rebuild_coupled(
             histories, recursion, channels.measured, partition.names, nominal, swept, loose
         ),
         structure=partition,
-        reduced=structure,
-        noises=channels.noises,
         starts=channels.starts,
-        unknown=unknown,
         histories=histories,
         recursion=recursion,
         every=stride,
