@@ -30,6 +30,8 @@ from reliab.assessment.inference.structure_response import respond
 from reliab.core.arrays import Array, Spectrum
 from reliab.structures.partition import Partition
 
+_LEAST_NOISE = 1e-6  # of a channel's motion, that its sensor's noise is taken to be at least
+_SINGULAR = 1e-12  # of the noise's mean variance, that each mixture of it has at least
 _ACCURACY = 3e-4  # of the specimen's force, that sampled channels and sensors leave at least
 _MAIN_POWER = 0.9  # of a command's power, that lies below its main frequencies
 _REACH = 2.0  # times the main frequencies, up to which the equation of motion is weighed
@@ -69,32 +71,12 @@ class Evidence(ABC):
         """Estimate the variance of the residual anew."""
         cells = self.cells(experiment)
         variances = np.stack([np.sum(fit_variances(row**2), axis=0) for row in cells])
-        self._variance = np.maximum(np.maximum(variances, self.noise[:, np.newaxis, np.newaxis]), self.floor)
-
-    @cached_property
-    def floor(self) -> Array:
-        """Variance below which no equation of sampled channels is trusted, shape (p, J, k)."""
-        impedance = self.partition.impedance(self.channels.band.s)
-        force = np.einsum("kpq,qk->pk", impedance, self.channels.to_interface @ self.channels.measured)
-        power = self.channels.cells(force, self.highest) ** 2
-        variances = np.stack([np.sum(fit_variances(row), axis=0) for row in power])
-        return _ACCURACY**2 * np.tensordot(self.shares, variances, axes=1)
+        self._variance = np.maximum(variances, self.least_variance)
 
     @property
-    def shares(self) -> Array:
-        """Share of the variance of each interface force in that of each residual, shape (rows, p)."""
-        return np.eye(self.partition.degrees)
-
-    @cached_property
-    def sensor_noise(self) -> Array:
-        """Variance of a coefficient that each sensor's noise makes, shape (rows, p)."""
-        stiffness = self.partition.specimen_stiffness @ self.channels.to_interface
-        return np.asarray(self.shares @ stiffness**2 * self.channels.noise * self.channels.band.noise_gain)
-
-    @property
-    def noise(self) -> Array:
-        """Variance of a coefficient that the displacement sensors' noise makes at least, shape (rows,)."""
-        return np.asarray(self.sensor_noise.sum(axis=1))
+    def least_variance(self) -> Array | float:
+        """Variance below which no residual is trusted."""
+        return 0.0
 
     def whiten(self, experiment: Experiment) -> Array:
         """Residual over its standard deviation, shape (m,)."""
@@ -105,6 +87,74 @@ class Evidence(ABC):
         squares = self.cells(experiment) ** 2 / self._variance + np.log(self._variance)
         return -0.5 * self.weight * float(squares.sum()) - self.determinant(experiment)
 
+    @abstractmethod
+    def determinant(self, experiment: Experiment) -> float:
+        """Return what the logarithm of the likelihood loses beside the squares of the residual."""
+
+    def holds(self, experiment: Experiment) -> bool:  # noqa: ARG002 - which some kinds ask
+        """Whether what this evidence assumes of the test holds, by the most probable world."""
+        return True
+
+
+@dataclass(kw_only=True, eq=False)
+class BalanceOfForces(Evidence):
+    """Forces at the interface whose balance only the sensors' noise disturbs.
+
+    Noise of one sensor disturbs the balance at several displacements. Balances are therefore mixed, at every
+    frequency, such that with the structure as stated the noise has variance one in each residual and no
+    covariance between them.
+    """
+
+    @abstractmethod
+    def forces(self, experiment: Experiment) -> Spectrum:
+        """Return the forces that are not balanced in a possible world [N], shape (p, K)."""
+
+    def balances(self, structure: Partition) -> Spectrum | None:
+        """Balances by forces at the interface, shape (K, rows, p); None if they are these forces."""
+        del structure
+        return None
+
+    def spectrum(self, experiment: Experiment) -> Spectrum:
+        """Residuals over the deviation of their noise [-], shape (rows, K)."""
+        forces = self.forces(experiment).T[..., np.newaxis]
+        balances = self.balances(experiment.structure(self.partition))
+        return np.asarray((self._unmix @ (forces if balances is None else balances @ forces))[..., 0].T)
+
+    @cached_property
+    def _noise(self) -> Spectrum:
+        """Balances of the stated structure by noise of each sensor, of deviation one, shape (K, rows, p)."""
+        impedance = self.partition.impedance(self.channels.band.s) @ self.channels.to_interface
+        motion = self.channels.band.history(self.channels.measured).std(axis=-1)
+        variances = self.channels.noise * self.channels.band.noise_gain + (_LEAST_NOISE * motion) ** 2
+        noise = impedance * np.sqrt(variances)
+        balances = self.balances(self.partition)
+        return np.asarray(noise if balances is None else balances @ noise)
+
+    @cached_property
+    def _unmix(self) -> Spectrum:
+        covariance = self._noise @ np.conj(np.swapaxes(self._noise, 1, 2))
+        size = np.trace(covariance, axis1=1, axis2=2).real / covariance.shape[1]
+        covariance = covariance + (_SINGULAR * size)[:, np.newaxis, np.newaxis] * np.eye(covariance.shape[1])
+        return np.asarray(np.linalg.inv(np.linalg.cholesky(covariance)))
+
+    def _at_columns(self, values: Spectrum) -> Spectrum:
+        """Values at the frequencies of the columns of cells, shape (k, …), of those at all, shape (K, …)."""
+        columns = self._variance.shape[-1]
+        frequencies = (np.arange(columns) + 0.5) / (2.0 * self.channels.hop * self.channels.band.time_step)
+        places = np.searchsorted(self.channels.band.s.imag, 2.0 * np.pi * frequencies)
+        return np.asarray(values[np.minimum(places, len(values) - 1)])
+
+    @cached_property
+    def least_variance(self) -> Array:
+        """Variance below which no balance of sampled channels is trusted, shape (rows, J, k)."""
+        impedance = self.partition.impedance(self.channels.band.s)
+        force = np.einsum("kpq,qk->pk", impedance, self.channels.to_interface @ self.channels.measured)
+        balances = self.balances(self.partition)
+        mixed = (self._unmix if balances is None else self._unmix @ balances) @ force.T[..., np.newaxis]
+        power = self.channels.cells(mixed[..., 0].T, self.highest) ** 2
+        variances = np.stack([np.sum(fit_variances(row), axis=0) for row in power])
+        return np.maximum(_ACCURACY**2 * variances, 1.0)
+
     def determinant(self, experiment: Experiment) -> float:
         """Return what the logarithm of the likelihood loses beside the squares of the residual.
 
@@ -113,16 +163,9 @@ class Evidence(ABC):
         (errors in variables: Fuller 1987, Measurement Error Models, 1.3). What that gains is taken away
         again, as far as the noise is that of sensors.
         """
-        total = np.maximum(self.noise[:, np.newaxis], np.finfo(float).tiny)
-        softer = np.log(experiment.share * experiment.frequency**2) - self.sensor_noise / total @ np.log(
-            experiment.scale
-        )
-        share = np.sum(self.noise[:, np.newaxis, np.newaxis] / self._variance, axis=(1, 2))
-        return -self.weight * float(share @ softer)
-
-    def holds(self, experiment: Experiment) -> bool:  # noqa: ARG002 - which some kinds ask
-        """Whether what this evidence assumes of the test holds, by the most probable world."""
-        return True
+        of_sensors = np.abs(self._at_columns(self._unmix @ self._noise)) ** 2  # shape (k, rows, p)
+        softer = np.log(experiment.share * experiment.frequency**2) - of_sensors @ np.log(experiment.scale)
+        return -self.weight * float(np.sum(softer.T * np.sum(1.0 / self._variance, axis=1)))
 
 
 def residual(channels: ChannelSpectra, partition: Partition, experiment: Experiment) -> Spectrum:
@@ -149,11 +192,11 @@ def interface_forces(impedance: Spectrum, displacement: Spectrum) -> Spectrum:
 
 
 @dataclass(kw_only=True, eq=False)
-class EquationOfMotion(Evidence):
+class EquationOfMotion(BalanceOfForces):
     """The equation of motion, against the recorded ground acceleration."""
 
-    def spectrum(self, experiment: Experiment) -> Spectrum:
-        """Residual of the equation [N]."""
+    def forces(self, experiment: Experiment) -> Spectrum:
+        """Residual of the equation [N], shape (p, K)."""
         return residual(self.channels, self.partition, experiment)
 
 
@@ -241,52 +284,45 @@ class ImpliedGroundMotion(Evidence):
 
 
 @dataclass(kw_only=True, eq=False)
-class EquationWithoutGround(Evidence):
+class EquationWithoutGround(BalanceOfForces):
     """The equations of motion of several interface displacements, without the ground acceleration they share.
 
-    With residuals r and loads g = H⁻¹h, each over the size of the specimen's force there, it is eliminated by
-    the displacement k that it loads most: q_i = (g_k r_i − g_i r_k)/|g| for all others.
+    With residuals r and loads g = H⁻¹h it is eliminated by the displacement k that it loads most:
+    q_i = g_k r_i − g_i r_k for all others.
     """
 
     @cached_property
     def _size(self) -> Array:
-        """Size of the specimen's force at each interface displacement [N], shape (p, 1)."""
+        """Size of the specimen's force at each interface displacement [N], shape (p,)."""
         moved = self.channels.band.history(self.channels.to_interface @ self.channels.measured)
         force = self.partition.specimen_stiffness @ moved
-        return np.asarray(np.maximum(force.std(axis=1, keepdims=True), np.finfo(float).tiny))
+        return np.asarray(np.maximum(force.std(axis=1), np.finfo(float).tiny))
 
     @cached_property
-    def _static_load(self) -> Array:
-        """Loads at rest over their length, shape (p,)."""
-        load = respond(self.partition, _STATIC_GRID).ground_load[0].real / self._size[:, 0]
-        return np.asarray(load / np.linalg.norm(load))
+    def _most_loaded(self) -> int:
+        """Place of the displacement that the ground loads most at rest."""
+        load = respond(self.partition, _STATIC_GRID).ground_load[0].real
+        return int(np.argmax(np.abs(load) / self._size))
 
-    @cached_property
-    def _length(self) -> Array:
-        """|g| of the structure as stated, shape (K,)."""
-        load = respond(self.partition, self.channels.band).ground_load.T / self._size
-        return np.asarray(np.linalg.norm(load, axis=0))
+    def forces(self, experiment: Experiment) -> Spectrum:
+        """Return the forces by which the ground drives the interface [N], shape (p, K)."""
+        return residual(self.channels, self.partition, experiment)
 
-    @property
-    def shares(self) -> Array:
-        """Share of the variance of each interface force in that of each residual [1/N²], shape (p − 1, p)."""
-        most, load = int(np.argmax(np.abs(self._static_load))), self._static_load
-        shares = np.diag(np.full(load.size, load[most] ** 2))
-        shares[:, most] = load**2
-        return np.asarray(np.delete(shares, most, axis=0) / self._size[:, 0] ** 2)
-
-    def spectrum(self, experiment: Experiment) -> Spectrum:
-        """Return what remains of the equations without the ground acceleration [-], shape (p − 1, K)."""
-        most = int(np.argmax(np.abs(self._static_load)))
-        forces = residual(self.channels, self.partition, experiment) / self._size
-        load = respond(experiment.structure(self.partition), self.channels.band).ground_load.T
-        load = load / (self._size * self._length)
-        return np.asarray(np.delete(load[most] * forces - load * forces[most], most, axis=0))
+    def balances(self, structure: Partition) -> Spectrum:
+        """Balances without the ground acceleration, by forces at the interface [kg], shape (K, p − 1, p)."""
+        load = respond(structure, self.channels.band).ground_load
+        balances = load[:, self._most_loaded, np.newaxis, np.newaxis] * np.eye(load.shape[1])
+        balances[:, :, self._most_loaded] -= load
+        return np.asarray(np.delete(balances, self._most_loaded, axis=1))
 
     def holds(self, experiment: Experiment) -> bool:
         """Whether one ground acceleration explains the forces at all interface displacements."""
-        forces = residual(self.channels, self.partition, experiment) / self._size
-        left, whole = self.cells(experiment), self.channels.cells(forces, self.highest)
+        size = self._size[:, np.newaxis]
+        forces = self.forces(experiment) / size
+        load = respond(experiment.structure(self.partition), self.channels.band).ground_load.T / size
+        load = load / np.linalg.norm(load, axis=0)
+        unexplained = load[self._most_loaded] * forces - load * forces[self._most_loaded]
+        left, whole = (self.channels.cells(row, self.highest) for row in (unexplained, forces))
         return bool(np.sum(left**2) <= _LARGEST_MISFIT**2 * np.sum(whole**2))
 
 
@@ -311,7 +347,7 @@ def main_frequency(channels: ChannelSpectra) -> float:
 
 
 @dataclass(kw_only=True, eq=False)
-class SpecimenForce(Evidence):
+class SpecimenForce(BalanceOfForces):
     """The recorded force against that of the specimen as stated, Z x_m.
 
     The noise of the load cell is divided by its scale like the force. In a world with a larger scale it is
@@ -323,8 +359,8 @@ class SpecimenForce(Evidence):
     _load_cell: Array = field(init=False)  # Share of the variance that is the load cell's noise [-]
     _log_scale: float = field(init=False)  # Logarithm of its scale where the variance was estimated
 
-    def spectrum(self, experiment: Experiment) -> Spectrum:
-        """Return the recorded force less that of the specimen [N]."""
+    def forces(self, experiment: Experiment) -> Spectrum:
+        """Return the recorded force less that of the specimen [N], shape (p, K)."""
         force = experiment.force(self.channels)
         if force is None:
             raise AssertionError  # evidence of a force needs one
@@ -341,7 +377,7 @@ class SpecimenForce(Evidence):
         """Estimate the variance of the residual anew."""
         self._load_cell, self._log_scale = np.zeros(1), float(np.log(experiment.force_scale))
         super().update(experiment)
-        self._load_cell = 1.0 - self.noise[:, np.newaxis, np.newaxis] / self._variance
+        self._load_cell = 1.0 - 1.0 / self._variance
 
     def log_likelihood(self, experiment: Experiment) -> float:
         """Logarithm of the likelihood with the variances as estimated, but for a constant."""

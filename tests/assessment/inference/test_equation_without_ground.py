@@ -12,18 +12,20 @@ STEP = 1.0 / 512.0
 
 
 def shaking(seed):
-    """Band-limited noise of 16 s that grows from rest [m/s²]."""
+    """Band-limited noise of 16 s that grows from rest and ends 4 s before the record does [m/s²]."""
     noise = np.random.default_rng(seed).standard_normal(8192)
-    smooth = np.convolve(noise, np.hanning(40), mode="same")
-    return smooth * np.minimum(np.arange(smooth.size) * STEP / 4.0, 1.0) / 5.0
+    smooth, time = np.convolve(noise, np.hanning(40), mode="same"), np.arange(noise.size) * STEP
+    return smooth * np.clip(np.minimum(time, 12.0 - time) / 4.0, 0.0, 1.0) / 5.0
 
 
 def channels_of(structure, command, measured_displacement):
     partition, actuators = described(structure)
     kinematics = actuators.kinematics
+    read = kinematics @ measured_displacement
+    noise = np.random.default_rng(7).standard_normal(read.shape)
     return ChannelSpectra.from_channels(
         kinematics @ command,
-        kinematics @ measured_displacement,
+        read + 0.01 * read.std(axis=1, keepdims=True) * noise,
         STEP,
         partition,
         interface_matrix=np.linalg.inv(kinematics),
@@ -31,7 +33,7 @@ def channels_of(structure, command, measured_displacement):
 
 
 def misfit(structure, channels, **changes):
-    """What remains of the equations over the forces of the specimen [-], and whether they are used."""
+    """What remains of the equations over the deviation of its noise [-], and whether they are used."""
     partition, _ = described(structure)
     evidence = EquationWithoutGround(channels=channels, partition=partition)
     world = Experiment.as_stated(partition.degrees)
@@ -41,17 +43,17 @@ def misfit(structure, channels, **changes):
 
 
 @pytest.mark.parametrize("structure", [two_storeys, node])
-def test_only_the_true_structure_leaves_nothing_of_any_ground_motion(structure):
-    """Simulated by exact steps; the ground motion is told to nobody."""
+def test_only_the_true_structure_leaves_no_more_than_noise_of_any_ground_motion(structure):
+    """Simulated by exact steps, with noise of 1 % in each sensor; the ground motion is told to nobody."""
     partition, actuators = described(structure)
     for seed in (1, 2):
         run = coupled_response(partition, actuators, shaking(seed), STEP)
         channels = channels_of(structure, run.command, run.measured)
         as_stated, holds = misfit(structure, channels)
         assert holds
-        assert as_stated < 0.04
+        assert as_stated == pytest.approx(1.0, rel=0.1)
         for off in ({"frequency": 1.02}, {"skew": np.full(partition.degrees, 4e-3)}):
-            assert misfit(structure, channels, **off)[0] > 3.0 * as_stated
+            assert misfit(structure, channels, **off)[0] > 5.0
 
 
 def test_motion_by_more_than_one_ground_acceleration_shows_nothing():
