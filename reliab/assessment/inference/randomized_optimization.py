@@ -6,8 +6,9 @@ Parameters are standard normal a priori. With the whitened residuals r(z) of all
 J = QR, each draw solves Qᵀ F(z) = ξ for a standard normal ξ (about the value at the mode), and has the weight
 exp(−½|F|² + ½|QᵀF|²) |det R|/|det QᵀJ(z)|, whose last factor is close to one and left out. One step of each
 solution is Laplace's approximation, with the weight exp(−½|F|² + ½|ξ|²); it is enough where most draws count.
-Where few draws of either count, an ensemble of walkers draws (Foreman-Mackey, Hogg, Lang and Goodman 2013,
-Publications of the Astronomical Society of the Pacific 125, 306).
+Where few draws of either count, more are made; where still few do, an ensemble of walkers draws
+(Foreman-Mackey, Hogg, Lang and Goodman 2013, Publications of the Astronomical Society of the Pacific 125,
+306).
 """
 
 from collections.abc import Callable
@@ -27,6 +28,7 @@ _RESIDUAL_TOLERANCE = 0.05
 _DIVERGENCE_LIMIT = 1e6  # standard deviations from its solution, where a draw diverges
 _ENOUGH = 0.9  # of the draws, that must count for Laplace's approximation to do
 _FEWER = 2  # times fewer draws by optimisation, each of which takes several steps
+_MORE = 4  # times more, where too few of these count
 _FEWEST = 32.0  # effective draws, below which an approximation is not trusted
 _WALKERS, _FEWEST_WALKERS = 2, 32  # pairs of walkers for each quantity
 _WALKER_STEPS = 300  # steps of each walker, of which the first half is left out
@@ -124,11 +126,18 @@ class LeastSquares:
         """Draw from the posterior; if nothing is uncertain, all draws are alike."""
         if self.size == 0:
             return Draws(values=np.zeros((count, 0)), weights=np.full(count, 1.0 / count))
-        normals = normal_points(self.size, 1 << (count - 1).bit_length(), seed).T[:count]
-        draws = self._draw(normals, chords=0)
-        if draws.effective < _ENOUGH * count:
-            draws = self._draw(normals[: max(count // _FEWER, 1)], chords=_CHORDS)
-        return draws if draws.effective >= min(_FEWEST, draws.weights.size) else self._sample(count, seed)
+        draws = self._draw(self._normals(count, seed), chords=0)
+        if draws.effective >= _ENOUGH * count:
+            return draws
+        for number in (max(count // _FEWER, 1), _MORE * count):
+            draws = self._draw(self._normals(number, seed), chords=_CHORDS)
+            if draws.effective >= min(_FEWEST, number):
+                return draws
+        return self._sample(count, seed)
+
+    def _normals(self, count: int, seed: int) -> Array:
+        """Draw standard normal points, shape (count, d)."""
+        return normal_points(self.size, 1 << (count - 1).bit_length(), seed).T[:count]
 
     def _sample(self, count: int, seed: int) -> Draws:
         """Draw by an ensemble of walkers, slower but right where no approximation holds."""
