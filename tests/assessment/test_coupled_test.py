@@ -292,7 +292,7 @@ def test_unstated_quantities_of_several_actuators_are_as_uncertain_as_equipment(
         "frequency",
         "damping_ratio",
         "sensor_noise",
-        *(f"sensor_offset_{number}" for number in (1, 2)),
+        *(f"sensor_{name}_{number}" for name in ("offset", "drift") for number in (1, 2)),
     }
     for result, displacement in zip(assessment.error.displacements, exact.error.displacements, strict=True):
         assert result.rms.low < displacement.rms.value < result.rms.high

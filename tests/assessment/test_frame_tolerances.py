@@ -110,7 +110,7 @@ def test_interval_holds_with_true_tolerances(case):
 def test_intervals_hold_for_most_structures_as_they_are_drawn(matrix):
     """Structures off by 3 % as stated, and a ground motion for each: nine of ten intervals are to hold."""
     held = 0
-    for seed, normal in enumerate(np.random.default_rng(17).standard_normal(16)):
+    for seed, normal in enumerate(np.random.default_rng(17).standard_normal(48)):
         factor = 1.0 + 0.03 * float(normal)
         changed = {matrix: factor * getattr(TWO_STOREYS, matrix)}
         if matrix == "stiffness":
@@ -119,7 +119,7 @@ def test_intervals_hold_for_most_structures_as_they_are_drawn(matrix):
         result = assess(recording, frame(**{matrix: 0.03}))
         held += result.error.rms.low <= true <= result.error.rms.high
         assert "frequency" in {item.name for item in result.error.budget}
-    assert held >= 12
+    assert held >= 39  # below which 48 intervals of 90 % fall in 2 of 100 cases
 
 
 @pytest.mark.slow
