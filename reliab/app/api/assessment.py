@@ -126,7 +126,7 @@ def assess(
     --------
     >>> verdict = assess("sample_test", f=1, xi=0.02)
     >>> str(verdict.verdict), round(verdict.error.rms.value, 3)
-    ('reliable', 0.023)
+    ('reliable', 0.022)
     """
     judge = _make_judge(structure, {**options})
     reading = FileReading.from_question(options)
