@@ -109,16 +109,15 @@ class BalanceOfForces(Evidence):
     def forces(self, experiment: Experiment) -> Spectrum:
         """Return the forces that are not balanced in a possible world [N], shape (p, K)."""
 
-    def balances(self, structure: Partition) -> Spectrum | None:
-        """Balances by forces at the interface, shape (K, rows, p); None if they are these forces."""
-        del structure
-        return None
+    def balance(self, forces: Spectrum, structure: Partition) -> Spectrum:  # noqa: ARG002 - which some need
+        """Turn forces at the interface, shape (K, p, n), into balances, shape (K, rows, n)."""
+        return forces
 
     def spectrum(self, experiment: Experiment) -> Spectrum:
         """Residuals over the deviation of their noise [-], shape (rows, K)."""
         forces = self.forces(experiment).T[..., np.newaxis]
-        balances = self.balances(experiment.structure(self.partition))
-        return np.asarray((self._unmix @ (forces if balances is None else balances @ forces))[..., 0].T)
+        balances = self.balance(forces, experiment.structure(self.partition))
+        return np.asarray((self._unmix @ balances)[..., 0].T)
 
     @cached_property
     def _noise(self) -> Spectrum:
@@ -126,9 +125,7 @@ class BalanceOfForces(Evidence):
         impedance = self.partition.impedance(self.channels.band.s) @ self.channels.to_interface
         motion = self.channels.band.history(self.channels.measured).std(axis=-1)
         variances = self.channels.noise * self.channels.band.noise_gain + (_LEAST_NOISE * motion) ** 2
-        noise = impedance * np.sqrt(variances)
-        balances = self.balances(self.partition)
-        return np.asarray(noise if balances is None else balances @ noise)
+        return self.balance(impedance * np.sqrt(variances), self.partition)
 
     @cached_property
     def _unmix(self) -> Spectrum:
@@ -149,8 +146,7 @@ class BalanceOfForces(Evidence):
         """Variance below which no balance of sampled channels is trusted, shape (rows, J, k)."""
         impedance = self.partition.impedance(self.channels.band.s)
         force = np.einsum("kpq,qk->pk", impedance, self.channels.to_interface @ self.channels.measured)
-        balances = self.balances(self.partition)
-        mixed = (self._unmix if balances is None else self._unmix @ balances) @ force.T[..., np.newaxis]
+        mixed = self._unmix @ self.balance(force.T[..., np.newaxis], self.partition)
         power = self.channels.cells(mixed[..., 0].T, self.highest) ** 2
         variances = np.stack([np.sum(fit_variances(row), axis=0) for row in power])
         return np.maximum(_ACCURACY**2 * variances, 1.0)
@@ -284,7 +280,7 @@ class ImpliedGroundMotion(Evidence):
 
 
 @dataclass(kw_only=True, eq=False)
-class EquationWithoutGround(BalanceOfForces):
+class EquationWithoutGround(EquationOfMotion):
     """The equations of motion of several interface displacements, without the ground acceleration they share.
 
     With residuals r and loads g = H⁻¹h it is eliminated by the displacement k that it loads most:
@@ -304,15 +300,11 @@ class EquationWithoutGround(BalanceOfForces):
         load = respond(self.partition, _STATIC_GRID).ground_load[0].real
         return int(np.argmax(np.abs(load) / self._size))
 
-    def forces(self, experiment: Experiment) -> Spectrum:
-        """Return the forces by which the ground drives the interface [N], shape (p, K)."""
-        return residual(self.channels, self.partition, experiment)
-
-    def balances(self, structure: Partition) -> Spectrum:
-        """Balances without the ground acceleration, by forces at the interface [kg], shape (K, p − 1, p)."""
-        load = respond(structure, self.channels.band).ground_load
-        balances = load[:, self._most_loaded, np.newaxis, np.newaxis] * np.eye(load.shape[1])
-        balances[:, :, self._most_loaded] -= load
+    def balance(self, forces: Spectrum, structure: Partition) -> Spectrum:
+        """Eliminate the ground acceleration, which leaves balances of shape (K, p − 1, n) [kg N]."""
+        load = respond(structure, self.channels.band).ground_load[..., np.newaxis]
+        most = [self._most_loaded]
+        balances = load[:, most] * forces - load * forces[:, most]
         return np.asarray(np.delete(balances, self._most_loaded, axis=1))
 
     def holds(self, experiment: Experiment) -> bool:
