@@ -134,12 +134,14 @@ class BalanceOfForces(Evidence):
         covariance = covariance + (_SINGULAR * size)[:, np.newaxis, np.newaxis] * np.eye(covariance.shape[1])
         return np.asarray(np.linalg.inv(np.linalg.cholesky(covariance)))
 
-    def _at_columns(self, values: Spectrum) -> Spectrum:
-        """Values at the frequencies of the columns of cells, shape (k, …), of those at all, shape (K, …)."""
+    @cached_property
+    def _sensor_shares(self) -> Array:
+        """Share of each sensor in the noise of each residual, by columns of cells, shape (k, rows, p)."""
         columns = self._variance.shape[-1]
         frequencies = (np.arange(columns) + 0.5) / (2.0 * self.channels.hop * self.channels.band.time_step)
         places = np.searchsorted(self.channels.band.s.imag, 2.0 * np.pi * frequencies)
-        return np.asarray(values[np.minimum(places, len(values) - 1)])
+        places = np.minimum(places, len(self._noise) - 1)
+        return np.asarray(np.abs(self._unmix[places] @ self._noise[places]) ** 2)
 
     @cached_property
     def least_variance(self) -> Array:
@@ -159,8 +161,8 @@ class BalanceOfForces(Evidence):
         (errors in variables: Fuller 1987, Measurement Error Models, 1.3). What that gains is taken away
         again, as far as the noise is that of sensors.
         """
-        of_sensors = np.abs(self._at_columns(self._unmix @ self._noise)) ** 2  # shape (k, rows, p)
-        softer = np.log(experiment.share * experiment.frequency**2) - of_sensors @ np.log(experiment.scale)
+        stiffness = np.log(experiment.share * experiment.frequency**2)
+        softer = stiffness - self._sensor_shares @ np.log(experiment.scale)
         return -self.weight * float(np.sum(softer.T * np.sum(1.0 / self._variance, axis=1)))
 
 
