@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
-from reliab.assessment.recorded_force import require_order, require_restoring_force
+from reliab.assessment.recorded_force import ExaminedForce, require_order, require_restoring_force
 from reliab.assessment.tracking_index import white_noise_share
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
@@ -83,26 +83,30 @@ def require_plausible(
     stiffness: float | None = None,
     linear: bool = False,
     is_stiffness_fitted: bool = False,
-) -> None:
+) -> ExaminedForce | None:
     """Refuse a recording whose channels contradict each other by a sign, a unit or their order.
+
+    Returns the recorded force as it was examined, if there is one in a test that is long enough.
 
     `stiffness`: stated one of the specimen [N/m], without which the unit of a recorded force is not examined;
     `linear`: whether the specimen is taken as linear; `is_stiffness_fitted`: whether its stiffness is fitted.
     """
     clean, *_ = remove_spikes(recording)
     _require_following(clean)
-    if clean.force is not None:
-        step, name = clean.time_step, clean.name
-        require_restoring_force(
-            clean.measured,
-            clean.force,
-            step,
-            stiffness=stiffness,
-            linear=linear,
-            is_stiffness_fitted=is_stiffness_fitted,
-            name=name,
-        )
-        require_order(clean.command, clean.measured, clean.force, step, name)
+    if clean.force is None:
+        return None
+    examined = require_restoring_force(
+        clean.measured,
+        clean.force,
+        clean.time_step,
+        stiffness=stiffness,
+        linear=linear,
+        is_stiffness_fitted=is_stiffness_fitted,
+        name=clean.name,
+    )
+    if examined is not None:
+        require_order(clean.command, examined, clean.name)
+    return examined
 
 
 def _require_following(recording: Recording) -> None:

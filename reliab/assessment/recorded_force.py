@@ -8,7 +8,8 @@ displacement, the columns are exchanged.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final
+from functools import cached_property
+from typing import Final, Self
 
 import numpy as np
 
@@ -22,6 +23,7 @@ from reliab.core.stated_value import StatedValue
 from reliab.recordings.recording import Recording
 from reliab.recordings.spikes import remove_spikes
 from reliab.signals.cubic_path import CubicPath
+from reliab.signals.spectra import detrend
 from reliab.structures.structure import Structure
 
 _FEWEST_SAMPLES = 32  # of the smoothed histories
@@ -66,8 +68,10 @@ def require_restoring_force(
     linear: bool = False,
     is_stiffness_fitted: bool = False,
     name: str = "",
-) -> None:
+) -> "ExaminedForce | None":
     """Refuse a force that is surely reversed, stands still, follows no motion, or is in another unit.
+
+    Returns the examined force, None where the test is too short to tell.
 
     `measured_displacement` displacement [m], without spikes, and `force` [N], shape (n,); `time_step` [s];
     `stiffness`: stated one of the specimen [N/m], without which the unit is not examined; `linear`: whether
@@ -76,7 +80,7 @@ def require_restoring_force(
 
     >>> time = np.arange(0.0, 20.0, 0.005)
     >>> moved = np.sin(6.0 * time) * np.sin(0.15 * time)
-    >>> require_restoring_force(moved, 40.0 * moved, 0.005, stiffness=40.0)
+    >>> examined = require_restoring_force(moved, 40.0 * moved, 0.005, stiffness=40.0)
     >>> require_restoring_force(moved, -40.0 * moved, 0.005)
     Traceback (most recent call last):
     ...
@@ -91,11 +95,10 @@ def require_restoring_force(
             remedy="Check that the load cell was connected, or leave the column out",
             where=name,
         )
-    kernel = _kernel(measured_displacement, force, time_step)
-    if kernel is None:
-        return
-    sign = _Sign.examine_force(measured_displacement, force, kernel)
-    if sign.reverse_explains and not sign.may_be_right:
+    examined = ExaminedForce.from_histories(measured_displacement, force, time_step)
+    if examined is None:
+        return None
+    if examined.reverse_explains and not examined.may_be_right:
         raise InputError(
             "The recorded force does not resist the motion",
             value="a force that acts along it, as if its sign were reversed",
@@ -103,71 +106,119 @@ def require_restoring_force(
             "positive direction",
             where=name,
         )
-    if sign.unexplained > _UNRELATED_POWER:
+    if examined.unexplained > _UNRELATED_POWER:
         raise InputError(
             "The recorded force does not follow the measured displacement",
-            value=f"a force of whose power {percent(sign.unexplained, decimals=0)} follows no spring, "
+            value=f"a force of whose power {percent(examined.unexplained, decimals=0)} follows no spring, "
             "dashpot, mass or friction",
             remedy="Check that the force is the specimen's, and that the load cell was connected",
             where=name,
         )
     if stiffness:
-        _require_unit(
-            measured_displacement,
-            force,
-            kernel,
-            stiffness,
-            name,
-            linear=linear,
-            is_stiffness_fitted=is_stiffness_fitted,
-        )
+        _require_unit(examined, stiffness, name, linear=linear, is_stiffness_fitted=is_stiffness_fitted)
+    return examined
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Sign:
-    """Which sign of a force a passive specimen explains."""
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ExaminedForce:
+    """A recorded force beside the motion of a passive specimen that would explain it, or its reverse.
 
-    unexplained: float  # Power left over of the force as recorded, over that of the force [-]
-    reverse_explains: bool  # Whether the force is explained clearly better with its sign turned
-    may_be_right: bool  # Whether it is explained as recorded, too, so that no sign is certain
+    In motion of one frequency a mass explains a reversed spring, and neither explains a lag or a slip.
+    """
+
+    measured_displacement: Array  # measured_displacement, force: Without spikes, shape (n,)
+    force: Array
+    kernel: Kernel
 
     @classmethod
-    def examine_force(cls, measured_displacement: Array, force: Array, kernel: Kernel) -> "_Sign":
-        """Explain a force, and its reverse.
+    def from_histories(cls, measured_displacement: Array, force: Array, time_step: float) -> Self | None:
+        """Smooth both at the frequency at which they move together; None where the test is too short."""
+        kernel = _kernel(measured_displacement, force, time_step)
+        if kernel is None:
+            return None
+        return cls(measured_displacement=measured_displacement, force=force, kernel=kernel)
 
-        In motion of one frequency a mass explains a reversed spring, and neither explains a lag or a slip.
-        """
-        remaining, remaining_reversed = _remaining_power(measured_displacement, (force, -force), kernel)
-        springs_back = _stiffness(measured_displacement, force, kernel) is not None
-        better = _FAR_BETTER if springs_back else _BETTER
-        explains = remaining_reversed < min(better * remaining, _UNRELATED_POWER)
-        return cls(
-            unexplained=remaining,
-            reverse_explains=explains and not _takes_work(measured_displacement, force, kernel),
-            may_be_right=springs_back and remaining < _EXPLAINED_POWER,
+    @property
+    def unexplained(self) -> float:
+        """Power left over of the force as recorded, over that of the force [-]."""
+        return self._remaining[0]
+
+    @cached_property
+    def _remaining(self) -> list[float]:
+        """Power left over of the force and of its reverse [-]."""
+        return _remaining_power(self.measured_displacement, (self.force, -self.force), self.kernel)
+
+    @cached_property
+    def stiffness(self) -> float | None:
+        """Stiffness [N/m] of a specimen that springs back; None where it does not."""
+        return self.stiffness_above(_SPRING)
+
+    def stiffness_above(self, correlation: float) -> float | None:
+        """Stiffness [N/m] where force and displacement are correlated at least so much; else None."""
+        displacement, resistance = (
+            row - row.mean()
+            for row in (
+                self.kernel.smooth_derivative(self.measured_displacement, 0),
+                self.kernel.smooth_derivative(self.force, 0),
+            )
         )
+        slope = float(displacement @ resistance) / float(displacement @ displacement)
+        size = slope * float(np.linalg.norm(displacement) / np.linalg.norm(resistance))
+        return slope if size >= correlation else None
+
+    @cached_property
+    def reverse_explains(self) -> bool:
+        """Whether the force is explained clearly better with its sign turned."""
+        remaining, remaining_reversed = self._remaining
+        better = _BETTER if self.stiffness is None else _FAR_BETTER
+        explains = remaining_reversed < min(better * remaining, _UNRELATED_POWER)
+        return explains and not _takes_work(self.measured_displacement, self.force, self.kernel)
+
+    @property
+    def may_be_right(self) -> bool:
+        """Whether the force is explained as recorded, too, so that no sign is certain."""
+        return self.stiffness is not None and self.unexplained < _EXPLAINED_POWER
+
+    def follows(self, command: Array) -> bool:
+        """Whether a command explains the force far better than a measured displacement that is ahead of it.
+
+        A displacement that explains the force, too, is in order: an actuator that leads moves the specimen
+        earlier than its command, which a computer knows without noise, and a skew shows as a lead.
+        """
+        kernel, displacement = self.kernel, self.measured_displacement
+        lead = _lead(displacement, command, kernel)
+        lead_power = (
+            lead**2
+            * _power(kernel.smooth_derivative(displacement, 1))
+            / _power(kernel.smooth_derivative(displacement, 0))
+        )
+        misses = lead > _SKEW_SAMPLES * kernel.time_step and self.unexplained > _LEAD_POWER * lead_power
+        if not misses:
+            return False
+        return _remaining_power(command, (self.force,), kernel)[0] < _EXCHANGED_POWER * self.unexplained
 
 
-def doubts_of_force(recording: Recording) -> Iterator[str]:
-    """Say where sign or columns of a recorded force may be wrong, though that is not certain."""
+def doubts_of_force(recording: Recording, examined: ExaminedForce | None = None) -> Iterator[str]:
+    """Say where sign or columns of a recorded force may be wrong, though that is not certain.
+
+    `examined`: its force, if that was examined before.
+    """
     clean, *_ = remove_spikes(recording)
-    if clean.force is None or (kernel := _kernel(clean.measured, clean.force, clean.time_step)) is None:
+    if examined is None and clean.force is not None:
+        examined = ExaminedForce.from_histories(clean.measured, clean.force, clean.time_step)
+    if examined is None:
         return
-    yield from doubts_of_sign(clean.measured, clean.force, clean.time_step)
-    if _follows_command(clean.command, clean.measured, clean.force, kernel):
+    yield from doubts_of_sign(examined)
+    if examined.follows(clean.command):
         yield (
             "The recorded force follows the command more closely than the measured displacement. Check the "
             "displacement sensor (drift, stroke, clock), and that the two columns are not exchanged."
         )
 
 
-def doubts_of_sign(measured_displacement: Array, force: Array, time_step: float) -> Iterator[str]:
-    """Say where a force that a spring explains is explained better with its sign turned.
-
-    `measured_displacement` displacement [m] and `force` [N], shape (n,); `time_step` [s].
-    """
-    kernel = _kernel(measured_displacement, force, time_step)
-    if kernel is not None and _Sign.examine_force(measured_displacement, force, kernel).reverse_explains:
+def doubts_of_sign(examined: ExaminedForce) -> Iterator[str]:
+    """Say where a force that a spring explains is explained better with its sign turned."""
+    if examined.reverse_explains:
         yield (
             "The recorded force is that of a mass with its sign turned, as the restoring force of a free "
             "vibration is. Check its sign: it is positive where the specimen resists a positive displacement."
@@ -184,27 +235,22 @@ def _takes_work(measured_displacement: Array, force: Array, kernel: Kernel) -> b
     return bool(work.mean() > 0.0)
 
 
-def require_order(
-    command: Array, measured_displacement: Array, force: Array, time_step: float, name: str = ""
-) -> None:
+def require_order(command: Array, examined: ExaminedForce, name: str = "") -> None:
     """Refuse a test whose force follows the command, and whose measured displacement is only ahead of it.
 
     A force that follows the command is no proof: a displacement sensor that drifts hides the motion that the
     specimen follows. Where the columns are exchanged, the displacement explains the force as soon as its lead
     is taken off, and the command, which is then a reading, is no cleaner than the displacement.
 
-    `command`, `measured_displacement`, `force` [m]; `time_step` [s].
+    `command` [m], shape (n,).
     """
-    kernel = _kernel(measured_displacement, force, time_step)
-    if kernel is None or not _follows_command(command, measured_displacement, force, kernel):
+    if not examined.follows(command):
         return
-    path = CubicPath.interpolate(np.arange(measured_displacement.size) * time_step, measured_displacement)
-    realigned = path.read_delayed(_lead(measured_displacement, command, kernel))
-    power_as_read, power_realigned = (
-        _remaining_power(displacement, (force,), kernel)[0]
-        for displacement in (measured_displacement, realigned)
-    )
-    if power_realigned < _REALIGNED_SHARE * power_as_read and not is_noisier(measured_displacement, command):
+    kernel, displacement = examined.kernel, examined.measured_displacement
+    path = CubicPath.interpolate(np.arange(displacement.size) * kernel.time_step, displacement)
+    realigned = path.read_delayed(_lead(displacement, command, kernel))
+    power_realigned = _remaining_power(realigned, (examined.force,), kernel)[0]
+    if power_realigned < _REALIGNED_SHARE * examined.unexplained and not is_noisier(displacement, command):
         raise InputError(
             "The recorded force does not follow the measured displacement",
             value="a force that follows the command instead, as if the two columns were exchanged",
@@ -213,41 +259,14 @@ def require_order(
         )
 
 
-def _follows_command(command: Array, measured_displacement: Array, force: Array, kernel: Kernel) -> bool:
-    """Whether the command explains a force far better than a measured displacement that is ahead of it.
-
-    A displacement that explains the force, too, is in order: an actuator that leads moves the specimen
-    earlier than its command, which a computer knows without noise, and a skew shows as a lead.
-    """
-    command_power, measured_power = (
-        _remaining_power(displacement, (force,), kernel)[0]
-        for displacement in (command, measured_displacement)
-    )
-    lead = _lead(measured_displacement, command, kernel)
-    lead_power = (
-        lead**2
-        * _power(kernel.smooth_derivative(measured_displacement, 1))
-        / _power(kernel.smooth_derivative(measured_displacement, 0))
-    )
-    misses = lead > _SKEW_SAMPLES * kernel.time_step and measured_power > _LEAD_POWER * lead_power
-    return misses and command_power < _EXCHANGED_POWER * measured_power
-
-
 def _lead(first: Array, second: Array, kernel: Kernel) -> float:
     """Time by which one history is ahead of another, to first order [s]."""
-    ahead, rate = _detrend(kernel.smooth_derivative(first, 0)), kernel.smooth_derivative(second, 1)
+    ahead, rate = detrend(kernel.smooth_derivative(first, 0)), kernel.smooth_derivative(second, 1)
     return float(ahead @ rate) / float(rate @ rate)
 
 
 def _power(values: Array) -> float:
     return float(np.var(values))
-
-
-def _detrend(values: Array) -> Array:
-    """Take off the straight line of least squares."""
-    centred_values = values - values.mean()
-    place = np.arange(values.size) - 0.5 * (values.size - 1)
-    return np.asarray(centred_values - place * (float(place @ centred_values) / float(place @ place)))
 
 
 def stiffness_from_mass(structure: Structure, stated_values: Mapping[str, StatedValue]) -> float | None:
@@ -265,11 +284,14 @@ def remark_on_force(
     Empty where there is nothing to say.
     """
     clean, *_ = remove_spikes(recording)
-    if clean.force is None or (kernel := _kernel(clean.measured, clean.force, clean.time_step)) is None:
+    if clean.force is None:
+        return ""
+    examined = ExaminedForce.from_histories(clean.measured, clean.force, clean.time_step)
+    if examined is None:
         return ""
     stated_stiffness = stiffness_from_mass(structure, stated_values)
     least = _SPRING if stated_stiffness is None else _STRAIGHT
-    stiffness = _stiffness(clean.measured, clean.force, kernel, least)
+    stiffness = examined.stiffness_above(least)
     if stiffness is None:
         return ""
     if stated_stiffness is not None:
@@ -287,31 +309,10 @@ def remark_on_force(
     )
 
 
-def _stiffness(
-    measured_displacement: Array, force: Array, kernel: Kernel, least: float = _SPRING
-) -> float | None:
-    """Stiffness where force and displacement are correlated at least so much; else None."""
-    displacement, resistance = (
-        row - row.mean()
-        for row in (kernel.smooth_derivative(measured_displacement, 0), kernel.smooth_derivative(force, 0))
-    )
-    slope = float(displacement @ resistance) / float(displacement @ displacement)
-    correlation = slope * float(np.linalg.norm(displacement) / np.linalg.norm(resistance))
-    return slope if correlation >= least else None
-
-
 def _require_unit(
-    measured_displacement: Array,
-    force: Array,
-    kernel: Kernel,
-    stiffness: float,
-    name: str,
-    *,
-    linear: bool,
-    is_stiffness_fitted: bool,
+    examined: ExaminedForce, stiffness: float, name: str, *, linear: bool, is_stiffness_fitted: bool
 ) -> None:
-    slope = _stiffness(measured_displacement, force, kernel, _STRAIGHT)
-    straight, slope = slope is not None, slope or _stiffness(measured_displacement, force, kernel)
+    straight, slope = examined.stiffness_above(_STRAIGHT) is not None, examined.stiffness
     if slope is None:
         return
     ratio = slope / stiffness

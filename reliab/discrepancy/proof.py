@@ -5,7 +5,8 @@ from enum import StrEnum
 from itertools import combinations
 
 import numpy as np
-from scipy import fft, signal, stats
+from numpy.typing import NDArray
+from scipy import fft
 
 from reliab.core.arrays import Array
 from reliab.discrepancy.campaign.campaign import Channel, MeasuredTest
@@ -13,6 +14,7 @@ from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.result.gap import Gap, HeldOutTest
 from reliab.discrepancy.spectra.segment import energy_of
 from reliab.signals.noise import converter_step, near_mains
+from reliab.signals.spectra import detrend, hann, periodogram
 
 _SAME_INPUT = 0.02  # RMS of a difference over that of the input
 _MOTION_AT_REST = 0.002  # of the input's range
@@ -95,19 +97,26 @@ def kind_of_motion(driven: Array, rate: float) -> str:
     >>> [kind_of_motion(np.sin(w * time), 200.0) for w in (5.0, 0.5 * time)]
     ['sine', 'sweep']
     """
-    centred_values = signal.detrend(driven, type="constant")
-    frequency, power = signal.periodogram(centred_values, fs=rate, window="hann")
+    centred_values = driven - driven.mean()
+    power = periodogram(centred_values, hann(driven.size))
+    frequency = fft.rfftfreq(driven.size, 1.0 / rate)[1:]
     main = float(frequency[np.argmax(power)])
-    near = np.abs(frequency - main) <= max(_LINE * main, 3.0 * float(frequency[1]))
+    near = np.abs(frequency - main) <= max(_LINE * main, 3.0 * float(frequency[0]))
     if power[near].sum() > _NEARLY_ALL * power.sum():
         return "sine"
     clear = np.flatnonzero(np.abs(centred_values) > _CLEAR * centred_values.std())
     crossings = clear[1:][np.diff(np.signbit(centred_values[clear]))]
     if crossings.size >= _FEWEST_CROSSINGS:
-        order = stats.spearmanr(np.arange(crossings.size - 1), np.diff(crossings)).statistic
+        order = np.corrcoef(np.arange(crossings.size - 1), _ranks(np.diff(crossings)))[0, 1]
         if abs(float(order)) > _RANK_ORDER:
             return "sweep"
     return "irregular motion"
+
+
+def _ranks(values: NDArray[np.int64]) -> Array:
+    """Place of each value among all in their order; the mean place where several are equal."""
+    _, value, counts = np.unique(values, return_inverse=True, return_counts=True)
+    return np.asarray((np.cumsum(counts) - 0.5 * (counts - 1))[value])
 
 
 class Source(StrEnum):
@@ -189,8 +198,9 @@ def _band_variances(
 ) -> Iterator[float]:
     """Level of the band above the motion where it is white, so that it holds below as well, with pickup."""
     for test in tests:
-        values = signal.detrend(test.channels[channel])
-        frequency, power = signal.periodogram(values, fs=rate, window="hann")
+        values = test.channels[channel]
+        power = periodogram(detrend(values), hann(values.size))
+        frequency = fft.rfftfreq(values.size, 1.0 / rate)[1:]
         is_above = (frequency > highest) & (frequency < 0.49 * rate)
         mains = near_mains(frequency, 0.5 * rate)
         level = power[is_above & ~mains]
@@ -199,8 +209,8 @@ def _band_variances(
         low, high = (float(np.mean(half)) for half in np.array_split(level, 2))
         if max(low, high) < _WHITE * min(low, high):
             white = float(np.mean(level))
-            pickup = float(np.maximum(power[is_above & mains] - white, 0.0).sum() * frequency[1])
-            yield white * 0.5 * rate + pickup
+            pickup = float(np.maximum(power[is_above & mains] - white, 0.0).sum()) * 2.0 / values.size
+            yield white + pickup
 
 
 def _rest_variances(
@@ -219,4 +229,4 @@ def _rest_variances(
             is_moving = (np.abs(driven[:, order] - driven[:, order][:, :1]) > reach).any(axis=0)
             length = int(np.argmax(is_moving)) if is_moving.any() else is_moving.size
             if length >= shortest:
-                yield max(float(np.var(signal.detrend(test.channels[channel][order][:length]))), conversion)
+                yield max(float(np.var(detrend(test.channels[channel][order][:length]))), conversion)

@@ -7,7 +7,7 @@ importance sampling of Cornuet and others 2012, doi:10.1111/j.1467-9469.2011.007
 from collections.abc import Callable
 
 import numpy as np
-from scipy import stats
+import scipy
 
 from reliab.core.arrays import Array
 
@@ -38,20 +38,21 @@ def draw_by_importance(
     >>> bool(abs(drawn.mean() - 1.0) < 0.1 and abs(drawn.std() - 0.5) < 0.05 and effective >= 400.0)
     True
     """
-    mean, covariance = np.zeros(size), np.eye(size)
+    mean: Array = np.zeros(size)
+    covariance = np.eye(size)
     points, logs = np.zeros((0, size)), np.zeros(0)
     weights, mixture = np.zeros(0), []
     for _ in range(_POPULATIONS):
         shape = _WIDER**2 * covariance + _LEAST_VARIANCE * np.eye(size)
-        mixture.append(stats.multivariate_t(loc=mean, shape=shape, df=_FREEDOM, seed=rng))
-        fresh = np.asarray(mixture[-1].rvs(population)).reshape(population, size)
+        mixture.append((mean, np.asarray(np.linalg.cholesky(shape))))
+        fresh = _draw_student(mean, shape, population, rng)
         fresh_logs = log_density(fresh)
         possible = np.isfinite(fresh_logs)
         points = np.concatenate([points, fresh[possible]])
         logs = np.concatenate([logs, fresh_logs[possible]])
         if len(points) <= size:
             break
-        ratios = logs - np.logaddexp.reduce([component.logpdf(points) for component in mixture])
+        ratios = logs - np.logaddexp.reduce([_log_student(points, *component) for component in mixture])
         weights = weights_of(ratios)
         if effective_size(weights) >= enough:
             break
@@ -62,6 +63,19 @@ def draw_by_importance(
     if not weights.size:
         return rng.standard_normal((draws, size)), 1.0
     return points[rng.choice(len(points), draws, p=weights)], effective_size(weights)
+
+
+def _draw_student(mean: Array, shape: Array, count: int, rng: np.random.Generator) -> Array:
+    """Draw from a distribution of Student, shape (count, size)."""
+    widths = np.sqrt(rng.chisquare(_FREEDOM, count) / _FREEDOM)
+    return mean + rng.multivariate_normal(np.zeros(mean.size), shape, count) / widths[:, np.newaxis]
+
+
+def _log_student(points: Array, mean: Array, root: Array) -> Array:
+    """Logarithm of the density of Student with a root of the shape, up to a constant, shape (points,)."""
+    standard = scipy.linalg.solve_triangular(root, (points - mean).T, lower=True)
+    powers = np.log1p((standard**2).sum(axis=0) / _FREEDOM)
+    return np.asarray(-0.5 * (_FREEDOM + mean.size) * powers - np.log(np.diag(root)).sum())
 
 
 def weights_of(logarithms: Array) -> Array:

@@ -67,6 +67,17 @@ def periodogram(values: Array, taper: Array) -> Array:
     return np.asarray(np.abs(spectrum) ** 2 / np.sum(taper**2))
 
 
+def detrend(values: Array) -> Array:
+    """Take the straight line of least squares off a history, shape (n,).
+
+    >>> detrend(np.array([1.0, 2.0, 3.0, 5.0])).round(12).tolist()
+    [0.2, -0.1, -0.4, 0.3]
+    """
+    centred_values = values - values.mean()
+    place = np.arange(values.size) - 0.5 * (values.size - 1)
+    return np.asarray(centred_values - place * (float(place @ centred_values) / float(place @ place)))
+
+
 def taper(name: str, size: int) -> Array:
     """Window of a name that SciPy knows, as it is repeated in a Fourier transform, shape (size,)."""
     if name == "hann":

@@ -9,10 +9,11 @@ expected where the velocity spreads about that of p̂.
 from collections.abc import Sequence
 
 import numpy as np
-from scipy import fft, signal
+from scipy import fft
 
 from reliab.core.arrays import Array
 from reliab.signals.noise import NoiseModel, Periodogram, fit_noise
+from reliab.signals.spectra import detrend, hann, periodogram
 
 _NARROW, _WIDENING = 0.2, 0.1  # Hz, and of the frequency: to either side power is averaged so far
 _FEWEST = 3  # frequencies to either side
@@ -48,9 +49,10 @@ def harmonics_up_to(displacement: Array, step: float) -> float:
 
     `displacement` [m]; `step` [s].
     """
-    frequency, power = signal.periodogram(displacement, fs=1.0 / step, window="hann", detrend="linear")
+    power = periodogram(detrend(displacement), hann(displacement.size))
+    frequency = fft.rfftfreq(displacement.size, step)[1:]
     main = float(frequency[np.argmax(power)])
-    reach = max(_NARROW_LINE * main, 3.0 * float(frequency[1]))
+    reach = max(_NARROW_LINE * main, 3.0 * float(frequency[0]))
     near = np.abs(frequency - main) <= reach
     return _HARMONICS_OF_SINE * main if power[near].sum() > _ALL_OF_IT * power.sum() else 0.0
 

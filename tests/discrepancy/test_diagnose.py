@@ -179,7 +179,7 @@ def test_results_are_there_when_the_report_fails(rig_b, tmp_path, monkeypatch):
     def fail(*_args, **_options):
         raise RuntimeError("no font")
 
-    monkeypatch.setattr("reliab.app.api.diagnosis.write_pdf", fail)
+    monkeypatch.setattr("reliab.report.pdf.write_pdf", fail)
     application = typer.Typer()
     application.command()(command)
     run = CliRunner().invoke(application, [rig_b, "--out", str(tmp_path)])

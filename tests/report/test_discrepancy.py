@@ -104,7 +104,7 @@ def test_a_failed_figure_costs_a_figure_and_a_line(damping_diagnosis, monkeypatc
     def fail(_found):
         raise ValueError("Number of rows must be positive")
 
-    monkeypatch.setattr("reliab.report.kinds.discrepancy_report.gap_figure", fail)
+    monkeypatch.setattr("reliab.report.kinds.discrepancy_figures.gap_figure", fail)
     document = discrepancy_report(damping_diagnosis, provenance={})
     content = json.dumps(text_of(document), ensure_ascii=False)
     assert "The figure of the gap could not be drawn" in content

@@ -144,7 +144,7 @@ def test_limits_begin_with_their_sentences():
     ("explained", "said"), [(True, "does not differ from noise"), (False, "varies with no quantity")]
 )
 def test_a_residual_is_noise_only_in_a_complete_model(monkeypatch, explained, said):
-    monkeypatch.setattr(discrepancy, "draw_or_skip", lambda *_: ())
+    monkeypatch.setattr("reliab.report.kinds.discrepancy_figures.draw_or_skip", lambda *_: ())
     section = discrepancy.location_section(SimpleNamespace(where=(), is_explained=explained, blocks=()))
     (only,) = section.blocks
     assert said in words([only])

@@ -12,7 +12,6 @@ from reliab.discrepancy.diagnose import diagnose
 from reliab.discrepancy.result.diagnosis import Diagnosis
 from reliab.report.document import Document
 from reliab.report.kinds.discrepancy_report import discrepancy_report
-from reliab.report.pdf import write_pdf
 from reliab.report.setting import Setting
 from reliab.study.stages import digest
 
@@ -68,6 +67,8 @@ def report_diagnosis(
     InputError
         If the report cannot be written.
     """
+    from reliab.report.pdf import write_pdf
+
     newest = max(path.stat().st_mtime for path in campaign_folder(campaign).iterdir())
     day = datetime.fromtimestamp(newest, tz=UTC).date()
     write_pdf(document_of_diagnosis(addition, campaign), Path(out) / _REPORT, date=day, setting=setting)

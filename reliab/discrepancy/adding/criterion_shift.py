@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
@@ -75,7 +75,7 @@ def _criterion(axes: Array) -> Array:
     if not axes.all():
         return np.zeros(2)
     logarithms = np.log(axes)
-    return np.asarray(np.exp(logarithms.mean(axis=0) + norm.ppf(1.0 - CONFIDENCE) * logarithms.std(axis=0)))
+    return np.asarray(np.exp(logarithms.mean(axis=0) + ndtri(1.0 - CONFIDENCE) * logarithms.std(axis=0)))
 
 
 def shaking_of(campaign: Campaign) -> tuple[Excitation, ...]:

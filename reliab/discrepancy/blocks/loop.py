@@ -7,7 +7,7 @@ from functools import cached_property, lru_cache
 from types import MappingProxyType
 
 import numpy as np
-from scipy import signal
+import scipy
 
 from reliab.core.arrays import Array
 from reliab.core.vocabulary import Block
@@ -159,11 +159,13 @@ class LoopBlock(ObservedBlock):
     def _scale(self) -> float:
         """Scale at which the excitation explains most of a test, of springs within the calibration."""
         test = next(k for k, candidate in enumerate(self.tests) if not candidate.held_out)
-        reading = signal.detrend(self.measured(test)[:: self.every], type="constant")
+        measured = self.measured(test)[:: self.every]
+        reading = measured - measured.mean()
         share, scale = 0.0, 1.0
         spring = stiffness(self.nominal)
         for factor in np.linspace(spring.parameter.lower, spring.parameter.upper, _SPRINGS):
-            response = signal.detrend(self.predict(spring.apply(self.nominal, factor), test), type="constant")
+            response = self.predict(spring.apply(self.nominal, factor), test)
+            response = response - response.mean()
             energy, projection = float(response @ response), float(response @ reading)
             if projection**2 > share * energy:
                 share, scale = projection**2 / energy, projection / energy
@@ -176,9 +178,9 @@ def _resample(ground: Array, parts: int, thinning: int) -> Array:
     The last sample is the last one that was recorded.
     """
     if parts > 1:
-        fine: Array = signal.resample_poly(ground, parts, 1, padtype="line")
+        fine: Array = scipy.signal.resample_poly(ground, parts, 1, padtype="line")
         return fine[: (ground.size - 1) * parts + 1]
     if thinning == 1:
         return ground
-    weights = signal.firwin(16 * thinning + 1, 0.8 / thinning)
-    return np.asarray(signal.oaconvolve(ground, weights, mode="same")[::thinning])
+    weights = scipy.signal.firwin(16 * thinning + 1, 0.8 / thinning)
+    return np.asarray(scipy.signal.oaconvolve(ground, weights, mode="same")[::thinning])

@@ -8,7 +8,6 @@ from types import MappingProxyType
 from typing import ClassVar, Generic, Self, TypeVar
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from reliab.core.arrays import Array, Spectrum
 from reliab.core.vocabulary import Block
@@ -20,6 +19,7 @@ from reliab.discrepancy.terms import lag_of, path_through, read_late, record_lat
 from reliab.effects.added_mass import AddedMass
 from reliab.effects.effect import Effect, Scales
 from reliab.effects.viscous_damping import ViscousDamping
+from reliab.signals.cubic_path import CubicPath
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.open_loop import Motion3
 
@@ -138,8 +138,8 @@ class ObservedBlock(ABC):
         size = self.tests[test].size
         if self.every == 1:
             return values
-        spline = CubicSpline(self.every * np.arange(values.size), values)
-        return np.asarray(spline(np.arange(size)))
+        instants = self.every * np.arange(values.size, dtype=np.float64)
+        return CubicPath.interpolate(instants, values)(np.arange(size, dtype=np.float64))
 
 
 class SuperposedBlock(ObservedBlock, Generic[Term]):

@@ -10,8 +10,8 @@ from itertools import combinations
 from typing import Final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import signal
 
 from reliab.assessment.faults import plain_faults
 from reliab.assessment.plausibility import require_plausible
@@ -58,13 +58,8 @@ def require_consistent(campaign: Campaign) -> tuple[str, ...]:
 def _faults_of(test: MeasuredTest, campaign: Campaign) -> Iterator[str]:
     """Examine one test by itself."""
     yield from (f"{test.file}: {note}" for note in test.notes)
-    command, reading, force, ground = (
-        test.channels.get(channel)
-        for channel in (Channel.COMMAND, Channel.MEASURED, Channel.FORCE, Channel.GROUND)
-    )
-    specimen = campaign.nominal.specimen
-    stiffness = None if specimen is None else specimen.stiffness
-    displacement = reading if command is None else command
+    reading, ground = test.channels.get(Channel.MEASURED), test.channels.get(Channel.GROUND)
+    displacement = test.channels.get(Channel.COMMAND, reading)
     if displacement is None or not np.ptp(displacement) > 0.0:
         return
     if campaign.structure is not None and ground is not None and _is_still(ground, displacement):
@@ -77,26 +72,34 @@ def _faults_of(test: MeasuredTest, campaign: Campaign) -> Iterator[str]:
     if reading is None:
         return
     try:
-        if command is not None:
-            recording = Recording(
-                command=command, measured=reading, time_step=campaign.step, name=test.file, force=force
-            )
-            expected_recording = replace(recording, command=campaign.nominal.actuator.gain * command)
-            require_plausible(expected_recording, stiffness=stiffness, is_stiffness_fitted=True)
-            yield from (f"{test.file}: {fault.finding}" for fault in plain_faults(recording))
-            yield from (f"{test.file}: {doubt}" for doubt in doubts_of_force(recording))
-            yield from (f"{test.file}: {sentence}" for sentence in _noise_of_command(command, reading))
-            if campaign.structure is not None and force is not None:
-                shaken = replace(recording, ground=ground)
-                doubts = doubts_of_ground(shaken, campaign.structure, campaign.mass)
-                yield from (f"{test.file}: {doubt}" for doubt in doubts)
-        elif force is not None:
-            require_restoring_force(
-                reading, force, campaign.step, stiffness=stiffness, is_stiffness_fitted=True, name=test.file
-            )
-            yield from (f"{test.file}: {doubt}" for doubt in doubts_of_sign(reading, force, campaign.step))
+        yield from (f"{test.file}: {doubt}" for doubt in _doubts_of_channels(test, campaign, reading))
     except InputError as error:
         raise InputError(error.rule, value=error.value, remedy=_REMEDY, where=test.file) from None
+
+
+def _doubts_of_channels(test: MeasuredTest, campaign: Campaign, reading: Array) -> Iterator[str]:
+    """Say what may be wrong with the channels beside a measured displacement; refuse what surely is."""
+    command, force = test.channels.get(Channel.COMMAND), test.channels.get(Channel.FORCE)
+    specimen = campaign.nominal.specimen
+    stiffness = None if specimen is None else specimen.stiffness
+    if command is None:
+        if force is not None:
+            examined = require_restoring_force(
+                reading, force, campaign.step, stiffness=stiffness, is_stiffness_fitted=True, name=test.file
+            )
+            yield from () if examined is None else doubts_of_sign(examined)
+        return
+    recording = Recording(
+        command=command, measured=reading, time_step=campaign.step, name=test.file, force=force
+    )
+    expected_recording = replace(recording, command=campaign.nominal.actuator.gain * command)
+    examined = require_plausible(expected_recording, stiffness=stiffness, is_stiffness_fitted=True)
+    yield from (fault.finding for fault in plain_faults(recording))
+    yield from doubts_of_force(recording, examined)
+    yield from _noise_of_command(command, reading)
+    if campaign.structure is not None and force is not None:
+        shaken = replace(recording, ground=test.channels.get(Channel.GROUND))
+        yield from doubts_of_ground(shaken, campaign.structure, campaign.mass)
 
 
 def _noise_of_command(command: Array, reading: Array) -> Iterator[str]:
@@ -105,10 +108,11 @@ def _noise_of_command(command: Array, reading: Array) -> Iterator[str]:
     What the rig follows at the highest frequencies is motion, as of a random command.
     """
     share = np.sqrt(white_noise_share(command))
+    if share <= _NOISY:
+        return
     length = min(_LONGEST_STRETCH, command.size // _FEWEST_STRETCHES)
-    frequency, coherence = signal.coherence(command, reading, nperseg=length)
-    is_followed = float(coherence[frequency > 0.5 * frequency[-1]].mean()) > _MOTION_COHERENCE
-    if share > _NOISY and not is_followed:
+    frequency, coherence = scipy.signal.coherence(command, reading, nperseg=length)
+    if float(coherence[frequency > 0.5 * frequency[-1]].mean()) <= _MOTION_COHERENCE:
         yield (
             f"The recorded command holds noise of {percent(share, decimals=2)} of its RMS. A command is "
             "taken as exact: a lag of the actuator, an added mass or an error of the integration may be this "

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import optimize
 
 from reliab.core.arrays import Array
 from reliab.discrepancy.fitting.problem import Problem
@@ -180,7 +180,8 @@ def solve_bounded_step(curvature: Array, slope: Array, least: Array, high: Array
         return step
     root = np.linalg.cholesky(damped_curvature)
     high = np.maximum(high, least + 1e-12)
-    solution = optimize.lsq_linear(root.T, -np.linalg.solve(root, slope), bounds=(least, high), method="bvls")
+    target = -np.linalg.solve(root, slope)
+    solution = scipy.optimize.lsq_linear(root.T, target, bounds=(least, high), method="bvls")
     return np.asarray(solution.x)
 
 

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+from scipy import special
 
 from reliab.core.arrays import Array
 from reliab.core.plain_values import PlainResult
@@ -108,14 +108,14 @@ def locate(problem: Problem, calibrated_model: Fit, noise: NoiseModel) -> tuple[
         kind = max(projections, key=lambda kind: float(np.sum(projections[kind][0] ** 2)))
         rows, axes = projections[kind]
         energy = float(rows @ rows)
-        p_value = min(1.0, len(_FAMILIES) * float(stats.chi2.sf(energy, axes.shape[1])))
+        p_value = min(1.0, len(_FAMILIES) * float(special.chdtrc(axes.shape[1], energy)))
         if p_value >= _SIGNIFICANT or energy < _LEAST_SHARE * excess:
             break
         parts.append((rows, kind, _FAMILIES[kind][0], energy / excess, p_value))
         basis, remainder = np.concatenate([basis, axes], axis=1), remainder - rows
         del families[kind]
     rest_energy = float(remainder @ remainder)
-    p_value = float(stats.chi2.sf(rest_energy, remainder.size))
+    p_value = float(special.chdtrc(remainder.size, rest_energy))
     if rest_energy - remainder.size > _LEAST_SHARE * excess and p_value < _SIGNIFICANT:
         parts.append(
             (remainder, _REMAINDER_KIND, "no quantity of the motion explains the rest", 1.0, p_value)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy import stats
+from scipy import special
 
 from reliab.core.significant_digits import counted, percent
 from reliab.discrepancy.fitting.error_search import ErrorSearch
@@ -336,7 +336,7 @@ def predict_error(errors: LeftOut) -> FurtherError | None:
     if count < _FEWEST:
         return None
     spread = float(logarithms.std(ddof=1)) * np.sqrt(1.0 + 1.0 / count)
-    reach = float(stats.t.isf(_TAILS, count - 1)) * spread
+    reach = float(-special.stdtrit(count - 1, _TAILS)) * spread
     middle = float(logarithms.mean())
     low, high = np.exp(middle - reach), np.exp(middle + reach)
     return FurtherError(value=float(np.exp(middle)), low=float(low), high=float(high), tests=count)

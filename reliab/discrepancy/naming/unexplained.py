@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 
 import numpy as np
-from scipy import fft, ndimage, signal, stats
+import scipy
+from scipy import fft
 
 from reliab.core.arrays import Array
 from reliab.core.significant_digits import percent, significant
@@ -18,7 +19,7 @@ from reliab.discrepancy.spectra.segment import energy_of
 from reliab.effects.general.general_term import GeneralTerm
 from reliab.effects.general.periodic import Disturbance
 from reliab.signals.noise import NoiseModel, near_mains
-from reliab.signals.spectra import hann
+from reliab.signals.spectra import detrend, hann
 
 LARGEST_REMAINDER = 0.2
 """Share of the gap's energy that may remain unexplained where the effects are `named`, in the kind of
@@ -146,7 +147,7 @@ def line_above(problem: Problem, best: Fit) -> tuple[str, str] | None:
     read = {s.test: block.tests[s.test].channels[Channel.MEASURED] for s in problem.segments}
     specimen = best.space.model(best.coordinates).specimen
     spring = 0.0 if specimen is None else specimen.stiffness
-    around = ndimage.median_filter(forces, (1, _AROUND)) / np.log(2.0)
+    around = scipy.ndimage.median_filter(forces, (1, _AROUND)) / np.log(2.0)
     clear = np.mean(forces / np.maximum(around, 1e-300), axis=0)
     spring_power = _SPRING_EXCESS * spring**2 * _powers(problem, read, grid).mean(axis=0)
     clear[forces.mean(axis=0) < spring_power] = 0.0
@@ -165,14 +166,14 @@ def line_above(problem: Problem, best: Fit) -> tuple[str, str] | None:
 
 def _threshold(stretches: int, trials: int) -> float:
     """Mean power over its expectation that noise exceeds by chance only."""
-    return max(float(stats.gamma.isf(_CHANCE / trials, stretches)) / stretches, _LEAST)
+    return max(float(scipy.special.gammainccinv(stretches, _CHANCE / trials)) / stretches, _LEAST)
 
 
 def _powers(problem: Problem, values: dict[int, Array], grid: Array) -> Array:
     """Power of each segment under a window that keeps strong slow parts where they are, on one grid."""
     rows = []
     for segment in problem.segments:
-        stretch = signal.detrend(values[segment.test][segment.begin : segment.end])
+        stretch = detrend(values[segment.test][segment.begin : segment.end])
         power = np.abs(fft.rfft(stretch * hann(stretch.size))) ** 2 / stretch.size
         rows.append(np.interp(grid, fft.rfftfreq(stretch.size, 1.0 / segment.rate), power))
     return np.stack(rows)
@@ -200,9 +201,9 @@ def standstill(problem: Problem, best: Fit) -> tuple[str, str] | None:
     event_energy = total_energy = 0.0
     for test, residual in problem.residuals(best).items():
         read = problem.block.measured(test)
-        expected_signal = _low_pass(read - residual, problem.block.highest / problem.block.rate)
         usual = max(problem.steps[test], float(np.median(np.abs(residual))))
-        events = _standing_stretches(read, expected_signal, usual)
+        highest = problem.block.highest / problem.block.rate
+        events = _standing_stretches(read, read - residual, usual, highest)
         lengths += [end - begin for begin, end in events]
         event_energy += sum(float((residual[begin:end] ** 2).sum()) for begin, end in events)
         total_energy += float((residual**2).sum())
@@ -215,20 +216,25 @@ def standstill(problem: Problem, best: Fit) -> tuple[str, str] | None:
     )
 
 
-def _low_pass(expected_signal: Array, highest: float) -> Array:
-    """Keep of what a model expects the part below the highest frequency, in units of the sampling rate."""
-    return np.asarray(signal.sosfiltfilt(signal.butter(4, highest, fs=1.0, output="sos"), expected_signal))
+def _standing_stretches(
+    read: Array, expected_signal: Array, usual: float, highest: float
+) -> list[tuple[int, int]]:
+    """First sample of each event in a test and the one after the last.
 
-
-def _standing_stretches(read: Array, expected_signal: Array, usual: float) -> list[tuple[int, int]]:
-    """First sample of each event in a test and the one after the last."""
+    The model moves on where its part below the highest frequency, in units of the sampling rate, does.
+    """
     changes = np.diff(read)
     edges = np.concatenate([[0], np.flatnonzero(changes) + 1, [read.size]])
+    runs = [
+        (begin, end)
+        for begin, end in zip(edges[1:-2].tolist(), edges[2:-1].tolist(), strict=True)
+        if end - begin >= _FEWEST_SAMPLES
+    ]
+    if not runs:
+        return []
+    sections = scipy.signal.butter(4, highest, fs=1.0, output="sos")
+    expected_signal = np.asarray(scipy.signal.sosfiltfilt(sections, expected_signal))
     if changes.any():
         usual = max(usual, float(np.median(np.abs(changes[changes != 0.0]))))
     least = _TIMES * usual + _SHARE * float(read.std())
-    events = []
-    for begin, end in zip(edges[1:-2].tolist(), edges[2:-1].tolist(), strict=True):
-        if end - begin >= _FEWEST_SAMPLES and float(np.ptp(expected_signal[begin:end])) > least:
-            events.append((begin, end))
-    return events
+    return [(begin, end) for begin, end in runs if float(np.ptp(expected_signal[begin:end])) > least]

@@ -1,6 +1,6 @@
 """Report of a measured campaign: where the model fails, what is missing, and the proof."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from typing import Final
 
@@ -18,15 +18,6 @@ from reliab.discrepancy.result.diagnosis import Diagnosis
 from reliab.discrepancy.result.gap import Gap, Remainder
 from reliab.discrepancy.result.missing_effect import MissingEffect, Unknown
 from reliab.report.document import Block, Column, Document, Paragraph, Points, Section, Table
-from reliab.report.kinds.discrepancy_figures import (
-    block_figure,
-    draw_or_skip,
-    gap_figure,
-    histories_figure,
-    posterior_figure,
-    state_plane_figure,
-    time_frequency_figure,
-)
 from reliab.report.numbers import Fixed, Significant, write_in_line
 from reliab.report.prose import Math, Prose, prose
 from reliab.report.sources import provenance_of
@@ -210,15 +201,17 @@ def _method(remarks: Sequence[Prose]) -> Section:
 
 def location_section(diagnosis: Diagnosis) -> Section:
     """Show the block that fails, what its residuals vary with, and residuals over frequency and state."""
-    blocks: list[Block] = [*draw_or_skip("the loop", partial(block_figure, diagnosis)), _places(diagnosis)]
+    from reliab.report.kinds import discrepancy_figures as figures
+
+    loop = figures.draw_or_skip("the loop", partial(figures.block_figure, diagnosis))
+    blocks: list[Block] = [*loop, _places(diagnosis)]
     for block_diagnosis in diagnosis.blocks:
         if block_diagnosis.findings:
-            blocks += draw_or_skip(
-                "residuals over frequency", partial(time_frequency_figure, block_diagnosis)
-            )
-            blocks += draw_or_skip(
-                "residuals over the state plane", partial(state_plane_figure, block_diagnosis)
-            )
+            for content, draw in (
+                ("residuals over frequency", figures.time_frequency_figure),
+                ("residuals over the state plane", figures.state_plane_figure),
+            ):
+                blocks += figures.draw_or_skip(content, partial(draw, block_diagnosis))
     return Section(title=_WHERE, blocks=tuple(blocks))
 
 
@@ -277,8 +270,7 @@ def missing_effects_section(diagnosis: Diagnosis, sampled: Mapping[str, Posterio
     if effects:
         blocks.append(_parameters(diagnosis))
         blocks += [Paragraph(text=_sentence(effect)) for effect in effects]
-        for name, posterior in sampled.items():
-            blocks += draw_or_skip("the posterior", partial(posterior_figure, diagnosis, name, posterior))
+        blocks += _draw_posteriors(diagnosis, sampled) if sampled else ()
     blocks += [
         Paragraph(text=_unknown(block_diagnosis.unknown))
         for block_diagnosis in diagnosis.blocks
@@ -287,6 +279,14 @@ def missing_effects_section(diagnosis: Diagnosis, sampled: Mapping[str, Posterio
     if any(block_diagnosis.calibration for block_diagnosis in diagnosis.blocks):
         blocks.append(_calibration(diagnosis))
     return Section(title="What is missing", blocks=tuple(blocks) or (Paragraph(text="Nothing."),))
+
+
+def _draw_posteriors(diagnosis: Diagnosis, sampled: Mapping[str, Posterior]) -> Iterator[Block]:
+    from reliab.report.kinds import discrepancy_figures as figures
+
+    for name, posterior in sampled.items():
+        draw = partial(figures.posterior_figure, diagnosis, name, posterior)
+        yield from figures.draw_or_skip("the posterior", draw)
 
 
 def _parameters(diagnosis: Diagnosis) -> Table:
@@ -369,10 +369,14 @@ def _calibration(diagnosis: Diagnosis) -> Table:
 
 def proof_section(diagnosis: Diagnosis) -> Section:
     """Show how much of the gap between model and measurement closes on held-out tests."""
-    blocks: list[Block] = [*_proof(diagnosis), *draw_or_skip("the gap", partial(gap_figure, diagnosis))]
+    from reliab.report.kinds import discrepancy_figures as figures
+
+    gap = figures.draw_or_skip("the gap", partial(figures.gap_figure, diagnosis))
+    blocks: list[Block] = [*_proof(diagnosis), *gap]
     for block_diagnosis in diagnosis.blocks:
         if block_diagnosis.gap.missing:
-            blocks += draw_or_skip("histories and loops", partial(histories_figure, block_diagnosis))
+            draw = partial(figures.histories_figure, block_diagnosis)
+            blocks += figures.draw_or_skip("histories and loops", draw)
     return Section(title=_PROOF, blocks=tuple(blocks))
 
 
