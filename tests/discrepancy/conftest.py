@@ -39,8 +39,8 @@ def small_campaign(tmp_path):
     random = np.random.default_rng(5)
     for name in ("a.csv", "b.csv"):
         command = 0.01 * np.sin(2.0 * np.pi * time)
-        measured = 0.01 * np.sin(2.0 * np.pi * (time - 0.005)) + 1e-5 * random.normal(size=time.size)
-        table = pd.DataFrame({"time_s": time, "command_m": command, "measured_m": measured})
+        reading = 0.01 * np.sin(2.0 * np.pi * (time - 0.005)) + 1e-5 * random.normal(size=time.size)
+        table = pd.DataFrame({"time_s": time, "command_m": command, "measured_m": reading})
         table.to_csv(tmp_path / name, index=False)
     return tmp_path
 
@@ -61,23 +61,23 @@ def blas_threads():
 def diagnosis_of(blas_threads):
     """Function that diagnoses a campaign that ships, each once."""
 
-    def look(when):
+    def look(moment):
         pools = [pool for pool in threadpool_info() if pool["user_api"] == "blas"]
-        blas_threads[when].append([pool["num_threads"] for pool in pools])
+        blas_threads[moment].append([pool["num_threads"] for pool in pools])
 
     @cache
-    def diagnosed(name):
+    def diagnose_sample(name):
         campaign = read_campaign(ROOT / "datasets" / "campaigns" / name)
         two_threads = patch.dict("os.environ", OMP_NUM_THREADS="2")
         with two_threads, threadpool_limits(2, user_api="blas"):
             look("before")
             diagnosis = diagnose(
-                campaign, progress=lambda done, total: look("while") if done < total else None
+                campaign, progress=lambda count, total: look("while") if count < total else None
             )
             look("after")
         return diagnosis
 
-    return diagnosed
+    return diagnose_sample
 
 
 @pytest.fixture(scope="session")

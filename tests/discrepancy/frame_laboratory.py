@@ -76,7 +76,7 @@ def _march(transition, early, late, ground, gamma, specimen, gain, delay, lag, f
     n = states // 2
     command, velocity = np.zeros(steps), np.zeros(steps)
     piston, force = np.zeros(steps), np.zeros(steps)
-    moved, speed = 0.0, 0.0
+    displacement, speed = 0.0, 0.0
     z = np.zeros(states)
     for k in range(1, steps):
         sent, sent_speed = 0.0, 0.0
@@ -85,14 +85,14 @@ def _march(transition, early, late, ground, gamma, specimen, gain, delay, lag, f
         last = speed
         if lag > 0.0:
             earlier = gain * command[k - 1 - delay] if k > delay else 0.0
-            moved += (1.0 - np.exp(-h / lag)) * (0.5 * (sent + earlier) - moved)
-            speed = (sent - moved) / lag
+            displacement += (1.0 - np.exp(-h / lag)) * (0.5 * (sent + earlier) - displacement)
+            speed = (sent - displacement) / lag
         else:
-            moved, speed = sent, sent_speed
-        pulled = (speed - last) / h
-        piston[k] = moved
-        force[k] = specimen[0] * moved + specimen[1] * speed + specimen[2] * pulled
-        force[k] += friction * np.tanh(speed / sharpness) + cubic * moved**3
+            displacement, speed = sent, sent_speed
+        slope = (speed - last) / h
+        piston[k] = displacement
+        force[k] = specimen[0] * displacement + specimen[1] * speed + specimen[2] * slope
+        force[k] += friction * np.tanh(speed / sharpness) + cubic * displacement**3
         z = transition @ z
         for i in range(states):
             z[i] += early[i, 0] * ground[k - 1] + late[i, 0] * ground[k]
@@ -107,9 +107,13 @@ def simulate(world: FrameWorld, ground: np.ndarray, like: tuple[float, float] | 
     These are displacement and velocity of the test without the effect, or `like` those of another test.
     """
     n = world.gamma.size
-    along = np.outer(world.gamma, world.gamma)
+    coupling = np.outer(world.gamma, world.gamma)
     k, c, m = world.specimen
-    mass, damping, stiffness = world.mass - m * along, world.damping - c * along, world.stiffness - k * along
+    mass, damping, stiffness = (
+        world.mass - m * coupling,
+        world.damping - c * coupling,
+        world.stiffness - k * coupling,
+    )
     a = np.zeros((2 * n, 2 * n))
     a[:n, n:] = np.eye(n)
     a[n:] = -np.linalg.solve(mass, np.hstack([stiffness, damping]))
@@ -171,11 +175,11 @@ rate_hz = {RATE}
         (command, piston, force), sizes = simulate(world, ground, sizes)
         peak = sizes[0]
         bias = 0.04 * peak if effect == "sensor_bias" else 0.0
-        recorded = 0.93 * ground if effect == "excitation_scale" else ground
+        ground_channel = 0.93 * ground if effect == "excitation_scale" else ground
         table = np.column_stack(
             [
                 np.arange(ground.size) / RATE,
-                recorded,
+                ground_channel,
                 command,
                 piston + bias + 2e-4 * noise * peak * random.normal(size=ground.size),
                 force + 5e-4 * noise * np.abs(force).max() * random.normal(size=ground.size),

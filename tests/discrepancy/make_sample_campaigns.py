@@ -53,36 +53,36 @@ RECIPES = {
 
 def main(folder: Path) -> None:
     """Write all campaigns and their labels."""
-    sealed = {}
+    labels = {}
     for name, (seed, options) in RECIPES.items():
         with tempfile.TemporaryDirectory() as scratch:
-            whole = Path(scratch) / name
-            label = generate(seed, whole, options=options)
-            thin(whole, folder / name)
-        sealed[name] = base64.b64encode(json.dumps(asdict(label)).encode()).decode()
-    (folder / "labels.json").write_text(json.dumps(sealed, indent=1) + "\n", encoding="utf-8")
+            source = Path(scratch) / name
+            label = generate(seed, source, options=options)
+            thin(source, folder / name)
+        labels[name] = base64.b64encode(json.dumps(asdict(label)).encode()).decode()
+    (folder / "labels.json").write_text(json.dumps(labels, indent=1) + "\n", encoding="utf-8")
 
 
-def thin(whole: Path, small: Path) -> None:
+def thin(source: Path, small: Path) -> None:
     """Write the first seconds of the first tests and of a held-out one, thinned to RATE_HZ."""
     small.mkdir(parents=True, exist_ok=True)
-    text = (whole / "campaign.toml").read_text(encoding="utf-8")
-    described = tomllib.loads(text)
-    rate = described["sampling"]["rate_hz"]
-    every = max(1, round(rate / RATE_HZ))
-    tests = described["tests"]
-    marked = [test for test in tests if test["held_out"]] or tests[-1:]
-    others = [test for test in tests if test is not marked[0]]
-    kept = [*others[: TESTS - 1], marked[0]]
-    head = text.split("[[tests]]")[0].replace(f"rate_hz = {rate}", f"rate_hz = {rate / every:g}")
+    text = (source / "campaign.toml").read_text(encoding="utf-8")
+    description = tomllib.loads(text)
+    rate = description["sampling"]["rate_hz"]
+    thinning = max(1, round(rate / RATE_HZ))
+    tests = description["tests"]
+    held_out_tests = [test for test in tests if test["held_out"]] or tests[-1:]
+    fitted_tests = [test for test in tests if test is not held_out_tests[0]]
+    selected_tests = [*fitted_tests[: TESTS - 1], held_out_tests[0]]
+    head = text.split("[[tests]]")[0].replace(f"rate_hz = {rate}", f"rate_hz = {rate / thinning:g}")
     entries = [
         f'[[tests]]\nfile = "{test["file"]}"\nmotion = "{test["motion"]}"\n'
-        f"held_out = {str(test is marked[0]).lower()}\n"
-        for test in kept
+        f"held_out = {str(test is held_out_tests[0]).lower()}\n"
+        for test in selected_tests
     ]
     (small / "campaign.toml").write_text(head + "\n".join(entries), encoding="utf-8")
-    for test in kept:
-        table = pd.read_csv(whole / test["file"]).iloc[: int(SECONDS * rate) + 1 : every]
+    for test in selected_tests:
+        table = pd.read_csv(source / test["file"]).iloc[: int(SECONDS * rate) + 1 : thinning]
         table.round(DIGITS).to_csv(small / test["file"], index=False)
 
 

@@ -25,27 +25,27 @@ class Places:
         return np.array(coordinates)
 
 
-def fitted(delay, *effects, calibrations=(DELAY,)):
+def fit_of(delay, *effects, calibrations=(DELAY,)):
     return SimpleNamespace(space=Places(effects, calibrations), coordinates=[delay])
 
 
 @pytest.mark.parametrize(("delay", "instead"), [(0.004, True), (0.006, False)])
-def test_a_lag_takes_the_place_of_a_delay_of_which_it_says_most(delay, instead):
-    assert takes_over_delay(fitted(delay, BACKLASH, LAG), fitted(0.01, BACKLASH)) is instead
+def test_lag_replaces_a_delay_it_mostly_explains(delay, instead):
+    assert takes_over_delay(fit_of(delay, BACKLASH, LAG), fit_of(0.01, BACKLASH)) is instead
 
 
 def test_only_a_lag_says_a_delay_and_only_where_one_is_calibrated():
-    assert not takes_over_delay(fitted(0.0, LAG, BACKLASH), fitted(0.01, LAG))
-    assert not takes_over_delay(fitted(0.0, BACKLASH, LAG), fitted(0.01))
+    assert not takes_over_delay(fit_of(0.0, LAG, BACKLASH), fit_of(0.01, LAG))
+    assert not takes_over_delay(fit_of(0.0, BACKLASH, LAG), fit_of(0.01))
     assert not takes_over_delay(
-        fitted(0.0, BACKLASH, LAG, calibrations=()), fitted(0.01, BACKLASH, calibrations=())
+        fit_of(0.0, BACKLASH, LAG, calibrations=()), fit_of(0.01, BACKLASH, calibrations=())
     )
 
 
-def stopped(effect, cut, step):
+def search_at_stop(effect, cut, step):
     """A problem in which an effect takes something off the crest of a motion [m], read in steps."""
     space = SimpleNamespace(block=SimpleNamespace(calibrations=(), offsets=()), effects=(effect,))
-    space.keys = tuple(f"{effect.name}.{one.name}" for one in effect.parameters)
+    space.keys = tuple(f"{effect.name}.{item.name}" for item in effect.parameters)
     motion = np.sin(np.linspace(0.0, 6.0, 200))
 
     def predictions(of, _coordinates):
@@ -58,9 +58,9 @@ def stopped(effect, cut, step):
 @pytest.mark.parametrize(("cut", "exceeds"), [(0.005, False), (0.007, True)])
 @pytest.mark.parametrize("effect", [STOP, BACKLASH, find_effect("command_saturation")])
 def test_a_stop_cuts_off_more_than_a_converter_rounds(effect, cut, exceeds):
-    assert exceeds_rounding(*stopped(effect, cut, STEP)) is exceeds
+    assert exceeds_rounding(*search_at_stop(effect, cut, STEP)) is exceeds
 
 
 def test_without_steps_and_for_other_effects_rounding_does_not_count():
-    assert exceeds_rounding(*stopped(STOP, 1e-6, 0.0))
-    assert exceeds_rounding(*stopped(LAG, 1e-6, STEP))
+    assert exceeds_rounding(*search_at_stop(STOP, 1e-6, 0.0))
+    assert exceeds_rounding(*search_at_stop(LAG, 1e-6, STEP))

@@ -17,7 +17,7 @@ from reliab.discrepancy.spectra.segment import cut_segments
 from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
 
 
-def searched(campaign):
+def search_balance(campaign):
     """The best model of a campaign's numerical substructure, and its calibrated values by name."""
     block = BalanceBlock(campaign, scales_of(campaign, motions_of(campaign)))
     segments = cut_segments(campaign.training, campaign.rate, block.highest_of)
@@ -25,28 +25,28 @@ def searched(campaign):
     return best, {e.name: e for e in calibration(best)}
 
 
-def with_force(campaign, changed):
+def change_force(campaign, change):
     """The same campaign with another recorded force."""
     tests = (
-        replace(test, channels={**test.channels, Channel.FORCE: changed(test.channels[Channel.FORCE])})
+        replace(test, channels={**test.channels, Channel.FORCE: change(test.channels[Channel.FORCE])})
         for test in campaign.tests
     )
     return replace(campaign, tests=tuple(tests))
 
 
-def test_an_offset_of_the_recorded_force_that_the_loop_did_not_feel_is_no_integration_error(sample_campaigns):
+def test_offset_of_recorded_force_is_no_integration_error(sample_campaigns):
     campaign = read_campaign(sample_campaigns / "rig_c")
-    best, calibrated = searched(with_force(campaign, lambda force: force + 0.5))
+    best, calibration = search_balance(change_force(campaign, lambda force: force + 0.5))
     assert best.space.names == ()
-    offset = calibrated["force_not_fed_back_n"]
+    offset = calibration["force_not_fed_back_n"]
     assert offset.value == pytest.approx(0.5, abs=3.0 * offset.sd)
 
 
-def test_a_mass_that_is_stated_wrongly_is_calibrated(sample_campaigns):
+def test_wrong_mass_is_calibrated(sample_campaigns):
     campaign = read_campaign(sample_campaigns / "rig_c")
-    best, calibrated = searched(with_force(campaign, lambda force: 1.03 * force))
+    best, calibration = search_balance(change_force(campaign, lambda force: 1.03 * force))
     assert best.space.names == ()
-    mass = calibrated["structure_mass"]
+    mass = calibration["structure_mass"]
     assert mass.value == pytest.approx(1.03, abs=3.0 * mass.sd)
     assert abs(mass.value - 1.0) > 3.0 * mass.sd
 
@@ -63,7 +63,7 @@ def test_coarse_integration_is_named_alone_with_its_step(blind, seed):
     best = search.run()
     assert best.space.names == ("integration_error",)
     assert [effect.name for effect in diagnose(campaign).effects] == ["integration_error"]
-    *_calibrated, damping, step = best.space.values(best.coordinates)
+    *_calibration, damping, step = best.space.values(best.coordinates)
     truth = label.effects[0]
     # The curvature of the ground between samples is calibrated beside it and takes a part of it: 11 % here.
     assert step == pytest.approx(truth["parameters"]["step_s"]["value"], rel=0.15)
@@ -86,11 +86,13 @@ def test_ground_thinned_to_every_second_sample_is_no_integration_error(sample_ca
     assert abs(offset) < 0.002 * block.scales.force
 
 
-def test_a_structure_that_is_stated_wrongly_is_calibrated_and_no_integration_error(sample_campaigns):
+def test_wrong_structure_is_calibrated_and_no_integration_error(sample_campaigns):
     campaign = read_campaign(sample_campaigns / "rig_c")
     truth = campaign.structure
-    stated = replace(truth, frequency=1.02 * truth.frequency, damping_ratio=1.2 * truth.damping_ratio)
-    wrong = replace(campaign, structure=stated)
+    wrong_structure = replace(
+        truth, frequency=1.02 * truth.frequency, damping_ratio=1.2 * truth.damping_ratio
+    )
+    wrong = replace(campaign, structure=wrong_structure)
     block = BalanceBlock(wrong, scales_of(wrong, motions_of(wrong)))
     search = Search(Problem(block=block, segments=cut_segments(wrong.training, wrong.rate, block.highest_of)))
     best = search.run()
@@ -111,10 +113,14 @@ def test_demands_above_half_of_the_controllers_rate_do_not_lengthen_its_step(tmp
     label = generate(seed, tmp_path / "campaign", options=Options(with_rivals=False))
     effects = diagnose(read_campaign(tmp_path / "campaign")).to_dict()["effects"]
     assert {effect["name"] for effect in effects} == label.names
-    stated = next(effect for effect in effects if effect["name"] == "integration_error")["parameters"]
+    wrong_structure = next(effect for effect in effects if effect["name"] == "integration_error")[
+        "parameters"
+    ]
     truth = next(effect for effect in label.effects if effect["name"] == "integration_error")
-    assert stated["step_s"]["value"] == pytest.approx(truth["parameters"]["step_s"]["value"], rel=0.03)
-    assert stated["numerical_damping_ratio"]["value"] == pytest.approx(
+    assert wrong_structure["step_s"]["value"] == pytest.approx(
+        truth["parameters"]["step_s"]["value"], rel=0.03
+    )
+    assert wrong_structure["numerical_damping_ratio"]["value"] == pytest.approx(
         truth["derived"]["numerical_damping_ratio"], rel=0.02
     )
 

@@ -25,128 +25,131 @@ def row(*effects, share=0.0, left_out=0.2, held_out=0.2):
     return RankedModel(fit=fit, probability=share, left_out=left_out, held_out=held_out)
 
 
-NONE = row(share=0.0, left_out=1.0, held_out=1.0)
+CALIBRATION = row(share=0.0, left_out=1.0, held_out=1.0)
 
 
-class Known(ErrorSearch):
+class KnownErrors(ErrorSearch):
     """A search among models of given errors, each of which shows in held-out tests as in the others."""
 
     def __init__(self, rows):
-        self.rows = {frozenset(one.fit.space.effects): one for one in rows}
+        self.rows = {frozenset(item.fit.space.effects): item for item in rows}
         self.problem = SimpleNamespace(block=SimpleNamespace(linear=(), candidates=()))
 
-    def remove_effect(self, fitted, kind):
-        return self.rows[frozenset(fitted.space.effects) - {kind}].fit
+    def remove_effect(self, model_fit, kind):
+        return self.rows[frozenset(model_fit.space.effects) - {kind}].fit
 
-    def energy(self, fitted, _noise):
-        return self.rows[frozenset(fitted.space.effects)].left_out ** 2
+    def energy(self, model_fit, _noise):
+        return self.rows[frozenset(model_fit.space.effects)].left_out ** 2
 
 
 @pytest.fixture
-def chosen(monkeypatch):
+def selection(monkeypatch):
     """Function that chooses among rows."""
     monkeypatch.setattr(choice, "_is_silent", lambda *_: False)
-    return lambda *rows: choose(Known(rows), rows, None)
+    return lambda *rows: choose(KnownErrors(rows), rows, None)
 
 
-def test_probable_model_that_held_out_tests_contradict_gives_way_to_its_rival(chosen):
+def test_contradicted_model_gives_way_to_its_rival(selection):
     """Hysteresis with a power law explains the fitted tests best: 0.50 with it, 0.40 without it."""
     both = row(HYSTERESIS, POWER, share=0.9, left_out=0.10, held_out=0.50)
-    alone = row(HYSTERESIS, share=0.1, left_out=0.12, held_out=0.40)
+    single = row(HYSTERESIS, share=0.1, left_out=0.12, held_out=0.40)
     law = row(POWER, share=0.0, left_out=0.5, held_out=0.7)
-    found = chosen(both, alone, law, NONE)
-    assert found.best is alone
-    assert found.contradicted is both
-    assert "contradict hysteresis + power law damping" in next(iter(remarks_on(found)))
+    choice = selection(both, single, law, CALIBRATION)
+    assert choice.best is single
+    assert choice.contradicted is both
+    assert "contradict hysteresis + power law damping" in next(iter(remarks_on(choice)))
 
 
-@pytest.mark.parametrize(("left_out", "believed"), [(0.5, 1), (0.8, 0)])
-def test_rival_takes_the_place_only_if_it_explains_half_of_the_fitted_tests(left_out, believed):
+@pytest.mark.parametrize(("left_out", "is_believed"), [(0.5, 1), (0.8, 0)])
+def test_rival_takes_the_place_only_if_it_explains_half_of_the_fitted_tests(left_out, is_believed):
     """Half of what the best model explains of the energy: 1 to 0.1² is left from 0.71 on."""
     rows = (
         row(HYSTERESIS, share=0.9, left_out=0.1, held_out=0.3),
         row(POWER, share=0.1, left_out=left_out, held_out=0.2),
-        NONE,
+        CALIBRATION,
     )
-    assert find_sustained(rows) is rows[believed]
+    assert find_sustained(rows) is rows[is_believed]
 
 
-@pytest.mark.parametrize(("without", "named"), [(0.2002, set()), (0.30, {HYSTERESIS})])
-def test_effect_that_changes_nothing_on_held_out_tests_has_no_name(chosen, without, named):
-    found = chosen(
-        row(HYSTERESIS, share=0.99, left_out=0.1, held_out=0.2), row(left_out=0.3, held_out=without)
+@pytest.mark.parametrize(("error_without", "names"), [(0.2002, set()), (0.30, {HYSTERESIS})])
+def test_effect_without_gain_on_held_out_tests_has_no_name(selection, error_without, names):
+    choice = selection(
+        row(HYSTERESIS, share=0.99, left_out=0.1, held_out=0.2), row(left_out=0.3, held_out=error_without)
     )
-    assert found.sure == named
-    assert [kind for kind, *_ in found.unchanging] == ([] if named else [HYSTERESIS])
+    assert choice.sure == names
+    assert [kind for kind, *_ in choice.unchanging] == ([] if names else [HYSTERESIS])
 
 
-def test_effect_that_explains_less_than_is_left_refines_the_model_without_a_name(chosen):
+def test_minor_effect_refines_the_model_without_a_name(selection):
     both = row(HYSTERESIS, CUBIC, share=0.99, left_out=0.1, held_out=0.20)
-    found = chosen(
-        both, row(HYSTERESIS, left_out=0.2, held_out=0.27), row(CUBIC, left_out=0.6, held_out=0.7), NONE
+    choice = selection(
+        both,
+        row(HYSTERESIS, left_out=0.2, held_out=0.27),
+        row(CUBIC, left_out=0.6, held_out=0.7),
+        CALIBRATION,
     )
-    assert found.best is both
-    assert found.sure == {HYSTERESIS}
-    assert found.refining == {CUBIC: 0.27}
+    assert choice.best is both
+    assert choice.sure == {HYSTERESIS}
+    assert choice.refining == {CUBIC: 0.27}
 
 
 @pytest.mark.parametrize(
     ("share", "rival", "refining"), [(0.9, 0.4, {}), (0.3, 0.4, {CUBIC: 0.5}), (0.9, 0.25, {CUBIC: 0.5})]
 )
-def test_effect_in_whose_place_another_explains_as_much_has_no_name(chosen, share, rival, refining):
+def test_replaceable_effect_has_no_name(selection, share, rival, refining):
     """By the probability of models without it, or by their error on held-out tests: 0.25² < 2 · 0.20²."""
     both = row(HYSTERESIS, CUBIC, share=share, left_out=0.1, held_out=0.20)
-    found = chosen(
+    choice = selection(
         both,
         row(HYSTERESIS, POWER, share=1.0 - share, left_out=0.1, held_out=rival),
         row(HYSTERESIS, left_out=0.5, held_out=0.5),
         row(CUBIC, left_out=0.6, held_out=0.7),
-        NONE,
+        CALIBRATION,
     )
-    assert found.best is both
-    assert found.refining == refining
-    assert all("other effects explain nearly as much" in text for text in remarks_on(found))
+    assert choice.best is both
+    assert choice.refining == refining
+    assert all("other effects explain nearly as much" in text for text in remarks_on(choice))
 
 
-@pytest.mark.parametrize(("without_term", "refining"), [(0.211, {}), (0.28, {POWER: 0.30})])
-def test_effect_is_measured_beside_what_is_left_without_refinements(chosen, without_term, refining):
+@pytest.mark.parametrize(("plain_term", "refining"), [(0.211, {}), (0.28, {POWER: 0.30})])
+def test_effect_is_measured_without_refinements(selection, plain_term, refining):
     """A square spring takes little off 0.20 and has no name; 0.30² is 2.02 times 0.211², 1.15 times 0.28²."""
-    every = row(HYSTERESIS, POWER, CUBIC, share=0.9, left_out=0.1, held_out=0.20)
-    found = chosen(
-        every,
-        row(HYSTERESIS, POWER, share=0.1, left_out=0.11, held_out=without_term),
+    thinning = row(HYSTERESIS, POWER, CUBIC, share=0.9, left_out=0.1, held_out=0.20)
+    choice = selection(
+        thinning,
+        row(HYSTERESIS, POWER, share=0.1, left_out=0.11, held_out=plain_term),
         row(HYSTERESIS, CUBIC, left_out=0.2, held_out=0.30),
         row(POWER, CUBIC, left_out=0.6, held_out=0.7),
         row(HYSTERESIS, left_out=0.3, held_out=0.32),
         row(POWER, left_out=0.6, held_out=0.7),
-        NONE,
+        CALIBRATION,
     )
-    assert found.best is every
-    assert {kind for kind in found.refining if kind is not CUBIC} == set(refining)
-    assert found.refining[CUBIC] == without_term
+    assert choice.best is thinning
+    assert {kind for kind in choice.refining if kind is not CUBIC} == set(refining)
+    assert choice.refining[CUBIC] == plain_term
 
 
-@pytest.mark.parametrize(("without", "is_named"), [(0.30, True), (0.27, False)])
-def test_main_effect_that_explains_less_than_is_left_is_in_doubt(chosen, without, is_named):
+@pytest.mark.parametrize(("error_without", "is_named"), [(0.30, True), (0.27, False)])
+def test_minor_main_effect_is_in_doubt(selection, error_without, is_named):
     """0.30² is 2.25 times 0.20², and 0.27² is 1.8 times."""
-    found = chosen(
-        row(HYSTERESIS, share=0.95, held_out=0.20), row(share=0.05, left_out=0.3, held_out=without)
+    choice = selection(
+        row(HYSTERESIS, share=0.95, held_out=0.20), row(share=0.05, left_out=0.3, held_out=error_without)
     )
-    assert (found.sure, found.doubtful) == (({HYSTERESIS}, set()) if is_named else (set(), {HYSTERESIS}))
-    assert not found.refining
+    assert (choice.sure, choice.doubtful) == (({HYSTERESIS}, set()) if is_named else (set(), {HYSTERESIS}))
+    assert not choice.refining
 
 
 class Noisy(Search):
     """The same where noise judges."""
 
-    __init__, energy = Known.__init__, Known.energy
+    __init__, energy = KnownErrors.__init__, KnownErrors.energy
 
 
 @pytest.mark.parametrize(
     ("search", "change", "rows", "silent"),
     [
-        (Known, 0.19, 100, True),  # 4 % of the energy is 2 % of the error
-        (Known, 0.21, 100, False),
+        (KnownErrors, 0.19, 100, True),  # 4 % of the energy is 2 % of the error
+        (KnownErrors, 0.21, 100, False),
         (Noisy, 0.21, 100, True),  # two standard errors are 4/10
         (Noisy, 0.41, 100, False),
         (Noisy, 0.21, 10_000, False),
@@ -155,20 +158,20 @@ class Noisy(Search):
 def test_fitted_tests_decide_where_held_out_ones_could_not_show_an_effect(
     monkeypatch, search, change, rows, silent
 ):
-    with_it, without = row(CUBIC, left_out=0.1, held_out=1.0), row(left_out=0.2, held_out=1.0)
+    with_it, error_without = row(CUBIC, left_out=0.1, held_out=1.0), row(left_out=0.2, held_out=1.0)
     monkeypatch.setattr(choice, "compute_nrmse", lambda _, values: values[0])
-    proof = SimpleNamespace(rows=rows, residuals=lambda fit: {0: change * (fit is without.fit)})
-    judged = search((with_it, without))
-    assert choice._is_silent(judged, with_it, without, proof) is silent  # noqa: SLF001
-    assert not choice._is_silent(judged, with_it, with_it, proof)  # noqa: SLF001 - nor do the fitted ones
+    proof = SimpleNamespace(rows=rows, residuals=lambda fit: {0: change * (fit is error_without.fit)})
+    judgement = search((with_it, error_without))
+    assert choice._is_silent(judgement, with_it, error_without, proof) is silent  # noqa: SLF001
+    assert not choice._is_silent(judgement, with_it, with_it, proof)  # noqa: SLF001 - nor do the fitted ones
 
 
-def test_terms_of_a_general_kind_must_be_a_fifth_better_than_effects_with_a_name(chosen):
-    inside = row(HYSTERESIS, share=0.1, left_out=0.12, held_out=0.20)
+def test_terms_of_a_general_kind_must_be_a_fifth_better_than_effects_with_a_name(selection):
+    interior = row(HYSTERESIS, share=0.1, left_out=0.12, held_out=0.20)
     little = row(TERM, share=0.9, left_out=0.1, held_out=0.17)
     much = row(TERM, share=0.9, left_out=0.1, held_out=0.15)
-    assert chosen(little, inside, NONE).best is inside
-    assert chosen(much, inside, NONE).best is much
+    assert selection(little, interior, CALIBRATION).best is interior
+    assert selection(much, interior, CALIBRATION).best is much
 
 
 def test_special_forms_of_an_effect_share_its_probability():
@@ -178,6 +181,6 @@ def test_special_forms_of_an_effect_share_its_probability():
 
 
 def test_best_rival_lacks_one_of_the_effects():
-    both, alone = row(HYSTERESIS, CUBIC, held_out=0.1), row(HYSTERESIS, held_out=0.3)
-    more = row(HYSTERESIS, CUBIC, POWER, held_out=0.05)
-    assert best_rival((more, both, alone, NONE), both) is alone
+    both, single = row(HYSTERESIS, CUBIC, held_out=0.1), row(HYSTERESIS, held_out=0.3)
+    larger = row(HYSTERESIS, CUBIC, POWER, held_out=0.05)
+    assert best_rival((larger, both, single, CALIBRATION), both) is single

@@ -25,8 +25,8 @@ def campaign(frequency):
     )
 
 
-def steps_per_sample(measured):
-    block = ActuatorBlock(measured, scales_of(measured, motions_of(measured)))
+def steps_per_sample(campaign_read):
+    block = ActuatorBlock(campaign_read, scales_of(campaign_read, motions_of(campaign_read)))
     return block._parts  # noqa: SLF001 - what is tested
 
 
@@ -45,13 +45,13 @@ def test_slow_commands_take_few_steps_and_fast_ones_at_most_two_thousand_a_secon
         ("rate_limit", [0.4], 4e-3),  # whose corners lie between the ends of steps
     ],
 )
-def test_a_prediction_is_that_of_a_much_finer_step(monkeypatch, frequency, effect, values, error):
-    measured = campaign(frequency)
-    scales = scales_of(measured, motions_of(measured))
+def test_prediction_equals_one_with_a_finer_step(monkeypatch, frequency, effect, values, error):
+    campaign_read = campaign(frequency)
+    scales = scales_of(campaign_read, motions_of(campaign_read))
     size = scales.velocity if effect == "rate_limit" else 1.0
     model = HybridTest().adding(find_effect(effect).from_values(size * np.array(values)))
-    coarse = ActuatorBlock(measured, scales).predict(model, 0)
+    coarse = ActuatorBlock(campaign_read, scales).predict(model, 0)
     monkeypatch.setattr(actuator, "_LARGEST_ERROR", 1e-8)
     monkeypatch.setattr(actuator, "_FINEST_RATE", 40_000.0)
-    fine = ActuatorBlock(measured, scales).predict(model, 0)
+    fine = ActuatorBlock(campaign_read, scales).predict(model, 0)
     assert np.std(coarse - fine) < error * np.std(fine)

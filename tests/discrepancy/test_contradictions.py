@@ -16,21 +16,21 @@ from reliab.recordings.recording import StatedChannels
 from reliab.structures.specimen import Specimen
 
 RIGS = {name: read_campaign(name) for name in ("rig_a", "rig_b", "rig_c")}
-FORCE, GROUND, COMMAND, MEASURED = Channel.FORCE, Channel.GROUND, Channel.COMMAND, Channel.MEASURED
+FORCE, GROUND, COMMAND, READING = Channel.FORCE, Channel.GROUND, Channel.COMMAND, Channel.MEASURED
 
 
-def spoiled(campaign, channel, factor, tests=None):
+def spoil_channel(campaign, channel, factor, tests=None):
     """The campaign with a channel of some tests, or of all, multiplied."""
-    changed = [
+    change = [
         replace(test, channels={**test.channels, channel: factor * test.channels[channel]})
         if tests is None or place in tests
         else test
         for place, test in enumerate(campaign.tests)
     ]
-    return replace(campaign, tests=tuple(changed))
+    return replace(campaign, tests=tuple(change))
 
 
-def kept(campaign, *channels):
+def keep_channels(campaign, *channels):
     """The campaign with some of its channels only."""
     return replace(
         campaign,
@@ -54,9 +54,9 @@ def test_sound_campaigns_pass_without_a_word(campaign):
 def test_a_blunder_in_one_run_names_the_file_and_the_rule(name, channel, factor):
     campaign = RIGS[name]
     for place, test in enumerate(campaign.tests):
-        with pytest.raises(InputError, match=r"sign|unit|resist|specimen") as refused:
-            require_consistent(spoiled(campaign, channel, factor, {place}))
-        assert refused.value.where == test.file
+        with pytest.raises(InputError, match=r"sign|unit|resist|specimen") as refusal:
+            require_consistent(spoil_channel(campaign, channel, factor, {place}))
+        assert refusal.value.where == test.file
 
 
 @pytest.mark.parametrize(
@@ -64,29 +64,29 @@ def test_a_blunder_in_one_run_names_the_file_and_the_rule(name, channel, factor)
     [
         (FORCE, -1.0, "resist the motion"),
         (FORCE, 1000.0, "stated specimen"),
-        (MEASURED, -1.0, "opposite sign of the command"),
-        (MEASURED, 1000.0, "different units"),
+        (READING, -1.0, "opposite sign of the command"),
+        (READING, 1000.0, "different units"),
         (COMMAND, 0.0254, "different units"),
     ],
 )
 @pytest.mark.parametrize("name", RIGS)
 def test_a_blunder_in_every_run_is_refused_as_in_an_assessment(name, channel, factor, rule):
-    with pytest.raises(InputError, match=rule) as refused:
-        diagnose(spoiled(RIGS[name], channel, factor))
-    assert refused.value.where == RIGS[name].tests[0].file
+    with pytest.raises(InputError, match=rule) as refusal:
+        diagnose(spoil_channel(RIGS[name], channel, factor))
+    assert refusal.value.where == RIGS[name].tests[0].file
 
 
 @pytest.mark.parametrize("times", [1.0, 0.06, 12.0, 28.0])
 def test_no_specimen_is_refused_for_another_stiffness_than_the_stated_one(times):
     """The stiffness is fitted: what is stated of it is a first value, and no unit has these ratios."""
-    moved = 1e-3 * np.sin(np.linspace(0.0, 60.0, 3000)) * np.linspace(0.5, 1.0, 3000)
-    force = 1e3 * (moved + 0.1 * np.gradient(moved))
-    channels = {MEASURED: moved, FORCE: force}
+    displacement = 1e-3 * np.sin(np.linspace(0.0, 60.0, 3000)) * np.linspace(0.5, 1.0, 3000)
+    force = 1e3 * (displacement + 0.1 * np.gradient(displacement))
+    channels = {READING: displacement, FORCE: force}
     test = MeasuredTest(file="a.csv", motion="", held_out=False, channels=channels)
-    stated = replace(
+    campaign = replace(
         RIGS["rig_a"], structure=None, specimen=Specimen(stiffness=1e3 / times), tests=(test, test)
     )
-    assert require_consistent(stated) == ()
+    assert require_consistent(campaign) == ()
 
 
 @pytest.mark.slow
@@ -95,22 +95,22 @@ def test_no_specimen_is_refused_for_another_stiffness_than_the_stated_one(times)
 @pytest.mark.parametrize("unit", [9.80665, 1.0 / 9.80665])
 @pytest.mark.parametrize("name", RIGS)
 def test_a_ground_acceleration_in_another_unit_is_said_of_each_test(name, unit, places):
-    said = require_consistent(spoiled(RIGS[name], GROUND, unit, places))
-    assert len(said) == len(places)
-    for place, sentence in zip(sorted(places), said, strict=True):
+    faults = require_consistent(spoil_channel(RIGS[name], GROUND, unit, places))
+    assert len(faults) == len(places)
+    for place, sentence in zip(sorted(places), faults, strict=True):
         file = RIGS[name].tests[place].file
         assert sentence.startswith(f"{file}: The ground acceleration does not fit its unit")
 
 
 @pytest.mark.parametrize("name", RIGS)
-def test_a_ground_acceleration_that_was_not_recorded_is_refused(name):
+def test_unrecorded_ground_acceleration_is_refused(name):
     """It would be called an unknown effect of the numerical substructure."""
     with pytest.raises(InputError, match="is constant, although the test starts at rest; found 0 throughout"):
-        require_consistent(spoiled(RIGS[name], GROUND, 0.0))
+        require_consistent(spoil_channel(RIGS[name], GROUND, 0.0))
 
 
-@pytest.mark.parametrize(("share", "told"), [(1e-4, False), (3e-3, True)])
-def test_a_command_that_was_recorded_with_noise_is_told(share, told):
+@pytest.mark.parametrize(("share", "is_told"), [(1e-4, False), (3e-3, True)])
+def test_noisy_command_is_told(share, is_told):
     """Its noise was named a lag, an added mass and an error of the integration."""
     rig = RIGS["rig_a"]
     rng = np.random.default_rng(1)
@@ -121,16 +121,16 @@ def test_a_command_that_was_recorded_with_noise_is_told(share, told):
         for noise in [rng.standard_normal(command.size)]
     ]
     sentences = require_consistent(replace(rig, tests=tuple(tests)))
-    assert ["holds noise of 0." in sentence for sentence in sentences] == [True] * len(tests) * told
+    assert ["holds noise of 0." in sentence for sentence in sentences] == [True] * len(tests) * is_told
 
 
-def test_random_command_that_the_rig_follows_is_no_noise():
+def test_followed_random_command_is_no_noise():
     rng, rate = np.random.default_rng(2), 50.0
     tests = []
     for place in range(2):
         command = 0.01 * rng.standard_normal(3000)
-        measured = np.convolve(command, [0.7, 0.3])[:3000] + 1e-5 * rng.standard_normal(3000)
-        channels = {COMMAND: command, MEASURED: measured}
+        reading = np.convolve(command, [0.7, 0.3])[:3000] + 1e-5 * rng.standard_normal(3000)
+        channels = {COMMAND: command, READING: reading}
         tests.append(MeasuredTest(file=f"{place}.csv", motion="", held_out=place == 1, channels=channels))
     campaign = Campaign(
         name="", structure=None, mass=1.0, actuator=None, specimen=None, rate=rate, tests=tuple(tests)
@@ -138,46 +138,50 @@ def test_random_command_that_the_rig_follows_is_no_noise():
     assert require_consistent(campaign) == ()
 
 
-def test_a_structure_that_is_released_needs_no_ground_acceleration():
+def test_released_structure_needs_no_ground_acceleration():
     """A free vibration begins where the structure was held."""
     time = np.arange(0.0, 10.0, 1.0 / RIGS["rig_a"].rate)
-    moved = 0.01 * np.exp(-0.3 * time) * np.cos(2.0 * np.pi * RIGS["rig_a"].structure.frequency * time)
-    channels = {GROUND: np.zeros(time.size), COMMAND: moved, MEASURED: moved + 1e-9 * np.sin(time)}
-    released = MeasuredTest(file="a.csv", motion="", held_out=True, channels=channels)
-    require_consistent(replace(RIGS["rig_a"], tests=(released, replace(released, held_out=False))))
+    displacement = 0.01 * np.exp(-0.3 * time) * np.cos(2.0 * np.pi * RIGS["rig_a"].structure.frequency * time)
+    channels = {
+        GROUND: np.zeros(time.size),
+        COMMAND: displacement,
+        READING: displacement + 1e-9 * np.sin(time),
+    }
+    released_test = MeasuredTest(file="a.csv", motion="", held_out=True, channels=channels)
+    require_consistent(replace(RIGS["rig_a"], tests=(released_test, replace(released_test, held_out=False))))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", RIGS)
 def test_a_reversed_ground_acceleration_is_said_of_each_test(name):
-    said = require_consistent(spoiled(RIGS[name], GROUND, -1.0))
-    assert said == tuple(
+    faults = require_consistent(spoil_channel(RIGS[name], GROUND, -1.0))
+    assert faults == tuple(
         f"{test.file}: The ground acceleration has the opposite sign." for test in RIGS[name].tests
     )
 
 
 @pytest.mark.parametrize(
-    "channels", [(MEASURED, FORCE), (COMMAND, MEASURED), (GROUND, MEASURED), (GROUND, COMMAND, FORCE)]
+    "channels", [(READING, FORCE), (COMMAND, READING), (GROUND, READING), (GROUND, COMMAND, FORCE)]
 )
 @pytest.mark.parametrize("factor", [-1.0, 1000.0])
 def test_every_set_of_channels_shows_a_blunder_in_one_run(channels, factor):
-    campaign = kept(RIGS["rig_a"], *channels)
+    campaign = keep_channels(RIGS["rig_a"], *channels)
     require_consistent(campaign)
     for channel in channels:
-        with pytest.raises(InputError) as refused:
-            require_consistent(spoiled(campaign, channel, factor, {1}))
-        assert refused.value.where == campaign.tests[1].file
+        with pytest.raises(InputError) as refusal:
+            require_consistent(spoil_channel(campaign, channel, factor, {1}))
+        assert refusal.value.where == campaign.tests[1].file
 
 
 def swept(frequency, *, seconds=20.0, rate=200.0, amplitude=1.0, answer=None):
     """A test of an actuator and a damper with friction, driven by a swelling sine."""
     time = np.arange(0.0, seconds, 1.0 / rate)
     command = 0.01 * amplitude * np.sin(2.0 * np.pi * frequency * time) * np.sin(np.pi * time / seconds)
-    measured = command if answer is None else answer(command, rate)
-    speed = np.gradient(measured, 1.0 / rate)
+    reading = command if answer is None else answer(command, rate)
+    speed = np.gradient(reading, 1.0 / rate)
     force = 500.0 * speed + 40.0 * np.tanh(speed / 1e-3)
     noise = np.random.default_rng(1)
-    channels = {COMMAND: command, MEASURED: measured, FORCE: force}
+    channels = {COMMAND: command, READING: reading, FORCE: force}
     channels = {
         name: values + 1e-4 * values.std() * noise.normal(size=time.size) for name, values in channels.items()
     }
@@ -190,10 +194,12 @@ def slow(time_constant, limit=np.inf):
     """An actuator with a first-order lag and a stroke."""
 
     def answer(command, rate):
-        moved = np.zeros_like(command)
+        displacement = np.zeros_like(command)
         for k in range(1, command.size):
-            moved[k] = moved[k - 1] + (command[k] - moved[k - 1]) / (time_constant * rate)
-        return np.clip(moved, -limit, limit)
+            displacement[k] = displacement[k - 1] + (command[k] - displacement[k - 1]) / (
+                time_constant * rate
+            )
+        return np.clip(displacement, -limit, limit)
 
     return answer
 
@@ -206,9 +212,7 @@ def slow(time_constant, limit=np.inf):
     limit=st.sampled_from([0.004, np.inf]),
 )
 @settings(max_examples=25)
-def test_what_a_slow_rig_with_a_stroke_and_friction_does_is_no_blunder(
-    frequencies, amplitudes, time_constant, limit
-):
+def test_slow_rig_with_stroke_and_friction_is_accepted(frequencies, amplitudes, time_constant, limit):
     tests = [
         swept(frequency, amplitude=amplitude, answer=slow(time_constant, limit))
         for frequency, amplitude in zip(frequencies, amplitudes, strict=False)
@@ -221,28 +225,28 @@ def test_what_a_slow_rig_with_a_stroke_and_friction_does_is_no_blunder(
 
 def test_a_copied_channel_is_told_beside_the_diagnosis():
     campaign = RIGS["rig_b"]
-    copied = replace(
+    copied_test = replace(
         campaign.tests[0],
-        channels={**campaign.tests[0].channels, MEASURED: campaign.tests[0].channels[COMMAND]},
+        channels={**campaign.tests[0].channels, READING: campaign.tests[0].channels[COMMAND]},
     )
-    faults = require_consistent(replace(campaign, tests=(copied, *campaign.tests[1:])))
+    faults = require_consistent(replace(campaign, tests=(copied_test, *campaign.tests[1:])))
     (fault,) = faults
-    assert fault.startswith(f"{copied.file}: Command and measured displacement are identical")
+    assert fault.startswith(f"{copied_test.file}: Command and measured displacement are identical")
 
 
 def test_whether_two_channels_move_together_depends_on_no_unit():
     random = np.random.default_rng(3)
     first, noise = random.normal(size=(2, 400)) + 1j * random.normal(size=(2, 400))
     band = np.arange(400) // 40
-    for size, alike in ((0.2, True), (4.0, False)):
+    for size, is_alike in ((0.2, True), (4.0, False)):
         for unit in (1e-6, 1.0, 1e6):
-            found = _cross_spectrum(first, unit * (first + size * noise), band)
-            assert (found is not None) is alike
-            if found is not None:
-                assert np.linalg.norm(found) == pytest.approx(1.0)
+            result = _cross_spectrum(first, unit * (first + size * noise), band)
+            assert (result is not None) is is_alike
+            if result is not None:
+                assert np.linalg.norm(result) == pytest.approx(1.0)
 
 
-def test_times_that_contradict_the_rate_of_a_campaign_are_refused(tmp_path):
+def test_times_at_another_rate_are_refused(tmp_path):
     time = np.arange(400) / 200.0
     table = np.column_stack([time, np.sin(9.0 * time), np.sin(9.0 * time - 0.1)])
     np.savetxt(tmp_path / "t.csv", table, delimiter=",", header="time,command_m,measured_m", comments="")

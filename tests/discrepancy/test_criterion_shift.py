@@ -29,7 +29,7 @@ def shaking():
     return [Excitation(acceleration=shaken(seed), time_step=0.01) for seed in range(3)]
 
 
-def with_effect(name, *values):
+def add_effect(name, *values):
     kind = find_effect(name)
     return HybridTest(structure=STRUCTURE, effects=(kind.from_values(np.array(values)),))
 
@@ -39,33 +39,33 @@ def test_without_effects_nothing_shifts(shaking):
     assert shift == {"a": 1.0, "b": 1.0}
 
 
-def test_a_lag_takes_its_time_off_the_delay_that_is_left(shaking):
+def test_lag_takes_its_time_off_the_remaining_delay(shaking):
     """Under one motion, √b is shortened by the time constant of a short lag."""
     loop = Loop(excitation=shaking[0], structure=STRUCTURE)
-    left = 1e-3 * np.sqrt(Ellipse.fit(motion_contours(loop)[0]).b)
-    shift = criterion_shift(with_effect("first_order_lag", 0.2 * left), shaking[:1])
+    delay_limit = 1e-3 * np.sqrt(Ellipse.fit(motion_contours(loop)[0]).b)
+    shift = criterion_shift(add_effect("first_order_lag", 0.2 * delay_limit), shaking[:1])
     assert np.sqrt(shift["b"]) == pytest.approx(0.8, abs=0.03)
     assert 0.7 < shift["a"] < 1.0
 
 
 def test_an_effect_beyond_the_threshold_leaves_no_criterion(shaking):
-    shift = criterion_shift(with_effect("first_order_lag", 0.05), shaking)
+    shift = criterion_shift(add_effect("first_order_lag", 0.05), shaking)
     assert shift == {"a": 0.0, "b": 0.0}
 
 
 @pytest.mark.slow
-def test_a_specimen_that_dissipates_tolerates_more(shaking):
+def test_dissipative_specimen_tolerates_more(shaking):
     """Viscous damping that doubles the damping ratio: a and b grow as its square, nearly."""
     damping = 2.0 * STRUCTURE.damping_ratio * STRUCTURE.circular_frequency
-    shift = criterion_shift(with_effect("viscous_damping", damping), shaking)
+    shift = criterion_shift(add_effect("viscous_damping", damping), shaking)
     twice = Structure(frequency=1.0, damping_ratio=2.0 * STRUCTURE.damping_ratio)
     ratios = []
-    for one in shaking:
-        found = [
-            Ellipse.fit(motion_contours(Loop(excitation=one, structure=each))[0])
-            for each in (twice, STRUCTURE)
+    for excitation in shaking:
+        result = [
+            Ellipse.fit(motion_contours(Loop(excitation=excitation, structure=model))[0])
+            for model in (twice, STRUCTURE)
         ]
-        ratios.append((found[0].a / found[1].a, found[0].b / found[1].b))
+        ratios.append((result[0].a / result[1].a, result[0].b / result[1].b))
     low, high = np.min(ratios, axis=0), np.max(ratios, axis=0)
     assert 0.9 * low[0] < shift["a"] < 1.1 * high[0]
     assert 0.9 * low[1] < shift["b"] < 1.1 * high[1]
@@ -93,15 +93,15 @@ def response(ground):
 
 
 def test_recorded_ground_motions_are_taken():
-    recorded = campaign(lambda ground: {Channel.GROUND: ground, Channel.MEASURED: response(ground)})
-    found = shaking_of(recorded)
-    assert len(found) == 3
-    np.testing.assert_array_equal(found[1].acceleration, recorded.tests[1].channels[Channel.GROUND])
+    shaken_campaign = campaign(lambda ground: {Channel.GROUND: ground, Channel.MEASURED: response(ground)})
+    result = shaking_of(shaken_campaign)
+    assert len(result) == 3
+    np.testing.assert_array_equal(result[1].acceleration, shaken_campaign.tests[1].channels[Channel.GROUND])
 
 
 def test_motions_of_the_built_in_suite_reach_the_measured_displacement():
-    without = campaign(lambda ground: {Channel.COMMAND: response(ground), Channel.MEASURED: response(ground)})
-    peak = max(np.ptp(test.channels[Channel.COMMAND]) / 2.0 for test in without.tests)
-    for one in shaking_of(without):
-        moved = run_closed_loop(without.nominal, one.acceleration, one.time_step).measured
-        assert np.abs(moved).max() == pytest.approx(peak)
+    plain = campaign(lambda ground: {Channel.COMMAND: response(ground), Channel.MEASURED: response(ground)})
+    peak = max(np.ptp(test.channels[Channel.COMMAND]) / 2.0 for test in plain.tests)
+    for excitation in shaking_of(plain):
+        displacement = run_closed_loop(plain.nominal, excitation.acceleration, excitation.time_step).measured
+        assert np.abs(displacement).max() == pytest.approx(peak)

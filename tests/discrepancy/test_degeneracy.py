@@ -14,11 +14,11 @@ def test_pairs_are_effects_of_the_library_and_their_order_does_not_matter(pair):
 
 
 def test_a_remark_names_both_effects_with_their_probabilities():
-    said = remark("coulomb_friction", 0.62, ("viscous_damping", 0.31))
-    assert "coulomb friction (62 %) from viscous damping (31 %)" in said
-    assert "two speeds" in said
-    unlisted = remark("coulomb_friction", 0.62, ("added_mass", 0.31))
-    assert "stronger input of wider band" in unlisted
+    sentence = remark("coulomb_friction", 0.62, ("viscous_damping", 0.31))
+    assert "coulomb friction (62 %) from viscous damping (31 %)" in sentence
+    assert "two speeds" in sentence
+    unlisted_remark = remark("coulomb_friction", 0.62, ("added_mass", 0.31))
+    assert "stronger input of wider band" in unlisted_remark
     assert "suggest gap, but do not settle it" in remark("gap", 0.4, None)
 
 

@@ -40,14 +40,14 @@ REPRESENTATIVE = [
 ]
 
 
-def judged(found, label):
+def judge_diagnosis(result, label):
     """Whether an answer is right: exact, or for faint effects without a wrong name."""
-    named = {effect.name for effect in found.effects}
+    names = {effect.name for effect in result.effects}
     if label.kind == "faint":
-        return named <= label.names
+        return names <= label.names
     if label.kind == "outside":
-        return found.verdict is Verdict.UNKNOWN_EFFECT
-    return named == label.names and str(found.verdict) == label.verdict
+        return result.verdict is Verdict.UNKNOWN_EFFECT
+    return names == label.names and str(result.verdict) == label.verdict
 
 
 def wrong_answers(cases, blind):
@@ -55,9 +55,17 @@ def wrong_answers(cases, blind):
     wrong = []
     for seed, kind, observation, effect, noise, snr in cases:
         folder, label = blind(seed, kind, observation, effect, noise, snr)
-        found = diagnose(read_campaign(folder))
-        if not judged(found, label):
-            wrong.append((seed, kind, effect, found.verdict, [one.name for one in found.effects]))
+        diagnosis = diagnose(read_campaign(folder))
+        if not judge_diagnosis(diagnosis, label):
+            wrong.append(
+                (
+                    seed,
+                    kind,
+                    effect,
+                    diagnosis.verdict,
+                    [named_effect.name for named_effect in diagnosis.effects],
+                )
+            )
     return wrong
 
 
@@ -73,27 +81,27 @@ def test_twenty_blind_campaigns(blind):
     assert len(wrong) <= 1, wrong
 
 
-def noise_of(found, label):
+def noise_of(result, label):
     """RMS of the noise that a label states over that of the channel, in the only held-out test."""
-    (file,) = found.gap.held_out
+    (file,) = result.gap.held_out
     noise = next(test["noise_rms"] for test in label["tests"] if test["file"] == file)
-    channels = next(test.channels for test in found.campaign.tests if test.file == file)
-    return noise[found.gap.channel] / np.sqrt(np.mean(channels[found.gap.channel] ** 2))
+    channels = next(test.channels for test in result.campaign.tests if test.file == file)
+    return noise[result.gap.channel] / np.sqrt(np.mean(channels[result.gap.channel] ** 2))
 
 
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize("name", [pytest.param("rig_a", marks=pytest.mark.slow), "rig_b", "rig_c"])
 def test_sample_campaigns_answer_as_their_sealed_labels(sample_campaigns, diagnosis_of, name):
-    sealed = json.loads((sample_campaigns / "labels.json").read_text(encoding="utf-8"))[name]
-    label = json.loads(base64.b64decode(sealed))
-    found = diagnosis_of(name)
-    assert str(found.verdict) == label["verdict"]
-    in_library = {one["name"] for one in label["effects"] if one["in_library"]}
-    assert {one.name for one in found.effects} == in_library
+    labels = json.loads((sample_campaigns / "labels.json").read_text(encoding="utf-8"))[name]
+    label = json.loads(base64.b64decode(labels))
+    diagnosis = diagnosis_of(name)
+    assert str(diagnosis.verdict) == label["verdict"]
+    library_names = {effect["name"] for effect in label["effects"] if effect["in_library"]}
+    assert {effect.name for effect in diagnosis.effects} == library_names
     if label["verdict"] == "named":
-        assert found.gap.after == pytest.approx(noise_of(found, label), rel=0.05)
+        assert diagnosis.gap.after == pytest.approx(noise_of(diagnosis, label), rel=0.05)
         truth = label["effects"][0]["parameters"]["force_n"]["value"]
-        estimate = next(one for one in found.effects[0].estimates if one.name == "force_n")
+        estimate = next(effect for effect in diagnosis.effects[0].estimates if effect.name == "force_n")
         assert abs(estimate.value - truth) < 4.0 * estimate.sd
 
 
@@ -116,62 +124,62 @@ def test_answer_has_the_keys_of_the_format_and_is_json(diagnosis_of, name):
 
 @pytest.mark.slow
 def test_servo_hydraulic_is_a_low_pass_with_a_bias_and_no_drifting_delay(shared_folder):
-    found = diagnose(read_campaign(shared_folder / "measured" / "servo_hydraulic"))
-    names = {effect.name for effect in found.effects}
+    diagnosis = diagnose(read_campaign(shared_folder / "measured" / "servo_hydraulic"))
+    names = {effect.name for effect in diagnosis.effects}
     assert names == {"first_order_lag", "sensor_bias"}
-    assert found.gap.before > 0.35
-    assert found.gap.after <= 0.040
-    assert not found.blocks[0].leaves_noise
-    assert all(effect.probability <= 0.99 for effect in found.effects)
-    assert all(effect.error_without > 1.5 * effect.error_with for effect in found.effects)
+    assert diagnosis.gap.before > 0.35
+    assert diagnosis.gap.after <= 0.040
+    assert not diagnosis.blocks[0].leaves_noise
+    assert all(effect.probability <= 0.99 for effect in diagnosis.effects)
+    assert all(effect.error_without > 1.5 * effect.error_with for effect in diagnosis.effects)
 
 
 @pytest.mark.slow
 def test_a_real_damper_is_hysteresis_alone(shared_folder):
-    found = diagnose(read_campaign(shared_folder / "measured" / "mr_damper"))
-    assert str(found.verdict) == "named"
-    assert [effect.name for effect in found.effects] == ["hysteresis"]
-    assert found.gap.after <= 0.125
+    diagnosis = diagnose(read_campaign(shared_folder / "measured" / "mr_damper"))
+    assert str(diagnosis.verdict) == "named"
+    assert [effect.name for effect in diagnosis.effects] == ["hysteresis"]
+    assert diagnosis.gap.after <= 0.125
 
 
 @pytest.mark.slow
 def test_a_real_table_clips_its_command(shared_folder):
-    found = diagnose(read_campaign(shared_folder / "measured" / "shaking_table"))
-    saturation = next(effect for effect in found.effects if effect.name == "stroke_saturation")
+    diagnosis = diagnose(read_campaign(shared_folder / "measured" / "shaking_table"))
+    saturation = next(effect for effect in diagnosis.effects if effect.name == "stroke_saturation")
     assert saturation.effect.position == "before the dynamics"
     assert saturation.estimates[0].value == pytest.approx(0.05, rel=0.05)
-    assert found.gap.source == "repeated cycles"
+    assert diagnosis.gap.source == "repeated cycles"
 
 
 @pytest.mark.slow
 def test_two_blocks_of_a_real_rig_are_named(shared_folder):
-    found = diagnose(read_campaign(shared_folder / "measured" / "servo_and_damper"))
-    assert [str(block.verdict) for block in found.blocks] == ["named", "named"]
-    assert {"first_order_lag", "hysteresis"} <= {effect.name for effect in found.effects}
-    assert not any(effect.on_bounds for effect in found.effects)
+    diagnosis = diagnose(read_campaign(shared_folder / "measured" / "servo_and_damper"))
+    assert [str(block.verdict) for block in diagnosis.blocks] == ["named", "named"]
+    assert {"first_order_lag", "hysteresis"} <= {effect.name for effect in diagnosis.effects}
+    assert not any(effect.on_bounds for effect in diagnosis.effects)
 
 
 @pytest.mark.slow
 def test_residuals_by_file_are_those_of_the_gap(diagnosis_of):
-    found = diagnosis_of("rig_a")
-    block = next(one for one in found.blocks if one.effects)
+    diagnosis = diagnosis_of("rig_a")
+    block = next(item for item in diagnosis.blocks if item.effects)
     assert set(block.residuals_after) == set(block.gap.held_out)
-    before, after = (
+    model_before, model_after = (
         np.concatenate(list(r.values())).std() for r in (block.residuals_before, block.residuals_after)
     )
-    assert after < before
+    assert model_after < model_before
 
 
 @pytest.fixture
 def rig_b(sample_campaigns, diagnosis_of, monkeypatch):
     """A campaign for the command line, whose diagnosis is known already."""
 
-    def known(campaign, *, progress):
+    def return_diagnosis(campaign, *, progress):
         progress(1, 1)
         assert campaign.name == diagnosis_of("rig_b").campaign.name
         return diagnosis_of("rig_b")
 
-    monkeypatch.setattr("reliab.app.api.diagnosis.diagnose", known)
+    monkeypatch.setattr("reliab.app.api.diagnosis.diagnose", return_diagnosis)
     return str(sample_campaigns / "rig_b")
 
 
@@ -191,11 +199,11 @@ def test_results_are_there_when_the_report_fails(rig_b, tmp_path, monkeypatch):
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("blank_figures")
-def test_command_line_writes_json_and_says_what_is_wrong(rig_b, tmp_path):
+def test_command_line_writes_json_and_names_the_error(rig_b, tmp_path):
     application = typer.Typer()
     application.command()(command)
     run = CliRunner().invoke(application, [rig_b, "--out", str(tmp_path), "--json", "-"])
     assert run.exit_code == 0
     assert json.loads(run.stdout)["verdict"] == "no_missing_effect"
-    written = json.loads((tmp_path / "diagnosis.json").read_text(encoding="utf-8"))
-    assert written["verdict"] == "no_missing_effect"
+    content = json.loads((tmp_path / "diagnosis.json").read_text(encoding="utf-8"))
+    assert content["verdict"] == "no_missing_effect"

@@ -22,9 +22,9 @@ def matlab(table, path):
 
 
 def dspace(table, path):
-    time, *others = table
+    time, *remaining = table
     channels = np.array(
-        [(f"Model Root/{name}/Out1", table[name].to_numpy()) for name in others],
+        [(f"Model Root/{name}/Out1", table[name].to_numpy()) for name in remaining],
         dtype=[("Name", object), ("Data", object)],
     )
     savemat(path, {"capture": {"X": {"Name": "Time", "Data": table[time].to_numpy()}, "Y": channels}})
@@ -73,17 +73,17 @@ def test_a_campaign_of_other_files_is_the_same(tmp_path, write, ending):
             text = text.replace(path.name, f"{path.stem}.{ending}")
             path.unlink()
     description.write_text(text, encoding="utf-8")
-    for test, expected in zip(read_campaign(tmp_path / "rig").tests, read_campaign(RIG).tests, strict=True):
-        assert test.channels.keys() == expected.channels.keys()
+    for test, reference in zip(read_campaign(tmp_path / "rig").tests, read_campaign(RIG).tests, strict=True):
+        assert test.channels.keys() == reference.channels.keys()
         for name, values in test.channels.items():
-            np.testing.assert_allclose(values, expected.channels[name], rtol=1e-12, atol=1e-15)
+            np.testing.assert_allclose(values, reference.channels[name], rtol=1e-12, atol=1e-15)
 
 
 @pytest.mark.parametrize(("growth", "part", "begin"), [(0.0, "last", 600), (1.0, "middle", 300)])
-def test_third_of_the_only_test_that_moves_no_further_than_the_others_is_held_out(growth, part, begin):
+def test_held_out_third_of_a_single_test_stays_within_the_motion_of_the_others(growth, part, begin):
     time = np.arange(900) / 900.0
-    moved = (1.0 + growth * time) * np.sin(60.0 * time)
-    test = MeasuredTest(file="a.csv", motion="", held_out=False, channels={Channel.MEASURED: moved})
+    displacement = (1.0 + growth * time) * np.sin(60.0 * time)
+    test = MeasuredTest(file="a.csv", motion="", held_out=False, channels={Channel.MEASURED: displacement})
     campaign = replace(read_campaign("rig_a"), tests=(test,))
     (proof,) = campaign.proof
     assert (proof.begin, proof.end) == (begin, begin + 300)

@@ -40,13 +40,13 @@ def campaign():
     tests = []
     for k in range(4):
         waves = [np.sin(2.0 * np.pi * f * time + rng.uniform(0.0, 7.0)) for f in rng.uniform(0.4, 2.0, 6)]
-        moved = 0.01 * np.sum(waves, axis=0) * np.sin(np.pi * time / time[-1]) ** 2
+        displacement = 0.01 * np.sum(waves, axis=0) * np.sin(np.pi * time / time[-1]) ** 2
         force = load(
-            HybridTest(specimen=SPECIMEN, effects=(FRICTION,)), Motion3.interpolate(moved, 1.0 / RATE)
+            HybridTest(specimen=SPECIMEN, effects=(FRICTION,)), Motion3.interpolate(displacement, 1.0 / RATE)
         )
         channels = {
-            Channel.COMMAND: moved,
-            Channel.MEASURED: moved,
+            Channel.COMMAND: displacement,
+            Channel.MEASURED: displacement,
             Channel.FORCE: force + NOISE * rng.standard_normal(force.size),
         }
         tests.append(MeasuredTest(file=f"{k}", motion="waves", held_out=k == 3, channels=channels))
@@ -70,7 +70,7 @@ def problem(campaign, block):
 
 
 @pytest.fixture(scope="module")
-def fitted(problem):
+def model_fit(problem):
     space = ModelSpace(problem.block, (type(FRICTION),))
     bare = ModelSpace(problem.block, ())
     start = next(space.starts(bare, np.zeros(bare.size)))
@@ -95,20 +95,20 @@ SLACK = find_effect("gap")(gap_m=0.001)
 @pytest.mark.parametrize(
     "effects", [(), (SLACK, FRICTION), (LATE, FRICTION), (ORIFICE, FRICTION, LATE), (PLAY, FRICTION)]
 )
-@pytest.mark.parametrize("smoothed", [False, True])
-def test_remembered_spectra_are_those_of_the_predicted_force(campaign, effects, smoothed):
+@pytest.mark.parametrize("is_smoothed", [False, True])
+def test_remembered_spectra_are_those_of_the_predicted_force(campaign, effects, is_smoothed):
     motions = motions_of(campaign)
-    block = SpecimenBlock(campaign, scales_of(campaign, motions), motions, is_smoothed=smoothed)
+    block = SpecimenBlock(campaign, scales_of(campaign, motions), motions, is_smoothed=is_smoothed)
     segments = cut_segments(campaign.training[:2], RATE, lambda _: 40.0)
     for factor in (1.0, 1.7):  # the second time from what is remembered
         stiffer = replace(SPECIMEN, stiffness=factor * SPECIMEN.stiffness, mass=0.3)
         model = HybridTest(specimen=stiffer, effects=effects)
         for segment, spectrum in zip(segments, block.spectra(model, segments), strict=True):
-            expected = segment.spectrum(block.predict(model, segment.test))
-            np.testing.assert_allclose(spectrum, expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
+            reference = segment.spectrum(block.predict(model, segment.test))
+            np.testing.assert_allclose(spectrum, reference, rtol=1e-9, atol=1e-9 * np.abs(reference).max())
 
 
-def test_a_mean_over_velocities_is_that_of_the_whole_load(campaign):
+def test_mean_over_velocities_equals_that_of_the_whole_load(campaign):
     rng = np.random.default_rng(8)
     reading = campaign.tests[0].channels[Channel.MEASURED] + 1e-4 * rng.standard_normal(int(20.0 * RATE))
     test = replace(campaign.tests[0], channels={**campaign.tests[0].channels, Channel.MEASURED: reading})
@@ -122,9 +122,9 @@ def test_a_mean_over_velocities_is_that_of_the_whole_load(campaign):
         load(model, Motion3(values=motions[0].values + node * reach, step=1.0 / RATE))
         for node in (-1.0, 0.0, 1.0)
     ]
-    expected = np.average(loads, axis=0, weights=(1.0, 4.0, 1.0))
-    assert np.abs(loads[1] - expected).max() > 0.01  # of some 20 N
-    np.testing.assert_allclose(block.predict(model, 0), expected, rtol=1e-9, atol=1e-9)
+    reference = np.average(loads, axis=0, weights=(1.0, 4.0, 1.0))
+    assert np.abs(loads[1] - reference).max() > 0.01  # of some 20 N
+    np.testing.assert_allclose(block.predict(model, 0), reference, rtol=1e-9, atol=1e-9)
 
 
 LIBRARY: list[type[Effect]] = [
@@ -138,8 +138,10 @@ FORCES = [
 
 @pytest.mark.parametrize("kind", FORCES, ids=lambda kind: kind.name)
 def test_a_kernel_is_proportional_and_blind_to_velocity_where_it_says_so(kind):
-    moved = np.sin(0.3 * np.arange(200.0)) * np.linspace(0.2, 2.0, 200)
-    slow = Motion3(values=np.stack([moved, np.gradient(moved, 0.1), np.cos(moved)]), step=0.1)
+    displacement = np.sin(0.3 * np.arange(200.0)) * np.linspace(0.2, 2.0, 200)
+    slow = Motion3(
+        values=np.stack([displacement, np.gradient(displacement, 0.1), np.cos(displacement)]), step=0.1
+    )
     fast = replace(slow, values=slow.values + np.array([[0.0], [0.7], [0.3]]))
     values = np.array([0.37 + 0.11 * place for place in range(len(kind.parameters))])
     numbers = kind.from_values(values).coefficients(Setting(step=0.1, stiffness=5.0))
@@ -151,33 +153,35 @@ def test_a_kernel_is_proportional_and_blind_to_velocity_where_it_says_so(kind):
         np.testing.assert_allclose(follow(kind.kernel, tuple(numbers), slow), -3.0 * force, rtol=1e-12)
 
 
-def test_noise_of_whitened_residuals_is_that_of_the_model_left(problem, fitted):
-    again = problem.noise_of(fitted.space, fitted.coordinates)
-    np.testing.assert_allclose(problem.noise_left(fitted.residual, fitted.noise).weights, again.weights)
+def test_whitened_residuals_have_the_noise_of_the_remainder(problem, model_fit):
+    second_noise = problem.noise_of(model_fit.space, model_fit.coordinates)
+    np.testing.assert_allclose(
+        problem.noise_left(model_fit.residual, model_fit.noise).weights, second_noise.weights
+    )
 
 
-def test_another_noise_needs_no_simulation(problem, fitted):
+def test_another_noise_needs_no_simulation(problem, model_fit):
     with patch.object(SpecimenBlock, "spectra", side_effect=AssertionError):
-        other = reweight_fit(problem, fitted)
-    simulated = problem.whiten(fitted.space, fitted.coordinates, other.noise)
-    np.testing.assert_allclose(other.residual, simulated, rtol=1e-9, atol=1e-9)
-    fresh = jacobian(problem, fitted.space, fitted.coordinates, other.noise)
-    assert np.abs(other.jacobian - fresh).max() < 0.05 * np.abs(fresh).max()
+        second = reweight_fit(problem, model_fit)
+    simulation = problem.whiten(model_fit.space, model_fit.coordinates, second.noise)
+    np.testing.assert_allclose(second.residual, simulation, rtol=1e-9, atol=1e-9)
+    fresh = jacobian(problem, model_fit.space, model_fit.coordinates, second.noise)
+    assert np.abs(second.jacobian - fresh).max() < 0.05 * np.abs(fresh).max()
 
 
 def exact_jacobian(problem, space, coordinates, noise, step=1e-3):
     centre = problem.whiten(space, coordinates, noise)
-    moved = coordinates + step * np.eye(space.size)
-    return np.stack([(problem.whiten(space, one, noise) - centre) / step for one in moved], axis=1)
+    displacement = coordinates + step * np.eye(space.size)
+    return np.stack([(problem.whiten(space, item, noise) - centre) / step for item in displacement], axis=1)
 
 
-def test_derivatives_of_the_sketch_are_those_of_the_model(problem, fitted):
+def test_derivatives_of_the_sketch_are_those_of_the_model(problem, model_fit):
     assert problem.sketch.block.every > 1
-    sketched = jacobian(problem, fitted.space, fitted.coordinates, fitted.noise)
-    exact = exact_jacobian(problem, fitted.space, fitted.coordinates, fitted.noise)
+    sketch_value = jacobian(problem, model_fit.space, model_fit.coordinates, model_fit.noise)
+    exact = exact_jacobian(problem, model_fit.space, model_fit.coordinates, model_fit.noise)
     size = np.linalg.norm(exact, axis=0)
-    assert (np.linalg.norm(sketched - exact, axis=0) < 0.15 * size).all()
-    np.testing.assert_allclose(sharpen_fit(problem, fitted).jacobian, exact, atol=1e-6 * size.max())
+    assert (np.linalg.norm(sketch_value - exact, axis=0) < 0.15 * size).all()
+    np.testing.assert_allclose(sharpen_fit(problem, model_fit).jacobian, exact, atol=1e-6 * size.max())
 
 
 def test_sketch_of_a_late_actuator_has_its_derivatives(campaign):
@@ -185,16 +189,16 @@ def test_sketch_of_a_late_actuator_has_its_derivatives(campaign):
     segments = cut_segments(campaign.training, RATE, lambda _: 40.0, block.sketch.every)
     problem, space = Problem(block=block, segments=segments), ModelSpace(block, ())
     noise = NoiseModel.white(RATE, 1e-8)
-    sketched = jacobian(problem, space, np.zeros(space.size), noise)
+    sketch_value = jacobian(problem, space, np.zeros(space.size), noise)
     exact = exact_jacobian(problem, space, np.zeros(space.size), noise)
-    assert np.linalg.norm(sketched - exact) < 0.02 * np.linalg.norm(exact)
+    assert np.linalg.norm(sketch_value - exact) < 0.02 * np.linalg.norm(exact)
 
 
-def test_a_fit_that_has_settled_simulates_no_more_than_it_must(problem, fitted):
-    settled = refine_fit(problem, fitted)
+def test_settled_fit_simulates_no_more_than_needed(problem, model_fit):
+    settled_fit = refine_fit(problem, model_fit)
     with patch.object(SpecimenBlock, "spectra", autospec=True, side_effect=SpecimenBlock.spectra) as simulate:
-        refine_fit(problem, settled)
-    assert simulate.call_count <= 2 + settled.space.size
+        refine_fit(problem, settled_fit)
+    assert simulate.call_count <= 2 + settled_fit.space.size
 
 
 def test_linear_algebra_keeps_to_one_thread_while_fits_run_side_by_side(diagnosis_of, blas_threads):
@@ -209,12 +213,14 @@ def test_coordinates_at_their_bounds_are_the_parameters_bounds(problem):
     lower, upper = space.bounds
     for bounds, extreme in ((lower, "lower"), (upper, "upper")):
         values = space.values(bounds)
-        expected = [p.coordinate_bounds[extreme == "upper"] for p in space.parameters]
-        found = [p.coordinate(v, problem.block.scales) for p, v in zip(space.parameters, values, strict=True)]
-        assert found == pytest.approx(expected)
-    inside = 0.3 * np.clip(upper, None, 2.0) + 0.7 * np.clip(lower, -2.0, None)
-    assert space.coordinates(space.values(inside)) == pytest.approx(inside)
-    assert space.find_bounds(inside) == ()
+        reference = [p.coordinate_bounds[extreme == "upper"] for p in space.parameters]
+        result = [
+            p.coordinate(v, problem.block.scales) for p, v in zip(space.parameters, values, strict=True)
+        ]
+        assert result == pytest.approx(reference)
+    point = 0.3 * np.clip(upper, None, 2.0) + 0.7 * np.clip(lower, -2.0, None)
+    assert space.coordinates(space.values(point)) == pytest.approx(point)
+    assert space.find_bounds(point) == ()
     keys = space.find_bounds(upper)
     assert len(set(keys)) == space.size
     assert space.find_bounds(upper - 5e-5) == keys
@@ -227,26 +233,30 @@ def test_coordinates_at_their_bounds_are_the_parameters_bounds(problem):
 def test_standard_deviations_are_those_of_draws_and_of_the_model_error(problem):
     """Small deviations of the coordinates become those of the values; a hundredth of a per cent is added."""
     space = ModelSpace(problem.block, (type(FRICTION),))
-    at = np.full(space.size, 0.2)
+    coordinates_drawn = np.full(space.size, 0.2)
     spread = 1e-3 * np.arange(1.0, space.size + 1.0)
-    draws = at + spread * np.random.default_rng(2).standard_normal((2000, space.size))
-    of_draws = np.std([space.values(one) for one in draws], axis=0)
-    found = space.standard_deviations(at, np.diag(spread**2))
-    assert found == pytest.approx(np.hypot(of_draws, 1e-4 * space.values(at)), rel=0.06)
-    alone = space.standard_deviations(at, np.zeros((space.size, space.size)))
-    assert alone == pytest.approx(1e-4 * np.abs(space.values(at)))
+    draws = coordinates_drawn + spread * np.random.default_rng(2).standard_normal((2000, space.size))
+    spread_of_draws = np.std([space.values(item) for item in draws], axis=0)
+    result = space.standard_deviations(coordinates_drawn, np.diag(spread**2))
+    assert result == pytest.approx(
+        np.hypot(spread_of_draws, 1e-4 * space.values(coordinates_drawn)), rel=0.06
+    )
+    single = space.standard_deviations(coordinates_drawn, np.zeros((space.size, space.size)))
+    assert single == pytest.approx(1e-4 * np.abs(space.values(coordinates_drawn)))
 
 
 @pytest.mark.parametrize("tests", [(0,), (0, 1), (0, 1, 2)])
 def test_tests_are_left_out_one_at_a_time_and_pieces_of_a_single_one(problem, tests):
-    few = replace(problem, segments=tuple(s for s in problem.segments if s.test in tests))
+    subset = replace(problem, segments=tuple(s for s in problem.segments if s.test in tests))
     space = ModelSpace(problem.block, ())
-    start = fit(few, space, [np.zeros(space.size)], NoiseModel.white(RATE, NOISE**2))
-    errors = leave_out(few, start)
-    assert errors.energies.size == (len(tests) if len(tests) > 1 else len(few.segments))
-    whole = sum(np.sum(few.measured(s.test)[s.begin : s.end] ** 2) for s in few.segments)
-    assert errors.signals.sum() == pytest.approx(whole, rel=0.02)
-    lengths = [power * (s.end - s.begin) for power, s in zip(relative_powers(few), few.segments, strict=True)]
+    start = fit(subset, space, [np.zeros(space.size)], NoiseModel.white(RATE, NOISE**2))
+    errors = leave_out(subset, start)
+    assert errors.energies.size == (len(tests) if len(tests) > 1 else len(subset.segments))
+    complete = sum(np.sum(subset.measured(s.test)[s.begin : s.end] ** 2) for s in subset.segments)
+    assert errors.signals.sum() == pytest.approx(complete, rel=0.02)
+    lengths = [
+        power * (s.end - s.begin) for power, s in zip(relative_powers(subset), subset.segments, strict=True)
+    ]
     assert errors.units.sum() == pytest.approx(sum(lengths))
 
 
@@ -270,8 +280,8 @@ def test_sketch_of_a_closed_loop_has_its_derivatives_at_fewer_steps(frequency, f
     segments = cut_segments(campaign.training, RATE, lambda _: 10.0, block.sketch.every)
     problem, noise = Problem(block=block, segments=segments), NoiseModel.white(RATE, 1e-8)
     space = ModelSpace(block, ())
-    sketched, exact = (
+    sketch_value, exact = (
         find(problem, space, np.zeros(space.size), noise) for find in (jacobian, exact_jacobian)
     )
     size = np.linalg.norm(exact, axis=0)
-    assert (np.linalg.norm(sketched - exact, axis=0) < 0.05 * size).all()
+    assert (np.linalg.norm(sketch_value - exact, axis=0) < 0.05 * size).all()

@@ -20,42 +20,44 @@ def waves(seed, low=0.4, high=2.0):
     return sum(np.sin(2.0 * np.pi * f * TIME + rng.uniform(0.0, 7.0)) for f in rng.uniform(low, high, 6))
 
 
-def recorded(command, seed, *, noise=None, motion="", memory=0.0):
+def record_test(command, seed, *, noise=None, motion="", memory=0.0):
     """A channel that answers its command with a cube, and first-order noise of RMS `NOISE`."""
     rng = np.random.default_rng(seed)
-    added = signal.lfilter([1.0], [1.0, -memory], rng.normal(size=TIME.size)) if noise is None else noise
-    measured = command + 0.1 * command**3 + NOISE * added / added.std()
-    channels = {Channel.COMMAND: command, Channel.MEASURED: measured}
+    noise_added = (
+        signal.lfilter([1.0], [1.0, -memory], rng.normal(size=TIME.size)) if noise is None else noise
+    )
+    reading = command + 0.1 * command**3 + NOISE * noise_added / noise_added.std()
+    channels = {Channel.COMMAND: command, Channel.MEASURED: reading}
     return MeasuredTest(file=f"{seed}", motion=motion, held_out=True, channels=channels)
 
 
 def floors_of(*tests):
-    found = floors(tests, range(len(tests)), Channel.MEASURED, (Channel.COMMAND,), rate=RATE, highest=45.0)
-    return {source: np.sqrt(square) for source, square in found.items()}
+    result = floors(tests, range(len(tests)), Channel.MEASURED, (Channel.COMMAND,), rate=RATE, highest=45.0)
+    return {source: np.sqrt(square) for source, square in result.items()}
 
 
 def test_white_noise_is_read_off_the_band_above_the_motion():
-    assert floors_of(recorded(waves(1), 1))[Source.BAND_ABOVE] == pytest.approx(NOISE, rel=0.05)
+    assert floors_of(record_test(waves(1), 1))[Source.BAND_ABOVE] == pytest.approx(NOISE, rel=0.05)
 
 
 def test_coloured_noise_is_not_known_from_the_band_above():
-    assert floors_of(recorded(waves(1), 1, memory=0.95)) == {}
+    assert floors_of(record_test(waves(1), 1, memory=0.95)) == {}
 
 
 def test_repeated_tests_tell_whatever_the_colour():
-    found = floors_of(*(recorded(waves(1), k, motion="a", memory=0.95) for k in range(4)))
-    assert next(iter(found)) is Source.REPEATED_TESTS
-    assert found[Source.REPEATED_TESTS] == pytest.approx(NOISE, rel=0.1)
+    result = floors_of(*(record_test(waves(1), k, motion="a", memory=0.95) for k in range(4)))
+    assert next(iter(result)) is Source.REPEATED_TESTS
+    assert result[Source.REPEATED_TESTS] == pytest.approx(NOISE, rel=0.1)
 
 
 def test_tests_under_other_commands_are_no_repeats():
-    assert Source.REPEATED_TESTS not in floors_of(*(recorded(waves(k), k, motion="a") for k in range(3)))
+    assert Source.REPEATED_TESTS not in floors_of(*(record_test(waves(k), k, motion="a") for k in range(3)))
 
 
 def test_repeated_cycles_tell_and_their_harmonics_are_no_noise():
     sine = np.sin(2.0 * np.pi * 2.0 * TIME)
-    found = floors_of(recorded(sine, 1, memory=0.9))
-    assert found[Source.REPEATED_CYCLES] == pytest.approx(NOISE, rel=0.15)
+    result = floors_of(record_test(sine, 1, memory=0.9))
+    assert result[Source.REPEATED_CYCLES] == pytest.approx(NOISE, rel=0.15)
 
 
 def test_a_converter_at_rest_hides_its_own_noise():
@@ -71,21 +73,23 @@ def test_a_converter_at_rest_hides_its_own_noise():
 
 def test_rest_before_the_motion_tells():
     late = np.where(TIME > 4.0, waves(1) * np.clip(TIME - 4.0, 0.0, 1.0), 0.0)
-    assert floors_of(recorded(late, 1))[Source.AT_REST] == pytest.approx(NOISE, rel=0.1)
+    assert floors_of(record_test(late, 1))[Source.AT_REST] == pytest.approx(NOISE, rel=0.1)
 
 
 @pytest.mark.parametrize("floor", [0.0, 0.05, 0.2, 0.5])
-@pytest.mark.parametrize("after", [0.0, 0.04, 0.3, 0.7])
-def test_closed_fraction_stays_within_its_bounds(floor, after):
+@pytest.mark.parametrize("error_after", [0.0, 0.04, 0.3, 0.7])
+def test_closed_fraction_stays_within_its_bounds(floor, error_after):
     gap = Gap(
-        channel="force_n", before=0.5, after=after, floors={"rest": floor},
-        tests=(HeldOutTest(file="a", before=0.5, after=after),),
+        channel="force_n", before=0.5, after=error_after, floors={"rest": floor},
+        tests=(HeldOutTest(file="a", before=0.5, after=error_after),),
     )  # fmt: skip
     assert gap.closed_fraction is None or 0.0 <= gap.closed_fraction <= 1.0
-    counted = floor if floor <= 1.2 * after else 0.0  # a floor far above what the model leaves is none
-    assert gap.model_error == pytest.approx(np.sqrt(max(after**2 - counted**2, 0.0)))
+    floor_counted = (
+        floor if floor <= 1.2 * error_after else 0.0
+    )  # a floor far above what the model leaves is none
+    assert gap.model_error == pytest.approx(np.sqrt(max(error_after**2 - floor_counted**2, 0.0)))
     assert gap.unexplained_share is None or 0.0 <= gap.unexplained_share <= 1.0
-    if gap.closed_fraction is not None and not after <= 1.2 * counted:
+    if gap.closed_fraction is not None and not error_after <= 1.2 * floor_counted:
         assert gap.unexplained_share == pytest.approx(1.0 - gap.closed_fraction)
 
 
@@ -98,16 +102,16 @@ def test_without_a_floor_nothing_is_said_of_the_closed_fraction():
     assert gap.to_dict()["noise_floor"] is None
 
 
-def quiet(before, after, *, floors=None, noise_like=("a",)):
+def quiet(error_before, error_after, *, floors=None, noise_like=("a",)):
     """Gap of one held-out test."""
     return Gap(
-        channel="force_n", before=before, after=after, floors=floors or {},
-        tests=(HeldOutTest(file="a", before=before, after=after, noise_like="a" in noise_like),),
+        channel="force_n", before=error_before, after=error_after, floors=floors or {},
+        tests=(HeldOutTest(file="a", before=error_before, after=error_after, noise_like="a" in noise_like),),
     )  # fmt: skip
 
 
 @pytest.mark.parametrize(
-    ("before", "after", "floors", "noise_like", "left"),
+    ("error_before", "error_after", "floors", "noise_like", "remainder"),
     [
         (0.00841, 0.00841, {"rest": 0.00806}, (), None),
         (0.00873, 0.00873, {}, ("a",), None),
@@ -118,16 +122,18 @@ def quiet(before, after, *, floors=None, noise_like=("a",)):
         (0.2, 0.1, {}, (), 0.25),
     ],
 )  # fmt: skip
-def test_of_noise_nothing_is_unexplained(before, after, floors, noise_like, left):
+def test_of_noise_nothing_is_unexplained(error_before, error_after, floors, noise_like, remainder):
     """Where the calibrated model is at the noise, there is nothing to explain and no share of it."""
-    gap = quiet(before, after, floors=floors, noise_like=noise_like)
-    (of_test,) = gap.by_test
-    assert of_test.unexplained_share == gap.worst_unexplained_share == (left and pytest.approx(left))
-    assert ("nothing to explain" in gap.conclusion) is (left is None)
+    gap = quiet(error_before, error_after, floors=floors, noise_like=noise_like)
+    (test_gap,) = gap.by_test
+    assert (
+        test_gap.unexplained_share == gap.worst_unexplained_share == (remainder and pytest.approx(remainder))
+    )
+    assert ("nothing to explain" in gap.conclusion) is (remainder is None)
     assert gap.to_dict()["conclusion"] == gap.conclusion
 
 
-def test_effects_that_close_a_small_gap_are_not_told_to_explain_nothing():
+def test_effects_of_a_small_gap_are_not_said_to_explain_nothing():
     gap = quiet(0.0502, 0.0451, floors={"band above the motion": 0.0452}, noise_like=())
     assert gap.conclusion == "what remains is at the level of the noise"
 

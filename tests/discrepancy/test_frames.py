@@ -28,24 +28,24 @@ stiffness_n_per_m = 1e5
 """
 
 
-def described(folder, structure, extra=""):
+def write_frame(folder, structure, extra=""):
     """Give a small campaign another structure."""
     text = (folder / "campaign.toml").read_text(encoding="utf-8")
-    rest = text[text.index("[actuator]") :]
-    (folder / "campaign.toml").write_text(f'name = "frame"\n{structure}{extra}{rest}', encoding="utf-8")
+    tail = text[text.index("[actuator]") :]
+    (folder / "campaign.toml").write_text(f'name = "frame"\n{structure}{extra}{tail}', encoding="utf-8")
     return read_campaign(folder)
 
 
 def test_a_frame_is_read_with_its_interface_and_specimen(small_campaign):
-    campaign = described(small_campaign, FRAME)
+    campaign = write_frame(small_campaign, FRAME)
     assert campaign.structure is None
     np.testing.assert_array_equal(campaign.partition.direction, [1.0, 0.0])
     np.testing.assert_array_equal(campaign.partition.frame.stiffness, [[7e5, -3e5], [-3e5, 3e5]])
     assert campaign.nominal.specimen.stiffness == 1e5
 
 
-def test_the_model_of_a_frame_says_that_it_holds_no_frame(small_campaign, tmp_path):
-    nothing_seen = Diagnosis(campaign=described(small_campaign, FRAME), blocks=())
+def test_model_of_a_frame_says_so_in_its_file(small_campaign, tmp_path):
+    nothing_seen = Diagnosis(campaign=write_frame(small_campaign, FRAME), blocks=())
     write_model(tmp_path / "model.toml", update_model(nothing_seen))
     model = read_model(tmp_path / "model.toml")
     assert model.test.structure is None
@@ -70,9 +70,9 @@ def test_the_model_of_a_frame_says_that_it_holds_no_frame(small_campaign, tmp_pa
         ),
     ],
 )
-def test_a_frame_that_is_not_sound_is_refused(small_campaign, structure, extra, rule):
+def test_unsound_frame_is_refused(small_campaign, structure, extra, rule):
     with pytest.raises(InputError, match=rule):
-        described(small_campaign, structure, extra)
+        write_frame(small_campaign, structure, extra)
 
 
 def test_ground_and_reading_alone_show_no_block_of_a_frame(small_campaign):
@@ -82,7 +82,7 @@ def test_ground_and_reading_alone_show_no_block_of_a_frame(small_campaign):
             text.replace("command_m", "ground_acceleration_mps2"), encoding="utf-8"
         )
     with pytest.raises(InputError, match="one degree of freedom"):
-        diagnose(described(small_campaign, FRAME))
+        diagnose(write_frame(small_campaign, FRAME))
 
 
 def test_one_mass_balances_by_its_equation_of_motion():
@@ -98,7 +98,7 @@ def test_one_mass_balances_by_its_equation_of_motion():
 
 
 def test_a_smooth_motion_of_the_interface_needs_the_force_of_the_differential_equation(small_campaign):
-    partition = described(small_campaign, FRAME).partition
+    partition = write_frame(small_campaign, FRAME).partition
     mass, damping, stiffness = (
         partition.numerical_mass,
         partition.numerical_damping,
@@ -128,9 +128,9 @@ def test_a_smooth_motion_of_the_interface_needs_the_force_of_the_differential_eq
     x, v, a = moved(time)
     second = np.array([speed(t, state)[1] for t, state in zip(time, inner.T, strict=True)])
     both = ((mass, (a, second)), (damping, (v, inner[1])), (stiffness, (x, inner[0])))
-    expected = -sum(matrix[0] @ np.stack(history) for matrix, history in both)
+    reference = -sum(matrix[0] @ np.stack(history) for matrix, history in both)
     force = InnerMotion(partition, 0.01).force(np.zeros(time.size), np.stack([x, v, a]))
-    np.testing.assert_allclose(force, expected, atol=1e-4 * np.abs(expected).max())
+    np.testing.assert_allclose(force, reference, atol=1e-4 * np.abs(reference).max())
 
 
 @pytest.mark.slow
@@ -154,7 +154,7 @@ BLIND = [
 ]
 
 
-MISNAMED = pytest.mark.xfail(
+WRONG_NAME = pytest.mark.xfail(
     reason="named second-order dynamics, whose transfer function is near that of a lag"
 )
 
@@ -163,7 +163,9 @@ MISNAMED = pytest.mark.xfail(
 @pytest.mark.parametrize(
     ("effect", "block", "seed"),
     [
-        pytest.param(effect, block, seed, marks=MISNAMED if (effect, seed) == ("first_order_lag", 12) else ())
+        pytest.param(
+            effect, block, seed, marks=WRONG_NAME if (effect, seed) == ("first_order_lag", 12) else ()
+        )
         for effect, block in BLIND
         for seed in (11, 12)
     ],
@@ -172,7 +174,9 @@ def test_an_effect_hidden_in_a_frame_is_named(tmp_path, effect, block, seed):
     frame_laboratory.write_campaign(tmp_path, seed, effect)
     result = diagnose(read_campaign(tmp_path)).to_dict()
     assert result["verdict"] == "named"
-    assert [(named["name"], named["block"]) for named in result["effects"]] == [(effect, block)]
+    assert [(effect_row["name"], effect_row["block"]) for effect_row in result["effects"]] == [
+        (effect, block)
+    ]
 
 
 @pytest.mark.slow

@@ -23,8 +23,8 @@ def models():
     tests = []
     for place, amplitude in enumerate(AMPLITUDES):
         command = amplitude * np.sin(2.0 * np.pi * (0.8 + 0.1 * place) * TIME) * np.sin(np.pi * TIME / 10.0)
-        measured = np.clip(command, -STROKE, STROKE) + NOISE * random.normal(size=TIME.size)
-        channels = {Channel.COMMAND: command, Channel.MEASURED: measured}
+        reading = np.clip(command, -STROKE, STROKE) + NOISE * random.normal(size=TIME.size)
+        channels = {Channel.COMMAND: command, Channel.MEASURED: reading}
         tests.append(MeasuredTest(file=f"{place}", motion="sine", held_out=False, channels=channels))
     campaign = Campaign(
         name="sines", structure=None, mass=1.0, actuator=None, specimen=None, rate=RATE, tests=tuple(tests)
@@ -39,9 +39,9 @@ def models():
     return search
 
 
-def test_a_limit_that_one_test_alone_reaches_is_not_judged_without_that_test(models: Search):
-    limited = models.fitted[frozenset(["stroke_saturation"])]
-    error = models.error(limited)
+def test_limit_of_one_test_is_not_judged_without_it(models: Search):
+    limited_model = models.fitted[frozenset(["stroke_saturation"])]
+    error = models.error(limited_model)
     assert error.foretold.tolist() == [True, True, True, False]
     assert error.relative[3] > 100.0 * error.relative[:3].max()
     assert error.is_at_most(1.02, models.error(models.null))

@@ -16,12 +16,12 @@ SHARE = 0.2
 def command(rng):
     time = np.arange(0.0, DURATION, 1.0 / RATE)
     band = signal.butter(2, [0.4, 2.5], "band", fs=RATE, output="sos")
-    moved = signal.sosfiltfilt(band, rng.standard_normal(time.size))
-    return 0.02 * moved * np.exp(-(((time - 6.0) / 4.0) ** 2)) / np.abs(moved).max()
+    displacement = signal.sosfiltfilt(band, rng.standard_normal(time.size))
+    return 0.02 * displacement * np.exp(-(((time - 6.0) / 4.0) ** 2)) / np.abs(displacement).max()
 
 
 def slow(commands, sent):
-    reach = SHARE * max(np.abs(np.diff(one)).max() for one in commands)
+    reach = SHARE * max(np.abs(np.diff(command_history)).max() for command_history in commands)
     piston = np.zeros_like(sent)
     for i in range(1, sent.size):
         piston[i] = piston[i - 1] + np.clip(GAIN * sent[i] - piston[i - 1], -reach, reach)
@@ -29,7 +29,7 @@ def slow(commands, sent):
 
 
 def short(commands, sent):
-    reach = SHARE * max(np.abs(one).max() for one in commands)
+    reach = SHARE * max(np.abs(command_history).max() for command_history in commands)
     return np.clip(GAIN * sent, -reach, reach)
 
 
@@ -44,13 +44,13 @@ def test_an_actuator_at_its_limit_is_named(tmp_path, actuator, name):
     say = 'name = "limit"\n[actuator]\ngain = 1.0\ndelay_s = 0.0\n[sampling]\nrate_hz = 512\n'
     for k, sent in enumerate(commands):
         piston = actuator(commands, sent)
-        seen = piston + 0.01 * piston.std() * rng.standard_normal(sent.size)
-        columns = np.column_stack([np.arange(sent.size) / RATE, sent, seen])
+        noisy = piston + 0.01 * piston.std() * rng.standard_normal(sent.size)
+        columns = np.column_stack([np.arange(sent.size) / RATE, sent, noisy])
         np.savetxt(
             tmp_path / f"{k}.csv", columns, delimiter=",", header="time_s,command_m,measured_m", comments=""
         )
         say += f'[[tests]]\nfile = "{k}.csv"\nmotion = "record {k}"\n'
     (tmp_path / "campaign.toml").write_text(say)
-    found = diagnose(read_campaign(tmp_path)).to_dict()
-    assert found["verdict"] == "named"
-    assert [effect["name"] for effect in found["effects"]] == [name]
+    diagnosis = diagnose(read_campaign(tmp_path)).to_dict()
+    assert diagnosis["verdict"] == "named"
+    assert [effect["name"] for effect in diagnosis["effects"]] == [name]

@@ -28,9 +28,9 @@ def terms(*lines, block=Block.SPECIMEN, size=SIZE, highest=110.0):
 @pytest.mark.parametrize("frequency", [0.5, 3.0, 17.0, 33.3, 101.0])
 def test_the_strongest_line_gives_its_frequency(frequency):
     for block in (Block.SPECIMEN, Block.ACTUATOR):
-        (found,) = terms((frequency, 60.0), (frequency + 5.0, 40.0), block=block)
-        assert found.parameters[-1].typical == pytest.approx(frequency, rel=1e-3)
-        assert found.block is block
+        (result,) = terms((frequency, 60.0), (frequency + 5.0, 40.0), block=block)
+        assert result.parameters[-1].typical == pytest.approx(frequency, rel=1e-3)
+        assert result.block is block
 
 
 @pytest.mark.parametrize("frequency", [50.0, 60.0, 76.0, 106.0])

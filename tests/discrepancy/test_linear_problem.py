@@ -46,7 +46,7 @@ def space_of(reach=np.inf):
     return SimpleNamespace(bounds=bounds, size=SIZE, effects=(), block=BLOCK, places=lambda effect: effect)
 
 
-def stacked():
+def stack_prior():
     """The rows of the data and of the normal prior."""
     return np.vstack([MATRIX, np.eye(SIZE)]), np.concatenate([TARGET, np.zeros(SIZE)])
 
@@ -56,29 +56,31 @@ def test_noise_and_model_are_fitted_in_turn_until_half_a_nat(evidence, rounds):
     states = [SimpleNamespace(log_evidence=value) for value in evidence]
     following = dict(zip(map(id, states), states[1:], strict=False))
     with (
-        patch("reliab.discrepancy.fitting.fit.reweight_fit", lambda _problem, fitted: fitted),
-        patch("reliab.discrepancy.fitting.fit.improve_fit", lambda _problem, fitted: following[id(fitted)]),
+        patch("reliab.discrepancy.fitting.fit.reweight_fit", lambda _problem, model_fit: model_fit),
+        patch(
+            "reliab.discrepancy.fitting.fit.improve_fit", lambda _problem, model_fit: following[id(model_fit)]
+        ),
     ):
         assert refine_fit(None, states[0]) is states[rounds]
 
 
 def test_a_linear_model_is_fitted_by_ridge_regression_and_in_few_steps():
     problem = Linear()
-    found = fit(problem, space_of(), [np.zeros(SIZE), np.ones(SIZE)], NOISE)
-    assert found.coordinates == pytest.approx(np.linalg.lstsq(*stacked(), rcond=None)[0], abs=0.05)
-    assert found.jacobian == pytest.approx(-MATRIX, abs=1e-8)
-    assert found.residual == pytest.approx(TARGET - MATRIX @ found.coordinates)
+    result = fit(problem, space_of(), [np.zeros(SIZE), np.ones(SIZE)], NOISE)
+    assert result.coordinates == pytest.approx(np.linalg.lstsq(*stack_prior(), rcond=None)[0], abs=0.05)
+    assert result.jacobian == pytest.approx(-MATRIX, abs=1e-8)
+    assert result.residual == pytest.approx(TARGET - MATRIX @ result.coordinates)
     assert problem.simulated < 40
 
 
 @pytest.mark.parametrize("reach", [0.1, 0.6])
-def test_a_fit_within_bounds_is_that_of_bounded_least_squares(reach):
-    expected = optimize.lsq_linear(*stacked(), bounds=(-reach, reach)).x
-    found = fit(Linear(), space_of(reach), [np.zeros(SIZE)], NOISE)
-    assert found.coordinates == pytest.approx(expected, abs=0.05)
-    on_bound = np.isclose(np.abs(expected), reach, rtol=1e-6)
-    assert (found.free == ~on_bound).all()
-    assert on_bound.any()
+def test_fit_within_bounds_equals_bounded_least_squares(reach):
+    reference = optimize.lsq_linear(*stack_prior(), bounds=(-reach, reach)).x
+    result = fit(Linear(), space_of(reach), [np.zeros(SIZE)], NOISE)
+    assert result.coordinates == pytest.approx(reference, abs=0.05)
+    is_on_bound = np.isclose(np.abs(reference), reach, rtol=1e-6)
+    assert (result.free == ~is_on_bound).all()
+    assert is_on_bound.any()
 
 
 def test_the_best_of_several_starts_is_kept_by_likelihood_and_prior():
@@ -91,13 +93,13 @@ def test_the_best_of_several_starts_is_kept_by_likelihood_and_prior():
 
     bounds = (np.full(1, -9.0), np.full(1, 9.0))
     space = SimpleNamespace(bounds=bounds, size=1, effects=(), block=BLOCK)
-    found = fit(TwoOptima(), space, [np.array([4.9]), np.array([0.6])], NOISE)
-    assert found.coordinates[0] == pytest.approx(0.5, abs=0.1)
+    result = fit(TwoOptima(), space, [np.array([4.9]), np.array([0.6])], NOISE)
+    assert result.coordinates[0] == pytest.approx(0.5, abs=0.1)
 
 
 def test_the_evidence_of_a_linear_model_is_the_marginal_density():
     """Of y = A x + e, with normal x and e, the density is that of a normal y with covariance A Aᵀ + 1."""
-    best = np.linalg.lstsq(*stacked(), rcond=None)[0]
+    best = np.linalg.lstsq(*stack_prior(), rcond=None)[0]
     exact = Fit(
         space=space_of(),
         coordinates=best,
@@ -120,41 +122,41 @@ def test_derivatives_step_away_from_the_upper_bound():
             steps.append(coordinates)
             return super().whiten(space, coordinates, noise)
 
-    at = np.array([0.5, 0.4995, -0.5, 0.498])
-    assert jacobian(Watched(), space_of(0.5), at, NOISE) == pytest.approx(-MATRIX, abs=1e-8)
-    moved = np.array(steps[1:]) - steps[0]
-    assert np.diag(moved) == pytest.approx([-1e-3, -1e-3, 1e-3, 1e-3])
+    point = np.array([0.5, 0.4995, -0.5, 0.498])
+    assert jacobian(Watched(), space_of(0.5), point, NOISE) == pytest.approx(-MATRIX, abs=1e-8)
+    displacement = np.array(steps[1:]) - steps[0]
+    assert np.diag(displacement) == pytest.approx([-1e-3, -1e-3, 1e-3, 1e-3])
 
 
 @pytest.mark.parametrize("damping", [0.0, 0.5, 20.0])
 def test_a_bounded_step_minimises_the_damped_quadratic_model(damping):
     curvature = MATRIX.T @ MATRIX + np.eye(SIZE)
     slope = np.array([4.0, -9.0, 2.0, 1.0])
-    damped = curvature + damping * np.diag(np.diag(curvature))
+    damped_curvature = curvature + damping * np.diag(np.diag(curvature))
     far, near = np.full(SIZE, 99.0), np.array([1e-3, 2e-2, 9.0, 1e-3])
     assert solve_bounded_step(curvature, slope, -far, far, damping) == pytest.approx(
-        -np.linalg.solve(damped, slope)
+        -np.linalg.solve(damped_curvature, slope)
     )
-    found = solve_bounded_step(curvature, slope, -near, near, damping)
-    expected = optimize.minimize(
-        lambda x: slope @ x + 0.5 * x @ damped @ x,
+    result = solve_bounded_step(curvature, slope, -near, near, damping)
+    reference = optimize.minimize(
+        lambda x: slope @ x + 0.5 * x @ damped_curvature @ x,
         np.zeros(SIZE),
-        jac=lambda x: slope + damped @ x,
+        jac=lambda x: slope + damped_curvature @ x,
         bounds=list(zip(-near, near, strict=True)),
         method="L-BFGS-B",
         options={"ftol": 1e-15, "gtol": 1e-10},
     ).x
-    assert found == pytest.approx(expected, abs=1e-6)
+    assert result == pytest.approx(reference, abs=1e-6)
 
 
-def test_a_coordinate_that_cannot_move_stays_while_the_others_step():
+def test_immovable_coordinate_stays_while_the_others_step():
     """Bounds that meet, as of a coordinate that lies on the only value it may have."""
     curvature, slope = np.diag([2.0, 5.0]), np.array([-4.0, -10.0])
-    least, most = np.array([-9.0, 0.0]), np.array([9.0, 0.0])
-    assert solve_bounded_step(curvature, slope, least, most, 0.0) == pytest.approx([2.0, 0.0], abs=1e-9)
+    least, largest = np.array([-9.0, 0.0]), np.array([9.0, 0.0])
+    assert solve_bounded_step(curvature, slope, least, largest, 0.0) == pytest.approx([2.0, 0.0], abs=1e-9)
 
 
-def at(coordinates):
+def fit_at(coordinates):
     return Fit(
         space=space_of(),
         coordinates=coordinates,
@@ -166,46 +168,48 @@ def at(coordinates):
 
 
 def test_a_fit_improves_from_anywhere_and_not_beyond_its_steps():
-    start = at(np.full(SIZE, 30.0))
-    best = np.linalg.lstsq(*stacked(), rcond=None)[0]
+    start = fit_at(np.full(SIZE, 30.0))
+    best = np.linalg.lstsq(*stack_prior(), rcond=None)[0]
     assert improve_fit(Linear(), start).coordinates == pytest.approx(best, abs=0.05)
     assert improve_fit(Linear(), start, 0).coordinates == pytest.approx(start.coordinates)
     problem = Linear()
-    improve_fit(problem, at(best))
+    improve_fit(problem, fit_at(best))
     assert problem.simulated == 0  # a step from there promises nothing
 
 
 @pytest.mark.parametrize("fixed", [(), (2,)])
 def test_without_some_rows_a_linear_model_is_the_ridge_regression_of_the_others(fixed):
-    excluded = np.arange(ROWS) % 3 == 0
-    rows, target = stacked()
-    kept = np.concatenate([~excluded, np.ones(SIZE, dtype=bool)])
+    excluded_rows = np.arange(ROWS) % 3 == 0
+    rows, target = stack_prior()
+    kept_rows = np.concatenate([~excluded_rows, np.ones(SIZE, dtype=bool)])
     free = [k for k in range(SIZE) if k not in fixed]
-    expected = np.zeros(SIZE)
-    expected[free] = np.linalg.lstsq(rows[kept][:, free], target[kept], rcond=None)[0]
-    assert refit(at(np.array([0.3, -0.7, 0.1, 1.0])), excluded, fixed) == pytest.approx(expected, abs=1e-8)
+    reference = np.zeros(SIZE)
+    reference[free] = np.linalg.lstsq(rows[kept_rows][:, free], target[kept_rows], rcond=None)[0]
+    assert refit(fit_at(np.array([0.3, -0.7, 0.1, 1.0])), excluded_rows, fixed) == pytest.approx(
+        reference, abs=1e-8
+    )
 
 
 @pytest.mark.parametrize("reach", [0.4, 0.8])
 def test_without_some_rows_a_fit_stays_within_its_bounds(reach):
-    excluded = np.arange(ROWS) % 3 == 0
-    rows, target = stacked()
-    kept = np.concatenate([~excluded, np.ones(SIZE, dtype=bool)])
-    expected = optimize.lsq_linear(rows[kept], target[kept], bounds=(-reach, reach)).x
-    fitted = replace(at(np.array([0.3, -0.35, 0.1, 0.2])), space=space_of(reach))
-    assert refit(fitted, excluded, ()) == pytest.approx(expected, abs=1e-6)
-    assert (np.isclose(np.abs(expected), reach)).any()
+    excluded_rows = np.arange(ROWS) % 3 == 0
+    rows, target = stack_prior()
+    kept_rows = np.concatenate([~excluded_rows, np.ones(SIZE, dtype=bool)])
+    reference = optimize.lsq_linear(rows[kept_rows], target[kept_rows], bounds=(-reach, reach)).x
+    model_fit = replace(fit_at(np.array([0.3, -0.35, 0.1, 0.2])), space=space_of(reach))
+    assert refit(model_fit, excluded_rows, ()) == pytest.approx(reference, abs=1e-6)
+    assert (np.isclose(np.abs(reference), reach)).any()
 
 
-@pytest.mark.parametrize(("size", "determined"), [(0.9, False), (1.1, True)])
-def test_an_effect_is_determined_where_its_data_say_more_than_its_prior(size, determined):
+@pytest.mark.parametrize(("size", "is_determined"), [(0.9, False), (1.1, True)])
+def test_an_effect_is_determined_where_its_data_say_more_than_its_prior(size, is_determined):
     """A single row of length s leaves the variance 1/(1 + s²) of a prior variance of one."""
     rows = np.zeros((2, SIZE))
     rows[0, 1], rows[1, 3] = size, 9.0
-    fitted = replace(at(np.zeros(SIZE)), jacobian=rows)
-    fitted.space.effects = (slice(1, 2), slice(3, 4))
-    assert _is_determined(fitted, np.ones(2, dtype=bool)) is determined
-    assert not _is_determined(fitted, np.array([True, False]))
+    model_fit = replace(fit_at(np.zeros(SIZE)), jacobian=rows)
+    model_fit.space.effects = (slice(1, 2), slice(3, 4))
+    assert _is_determined(model_fit, np.ones(2, dtype=bool)) is is_determined
+    assert not _is_determined(model_fit, np.array([True, False]))
 
 
 def errors_of(energies, foretold=(True, True, True)):
@@ -217,7 +221,7 @@ def errors_of(energies, foretold=(True, True, True)):
     )
 
 
-def test_errors_on_left_out_tests_are_relative_to_what_counts_as_one():
+def test_errors_on_left_out_tests_are_relative_to_their_unit():
     error = errors_of([1.0, 3.0, 5.0])
     assert error.relative == pytest.approx([0.5, 0.75, 1.0])
     assert error.energy == pytest.approx(2.25)
@@ -236,10 +240,10 @@ TIME = np.arange(0.0, 32.0, 1.0 / RATE)
 
 def problem_of(**changes):
     rng = np.random.default_rng(2)
-    measured = {0: rng.standard_normal(TIME.size), 1: 3.0 * rng.standard_normal(TIME.size)}
+    reading = {0: rng.standard_normal(TIME.size), 1: 3.0 * rng.standard_normal(TIME.size)}
     block = SimpleNamespace(
         rate=RATE,
-        measured=measured.__getitem__,
+        measured=reading.__getitem__,
         highest_signal=20.0,
         motions=[
             SimpleNamespace(values=np.stack([np.sin(k * TIME) + 5.0, k * np.cos(k * TIME)]))
@@ -289,29 +293,29 @@ def test_whitened_noise_has_unit_variance():
 def test_tests_count_alike_but_for_weak_ones():
     problem = problem_of()
     squares = [np.mean(problem.measured(0) ** 2), np.mean(problem.measured(1)[512:1536] ** 2)]
-    expected = np.array([squares[0], squares[0], squares[1]]) + 0.05 * squares[1]
-    assert relative_powers(problem) == pytest.approx(expected)
+    reference = np.array([squares[0], squares[0], squares[1]]) + 0.05 * squares[1]
+    assert relative_powers(problem) == pytest.approx(reference)
 
 
 def test_tempering_leaves_so_many_observations_in_each_test():
     problem = problem_of()
-    tempered = problem.temper({0: 24.0, 1: 1e9})
+    tempered_problem = problem.temper({0: 24.0, 1: 1e9})
     rows = 2 * problem.segments[0].bins - 1
     assert problem.rows == 3 * rows
-    assert tempered.tempering == pytest.approx((24.0 / (2 * rows), 24.0 / (2 * rows), 1.0))
-    assert tempered.powers == pytest.approx(relative_powers(problem))
-    assert (problem.flat, tempered.flat) == (False, True)
+    assert tempered_problem.tempering == pytest.approx((24.0 / (2 * rows), 24.0 / (2 * rows), 1.0))
+    assert tempered_problem.powers == pytest.approx(relative_powers(problem))
+    assert (problem.flat, tempered_problem.flat) == (False, True)
 
 
-def test_the_normalisation_is_that_of_whittles_likelihood():
+def test_normalisation_equals_that_of_whittles_likelihood():
     """Every complex frequency counts once with its density, the real one at zero by half."""
     noise = NoiseModel(rate=RATE, weights=np.array([2.0, 0.0, 5.0, 0.0, 0.0, 0.0, 0.0, 0.0]))
     problem = problem_of()
     density = [segment.density(noise) for segment in problem.segments]
     volumes = [0.5 * np.log(d[0]) + np.log(d[1:]).sum() for d in density]
     assert problem.log_volume(noise) == pytest.approx(-sum(volumes))
-    tempered = problem.temper({0: 24.0, 1: 12.0})
-    assert tempered.log_volume(noise) == pytest.approx(-np.dot(tempered.tempering, volumes))
+    tempered_problem = problem.temper({0: 24.0, 1: 12.0})
+    assert tempered_problem.log_volume(noise) == pytest.approx(-np.dot(tempered_problem.tempering, volumes))
     assert problem.densities(noise) == pytest.approx(np.concatenate([[*d, *d[1:]] for d in density]))
     twice = NoiseModel(rate=RATE, weights=4.0 * noise.weights)
     assert problem.reweighting(noise, twice) == pytest.approx(np.full(problem.rows, 0.5))
@@ -323,8 +327,8 @@ def test_noise_where_errors_judge_is_their_mean_square_relative_to_the_channel()
     residual = np.random.default_rng(4).standard_normal(problem.rows)
     share = np.array(problem.tempering)[problem.owners]
     # a whitened row is √(share/power) times the error
-    expected = np.sum(share * residual**2 / share) / share.sum()
-    assert problem.noise_left(residual, unit).weights[0] == pytest.approx(expected)
+    reference = np.sum(share * residual**2 / share) / share.sum()
+    assert problem.noise_left(residual, unit).weights[0] == pytest.approx(reference)
 
 
 class Kind(SimpleNamespace):
@@ -333,32 +337,32 @@ class Kind(SimpleNamespace):
 
 @pytest.mark.parametrize("size", [0.3, 0.02])
 @pytest.mark.parametrize("flat", [False, True])
-def test_a_promise_is_the_energy_that_a_linear_effect_explains(flat, size, monkeypatch):
+def test_promise_is_the_energy_explained_by_a_linear_effect(flat, size, monkeypatch):
     """What is left of its direction beside the free coordinates of the parent, projected on the residual."""
     direction = np.random.default_rng(5).standard_normal(ROWS)
-    parent = at(np.linalg.lstsq(MATRIX, TARGET, rcond=None)[0])
-    promise = promised(parent, size * direction, monkeypatch, flat=flat)
-    whole = np.linalg.lstsq(np.column_stack([MATRIX, direction]), TARGET, rcond=None)
-    before = parent.residual @ parent.residual
-    gain = 0.5 * (before - whole[1][0])
-    expected = -0.5 * before * np.log(1.0 - gain / (0.5 * before)) if flat else gain
-    assert promise.gain == pytest.approx(expected)
-    assert size * promise.start[SIZE] == pytest.approx(whole[0][SIZE])
+    parent = fit_at(np.linalg.lstsq(MATRIX, TARGET, rcond=None)[0])
+    promise = promise_of(parent, size * direction, monkeypatch, flat=flat)
+    solution = np.linalg.lstsq(np.column_stack([MATRIX, direction]), TARGET, rcond=None)
+    energy = parent.residual @ parent.residual
+    gain = 0.5 * (energy - solution[1][0])
+    reference = -0.5 * energy * np.log(1.0 - gain / (0.5 * energy)) if flat else gain
+    assert promise.gain == pytest.approx(reference)
+    assert size * promise.start[SIZE] == pytest.approx(solution[0][SIZE])
     assert len(promise.others) == 2
 
 
-def test_an_effect_that_explains_all_promises_no_more_than_a_hundredth_is_left(monkeypatch):
-    parent = at(np.linalg.lstsq(MATRIX, TARGET, rcond=None)[0])
-    promise = promised(parent, parent.residual, monkeypatch, flat=True)
+def test_promise_leaves_at_least_a_hundredth(monkeypatch):
+    parent = fit_at(np.linalg.lstsq(MATRIX, TARGET, rcond=None)[0])
+    promise = promise_of(parent, parent.residual, monkeypatch, flat=True)
     assert promise.gain == pytest.approx(0.5 * parent.residual @ parent.residual * np.log(100.0))
 
 
-def test_an_effect_that_changes_nothing_promises_nothing(monkeypatch):
-    parent = at(np.linalg.lstsq(MATRIX, TARGET, rcond=None)[0])
-    assert promised(parent, np.zeros(ROWS), monkeypatch, flat=False).gain == 0.0
+def test_effect_without_change_promises_nothing(monkeypatch):
+    parent = fit_at(np.linalg.lstsq(MATRIX, TARGET, rcond=None)[0])
+    assert promise_of(parent, np.zeros(ROWS), monkeypatch, flat=False).gain == 0.0
 
 
-def promised(parent, change, monkeypatch, *, flat):
+def promise_of(parent, change, monkeypatch, *, flat):
     """What an effect promises whose coordinate of one changes the predicted rows by `change`."""
     parent.space.block = None
     kind = Kind(parameters=(SimpleNamespace(signed=True),))
@@ -371,43 +375,43 @@ def promised(parent, change, monkeypatch, *, flat):
 
     problem = Problem()
     problem.flat = flat  # type: ignore[attr-defined]
-    stretched = SimpleNamespace(
+    long_segment = SimpleNamespace(
         starts=lambda _space, x: iter([np.append(x, 1.0), np.append(x, 0.5)]),
         scale_size=lambda start, _kind, factor: np.append(start[:SIZE], factor * start[SIZE]),
     )
-    monkeypatch.setattr("reliab.discrepancy.fitting.screening.ModelSpace", lambda *_: stretched)
+    monkeypatch.setattr("reliab.discrepancy.fitting.screening.ModelSpace", lambda *_: long_segment)
     (promise,) = screen_effects(problem, parent, [kind], null=None)
     return promise
 
 
-def test_a_step_that_gains_what_it_promised_needs_no_new_derivatives():
+def test_foreseen_step_needs_no_new_derivatives():
     """From near the optimum one step reaches it, and the derivatives of a linear model have not changed."""
-    best = np.linalg.lstsq(*stacked(), rcond=None)[0]
-    problem, near = Linear(), at(best + 0.05 * np.eye(SIZE)[0])
-    found = improve_fit(problem, near)
-    assert found.coordinates == pytest.approx(best, abs=2e-4)
+    best = np.linalg.lstsq(*stack_prior(), rcond=None)[0]
+    problem, near = Linear(), fit_at(best + 0.05 * np.eye(SIZE)[0])
+    result = improve_fit(problem, near)
+    assert result.coordinates == pytest.approx(best, abs=2e-4)
     assert problem.simulated == 1
 
 
-def test_noise_beside_a_converter_is_what_its_steps_do_not_explain():
+def test_noise_beside_a_converter_excludes_its_steps():
     """Rounding to steps adds a variance of a twelfth of a step's square to that of the noise."""
     rng = np.random.default_rng(8)
     step, noise = 0.01, 0.005
     signal = np.sin(np.linspace(0.0, 60.0, 60_000))
-    measured = step * np.round((signal + noise * rng.standard_normal(signal.size)) / step)
-    block = SimpleNamespace(measured=lambda _test: measured, interpolate=lambda predicted, _test: predicted)
+    reading = step * np.round((signal + noise * rng.standard_normal(signal.size)) / step)
+    block = SimpleNamespace(measured=lambda _test: reading, interpolate=lambda prediction, _test: prediction)
     problem = Problem(block=block, segments=(SimpleNamespace(test=0),))
     with (
         patch.object(Problem, "predictions", return_value={0: signal}),
         patch(
             "reliab.discrepancy.fitting.problem.expect_rounding_error", return_value=0.0 * signal
-        ) as expected,
+        ) as reference,
     ):
         problem.correct_conversion(space_of(), np.zeros(SIZE))
-    _, found_step, spread, level = expected.call_args.args
+    _, found_step, spread, level = reference.call_args.args
     assert found_step == pytest.approx(step)
     assert spread == pytest.approx(noise, rel=0.008)
-    assert level == measured[0]
+    assert level == reading[0]
 
 
 def test_the_least_noise_beside_a_converter_is_a_share_of_its_error_squared():
@@ -416,8 +420,8 @@ def test_the_least_noise_beside_a_converter_is_a_share_of_its_error_squared():
     block = SimpleNamespace(measured=levels.get)
     problem = Problem(block=block, segments=tuple(SimpleNamespace(test=test) for test in levels))
     assert problem.least_noise == 0.0
-    corrected = replace(problem, conversion={0: 0.0, 1: 0.0})
-    assert corrected.least_noise == pytest.approx(0.2 * 5.0 / 12.0)
+    corrected_value = replace(problem, conversion={0: 0.0, 1: 0.0})
+    assert corrected_value.least_noise == pytest.approx(0.2 * 5.0 / 12.0)
 
 
 def test_starts_are_compared_by_likelihood_and_half_the_square_of_the_coordinates():
@@ -431,5 +435,5 @@ def test_starts_are_compared_by_likelihood_and_half_the_square_of_the_coordinate
 
     bounds = (np.full(1, -9.0), np.full(1, 9.0))
     space = SimpleNamespace(bounds=bounds, size=1, effects=(), block=BLOCK)
-    found = fit(TwoValleys(), space, [np.array([0.001]), np.array([2.999])], NOISE)
-    assert found.coordinates[0] == pytest.approx(3.0, abs=1e-3)
+    result = fit(TwoValleys(), space, [np.array([0.001]), np.array([2.999])], NOISE)
+    assert result.coordinates[0] == pytest.approx(3.0, abs=1e-3)

@@ -12,18 +12,18 @@ TIME = np.arange(0.0, 40.0, 1.0 / RATE)
 SPECIMEN = Specimen(stiffness=2000.0)
 
 
-def campaign(*, frequency, amplitude, of_command=0.0, noise=2.0):
+def campaign(*, frequency, amplitude, command_share=0.0, noise=2.0):
     """Specimen only: displacement and force with 26 dB of noise, and a wave in the force or in the motion."""
     rng = np.random.default_rng(11)
     tests = []
     for k in range(4):
         waves = [np.sin(2.0 * np.pi * f * TIME + rng.uniform(0.0, 7.0)) for f in rng.uniform(0.4, 2.0, 6)]
-        moved = 0.01 * np.sum(waves, axis=0) * np.sin(np.pi * TIME / TIME[-1]) ** 2
+        displacement = 0.01 * np.sum(waves, axis=0) * np.sin(np.pi * TIME / TIME[-1]) ** 2
         wave = np.sin(2.0 * np.pi * frequency * TIME + 1.0)
-        moved = moved + of_command * wave
-        force = 2000.0 * moved + amplitude * wave + noise * rng.standard_normal(TIME.size)
-        measured = moved + noise / 2000.0 * rng.standard_normal(TIME.size)
-        channels = {Channel.MEASURED: measured, Channel.FORCE: force}
+        displacement = displacement + command_share * wave
+        force = 2000.0 * displacement + amplitude * wave + noise * rng.standard_normal(TIME.size)
+        reading = displacement + noise / 2000.0 * rng.standard_normal(TIME.size)
+        channels = {Channel.MEASURED: reading, Channel.FORCE: force}
         tests.append(MeasuredTest(file=f"{k}", motion="waves", held_out=k == 3, channels=channels))
     return Campaign(
         name="", structure=None, mass=1.0, actuator=None, specimen=SPECIMEN, rate=RATE, tests=tuple(tests)
@@ -33,20 +33,20 @@ def campaign(*, frequency, amplitude, of_command=0.0, noise=2.0):
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize("frequency", [3.0, 17.0, 33.3])
 def test_a_disturbance_is_unknown_and_its_frequency_is_told(frequency):
-    found = diagnose(campaign(frequency=frequency, amplitude=1.5))
-    assert str(found.verdict) == "unknown_effect"
-    assert f"{frequency:.0f}" in found.unknown.expression
-    assert "disturbance" in found.unknown.description
+    diagnosis = diagnose(campaign(frequency=frequency, amplitude=1.5))
+    assert str(diagnosis.verdict) == "unknown_effect"
+    assert f"{frequency:.0f}" in diagnosis.unknown.expression
+    assert "disturbance" in diagnosis.unknown.description
 
 
 @pytest.mark.slow
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize("frequency", [20.0, 40.0])
 def test_folded_pickup_is_no_disturbance(frequency):
-    found = diagnose(campaign(frequency=frequency, amplitude=1.5))
-    assert str(found.verdict) == "no_missing_effect"
+    diagnosis = diagnose(campaign(frequency=frequency, amplitude=1.5))
+    assert str(diagnosis.verdict) == "no_missing_effect"
 
 
 def test_a_line_in_the_motion_is_answered_by_the_spring():
-    found = diagnose(campaign(frequency=17.0, amplitude=0.0, of_command=1.5 / 2000.0))
-    assert str(found.verdict) == "no_missing_effect"
+    diagnosis = diagnose(campaign(frequency=17.0, amplitude=0.0, command_share=1.5 / 2000.0))
+    assert str(diagnosis.verdict) == "no_missing_effect"

@@ -52,7 +52,7 @@ ERRORS = {
 
 
 @pytest.mark.parametrize("error", list(ERRORS))
-def test_an_error_that_follows_the_motion_fails(error):
+def test_error_along_the_motion_fails(error):
     assert share_of([3.0 * ERRORS[error] + 0.3 * noise for noise in noises(0.0)]) > 0.05
 
 

@@ -11,9 +11,9 @@ ROUNDED_LOAD_CELL_WITH_AN_OFFSET = 9_500_031
 
 
 @pytest.mark.slow
-def test_an_effect_that_predicts_worse_does_not_cast_doubt_on_an_offset(tmp_path):
+def test_worse_prediction_casts_no_doubt_on_an_offset(tmp_path):
     """Rounding lets a rival take the offset for slow noise: by its evidence alone it won."""
     generate(ROUNDED_LOAD_CELL_WITH_AN_OFFSET, tmp_path / "campaign", options=Options(with_rivals=False))
-    (named,) = diagnose(read_campaign(tmp_path / "campaign")).effects
-    assert named.effect is library()["force_bias"]
-    assert named.error_with < 0.25 * named.error_without
+    (effect,) = diagnose(read_campaign(tmp_path / "campaign")).effects
+    assert effect.effect is library()["force_bias"]
+    assert effect.error_with < 0.25 * effect.error_without

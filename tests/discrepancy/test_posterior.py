@@ -58,26 +58,26 @@ def problem_with(effect, seed, noise=NOISE):
     return Problem(block=block, segments=cut_segments(campaign.training, RATE, lambda _: 40.0))
 
 
-def fitted_to(problem, name, noise=NOISE):
+def fit_effect(problem, name, noise=NOISE):
     space = ModelSpace(problem.block, (find_effect(name),))
     start = next(space.starts(ModelSpace(problem.block, ()), np.zeros(ModelSpace(problem.block, ()).size)))
     return fit(problem, space, [start], NoiseModel.white(RATE, noise**2))
 
 
 @pytest.fixture(scope="module")
-def damped():
+def damping_posterior():
     effect = find_effect("viscous_damping")(damping_n_s_per_m=30.0)
     problem = problem_with(effect, 1)
-    fitted = fitted_to(problem, "viscous_damping")
-    return problem, fitted, sample_posterior(problem, fitted)
+    model_fit = fit_effect(problem, "viscous_damping")
+    return problem, model_fit, sample_posterior(problem, model_fit)
 
 
 @pytest.mark.slow
-def test_a_linear_effect_has_the_posterior_of_least_squares(damped):
-    _, fitted, posterior = damped
-    exact = fitted.space.standard_deviations(fitted.coordinates, fitted.covariance)
-    slope = fitted.jacobian.T @ fitted.residual + fitted.coordinates
-    mode = fitted.space.values(fitted.coordinates - fitted.covariance @ slope)
+def test_a_linear_effect_has_the_posterior_of_least_squares(damping_posterior):
+    _, model_fit, posterior = damping_posterior
+    exact = model_fit.space.standard_deviations(model_fit.coordinates, model_fit.covariance)
+    slope = model_fit.jacobian.T @ model_fit.residual + model_fit.coordinates
+    mode = model_fit.space.values(model_fit.coordinates - model_fit.covariance @ slope)
     assert (exact > MODEL_ERROR * np.abs(mode)).all()
     spreads, low, high = np.array([posterior.spread_of(name) for name in posterior.names]).T
     np.testing.assert_allclose(spreads, exact, rtol=0.06)
@@ -87,23 +87,23 @@ def test_a_linear_effect_has_the_posterior_of_least_squares(damped):
 
 
 @pytest.mark.slow
-def test_it_says_that_it_converged(damped):
-    posterior = damped[2]
+def test_convergence_is_reported(damping_posterior):
+    posterior = damping_posterior[2]
     assert posterior.converged
     assert not posterior.simulated
     assert "48 were checked by simulation" in posterior.statement
 
 
 @pytest.mark.slow
-def test_the_truth_lies_within_four_standard_deviations(damped):
+def test_the_truth_lies_within_four_standard_deviations(damping_posterior):
     name = "viscous_damping.damping_n_s_per_m"
-    mean = damped[2].draws[:, damped[2].names.index(name)].mean()
-    sd, low, high = damped[2].spread_of(name)
+    mean = damping_posterior[2].draws[:, damping_posterior[2].names.index(name)].mean()
+    sd, low, high = damping_posterior[2].spread_of(name)
     assert abs(mean - 30.0) < 4.0 * sd
     assert low < mean < high
 
 
-def drawn_by_importance(log_density, size, population, enough):
+def draw_points(log_density, size, population, enough):
     rng = np.random.default_rng(2017)
     return draw_by_importance(log_density, size, rng, draws=4000, population=population, enough=enough)
 
@@ -117,20 +117,20 @@ def test_a_conjugate_posterior_is_met_exactly_and_cut_at_a_bound(highest):
         bounds=(np.array([-9.0]), np.array([highest])),
         coefficients=np.array([[1.6], [-0.7], [0.0]]),  # 3 − (1.4 + 0.7 z)
     )
-    standard, effective = drawn_by_importance(surface.log_density, 1, 4000, 2000.0)
-    drawn = surface.coordinates(standard)[:, 0]
+    standard, effective = draw_points(surface.log_density, 1, 4000, 2000.0)
+    draws = surface.coordinates(standard)[:, 0]
     exact = stats.truncnorm(-np.inf, (highest - 1.5) / np.sqrt(0.5), loc=1.5, scale=np.sqrt(0.5))
     assert effective > 2000.0
-    assert drawn.max() <= highest
-    assert drawn.mean() == pytest.approx(exact.mean(), abs=0.04)
-    assert drawn.std() == pytest.approx(exact.std(), rel=0.06)
+    assert draws.max() <= highest
+    assert draws.mean() == pytest.approx(exact.mean(), abs=0.04)
+    assert draws.std() == pytest.approx(exact.std(), rel=0.06)
 
 
-def sampled(name, values):
+def sample_effect(name, values):
     """A specimen of one effect with little noise: its problem, fit and posterior."""
     problem = problem_with(find_effect(name)(**values), 2, noise=0.5)
-    fitted = fitted_to(problem, name, noise=0.5)
-    return problem, fitted, sample_posterior(problem, fitted)
+    model_fit = fit_effect(problem, name, noise=0.5)
+    return problem, model_fit, sample_posterior(problem, model_fit)
 
 
 FRICTION = {"force_n": 4.0, "regularisation_velocity_m_per_s": 3e-3}
@@ -138,7 +138,7 @@ FRICTION = {"force_n": 4.0, "regularisation_velocity_m_per_s": 3e-3}
 
 @pytest.fixture(scope="module")
 def rubbing():
-    return sampled("coulomb_friction", FRICTION)
+    return sample_effect("coulomb_friction", FRICTION)
 
 
 def assert_values_come_back(posterior, name, values):
@@ -157,74 +157,76 @@ def test_the_surface_agrees_with_simulations_where_the_data_are_good(rubbing):
 @pytest.mark.slow
 def test_the_surface_of_a_stiffness_agrees_with_simulations():
     values = {"cubic_n_per_m3": 1e5}
-    posterior = sampled("cubic_stiffness", values)[2]
+    posterior = sample_effect("cubic_stiffness", values)[2]
     assert posterior.agreement > 0.9
     assert_values_come_back(posterior, "cubic_stiffness", values)
 
 
 @pytest.mark.slow
-def test_a_surface_that_does_not_hold_is_seen(rubbing):
+def test_failing_surface_is_detected(rubbing):
     """Simulated far beyond where the data leave the posterior, a polynomial does not follow friction."""
-    problem, fitted, _ = rubbing
-    careless = replace(fitted, jacobian=1e-3 * fitted.jacobian)
+    problem, model_fit, _ = rubbing
+    careless = replace(model_fit, jacobian=1e-3 * model_fit.jacobian)
     surface = LikelihoodSurface.around(problem, careless)
-    drawn = 0.1 * np.random.default_rng(3).standard_normal((48, fitted.space.size))
-    assert agreement_of(problem, careless, surface, drawn) < 0.5
+    draws = 0.1 * np.random.default_rng(3).standard_normal((48, model_fit.space.size))
+    assert agreement_of(problem, careless, surface, draws) < 0.5
 
 
-def test_beyond_a_bound_nothing_is_probable_nor_simulated(damped):
-    problem, fitted, _ = damped
-    surface = LikelihoodSurface.around(problem, fitted)
-    beyond = np.linalg.solve(surface.axes, [0.0, 0.0, 1e9])[np.newaxis]
-    assert surface.log_density(beyond) == surface.simulate_density(None, None, beyond) == -np.inf
-    assert agreement_of(problem, fitted, surface, 0.01 * np.ones((8, 3))) > 0.99
+def test_beyond_a_bound_nothing_is_probable_nor_simulated(damping_posterior):
+    problem, model_fit, _ = damping_posterior
+    surface = LikelihoodSurface.around(problem, model_fit)
+    excess = np.linalg.solve(surface.axes, [0.0, 0.0, 1e9])[np.newaxis]
+    assert surface.log_density(excess) == surface.simulate_density(None, None, excess) == -np.inf
+    assert agreement_of(problem, model_fit, surface, 0.01 * np.ones((8, 3))) > 0.99
 
 
-def test_too_few_draws_have_not_converged(damped):
-    doubtful = replace(damped[2], effective=0.9 * ENOUGH)
+def test_too_few_draws_have_not_converged(damping_posterior):
+    doubtful = replace(damping_posterior[2], effective=0.9 * ENOUGH)
     assert not doubtful.converged
     assert "have not converged" in doubtful.statement
 
 
-@pytest.mark.parametrize(("wider", "shifted"), [(3.0, 1.0), (0.4, 0.5), (1.0, 2.0)])
-def test_draws_by_importance_find_the_posterior_from_a_poor_beginning(damped, wider, shifted):
+@pytest.mark.parametrize(("wider", "offset"), [(3.0, 1.0), (0.4, 0.5), (1.0, 2.0)])
+def test_draws_by_importance_find_the_posterior_from_a_poor_beginning(damping_posterior, wider, offset):
     """The posterior is that of least squares; the normal approximation stands apart and has another width."""
-    problem, fitted, _ = damped
-    sd = np.sqrt(np.diag(fitted.covariance))
-    slope = fitted.jacobian.T @ fitted.residual + fitted.coordinates
-    mode = fitted.coordinates - fitted.covariance @ slope
-    surface = LikelihoodSurface.around(problem, fitted)
-    poor = replace(surface, centre=surface.centre + shifted * sd, axes=wider * surface.axes)
-    standard, effective = drawn_by_importance(
-        lambda x: poor.simulate_density(problem, fitted, x), sd.size, 300, ENOUGH
+    problem, model_fit, _ = damping_posterior
+    sd = np.sqrt(np.diag(model_fit.covariance))
+    slope = model_fit.jacobian.T @ model_fit.residual + model_fit.coordinates
+    mode = model_fit.coordinates - model_fit.covariance @ slope
+    surface = LikelihoodSurface.around(problem, model_fit)
+    poor = replace(surface, centre=surface.centre + offset * sd, axes=wider * surface.axes)
+    standard, effective = draw_points(
+        lambda x: poor.simulate_density(problem, model_fit, x), sd.size, 300, ENOUGH
     )
-    drawn = poor.coordinates(standard)
+    draws = poor.coordinates(standard)
     assert effective >= ENOUGH
-    np.testing.assert_allclose((drawn.mean(axis=0) - mode) / sd, 0.0, atol=4.0 / np.sqrt(effective))
-    np.testing.assert_allclose(drawn.std(axis=0) / sd, 1.0, atol=4.0 / np.sqrt(2.0 * effective))
+    np.testing.assert_allclose((draws.mean(axis=0) - mode) / sd, 0.0, atol=4.0 / np.sqrt(effective))
+    np.testing.assert_allclose(draws.std(axis=0) / sd, 1.0, atol=4.0 / np.sqrt(2.0 * effective))
 
 
 @pytest.mark.parametrize(
-    ("spread", "along", "said"),
+    ("spread", "coupling", "statement"),
     [(0.5, 1.0, "ratio"), (0.5, -1.0, "product"), (0.1, 1.0, None), (0.5, 0.0, None)],
 )
-def test_parameters_that_only_act_together_are_told_as_their_combination(damped, spread, along, said):
+def test_inseparable_parameters_are_told_as_their_combination(damping_posterior, spread, coupling, statement):
     rng = np.random.default_rng(3)
     first, second, fine = rng.standard_normal((3, 4000))
-    logs = spread * np.stack([first, along * first + (1.0 - abs(along)) * second + 0.02 * fine])
+    logs = spread * np.stack([first, coupling * first + (1.0 - abs(coupling)) * second + 0.02 * fine])
     posterior = replace(
-        damped[2], names=("damper.c_n_s_per_m", "damper.x_m"), draws=np.exp(logs.T) * np.array([6.0, 2.0])
+        damping_posterior[2],
+        names=("damper.c_n_s_per_m", "damper.x_m"),
+        draws=np.exp(logs.T) * np.array([6.0, 2.0]),
     )
     sentences = posterior.inseparable(["damper"])
-    value = {"ratio": "3", "product": "12", None: ""}[said]
-    assert len(sentences) == (said is not None)
-    assert all(f"their {said} is {value}" in sentence for sentence in sentences)
+    value = {"ratio": "3", "product": "12", None: ""}[statement]
+    assert len(sentences) == (statement is not None)
+    assert all(f"their {statement} is {value}" in sentence for sentence in sentences)
 
 
 @pytest.mark.slow
-def test_intervals_cover_the_truth_as_often_as_they_say(damped):
-    problem, fitted, _ = damped
-    surface = LikelihoodSurface.around(problem, fitted)
+def test_intervals_cover_the_truth_as_often_as_they_say(damping_posterior):
+    problem, model_fit, _ = damping_posterior
+    surface = LikelihoodSurface.around(problem, model_fit)
     rng = np.random.default_rng(11)
     hits = 0
     for _ in range(200):
@@ -233,9 +235,9 @@ def test_intervals_cover_the_truth_as_often_as_they_say(damped):
         coefficients[0] = (
             rng.standard_normal(coefficients.shape[1]) - truth @ coefficients[1 : truth.size + 1]
         )
-        again = replace(surface, coefficients=coefficients)
-        drawn = drawn_by_importance(again.log_density, truth.size, 2000, 1000.0)[0]
-        low, high = np.quantile(drawn, (0.05, 0.95), axis=0)
+        second_noise = replace(surface, coefficients=coefficients)
+        draws = draw_points(second_noise.log_density, truth.size, 2000, 1000.0)[0]
+        low, high = np.quantile(draws, (0.05, 0.95), axis=0)
         hits += int(((low < truth) & (truth < high)).sum())
     total = 200 * surface.centre.size
     assert stats.binomtest(hits, total, 0.9).pvalue > 1e-3

@@ -12,9 +12,9 @@ from reliab.discrepancy.diagnose import diagnose
 
 def change(path, pattern, replacement):
     text = path.read_text(encoding="utf-8")
-    changed = re.sub(pattern, replacement, text, count=1)
-    assert changed != text
-    path.write_text(changed, encoding="utf-8")
+    variant = re.sub(pattern, replacement, text, count=1)
+    assert variant != text
+    path.write_text(variant, encoding="utf-8")
 
 
 def spoil_line(path, number, line):
@@ -50,7 +50,7 @@ SPOILT_TOML = [
 
 
 @pytest.mark.parametrize(("pattern", "replacement", "message"), SPOILT_TOML)
-def test_spoilt_description_says_where_and_why(small_campaign, pattern, replacement, message):
+def test_spoilt_description_names_place_and_rule(small_campaign, pattern, replacement, message):
     change(small_campaign / "campaign.toml", pattern, replacement)
     with pytest.raises(InputError, match=f"(?s){message}"):
         read_campaign(small_campaign)
@@ -88,7 +88,7 @@ def test_all_tests_held_out(small_campaign):
         read_campaign(small_campaign)
 
 
-def test_channels_that_show_no_block(small_campaign):
+def test_channels_without_a_block_are_refused(small_campaign):
     for name in ("a.csv", "b.csv"):
         change(small_campaign / name, "time_s,command_m,measured_m", "time_s,ground_acceleration_mps2,other")
     with pytest.raises(InputError, match="at least one block"):
@@ -98,7 +98,7 @@ def test_channels_that_show_no_block(small_campaign):
 def test_displacement_at_rest(small_campaign):
     for name in ("a.csv", "b.csv"):
         lines = (small_campaign / name).read_text(encoding="utf-8").splitlines()
-        rest = [f"{line.split(',')[0]},0.0,0.0" for line in lines[1:]]
-        (small_campaign / name).write_text("\n".join([lines[0], *rest]) + "\n", encoding="utf-8")
+        remainder = [f"{line.split(',')[0]},0.0,0.0" for line in lines[1:]]
+        (small_campaign / name).write_text("\n".join([lines[0], *remainder]) + "\n", encoding="utf-8")
     with pytest.raises(InputError, match="must move"):
         diagnose(read_campaign(small_campaign))

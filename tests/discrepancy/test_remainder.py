@@ -12,7 +12,7 @@ from reliab.discrepancy.naming import unexplained
 from reliab.discrepancy.result.gap import Gap, HeldOutTest
 from reliab.effects.cubic_stiffness import CubicStiffness
 
-PROVED = SimpleNamespace(floor=None, after=0.16, model_error=0.16)
+GAP = SimpleNamespace(floor=None, after=0.16, model_error=0.16)
 MODEL = SimpleNamespace(space=SimpleNamespace(effects=(CubicStiffness,)), coordinates=None)
 
 
@@ -32,17 +32,17 @@ def problem(block, error):
     [(Block.NUMERICAL, 0.01, False), (Block.NUMERICAL, 0.15, True), (Block.SPECIMEN, 0.01, True)],
 )
 def test_a_rough_command_is_no_missing_effect(block, error, large):
-    found = unexplained._is_large(problem(block, error), MODEL, PROVED)  # noqa: SLF001 - what is tested
-    assert found is large
+    result = unexplained._is_large(problem(block, error), MODEL, GAP)  # noqa: SLF001 - what is tested
+    assert result is large
 
 
-def shown(error, *, noise_like=()):
+def gap_of(error, *, noise_like=()):
     """A gap of two kinds of held-out test, of which the effects leave 0.1 and an error of the signal."""
     return Gap(
         channel="force_n", before=1.0, after=error, floors={},
         tests=tuple(
-            HeldOutTest(file=kind, kind=kind, before=1.0, after=after, noise_like=kind in noise_like)
-            for kind, after in (("sine", 0.1), ("sweep", error))
+            HeldOutTest(file=kind, kind=kind, before=1.0, after=error_after, noise_like=kind in noise_like)
+            for kind, error_after in (("sine", 0.1), ("sweep", error))
         ),
     )  # fmt: skip
 
@@ -50,21 +50,23 @@ def shown(error, *, noise_like=()):
 @pytest.mark.parametrize("size", [1.0, 1e-3])
 @pytest.mark.parametrize(("error", "enough"), [(0.2**0.5 - 0.01, True), (0.2**0.5 + 0.01, False)])
 def test_named_leaves_a_fifth_of_the_worst_kind_of_test_at_most(monkeypatch, error, enough, size):
-    for other in ("standstill", "line_above"):
-        monkeypatch.setattr(unexplained, other, lambda *_: None)
-    gap = shown(error)
+    for second in ("standstill", "line_above"):
+        monkeypatch.setattr(unexplained, second, lambda *_: None)
+    gap = gap_of(error)
     gap = replace(
         gap,
         tests=tuple(replace(test, before=size * test.before, after=size * test.after) for test in gap.tests),
     )
-    judged = problem(Block.NUMERICAL, 0.0), MODEL
+    verdict = problem(Block.NUMERICAL, 0.0), MODEL
     for remaining in (None, ()):
-        found = unexplained.find_unexplained(judged, MODEL, (), gap, remaining, is_named=True, comparison="")
-        assert (found is None) is enough
+        result = unexplained.find_unexplained(
+            verdict, MODEL, (), gap, remaining, is_named=True, comparison=""
+        )
+        assert (result is None) is enough
         assert (gap.worst_unexplained_share <= unexplained.LARGEST_REMAINDER) is enough
 
 
-def test_what_is_spread_as_noise_is_explained_up_to_twice_the_floor():
+def test_noise_like_remainder_is_explained_up_to_twice_the_floor():
     for floor, enough in ((0.5, True), (0.2, False)):
-        gap = replace(shown(0.9, noise_like=["sweep"]), floors={"rest": floor})
+        gap = replace(gap_of(0.9, noise_like=["sweep"]), floors={"rest": floor})
         assert unexplained.explains_enough(gap) is enough

@@ -34,10 +34,10 @@ class Block:
     inseparable: tuple = ()
 
 
-def sampled(*, sd, interval, converged=True):
+def posterior_of(*, sd, interval, has_converged=True):
     """Stand for a posterior of a force."""
     return SimpleNamespace(
-        converged=converged,
+        converged=has_converged,
         spread_of=lambda _name: (sd, *interval),
         inseparable=lambda _names: (),
     )
@@ -66,12 +66,12 @@ def test_the_gap_is_drawn_as_a_pair_of_bars_for_each_block():
         for name, gap in zip("ab", gaps, strict=True)
     ]
     plot = Diagnosis.plot(SimpleNamespace(campaign=SimpleNamespace(name="rig"), blocks=blocks))
-    before, after = plot.containers
-    assert [(bar.get_center()[0], bar.get_height()) for bar in (*before, *after)] == [
+    bars_before, bars_after = plot.containers
+    assert [(bar.get_center()[0], bar.get_height()) for bar in (*bars_before, *bars_after)] == [
         (pytest.approx(x), pytest.approx(100.0 * size))
         for x, size in ((-0.2, 0.3), (0.8, 0.5), (0.2, 0.1), (1.2, 0.4))
     ]
-    assert (before.get_label(), after.get_label()) == ("before", "after")
+    assert (bars_before.get_label(), bars_after.get_label()) == ("before", "after")
     assert [label.get_text() for label in plot.get_xticklabels()] == ["a: u", "b: f"]
     assert (plot.get_ylabel(), plot.get_yscale(), plot.get_title()) == ("error [% of RMS]", "linear", "rig")
     assert [text.get_text() for text in plot.get_legend().get_texts()] == ["before", "after"]
@@ -81,27 +81,27 @@ def test_the_gap_is_drawn_as_a_pair_of_bars_for_each_block():
 
 
 @pytest.mark.parametrize(
-    ("after", "floor", "said"),
+    ("bars_after", "floor", "sentence"),
     [(0.2, 0.2, 1.0), (0.23, 0.2, 1.0), (0.25, 0.2, 0.9766), (0.03, 0.001, 0.999), (0.2, None, None)],
 )
-def test_all_of_a_gap_is_closed_only_where_what_remains_is_at_the_noise(after, floor, said):
+def test_gap_is_closed_only_at_the_noise(bars_after, floor, sentence):
     gap = Gap(
         channel="u",
         before=1.0,
-        after=after,
+        after=bars_after,
         floors={} if floor is None else {"at rest": floor},
-        tests=(HeldOutTest(file="t", before=1.0, after=after),),
+        tests=(HeldOutTest(file="t", before=1.0, after=bars_after),),
     )
-    assert gap.stated_share == (None if said is None else pytest.approx(said, abs=5e-5))
+    assert gap.stated_share == (None if sentence is None else pytest.approx(sentence, abs=5e-5))
 
 
 def test_a_diagnosis_is_a_table_of_verdict_effects_and_gap():
     gap = SimpleNamespace(channel="force_n", before=0.31, after=0.12)
-    found = SimpleNamespace(
+    result = SimpleNamespace(
         campaign=SimpleNamespace(name="rig"), verdict="effects_found", all_effects=[missing()], gap=gap,
         remarks=["Look."],
     )  # fmt: skip
-    text = Diagnosis._repr_html_(found)
+    text = Diagnosis._repr_html_(result)
     for words in (
         "effects found", "coulomb friction", "probability 0.9; friction force 5.0 N (3.4 to 6.6)", "Look.",
         "error on held-out tests, force_n", "0.31 before, 0.12 after",
@@ -109,12 +109,12 @@ def test_a_diagnosis_is_a_table_of_verdict_effects_and_gap():
         assert words in text
 
 
-def test_a_parameter_strays_as_far_as_the_models_that_hold_it_differ():
+def test_parameter_spreads_as_far_as_its_models_differ():
     def stated(value, sd):
         return (Estimate(name="force_n", value=value, sd=sd, units="N"),)
 
-    (alone,) = widen_estimates(stated(5.0, 0.3), [(0.9, stated(5.0, 0.3))])
-    assert (alone.sd, alone.between) == (pytest.approx(0.3), 0.0)
+    (single,) = widen_estimates(stated(5.0, 0.3), [(0.9, stated(5.0, 0.3))])
+    assert (single.sd, single.between) == (pytest.approx(0.3), 0.0)
     (wide,) = widen_estimates(stated(5.0, 0.3), [(0.4, stated(5.0, 0.3)), (0.2, stated(7.0, 0.6))])
     square = (0.4 * 0.3**2 + 0.2 * (2.0**2 + 0.6**2)) / 0.6
     assert wide.value == 5.0
@@ -122,18 +122,18 @@ def test_a_parameter_strays_as_far_as_the_models_that_hold_it_differ():
     assert wide.between == pytest.approx(np.sqrt(square - 0.3**2))
 
 
-@pytest.mark.parametrize(("value", "told"), [(-40.0, True), (40.0, True), (60.0, False)])
-def test_a_damper_may_be_a_damping_that_is_stated_wrongly_by_less_than_half(value, told):
+@pytest.mark.parametrize(("value", "is_told"), [(-40.0, True), (40.0, True), (60.0, False)])
+def test_damper_below_half_of_stated_damping_may_be_that_damping(value, is_told):
     estimate = Estimate(name="damping_n_s_per_m", value=value, sd=1.0, units="N·s/m", signed=True)
     damper = replace(missing(0.98), effect=find_effect("viscous_damping"), estimates=(estimate,))
-    found = or_stated_damping(damper, 100.0)
-    assert found.probability == pytest.approx(0.49 if told else 0.98)
-    assert [rival.name for rival in found.rivals] == ["structure_damping"] * told
+    result = or_stated_damping(damper, 100.0)
+    assert result.probability == pytest.approx(0.49 if is_told else 0.98)
+    assert [rival.name for rival in result.rivals] == ["structure_damping"] * is_told
     assert or_stated_damping(damper, 0.0) is damper  # where a rig tells them apart
     assert or_stated_damping(missing(), 100.0).rivals == ()  # no damper
 
 
-def test_a_damping_that_is_not_the_stated_one_is_calibrated_with_what_is_known_of_both_parts():
+def test_restated_damping_is_calibrated_with_both_uncertainties():
     """0.99 of the stated damping, less 30 of 200 N·s/m; errors of both parts that cancel widen nothing."""
     block = SimpleNamespace(
         calibrations=(structure_damping(0.01, 0.03),), removable={StatedDamping: 200.0}, offsets=()
@@ -145,11 +145,11 @@ def test_a_damping_that_is_not_the_stated_one_is_calibrated_with_what_is_known_o
         covariance_of_values=lambda _x, c: np.diag([0.01, 100.0]) @ c @ np.diag([0.01, 100.0]),
     )  # fmt: skip
     covariance = np.array([[1.0, -0.02], [-0.02, 0.0004 + 1e-4]])
-    fitted = SimpleNamespace(space=space, coordinates=np.array([-1.0, -0.3]), covariance=covariance)
-    (told,) = calibration(fitted, is_restated=True)
-    assert (told.name, told.value) == ("structure_damping", pytest.approx(0.84))
-    assert told.sd == pytest.approx(0.005, rel=1e-3)
-    assert calibration(fitted)[0].value == pytest.approx(0.99)
+    model_fit = SimpleNamespace(space=space, coordinates=np.array([-1.0, -0.3]), covariance=covariance)
+    (is_told,) = calibration(model_fit, is_restated=True)
+    assert (is_told.name, is_told.value) == ("structure_damping", pytest.approx(0.84))
+    assert is_told.sd == pytest.approx(0.005, rel=1e-3)
+    assert calibration(model_fit)[0].value == pytest.approx(0.99)
 
 
 def test_special_form_is_stated_as_the_simple_effect_with_its_parameters():
@@ -157,19 +157,19 @@ def test_special_form_is_stated_as_the_simple_effect_with_its_parameters():
     values = [Estimate(name=p.name, value=1.0, sd=0.1, units=p.units) for p in special.parameters]
     effect = replace(missing(), effect=special, estimates=tuple(values), on_bounds=("slip", "gamma"))
     simple = find_effect("hysteresis")
-    found = effect.report_as(simple)
-    assert found.name == "hysteresis"
-    assert found.to_dict()["member_of"] == "degrading_hysteresis"
-    assert [item.name for item in found.estimates] == [p.name for p in simple.parameters]
-    assert found.on_bounds == ("gamma",)
+    result = effect.report_as(simple)
+    assert result.name == "hysteresis"
+    assert result.to_dict()["member_of"] == "degrading_hysteresis"
+    assert [item.name for item in result.estimates] == [p.name for p in simple.parameters]
+    assert result.on_bounds == ("gamma",)
 
 
-def test_what_is_sampled_from_one_model_is_widened_by_how_far_models_differ():
-    posterior = sampled(sd=0.6, interval=(4.0, 6.0))
+def test_sampled_interval_is_widened_by_differing_models():
+    posterior = posterior_of(sd=0.6, interval=(4.0, 6.0))
     effect = missing(value=5.0)
-    apart = replace(effect, estimates=(replace(effect.estimates[0], between=0.8),))
-    found = _apply_posterior(Block(effects=(apart,), doubtful=(), converged=None), posterior)
-    (estimate,) = found.effects[0].estimates
+    distant = replace(effect, estimates=(replace(effect.estimates[0], between=0.8),))
+    result = _apply_posterior(Block(effects=(distant,), doubtful=(), converged=None), posterior)
+    (estimate,) = result.effects[0].estimates
     reach = np.hypot(1.0, 1.645 * 0.8)
     assert estimate.sd == pytest.approx(1.0)
     assert estimate.interval == pytest.approx((5.0 - reach, 5.0 + reach))
@@ -177,28 +177,28 @@ def test_what_is_sampled_from_one_model_is_widened_by_how_far_models_differ():
 
 @pytest.mark.parametrize("rivals", [(), (Rival(name="hysteresis", probability=0.4, held_out_nrmse=0.2),)])
 def test_an_effect_names_its_likeliest_rival_where_it_has_one(rivals):
-    expected = remark(missing().name, 0.6, ("hysteresis", 0.4) if rivals else None)
-    assert missing(0.6, rivals).remark == expected
-    assert ("hysteresis" in expected) is bool(rivals)
+    reference = remark(missing().name, 0.6, ("hysteresis", 0.4) if rivals else None)
+    assert missing(0.6, rivals).remark == reference
+    assert ("hysteresis" in reference) is bool(rivals)
 
 
 @pytest.mark.parametrize(("value", "interval"), [(5.0, (4.0, 7.0)), (3.0, (3.0, 7.0)), (8.0, (4.0, 8.0))])
 def test_a_sampled_parameter_keeps_its_value_within_its_interval(value, interval):
-    posterior = sampled(sd=0.7, interval=(4.0, 7.0))
+    posterior = posterior_of(sd=0.7, interval=(4.0, 7.0))
     block = Block(effects=(missing(value=value),), doubtful=(missing(0.3, value=value),), converged=None)
-    found = _apply_posterior(block, posterior)
-    assert found.converged is True
-    for effect in (*found.effects, *found.doubtful):
+    result = _apply_posterior(block, posterior)
+    assert result.converged is True
+    for effect in (*result.effects, *result.doubtful):
         (estimate,) = effect.estimates
         assert (estimate.value, estimate.sd, estimate.interval) == (value, 0.7, interval)
     assert _apply_posterior(block, None) is block
 
 
-def test_a_posterior_that_has_not_converged_still_gives_its_intervals():
+def test_unconverged_posterior_still_gives_intervals():
     block = Block(effects=(missing(value=5.0),), doubtful=(), converged=None)
-    found = _apply_posterior(block, sampled(sd=0.7, interval=(4.0, 7.0), converged=False))
-    assert found.converged is False
-    assert found.effects[0].estimates[0].interval == (4.0, 7.0)
+    result = _apply_posterior(block, posterior_of(sd=0.7, interval=(4.0, 7.0), has_converged=False))
+    assert result.converged is False
+    assert result.effects[0].estimates[0].interval == (4.0, 7.0)
 
 
 @pytest.mark.parametrize("begin", [300, 2500])

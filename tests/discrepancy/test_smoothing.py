@@ -21,21 +21,21 @@ def reading(colour):
     return truth + 10.0**-1.5 * truth.std() * noise / noise.std(), np.gradient(truth, 1.0 / RATE)
 
 
-@pytest.mark.parametrize(("colour", "most"), [(0.0, 0.035), (0.95, 0.11)])
-def test_velocity_is_not_made_of_noise_and_its_spread_is_known(colour, most):
+@pytest.mark.parametrize(("colour", "largest_error"), [(0.0, 0.035), (0.95, 0.11)])
+def test_velocity_is_not_made_of_noise_and_its_spread_is_known(colour, largest_error):
     displacement, velocity = reading(colour)
-    left = smooth_motion(displacement, 1.0 / RATE, 45.0).values[1] - velocity
-    assert left.std() < most * velocity.std()
-    assert velocity_spread(displacement, 1.0 / RATE, 45.0) == pytest.approx(left.std(), rel=0.25)
+    remainder = smooth_motion(displacement, 1.0 / RATE, 45.0).values[1] - velocity
+    assert remainder.std() < largest_error * velocity.std()
+    assert velocity_spread(displacement, 1.0 / RATE, 45.0) == pytest.approx(remainder.std(), rel=0.25)
 
 
 def test_steps_of_a_converter_are_not_taken_for_fast_motion():
     envelope = np.sin(np.pi * TIME / TIME[-1]) ** 2
     slow = envelope * (np.sin(2.0 * np.pi * 0.33 * TIME) + 0.3 * np.sin(2.0 * np.pi * 0.61 * TIME + 1.0))
     step = 0.35 * slow.std()
-    found = smooth_motion(step * np.round(slow / step), 1.0 / RATE, 45.0).values
+    result = smooth_motion(step * np.round(slow / step), 1.0 / RATE, 45.0).values
     acceleration = np.gradient(np.gradient(slow, 1.0 / RATE), 1.0 / RATE)
-    assert found[2].std() < 1.5 * acceleration.std()
+    assert result[2].std() < 1.5 * acceleration.std()
 
 
 @pytest.mark.parametrize("signal_up_to", [3.0, 8.0])
@@ -44,15 +44,15 @@ def test_coloured_noise_is_followed_below_the_signal_free_band(signal_up_to):
     time = np.arange(int(40 * RATE)) / RATE
     band = signal.butter(4, [0.3, signal_up_to], "bandpass", fs=RATE)
     truth = signal.lfilter(*band, random.normal(size=time.size))
-    coloured = signal.lfilter([1.0], [1.0, -0.95], random.normal(size=time.size))
-    noise = 0.03 * truth.std() * coloured / coloured.std()
-    moved = truth + noise
-    _, frequency, _, floor = _spectra(moved, 1.0 / RATE, 45.0)
+    coloured_noise = signal.lfilter([1.0], [1.0, -0.95], random.normal(size=time.size))
+    noise = 0.03 * truth.std() * coloured_noise / coloured_noise.std()
+    noisy = truth + noise
+    _, frequency, _, floor = _spectra(noisy, 1.0 / RATE, 45.0)
     turn = 2.0 * np.pi * frequency / RATE
-    variance = (0.03 * truth.std() / coloured.std()) ** 2
-    expected = variance / (1.0 - 2.0 * 0.95 * np.cos(turn) + 0.95**2)
-    inside = (frequency > 1.0) & (frequency < 45.0)
-    ratio = (floor / expected)[inside]
+    variance = (0.03 * truth.std() / coloured_noise.std()) ** 2
+    reference = variance / (1.0 - 2.0 * 0.95 * np.cos(turn) + 0.95**2)
+    interior = (frequency > 1.0) & (frequency < 45.0)
+    ratio = (floor / reference)[interior]
     assert 0.5 < ratio.min() < ratio.max() < 2.0
 
 
@@ -61,9 +61,9 @@ def test_smoothing_leaves_forces_unattenuated():
     time = np.arange(int(40 * RATE)) / RATE
     truth = signal.lfilter(*signal.butter(2, [0.3, 2.0], "bandpass", fs=RATE), random.normal(size=time.size))
     noise = 0.05 * truth.std() * random.normal(size=time.size)
-    found = smooth_motion(truth + noise, 1.0 / RATE, 45.0).values[0]
-    slope = (found @ truth) / (found @ found)
+    result = smooth_motion(truth + noise, 1.0 / RATE, 45.0).values[0]
+    slope = (result @ truth) / (result @ result)
     assert slope == pytest.approx(1.0, abs=2e-3)
     inner = slice(1024, -1024)
-    assert np.std((found - truth)[inner]) < 0.3 * np.std(noise)
+    assert np.std((result - truth)[inner]) < 0.3 * np.std(noise)
     assert 1.5 < reliable_frequency([truth + noise], 1.0 / RATE, 45.0) < 20.0

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from discrepancy.test_specimen_forms import RATE, STIFFNESS, TESTS, written
+from discrepancy.test_specimen_forms import RATE, STIFFNESS, TESTS, write_tests
 from scipy import optimize
 
 from reliab.discrepancy.blocks.specimen import SpecimenBlock
@@ -20,9 +20,9 @@ TIME = np.arange(0.0, 3.0, 0.002)
 GROWING = np.sin(2.0 * np.pi * TIME) * TIME / TIME[-1] * 0.1
 
 
-def force_of(moved, before=0.0):
-    test = HybridTest(specimen=SPRING, effects=RUBBER.effects, moved_before=before)
-    return load(test, Motion3.interpolate(moved, TIME[1]))
+def force_of(displacement, earlier_peak=0.0):
+    test = HybridTest(specimen=SPRING, effects=RUBBER.effects, moved_before=earlier_peak)
+    return load(test, Motion3.interpolate(displacement, TIME[1]))
 
 
 def test_at_a_new_largest_displacement_it_is_as_stiff_as_ever():
@@ -32,24 +32,26 @@ def test_at_a_new_largest_displacement_it_is_as_stiff_as_ever():
     np.testing.assert_allclose(force_of(GROWING)[new], 1000.0 * GROWING[new], rtol=1e-12)
 
 
-def test_below_an_earlier_one_it_has_lost_stiffness_which_returns_with_the_power():
-    force = force_of(0.5 * GROWING, before=0.1)
-    expected = (1000.0 - 400.0 * (1.0 - (np.abs(0.5 * GROWING) / 0.1) ** 2)) * 0.5 * GROWING
-    np.testing.assert_allclose(force, expected, rtol=1e-12, atol=1e-12)
+def test_lost_stiffness_returns_with_the_power_below_an_earlier_peak():
+    force = force_of(0.5 * GROWING, earlier_peak=0.1)
+    reference = (1000.0 - 400.0 * (1.0 - (np.abs(0.5 * GROWING) / 0.1) ** 2)) * 0.5 * GROWING
+    np.testing.assert_allclose(force, reference, rtol=1e-12, atol=1e-12)
 
 
 def test_it_remembers_the_tests_before_in_the_order_of_the_campaign(tmp_path):
     sizes = iter([1.0, 0.3, 2.0, 0.3])
-    campaign = written(tmp_path, f"stiffness_n_per_m = {STIFFNESS}", lambda moved: STIFFNESS * moved)
-    moved = tuple(
+    campaign = write_tests(
+        tmp_path, f"stiffness_n_per_m = {STIFFNESS}", lambda displacement: STIFFNESS * displacement
+    )
+    displacement = tuple(
         Motion3.interpolate(next(sizes) * test.channels["measured_m"][::8], 8.0 / RATE)
         for test in campaign.tests
     )
-    block = SpecimenBlock(campaign, scales_of(campaign, motions_of(campaign)), moved)
-    peaks = [np.abs(motion.values[0]).max() for motion in moved]
-    for test, before in enumerate([0.0, peaks[0], peaks[0], peaks[2]]):
-        alone = HybridTest(specimen=SPRING, effects=RUBBER.effects, moved_before=before)
-        np.testing.assert_allclose(block.predict(RUBBER, test), load(alone, moved[test]), atol=1e-9)
+    block = SpecimenBlock(campaign, scales_of(campaign, motions_of(campaign)), displacement)
+    peaks = [np.abs(motion.values[0]).max() for motion in displacement]
+    for test, earlier_peak in enumerate([0.0, peaks[0], peaks[0], peaks[2]]):
+        single = HybridTest(specimen=SPRING, effects=RUBBER.effects, moved_before=earlier_peak)
+        np.testing.assert_allclose(block.predict(RUBBER, test), load(single, displacement[test]), atol=1e-9)
 
 
 @pytest.mark.slow
@@ -61,28 +63,28 @@ def test_rubber_of_another_law_is_named_softening_with_its_best_parameters(tmp_p
     largest = 0.0
     moved_by_test, ratios = [], []
 
-    def rubber(moved):
+    def rubber(displacement):
         nonlocal largest
-        so_far = np.maximum(np.maximum.accumulate(np.abs(moved)), largest)
+        so_far = np.maximum(np.maximum.accumulate(np.abs(displacement)), largest)
         largest = so_far[-1]
-        moved_by_test.append(moved)
-        ratios.append(np.abs(moved) / np.maximum(so_far, 1e-12))
-        return STIFFNESS * moved * (1.0 - 0.5 * np.minimum(2.0 * (1.0 - ratios[-1]), 1.0))
+        moved_by_test.append(displacement)
+        ratios.append(np.abs(displacement) / np.maximum(so_far, 1e-12))
+        return STIFFNESS * displacement * (1.0 - 0.5 * np.minimum(2.0 * (1.0 - ratios[-1]), 1.0))
 
-    found = diagnose(written(tmp_path, f"stiffness_n_per_m = {STIFFNESS}", rubber))
-    (effect,) = found.effects
-    assert (found.verdict, effect.name) == (Verdict.NAMED, "softening")
-    assert found.unknown is None
+    diagnosis = diagnose(write_tests(tmp_path, f"stiffness_n_per_m = {STIFFNESS}", rubber))
+    (effect,) = diagnosis.effects
+    assert (diagnosis.verdict, effect.name) == (Verdict.NAMED, "softening")
+    assert diagnosis.unknown is None
 
     def miss(parameters, tests=slice(TESTS - 1)):
-        stiffness, lost, power = parameters
-        moved, ratio = (np.concatenate(values[tests]) for values in (moved_by_test, ratios))
-        force = STIFFNESS * (1.0 - np.minimum(1.0 - ratio, 0.5)) * moved
-        return ((stiffness - lost * (1.0 - ratio**power)) * moved - force) / force.std()
+        stiffness, loss, power = parameters
+        displacement, ratio = (np.concatenate(values[tests]) for values in (moved_by_test, ratios))
+        force = STIFFNESS * (1.0 - np.minimum(1.0 - ratio, 0.5)) * displacement
+        return ((stiffness - loss * (1.0 - ratio**power)) * displacement - force) / force.std()
 
     closest = optimize.least_squares(miss, [STIFFNESS, 0.4 * STIFFNESS, 2.0], x_scale=[1e4, 1e4, 1.0]).x
     for estimate, value in zip(effect.estimates, closest[1:], strict=True):
         assert estimate.value == pytest.approx(value, abs=2.0 * estimate.sd)
-    left = float(np.sqrt(np.mean(miss(closest, slice(TESTS - 1, None)) ** 2)))
-    assert found.gap.after == pytest.approx(left, rel=0.1)
-    assert found.gap.after < 0.2 * found.gap.before
+    remainder = float(np.sqrt(np.mean(miss(closest, slice(TESTS - 1, None)) ** 2)))
+    assert diagnosis.gap.after == pytest.approx(remainder, rel=0.1)
+    assert diagnosis.gap.after < 0.2 * diagnosis.gap.before

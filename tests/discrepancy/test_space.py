@@ -26,25 +26,25 @@ def test_no_more_is_missing_of_damping_and_mass_than_there_is(specimen_block, na
     space = ModelSpace(specimen_block, (find_effect(name),))
     least = space.values(space.bounds[0])[space.places(find_effect(name))][0]
     specimen = specimen_block.nominal.specimen
-    believed = {"viscous_damping": specimen.damping, "added_mass": specimen.mass}[name]
-    assert least == pytest.approx(-believed)
+    is_believed = {"viscous_damping": specimen.damping, "added_mass": specimen.mass}[name]
+    assert least == pytest.approx(-is_believed)
 
 
-@pytest.mark.parametrize(("lag", "left"), [(0.004, 0.008), (0.02, 0.0)])
-def test_an_added_lag_takes_its_delay_from_the_actuator_s(sample_campaigns, lag, left):
+@pytest.mark.parametrize(("lag", "remaining_delay"), [(0.004, 0.008), (0.02, 0.0)])
+def test_an_added_lag_takes_its_delay_from_the_actuator_s(sample_campaigns, lag, remaining_delay):
     """A first-order lag 1/(1 + T s) is late by T at low frequencies; the actuator keeps the rest."""
     campaign = read_campaign(sample_campaigns / "rig_b")
     block = ActuatorBlock(campaign, scales_of(campaign, motions_of(campaign)))
     kind = find_effect("first_order_lag")
     base, space = ModelSpace(block, ()), ModelSpace(block, (kind,))
     place = [parameter.name for parameter in base.parameters].index("delay_s")
-    known = base.values(np.zeros(base.size))
-    known[place] = 0.012
+    is_known = base.values(np.zeros(base.size))
+    is_known[place] = 0.012
     lagging = space.values(np.zeros(space.size))
     lagging[space.places(kind)] = lag
     with patch.object(ModelSpace, "_start", return_value=space.coordinates(lagging)):
-        (start, *_) = space.starts(base, base.coordinates(known))
-    assert space.values(start)[place] == pytest.approx(left, abs=1e-6)
+        (start, *_) = space.starts(base, base.coordinates(is_known))
+    assert space.values(start)[place] == pytest.approx(remaining_delay, abs=1e-6)
 
 
 def test_each_start_of_an_added_effect_is_tried_and_nothing_twice_without_one(specimen_block):
@@ -52,33 +52,33 @@ def test_each_start_of_an_added_effect_is_tried_and_nothing_twice_without_one(sp
     base, space = ModelSpace(specimen_block, ()), ModelSpace(specimen_block, (kind,))
     assert len(list(base.starts(base, np.zeros(base.size)))) == 1
     fresh = list(space.starts(base, np.zeros(base.size)))
-    tried = [space.values(start)[space.places(kind)][0] for start in fresh]
+    sizes = [space.values(start)[space.places(kind)][0] for start in fresh]
     starts = np.array(kind.parameters[0].starts)  # shares of the channel's own scale
-    np.testing.assert_allclose(tried, tried[0] / starts[0] * starts)
+    np.testing.assert_allclose(sizes, sizes[0] / starts[0] * starts)
 
 
-def test_a_parameter_that_changes_nothing_at_one_starts_where_it_says(specimen_block):
+def test_parameter_without_effect_at_one_has_its_own_start(specimen_block):
     kind = find_effect("excitation_scale")
     base, space = ModelSpace(specimen_block, ()), ModelSpace(specimen_block, (kind,))
-    tried = [space.values(start)[space.places(kind)][0] for start in space.starts(base, np.zeros(base.size))]
+    sizes = [space.values(start)[space.places(kind)][0] for start in space.starts(base, np.zeros(base.size))]
     assert kind.parameters[0].neutral == 1.0
-    assert tried == pytest.approx(kind.parameters[0].starts)
+    assert sizes == pytest.approx(kind.parameters[0].starts)
 
 
 @pytest.mark.parametrize("factor", [0.5, -1.0, 1e9, -1e9])
-def test_a_signed_parameter_that_is_scaled_stays_within_nine_tenths_of_its_bounds(specimen_block, factor):
-    signed, unsigned = find_effect("cubic_stiffness"), find_effect("backlash")
-    space = ModelSpace(specimen_block, (signed, unsigned))
+def test_scaled_signed_parameter_stays_within_its_bounds(specimen_block, factor):
+    signed, unsigned_effect = find_effect("cubic_stiffness"), find_effect("backlash")
+    space = ModelSpace(specimen_block, (signed, unsigned_effect))
     place = space.places(signed).start
     begin = np.zeros(space.size)
     begin[place] = 0.25 * space.bounds[1][place]
-    scaled = space.scale_size(begin, signed, factor)
+    scaled_start = space.scale_size(begin, signed, factor)
     lower, upper = 0.9 * space.bounds[0][place], 0.9 * space.bounds[1][place]
-    expected = {0.5: 0.5 * begin[place], -1.0: -begin[place], 1e9: upper, -1e9: lower}[factor]
+    reference = {0.5: 0.5 * begin[place], -1.0: -begin[place], 1e9: upper, -1e9: lower}[factor]
     assert lower < 0.0 < upper
-    assert scaled[place] == pytest.approx(expected)
-    assert np.array_equal(np.delete(scaled, place), np.delete(begin, place))
-    assert space.scale_size(begin, unsigned, factor) is begin
+    assert scaled_start[place] == pytest.approx(reference)
+    assert np.array_equal(np.delete(scaled_start, place), np.delete(begin, place))
+    assert space.scale_size(begin, unsigned_effect, factor) is begin
 
 
 def _exactly_fitted(block, name, value):
@@ -92,7 +92,7 @@ def _exactly_fitted(block, name, value):
 
 
 @pytest.mark.parametrize(("name", "spread"), [("time_step_error", 2e-5), ("excitation_scale", 1.2e-4)])
-def test_simulations_differ_in_a_ratio_of_times_by_a_share_of_what_it_is_off(specimen_block, name, spread):
+def test_simulations_differ_by_a_share_of_the_error_in_a_time_ratio(specimen_block, name, spread):
     """A scale is no better known than amplitudes are simulated; long records tell a clock far better."""
     assert _exactly_fitted(specimen_block, name, 1.2) == pytest.approx(spread, rel=1e-3)
 

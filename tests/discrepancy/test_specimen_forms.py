@@ -21,15 +21,15 @@ PARTS = 20
 def motion(rng):
     time = np.arange(0.0, DURATION, 1.0 / RATE)
     band = signal.butter(2, [0.4, 2.5], "band", fs=RATE, output="sos")
-    moved = signal.sosfiltfilt(band, rng.standard_normal(time.size))
-    moved *= np.exp(-(((time - 5.0) / 3.0) ** 2)) * np.clip(time, 0.0, 1.0) ** 2
-    return LARGEST * moved / np.abs(moved).max()
+    displacement = signal.sosfiltfilt(band, rng.standard_normal(time.size))
+    displacement *= np.exp(-(((time - 5.0) / 3.0) ** 2)) * np.clip(time, 0.0, 1.0) ** 2
+    return LARGEST * displacement / np.abs(displacement).max()
 
 
-def hysteretic(moved):
+def hysteretic(displacement):
     """Dimensionless hysteretic variable z along a displacement, by small steps of Euler's method."""
     z, history = 0.0, [0.0]
-    for step in np.diff(moved).tolist():  # numbers of Python, which are faster one by one
+    for step in np.diff(displacement).tolist():  # numbers of Python, which are faster one by one
         part = step / PARTS / (YIELD * LARGEST)
         for _ in range(PARTS):
             z += part * (1.0 - abs(z) ** EXPONENT * (1.0 if part * z > 0.0 else 1.0 - 2.0 * BETA))
@@ -37,34 +37,36 @@ def hysteretic(moved):
     return np.array(history)
 
 
-def textbook(moved, after):
+def textbook(displacement, exponent):
     """Force αkx + (1 − α)k·d·z, whose stiffness of small motions is the nominal one."""
-    return STIFFNESS * (after * moved + (1.0 - after) * YIELD * LARGEST * hysteretic(moved))
+    return STIFFNESS * (
+        exponent * displacement + (1.0 - exponent) * YIELD * LARGEST * hysteretic(displacement)
+    )
 
 
-def beside(moved, share):
+def add_friction(displacement, share):
     """Force kx + share·k·d·z."""
-    return STIFFNESS * (moved + share * YIELD * LARGEST * hysteretic(moved))
+    return STIFFNESS * (displacement + share * YIELD * LARGEST * hysteretic(displacement))
 
 
-def sliding(moved, share, turn=0.01):
+def sliding(displacement, share, turn=0.01):
     """Force kx + share·k·d·tanh(v/v₀), whose friction turns over a hundredth of the largest velocity."""
-    velocity = np.gradient(moved, 1.0 / RATE)
-    turned = np.tanh(velocity / (turn * np.abs(velocity).max()))
-    return STIFFNESS * (moved + share * YIELD * LARGEST * turned)
+    velocity = np.gradient(displacement, 1.0 / RATE)
+    direction = np.tanh(velocity / (turn * np.abs(velocity).max()))
+    return STIFFNESS * (displacement + share * YIELD * LARGEST * direction)
 
 
-def written(folder, specimen, force, *, noise=0.005, steps=0.0):
+def write_tests(folder, specimen, force, *, noise=0.005, steps=0.0):
     """Write a campaign of displacements and forces with noise, and a force in steps of a part of its RMS."""
     rng = np.random.default_rng(11)
     say = f'name = "specimen"\n[specimen]\n{specimen}\n[sampling]\nrate_hz = {RATE}\n'
     for k in range(TESTS):
-        moved = motion(rng)
-        channels = (moved, force(moved))
-        noisy = [each + noise * each.std() * rng.standard_normal(each.size) for each in channels]
+        displacement = motion(rng)
+        channels = (displacement, force(displacement))
+        noisy = [item + noise * item.std() * rng.standard_normal(item.size) for item in channels]
         if steps > 0.0:
             noisy[1] = np.round(noisy[1] / (steps * STEP_UNIT)) * steps * STEP_UNIT
-        columns = np.column_stack([np.arange(moved.size) / RATE, *noisy])
+        columns = np.column_stack([np.arange(displacement.size) / RATE, *noisy])
         header = "time_s,measured_m,force_n"
         np.savetxt(folder / f"{k}.csv", columns, delimiter=",", header=header, comments="")
         say += f'[[tests]]\nfile = "{k}.csv"\nmotion = "record {k}"\n'
@@ -72,7 +74,7 @@ def written(folder, specimen, force, *, noise=0.005, steps=0.0):
     return read_campaign(folder)
 
 
-def closed(gap):
+def closed_share(gap):
     """Closed share of a gap's energy; without a floor, which only makes it larger, where that is unknown."""
     share = 1.0 - (gap["nrmse_after"] / gap["nrmse_before"]) ** 2
     return share if gap["closed_fraction"] is None else gap["closed_fraction"]
@@ -80,90 +82,98 @@ def closed(gap):
 
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize(
-    ("force", "value", "name", "size", "expected"),
+    ("force", "value", "name", "size", "reference"),
     [
         (textbook, 0.5, "hysteresis", "displacement_m", YIELD * LARGEST),
-        (beside, 0.3, "hysteresis", "displacement_m", YIELD * LARGEST),
+        (add_friction, 0.3, "hysteresis", "displacement_m", YIELD * LARGEST),
         pytest.param(
             *(sliding, 0.2, "coulomb_friction", "force_n", 0.2 * STIFFNESS * YIELD * LARGEST),
             marks=pytest.mark.slow,  # by default the campaign rig_a has dry friction
         ),
     ],
 )
-def test_the_effect_is_named(tmp_path, force, value, name, size, expected):
-    campaign = written(tmp_path, f"stiffness_n_per_m = {STIFFNESS}", lambda moved: force(moved, value))
-    found = diagnose(campaign).to_dict()
-    assert [effect["name"] for effect in found["effects"]] == [name]
-    assert found["verdict"] == "named"
-    assert closed(found["gap"]) > 0.99
-    assert found["effects"][0]["parameters"][size]["value"] == pytest.approx(expected, rel=0.1)
-
-
-@pytest.mark.slow
-def test_a_force_that_bends_over_a_sixth_of_the_velocity_is_no_dry_friction(tmp_path):
-    campaign = written(
-        tmp_path, f"stiffness_n_per_m = {STIFFNESS}", lambda moved: sliding(moved, 0.2, turn=1.0 / 6.0)
+def test_the_effect_is_named(tmp_path, force, value, name, size, reference):
+    campaign = write_tests(
+        tmp_path, f"stiffness_n_per_m = {STIFFNESS}", lambda displacement: force(displacement, value)
     )
-    found = diagnose(campaign)
-    assert found.verdict is not Verdict.NO_MISSING_EFFECT
-    assert "coulomb_friction" not in {effect.name for effect in found.effects}
+    diagnosis = diagnose(campaign).to_dict()
+    assert [effect["name"] for effect in diagnosis["effects"]] == [name]
+    assert diagnosis["verdict"] == "named"
+    assert closed_share(diagnosis["gap"]) > 0.99
+    assert diagnosis["effects"][0]["parameters"][size]["value"] == pytest.approx(reference, rel=0.1)
 
 
 @pytest.mark.slow
-def test_what_is_known_of_a_specimen_without_a_spring_is_kept(tmp_path):
-    def dragged(moved):
-        velocity = np.gradient(moved, 1.0 / RATE)
+def test_force_bending_over_a_sixth_of_the_velocity_is_no_dry_friction(tmp_path):
+    campaign = write_tests(
+        tmp_path,
+        f"stiffness_n_per_m = {STIFFNESS}",
+        lambda displacement: sliding(displacement, 0.2, turn=1.0 / 6.0),
+    )
+    diagnosis = diagnose(campaign)
+    assert diagnosis.verdict is not Verdict.NO_MISSING_EFFECT
+    assert "coulomb_friction" not in {effect.name for effect in diagnosis.effects}
+
+
+@pytest.mark.slow
+def test_stated_mass_of_a_springless_specimen_is_kept(tmp_path):
+    def dragged(displacement):
+        velocity = np.gradient(displacement, 1.0 / RATE)
         return 95.0 * np.gradient(velocity, 1.0 / RATE) + 300.0 * velocity
 
-    found = diagnose(written(tmp_path, "mass_kg = 95.0", dragged)).to_dict()
-    assert [effect["name"] for effect in found["effects"]] == ["viscous_damping"]
+    diagnosis = diagnose(write_tests(tmp_path, "mass_kg = 95.0", dragged)).to_dict()
+    assert [effect["name"] for effect in diagnosis["effects"]] == ["viscous_damping"]
 
 
 @pytest.mark.slow
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize(("share", "verdict"), [(0.02, "no_missing_effect"), (1.0, "unknown_effect")])
-def test_a_line_counts_when_it_is_not_far_below_the_noise(tmp_path, share, verdict):
-    def hummed(moved):
-        spring = STIFFNESS * moved
+def test_line_counts_unless_it_is_far_below_the_noise(tmp_path, share, verdict):
+    def hummed(displacement):
+        spring = STIFFNESS * displacement
         size = np.sqrt(2.0 * share) * 0.005 * spring.std()
-        return spring + size * np.sin(2.0 * np.pi * 31.0 * np.arange(moved.size) / RATE)
+        return spring + size * np.sin(2.0 * np.pi * 31.0 * np.arange(displacement.size) / RATE)
 
-    found = diagnose(written(tmp_path, f"stiffness_n_per_m = {STIFFNESS}", hummed)).to_dict()
-    assert found["verdict"] == verdict
+    diagnosis = diagnose(write_tests(tmp_path, f"stiffness_n_per_m = {STIFFNESS}", hummed)).to_dict()
+    assert diagnosis["verdict"] == verdict
 
 
-def behind_play(moved, slip=(900.0, 600.0), stiffness=1.0e6, play=0.08 * LARGEST):
+def slide_behind_play(displacement, slip=(900.0, 600.0), stiffness=1.0e6, play=0.08 * LARGEST):
     """Sliding joint on an elastic brace whose pins have clearance: no force while it is crossed [N]."""
     slid, forces = 0.0, []
-    for x in moved.tolist():
-        pushed = max(x - 0.5 * play - slid, 0.0) + min(x + 0.5 * play - slid, 0.0)
-        force = min(max(stiffness * pushed, -slip[1]), slip[0])
-        slid += pushed - force / stiffness
+    for x in displacement.tolist():
+        push = max(x - 0.5 * play - slid, 0.0) + min(x + 0.5 * play - slid, 0.0)
+        force = min(max(stiffness * push, -slip[1]), slip[0])
+        slid += push - force / stiffness
         forces.append(force)
     return np.array(forces)
 
 
 @pytest.mark.slow
-def test_a_sliding_damper_whose_pins_have_play_is_named_by_both(tmp_path):
+def test_sliding_damper_with_loose_pins_is_named_by_both(tmp_path):
     """Before, it was a hysteresis that degrades, without any degradation."""
-    found = diagnose(written(tmp_path, "", behind_play)).to_dict()
-    hysteresis, play = found["effects"]
+    diagnosis = diagnose(write_tests(tmp_path, "", slide_behind_play)).to_dict()
+    hysteresis, play = diagnosis["effects"]
     assert (hysteresis["name"], play["name"]) == ("hysteresis", "series_play")
     assert {hysteresis["member_of"], play["member_of"]} == {"hysteresis_with_play"}
     assert play["parameters"]["width_m"]["value"] == pytest.approx(0.08 * LARGEST, rel=0.03)
     assert hysteresis["parameters"]["force_n"]["value"] == pytest.approx(750.0, rel=0.03)
     assert hysteresis["parameters"]["asymmetry"]["value"] == pytest.approx(0.2, abs=0.03)
     assert play["held_out_nrmse_without"] > 3.0 * play["held_out_nrmse_with"]
-    assert found["verdict"] == "named"
+    assert diagnosis["verdict"] == "named"
 
 
 @pytest.mark.slow
-def test_the_error_on_a_further_test_counts_what_the_converter_adds(tmp_path):
+def test_error_on_a_further_test_includes_the_converter(tmp_path):
     """What is known of the steps of a converter is taken off the tests that are fitted, not off a new one."""
-    stated = f"stiffness_n_per_m = {STIFFNESS}"
-    found = diagnose(written(tmp_path, stated, lambda moved: STIFFNESS * moved, noise=1e-4, steps=0.2))
-    (block,) = found.blocks
-    assert found.verdict is Verdict.NO_MISSING_EFFECT
+    stated_value = f"stiffness_n_per_m = {STIFFNESS}"
+    diagnosis = diagnose(
+        write_tests(
+            tmp_path, stated_value, lambda displacement: STIFFNESS * displacement, noise=1e-4, steps=0.2
+        )
+    )
+    (block,) = diagnosis.blocks
+    assert diagnosis.verdict is Verdict.NO_MISSING_EFFECT
     assert block.problem.conversion
     (row,) = foretold(block)
     assert row["covers"]

@@ -37,7 +37,7 @@ def test_a_segment_has_the_fourier_sums_of_its_samples_up_to_its_highest_frequen
     assert segment.density(noise) == pytest.approx(noise.density(segment.frequency))
 
 
-def test_the_energy_of_a_spectrum_is_that_of_the_signal():
+def test_energy_of_a_spectrum_equals_that_of_the_signal():
     """Parseval, for a signal without power at the Nyquist frequency, which has no partner."""
     segment = Segment(test=0, begin=0, end=801, rate=RATE, highest=0.5 * RATE)
     assert energy_of(segment.spectrum(VALUES)) == pytest.approx(VALUES[:801] @ VALUES[:801])
@@ -45,27 +45,27 @@ def test_the_energy_of_a_spectrum_is_that_of_the_signal():
 
 @pytest.mark.parametrize("place", [0, 1, 2, 3, 40, 77, 78, 79, 80])
 def test_value_and_slope_are_exact_for_quadratics_also_beyond_the_last_sample(place):
-    at = np.arange(80.0)
-    values = 2.0 - 0.3 * at + 0.04 * at**2
-    expected = (2.0 - 0.3 * place + 0.04 * place**2, -0.3 + 0.08 * place)
-    assert _value_and_slope(values, place) == pytest.approx(expected)
+    places = np.arange(80.0)
+    values = 2.0 - 0.3 * places + 0.04 * places**2
+    reference = (2.0 - 0.3 * place + 0.04 * place**2, -0.3 + 0.08 * place)
+    assert _value_and_slope(values, place) == pytest.approx(reference)
 
 
 @pytest.mark.parametrize(("stretches", "parts"), [(1, 4), (2, 2), (3, 1), (4, 1), (5, 1)])
-@pytest.mark.parametrize("every", [1, 3])
-def test_there_are_at_least_three_segments_of_lengths_that_transform_fast(stretches, parts, every):
-    given = [Stretch(test=k, begin=10 + k, end=3000 + k) for k in range(stretches)]
-    segments = cut_segments(given, RATE, lambda test: 10.0 + test, every)
+@pytest.mark.parametrize("thinning", [1, 3])
+def test_segments_are_at_least_three_of_fast_lengths(stretches, parts, thinning):
+    stretches_given = [Stretch(test=k, begin=10 + k, end=3000 + k) for k in range(stretches)]
+    segments = cut_segments(stretches_given, RATE, lambda test: 10.0 + test, thinning)
     assert len(segments) == stretches * parts
     for number, segment in enumerate(segments):
-        stretch = given[number // parts]
+        stretch = stretches_given[number // parts]
         assert (segment.test, segment.highest, segment.rate) == (stretch.test, 10.0 + stretch.test, RATE)
         edges = np.linspace(stretch.begin, stretch.end, parts + 1).astype(int)[number % parts :][:2]
-        assert edges[0] <= segment.begin < edges[0] + every
-        assert segment.begin % every == 0
-        length = (segment.end - segment.begin) // every
-        assert length * every == segment.end - segment.begin
-        room = (edges[1] - segment.begin) // every
+        assert edges[0] <= segment.begin < edges[0] + thinning
+        assert segment.begin % thinning == 0
+        length = (segment.end - segment.begin) // thinning
+        assert length * thinning == segment.end - segment.begin
+        room = (edges[1] - segment.begin) // thinning
         assert length == scipy.fft.prev_fast_len(int(room), real=True)
 
 
@@ -77,29 +77,29 @@ def test_the_highest_frequency_is_45_hz_or_five_natural_ones_within_the_rate():
         assert highest_frequency(1000.0, structure) == pytest.approx(highest)
 
 
-@pytest.mark.parametrize(("second", "expected"), [(0.0, 22.0), (0.1, 22.0), (0.2, 0.0)])
-def test_a_sine_has_harmonics_up_to_the_eleventh(second, expected):
+@pytest.mark.parametrize(("second", "reference"), [(0.0, 22.0), (0.1, 22.0), (0.2, 0.0)])
+def test_a_sine_has_harmonics_up_to_the_eleventh(second, reference):
     """Of a second sine's power, a², at most 2 % of the whole may lie elsewhere."""
     time = np.arange(5120) / RATE
     wave = np.sin(2.0 * np.pi * 2.0 * time) + second * np.sin(2.0 * np.pi * 3.1 * time) + 0.3 * time
-    assert harmonics_up_to(wave, 1.0 / RATE) == pytest.approx(expected)
+    assert harmonics_up_to(wave, 1.0 / RATE) == pytest.approx(reference)
 
 
-def test_power_is_averaged_over_a_band_that_widens_and_ends_at_the_border():
+def test_power_is_averaged_over_a_widening_band_up_to_the_border():
     frequency = 0.05 * np.arange(1001)
     power = np.random.default_rng(2).exponential(size=1001)
-    found = _average(frequency, power, 30.0)
+    result = _average(frequency, power, 30.0)
     for place in (0, 1, 40, 590, 600, 601, 640, 999, 1000):
         reach = max(int((0.2 + 0.1 * frequency[place]) / 0.05 + 1e-9), 3)
-        inside = np.abs(np.arange(1001) - place) <= reach
-        inside &= (frequency <= 30.0 + 1e-9) == (frequency[place] <= 30.0 + 1e-9)
-        assert found[place] == pytest.approx(power[inside].mean()), place
+        interior = np.abs(np.arange(1001) - place) <= reach
+        interior &= (frequency <= 30.0 + 1e-9) == (frequency[place] <= 30.0 + 1e-9)
+        assert result[place] == pytest.approx(power[interior].mean()), place
 
 
 def test_the_share_of_a_signal_is_wieners():
     frequency = np.array([1.0, 2.0, 3.0, 4.0, 50.0])
-    whole, floor = np.array([10.0, 2.49, 2.51, 1.0, 10.0]), np.ones(5)
-    assert _share(frequency, whole, floor, 45.0) == pytest.approx([0.9, 0.0, 1.51 / 2.51, 0.0, 0.0])
+    complete, floor = np.array([10.0, 2.49, 2.51, 1.0, 10.0]), np.ones(5)
+    assert _share(frequency, complete, floor, 45.0) == pytest.approx([0.9, 0.0, 1.51 / 2.51, 0.0, 0.0])
     assert _share(np.array([45.0]), np.array([4.0]), np.ones(1), 45.0) == pytest.approx([0.75])
 
 
@@ -135,8 +135,8 @@ def test_an_end_is_left_out_up_to_a_fifth():
     still = motion(np.ones(1000))
     for seconds, end in ((0.5, 950), (1.99, 801), (2.5, 800)):
         assert skip_end([Stretch(test=0, begin=5, end=1000)], [still], seconds)[0].end == end
-    at = Stretch(test=0, begin=950, end=1000)
-    assert skip_end([at], [still], 0.5) == (at,)
+    places = Stretch(test=0, begin=950, end=1000)
+    assert skip_end([places], [still], 0.5) == (places,)
     assert skip_end([Stretch(test=0, begin=949, end=1000)], [still], 0.5)[0].end == 950
 
 

@@ -41,15 +41,15 @@ def campaign(*, holds=0, step=0.0, noise=2e-5, specimen=None):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("step", [pytest.param(0.0, marks=pytest.mark.slow), 1e-4])
-def test_a_reading_that_is_held_is_unknown(step):
-    found = diagnose(campaign(holds=8, step=step))
-    assert str(found.verdict) == "unknown_effect"
-    assert "stands still" in found.unknown.description
+def test_held_reading_is_unknown(step):
+    diagnosis = diagnose(campaign(holds=8, step=step))
+    assert str(diagnosis.verdict) == "unknown_effect"
+    assert "stands still" in diagnosis.unknown.description
 
 
-def test_specimen_is_not_blamed_for_a_sensor_that_drops_out():
-    found = diagnose(campaign(holds=16, specimen=Specimen(stiffness=STIFFNESS)))
-    actuator, specimen = found.blocks
+def test_specimen_is_not_blamed_for_a_failing_sensor():
+    diagnosis = diagnose(campaign(holds=16, specimen=Specimen(stiffness=STIFFNESS)))
+    actuator, specimen = diagnosis.blocks
     assert "stands still" in actuator.unknown.description
     assert str(specimen.verdict) == "no_missing_effect"
     assert specimen.leaves_noise
@@ -62,12 +62,12 @@ def test_coarse_steps_alone_are_nothing(step):
     assert str(diagnose(campaign(step=step)).verdict) == "no_missing_effect"
 
 
-def test_what_a_model_expects_above_the_band_is_no_movement():
+def test_expected_signal_above_the_band_is_no_movement():
     slow, step = np.sin(2.0 * np.pi * 0.2 * TIME), 0.05
     read = np.round(slow / step) * step
-    jagged = 20.0 * step * np.sin(2.0 * np.pi * 150.0 * TIME)
+    jagged_reading = 20.0 * step * np.sin(2.0 * np.pi * 150.0 * TIME)
     problem = SimpleNamespace(
-        residuals=lambda *_: {0: read - slow - jagged},
+        residuals=lambda *_: {0: read - slow - jagged_reading},
         block=SimpleNamespace(block=None, measured=lambda _: read, rate=RATE, highest=45.0),
         steps={0: step},
     )

@@ -12,16 +12,16 @@ TIME = np.arange(0.0, 20.0, STEP)
 
 
 def begin_of(displacement):
-    whole = Stretch(test=0, begin=0, end=TIME.size)
-    return skip_transient([whole], [Motion3.interpolate(displacement, STEP)])[0].begin * STEP
+    stretch = Stretch(test=0, begin=0, end=TIME.size)
+    return skip_transient([stretch], [Motion3.interpolate(displacement, STEP)])[0].begin * STEP
 
 
-def test_a_record_that_starts_at_rest_counts_whole():
+def test_record_from_rest_counts_whole():
     assert begin_of(np.sin(2.0 * np.pi * TIME) * np.sin(np.pi * TIME / 20.0) ** 2) == 0.0
 
 
 @pytest.mark.parametrize("phase", [0.0, 1.0, 2.5])
-def test_a_record_that_starts_in_motion_counts_after_a_swing(phase):
+def test_record_from_motion_counts_after_a_swing(phase):
     assert 1.0 <= begin_of(np.sin(2.0 * np.pi * TIME + phase)) <= 1.6
 
 
@@ -34,24 +34,26 @@ def test_a_stretch_within_a_record_keeps_its_begin():
     assert skip_transient([inner], [Motion3.interpolate(np.sin(TIME), STEP)]) == (inner,)
 
 
-def test_a_free_vibration_that_started_before_is_waited_for():
-    whole = Stretch(test=0, begin=0, end=TIME.size)
+def test_earlier_free_vibration_is_waited_for():
+    stretch = Stretch(test=0, begin=0, end=TIME.size)
     moving = [Motion3.interpolate(np.cos(2.0 * np.pi * TIME + 1.0), STEP)]
-    assert skip_transient([whole], moving, 3.0)[0].begin * STEP == pytest.approx(3.0, abs=STEP)
-    assert skip_transient([whole], moving, 60.0)[0].begin * STEP == pytest.approx(4.0, abs=STEP)  # a fifth
+    assert skip_transient([stretch], moving, 3.0)[0].begin * STEP == pytest.approx(3.0, abs=STEP)
+    assert skip_transient([stretch], moving, 60.0)[0].begin * STEP == pytest.approx(4.0, abs=STEP)  # a fifth
     resting = [Motion3.interpolate(np.sin(2.0 * np.pi * TIME) * np.sin(np.pi * TIME / 20.0) ** 2, STEP)]
-    assert skip_transient([whole], resting, 3.0)[0].begin == 0
+    assert skip_transient([stretch], resting, 3.0)[0].begin == 0
 
 
 @pytest.mark.parametrize(
-    ("unanswered", "end"), [(0.0, 20.0), (0.2, 19.8), (30.0, 16.0)], ids=["none", "short", "a fifth at most"]
+    ("unanswered_time", "end"),
+    [(0.0, 20.0), (0.2, 19.8), (30.0, 16.0)],
+    ids=["none", "short", "a fifth at most"],
 )
-def test_the_end_that_nothing_answers_is_left_out(unanswered, end):
+def test_unanswered_end_is_left_out(unanswered_time, end):
     motions = [Motion3.interpolate(np.sin(TIME), STEP)]
-    whole, inner = Stretch(test=0, begin=0, end=TIME.size), Stretch(test=0, begin=100, end=400)
+    stretch, inner = Stretch(test=0, begin=0, end=TIME.size), Stretch(test=0, begin=100, end=400)
     late = Stretch(test=0, begin=TIME.size - 2, end=TIME.size)
-    shortened, kept, last = skip_end([whole, inner, late], motions, unanswered)
-    assert shortened.begin == 0
-    assert shortened.end * STEP == pytest.approx(end, abs=STEP)
-    assert kept == inner
+    shortened_stretch, kept_stretch, last = skip_end([stretch, inner, late], motions, unanswered_time)
+    assert shortened_stretch.begin == 0
+    assert shortened_stretch.end * STEP == pytest.approx(end, abs=STEP)
+    assert kept_stretch == inner
     assert last == late

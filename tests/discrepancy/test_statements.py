@@ -26,7 +26,7 @@ from reliab.discrepancy.result.missing_effect import Estimate
 from reliab.report.kinds.discrepancy_report import _describe_closed_gap, _floor
 from reliab.report.prose import plain_text
 
-UNCERTAINTY, PRINTED = 1.2, 1.01
+UNCERTAINTY, ROUNDING = 1.2, 1.01
 SOURCES = ("repeated tests", "repeated cycles", "band above the motion", "rest")
 SIZES = st.floats(1e-5, 1.5)
 
@@ -34,16 +34,16 @@ SIZES = st.floats(1e-5, 1.5)
 @st.composite
 def gaps(draw):
     """Errors and floors of any sizes, most of them near each other."""
-    after = draw(SIZES)
-    sizes = st.one_of(SIZES, st.floats(0.2, 5.0).map(lambda times: times * after))
+    error_after = draw(SIZES)
+    sizes = st.one_of(SIZES, st.floats(0.2, 5.0).map(lambda times: times * error_after))
     floors = draw(st.dictionaries(st.sampled_from(SOURCES), sizes, max_size=3))
-    before = draw(st.one_of(SIZES, st.just(after)))
+    error_before = draw(st.one_of(SIZES, st.just(error_after)))
     return Gap(
         channel="force_n",
-        before=before,
-        after=after,
+        before=error_before,
+        after=error_after,
         floors=floors,
-        tests=(HeldOutTest(file="a.csv", before=before, after=after),),
+        tests=(HeldOutTest(file="a.csv", before=error_before, after=error_after),),
     )
 
 
@@ -61,50 +61,50 @@ def blocks(draw):
 
 
 def numbers(text):
-    return [float(one) for one in re.findall(r"\d+\.?\d*(?:e-?\d+)?", text)]
+    return [float(number) for number in re.findall(r"\d+\.?\d*(?:e-?\d+)?", text)]
 
 
 @given(gaps())
-def test_a_floor_is_never_far_above_what_the_model_leaves(gap):
-    floor, after = gap.to_dict()["noise_floor"], gap.to_dict()["nrmse_after"]
-    assert floor is None or floor <= UNCERTAINTY * after
-    assert (floor is None) == all(size > UNCERTAINTY * after for size in gap.floors.values())
+def test_floor_is_never_far_above_the_remainder(gap):
+    floor, error_after = gap.to_dict()["noise_floor"], gap.to_dict()["nrmse_after"]
+    assert floor is None or floor <= UNCERTAINTY * error_after
+    assert (floor is None) == all(size > UNCERTAINTY * error_after for size in gap.floors.values())
 
 
 @given(blocks())
-def test_what_remains_is_called_an_error_only_where_it_stands_above_the_noise(block):
-    said = remainder_statement("specimen", block.gap, block.structured_share)
-    after, *others = numbers(said)
-    assert after > 0.0
-    if "the model's own error" in said:
-        error, floor = others[:2]
-        assert 0.0 < error <= PRINTED * after
-        assert floor < after
-    elif "which is the noise floor" in said:
-        assert after <= PRINTED * UNCERTAINTY * others[0]
+def test_remainder_is_an_error_only_above_the_noise(block):
+    sentence = remainder_statement("specimen", block.gap, block.structured_share)
+    error_after, *remaining = numbers(sentence)
+    assert error_after > 0.0
+    if "the model's own error" in sentence:
+        error, floor = remaining[:2]
+        assert 0.0 < error <= ROUNDING * error_after
+        assert floor < error_after
+    elif "which is the noise floor" in sentence:
+        assert error_after <= ROUNDING * UNCERTAINTY * remaining[0]
     else:
-        assert "unknown" in said
+        assert "unknown" in sentence
         assert block.gap.floor is None
 
 
 @pytest.mark.slow
 @given(blocks())
 def test_the_report_calls_no_more_noise_than_remains(block):
-    said = _floor(block)
-    said = said if isinstance(said, str) else str(said)
-    if "no model explains" in said:
-        floor, left = numbers(said)[:2]
-        assert 0.0 < floor < PRINTED * 100.0 * block.gap.after
-        assert 0.0 < left <= PRINTED * 100.0 * block.gap.after
-    elif "at the level of the noise" in said:
-        after, floor = numbers(said)[:2]
-        assert after <= PRINTED * UNCERTAINTY * floor
+    sentence = _floor(block)
+    sentence = sentence if isinstance(sentence, str) else str(sentence)
+    if "no model explains" in sentence:
+        floor, remainder = numbers(sentence)[:2]
+        assert 0.0 < floor < ROUNDING * 100.0 * block.gap.after
+        assert 0.0 < remainder <= ROUNDING * 100.0 * block.gap.after
+    elif "at the level of the noise" in sentence:
+        error_after, floor = numbers(sentence)[:2]
+        assert error_after <= ROUNDING * UNCERTAINTY * floor
 
 
 @given(st.lists(blocks(), min_size=1, max_size=3), st.sampled_from(Verdict))
 def test_nothing_is_missing_only_where_every_block_is_at_its_noise(observed, verdict):
-    said = statement(verdict, observed)
-    if "no missing effect" in said:
+    sentence = statement(verdict, observed)
+    if "no missing effect" in sentence:
         assert verdict is Verdict.NO_MISSING_EFFECT
         for block in observed:
             floor = block.gap.floor
@@ -114,9 +114,9 @@ def test_nothing_is_missing_only_where_every_block_is_at_its_noise(observed, ver
 @given(blocks())
 def test_a_gap_is_wholly_closed_only_at_the_noise(block):
     block.effects = ()
-    said = _describe_closed_gap(SimpleNamespace(gap=block.gap, blocks=[block], effects=()))
-    assert block.gap.conclusion in said
-    wholly = "100.0 % of the gap closed" in said or "at the level of the noise" in said
+    sentence = _describe_closed_gap(SimpleNamespace(gap=block.gap, blocks=[block], effects=()))
+    assert block.gap.conclusion in sentence
+    wholly = "100.0 % of the gap closed" in sentence or "at the level of the noise" in sentence
     assert not wholly or block.gap.is_noise_before or block.gap.remainder is Remainder.AT_NOISE
     if block.gap.remainder is Remainder.NOT_KNOWN:
         assert "of the error is noise" in plain_text(_floor(block))
@@ -144,8 +144,8 @@ def a_gap(**errors):
         after=0.1,
         floors={},
         tests=tuple(
-            HeldOutTest(file=file, kind=kind, before=before, after=after)
-            for file, (kind, before, after) in errors.items()
+            HeldOutTest(file=file, kind=kind, before=error_before, after=error_after)
+            for file, (kind, error_before, error_after) in errors.items()
         ),
     )
 
@@ -156,9 +156,9 @@ def test_the_least_explained_kind_of_test_and_the_least_explained_test_come_firs
     assert [test.files for test in gap.by_test] == [("c",), ("b",), ("a",)]
     assert gap.by_test[0].unexplained_share == pytest.approx(0.3**2 / 0.4**2)
     assert gap.by_kind[1].unexplained_share == pytest.approx((0.05**2 + 0.2**2) / (2.0 * 0.5**2))
-    written = gap.to_dict()
-    assert list(written["tests"]) == ["c", "b", "a"]
-    assert written["kinds"][0]["tests"] == ["c"]
+    content = gap.to_dict()
+    assert list(content["tests"]) == ["c", "b", "a"]
+    assert content["kinds"][0]["tests"] == ["c"]
 
 
 def test_a_floor_is_a_larger_share_of_a_weaker_test():
@@ -167,31 +167,31 @@ def test_a_floor_is_a_larger_share_of_a_weaker_test():
     assert {test.files[0]: test.noise for test in weak} == pytest.approx({"a": 0.02, "b": 0.08})
 
 
-@pytest.mark.parametrize(("after", "named"), [(0.21, True), (0.24, False)])
-def test_effects_are_the_answer_where_they_explain_four_fifths_of_every_kind_of_test(after, named):
+@pytest.mark.parametrize(("error_after", "is_named"), [(0.21, True), (0.24, False)])
+def test_effects_are_the_answer_where_they_explain_four_fifths_of_every_kind_of_test(error_after, is_named):
     """An earthquake stands at 0.21 or 0.24 of the signal, of 0.5, where sines are explained wholly."""
-    gap = a_gap(a=("sine", 0.5, 0.01), b=("sine", 0.5, 0.01), c=("irregular motion", 0.5, after))
-    assert unexplained.explains_enough(gap) is named
+    gap = a_gap(a=("sine", 0.5, 0.01), b=("sine", 0.5, 0.01), c=("irregular motion", 0.5, error_after))
+    assert unexplained.explains_enough(gap) is is_named
 
 
-@pytest.mark.parametrize(("floor", "named"), [(0.0055, True), (0.0045, False), (None, False)])
-def test_a_small_gap_of_which_much_remains_is_named_only_near_the_noise(floor, named):
+@pytest.mark.parametrize(("floor", "is_named"), [(0.0055, True), (0.0045, False), (None, False)])
+def test_half_closed_small_gap_is_named_only_near_the_noise(floor, is_named):
     """From 0.02 to 0.01 of the signal: with a floor of 0.0055 a fifth of the energy above it remains."""
     floors = {} if floor is None else {"repeated tests": floor}
     gap = replace(a_gap(a=("sine", 0.02, 0.01)), before=0.02, after=0.01, floors=floors)
-    assert unexplained.explains_enough(gap) is named
+    assert unexplained.explains_enough(gap) is is_named
 
 
-def test_a_remainder_is_described_by_what_it_looks_like():
-    left = [
+def test_remainder_is_described_by_its_looks():
+    remainder = [
         SimpleNamespace(kind="frequency_band", detail="In force_n of the specimen X.", share_of_residual=0.9),
         SimpleNamespace(kind="velocity", detail="In force_n of the specimen Y.", share_of_residual=0.42),
     ]
-    assert unexplained._looks(left) == "; 42 % of it: In force_n of the specimen Y"  # noqa: SLF001 - what is tested
+    assert unexplained._looks(remainder) == "; 42 % of it: In force_n of the specimen Y"  # noqa: SLF001 - what is tested
 
 
 @pytest.mark.parametrize("verdict", Verdict)
-def test_what_contradicts_the_campaign_is_said_first(verdict):
+def test_contradictions_come_first(verdict):
     mass = Estimate(name="structure_mass", value=1.0312, sd=0.0003, units="-", signed=True)
     gap = Gap(
         channel="force_n",
@@ -208,9 +208,9 @@ def test_what_contradicts_the_campaign_is_said_first(verdict):
 
 
 @pytest.mark.parametrize(
-    ("gain", "stiffness", "said"), [(1.1, 1.0 / 1.1, 1), (1.1, 1.0, 0), (1.1, 0.8, 0), (1.002, 0.9, 0)]
+    ("gain", "stiffness", "statement"), [(1.1, 1.0 / 1.1, 1), (1.1, 1.0, 0), (1.1, 0.8, 0), (1.002, 0.9, 0)]
 )
-def test_a_scale_of_the_displacement_that_explains_gain_and_stiffness_is_said(gain, stiffness, said):
+def test_displacement_scale_behind_gain_and_stiffness_is_said(gain, stiffness, statement):
     estimates = {
         name: Estimate(name=name, value=value, sd=1e-4, units="-", signed=True)
         for name, value in (("gain", gain), ("stiffness", stiffness))
@@ -223,7 +223,7 @@ def test_a_scale_of_the_displacement_that_explains_gain_and_stiffness_is_said(ga
         ),
     ]
     sentences = scale_of_displacement(blocks)
-    assert len(sentences) == said
+    assert len(sentences) == statement
     assert all("recorded 1.1 times too large" in sentence for sentence in sentences)
 
 
@@ -235,13 +235,15 @@ def test_one_of_two_stated_values_is_said_to_be_wrong():
     assert "do not tell which" in sentence
 
 
-def structure_of(frequency, mass, *, alike):
+def structure_of(frequency, mass, *, correlation):
     """A block whose tests tell a combination of frequency and mass, to a thousandth, and `alike` of another.
 
     Along the combination (1, -1) a change of both leaves the tests the same.
     """
-    told, untold = np.array([1.0, 1.0]) / np.sqrt(2.0), np.array([1.0, -1.0]) / np.sqrt(2.0)
-    covariance = 1e-8 * np.outer(told, told) + alike**2 * np.outer(untold, untold)
+    common_direction, untold = np.array([1.0, 1.0]) / np.sqrt(2.0), np.array([1.0, -1.0]) / np.sqrt(2.0)
+    covariance = 1e-8 * np.outer(common_direction, common_direction) + correlation**2 * np.outer(
+        untold, untold
+    )
     names = ("structure_frequency", "structure_mass")
     block = SimpleNamespace(
         calibrations=[SimpleNamespace(parameter=SimpleNamespace(name=name)) for name in names]
@@ -249,20 +251,20 @@ def structure_of(frequency, mass, *, alike):
     space = SimpleNamespace(
         values=lambda _x: np.array([frequency, mass]), covariance_of_values=lambda _x, _c: covariance
     )
-    found = object.__new__(BlockDiagnosis)
-    object.__setattr__(found, "problem", SimpleNamespace(block=block, flat=False))
+    result = object.__new__(BlockDiagnosis)
+    object.__setattr__(result, "problem", SimpleNamespace(block=block, flat=False))
     fit = SimpleNamespace(space=space, coordinates=None, covariance=None)
-    object.__setattr__(found, "believed", SimpleNamespace(fit=fit))
+    object.__setattr__(result, "believed", SimpleNamespace(fit=fit))
     sds = np.sqrt(np.diag(covariance))
     items = [
         Estimate(name=name, value=value, sd=float(sd), units="-", signed=True)
         for name, value, sd in zip(names, (frequency, mass), sds, strict=True)
     ]
-    object.__setattr__(found, "calibration", tuple(items))
-    return found
+    object.__setattr__(result, "calibration", tuple(items))
+    return result
 
 
-def test_best_linear_model_is_stated_with_its_values_and_what_it_leaves():
+def test_best_linear_model_is_stated_with_values_and_remainder():
     values = (("stiffness over its nominal value", 1.25, "-"), ("moving mass", 0.5, "kg"))
     linear = tuple(
         Estimate(name="", meaning=meaning, value=value, sd=0.1, units=units)
@@ -275,16 +277,20 @@ def test_best_linear_model_is_stated_with_its_values_and_what_it_leaves():
     )
 
 
-def test_frequency_and_mass_contradict_together_what_neither_does_alone():
-    found = structure_of(1.01, 1.01, alike=0.01)
-    assert found.misstated == ()
-    assert [item.value for item in found.either_misstated] == pytest.approx([1.02, 1.02], abs=1e-3)
+def test_frequency_and_mass_contradict_only_together():
+    result = structure_of(1.01, 1.01, correlation=0.01)
+    assert result.misstated == ()
+    assert [item.value for item in result.either_misstated] == pytest.approx([1.02, 1.02], abs=1e-3)
 
 
-def test_nothing_is_doubted_that_is_as_stated_or_clear_by_itself():
-    assert structure_of(1.01, 0.99, alike=0.01).either_misstated == ()  # along what the tests do not tell
-    assert structure_of(1.002, 1.002, alike=0.01).either_misstated == ()  # within what goes without a remark
-    clear = structure_of(1.02, 1.0, alike=0.001)
+def test_values_as_stated_or_clear_raise_no_doubt():
+    assert (
+        structure_of(1.01, 0.99, correlation=0.01).either_misstated == ()
+    )  # along what the tests do not tell
+    assert (
+        structure_of(1.002, 1.002, correlation=0.01).either_misstated == ()
+    )  # within what goes without a remark
+    clear = structure_of(1.02, 1.0, correlation=0.001)
     assert [item.name for item in clear.misstated] == ["structure_frequency"]
     assert clear.either_misstated == ()
 
@@ -297,14 +303,14 @@ def test_nothing_is_doubted_that_is_as_stated_or_clear_by_itself():
         (40.0, False, "8933 N/m (8867 to 8999)"),
     ],
 )
-def test_a_parameter_that_may_be_anything_is_not_shown_as_a_number(sd, signed, size):
+def test_undetermined_parameter_is_not_shown_as_a_number(sd, signed, size):
     estimate = Estimate(name="stiffness_n_per_m", value=8933.0, sd=sd, units="N/m", signed=signed)
     assert estimate.size == size
     assert estimate.to_dict()["determined"] is (size != "not determined")
 
 
 @pytest.mark.parametrize("stretches", [1, 2, 3])
-def test_a_line_stands_above_what_noise_reaches_once_in_ten_million(stretches):
+def test_line_exceeds_the_one_in_ten_million_level_of_noise(stretches):
     """The mean of some squares of noise is Erlang's; the chance is shared among the frequencies tried."""
     trials = 500
     level = stretches * unexplained._threshold(stretches, trials)  # noqa: SLF001 - what is tested
@@ -316,13 +322,13 @@ def test_a_line_stands_eight_times_above_its_surroundings_in_any_number_of_stret
     assert unexplained._threshold(200, 500) == 8.0  # noqa: SLF001 - what is tested
 
 
-@pytest.mark.parametrize(("at", "deviation"), [(0.3, 0.1), (0.02, 0.01), (5.0, 2.0)])
-def test_odds_of_an_offset_are_those_of_savage_and_dickey(at, deviation):
+@pytest.mark.parametrize(("value", "deviation"), [(0.3, 0.1), (0.02, 0.01), (5.0, 2.0)])
+def test_odds_of_an_offset_are_those_of_savage_and_dickey(value, deviation):
     """Density of the prior over that of the posterior at zero, less what a parameter costs."""
-    fitted = SimpleNamespace(
+    model_fit = SimpleNamespace(
         covariance=np.diag([9.0, deviation**2]),
-        coordinates=np.array([7.0, at]),
+        coordinates=np.array([7.0, value]),
         space=SimpleNamespace(places=lambda _offset: slice(1, 2)),
     )
-    expected = 0.5 * (at / deviation) ** 2 + math.log(deviation) - 4.0
-    assert offset_odds(fitted, type) == pytest.approx(expected)
+    reference = 0.5 * (value / deviation) ** 2 + math.log(deviation) - 4.0
+    assert offset_odds(model_fit, type) == pytest.approx(reference)

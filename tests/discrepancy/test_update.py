@@ -33,7 +33,7 @@ TRUTH = HybridTest(
 )
 
 
-def measured(seed, held_out):
+def measure_test(seed, held_out):
     rng = np.random.default_rng(seed)
     t = np.arange(0.0, 20.0, 1.0 / RATE)
     waves = [np.sin(2 * np.pi * f * t + rng.uniform(0, 7)) for f in rng.uniform(0.4, 2.0, 6)]
@@ -49,7 +49,7 @@ def measured(seed, held_out):
 
 
 @pytest.fixture(scope="module")
-def updated():
+def updated_model():
     campaign = Campaign(
         name="late and damped",
         structure=NOMINAL.structure,
@@ -57,31 +57,32 @@ def updated():
         actuator=NOMINAL.actuator,
         specimen=None,
         rate=RATE,
-        tests=tuple(measured(seed, seed == 3) for seed in range(4)),
+        tests=tuple(measure_test(seed, seed == 3) for seed in range(4)),
     )
     return update_model(diagnose(campaign))
 
 
 @pytest.mark.slow
-def test_calibrated_values_are_the_true_ones(updated):
-    sd = updated.deviations
-    assert abs(updated.test.actuator.gain - 1.01) < 4.0 * sd["gain"] < 0.01
-    assert abs(updated.test.actuator.delay - 0.006) < 4.0 * sd["delay_s"] < 0.001
-    off = abs(updated.test.specimen.stiffness - TRUTH.specimen.stiffness)
+def test_calibrated_values_are_the_true_ones(updated_model):
+    sd = updated_model.deviations
+    assert abs(updated_model.test.actuator.gain - 1.01) < 4.0 * sd["gain"] < 0.01
+    assert abs(updated_model.test.actuator.delay - 0.006) < 4.0 * sd["delay_s"] < 0.001
+    off = abs(updated_model.test.specimen.stiffness - TRUTH.specimen.stiffness)
     assert off < 4.0 * sd["stiffness_n_per_m"] < 0.01 * TRUTH.specimen.stiffness
 
 
-def test_the_effect_is_added(updated):
-    (effect,) = updated.test.effects
+def test_the_effect_is_added(updated_model):
+    (effect,) = updated_model.test.effects
     assert effect.name == "viscous_damping"
     assert (
-        abs(effect.damping_n_s_per_m - 30.0) < 4.0 * updated.deviations["viscous_damping.damping_n_s_per_m"]
+        abs(effect.damping_n_s_per_m - 30.0)
+        < 4.0 * updated_model.deviations["viscous_damping.damping_n_s_per_m"]
     )
 
 
-def test_it_survives_its_file(updated, tmp_path):
-    write_model(tmp_path / "model.toml", updated)
-    assert read_model(tmp_path / "model.toml") == updated
+def test_it_survives_its_file(updated_model, tmp_path):
+    write_model(tmp_path / "model.toml", updated_model)
+    assert read_model(tmp_path / "model.toml") == updated_model
 
 
 @pytest.mark.parametrize(
@@ -99,22 +100,22 @@ def test_terms_of_a_general_kind_survive_the_file(kind, tmp_path):
     assert read_model(tmp_path / "model.toml") == model
 
 
-def test_what_limits_the_model_stands_in_its_file(updated, tmp_path):
-    limited = replace(updated, limits=("width_m of backlash\nlies on a bound",))
-    write_model(tmp_path / "model.toml", limited)
+def test_limits_of_the_model_are_in_its_file(updated_model, tmp_path):
+    limited_model = replace(updated_model, limits=("width_m of backlash\nlies on a bound",))
+    write_model(tmp_path / "model.toml", limited_model)
     text = (tmp_path / "model.toml").read_text(encoding="utf-8")
     assert "\n# width_m of backlash lies on a bound\n" in text
-    assert read_model(tmp_path / "model.toml") == updated
+    assert read_model(tmp_path / "model.toml") == updated_model
 
 
 @pytest.mark.slow
-def test_a_structure_that_was_stated_wrongly_is_corrected(sample_campaigns):
+def test_wrong_structure_is_corrected(sample_campaigns):
     truth = read_campaign(sample_campaigns / "rig_c")
-    stated = replace(truth.structure, frequency=1.02 * truth.structure.frequency)
-    diagnosis = diagnose(replace(truth, structure=stated))
-    corrected = update_model(diagnosis).test.structure
-    assert corrected.frequency == pytest.approx(truth.structure.frequency, rel=0.004)
+    nominal = replace(truth.structure, frequency=1.02 * truth.structure.frequency)
+    diagnosis = diagnose(replace(truth, structure=nominal))
+    structure = update_model(diagnosis).test.structure
+    assert structure.frequency == pytest.approx(truth.structure.frequency, rel=0.004)
     # f enters the damping coefficient too: a ratio within its tolerance is left as it was stated
-    assert corrected.damping_ratio == pytest.approx(truth.structure.damping_ratio, rel=0.06)
+    assert structure.damping_ratio == pytest.approx(truth.structure.damping_ratio, rel=0.06)
     assert any("natural frequency" in remark for remark in diagnosis.remarks)
     assert update_model(diagnose(truth)).test.structure == truth.structure
