@@ -49,6 +49,17 @@ def _name_functions(_app, _what, _name, _obj, _options, signature, returns):  # 
     return re.sub(r"<function (\w+) at 0x[0-9a-f]+>", r"\1", signature or "") or None, returns
 
 
+def _keep_options_whole(_app, _page, _template, context, _doctree) -> None:  # noqa: ANN001
+    """Let a command that wraps on a narrow screen break between words, not after the hyphens of an option."""
+    context["body"] = re.sub(
+        r'<div class="highlight-console.*?</pre>',
+        lambda block: re.sub(r"(?<=\s)--?[a-z][\w-]*", r'<span class="pre">\g<0></span>', block[0]),
+        context.get("body", ""),
+        flags=re.DOTALL,
+    )
+
+
 def setup(app) -> None:  # noqa: ANN001 - Sphinx is not installed where types are checked
     """Take part in the build."""
     app.connect("autodoc-process-signature", _name_functions)
+    app.connect("html-page-context", _keep_options_whole)
