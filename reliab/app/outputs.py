@@ -53,6 +53,12 @@ class Check(TypedDict, total=False):
     check: Annotated[bool, OUTPUT.flag("Exit with code 1 unless the test is reliable.")]
 
 
+class Details(TypedDict, total=False):
+    """How much is printed."""
+
+    details: Annotated[bool, OUTPUT.flag("Print all results, not only the most important ones.")]
+
+
 class Chart(TypedDict, total=False):
     """The answer as a figure."""
 

@@ -30,7 +30,11 @@ def print_document(document: Document, console: Console) -> None:
 
 def print_blocks(blocks: Iterable[Block], console: Console) -> None:
     """Print blocks one below the other."""
+    after_table = False
     for block in blocks:
+        if after_table and not isinstance(block, Section):
+            console.print()
+        after_table = isinstance(block, Table)
         match block:
             case Section():
                 console.print()
@@ -51,7 +55,7 @@ def print_blocks(blocks: Iterable[Block], console: Console) -> None:
 
 def rich_table(table: Table) -> RichTable:
     """Make the table that Rich prints; texts are folded where the terminal is narrow, numbers never."""
-    table_shown = RichTable(box=box.SIMPLE, padding=(0, 1, 0, 0))
+    table_shown = RichTable(box=box.SIMPLE, padding=(0, 1, 0, 0), show_edge=False)
     columns = []
     for column in table.columns:
         texts = [

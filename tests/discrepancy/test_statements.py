@@ -23,7 +23,7 @@ from reliab.discrepancy.result.diagnosis import (
 )
 from reliab.discrepancy.result.gap import Gap, HeldOutTest, Remainder
 from reliab.discrepancy.result.missing_effect import Estimate
-from reliab.report.kinds.discrepancy_report import _describe_closed_gap, _floor
+from reliab.report.kinds.discrepancy_outcome import _describe_closed_gap, describe_remainder
 from reliab.report.prose import plain_text
 
 UNCERTAINTY, ROUNDING = 1.2, 1.01
@@ -90,7 +90,7 @@ def test_remainder_is_an_error_only_above_the_noise(block):
 @pytest.mark.slow
 @given(blocks())
 def test_the_report_calls_no_more_noise_than_remains(block):
-    sentence = _floor(block)
+    sentence = describe_remainder(block)
     sentence = sentence if isinstance(sentence, str) else str(sentence)
     if "no model explains" in sentence:
         floor, remainder = numbers(sentence)[:2]
@@ -119,7 +119,7 @@ def test_a_gap_is_wholly_closed_only_at_the_noise(block):
     wholly = "100.0 % of the gap closed" in sentence or "at the level of the noise" in sentence
     assert not wholly or block.gap.is_noise_before or block.gap.remainder is Remainder.AT_NOISE
     if block.gap.remainder is Remainder.NOT_KNOWN:
-        assert "of the error is noise" in plain_text(_floor(block))
+        assert "of the error is noise" in plain_text(describe_remainder(block))
 
 
 @pytest.mark.parametrize(("times", "missing"), [(1.0, False), (1.5, False), (3.0, True), (10.0, True)])

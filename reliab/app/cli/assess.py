@@ -25,8 +25,7 @@ if TYPE_CHECKING:
 _COMMON_OPTIONS = ("tests", "out", "check")
 
 
-class _OneTest(outputs.Tests, outputs.Check, outputs.Cover, total=False):
-    details: Annotated[bool, OUTPUT.flag("Print all results, not only the most important ones.")]
+class _OneTest(outputs.Tests, outputs.Check, outputs.Cover, outputs.Details, total=False):
     report: Annotated[
         Path | None,
         OUTPUT.option(
@@ -68,13 +67,18 @@ def assess(request: Request) -> None:
         raise typer.Exit(1)
 
 
-@takes(questions.DesignQuestion, outputs.Chart)
+@takes(questions.DesignQuestion, outputs.Chart, outputs.Details)
 def design(request: Request) -> None:
     """Print how much amplitude error and delay are tolerable, before a test."""
     from reliab.app.api.assessment_files import draw_chart
     from reliab.app.api.design import design_test
 
-    result = request.answer(design_test, show_design, "figure")
+    result = request.answer(
+        design_test,
+        lambda design: show_design(design, details=request.details, chosen=request.confidence is not None),
+        "figure",
+        "details",
+    )
     if request.figure is not None:
         draw_chart(result, request.figure)
 
@@ -164,30 +168,39 @@ _NINETY_FIVE = 0.95
 _BAR = 40
 
 
-def show_design(design: "Design") -> None:
-    """Print tolerable errors, and those over the frequency as bars."""
+def show_design(design: "Design", *, details: bool, chosen: bool = False) -> None:
+    """Print tolerable errors at 95 % or the `chosen` confidences; with `details` all of them, and a chart."""
     from reliab.app.api.design import Design
+    from reliab.app.cli.criterion import limits_in_words
 
-    rows, first = design.tolerances, design.tolerances[0]
+    rows = design.tolerances if details or chosen else _at_ninety_five(design.tolerances)
+    first = rows[0]
+    say(limits_in_words(first.to_dict()), style="bold")
     share = "" if first.experimental_fraction == 1.0 else f" and α = {first.experimental_fraction:g}"
+    title = f"Tolerable errors at ξ = {first.damping_ratio:g}{share}, error {percent(first.threshold)}"
+    show_rows(title if details else "", Design.table_columns, (row.to_dict() for row in rows))
     say_population(((row.promise, row.population) for row in rows), first.position)
-    title = (
-        f"Tolerable errors at ξ = {first.damping_ratio:g}{share} for an error of {percent(first.threshold)}"
-    )
-    show_rows(title, Design.table_columns, (row.to_dict() for row in rows))
     if any(tolerance.outside_validity for tolerance in rows):
         say("Note: the criterion does not cover *; these limits are scaled from the nearest structure.")
-    _show_chart(design.chart)
+    if details:
+        _show_chart(design.chart)
+    else:
+        say("Other confidences and frequencies: run with --details.")
     structure = f"--f {first.frequency:g} --xi {first.damping_ratio:g}"
     say(f"Next step: judge a test with `reliab assess TEST {structure}`, of a frame with --structure FRAME.")
+
+
+def _at_ninety_five(tolerances: "Sequence[Tolerance]") -> "list[Tolerance]":
+    """Select the confidence nearest to 95 %."""
+    confidence = min((one.confidence for one in tolerances), key=lambda value: abs(value - _NINETY_FIVE))
+    return [one for one in tolerances if one.confidence == confidence]
 
 
 def _show_chart(chart: "Sequence[Tolerance]") -> None:
     """Bars of the tolerable delay over the frequency at one confidence, the longest being the widest."""
     from reliab.app.api.design import Design
 
-    confidence = min((point.confidence for point in chart), key=lambda value: abs(value - _NINETY_FIVE))
-    points = [point for point in chart if point.confidence == confidence]
+    points = _at_ninety_five(chart)
     promise, longest = points[0].promise, max(MILLI * point.delay for point in points)
     share = "no share promised" if promise is None else f"at {percent(promise, decimals=0)}"
     columns = {name: Design.table_columns[name] for name in ("f [Hz]", "|A − 1| alone", "d alone [ms]")} | {

@@ -5,11 +5,14 @@ from typing import TYPE_CHECKING
 from reliab.app import questions, subjects
 from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import say, show_table
-from reliab.core.significant_digits import significant
+from reliab.core.significant_digits import decimals_of_uncertainty, significant
+from reliab.core.vocabulary import MILLI
 
 if TYPE_CHECKING:
     from reliab.core.stated_value import StatedValue
     from reliab.recordings.calibration import ChannelCalibration
+
+_UNDETERMINED = 10.0  # times the value: a deviation from which nothing is known of it
 
 
 @takes(questions.CalibrationQuestion, subjects.CalibrationFile)
@@ -27,22 +30,24 @@ def _show(calibration: "ChannelCalibration") -> None:
         "hysteresis over the range of the motion [-]": calibration.hysteresis,
     }
     lengths = {
-        "noise of the measured channel, RMS [m]": calibration.noise_m,
-        "noise of the command's channel, RMS [m]": calibration.command_noise_m,
-        "step between readings [m]": calibration.resolution_m,
+        "noise of the measured channel, RMS [mm]": calibration.noise_m,
+        "noise of the command's channel, RMS [mm]": calibration.command_noise_m,
+        "step between readings [mm]": calibration.resolution_m,
     }
     show_table(
         "What the measured channel adds to the motion",
         {"": "left", "value": "right", "± 1 sd": "right"},
-        [
-            *((name, *_cells(quantity)) for name, quantity in quantities.items()),
-            *((name, significant(metres) if metres else "0", "") for name, metres in lengths.items()),
+        [(name, *_cells(quantity)) for name, quantity in quantities.items()]
+        + [
+            (name, significant(MILLI * length, 2) if length else "none", "")
+            for name, length in lengths.items()
         ],
     )
     say(*(f"Note: {note}" for note in calibration.notes))
 
 
 def _cells(quantity: "StatedValue | None") -> tuple[str, str]:
-    if quantity is None:
+    if quantity is None or quantity.deviation > _UNDETERMINED * abs(quantity.value):
         return "not determined", ""
-    return f"{quantity.value:.5g}", significant(quantity.deviation)
+    decimals = decimals_of_uncertainty(quantity.deviation)
+    return f"{quantity.value:.{decimals}f}", f"{quantity.deviation:.{decimals}f}"

@@ -14,11 +14,11 @@ from reliab.app.cli.output import (
     show_table,
 )
 from reliab.core.columns import PLACE_COLUMNS, Columns, digits
-from reliab.core.significant_digits import percent, significant
+from reliab.core.significant_digits import counted, percent, significant
 from reliab.core.vocabulary import ERROR_NAMES, PERCENT, Metric
 
 
-@takes(questions.CriterionQuestion, outputs.Listing)
+@takes(questions.CriterionQuestion, outputs.Listing, outputs.Details)
 def criterion(request: Request) -> None:
     """Derive how much amplitude error and delay a test may have.
 
@@ -31,11 +31,16 @@ def criterion(request: Request) -> None:
     from reliab.app.api.criteria import derive_criteria
 
     result = request.answer(
-        derive_criteria, lambda criteria: show_criteria(criteria.to_dict()), show=progress_bar
+        derive_criteria,
+        lambda criteria: show_criteria(criteria.to_dict(), details=request.details),
+        "details",
+        show=progress_bar,
     )
     result.require_converged(request.chains)
 
 
+_SHOWN_NOTES = 1
+_LIMITS = {"delay_limit_ms": "delay", "lead_limit_ms": "lead"}
 _DIAGNOSTICS: Columns = {
     "parameter": ("parameter", ""),
     "mean": ("mean", ".3f"),
@@ -73,27 +78,53 @@ _CURVES = {
 }
 
 
-def show_criteria(content: Mapping[str, Any]) -> None:
-    """Print criteria, the diagnostics of their posteriors, and what stands beside them."""
-    _show_limits(content["criteria"], content.get("posteriors", ()))
+def limits_in_words(row: Mapping[str, Any]) -> str:
+    """Say what is tolerable at one structure."""
+    share = "no stated share" if row["confidence"] is None else percent(row["confidence"])
+    subject = "motions, as printed," if "kept_by" in row else "comparable earthquakes"
+    limits = [
+        f"{percent(row['amplitude_limit'], 2)} amplitude error",
+        *(f"{row[key]:.2f} ms {name}" for key, name in _LIMITS.items() if row.get(key) is not None),
+    ]
+    error = ERROR_NAMES[Metric(row["metric"])] if "metric" in row else "error"
+    part = "" if row["alpha"] == 1.0 else f", α = {row['alpha']:g}"
+    return (
+        f"At {row['f']:g} Hz, ξ = {row['xi']:g}{part}, {share} of {subject} keep the "
+        f"{error} below {percent(row['threshold'])} with up to "
+        f"{', '.join(limits[:-1])} or {limits[-1]} alone."
+    )
+
+
+def show_criteria(content: Mapping[str, Any], *, details: bool) -> None:
+    """Print criteria, with `details` how they were derived, and what else was asked for."""
+    _show_limits(content["criteria"], content.get("posteriors", ()), details=details)
     for name, show in _BESIDE.items():
         if name in content:
             show(content[name])
 
 
-def _show_limits(rows: Sequence[Mapping[str, Any]], posteriors: Sequence[Mapping[str, Any]]) -> None:
+def _show_limits(
+    rows: Sequence[Mapping[str, Any]], posteriors: Sequence[Mapping[str, Any]], *, details: bool
+) -> None:
     from reliab.app.api.derived_criteria import Criteria
 
     first = rows[0]
+    say(limits_in_words(first), style="bold")
+    sample = f"{first['n_motions']} {first['motions']} of {first['n_events']} earthquakes"
+    show_rows(f"(A − 1)²/a + d²/b ≤ 1 from {sample}", Criteria.table_columns, rows)
     say_population(((row["confidence"], row["population"]) for row in rows), first["position"])
     for posterior in posteriors:
         _show_posterior(posterior)
-    sample = f"{first['n_motions']} {first['motions']} of {first['n_events']} earthquakes"
-    show_rows(f"(A − 1)²/a + d²/b ≤ 1 from {sample}", Criteria.table_columns, rows)
-    joint_phrase = "a and b together" if first["joint"] else "a and b separately"
-    say(f"Method: {first['method']}, {joint_phrase}. Law: {first['law']}.")
-    say(*_definitions(rows))
-    say(*dict.fromkeys(f"Note: {warning}" for row in rows for warning in row["warnings"]))
+    notes = tuple(dict.fromkeys(f"Note: {warning}" for row in rows for warning in row["warnings"]))
+    if details:
+        joint_phrase = "a and b together" if first["joint"] else "a and b separately"
+        say(f"Method: {first['method']}, {joint_phrase}. Law: {first['law']}.")
+        say(*_definitions(rows), *notes)
+    else:
+        say(*notes[:_SHOWN_NOTES])
+        hidden = f"{counted(len(notes) - _SHOWN_NOTES, 'note')}, method" if notes[_SHOWN_NOTES:] else "Method"
+        say(f"{hidden} and definitions: run with --details.")
+        say(f"Next step: judge a test with `reliab assess TEST --f {first['f']:g} --xi {first['xi']:g}`.")
 
 
 def _definitions(rows: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:

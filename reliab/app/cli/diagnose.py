@@ -5,14 +5,14 @@ from typing import TYPE_CHECKING, Annotated
 
 from reliab.app import completion, outputs
 from reliab.app.cli.commands import Request, takes
-from reliab.app.cli.output import console, progress_bar, write_json
+from reliab.app.cli.output import console, progress_bar, say, say_briefly, write_json
 from reliab.app.declaration import argument
 
 if TYPE_CHECKING:
     from reliab.discrepancy.result.diagnosis import Diagnosis
 
 
-class _Campaign(outputs.Folder, outputs.Cover, total=False):
+class _Campaign(outputs.Folder, outputs.Cover, outputs.Details, total=False):
     campaign: Annotated[
         Path,
         argument(
@@ -27,22 +27,34 @@ class _Campaign(outputs.Folder, outputs.Cover, total=False):
 def diagnose(request: Request) -> None:
     """Find where model and test disagree, name what is missing, verify it on held-out tests."""
     from reliab.app.api.diagnosis import diagnose_campaign, report_diagnosis
-    from reliab.report.kinds.discrepancy_report import findings_in_words
-    from reliab.report.terminal import print_blocks
 
     setting = request.setting()  # refused before the long search, not after it
 
-    def tell(diagnosis: "Diagnosis") -> None:
-        if request.json_target != "-":
-            console().print(f"{diagnosis.campaign.name}: {diagnosis.verdict}. {diagnosis.statement}")
-
     addition = request.ask(
         diagnose_campaign,
+        "details",
         *(outputs.Cover.__annotations__ if request.out is not None else ()),
         show=progress_bar,
-        tell=tell,
     )
     if not write_json(addition.to_dict(), request.json_target):
-        print_blocks(findings_in_words(addition.diagnosis), console())
+        _show(addition.diagnosis, details=request.details, written=request.out is not None)
     if request.out is not None:
         report_diagnosis(addition, request.campaign, request.out, setting=setting)
+
+
+def _show(diagnosis: "Diagnosis", *, details: bool, written: bool) -> None:
+    from reliab.report.kinds.discrepancy_outcome import outcome_in_words
+    from reliab.report.kinds.discrepancy_report import findings_in_words
+    from reliab.report.terminal import print_blocks
+
+    outcome = outcome_in_words(diagnosis)
+    headline = f"{diagnosis.campaign.name}: {outcome.verdict}"
+    action = outcome.action if written else f"{outcome.action} --out FOLDER writes it, with a report."
+    if details:
+        say(headline, style="bold")
+        print_blocks(findings_in_words(diagnosis), console())
+        say(action)
+        return
+    findings = [*outcome.findings, *map("Note: {}".format, diagnosis.remarks)]
+    where = "Where and how it was found: run with --details."
+    say_briefly(headline, findings, [action], hidden=lambda _shown: where)

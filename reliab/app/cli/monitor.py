@@ -81,7 +81,10 @@ def _follow(request: Request) -> None:
     )
     quiet = request.json_target == "-"
     screen = Screen(
-        metric=request.metric or Metric.RMS, threshold=parse_threshold(request.threshold), quiet=quiet
+        metric=request.metric or Metric.RMS,
+        threshold=parse_threshold(request.threshold),
+        quiet=quiet,
+        end="" if request.source == "-" else f"No new rows for {request.wait:g} s: test considered finished.",
     )
     verdict = ""
     with _open_log(request.json_target) as lines, screen:
@@ -91,8 +94,6 @@ def _follow(request: Request) -> None:
                 lines.flush()
             screen.show(message)
             verdict = message.to_dict().get("verdict", verdict)
-    if request.source != "-" and not quiet:
-        say(f"No new rows for {request.wait:g} s: test considered finished.")
     if verdict == "not_reliable" or (request.check and verdict != "reliable"):
         raise typer.Exit(_NO)
 
@@ -110,12 +111,13 @@ _NO_MOTION = "No displacement stands out of the noise of its sensors."
 
 
 class Screen:
-    """Shows messages of a running test; `threshold` [-]."""
+    """Shows messages of a running test; `threshold` [-], `end`: why it ended."""
 
-    def __init__(self, *, metric: str, threshold: float, quiet: bool) -> None:
+    def __init__(self, *, metric: str, threshold: float, quiet: bool, end: str = "") -> None:
         from rich.live import Live
 
         self._metric, self._threshold, self._quiet = Metric.parse(metric), threshold, quiet
+        self._end = end
         self._terminal = console()
         is_live = not quiet and self._terminal.is_terminal
         self._live = Live(console=self._terminal, refresh_per_second=8) if is_live else None
@@ -157,6 +159,8 @@ class Screen:
         content = message.to_dict()
         if "error" in content:
             self._print(_line(content, self._metric, self._threshold))
+        if self._end:
+            self._print(self._end)
         if message.assessment is not None:
             show_briefly(message.assessment.to_dict(), omits_details=False)
             self._print("Warnings and all results: `reliab assess` with the same options and --details.")

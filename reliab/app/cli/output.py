@@ -41,6 +41,37 @@ def say(*sentences: str, style: str | None = None, soft_wrap: bool = False) -> N
         terminal.print(_WRITE_AS_OPTIONS.get()(sentence), style=style, highlight=False, soft_wrap=soft_wrap)
 
 
+LINES: Final = 10
+"""Of an answer that is not asked for with all details."""
+
+
+def say_briefly(
+    headline: str,
+    findings: Sequence[str],
+    actions: Sequence[str],
+    *,
+    hidden: Callable[[int], str],
+    style: str = "bold",
+) -> None:
+    """Print an outcome, the findings that fit into ten lines, and what to do last.
+
+    `hidden`: says by the number of findings that are shown where the others are.
+    """
+    shown = list(findings)
+    while shown and sum(map(_height, [headline, *shown, hidden(len(shown)), *actions])) > LINES:
+        shown.pop()
+    say(headline, style=style)
+    say(*shown, hidden(len(shown)), *actions)
+
+
+def _height(sentence: str) -> int:
+    """Lines of the terminal that a sentence takes."""
+    from rich.text import Text
+
+    terminal = console()
+    return len(Text(sentence).wrap(terminal, terminal.width))
+
+
 _WRITE_AS_OPTIONS: ContextVar[Callable[[str], str]] = ContextVar("write_as_options", default=str)
 
 

@@ -81,12 +81,12 @@ def export(request: Request) -> None:
 
 
 @app.command("predict", cls=Command)
-@takes(questions.PredictionQuestion, subjects.RigArgument)
+@takes(questions.PredictionQuestion, subjects.RigArgument, outputs.Details)
 def predict(request: Request) -> None:
     """Predict the next test: A, d and error with their intervals, and the probability that it is good."""
     from reliab.app.api.rig_answers import predict_rig
 
-    request.answer(predict_rig, show_prediction)
+    request.answer(predict_rig, lambda result: show_prediction(result, details=request.details), "details")
 
 
 @app.command("report", cls=Command)
@@ -108,6 +108,11 @@ def report(request: Request) -> None:
 
 
 _LAST = 40
+_NEXT = {
+    "amplitude": "correct the gain of the actuator",
+    "delay": "compensate the delay better",
+    "remainder": "look for friction, play or saturation, for instance by `reliab diagnose`",
+}
 
 
 def show_added(content: Mapping[str, Any]) -> None:
@@ -150,8 +155,8 @@ def _show_rows(title: str, rows: list[dict[str, Any]]) -> None:
     show_rows(title, RigList.table_columns, rows)
 
 
-def show_prediction(result: "RigPrediction") -> None:
-    """Print what is predicted of the next test."""
+def show_prediction(result: "RigPrediction", *, details: bool) -> None:
+    """Print what is predicted of the next test; with `details` also whether it can be relied on."""
     from reliab.report.kinds.rig_report import diagnostics_blocks, next_test_blocks
     from reliab.report.terminal import print_blocks
 
@@ -161,7 +166,14 @@ def show_prediction(result: "RigPrediction") -> None:
         f"earthquakes: probability {prediction.probability:.2f} that its error stays below "
         f"{percent(prediction.threshold)}."
     )
-    print_blocks((*next_test_blocks(prediction), *diagnostics_blocks(prediction)), console())
+    table, *comments = next_test_blocks(prediction)
+    if details:
+        print_blocks((table, *comments, *diagnostics_blocks(prediction)), console())
+    else:
+        print_blocks((table,), console())
+        _say("Where the prediction comes from: run with --details.")
+    first, share = max(prediction.drivers.items(), key=lambda item: item[1])
+    _say(f"Next step: {_NEXT[first]}; {percent(share, 2)} of the error's square comes from the {first}.")
 
 
 def _say(text: str) -> None:

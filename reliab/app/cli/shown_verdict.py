@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from reliab.app.cli.output import console, say, show_rows, show_table
+from reliab.app.cli.output import console, say, say_briefly, show_rows, show_table
 from reliab.core.significant_digits import counted, percent, percent_with_interval, significant
 from reliab.core.vocabulary import ERROR_NAMES, Metric
 
@@ -83,39 +83,26 @@ def _explain_verdict(content: dict[str, Any]) -> list[str]:
 
 
 _STYLES = {"reliable": "bold green", "undecided": "bold yellow", "not_reliable": "bold red"}
-_LINES = 10
 
 
 def show_briefly(content: dict[str, Any], *, omits_details: bool) -> None:
     """Print verdict, error, doubts and remedies; where no details follow, what fits, the remedies last."""
     from reliab.assessment import brief
 
-    headline = brief.headline(content)
-    say(headline, style=_STYLES[content["verdict"]])
+    headline, style = brief.headline(content), _STYLES[content["verdict"]]
     findings, actions = list(brief.findings(content)), list(brief.actions(content))
-    if omits_details:
-        further_warnings = [warning for warning in content["warnings"] if warning not in content["reasons"]]
-        extra_sentences = [
-            *map("Warning: {}".format, further_warnings),
-            *_channels(content["recording"]["channels"]),
-        ]
-        room = _LINES - 1 - sum(map(_lines, [headline, *actions]))
-        for sentences in (extra_sentences, findings):
-            while sentences and sum(map(_lines, [*findings, *extra_sentences])) > room:
-                sentences.pop()
-        findings += [
-            *extra_sentences,
-            _hidden(max(len(further_warnings) - len(extra_sentences), 0), len(content["notes"])),
-        ]
-    say(*findings, *actions)
+    if not omits_details:
+        say(headline, style=style)
+        say(*findings, *actions)
+        return
+    warnings = [warning for warning in content["warnings"] if warning not in content["reasons"]]
+    further = [*map("Warning: {}".format, warnings), *_channels(content["recording"]["channels"])]
 
+    def hidden(shown: int) -> str:
+        shown_warnings = max(shown - len(findings), 0)
+        return _hidden(max(len(warnings) - shown_warnings, 0), len(content["notes"]))
 
-def _lines(sentence: str) -> int:
-    """Lines of the terminal that a sentence takes."""
-    from rich.text import Text
-
-    terminal = console()
-    return len(Text(sentence).wrap(terminal, terminal.width))
+    say_briefly(headline, [*findings, *further], actions, hidden=hidden, style=style)
 
 
 def _channels(channels: list[dict[str, Any]]) -> Iterator[str]:

@@ -6,6 +6,8 @@ from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import Metric
 from reliab.report.document import Document, Figure, Points, text_table
 
+_SURE = 0.95  # probability from which an order is taken for settled
+
 
 def comparison_report(comparison: Comparison, *, has_figure: bool = True) -> Document:
     """Report the ranking, drawn or as a table alone, and below it what limits it."""
@@ -20,7 +22,7 @@ def comparison_report(comparison: Comparison, *, has_figure: bool = True) -> Doc
     return Document(
         kind="Comparison of tests",
         title=f"{len(comparison.tests)} tests",
-        verdict=f"The error of {comparison.tests[0].file} is probably the smallest.",
+        verdict=_describe_order(comparison),
         blocks=(
             text_table(rows, headings, caption=caption),
             *([_figure(comparison)] if has_figure else []),
@@ -28,6 +30,24 @@ def comparison_report(comparison: Comparison, *, has_figure: bool = True) -> Doc
         ),
         sheet=True,
     )
+
+
+def _describe_order(comparison: Comparison) -> str:
+    """Say which test is the best, and how certain that is."""
+    first, second = comparison.tests[:2]
+    best = f"{first.file} probably has the smallest error, {percent(first.error.value, 2)}"
+    probability = second.probability_larger
+    if probability is None:
+        return f"{best}."
+    return f"{best}; it is smaller than that of {second.file} with probability {probability:.2f}."
+
+
+def next_step(comparison: Comparison) -> str:
+    """Advise what to do with the ranking."""
+    probability = comparison.tests[1].probability_larger
+    if probability is not None and probability < _SURE:
+        return "state skew and scale of the channels, or repeat the tests, to tell the first two apart."
+    return f"use what {comparison.tests[0].file} was run with, and judge it with `reliab assess`."
 
 
 def _figure(comparison: Comparison) -> Figure:

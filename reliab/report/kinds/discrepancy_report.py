@@ -13,28 +13,23 @@ from reliab.discrepancy.adding.posterior import Posterior
 from reliab.discrepancy.campaign.campaign import describe_held_out
 from reliab.discrepancy.fitting.problem import MOST_OF_A_TEST
 from reliab.discrepancy.naming.unexplained import LARGEST_REMAINDER
-from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis, Verdict
+from reliab.discrepancy.result.block_diagnosis import Verdict
 from reliab.discrepancy.result.diagnosis import Diagnosis
-from reliab.discrepancy.result.gap import Gap, Remainder
 from reliab.discrepancy.result.missing_effect import MissingEffect, Unknown
 from reliab.report.document import Block, Column, Document, Paragraph, Points, Section, Table
-from reliab.report.numbers import Fixed, Significant, write_in_line
+from reliab.report.kinds.discrepancy_outcome import (
+    SIZE,
+    advise_next_step,
+    describe_remainder,
+    verdict_in_words,
+    write_share_of_signal,
+)
+from reliab.report.numbers import Fixed
 from reliab.report.prose import Math, Prose, prose
 from reliab.report.sources import provenance_of
 from reliab.report.wording import number, probability, spell_out
 
-_SIZE, _SHARE = Significant(digits=3, factor=PERCENT), Fixed(decimals=1, factor=PERCENT)
-"""How sizes of errors, and shares, stand in tables and sentences."""
-
-_NEXT = {
-    Verdict.NO_MISSING_EFFECT: "keep the calibrated values, which are in model.toml, for the next tests",
-    Verdict.NAMED: "use model.toml, which holds the effects and the calibrated values, for the next "
-    "tests, and compare its prediction with the first of them",
-    Verdict.UNKNOWN_EFFECT: "look at the residual of the block below; a term of your own can be given to the "
-    "diagnosis",
-    Verdict.NOT_IDENTIFIABLE: "measure tests of other amplitudes and frequencies, or more channels, and "
-    "diagnose again",
-}
+_SHARE = Fixed(decimals=1, factor=PERCENT)
 
 _WHERE: Final = "Where the model fails"
 _PROOF: Final = "The proof on held-out tests"
@@ -60,81 +55,12 @@ def discrepancy_report(
     return Document(
         kind="Diagnosis of a measured campaign",
         title=diagnosis.campaign.name,
-        verdict=_verdict(diagnosis),
+        verdict=verdict_in_words(diagnosis),
         tone="good" if diagnosis.verdict is Verdict.NO_MISSING_EFFECT and diagnosis.is_explained else "plain",
-        facts={**_facts(diagnosis), "To do next": _next(diagnosis)},
+        facts={**_facts(diagnosis), "To do next": advise_next_step(diagnosis)},
         blocks=(*sections, _method(remarks)),
         provenance=provenance_of(provenance),
     )
-
-
-def _next(diagnosis: Diagnosis) -> str:
-    """Advise what to do, which is no use of a model whose parameters are not known."""
-    if diagnosis.verdict is Verdict.NAMED and any(b.converged is False for b in diagnosis.blocks):
-        return (
-            "measure a further test before model.toml is used: the posterior of its parameters has not "
-            "converged, so that they are not known as well as they may seem"
-        )
-    return _NEXT[diagnosis.verdict]
-
-
-def _verdict(diagnosis: Diagnosis) -> Prose:
-    names = ", ".join(spell_out(effect.name) for effect in diagnosis.effects)
-    match diagnosis.verdict:
-        case Verdict.NO_MISSING_EFFECT:
-            return prose("{statement}", statement=diagnosis.statement)
-        case Verdict.NAMED:
-            return prose(
-                "The model lacks *{names}*. {closed}", names=names, closed=_describe_closed_gap(diagnosis)
-            )
-        case Verdict.UNKNOWN_EFFECT:
-            unknown = diagnosis.unknown
-            first = "The model lacks *{names}*, and the" if names else "The"
-            return prose(
-                first + " *{where}* has an effect that is none of the known ones: {description}.",
-                names=names,
-                where="" if unknown is None else unknown.block,
-                description="" if unknown is None else unknown.description,
-            )
-        case Verdict.NOT_IDENTIFIABLE:
-            doubtful = " or ".join(spell_out(effect.name) for effect in diagnosis.doubtful)
-            return prose(
-                "The model lacks an effect, but these tests do not show which one: *{names}*.",
-                names=doubtful,
-            )
-
-
-def _describe_closed_gap(diagnosis: Diagnosis) -> str:
-    """Say how much is explained, in the block of those with an effect of which least is."""
-    gaps = [block.gap for block in diagnosis.blocks if block.effects] or [diagnosis.gap]
-    gap = max(gaps, key=lambda one: one.worst_unexplained_share or 0.0)
-    with_effects = "With it" if len(diagnosis.effects) == 1 else "With them"
-    of_all = (
-        f"{with_effects} the error in {gap.channel} on held-out tests falls from "
-        f"{_write_share_of_signal(gap.before)} to {_write_share_of_signal(gap.after)} of the "
-        f"signal{_describe_other_gaps(gap)}: {gap.conclusion}."
-    )
-    worst = next(iter(gap.by_kind), None)
-    if worst is None or len(gap.by_kind) == 1 or not worst.unexplained_share:
-        return of_all
-    share = percent(worst.unexplained_share, decimals=1)
-    return f"{of_all} Least is explained of {worst.kind}: {share} of the gap's energy remains."
-
-
-def _describe_other_gaps(gap: Gap) -> str:
-    """Say what the best linear model and the best rival leave."""
-    others = []
-    if gap.linear is not None and gap.linear != gap.before:
-        others.append(f"the best linear model leaves {_write_share_of_signal(gap.linear)}")
-    if gap.rival is not None:
-        rival = " + ".join(map(spell_out, gap.rival_effects)) or "the model without effects"
-        others.append(f"the best rival ({rival}) {_write_share_of_signal(gap.rival)}")
-    return f" ({', '.join(others)})" if others else ""
-
-
-def _write_share_of_signal(size: float) -> str:
-    """Write an error [-] in per cent of the signal, as the tables do."""
-    return f"{write_in_line(_SIZE(size))} %"
 
 
 def _facts(diagnosis: Diagnosis) -> dict[str, Prose]:
@@ -315,7 +241,7 @@ def _sentence(effect: MissingEffect) -> Prose:
     name, description = spell_out(effect.name), effect.effect.description
     listed = "; ".join(
         f"{spell_out(rival.name)} (probability {probability(rival.probability)}, error "
-        f"{_write_share_of_signal(rival.held_out_nrmse)})"
+        f"{write_share_of_signal(rival.held_out_nrmse)})"
         for rival in effect.rivals
     )
     alternatives = f"Alternatives, with their errors on held-out tests: {listed}."
@@ -326,8 +252,8 @@ def _sentence(effect: MissingEffect) -> Prose:
         name=name,
         position=f" ({effect.effect.position})" if effect.effect.position else "",
         description=description,
-        after=_write_share_of_signal(effect.error_with),
-        before=_write_share_of_signal(effect.error_without),
+        after=write_share_of_signal(effect.error_with),
+        before=write_share_of_signal(effect.error_without),
         others=others,
     )
 
@@ -345,7 +271,7 @@ def _unknown(unknown: Unknown) -> Prose:
         block=unknown.block,
         description=unknown.description,
         expression=unknown.formula or unknown.expression,
-        error=_write_share_of_signal(unknown.held_out_nrmse),
+        error=write_share_of_signal(unknown.held_out_nrmse),
     )
 
 
@@ -395,14 +321,14 @@ def _proof(diagnosis: Diagnosis) -> tuple[Block, ...]:
     columns = (
         Column(key="block", heading="Block"),
         Column(key="channel", heading="Channel"),
-        Column(key="nrmse_before", heading="Before", unit="%", number=_SIZE),
-        Column(key="nrmse_after", heading="After", unit="%", number=_SIZE),
-        Column(key="noise_floor", heading="Noise", unit="%", number=_SIZE),
+        Column(key="nrmse_before", heading="Before", unit="%", number=SIZE),
+        Column(key="nrmse_after", heading="After", unit="%", number=SIZE),
+        Column(key="noise_floor", heading="Noise", unit="%", number=SIZE),
         Column(key="closed", heading="Gap closed", unit="%", number=_SHARE),
     )
     caption = "Difference between model and measurement on held-out tests, RMS over that of the signal."
     table = Table(frame=pd.DataFrame(rows), columns=columns, caption=caption)
-    floors = (Paragraph(text=_floor(block_diagnosis)) for block_diagnosis in diagnosis.blocks)
+    floors = (Paragraph(text=describe_remainder(block_diagnosis)) for block_diagnosis in diagnosis.blocks)
     return *floors, table, _errors_by_test(diagnosis), *_candidates(diagnosis)
 
 
@@ -424,48 +350,14 @@ def _candidates(diagnosis: Diagnosis) -> tuple[Table, ...]:
         Column(key="block", heading="Block"),
         Column(key="model", heading="Model"),
         Column(key="believed", heading="Believed"),
-        Column(key="left_out", heading="Left-out parts", unit="%", number=_SIZE),
-        Column(key="held_out", heading="Held out", unit="%", number=_SIZE),
+        Column(key="left_out", heading="Left-out parts", unit="%", number=SIZE),
+        Column(key="held_out", heading="Held out", unit="%", number=SIZE),
     )
     caption = (
         "Models that were tried, with their errors on parts of the fitted tests that were left out one at a "
         "time, and on held-out tests, RMS over that of the signal."
     )
     return (Table(frame=pd.DataFrame(rows), columns=columns, caption=caption),) if rows else ()
-
-
-def _floor(block_diagnosis: BlockDiagnosis) -> Prose:
-    """Sentence on what no model could explain, and what is the model's own error."""
-    gap = block_diagnosis.gap
-    match gap.remainder:
-        case Remainder.AT_NOISE:
-            text = "{where}: {after} of the signal remains, and {floor} is noise ({source}); {conclusion}."
-        case Remainder.ABOVE_NOISE:
-            text = (
-                "{where}: {floor} of the signal is noise that no model explains ({source}). What remains "
-                "above it, {left} of the signal, is an error of the model."
-            )
-        case Remainder.NOT_KNOWN if gap.floors:
-            text = (
-                "{where}: how much of the error is noise is not known; the {others} seemed to show more "
-                "noise than the model leaves. {after} of the signal remains; {conclusion}."
-            )
-        case Remainder.NOT_KNOWN:
-            text = (
-                "{where}: the recordings do not show how much of the error is noise (no repeated tests or "
-                "cycles, no rest, no white band above the motion). {after} of the signal remains; "
-                "{conclusion}."
-            )
-    return prose(
-        text,
-        where=f"{str(block_diagnosis.block.block).capitalize()}, {gap.channel}",
-        after=_write_share_of_signal(gap.after),
-        floor="" if gap.floor is None else _write_share_of_signal(gap.floor),
-        source=gap.source or "",
-        left=_write_share_of_signal(gap.model_error),
-        others=", ".join(gap.floors),
-        conclusion=gap.conclusion,
-    )
 
 
 def _errors_by_test(diagnosis: Diagnosis) -> Table:
@@ -487,8 +379,8 @@ def _errors_by_test(diagnosis: Diagnosis) -> Table:
         Column(key="channel", heading="Channel"),
         Column(key="test", heading="Held-out test"),
         Column(key="kind", heading="Motion"),
-        Column(key="before", heading="Before", unit="%", number=_SIZE),
-        Column(key="after", heading="After", unit="%", number=_SIZE),
+        Column(key="before", heading="Before", unit="%", number=SIZE),
+        Column(key="after", heading="After", unit="%", number=SIZE),
         Column(key="left", heading="Unexplained", unit="%", number=_SHARE),
     )
     caption = (

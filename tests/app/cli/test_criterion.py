@@ -64,7 +64,7 @@ def test_the_table_shows_the_limits_and_the_number_of_earthquakes():
 
 
 def test_the_table_defines_error_window_and_limits():
-    output = run("--ellipses", "real_suite", "--f", 1, "--xi", 0.02).stdout
+    output = run("--ellipses", "real_suite", "--f", 1, "--xi", 0.02, "--details").stdout
     for words in (
         "RMS^R: RMS of measured minus exact displacement over peak exact displacement",
         "Window: record",

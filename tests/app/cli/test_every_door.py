@@ -63,7 +63,7 @@ SERVICES: dict[str, Any] = {
     "rig report": [report_rig],
 }
 REPORT_OPTIONS = {"title", "date", "paper", "laboratory", "logo"}
-CHOOSE_A_SERVICE = {"list_all", "calibration", "rebuilt_error", "check", "figure"}
+CHOOSE_A_SERVICE = {"list_all", "calibration", "rebuilt_error", "check", "figure", "details"}
 PLURAL_NAMES = {"sources": "source", "attribute": "attributes"}
 PYTHON_ARGUMENTS = {"show", "tell", "say", "addition"}
 

@@ -178,7 +178,7 @@ def test_no_character_of_ours_becomes_a_question_mark():
 
 
 def test_bars_and_tolerances_are_written_out(run_with):
-    code, design, _ = run_with("ascii", ["design", *STRUCTURE])
+    code, design, _ = run_with("ascii", ["design", *STRUCTURE, "--details"])
     assert code == 0
     assert "########" in design.decode("ascii")
     assert "?" not in design.decode("ascii")
@@ -193,7 +193,7 @@ def test_bars_are_drawn_and_tolerances_read_in_the_c_locale():
     environment = {name: text for name, text in os.environ.items() if name != "PYTHONIOENCODING"}
 
     def asked(frequency):
-        program = [sys.executable, "-m", "reliab", "design", "--f", frequency, "--xi", "0.02"]
+        program = [sys.executable, "-m", "reliab", "design", "--f", frequency, "--xi", "0.02", "--details"]
         return subprocess.run(  # noqa: S603 - this very package
             program, capture_output=True, env={**environment, **locale}, check=False
         )
