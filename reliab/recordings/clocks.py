@@ -32,7 +32,6 @@ from reliab.recordings.recording import (
 )
 from reliab.recordings.units import TIMES, Unit, unit_of, units_text
 from reliab.recordings.words import Quantity
-from reliab.signals.cubic_path import CubicPath
 
 _FAULTY_SHARE: Final = (
     0.01  # share of unusual steps up to which they are faults, and not the rounding of the times
@@ -323,6 +322,8 @@ def _interpolate(
             begin = place - round(shift)
             histories[key] = values[key][begin : begin + count]
         else:
+            from reliab.signals.cubic_path import CubicPath
+
             nodes, samples = clock.sample_times(values[key].size), values[key]
             clipped_instants = np.clip(instants, nodes[0], nodes[-1])
             if hold is not None:

@@ -8,6 +8,7 @@ import scipy
 from numpy.typing import NDArray
 
 from reliab.core.arrays import Array
+from reliab.core.compiled import compiled
 
 _FEWEST = 4
 
@@ -33,7 +34,7 @@ class CubicPath:
             return cls(times=times, coefficients=scipy.interpolate.CubicSpline(times, values).c)
         steps = np.diff(times)
         rises = np.diff(values) / steps
-        slopes = _slopes(times, steps, rises)
+        slopes = _slopes(steps, rises)
         bend = (slopes[:-1] + slopes[1:] - 2.0 * rises) / steps
         square = (rises - slopes[:-1]) / steps - bend
         return cls(times=times, coefficients=np.stack([bend / steps, square, slopes[:-1], values[:-1]]))
@@ -79,19 +80,29 @@ class CubicPath:
         return np.stack([polynomials[derivative]() for derivative in derivatives])
 
 
-def _slopes(times: _Numbers, steps: _Numbers, rises: _Numbers) -> Array:
-    """Slopes at the samples, at which the second derivative is continuous."""
-    diagonal, upper, lower = (np.empty(size) for size in (times.size, times.size - 1, times.size - 1))
-    right = np.empty(times.size)
-    diagonal[1:-1] = 2.0 * (steps[:-1] + steps[1:])
-    upper[1:], lower[:-1] = steps[:-1], steps[1:]
-    right[1:-1] = 3.0 * (steps[1:] * rises[:-1] + steps[:-1] * rises[1:])
-    begin, end = times[2] - times[0], times[-1] - times[-3]
+@compiled
+def _slopes(steps: _Numbers, rises: _Numbers) -> Array:
+    """Slopes at the samples, at which the second derivative is continuous.
+
+    Each row of the equations is eliminated from the next one, and slopes follow backwards: no pivot is
+    needed, because no multiplier exceeds one but in the last row.
+    """
+    last = steps.size
+    diagonal, upper, slopes = np.empty(last + 1), np.empty(last), np.empty(last + 1)
+    begin, end = steps[0] + steps[1], steps[last - 2] + steps[last - 1]
     diagonal[0], upper[0] = steps[1], begin
-    right[0] = ((steps[0] + 2.0 * begin) * steps[1] * rises[0] + steps[0] ** 2 * rises[1]) / begin
-    diagonal[-1], lower[-1] = steps[-2], end
-    right[-1] = (steps[-1] ** 2 * rises[-2] + (2.0 * end + steps[-1]) * steps[-2] * rises[-1]) / end
-    *_, slopes, lapack_status = scipy.linalg.lapack.dgtsv(lower, diagonal, upper, right)
-    if lapack_status:
-        raise ArithmeticError("No cubic path through these samples.")
-    return np.asarray(slopes)
+    slopes[0] = ((steps[0] + 2.0 * begin) * steps[1] * rises[0] + steps[0] ** 2 * rises[1]) / begin
+    for k in range(1, last):
+        factor = steps[k] / diagonal[k - 1]
+        diagonal[k] = 2.0 * (steps[k - 1] + steps[k]) - factor * upper[k - 1]
+        upper[k] = steps[k - 1]
+        right = 3.0 * (steps[k] * rises[k - 1] + steps[k - 1] * rises[k])
+        slopes[k] = right - factor * slopes[k - 1]
+    factor = end / diagonal[last - 1]
+    right = steps[last - 1] ** 2 * rises[last - 2]
+    right += (2.0 * end + steps[last - 1]) * steps[last - 2] * rises[last - 1]
+    slopes[last] = right / end - factor * slopes[last - 1]
+    slopes[last] /= steps[last - 2] - factor * upper[last - 1]
+    for k in range(last - 1, -1, -1):
+        slopes[k] = (slopes[k] - upper[k] * slopes[k + 1]) / diagonal[k]
+    return slopes
