@@ -69,15 +69,32 @@ class CubicPath:
 
     def read(self, instants: _Numbers, derivatives: tuple[int, ...]) -> Array:
         """Read several derivatives of the path at instants, shape (derivatives, instants)."""
-        place = np.clip(np.searchsorted(self.times, instants, side="right") - 1, 0, self.times.size - 2)
-        since = instants - self.times[place]
-        cubic, square, slope, value = (row[place] for row in self.coefficients)
-        polynomials = {
-            0: lambda: value + slope * since + square * (since * since) + cubic * (since * since * since),
-            1: lambda: slope + square * since * 2.0 + cubic * (since * since) * 3.0,
-            2: lambda: square * 2.0 + cubic * since * 6.0,
-        }
-        return np.stack([polynomials[derivative]() for derivative in derivatives])
+        return _read(self.times, self.coefficients, instants, np.array(derivatives))
+
+
+@compiled
+def _read(times: _Numbers, coefficients: Array, instants: _Numbers, derivatives: NDArray[np.int64]) -> Array:
+    """Read derivatives of a path, which may be zero to two, shape (derivatives, instants)."""
+    values = np.empty((derivatives.size, instants.size))
+    last = times.size - 2
+    place = 0
+    for k in range(instants.size):
+        instant = instants[k]
+        if place < last and instant >= times[place + 1]:  # instants in their order are near the one before
+            place += 1
+        if instant < times[place] or (place < last and instant >= times[place + 1]):
+            place = min(max(np.searchsorted(times, instant, side="right") - 1, 0), last)
+        cubic, square, slope = coefficients[0, place], coefficients[1, place], coefficients[2, place]
+        since = instant - times[place]
+        for row in range(derivatives.size):
+            if derivatives[row] == 0:
+                value = coefficients[3, place] + since * (slope + since * (square + since * cubic))
+            elif derivatives[row] == 1:
+                value = slope + since * (2.0 * square + 3.0 * since * cubic)
+            else:
+                value = 2.0 * square + 6.0 * since * cubic
+            values[row, k] = value
+    return values
 
 
 @compiled

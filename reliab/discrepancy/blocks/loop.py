@@ -31,7 +31,7 @@ from reliab.effects.general.general_terms import general_terms
 from reliab.effects.registry import library
 from reliab.effects.sensor_bias import SensorBias
 from reliab.effects.viscous_damping import ViscousDamping
-from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
+from reliab.simulation.hybrid_test.closed_loop import move_piston
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.open_loop import Motion3, read_displacement
 
@@ -154,7 +154,7 @@ class LoopBlock(ObservedBlock):
 
     def _move(self, model: HybridTest, test: int) -> Motion3:
         step = self.every / self.rate / self.parts
-        return run_closed_loop(model, self._grounds[test], step).piston.thin(self.parts)
+        return move_piston(model, self._grounds[test], step).thin(self.parts)
 
     def _scale(self) -> float:
         """Scale at which the excitation explains most of a test, of springs within the calibration."""

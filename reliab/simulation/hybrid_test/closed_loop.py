@@ -10,13 +10,13 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-import scipy
 
 from reliab.core.arrays import Array, read_only
 from reliab.core.compiled import compiled
 from reliab.effects.effect import RecordEffect, Role, Setting
 from reliab.effects.integration_error import IntegrationError
 from reliab.effects.kernel import Kernel, call_kernel, pointer_to
+from reliab.signals.cubic_path import CubicPath
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.open_loop import (
     STATES,
@@ -179,6 +179,52 @@ def run_closed_loop(
     >>> round(float(np.abs(histories.measured[-400:]).max() * test.specimen.stiffness), 2)  # nearly 1/(2ξ)
     9.98
     """
+    run = _run(test, ground, step, parts, integrator, compensator)
+    piston = Motion3(values=run.at_samples(run.piston), step=step)
+    return Histories(
+        command=Motion3(values=run.at_samples(run.command), step=step),
+        piston=piston,
+        measured=read_displacement(test, piston),
+        force=run.at_samples(run.force),
+    )
+
+
+def move_piston(test: HybridTest, ground: Array, step: float) -> Motion3:
+    """Motion of the piston in :func:`run_closed_loop`, at the samples."""
+    run = _run(test, ground, step, 1, None, None)
+    return Motion3(values=run.at_samples(run.piston), step=step)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Run:
+    """Histories at the steps of the loop."""
+
+    command: Array  # command, piston: Displacement [m], velocity and acceleration, shape (3, n)
+    piston: Array
+    force: Array  # As the load cell reads it [N], shape (n,)
+    parts: int  # Steps of the loop to a sample
+    # Instants of the steps, and of the samples, where a controller's steps are no part of them [s]
+    instants: tuple[Array, Array] | None = None
+
+    def at_samples(self, values: Array) -> Array:
+        """Read histories, shape (…, n), at the samples; the motion is smooth between the loop's steps."""
+        if self.instants is None:
+            return np.ascontiguousarray(values[..., :: self.parts])
+        steps, samples = self.instants
+        if not np.isfinite(self.force).all():
+            return np.full((*values.shape[:-1], samples.size), np.nan)
+        rows = [CubicPath.interpolate(steps, row)(samples) for row in np.atleast_2d(values)]
+        return np.reshape(rows, (*values.shape[:-1], samples.size))
+
+
+def _run(
+    test: HybridTest,
+    ground: Array,
+    step: float,
+    parts: int,
+    integrator: Integrator | None,
+    compensator: Compensator | None,
+) -> _Run:
     ground_input = ground
     for effect in test.acting(Role.RECORD):
         if isinstance(effect, RecordEffect):
@@ -189,8 +235,10 @@ def run_closed_loop(
     if parts > 1:
         fine = np.arange((ground.size - 1) * parts + 1) / parts
         ground_input = np.interp(fine, np.arange(ground.size), ground_input)
-    histories = _run(test, ground_input, step / parts, integrator or ExactIntegrator(), compensator)
-    return histories if parts == 1 else _decimate(test, histories, parts)
+    command, piston, force = _march(
+        test, ground_input, step / parts, integrator or ExactIntegrator(), compensator
+    )
+    return _Run(command=command, piston=piston, force=force, parts=parts)
 
 
 def _run_coarsely(
@@ -200,8 +248,8 @@ def _run_coarsely(
     step: float,
     longest: float,
     compensator: Compensator | None,
-) -> Histories:
-    """Run with a controller's own step, a multiple of the loop's, and return values at the samples."""
+) -> _Run:
+    """Run with a controller's own step, a multiple of the loop's."""
     if test.structure is None:
         raise AssertionError  # a closed loop has one
     coarse = max(effect.step_s, longest)
@@ -211,51 +259,18 @@ def _run_coarsely(
     h = coarse / steps
     samples = step * np.arange(ground.size, dtype=np.float64)
     instants = h * np.arange(int(np.ceil(samples[-1] / h)) + 1, dtype=np.float64)
-    histories = _run(test, np.interp(instants, samples, ground), h, integrator, compensator)
-    return _resample(test, histories, instants, samples, step)
+    command, piston, force = _march(test, np.interp(instants, samples, ground), h, integrator, compensator)
+    return _Run(command=command, piston=piston, force=force, parts=1, instants=(instants, samples))
 
 
-def _resample(
-    test: HybridTest, histories: Histories, instants: Array, samples: Array, step: float
-) -> Histories:
-    """Histories at other instants, between which the motion is smooth."""
-    if not np.isfinite(histories.force).all():
-        broken = np.full((3, samples.size), np.nan)
-        return Histories(
-            command=Motion3(values=broken, step=step),
-            piston=Motion3(values=broken, step=step),
-            measured=broken[0],
-            force=broken[0],
-        )
-    rows = np.vstack([histories.command.values, histories.piston.values, histories.force])
-    result = np.ascontiguousarray(scipy.interpolate.make_interp_spline(instants, rows, axis=-1)(samples))
-    piston = Motion3(values=result[3:6], step=step)
-    return Histories(
-        command=Motion3(values=result[:3], step=step),
-        piston=piston,
-        measured=read_displacement(test, piston),
-        force=result[6],
-    )
-
-
-def _decimate(test: HybridTest, histories: Histories, parts: int) -> Histories:
-    piston = histories.piston.thin(parts)
-    return Histories(
-        command=histories.command.thin(parts),
-        piston=piston,
-        measured=read_displacement(test, piston),
-        force=np.ascontiguousarray(histories.force[::parts]),
-    )
-
-
-def _run(
+def _march(
     test: HybridTest, ground: Array, h: float, integrator: Integrator, compensator: Compensator | None
-) -> Histories:
+) -> tuple[Array, Array, Array]:
     specimen = test.specimen
     if specimen is None:
         raise AssertionError  # a structure always brings one
     setting = test.setting(h)
-    command, piston, force = march(
+    return march(
         read_only(ground),
         h,
         test.mass,
@@ -269,13 +284,6 @@ def _run(
         plan(test.acting(Role.FORCE), setting),
         plan(test.acting(Role.FORCE_READING), setting),
         STATES if compensator is None else max(STATES, compensator.kernel.states),
-    )
-    piston_motion = Motion3(values=piston, step=h)
-    return Histories(
-        command=Motion3(values=command, step=h),
-        piston=piston_motion,
-        measured=read_displacement(test, piston_motion),
-        force=force,
     )
 
 
