@@ -1,6 +1,5 @@
 """What commands write beside their answer, and the tests that a command line names."""
 
-from datetime import datetime
 from pathlib import Path
 from typing import Annotated, TypedDict
 
@@ -25,12 +24,8 @@ class Cover(TypedDict, total=False):
 
     title: Annotated[str | None, COVER.advanced("TEXT", "Title of the report, in place of its own.")]
     date: Annotated[
-        datetime | None,
-        COVER.advanced(
-            "DATE",
-            "Date on the report, 2026-03-01, in place of that of the results.",
-            limits={"formats": ["%Y-%m-%d"]},
-        ),
+        str | None,
+        COVER.advanced("DATE", "Date on the report, 2026-03-01, in place of that of the results."),
     ]
     paper: Annotated[
         str, COVER.advanced("a4|letter", "Paper of the report.", default="a4", completion=completion.papers)

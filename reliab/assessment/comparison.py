@@ -116,7 +116,7 @@ def rank_tests(
         raise InputError(
             "Comparing needs at least two tests that can be judged",
             value=len(assessments),
-            remedy="; ".join((faults or {}).values()) or "Name another test",
+            remedy=" ".join((faults or {}).values()).removesuffix(".") or "Name another test",
         )
     metric, threshold = next(
         (assessment.error.metric, assessment.error.threshold) for assessment in assessments.values()

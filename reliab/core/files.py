@@ -242,6 +242,9 @@ def refuse_unwritable(rule: str, *, where: object, remedy: str = "Name another")
     """
     try:
         yield
+    except FileNotFoundError as error:
+        place = "Create its folder, or name another place"
+        raise InputError(f"{rule}: its folder does not exist", remedy=place, where=str(where)) from error
     except OSError as error:
         raise InputError(f"{rule}: {error.strerror}", remedy=remedy, where=str(where)) from error
 

@@ -95,7 +95,7 @@ RANGES: Final[Mapping[str, PhysicalRange]] = {
     ),
     "resolution": PhysicalRange(unit="mm", highest=1e6, remedy="Give the converter's step in millimetres"),
     "relative standard deviation": PhysicalRange(  # so that three of them leave a value above zero
-        below=1.0 / 3.0, remedy="Give 0.01 for 1 %"
+        below=1.0 / 3.0, remedy="Give 0.01 for 1 %, behind a value as in 2±1%"
     ),
     "probability": PhysicalRange(highest=1.0, remedy="Give a share of 1, 0.2 for 20 %"),
     "sampling rate": PhysicalRange(unit="Hz", lowest=1e-3, highest=1e9, remedy="Give samples in a second"),

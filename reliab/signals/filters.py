@@ -120,9 +120,9 @@ class LowPass:
             low_pass = cls(corner=0.0)
         if not (np.isfinite(low_pass.corner) and low_pass.corner > 0.0 and low_pass.order in _ORDERS):
             raise InputError(
-                "A filter has a corner frequency above zero and an order of 1 to 8",
+                "No low-pass filter: it has a corner frequency above 0 Hz and an order of 1 to 8",
                 value=repr(text),
-                remedy="Write 200 for a filter of second order with 200 Hz, 200/4 for one of fourth order",
+                remedy="Write 200 for a filter of second order at 200 Hz, 200/4 for one of fourth order",
             )
         return low_pass
 

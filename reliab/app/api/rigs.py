@@ -332,8 +332,8 @@ def _checksum(path: Path, test_name: str | None) -> str:
             digest = hashlib.file_digest(file, "sha256")
     except OSError as error:
         raise InputError(
-            f"Cannot read the file: {error.strerror or os.fspath(path)}",
-            remedy="Check the path",
+            f"Cannot read the test: {error.strerror or os.fspath(path)}",
+            remedy="Check its name",
             where=str(path),
         ) from None
     if test_name:

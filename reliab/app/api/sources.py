@@ -115,6 +115,8 @@ def ellipses(
 ONE_HERTZ, TWO_PERCENT, FIVE_PERCENT = 1.0, 0.02, 0.05
 """The paper's structure and threshold, which hold where nothing else is stated."""
 
+_SOURCE = "Choose `motions` (records or synthetic), `results` or `ellipses`, such as real_suite"
+_FRAME_SOURCE = "A frame is simulated: give `motions`, your records or synthetic"
 _RECORD, _WHOLE_STIFFNESS = "record", 1.0
 
 
@@ -164,7 +166,7 @@ class EllipseSource:
             raise InputError(
                 "Give one source of ellipses" if sources else "No source of ellipses",
                 value=f"{len(sources)} of them" if sources else None,
-                remedy="Choose `motions` (records or synthetic), `results` or `ellipses`, such as real_suite",
+                remedy=_FRAME_SOURCE if self.structure else _SOURCE,
             )
         if self.motions is None:
             self._refuse_options_of_motions()

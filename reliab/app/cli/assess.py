@@ -58,6 +58,8 @@ def assess(request: Request) -> None:
             reason = f"together with several tests, since {content} one test"
             refuse_stated({name: getattr(request, name)}, name, reason=reason)
     cover = outputs.Cover.__annotations__ if request.report is not None else ()
+    if request.report is not None:
+        request.setting()  # refused before the test is judged, not after it
     verdicts = _verdicts(request, files, "corrected", "details", "report", *cover)
     if has_several:
         _write_several(verdicts, request)

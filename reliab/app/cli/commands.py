@@ -5,7 +5,7 @@ import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
-from datetime import datetime
+from datetime import date
 from functools import partial, wraps
 from glob import glob
 from pathlib import Path
@@ -61,7 +61,7 @@ _READ_AS: Final[Mapping[Any, Any]] = {
     Files: list[str],
     Iterable[str]: list[str],
     str | Path: Path,
-    **{kind: kind for kind in (bool, int, float, str, Path, datetime, list[Path], tuple[str, str])},
+    **{kind: kind for kind in (bool, int, float, str, Path, list[Path], tuple[str, str])},
 }
 """What Typer reads for the type of an argument; a file for one that is not imported."""
 
@@ -136,7 +136,7 @@ class Request:
 
         return Setting(
             title=self.title or "",
-            date=None if self.date is None else self.date.date(),
+            date=None if self.date is None else _parse_date(self.date),
             paper=self.paper,
             laboratory=self.laboratory or "",
             logo=self.logo,
@@ -176,6 +176,14 @@ class Request:
         for name in self.given_names:
             if name not in names:
                 raise refuse_unused(name, reason or f"without `{self._belongs_to[name]}`")
+
+
+def _parse_date(text: str) -> date:
+    try:
+        return date.fromisoformat(text)
+    except ValueError:
+        remedy = "Write it as year, month and day, 2026-03-01"
+        raise InputError("The `date` is not understood", value=repr(text), remedy=remedy) from None
 
 
 def takes(

@@ -82,6 +82,9 @@ def limits_in_words(row: Mapping[str, Any]) -> str:
     """Say what is tolerable at one structure."""
     share = "no stated share" if row["confidence"] is None else percent(row["confidence"])
     subject = "motions, as printed," if "kept_by" in row else "comparable earthquakes"
+    if row["amplitude_limit"] == 0.0:
+        place = f"At {row['f']:g} Hz, ξ = {row['xi']:g}"
+        return f"{place}, no test is accepted: {share} asks too much of these motions."
     limits = [
         f"{percent(row['amplitude_limit'], 2)} amplitude error",
         *(f"{row[key]:.2f} ms {name}" for key, name in _LIMITS.items() if row.get(key) is not None),

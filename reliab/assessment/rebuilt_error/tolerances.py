@@ -64,4 +64,5 @@ _SIGNED = ("open_offset", "open_drift")
 
 
 def _spoken(name: str) -> str:
-    return f"tolerance of the {name.replace('_', ' ')}"
+    kind = "relative standard deviation" if name in _RELATIVE else "tolerance"
+    return f"{kind} of the {name.replace('_', ' ')}"

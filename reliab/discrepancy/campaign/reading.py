@@ -303,7 +303,7 @@ def _as_partition(table: FrameTables, description: CampaignDescription) -> Parti
 def _read_description(path: Path) -> CampaignDescription:
     rule, remedy = (
         f"A campaign must be a folder with a readable {CAMPAIGN_FILE}",
-        "Correct the file, or name another folder",
+        f"Name a folder that holds {CAMPAIGN_FILE} and its tests, or rig_a, which comes with reliab",
     )
     text = read_description(path, rule=rule, remedy=remedy)
     try:
