@@ -131,7 +131,7 @@ class InferredError:
         """Quantities, their draws z, and standard deviations over those a priori."""
         draws = self.posterior.draws
         for unknown, z in zip(self.posterior.unknowns, draws.values.T, strict=True):
-            yield unknown, z, _deviation(z, draws.weights)
+            yield unknown, z, _deviation(z, draws.weights) / unknown.prior.spread
 
     def budget(self, widenings: Sequence[Widening]) -> tuple[BudgetItem, ...]:
         """Say in words what widens the interval."""

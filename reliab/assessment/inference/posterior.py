@@ -17,7 +17,7 @@ from reliab.assessment.inference.evidence import (
 from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.quantities import Unknown, list_unknowns
 from reliab.assessment.inference.randomized_optimization import Draws, LeastSquares
-from reliab.assessment.inference.uncertain_quantity import Circumstances
+from reliab.assessment.inference.uncertain_quantity import Circumstances, Shape
 from reliab.core.arrays import Array, Spectrum
 
 DRAWS = 256
@@ -196,7 +196,10 @@ def _least_squares(
         experiment = world(z)
         return sum(item.determinant(experiment) for item in evidence)
 
-    return LeastSquares(residuals=residuals, update=update, determinant=determinant, start=start)
+    positive = np.array([unknown.prior.shape is Shape.POSITIVE for unknown in unknowns], dtype=bool)
+    return LeastSquares(
+        residuals=residuals, update=update, determinant=determinant, start=start, positive=positive
+    )
 
 
 def _holds(

@@ -6,6 +6,9 @@ Parameters are standard normal a priori. With the whitened residuals r(z) of all
 J = QR, each draw solves Qᵀ F(z) = ξ for a standard normal ξ (about the value at the mode), and has the weight
 exp(−½|F|² + ½|QᵀF|²) |det R|/|det QᵀJ(z)|, whose last factor is close to one and left out. One step of each
 solution is Laplace's approximation, with the weight exp(−½|F|² + ½|ξ|²); it is enough where most draws count.
+Parameters that cannot be negative are half-normal a priori. They are the last columns of J, so that one
+after the other is drawn from a normal distribution that is cut off at zero; the share that is left of each
+goes into the weight (Geweke 1991, Computing Science and Statistics 23, 571).
 Where few draws of either count, more are made; where still few do, an ensemble of walkers draws
 (Foreman-Mackey, Hogg, Lang and Goodman 2013, Publications of the Astronomical Society of the Pacific 125,
 306).
@@ -15,6 +18,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
+import scipy
+from numpy.typing import NDArray
 
 from reliab.assessment.rebuilt_error.sobol import normal_points
 from reliab.core.arrays import Array
@@ -26,12 +31,13 @@ _STEP_TOLERANCE = 0.02  # of a standard deviation a posteriori
 _CHORDS = 12
 _RESIDUAL_TOLERANCE = 0.05
 _DIVERGENCE_LIMIT = 1e6  # standard deviations from its solution, where a draw diverges
-_ENOUGH = 0.9  # of the draws, that must count for Laplace's approximation to do
+_ENOUGH = 0.5  # of the draws, that must count for Laplace's approximation to do
 _FEWER = 2  # times fewer draws by optimisation, each of which takes several steps
 _MORE = 4  # times more, where too few of these count
 _FEWEST = 32.0  # effective draws, below which an approximation is not trusted
 _WALKERS, _FEWEST_WALKERS = 2, 32  # pairs of walkers for each quantity
 _WALKER_STEPS = 300  # steps of each walker, of which the first half is left out
+_POINTS_OF_VOLUME = 64
 _LONGEST = 3.0  # standard deviations a priori in one step
 
 
@@ -56,11 +62,14 @@ class LeastSquares:
     update: Callable[[Array], None]  # Estimate variances anew at z
     determinant: Callable[[Array], float]  # −log-likelihood beside ½|r|²
     start: Array  # z from which the mode is searched, shape (d,)
+    positive: NDArray[np.bool_]  # Which parameters cannot be negative, shape (d,)
     slope: Array = field(init=False)  # Of the determinant at the mode
     mode: Array = field(init=False)
     covariance: Array = field(init=False)
+    _order: NDArray[np.intp] = field(init=False)  # Of the columns of J, those that are positive last
     _q: Array = field(init=False)
     _r: Array = field(init=False)
+    _offset: Array = field(init=False)  # QᵀF at the mode, zero unless a bound holds it
 
     def __post_init__(self) -> None:
         self.slope = np.zeros(self.size)
@@ -93,10 +102,13 @@ class LeastSquares:
             self.update(z)
             z = self._descend(z, iterations)
         self.mode = z
-        q, r = np.linalg.qr(self.jacobian(z))
+        self._order = np.argsort(self.positive, kind="stable")
+        q, r = np.linalg.qr(self.jacobian(z)[:, self._order])
         signs = np.where(np.diag(r) < 0.0, -1.0, 1.0)  # draws of several tests then move alike
         self._q, self._r = q * signs, r * signs[:, np.newaxis]
-        inverse = np.linalg.inv(self._r)
+        self._offset = self._q.T @ self.stack(z)
+        inverse = np.empty_like(r)
+        inverse[self._order] = np.linalg.inv(self._r)
         self.covariance = inverse @ inverse.T
 
     def _descend(self, z: Array, iterations: int) -> Array:
@@ -104,8 +116,7 @@ class LeastSquares:
             self.slope = self._slope(z)
             q, r = np.linalg.qr(self.jacobian(z))
             value = self.stack(z)
-            projection = q.T @ value
-            step = -np.linalg.solve(r, projection)
+            step = self._step(r, q.T @ value, z)
             step *= min(1.0, _LONGEST / max(float(np.abs(step).max()), 1e-300))
             cost = float(value @ value)
             for _ in range(8):
@@ -117,6 +128,14 @@ class LeastSquares:
             if np.abs(r @ step).max() < _STEP_TOLERANCE:
                 break
         return z
+
+    def _step(self, r: Array, projection: Array, z: Array) -> Array:
+        """Step to the least |projection + r step| where no parameter becomes negative that cannot be."""
+        step = np.asarray(-np.linalg.solve(r, projection))
+        if not (z + step < 0.0)[self.positive].any():
+            return step
+        lowest = np.where(self.positive, -z, -np.inf)
+        return np.asarray(scipy.optimize.lsq_linear(r, -projection, (lowest, np.inf), method="bvls").x)
 
     def _slope(self, z: Array) -> Array:
         steps = _STEP * np.eye(self.size)
@@ -144,8 +163,7 @@ class LeastSquares:
         import emcee
 
         walkers = max(2 * _WALKERS * self.size, _FEWEST_WALKERS)
-        generator = np.random.default_rng(seed)
-        begin = self.mode + generator.standard_normal((walkers, self.size)) @ np.linalg.inv(self._r).T
+        begin = self._draw(self._normals(walkers, seed), chords=0).values
         moves = [(emcee.moves.DEMove(), 0.8), (emcee.moves.DESnookerMove(), 0.2)]
         sampler = emcee.EnsembleSampler(walkers, self.size, self.log_density, moves=moves)
         start = emcee.State(begin, random_state=np.random.RandomState(seed).get_state())
@@ -156,30 +174,60 @@ class LeastSquares:
 
     def _draw(self, normals: Array, *, chords: int) -> Draws:
         """Draw by Laplace's approximation, or by optimisation with up to a number of steps for each draw."""
-        start = self._q.T @ self.stack(self.mode)
-        inverse = np.linalg.inv(self._r)
-        values = self.mode + normals @ inverse.T
-        weights = np.empty(len(normals))
-        for row, normal in enumerate(normals):
+        points, log_shares = self._cut_off(normals)
+        values = np.empty_like(points)
+        values[:, self._order] = scipy.linalg.solve_triangular(self._r, (points - self._offset).T).T
+        values += self.mode
+        inverse = np.empty_like(self._r)
+        inverse[self._order] = np.linalg.inv(self._r)
+        weights = np.empty(len(points))
+        for row, point in enumerate(points):
             value = self.stack(values[row])
             for _ in range(chords):
-                residual = self._q.T @ value - start - normal
+                residual = self._q.T @ value - point
                 if not _RESIDUAL_TOLERANCE < np.abs(residual).max() < _DIVERGENCE_LIMIT:
                     break
                 values[row] -= inverse @ residual
                 value = self.stack(values[row])
-            cost = float(np.sum((self._q.T @ value) ** 2)) if chords else float(normal @ normal)
-            weights[row] = -0.5 * (float(value @ value) - cost)
+            cost = float(np.sum((self._q.T @ value) ** 2)) if chords else float(point @ point)
+            weights[row] = log_shares[row] - 0.5 * (float(value @ value) - cost)
+        weights[(values[:, self.positive] < 0.0).any(axis=1)] = -np.inf
         weights = np.exp(np.where(np.isfinite(weights), weights - np.nanmax(weights), -np.inf))
         return Draws(values=values, weights=weights / weights.sum())
+
+    def _cut_off(self, normals: Array) -> tuple[Array, Array]:
+        """Move standard normal points such that, by QᵀF = ξ with J constant, no parameter is negative.
+
+        Returns ξ, shape (draws, d), and the logarithm of the share of points that are left, shape (draws,).
+        """
+        points, log_shares = normals.copy(), np.zeros(len(normals))
+        steps = np.zeros_like(points)  # from the mode, in the order of the columns
+        for place in range(self.size - int(self.positive.sum()), self.size)[::-1]:
+            mode, size = self.mode[self._order[place]], self._r[place, place]
+            others = self._offset[place] + steps[:, place + 1 :] @ self._r[place, place + 1 :]
+            log_share = scipy.special.log_ndtr(size * mode - others)
+            points[:, place] = -scipy.special.ndtri_exp(
+                log_share + scipy.special.log_ndtr(-normals[:, place])
+            )
+            steps[:, place] = np.maximum((points[:, place] - others) / size, -mode)
+            log_shares += log_share
+        return points, log_shares
 
     @property
     def log_volume(self) -> float:
         """Logarithm of the prior at the mode times the volume of the posterior, but for a constant."""
-        return -0.5 * float(self.mode @ self.mode) + 0.5 * float(np.linalg.slogdet(self.covariance)[1])
+        _, log_shares = self._cut_off(self._normals(_POINTS_OF_VOLUME, seed=0))
+        return (
+            -0.5 * float(self.mode @ self.mode)
+            + 0.5 * float(np.linalg.slogdet(self.covariance)[1])
+            + 0.5 * float(self._offset @ self._offset)
+            + float(np.log(np.mean(np.exp(log_shares))))
+        )
 
     def log_density(self, z: Array) -> float:
-        """Logarithm of the posterior density, but for a constant; −∞ where a world has no finite numbers."""
+        """Logarithm of the posterior density, but for a constant; −∞ where a world cannot be."""
+        if (z[self.positive] < 0.0).any():
+            return -np.inf
         with np.errstate(all="ignore"):
             try:
                 residuals, determinant = self.residuals(z), self.determinant(z)

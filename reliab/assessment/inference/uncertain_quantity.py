@@ -1,6 +1,6 @@
 """An uncertain quantity of a test: its words, its prior, and how it enters the test.
 
-Priors are functions of a standard normal variable z.
+Priors are functions of a standard normal variable z, or of a half-normal one.
 """
 
 import math
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
 _FACTORS: Final = {"%": PERCENT, "ms": MILLI, "mm": MILLI, "kg": 1.0, "N": 1.0, "": 1.0}
 _STEEPNESS = 4.0  # of the step between nothing and the whole
-_FARTHEST = 8.0  # standard deviations, beyond which a half-normal quantile has no more digits
 
 
 class Shape(StrEnum):
@@ -31,7 +30,7 @@ class Shape(StrEnum):
 
     NORMAL = "normal"  # deviation·z
     LOGNORMAL = "lognormal"  # the factor exp(deviation·z), less one
-    POSITIVE = "positive"  # half-normal above zero
+    POSITIVE = "positive"  # deviation·z with z above zero, half-normal
     EITHER = "either"  # nothing or the whole, one as likely as the other, with little between them
 
 
@@ -39,8 +38,8 @@ class Shape(StrEnum):
 class Prior:
     """Prior of how far a quantity lies from the value that is stated for it.
 
-    >>> Prior(deviation=0.1).value(2.0), round(Prior(deviation=1.0, shape=Shape.POSITIVE).value(0.0), 4)
-    (0.2, 0.6745)
+    >>> Prior(deviation=0.1).value(2.0), round(Prior(deviation=0.1, shape=Shape.LOGNORMAL).value(2.0), 4)
+    (0.2, 0.2214)
     """
 
     deviation: float  # Standard deviation, relative or in the SI unit of the quantity
@@ -48,16 +47,18 @@ class Prior:
     shape: Shape = Shape.NORMAL
     mean: float = 0.0  # Of the difference, or of its logarithm, before the test
 
+    @property
+    def spread(self) -> float:
+        """Standard deviation of z before the test."""
+        return math.sqrt(1.0 - 2.0 / math.pi) if self.shape is Shape.POSITIVE else 1.0
+
     def value(self, z: float) -> float:
         """Return the difference from the stated value at a standard normal variable."""
         match self.shape:
-            case Shape.NORMAL:
+            case Shape.NORMAL | Shape.POSITIVE:
                 return self.mean + self.deviation * z
             case Shape.LOGNORMAL:
                 return math.expm1(self.mean + self.deviation * z)
-            case Shape.POSITIVE:
-                share = 0.5 + 0.5 * float(scipy.special.ndtr(min(z, _FARTHEST)))
-                return self.deviation * float(scipy.special.ndtri(share))
             case Shape.EITHER:
                 return self.deviation * float(scipy.special.ndtr(_STEEPNESS * z))
 
