@@ -14,6 +14,8 @@ _ITERATIONS = 20
 _OCTAVE = 0.5  # octaves over which variances are smoothed
 _BLOCKS = 1.0  # blocks of time over which the strength of the motion is smoothed
 _QUIET = 0.3  # share of the blocks whose power counts as stationary at first
+_FIRST = 0.01  # of the power, with which what is more than noise begins at least
+_FAR = 4.0  # standard deviations of the mean power of a block of noise
 _LEAST = 1e-14  # of the mean power
 
 
@@ -32,11 +34,8 @@ def smooth_over_time(power: Array, width: float = _BLOCKS) -> Array:
     return np.asarray(total / np.convolve(np.ones(power.size), weight)[reach : reach + power.size])
 
 
-def fit_variances(power: Array, floor: float | None = None) -> tuple[Array, Array]:
-    """Divide powers of cells, shape (J, k), into a stationary and a modulated variance, each of that shape.
-
-    `floor`: the stationary variance, if it is known.
-    """
+def fit_variances(power: Array) -> tuple[Array, Array]:
+    """Divide powers of cells into a stationary and a modulated variance, each shape (J, k)."""
     mean = float(power.mean())
     least = _LEAST * mean
     if mean == 0.0:
@@ -44,11 +43,7 @@ def fit_variances(power: Array, floor: float | None = None) -> tuple[Array, Arra
     surrounding_power = smooth_over_frequency(
         np.quantile(power, _QUIET, axis=0) / _quantile_of_square(_QUIET)
     )
-    still = (
-        np.full(power.shape, floor)
-        if floor is not None
-        else np.tile(0.5 * surrounding_power, (power.shape[0], 1)) + least
-    )
+    still = np.tile(0.5 * surrounding_power, (power.shape[0], 1)) + least
     strength = power.mean(axis=1) / mean + 1e-3
     shape = smooth_over_frequency(power.mean(axis=0))
     for _ in range(_ITERATIONS):
@@ -56,15 +51,38 @@ def fit_variances(power: Array, floor: float | None = None) -> tuple[Array, Arra
         total = still + motion_power + least
         share = motion_power / total
         mean_power = share**2 * power + share * still
-        if floor is None:
-            noise_share = still / total
-            still = np.tile(
-                smooth_over_frequency((noise_share**2 * power + noise_share * motion_power).mean(axis=0)),
-                (power.shape[0], 1),
-            )
+        noise_share = still / total
+        still = np.tile(
+            smooth_over_frequency((noise_share**2 * power + noise_share * motion_power).mean(axis=0)),
+            (power.shape[0], 1),
+        )
         shape = smooth_over_frequency((mean_power / strength[:, np.newaxis]).mean(axis=0)) + least
         strength = smooth_over_time((mean_power / shape).mean(axis=1)) + _LEAST
     return still + least, strength[:, np.newaxis] * shape
+
+
+def fit_excess(power: Array, noise: Array, motion: Array, least: float) -> Array:
+    """Variances of cells, shape (J, k), of which noise is known, and some follows the motion.
+
+    To the variance of the noise come a stationary part a(f), and a share s(f) of the power of the motion,
+    not below the least share. Blocks in which far more is left, as where a record begins or ends, have as
+    many times the variance.
+    """
+    mean = power.mean(axis=0)
+    still = smooth_over_frequency(np.maximum(mean - noise.mean(axis=0), _FIRST * mean)) / 2.0
+    motion_power = smooth_over_frequency(motion.mean(axis=0))
+    share, factor = still / motion_power + least, np.ones((power.shape[0], 1))
+    far = 1.0 + _FAR * np.sqrt(2.0 / power.shape[1])
+    for _ in range(_ITERATIONS):
+        follows = share * motion
+        total = noise + still + follows
+        left = (power / total).mean(axis=1, keepdims=True)
+        factor = np.where(left > far, left, 1.0)
+        ratio = power / (factor * total) - 1.0
+        still = smooth_over_frequency((still + still**2 / total * ratio).mean(axis=0))
+        follows_power = smooth_over_frequency((follows + follows**2 / total * ratio).mean(axis=0))
+        share = np.maximum(follows_power / motion_power, least)
+    return np.asarray(factor * (noise + still + share * motion))
 
 
 def _quantile_of_square(share: float) -> float:

@@ -23,7 +23,7 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from reliab.assessment.inference.cells import fit_variances
+from reliab.assessment.inference.cells import fit_excess, fit_variances
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.structure_response import respond
@@ -69,14 +69,8 @@ class Evidence(ABC):
 
     def update(self, experiment: Experiment) -> None:
         """Estimate the variance of the residual anew."""
-        cells = self.cells(experiment)
-        variances = np.stack([np.sum(fit_variances(row**2), axis=0) for row in cells])
-        self._variance = np.maximum(variances, self.least_variance)
-
-    @property
-    def least_variance(self) -> Array | float:
-        """Variance below which no residual is trusted."""
-        return 0.0
+        power = self.cells(experiment) ** 2
+        self._variance = np.stack([np.sum(fit_variances(row), axis=0) for row in power])
 
     def whiten(self, experiment: Experiment) -> Array:
         """Residual over its standard deviation, shape (m,)."""
@@ -87,9 +81,9 @@ class Evidence(ABC):
         squares = self.cells(experiment) ** 2 / self._variance + np.log(self._variance)
         return -0.5 * self.weight * float(squares.sum()) - self.determinant(experiment)
 
-    @abstractmethod
-    def determinant(self, experiment: Experiment) -> float:
+    def determinant(self, experiment: Experiment) -> float:  # noqa: ARG002 - which one kind asks
         """Return what the logarithm of the likelihood loses beside the squares of the residual."""
+        return 0.0
 
     def holds(self, experiment: Experiment) -> bool:  # noqa: ARG002 - which some kinds ask
         """Whether what this evidence assumes of the test holds, by the most probable world."""
@@ -104,6 +98,11 @@ class BalanceOfForces(Evidence):
     frequency, such that with the structure as stated the noise has variance one in each residual and no
     covariance between them.
     """
+
+    # Share of the sensors' noise in the variance, shape (rows, J, k); None before it is known
+    _share: Array | None = field(init=False, default=None)
+    _level: Array = field(init=False)  # `noise_level` where the variance was estimated
+    _missed: Array = field(init=False)  # The share less that in the residual, over time, shape (rows, 1, k)
 
     @abstractmethod
     def forces(self, experiment: Experiment) -> Spectrum:
@@ -137,33 +136,65 @@ class BalanceOfForces(Evidence):
     @cached_property
     def _sensor_shares(self) -> Array:
         """Share of each sensor in the noise of each residual, by columns of cells, shape (k, rows, p)."""
-        columns = self._variance.shape[-1]
+        columns = self._motion.shape[-1]
         frequencies = (np.arange(columns) + 0.5) / (2.0 * self.channels.hop * self.channels.band.time_step)
         places = np.searchsorted(self.channels.band.s.imag, 2.0 * np.pi * frequencies)
         places = np.minimum(places, len(self._noise) - 1)
         return np.asarray(np.abs(self._unmix[places] @ self._noise[places]) ** 2)
 
     @cached_property
-    def least_variance(self) -> Array:
-        """Variance below which no balance of sampled channels is trusted, shape (rows, J, k)."""
+    def _motion(self) -> Array:
+        """Power of the specimen's forces, mixed like balances, shape (rows, J, k)."""
         impedance = self.partition.impedance(self.channels.band.s)
         force = np.einsum("kpq,qk->pk", impedance, self.channels.to_interface @ self.channels.measured)
         mixed = self._unmix @ self.balance(force.T[..., np.newaxis], self.partition)
         power = self.channels.cells(mixed[..., 0].T, self.highest) ** 2
-        variances = np.stack([np.sum(fit_variances(row), axis=0) for row in power])
-        return np.maximum(_ACCURACY**2 * variances, 1.0)
+        return np.stack([np.sum(fit_variances(row), axis=0) for row in power])
+
+    def _stiffening(self, experiment: Experiment) -> Array:
+        """Logarithm of the forces by the sensors' noise over those in the stated structure, (rows, 1, k)."""
+        stiffness = np.log(experiment.share * experiment.frequency**2)
+        return np.asarray((stiffness - self._sensor_shares @ np.log(experiment.scale)).T[:, np.newaxis])
+
+    def noise_level(self, experiment: Experiment, share: Array) -> Array:
+        """Logarithm of what a world makes of the noise, of which sensors have a share, shape (rows, J, k)."""
+        return share * self._stiffening(experiment)
+
+    def cells(self, experiment: Experiment) -> Array:
+        """Residual over time and frequency, shape (rows, J, k), in units of its noise in this world.
+
+        A softer specimen, or a sensor of larger scale, leaves less noise to explain, so that both would be
+        found where they are not if all residuals were divided by the same deviation (errors in variables:
+        Fuller 1987, Measurement Error Models, 1.3).
+        """
+        cells = super().cells(experiment)
+        if self._share is None:
+            return cells
+        return np.asarray(cells * np.exp(self._level - self.noise_level(experiment, self._share)))
+
+    def update(self, experiment: Experiment) -> None:
+        """Estimate the variance of the residual anew, and what is noise of it."""
+        self._share = None
+        power, stiffening = self.cells(experiment) ** 2, self._stiffening(experiment)
+        noise = np.broadcast_to(np.exp(2.0 * stiffening), power.shape)
+        self._variance = np.stack(
+            [fit_excess(*rows, _ACCURACY**2) for rows in zip(power, noise, self._motion, strict=True)]
+        )
+        self._share = noise / self._variance
+        self._missed = np.sum(self._share * (1.0 - power / self._variance), axis=1, keepdims=True)
+        self._level = self.noise_level(experiment, self._share)
 
     def determinant(self, experiment: Experiment) -> float:
-        """Return what the logarithm of the likelihood loses beside the squares of the residual.
+        """Return what the noise gains by being taken as part of a variance that is not exactly known.
 
-        The noise of the displacement sensors enters as forces of the specimen. A softer specimen, or a sensor
-        of larger scale, would leave less of it to explain, so that both would be found where they are not
-        (errors in variables: Fuller 1987, Measurement Error Models, 1.3). What that gains is taken away
-        again, as far as the noise is that of sensors.
+        The likelihood then has no slope on average where the world is true (Nakamura 1990, Biometrika 77,
+        127).
         """
-        stiffness = np.log(experiment.share * experiment.frequency**2)
-        softer = stiffness - self._sensor_shares @ np.log(experiment.scale)
-        return -self.weight * float(np.sum(softer.T * np.sum(1.0 / self._variance, axis=1)))
+        return -self.weight * float(np.sum(self._missed * self._stiffening(experiment)))
+
+    def log_likelihood(self, experiment: Experiment) -> float:
+        """Logarithm of the likelihood with the variances as estimated, but for a constant."""
+        return super().log_likelihood(experiment) + self.weight * float(self._level.sum())
 
 
 def residual(channels: ChannelSpectra, partition: Partition, experiment: Experiment) -> Spectrum:
@@ -344,14 +375,8 @@ def main_frequency(channels: ChannelSpectra) -> float:
 class SpecimenForce(BalanceOfForces):
     """The recorded force against that of the specimen as stated, Z x_m.
 
-    The noise of the load cell is divided by its scale like the force. In a world with a larger scale it is
-    smaller, and such a world would be found where it is not if all residuals were divided by the same
-    deviation. Residuals are therefore multiplied by the scale again, as far as they are noise of the load
-    cell; for the noise of displacement sensors see `determinant`.
+    What is not noise of the displacement sensors is that of the load cell, which its scale divides.
     """
-
-    _load_cell: Array = field(init=False)  # Share of the variance that is the load cell's noise [-]
-    _log_scale: float = field(init=False)  # Logarithm of its scale where the variance was estimated
 
     def forces(self, experiment: Experiment) -> Spectrum:
         """Return the recorded force less that of the specimen [N], shape (p, K)."""
@@ -362,19 +387,7 @@ class SpecimenForce(BalanceOfForces):
         specimen_force = np.einsum("kpq,qk->pk", impedance, experiment.reading(self.channels))
         return np.asarray(force - specimen_force)
 
-    def cells(self, experiment: Experiment) -> Array:
-        """Residual over time and frequency, in units of its noise, shape (p, J, k)."""
-        scale = np.exp(self._load_cell * (np.log(experiment.force_scale) - self._log_scale))
-        return np.asarray(super().cells(experiment) * scale)
-
-    def update(self, experiment: Experiment) -> None:
-        """Estimate the variance of the residual anew."""
-        self._load_cell, self._log_scale = np.zeros(1), float(np.log(experiment.force_scale))
-        super().update(experiment)
-        self._load_cell = 1.0 - 1.0 / self._variance
-
-    def log_likelihood(self, experiment: Experiment) -> float:
-        """Logarithm of the likelihood with the variances as estimated, but for a constant."""
-        return super().log_likelihood(experiment) - self.weight * self._log_scale * float(
-            self._load_cell.sum()
-        )
+    def noise_level(self, experiment: Experiment, share: Array) -> Array:
+        """Logarithm of what a world makes of the noise of displacement sensors and load cell."""
+        load_cell = 1.0 - share
+        return np.asarray(super().noise_level(experiment, share) - load_cell * np.log(experiment.force_scale))

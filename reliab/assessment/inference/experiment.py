@@ -30,6 +30,7 @@ class Experiment:
     force_skew: float = 0.0  # Time by which it was recorded late [s]
     initial_displacement: float = 0.0  # Error of the command at the first sample [m]
     initial_velocity: float = 0.0  # Its rate over the lowest natural frequency [m]
+    ground_interpolation: float = 0.0  # What the computer adds to it over (ω·step)² of it [-]
     integration: float = 0.0  # Error of the numerical integration over (ω·step)² of the specimen's force [-]
 
     noise: Spectrum | float = 0.0  # Noise that is left in the denoised readings [m], shape (p, K)
@@ -74,7 +75,9 @@ class Experiment:
         """Return the true ground acceleration [m/s²], shape (K,); None where it was not recorded."""
         if channels.ground is None:
             return None
-        return np.asarray(channels.ground / self.ground_scale * np.exp(self.ground_skew * channels.band.s))
+        s = channels.band.s
+        interpolation = 1.0 + self.ground_interpolation * (s * channels.band.record_step) ** 2
+        return np.asarray(channels.ground * interpolation / self.ground_scale * np.exp(self.ground_skew * s))
 
     def force(self, channels: ChannelSpectra) -> Spectrum | None:
         """Return the true force of the specimen [N], shape (p, K); None where it was not recorded."""

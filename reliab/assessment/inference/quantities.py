@@ -207,6 +207,14 @@ QUANTITIES = (
         ordinary=_size_with_ground(lambda _, equipment: equipment.integration),
     ),
     Quantity(
+        name="ground_interpolation",  # between its samples, over (ω·step)² of it; 1/12 by straight lines
+        words="interpolation of the ground acceleration",
+        unit="",
+        remedy="Compute the numerical part in smaller steps.",
+        change=_add_difference("ground_interpolation"),
+        ordinary=_size_with_ground(lambda _, equipment: equipment.integration),
+    ),
+    Quantity(
         name="frequency",  # common factor of all
         words="natural frequency",
         unit="%",

@@ -71,16 +71,12 @@ def test_ground_acceleration_shows_frequency_and_damping(late_test):
     assert posterior.deviations["frequency"] < 0.05 * 0.02
 
 
-@pytest.mark.parametrize(
-    ("sensor", "load_cell", "gain", "delay"), [(0.03, 0.0, 0.98, 0.0015), (0.001, 0.03, 1.002, 0.0003)]
-)
-@pytest.mark.default_cases(2)
-def test_noise_makes_no_specimen_softer(sensor, load_cell, gain, delay):
-    """Errors in variables: a softer specimen, or a larger scale of the load cell, shrinks residuals."""
-    ground = earthquake(duration=30.0, time_step=STEP, seed=4)
+def _softening(*, seed, sensor, load_cell, gain, delay):
+    """Posterior mean of a specimen's share whose stiffness is as stated, relative to it."""
+    ground = earthquake(duration=30.0, time_step=STEP, seed=seed)
     loop = {"frequency": 3.8, "damping_ratio": 0.03, "share": 0.8, "gain": gain, "delay": delay}
     test = simulate(**loop, ground=ground, time_step=STEP, noise=sensor)
-    noise = load_cell * test.force.std() * np.random.default_rng(5).normal(size=test.force.size)
+    noise = load_cell * test.force.std() * np.random.default_rng(seed).normal(size=test.force.size)
     structure = Structure(frequency=3.8, damping_ratio=0.03, experimental_fraction=0.8)
     partition = Partition.from_structure(structure)
     channels = ChannelSpectra.from_channels(
@@ -101,8 +97,22 @@ def test_noise_makes_no_specimen_softer(sensor, load_cell, gain, delay):
         Circumstances(partition=partition, channels=channels, stated=stated_values, specimen_force=True),
         draws=128,
     )
-    # −0.041 and −0.021 if noise counts as softness
-    assert abs(posterior.means["experimental_fraction"]) < 0.01
+    return posterior.means["experimental_fraction"]
+
+
+@pytest.mark.parametrize(
+    "channels",
+    [
+        {"sensor": 0.03, "load_cell": 0.0, "gain": 0.98, "delay": 0.0015},
+        {"sensor": 0.001, "load_cell": 0.03, "gain": 1.002, "delay": 0.0003},
+    ],
+)
+@pytest.mark.default_cases(2)
+def test_noise_makes_no_specimen_softer(channels):
+    """Errors in variables: a softer specimen, or a larger scale of the load cell, shrinks residuals."""
+    softening = [_softening(seed=seed, **channels) for seed in range(4, 10)]
+    # −0.04 and −0.02 if noise counts as softness; one test is 0.01 uncertain
+    assert abs(np.mean(softening)) < 0.006
 
 
 def test_recorded_excitation_never_widens_the_interval(late_test):
@@ -234,6 +244,7 @@ def test_walkers_draw_where_no_approximation_holds(monkeypatch):
         update=lambda _: None,
         determinant=lambda _: 0.0,
         start=np.full(2, 0.1),
+        positive=np.zeros(2, dtype=bool),
     )
     fit.fit()
     draws = fit.draw(1024, seed=3)
@@ -247,12 +258,45 @@ def test_walkers_draw_where_no_approximation_holds(monkeypatch):
         assert np.std(draws.values[:, place]) == pytest.approx(deviation, rel=0.2)
 
 
+@pytest.mark.parametrize("told", [-1.0, 0.3])
+@pytest.mark.parametrize("enough", [0.5, np.inf])
+def test_parameters_that_cannot_be_negative_stay_positive(monkeypatch, told, enough):
+    """Two half-normal and one normal parameter, drawn at once and by steps, against sums over a grid."""
+    monkeypatch.setattr("reliab.assessment.inference.randomized_optimization._ENOUGH", enough)
+    deviation = 0.4
+    rows = np.array([[1.0, 1.0, 1.0], [1.0, -0.5, 0.0]])
+    fit = LeastSquares(
+        residuals=lambda z: (rows @ z - told) / deviation,
+        update=lambda _: None,
+        determinant=lambda _: 0.0,
+        start=np.zeros(3),
+        positive=np.array([True, False, True]),
+    )
+    fit.fit()
+    draws = fit.draw(4096, seed=3)
+    axis, half = np.linspace(-5.0, 5.0, 101), np.linspace(0.0, 4.0, 161)
+    worlds = np.stack(np.meshgrid(half, axis, half, indexing="ij"), axis=-1)
+    density = np.exp(-0.5 * (((worlds @ rows.T - told) / deviation) ** 2).sum(-1) - 0.5 * (worlds**2).sum(-1))
+    density[0], density[:, :, 0] = density[0] / 2.0, density[:, :, 0] / 2.0
+    for place in range(3):
+        mean = np.average(worlds[..., place], weights=density)
+        spread = np.sqrt(np.average((worlds[..., place] - mean) ** 2, weights=density))
+        drawn = draws.values[:, place]
+        drawn_mean = draws.weights @ drawn
+        assert drawn_mean == pytest.approx(mean, abs=0.05 * spread)
+        assert np.sqrt(draws.weights @ (drawn - drawn_mean) ** 2) == pytest.approx(spread, rel=0.05)
+    log_sum = np.log(density.sum() * (axis[1] - axis[0]) * (half[1] - half[0]) ** 2)
+    log_likelihood = -0.5 * np.sum(fit.residuals(fit.mode) ** 2)
+    assert log_likelihood + fit.log_volume + 1.5 * np.log(2.0 * np.pi) == pytest.approx(log_sum, abs=0.03)
+
+
 def test_worlds_without_finite_numbers_have_no_density():
     fit = LeastSquares(
         residuals=lambda z: np.array([math.expm1(z[0])]),
         update=lambda _: None,
         determinant=lambda z: float(np.log(z[0])),
         start=np.ones(1),
+        positive=np.zeros(1, dtype=bool),
     )
     assert np.isfinite(fit.log_density(np.ones(1)))
     assert fit.log_density(np.full(1, 1e4)) == -np.inf
