@@ -41,6 +41,7 @@ _PLACES = 64  # at which a power is smoothed
 _POINTS = 1500  # of the integral of the determinant
 _FARTHEST = 3.0  # standard deviations of the stated frequency, that an unrecorded ground motion may show
 _CONCENTRATION = 0.6  # of the power in three neighbouring frequencies: not broad-band
+_NARROWNESS = 0.85  # of the power at one time in two neighbouring frequencies: a sweep, not an earthquake
 _LARGEST_MISFIT = 0.3  # of the forces, that one ground acceleration may leave unexplained
 
 
@@ -294,7 +295,18 @@ class ImpliedGroundMotion(Evidence):
 
     def holds(self, experiment: Experiment) -> bool:
         """Whether the implied ground motion is that of an earthquake, which shows a frequency."""
-        return self.concentration(experiment) < _CONCENTRATION
+        is_harmonic = self.concentration(experiment) >= _CONCENTRATION
+        return not is_harmonic and self._narrowness(experiment) < _NARROWNESS
+
+    def _narrowness(self, experiment: Experiment) -> float:
+        """Share of the implied motion's power at one time that two neighbouring frequencies hold [-].
+
+        Close to one for a sweep, which passes all frequencies, but one after the other.
+        """
+        highest = _REACH_OF_GROUND * float(self.partition.natural_frequencies[0])
+        power = self.channels.cells(self.spectrum(experiment), highest)[0] ** 2
+        power = power / power.mean(axis=0) + _SINGULAR
+        return float(np.mean((power[:, :-1] + power[:, 1:]).max(axis=1) / power.sum(axis=1)))
 
     def concentration(self, experiment: Experiment) -> float:
         """Share of the implied motion's power that three neighbouring frequencies hold, whitened [-]."""

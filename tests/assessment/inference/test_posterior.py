@@ -132,14 +132,21 @@ def test_wrong_damping_ratio_conflicts_with_the_record(late_test):
     assert abs(infer(circumstances, draws=1).conflicts["damping_ratio"]) > 3.0
 
 
-def test_frequency_is_not_learned_from_a_harmonic_test():
+@pytest.mark.parametrize("last_frequency", [0.8, 2.5])
+def test_frequency_is_not_learned_from_a_harmonic_or_swept_test(last_frequency):
     time = np.arange(0.0, 40.0, STEP)
-    ground = np.sin(2.0 * np.pi * 0.8 * time) * np.minimum(time / 5.0, 1.0)
+    phase = 0.8 * time + (last_frequency - 0.8) * time**2 / 80.0
+    ground = np.sin(2.0 * np.pi * phase) * np.minimum(time / 5.0, 1.0)
     test = simulate(
         frequency=1.0, damping_ratio=0.03, delay=0.004, ground=ground, time_step=STEP, noise=0.002
     )
     posterior = infer(circumstances_of(test, f=1.0, xi=0.03, equipment=ordinary_equipment()), draws=1)
-    assert not any(isinstance(single, ImpliedGroundMotion) for single in posterior.evidence)
+    assert posterior.evidence == ()
+
+
+def test_frequency_is_learned_from_an_earthquake(late_test):
+    posterior = infer(circumstances_of(late_test, f=1.0, xi=0.03, equipment=ordinary_equipment()), draws=1)
+    assert isinstance(posterior.evidence[0], ImpliedGroundMotion)
 
 
 @pytest.mark.slow
