@@ -48,6 +48,8 @@ def _options(name: str, command: click.Command) -> Iterator[str]:
         if parameter.name != "help":
             metavar = getattr(parameter, "metavar", None) or ""
             text = _mark_options(" ".join((getattr(parameter, "help", None) or "").split()))
+            if parameter.default and "default" not in text:
+                text = f"{text.removesuffix('.')} (default {str(parameter.default).removesuffix('.0')})."
             is_option = parameter.param_type_name == "option"
             names = ", ".join(f"`{each}`" for each in parameter.opts) if is_option else f"`{metavar}`"
             value = f"`{metavar}`" if is_option and metavar else ""

@@ -152,7 +152,7 @@ class Diagnosis(ResultWithRows):
         from matplotlib import pyplot as plt
 
         plot = plt.subplots(figsize=(6.0, 3.0))[1] if axes is None else axes
-        names = [f"{block.block.block}: {block.gap.channel}" for block in self.blocks]
+        names = [f"{block.block.block}:\n{block.gap.channel}" for block in self.blocks]
         for shift, label in ((-0.2, "before"), (0.2, "after")):
             shares = [PERCENT * float(getattr(block.gap, label)) for block in self.blocks]
             plot.bar([place + shift for place in range(len(names))], shares, width=0.4, label=label)
@@ -172,7 +172,7 @@ class Diagnosis(ResultWithRows):
             rows[effect.name.replace("_", " ")] = (
                 f"probability {significant(effect.probability)}; {effect.parameters}"
             )
-        sizes = f"{significant(self.gap.before)} before, {significant(self.gap.after)} after"
+        sizes = f"{percent(self.gap.before, 2)} before, {percent(self.gap.after, 2)} after"
         rows[f"error on held-out tests, {self.gap.channel}"] = sizes
         return html_table(self.campaign.name, rows, self.remarks)
 
