@@ -39,10 +39,8 @@ def interval_html(content: Mapping[str, Any]) -> str:
     low, value, high = (float(size[end]) for end in ("low", "value", "high"))
     scale = (_WIDTH - 40.0) / (1.15 * max(high, threshold))
     ends = [20.0 + scale * number for number in (low, value, high, threshold)]
-    name, interval = (
-        ERROR_NAMES[Metric(content["metric"])].capitalize(),
-        percent_with_interval(value, low, high),
-    )
+    error_name = ERROR_NAMES[Metric(content["metric"])]
+    name, interval = error_name[0].upper() + error_name[1:], percent_with_interval(value, low, high)
     label = f"{name} {interval}; the threshold is {percent(threshold)}"
     return (
         f'<svg class="scale" viewBox="0 0 {_WIDTH:g} 66" role="img" aria-label="{escape(label)}">'
@@ -116,7 +114,7 @@ class VerdictView:
                 ),
                 html(
                     f'<div class="bar"><i style="flex-grow:{item["contribution"] / largest:.3f}"></i></div>'
-                    f"<small>±{percent(item['contribution'], decimals=decimals)} of the error</small>"
+                    f"<small>±{percent(item['contribution'], decimals=decimals)} in the error</small>"
                 ),
                 sizing_mode="stretch_width",
             )

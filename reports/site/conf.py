@@ -53,7 +53,7 @@ def _keep_options_whole(_app, _page, _template, context, _doctree) -> None:  # n
     """Let a command that wraps on a narrow screen break between words, not after the hyphens of an option."""
     context["body"] = re.sub(
         r'<div class="highlight-console.*?</pre>',
-        lambda block: re.sub(r"(?<=\s)--?[a-z][\w-]*", r'<span class="pre">\g<0></span>', block[0]),
+        lambda block: re.sub(r"(?<=[\s>])--?[a-z][\w-]*", r'<span class="pre">\g<0></span>', block[0]),
         context.get("body", ""),
         flags=re.DOTALL,
     )

@@ -21,6 +21,7 @@ from reliab.app.cli import run
 SLIDERS = ("frequency", "damping", "share", "threshold", "confidence")
 MOVES = 20
 PAUSE = 0.15
+_FRAME = 160  # pixels of the window around a page, and a margin
 
 
 def move_slider(page: Chrome, slider: str, part: float) -> float:
@@ -52,6 +53,11 @@ def main() -> None:
         print(f"first paint {first:.0f} ms, region drawn {ready:.0f} ms")
         time.sleep(4.0)
         if arguments.screenshot:
+            height = page.execute_script(
+                "return document.querySelector('footer').getBoundingClientRect().bottom"
+            )
+            page.set_window_size(1440, int(height) + _FRAME)
+            time.sleep(1.0)
             page.save_screenshot(str(arguments.screenshot))
         for slider in SLIDERS:
             times = []

@@ -15,7 +15,7 @@ const WRITTEN = {
   "frequency-deviation": (value) => percent(value),
   "damping-deviation": (value) => percent(value),
 };
-const METRICS = { rms: "RMS: root mean square over the peak response", mte: "MTE: largest error over the peak response" };
+const METRICS = { rms: "RMS error", mte: "largest error" };
 
 // Give the controls the ranges of the ellipses and the settings with which the page opens.
 export function prepareControls(ellipses, settings, changed) {

@@ -82,9 +82,9 @@ function keep() {
 
 function explain() {
   const { now, own } = state.drawn, [a, b] = own.lag, carried = carriedConfidence(new Set(ellipses.events).size);
-  const late = Math.sqrt(b).toPrecision(3), early = own.lead ? `, or ${Math.sqrt(own.lead[1]).toPrecision(3)} ms early` : "";
+  const late = Math.sqrt(b).toPrecision(2), early = own.lead ? `, or ${Math.sqrt(own.lead[1]).toPrecision(2)} ms early` : "";
   field("answer").textContent = a > 0
-    ? `Up to ${late} ms late${early}, or ${(100 * Math.sqrt(a)).toPrecision(3)} % of amplitude error, but not both at once.`
+    ? `Up to ${late} ms late${early}, or ${(100 * Math.sqrt(a)).toPrecision(2)} % of amplitude error, but not both at once.`
     : thresholdIsMeaningless(ellipses, now)
       ? "With this error limit, even an actuator that does not move would pass under more than one motion in twenty: choose a smaller limit."
       : `${new Set(ellipses.events).size} earthquakes support a confidence of at most ${(100 * carried).toFixed(1)} %: at the chosen one no test is accepted.`;
