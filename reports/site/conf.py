@@ -45,8 +45,11 @@ copybutton_prompt_text = "$ "
 
 
 def _name_functions(_app, _what, _name, _obj, _options, signature, returns):  # noqa: ANN001, ANN202
-    """Write a default that is a function by its name, not by where it lies in memory."""
-    return re.sub(r"<function (\w+) at 0x[0-9a-f]+>", r"\1", signature or "") or None, returns
+    """Write a default that is a function or a class by its name, not by where it lies."""
+    text = re.sub(
+        r"<(?:function|class) '?(?:[\w.<>]+\.)?(\w+|<lambda>)'?(?: at 0x[0-9a-f]+)?>", r"\1", signature or ""
+    )
+    return text or None, returns
 
 
 def _keep_options_whole(_app, _page, _template, context, _doctree) -> None:  # noqa: ANN001

@@ -61,14 +61,14 @@ def test_a_dropped_test_is_shown_and_judged_and_a_reload_loses_nothing(desk):
     assert "256 samples a second" in desk.text()
     desk.state_structure()
     desk.press("Judge this test")
-    desk.wait_for("99 % likely to be below 5 %")
+    desk.wait_for("98 % likely to be below 5 %")
     desk.wait_for("The whole report")
     desk.press("Scale of the displacement sensor")
     desk.wait_for("If you knew it exactly")
     assert "reliab assess test.csv --f '1±0.01' --xi '0.02±0.002'" in desk.text()
     assert desk.inaccessible() == {}
     desk.chrome.refresh()
-    desk.wait_for("99 % likely to be below 5 %")
+    desk.wait_for("98 % likely to be below 5 %")
     desk.wait_for("The whole report")
     assert {url.split("/")[2] for url in desk.requests() if url.startswith("http")} == {
         desk.address.split("/")[2]

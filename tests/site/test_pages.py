@@ -126,7 +126,7 @@ def test_site_is_built_without_a_warning(tmp_path):
 
     assert build_main(["-W", "--keep-going", "-q", "-b", "html", str(SITE), str(tmp_path / "site")]) == 0
     reference = (tmp_path / "site" / "reference" / "python.html").read_text(encoding="utf-8")
-    assert re.findall(r"&lt;(?:function|class|.* object at) ", reference) == []
+    assert re.findall(r"&lt;(?:function|class|.* object at)\b", reference) == []
 
 
 WORDS = (
