@@ -91,7 +91,7 @@ def test_a_diagnosis_is_a_table_and_two_bars_for_each_block():
     diagnosis = reliab.diagnose("rig_a")
     table = Cells(diagnosis._repr_html_())
     assert table.rows["verdict"] == "named"
-    assert table.rows["coulomb_friction"].startswith("probability 0.99")
+    assert table.rows["coulomb friction"].startswith("probability 0.99")
     assert repr(diagnosis) == "<Diagnosis of rig_a: named (coulomb_friction)>"
     assert len(diagnosis.plot().patches) == 2 * len(diagnosis.blocks)
 
@@ -169,3 +169,42 @@ def test_other_answers_show_themselves(kind, tmp_path):
     assert answer.summary().splitlines()
     assert answer._repr_html_().startswith("<table")
     assert len(answer.to_dataframe()) == 1
+
+
+DRAWN = {
+    "test": lambda: reliab.assess("sample_test", f=1, xi=0.02),
+    "recording": lambda: reliab.read_recording(shipped("datasets", "sample_test/test.csv")),
+    "record": lambda: reliab.record("sample_test"),
+    "suite": lambda: reliab.load_motions("synthetic")[:3],
+    "campaign": lambda: reliab.read_campaign("rig_a"),
+    "criterion": lambda: reliab.published_criterion("guo_2017_18"),
+    "design": lambda: reliab.design_test(f=[0.5, 1]),
+    "calibration": lambda: reliab.calibrate("sample_test"),
+    "studies": reliab.list_studies,
+    "rig": lambda: reliab.list_rig(shipped("datasets", "sample_rig")),
+}
+
+
+def labels_of(axes):
+    legend = axes.get_legend()
+    ticks = [
+        tick.label1
+        for axis in (axes.xaxis, axes.yaxis)
+        for tick in axis.get_major_ticks()
+        if axis.get_view_interval().min() <= tick.get_loc() <= axis.get_view_interval().max()
+    ]
+    texts = [] if legend is None else legend.get_texts()
+    return [axes.title, axes.xaxis.label, axes.yaxis.label, *ticks, *texts]
+
+
+@pytest.mark.parametrize("name", DRAWN)
+def test_no_label_of_a_figure_is_cut(name):
+    axes = DRAWN[name]().plot()
+    canvas = axes.figure.canvas
+    canvas.draw()
+    width, height = canvas.get_width_height()
+    for label in labels_of(axes):
+        if label.get_text():
+            box = label.get_window_extent(canvas.get_renderer())
+            assert -1 <= box.x0 <= box.x1 <= width + 1, label
+            assert -1 <= box.y0 <= box.y1 <= height + 1, label

@@ -163,7 +163,7 @@ class JudgedTest(PlainResult):
         """
         from matplotlib import pyplot as plt
 
-        figure_axes = plt.subplots(figsize=(8.0, 3.0))[1] if axes is None else axes
+        figure_axes = plt.subplots(figsize=(8.0, 3.0), layout="constrained")[1] if axes is None else axes
         displacement = max(self.error.displacements, key=lambda degree: degree.estimate(self.metric).value)
         time = np.arange(displacement.error.size) * self.recording.time_step
         bound = MILLI * self.threshold * float(np.abs(displacement.reference).max())

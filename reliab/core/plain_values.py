@@ -164,12 +164,12 @@ class ResultWithRows(PlainResult):
         """
         from matplotlib import pyplot as plt
 
-        plot_axes = axes if axes is not None else plt.figure().gca()
+        plot_axes = axes if axes is not None else plt.figure(layout="constrained").gca()
         table = self.to_dataframe()
         x_column, y_column = self.plot_columns
-        numbers = table.select_dtypes("number").columns
-        plot_axes.plot(table[x_column] if x_column else table.index, table[y_column or numbers[0]], "o")
-        plot_axes.set(xlabel=x_column or "row", ylabel=y_column or numbers[0])
+        y_column = y_column or [*table.select_dtypes("number").columns, *table.columns][0]
+        plot_axes.plot(table[x_column] if x_column else table.index, table[y_column], "o")
+        plot_axes.set(xlabel=x_column or "row", ylabel=y_column)
         return plot_axes
 
 

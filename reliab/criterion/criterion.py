@@ -193,7 +193,7 @@ class Criterion:
             )
         return probability
 
-    def plot(self, frequency: float, damping_ratio: float, axes: "Axes | None" = None) -> "Axes":
+    def plot(self, frequency: float = 1.0, damping_ratio: float = 0.02, axes: "Axes | None" = None) -> "Axes":
         """Draw the tolerable region of a structure [Hz, -]; returns its axes."""
         sides = tuple(Side) if self.knows_leads else (Side.LAG,)
         pairs = {side: self.limits(frequency, damping_ratio, side) for side in sides}
@@ -374,7 +374,7 @@ def draw_region(limits: Mapping[Side, tuple[float, float]], axes: "Axes | None" 
     """
     from matplotlib import pyplot as plt
 
-    plot_axes = plt.subplots()[1] if axes is None else axes
+    plot_axes = plt.subplots(layout="constrained")[1] if axes is None else axes
     turn = np.linspace(0.0, np.pi, 181)
     for side, (a, b) in limits.items():
         name, sign = ("late", 1.0) if side is Side.LAG else ("early", -1.0)

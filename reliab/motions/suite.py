@@ -144,7 +144,7 @@ class MotionSuite(Sequence[Motion], ResultWithRows):
         """
         from matplotlib import pyplot as plt
 
-        drawn = axes if axes is not None else plt.figure().gca()
+        drawn = axes if axes is not None else plt.figure(layout="constrained").gca()
         points = [(motion.duration, motion.peak_acceleration) for motion in self]
         drawn.plot(*zip(*points, strict=True), "o")
         drawn.set(xlabel="duration [s]", ylabel="peak ground acceleration [m/s²]")

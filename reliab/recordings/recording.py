@@ -210,7 +210,7 @@ class Recording(PlainResult):
         """
         from matplotlib import pyplot as plt
 
-        drawn = plt.subplots(figsize=(8.0, 3.0))[1] if axes is None else axes
+        drawn = plt.subplots(figsize=(8.0, 3.0), layout="constrained")[1] if axes is None else axes
         time = np.arange(self.command.size) * self.time_step
         for name in ("command", "measured"):
             drawn.plot(time, getattr(self, name), linewidth=0.8, label=name)

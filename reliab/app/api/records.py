@@ -53,7 +53,7 @@ class Record(PlainResult):
         """Draw the channels over time [s], in SI units."""
         from matplotlib import pyplot as plt
 
-        plot_axes = plt.subplots(figsize=(8.0, 3.0))[1] if axes is None else axes
+        plot_axes = plt.subplots(figsize=(8.0, 3.0), layout="constrained")[1] if axes is None else axes
         for name, values in self.histories.values.items():
             plot_axes.plot(
                 np.arange(values.size) * self.histories.time_step, values, linewidth=0.8, label=str(name)

@@ -160,7 +160,7 @@ class Campaign(ResultWithRows):
         """
         from matplotlib import pyplot as plt
 
-        drawn = plt.subplots(figsize=(8.0, 3.0))[1] if axes is None else axes
+        drawn = plt.subplots(figsize=(8.0, 3.0), layout="constrained")[1] if axes is None else axes
         for test in self.tests:
             channel = Channel.MEASURED if Channel.MEASURED in test.channels else next(iter(test.channels))
             drawn.plot(

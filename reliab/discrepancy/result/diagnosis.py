@@ -151,7 +151,7 @@ class Diagnosis(ResultWithRows):
         """Draw the error on held-out tests before and after; returns its axes."""
         from matplotlib import pyplot as plt
 
-        plot = plt.subplots(figsize=(6.0, 3.0))[1] if axes is None else axes
+        plot = plt.subplots(figsize=(6.0, 3.0), layout="constrained")[1] if axes is None else axes
         names = [f"{block.block.block}:\n{block.gap.channel}" for block in self.blocks]
         for shift, label in ((-0.2, "before"), (0.2, "after")):
             shares = [PERCENT * float(getattr(block.gap, label)) for block in self.blocks]
