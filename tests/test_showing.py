@@ -1,9 +1,11 @@
 """Results show themselves in a notebook: tables that escape what they hold, and plots that return axes."""
 
 import inspect
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -171,7 +173,7 @@ def test_other_answers_show_themselves(kind, tmp_path):
     assert len(answer.to_dataframe()) == 1
 
 
-DRAWN = {
+DRAWN: Mapping[str, Callable[[], Any]] = {
     "test": lambda: reliab.assess("sample_test", f=1, xi=0.02),
     "recording": lambda: reliab.read_recording(shipped("datasets", "sample_test/test.csv")),
     "record": lambda: reliab.record("sample_test"),

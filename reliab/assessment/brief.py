@@ -27,7 +27,9 @@ def headline(content: Mapping[str, Any]) -> str:
     name = f"{ERROR_NAMES[metric]}{_governing_suffix(error)}"
     sentence = error_in_words(name, size, content["threshold"], content["probability"])
     budget, is_single_reason = content.get("budget", []), len(content["reasons"]) == 1
-    if content["verdict"] == Word.UNDECIDED and is_single_reason and budget:
+    if content["verdict"] == Word.UNDECIDED and not is_single_reason:
+        sentence += "; not to be relied on for these reasons:"
+    elif content["verdict"] == Word.UNDECIDED and budget:
         sentence += f"; least known: {budget[0]['quantity']}"
     return f"{word}: {sentence}"
 
