@@ -297,7 +297,8 @@ def _weigh(
     Nearly any effect explains some of such an error. One has a name only if it is in most models by their
     probability, and takes off more of the energy than the effects that have a name leave together: beside
     other effects in its place, too, and without those that only refine. The main one does so by itself, or
-    something of its kind acts.
+    something of its kind acts. An effect that matters beside a term outside the library alone makes up for
+    the shape of that term.
     """
     kinds = best.fit.space.effects
     if not isinstance(search, ErrorSearch) or not kinds:
@@ -306,6 +307,9 @@ def _weigh(
     likely = {kind: probability(rows, kind) >= _LIKELY for kind in kinds}
     main = max(kinds, key=lambda kind: (not is_general(kind), likely[kind], errors_without[kind]))
     named, model = [*kinds], best
+    for kind in _complements(search, rows, best, proof) - {main}:
+        named.remove(kind)
+        model = _remove_effect(search, rows, model, kind, proof)
     while len(named) > 1:
         others = [kind for kind in named if kind is not main]
         rivals = {kind: _error_of_rivals(search, rows, model, kind, proof) for kind in others}
@@ -317,6 +321,24 @@ def _weigh(
     without_main = _remove_effect(search, rows, model, main, proof).held_out
     weak = set() if explains_more_than_left(without_main, model.held_out) else {main}
     return {kind: error for kind, error in errors_without.items() if kind not in named}, weak
+
+
+def _complements(
+    search: Search, rows: Sequence[RankedModel], best: RankedModel, proof: Problem
+) -> set[type[Effect]]:
+    """Find effects of the library that change nothing without the terms beside them that are outside it."""
+    plain, library = best, {kind for kind in best.fit.space.effects if not is_general(kind)}
+    for term in set(best.fit.space.effects) - library:
+        plain = _remove_effect(search, rows, plain, term, proof)
+    if plain is best:
+        return set()
+    most = (1.0 + NO_CHANGE) * plain.held_out
+    return {
+        kind
+        for kind in library
+        if kind not in plain.fit.space.effects
+        or _remove_effect(search, rows, plain, kind, proof).held_out <= most
+    }
 
 
 def _error_of_rivals(
