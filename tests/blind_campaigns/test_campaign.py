@@ -41,7 +41,7 @@ LIBRARY = {
 
 
 @pytest.fixture(scope="module")
-def damped(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Label]:
+def damped_campaign(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Label]:
     """A fully observed campaign with viscous damping in white noise."""
     folder = tmp_path_factory.mktemp("damped") / "campaign"
     options = Options(
@@ -74,8 +74,8 @@ def test_registry_holds_the_contracts_names_and_at_least_eight_others() -> None:
 
 
 @pytest.mark.slow
-def test_folder_is_in_the_contracts_format(damped: tuple[Path, Label]) -> None:
-    folder, label = damped
+def test_folder_is_in_the_contracts_format(damped_campaign: tuple[Path, Label]) -> None:
+    folder, label = damped_campaign
     campaign = tomllib.loads((folder / "campaign.toml").read_text(encoding="utf-8"))
     assert {"name", "structure", "actuator", "sampling", "tests"} <= set(campaign)
     assert [test["file"] for test in campaign["tests"]] == [test["file"] for test in label.tests]
@@ -87,8 +87,10 @@ def test_folder_is_in_the_contracts_format(damped: tuple[Path, Label]) -> None:
 
 
 @pytest.mark.slow
-def test_labels_never_stand_in_the_campaigns_folder(damped: tuple[Path, Label], tmp_path: Path) -> None:
-    folder, label = damped
+def test_labels_never_stand_in_the_campaigns_folder(
+    damped_campaign: tuple[Path, Label], tmp_path: Path
+) -> None:
+    folder, label = damped_campaign
     assert {path.suffix for path in folder.iterdir()} == {".toml", ".csv"}
     text = (folder / "campaign.toml").read_text(encoding="utf-8")
     assert not any(name in text for name in registry())
@@ -112,8 +114,8 @@ def test_same_seed_writes_the_same_bytes(tmp_path: Path) -> None:
         ).read_bytes()
 
 
-def test_command_is_exact_and_noise_is_as_labelled(damped: tuple[Path, Label]) -> None:
-    folder, label = damped
+def test_command_is_exact_and_noise_is_as_labelled(damped_campaign: tuple[Path, Label]) -> None:
+    folder, label = damped_campaign
     damping = label.effects[0]["parameters"]["damping_n_s_per_m"]["value"]
     true = true_rig(label)
     specimen = replace(true.specimen, damping_n_s_per_m=true.specimen.damping_n_s_per_m + damping)
@@ -128,8 +130,8 @@ def test_command_is_exact_and_noise_is_as_labelled(damped: tuple[Path, Label]) -
         assert error == pytest.approx(label.noise["rms"][name], rel=0.02)
 
 
-def test_labelled_ratio_is_seen_in_the_files(damped: tuple[Path, Label]) -> None:
-    folder, label = damped
+def test_labelled_ratio_is_seen_in_the_files(damped_campaign: tuple[Path, Label]) -> None:
+    folder, label = damped_campaign
     residual, count = 0.0, 0
     for test in label.tests:
         if test["held_out"]:
@@ -137,12 +139,12 @@ def test_labelled_ratio_is_seen_in_the_files(damped: tuple[Path, Label]) -> None
         table = columns(folder, test["file"])
         run = simulate_prescribed(true_rig(label), table["command_m"], rate_hz=label.rate_hz)
         basis = np.stack([run.piston, np.ones(run.piston.size)], axis=1)
-        other = table["force_n"] - run.force
-        left = other - basis @ np.linalg.lstsq(basis, other, rcond=None)[0]
-        residual, count = residual + left @ left, count + left.size
+        residual_force = table["force_n"] - run.force
+        remainder = residual_force - basis @ np.linalg.lstsq(basis, residual_force, rcond=None)[0]
+        residual, count = residual + remainder @ remainder, count + remainder.size
     noise = label.noise["rms"]["force_n"]
-    seen = 10 * np.log10((residual / count - noise**2) / noise**2)
-    assert seen == pytest.approx(label.effects[0]["effect_to_noise_db"], abs=0.7)
+    seen_db = 10 * np.log10((residual / count - noise**2) / noise**2)
+    assert seen_db == pytest.approx(label.effects[0]["effect_to_noise_db"], abs=0.7)
 
 
 @pytest.mark.slow

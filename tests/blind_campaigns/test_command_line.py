@@ -6,13 +6,13 @@ from blind_campaigns import command_line
 
 
 @pytest.mark.slow
-def test_a_seed_that_cannot_be_drawn_is_skipped_and_said(tmp_path, monkeypatch, capsys):
-    drawn = command_line.generate
+def test_undrawable_seed_is_skipped_and_said(tmp_path, monkeypatch, capsys):
+    draw = command_line.generate
 
     def sometimes(seed, folder, *, options):
         if seed % 2 == 0:
             raise RuntimeError("no laboratory could show it")
-        return drawn(seed, folder, options=options)
+        return draw(seed, folder, options=options)
 
     monkeypatch.setattr(command_line, "generate", sometimes)
     arguments = ["--seed", "0", "--count", "2", "--kind", "none", "--observation", "specimen_only"]

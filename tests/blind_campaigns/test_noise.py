@@ -46,6 +46,6 @@ def test_quantised_values_are_whole_steps() -> None:
 def test_expected_spectrum_is_the_periodograms_mean() -> None:
     noise = Noise(kind="mixture", shares={"white": 0.3, "coloured": 0.7})
     power = np.abs(np.fft.rfft(noise_error(noise, 0.1))) ** 2 / COUNT
-    expected = expected_spectrum(noise, 0.1, np.linspace(0, np.pi, power.size))
+    reference = expected_spectrum(noise, 0.1, np.linspace(0, np.pi, power.size))
     for part in np.array_split(np.arange(1, power.size), 6):
-        assert power[part].mean() == pytest.approx(expected[part].mean(), rel=0.1)
+        assert power[part].mean() == pytest.approx(reference[part].mean(), rel=0.1)

@@ -44,9 +44,11 @@ def open_loop(*effects: Effect, specimen: Specimen | None = None, wave: np.ndarr
     waves = (
         [0.02 * multisine(rng, duration_s=20.0, rate_hz=RATE) for _ in range(2)] if wave is None else [wave]
     )
-    observed = Observation.ACTUATOR_ONLY if specimen is None else Observation.SPECIMEN_ONLY
+    observation = Observation.ACTUATOR_ONLY if specimen is None else Observation.SPECIMEN_ONLY
     return case(
-        Rig(actuator=Actuator(gain=0.98, delay_s=0.01), specimen=specimen, effects=effects), observed, waves
+        Rig(actuator=Actuator(gain=0.98, delay_s=0.01), specimen=specimen, effects=effects),
+        observation,
+        waves,
     )
 
 
@@ -66,14 +68,14 @@ def test_offsets_are_held_against_the_noise_as_they_are() -> None:
 
 def test_damping_is_held_against_the_noise_after_the_spring_is_refitted() -> None:
     viscous = open_loop(effect("viscous_damping", damping_n_s_per_m=5e3), specimen=SPRING, wave=long_sine())
-    expected = 5e3 * 0.98 * 0.01 * 2 * np.pi / np.sqrt(2) / 10.0
-    assert ratio(viscous) == pytest.approx(decibels(expected), abs=0.05)
+    reference = 5e3 * 0.98 * 0.01 * 2 * np.pi / np.sqrt(2) / 10.0
+    assert ratio(viscous) == pytest.approx(decibels(reference), abs=0.05)
 
 
 def test_cubic_stiffness_keeps_only_its_third_harmonic_under_a_sine() -> None:
     cubic = open_loop(effect("cubic_stiffness", cubic_n_per_m3=1e10), specimen=SPRING, wave=long_sine())
-    expected = 1e10 * 0.0098**3 / 4 / np.sqrt(2) / 10.0
-    assert ratio(cubic) == pytest.approx(decibels(expected), abs=0.05)
+    reference = 1e10 * 0.0098**3 / 4 / np.sqrt(2) / 10.0
+    assert ratio(cubic) == pytest.approx(decibels(reference), abs=0.05)
 
 
 def test_inertia_is_nothing_but_stiffness_under_a_sine() -> None:
@@ -97,8 +99,8 @@ def test_pure_delay_and_gain_leave_nothing() -> None:
         0.97 * np.interp(np.arange(p.size) / RATE - 0.003, np.arange(p.size) / RATE, p)
         for p in change.without
     ]
-    moved = replace(change, with_effect=late)
-    assert root_mean_square(calibrated_residual(moved)) < 1e-3 * root_mean_square(late)
+    late_change = replace(change, with_effect=late)
+    assert root_mean_square(calibrated_residual(late_change)) < 1e-3 * root_mean_square(late)
 
 
 def test_quadratic_damping_minus_viscous_is_its_harmonics() -> None:
@@ -134,14 +136,14 @@ def test_a_servo_is_told_from_a_lag_but_a_lag_is_nearly_a_servo() -> None:
     assert root_mean_square(rivals["backlash"]) > 0.8 * root_mean_square(plain)
 
 
-def test_balance_of_forces_holds_what_the_excitation_lacks() -> None:
+def test_balance_of_forces_holds_the_missing_excitation() -> None:
     structure = Structure(frequency_hz=1.0, damping_ratio=0.05, mass_kg=100.0)
     spring = Specimen(stiffness_n_per_m=structure.own_spring)
     ground = synthetic_accelerogram(np.random.default_rng(2), duration_s=20.0, rate_hz=RATE)
     louder = Rig(structure=structure, specimen=spring, effects=(effect("excitation_scale", scale=1.25),))
     loud = case(louder, Observation.FULL, [ground])
-    expected = 0.25 * 100.0 * root_mean_square([ground]) / 10.0
-    assert ratio(loud) == pytest.approx(decibels(expected), abs=0.1)
+    reference = 0.25 * 100.0 * root_mean_square([ground]) / 10.0
+    assert ratio(loud) == pytest.approx(decibels(reference), abs=0.1)
 
 
 def test_exact_integration_balances_and_a_coarse_one_does_not() -> None:
@@ -166,12 +168,12 @@ def test_one_channel_refit_finds_calibration_again() -> None:
     ground = 0.5 * synthetic_accelerogram(np.random.default_rng(2), duration_s=20.0, rate_hz=RATE)
     louder = effect("excitation_scale", scale=1.05)
     oscillator = Rig(structure=structure, specimen=spring, effects=(louder,))
-    left = loop_residual(case(oscillator, Observation.ONE_CHANNEL_OSCILLATOR, [ground]), louder)
-    assert root_mean_square(left) < 1e-6
+    remainder = loop_residual(case(oscillator, Observation.ONE_CHANNEL_OSCILLATOR, [ground]), louder)
+    assert root_mean_square(remainder) < 1e-6
     damper = effect("viscous_damping", damping_n_s_per_m=0.02 * 2 * structure.omega)
-    damped = Rig(structure=structure, specimen=spring, effects=(damper,))
-    left = loop_residual(case(damped, Observation.ONE_CHANNEL_OSCILLATOR, [ground]), damper)
-    assert root_mean_square(left) > 1e-4
+    damped_rig = Rig(structure=structure, specimen=spring, effects=(damper,))
+    remainder = loop_residual(case(damped_rig, Observation.ONE_CHANNEL_OSCILLATOR, [ground]), damper)
+    assert root_mean_square(remainder) > 1e-4
 
 
 def test_nats_of_a_residual_in_white_noise_are_half_its_energy() -> None:

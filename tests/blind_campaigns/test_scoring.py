@@ -14,7 +14,7 @@ from blind_campaigns.scoring import coverage, main, reliability, score, table, w
 NAMES = {"gap": {"gap_m": {"name": "width_m", "factor": 2.0}}, "hysteresis": {"beta": False}}
 
 
-def label(kind: str, *names: str, number: int = 0, twins: tuple[str, ...] = (), **others: Any) -> Label:
+def label(kind: str, *names: str, number: int = 0, twins: tuple[str, ...] = (), **remaining: Any) -> Label:
     effects = [
         {
             "name": name, "parameters": {"gap_m": {"value": 2.0, "units": "m"}}, "effect_to_noise_db": 5.0,
@@ -30,22 +30,24 @@ def label(kind: str, *names: str, number: int = 0, twins: tuple[str, ...] = (), 
     return Label(
         campaign=f"{kind}_{number}", seed=number, kind=kind, verdict=verdicts.get(kind, "named"),
         observation="full", effects=effects, calibration={}, structure=None, specimen=None,
-        noise={"kind": "white", "snr_db": 35.0}, tests=[], rate_hz=1024.0, **others,
+        noise={"kind": "white", "snr_db": 35.0}, tests=[], rate_hz=1024.0, **remaining,
     )  # fmt: skip
 
 
-def answer(verdict: str, *names: str, **others: Any) -> dict[str, Any]:
+def answer(verdict: str, *names: str, **remaining: Any) -> dict[str, Any]:
     effects = [
         {"name": name, "probability": 0.9, "parameters": {"width_m": {"value": 4.1, "sd": 0.1}}, "rivals": []}
         for name in names
     ]
-    return {"verdict": verdict, "effects": effects, "where": [], **others}
+    return {"verdict": verdict, "effects": effects, "where": [], **remaining}
 
 
-def perfect(one: Label) -> Outcome:
-    effects = sorted(one.names) if one.verdict == "named" else []
-    result = answer(one.verdict, *effects, gap={"closed_fraction": 0.995}, unknown={"expression": "x^2 v"})
-    return Outcome(label=one, result=result)
+def perfect(label_of_case: Label) -> Outcome:
+    effects = sorted(label_of_case.names) if label_of_case.verdict == "named" else []
+    result = answer(
+        label_of_case.verdict, *effects, gap={"closed_fraction": 0.995}, unknown={"expression": "x^2 v"}
+    )
+    return Outcome(label=label_of_case, result=result)
 
 
 LABELS = [
@@ -61,7 +63,7 @@ LABELS = [
 
 
 def test_a_perfect_product_reaches_every_target() -> None:
-    figures = score([perfect(one) for one in LABELS], NAMES)
+    figures = score([perfect(label_of_case) for label_of_case in LABELS], NAMES)
     assert all(figure["reached"] for figure in figures["rates"].values() if figure["target"] is not None)
     assert figures["closed_fraction"]["reached"]
     assert figures["failures"] == []
@@ -69,17 +71,17 @@ def test_a_perfect_product_reaches_every_target() -> None:
 
 
 def test_a_careless_product_reaches_none() -> None:
-    figures = score([Outcome(label=one, result=answer("named", "backlash")) for one in LABELS], NAMES)[
-        "rates"
-    ]
-    missed = {
+    figures = score(
+        [Outcome(label=label_of_case, result=answer("named", "backlash")) for label_of_case in LABELS], NAMES
+    )["rates"]
+    missed_targets = {
         name for name, figure in figures.items() if figure["target"] is not None and not figure["reached"]
     }
-    assert missed == set(figures) - {"answered", "faint called unknown", "faint named right"}
+    assert missed_targets == set(figures) - {"answered", "faint called unknown", "faint named right"}
 
 
 def test_missing_answers_count_as_failures() -> None:
-    figures = score([Outcome(label=one, result=None) for one in LABELS], NAMES)
+    figures = score([Outcome(label=label_of_case, result=None) for label_of_case in LABELS], NAMES)
     assert figures["rates"]["single named right, alone"]["share"] == 0.0
     assert len(figures["failures"]) == len(LABELS)
 
@@ -126,10 +128,10 @@ def test_wilson_interval_is_the_textbooks() -> None:
 def test_command_line_reads_labels_and_results(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for folder in ("labels", "results"):
         (tmp_path / folder).mkdir()
-    for one in LABELS:
-        write_label(one, tmp_path / "labels")
-        (tmp_path / "results" / f"{one.campaign}.json").write_text(
-            json.dumps(perfect(one).result), encoding="utf-8"
+    for label_of_case in LABELS:
+        write_label(label_of_case, tmp_path / "labels")
+        (tmp_path / "results" / f"{label_of_case.campaign}.json").write_text(
+            json.dumps(perfect(label_of_case).result), encoding="utf-8"
         )
     main([str(tmp_path / "labels"), str(tmp_path / "results"), "--json", str(tmp_path / "figures.json")])
     assert "13 campaigns" in capsys.readouterr().out
@@ -144,21 +146,23 @@ def test_shipped_translation_is_readable() -> None:
     assert all(set(entries) <= set(registry()[effect].units) for effect, entries in names.items())
 
 
-def test_an_offset_that_was_added_to_the_force_is_no_false_name() -> None:
-    told = answer("named", "gap", "force_bias", changed=["force_offset"])
-    assert Outcome(label=label("single", "gap"), result=told).exact
-    assert not Outcome(label=label("single", "gap"), result={**told, "changed": []}).exact
-
-
-@pytest.mark.parametrize(("misstated", "told"), [(["structure_mass", "stiffness"], 1), (["stiffness"], 0)])
-def test_a_structure_that_is_stated_wrongly_is_told_by_the_calibrated_value(misstated, told) -> None:
-    result = answer("no_missing_effect", changed=["mass"], misstated=misstated)
-    figures = score([Outcome(label=label("none"), result=result)], NAMES)
-    assert figures["rates"]["f, xi or mass stated wrongly, told"]["count"] == told
+def test_added_force_offset_is_no_false_name() -> None:
+    result = answer("named", "gap", "force_bias", changed=["force_offset"])
+    assert Outcome(label=label("single", "gap"), result=result).exact
+    assert not Outcome(label=label("single", "gap"), result={**result, "changed": []}).exact
 
 
 @pytest.mark.parametrize(
-    ("changed", "observation", "share", "asked"),
+    ("misstated", "told_count"), [(["structure_mass", "stiffness"], 1), (["stiffness"], 0)]
+)
+def test_wrong_structure_is_told_by_the_calibrated_value(misstated, told_count) -> None:
+    result = answer("no_missing_effect", changed=["mass"], misstated=misstated)
+    figures = score([Outcome(label=label("none"), result=result)], NAMES)
+    assert figures["rates"]["f, xi or mass stated wrongly, told"]["count"] == told_count
+
+
+@pytest.mark.parametrize(
+    ("change", "observation", "share", "wrong_values"),
     [
         ("frequency", "full", 0.5, {"structure_frequency"}),
         ("frequency", "full", 1.0, {"stiffness"}),
@@ -169,23 +173,27 @@ def test_a_structure_that_is_stated_wrongly_is_told_by_the_calibrated_value(miss
         ("frequency", "specimen_only", 1.0, set()),
     ],
 )
-def test_what_is_stated_wrongly_is_asked_for_where_the_channels_show_it(changed, observation, share, asked):
-    one = replace(label("none"), observation=observation, structure={"experimental_fraction": share})
-    silent = Outcome(label=one, result=answer("no_missing_effect", changed=[changed], misstated=[]))
-    assert silent.wrongly_stated == asked
-    assert silent.told is (not asked)
-    told = Outcome(label=one, result=answer("no_missing_effect", changed=[changed], misstated=[*asked]))
-    assert told.told
+def test_wrong_value_is_asked_for_only_if_the_channels_show_it(change, observation, share, wrong_values):
+    label_of_case = replace(
+        label("none"), observation=observation, structure={"experimental_fraction": share}
+    )
+    silent = Outcome(label=label_of_case, result=answer("no_missing_effect", changed=[change], misstated=[]))
+    assert silent.wrongly_stated == wrong_values
+    assert silent.told is (not wrong_values)
+    outcome = Outcome(
+        label=label_of_case, result=answer("no_missing_effect", changed=[change], misstated=[*wrong_values])
+    )
+    assert outcome.told
 
 
-def test_a_mass_that_no_table_states_is_not_stated_wrongly() -> None:
-    per_mass = replace(label("none"), structure={"experimental_fraction": 1.0, "mass_kg": None})
-    assert not Outcome(label=per_mass, result=answer("named", changed=["mass"])).wrongly_stated
+def test_unstated_mass_is_not_stated_wrongly() -> None:
+    label_without_mass = replace(label("none"), structure={"experimental_fraction": 1.0, "mass_kg": None})
+    assert not Outcome(label=label_without_mass, result=answer("named", changed=["mass"])).wrongly_stated
 
 
-@pytest.mark.parametrize(("verdict", "told"), [("not_identifiable", True), ("named", False)])
-def test_one_of_two_dampings_that_no_data_tell_apart_is_told_where_both_are_said(verdict, told):
-    one = replace(label("none"), observation="one_channel_oscillator", structure={})
+@pytest.mark.parametrize(("verdict", "is_told"), [("not_identifiable", True), ("named", False)])
+def test_inseparable_dampings_are_told_by_naming_both(verdict, is_told):
+    label_of_case = replace(label("none"), observation="one_channel_oscillator", structure={})
     result = answer(verdict, "viscous_damping", changed=["damping"], misstated=[])
     result["effects"][0]["rivals"] = [{"name": "structure_damping"}]
-    assert Outcome(label=one, result=result).told is told
+    assert Outcome(label=label_of_case, result=result).told is is_told

@@ -65,8 +65,10 @@ def test_step_response_is_the_damped_oscillators() -> None:
     response = simulate_loop(rig(), np.ones(5 * 1024 + 1), rate_hz=RATE)
     time = np.arange(response.command.size) / RATE
     omega, damping = STRUCTURE.omega, STRUCTURE.damping_ratio
-    damped = omega * np.sqrt(1 - damping**2)
-    wave = np.cos(damped * time) + damping * omega / damped * np.sin(damped * time)
+    damped_frequency = omega * np.sqrt(1 - damping**2)
+    wave = np.cos(damped_frequency * time) + damping * omega / damped_frequency * np.sin(
+        damped_frequency * time
+    )
     exact = -(1.0 - np.exp(-damping * omega * time) * wave) / omega**2
     assert np.abs(response.command - exact).max() < 1e-11
 
@@ -84,8 +86,8 @@ def test_steady_state_of_the_delayed_loop_is_its_transfer_function(
     stiffness = omega**2 * (1 - fraction + fraction * gain * np.exp(-s * delay_s))
     exact = -1.0 / (s**2 + 2 * structure.damping_ratio * omega * s + stiffness)
     assert abs(phasor(response.command, frequency_hz, 8) - exact) < 2e-5 * abs(exact)
-    measured = exact * gain * np.exp(-s * delay_s)
-    assert abs(phasor(response.piston, frequency_hz, 8) - measured) < 2e-5 * abs(exact)
+    response_at_s = exact * gain * np.exp(-s * delay_s)
+    assert abs(phasor(response.piston, frequency_hz, 8) - response_at_s) < 2e-5 * abs(exact)
 
 
 def test_inertia_on_a_rig_without_delay_adds_to_the_mass() -> None:
@@ -102,8 +104,8 @@ def test_a_mass_on_an_oscillator_is_another_spring_damper_and_excitation() -> No
     ratio = mass / (mass + 20.0)
     ground = pulse(12.0)
     heavier = simulate_loop(rig(effect("added_mass", mass_kg=20.0)), ground, rate_hz=RATE)
-    lost = -(1.0 - ratio) * 2.0 * STRUCTURE.damping_ratio * STRUCTURE.omega * mass
-    viscous = effect("viscous_damping", damping_n_s_per_m=lost)
+    loss = -(1.0 - ratio) * 2.0 * STRUCTURE.damping_ratio * STRUCTURE.omega * mass
+    viscous = effect("viscous_damping", damping_n_s_per_m=loss)
     stiff = 1.0 - (1.0 - ratio) / STRUCTURE.experimental_fraction  # of the specimen's spring
     softer = replace(
         rig(viscous),
@@ -137,8 +139,8 @@ def test_coulomb_friction_takes_the_same_step_from_every_half_cycle() -> None:
 def test_power_law_damping_of_exponent_one_is_viscous() -> None:
     law = effect("power_law_damping", coefficient=15.0, exponent=1.0)
     viscous = effect("viscous_damping", damping_n_s_per_m=15.0)
-    one, other = (simulate_loop(rig(e), pulse(5.0), rate_hz=RATE).command for e in (law, viscous))
-    assert np.abs(one - other).max() < 1e-12
+    power_law, second = (simulate_loop(rig(e), pulse(5.0), rate_hz=RATE).command for e in (law, viscous))
+    assert np.abs(power_law - second).max() < 1e-12
 
 
 def test_hysteresis_is_bounded_and_starts_at_its_elastic_slope() -> None:
@@ -156,8 +158,8 @@ def test_hysteresis_is_bounded_and_starts_at_its_elastic_slope() -> None:
 def test_gap_carries_no_force_inside_and_the_springs_outside() -> None:
     slack = Rig(specimen=Specimen(stiffness_n_per_m=1e4), effects=(effect("gap", gap_m=2e-3),))
     response = simulate_prescribed(slack, sine(0.5, 4.0, amplitude=0.01), rate_hz=RATE)
-    expected = 1e4 * np.sign(response.piston) * np.maximum(np.abs(response.piston) - 2e-3, 0.0)
-    assert response.force == pytest.approx(expected, abs=1e-9)
+    reference = 1e4 * np.sign(response.piston) * np.maximum(np.abs(response.piston) - 2e-3, 0.0)
+    assert response.force == pytest.approx(reference, abs=1e-9)
 
 
 def test_actuator_dynamics_are_their_transfer_functions() -> None:
@@ -194,16 +196,16 @@ def test_drifting_delay_reads_the_command_ever_later() -> None:
 
 def test_limits_of_the_actuator_hold() -> None:
     command = sine(1.0, 6.0, amplitude=0.1)
-    limited = Rig(effects=(effect("rate_limit", velocity_limit_m_per_s=0.4),))
-    moved = np.diff(simulate_prescribed(limited, command, rate_hz=RATE).piston) * RATE
-    assert 0.399 < np.abs(moved).max() <= 0.4 + 1e-9
+    rig_with_limit = Rig(effects=(effect("rate_limit", velocity_limit_m_per_s=0.4),))
+    steps = np.diff(simulate_prescribed(rig_with_limit, command, rate_hz=RATE).piston) * RATE
+    assert 0.399 < np.abs(steps).max() <= 0.4 + 1e-9
     short = Rig(effects=(effect("stroke_saturation", stroke_m=0.07),))
-    clipped = simulate_prescribed(short, command, rate_hz=RATE)
-    assert clipped.piston == pytest.approx(np.clip(command, -0.07, 0.07), abs=1e-12)
+    clipped_response = simulate_prescribed(short, command, rate_hz=RATE)
+    assert clipped_response.piston == pytest.approx(np.clip(command, -0.07, 0.07), abs=1e-12)
     loose = Rig(effects=(effect("backlash", width_m=0.02),))
-    played = simulate_prescribed(loose, command, rate_hz=RATE).piston
-    assert np.abs(played).max() == pytest.approx(0.09, abs=1e-7)
-    assert np.abs(played - command).max() <= 0.01 + 1e-12
+    displacement = simulate_prescribed(loose, command, rate_hz=RATE).piston
+    assert np.abs(displacement).max() == pytest.approx(0.09, abs=1e-7)
+    assert np.abs(displacement - command).max() <= 0.01 + 1e-12
 
 
 def test_slip_grows_with_the_largest_displacement_so_far() -> None:
@@ -211,19 +213,19 @@ def test_slip_grows_with_the_largest_displacement_so_far() -> None:
     time = np.arange(6 * 1024 + 1) / RATE
     response = simulate_prescribed(slipping, 0.01 * time * np.sin(2 * np.pi * time), rate_hz=RATE)
     largest = np.maximum.accumulate(np.abs(response.piston))
-    expected = 100.0 * np.sign(response.piston) * np.maximum(np.abs(response.piston) - 0.2 * largest, 0.0)
-    assert response.force == pytest.approx(expected, abs=1e-4)
+    reference = 100.0 * np.sign(response.piston) * np.maximum(np.abs(response.piston) - 0.2 * largest, 0.0)
+    assert response.force == pytest.approx(reference, abs=1e-4)
 
 
 def test_excitation_errors_are_another_motion() -> None:
     ground = pulse(8.0)
     wrong = rig(effect("excitation_scale", scale=1.2), effect("time_step_error", ratio=1.1))
-    applied = applied_ground(wrong, ground, RATE)
-    assert applied.max() == pytest.approx(1.2, rel=1e-3)
-    assert np.argmax(applied) == pytest.approx(1.1 * np.argmax(ground), abs=1.0)
+    applied_motion = applied_ground(wrong, ground, RATE)
+    assert applied_motion.max() == pytest.approx(1.2, rel=1e-3)
+    assert np.argmax(applied_motion) == pytest.approx(1.1 * np.argmax(ground), abs=1.0)
     assert np.array_equal(
         simulate_loop(wrong, ground, rate_hz=RATE).command,
-        simulate_loop(rig(), applied, rate_hz=RATE).command,
+        simulate_loop(rig(), applied_motion, rate_hz=RATE).command,
     )
 
 
@@ -263,14 +265,14 @@ def test_work_of_the_earthquake_is_stored_or_dissipated() -> None:
     ground = sine(1.1, 5.0, amplitude=2.0, rate_hz=rate)
     response = simulate_loop(nonlinear, ground, rate_hz=rate)
     x, v, mass = response.piston, response.velocity, structure.mass
-    stored = 0.5 * mass * v**2 + 0.5 * spring * x**2 + 0.25 * cubic * x**4
+    stored_energy = 0.5 * mass * v**2 + 0.5 * spring * x**2 + 0.25 * cubic * x**4
     power = (
         2 * structure.damping_ratio * structure.omega * mass * v
         + 30.0 * np.abs(v) * v
         + friction * np.tanh(v / 1e-3)
     ) * v
     work = np.trapezoid(-mass * ground * v, dx=1 / rate)
-    assert stored[-1] + np.trapezoid(power, dx=1 / rate) == pytest.approx(work, rel=1e-6)
+    assert stored_energy[-1] + np.trapezoid(power, dx=1 / rate) == pytest.approx(work, rel=1e-6)
 
 
 def test_halving_the_step_divides_the_error_by_sixteen() -> None:
