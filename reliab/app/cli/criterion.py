@@ -124,9 +124,9 @@ def _show_limits(
         say(f"Method: {first['method']}, {joint_phrase}. Law: {first['law']}.")
         say(*_definitions(rows), *notes)
     else:
-        say(*notes[:_SHOWN_NOTES])
-        hidden = f"{counted(len(notes) - _SHOWN_NOTES, 'note')}, method" if notes[_SHOWN_NOTES:] else "Method"
-        say(f"{hidden} and definitions: run with --details.")
+        shown = len(notes) if any(row["confidence"] is None for row in rows) else _SHOWN_NOTES
+        hidden = f"{counted(len(notes) - shown, 'note')}, method" if notes[shown:] else "Method"
+        say(*notes[:shown], f"{hidden} and definitions: run with --details.")
         say(f"Next step: judge a test with `reliab assess TEST --f {first['f']:g} --xi {first['xi']:g}`.")
 
 

@@ -166,7 +166,7 @@ def test_criteria_of_several_shares_stand_beside_their_law(records):
     a, complete = (content["criteria"][place]["a"] for place in (1, 2))
     assert half["a_ratio"] == pytest.approx(a / complete)
     assert half["a_ratio"] == pytest.approx(half["law"], rel=0.3)
-    output = run(*arguments, *shares, "--method", "quantile", "--confidence", "0.5").stdout
+    output = run(*arguments, *shares, "--method", "quantile", "--confidence", "0.5", "--details").stdout
     assert "Share α of the stiffness in the laboratory: 0.1, 0.5, 1." in output
 
 

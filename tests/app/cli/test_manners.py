@@ -56,7 +56,7 @@ def test_help_shows_every_character_of_its_texts(path, texts, monkeypatch, capsy
     command: Any = typer.main.get_command(application())
     for name in path:
         command = command.commands[name]
-    assert run([*path, "--help-all" if getattr(command, "further", ()) else "--help"]) == 0
+    assert run([*path, "--help-all" if getattr(command, "advanced_names", ()) else "--help"]) == 0
     output = "".join(capsys.readouterr().out.split())
     assert [text for text in texts if "".join(text.split()) not in output] == []
 

@@ -186,7 +186,7 @@ def test_the_end_decides_and_an_alarm_is_told(tmp_path, capsys):
     assert lines_read.count("Alarm at") == 1
     assert "s: the error is above twice 0.2 %" in lines_read
     assert lines_read.index("Alarm at") < lines_read.index("NOT RELIABLE: RMS error")
-    assert "No new row came for 0.1 s: the test counts as finished." in lines_read
+    assert "No new rows for 0.1 s: test considered finished." in lines_read
 
 
 @pytest.mark.slow
@@ -555,7 +555,7 @@ def test_several_actuators_are_followed_as_they_are_assessed(two_actuator_test, 
         }
         assert end["degrees_of_freedom"][name]["rms"] == pytest.approx(degree["rms"]["value"], rel=0.1)
     assert run(["monitor", str(two_actuator_test), *arguments]) == 0
-    assert f"RMS of {error['governing']}" in capsys.readouterr().out
+    assert f"RMS error of {error['governing']}" in capsys.readouterr().out
 
 
 @pytest.mark.slow
