@@ -154,9 +154,9 @@ def test_a_design_equals_the_command(capsys):
     [
         (lambda: reliab.derive_criterion("nothing"), "name real_suite"),
         (lambda: reliab.derive_criterion(xr.Dataset()), "holds neither ellipses"),
-        (lambda: reliab.derive_criterion(pd.DataFrame({"a": [1.0]})), "no column b"),
+        (lambda: reliab.derive_criterion(pd.DataFrame({"a": [1.0]})), "No column b"),
         (lambda: reliab.open_results("nothing"), "name real_suite"),
-        (lambda: reliab.diagnose("nothing"), "a folder with a readable campaign.toml"),
+        (lambda: reliab.diagnose("nothing"), "a folder that holds campaign.toml"),
         (lambda: reliab.assess(pd.DataFrame({"x": [1.0]}), f=1, xi=0.02), "the data frame"),
     ],
 )

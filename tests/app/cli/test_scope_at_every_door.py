@@ -163,5 +163,5 @@ def test_a_validation(case, capsys):
     screen = output_of(capsys, "validate", "--learn", "real_suite", *motion_options, "--trials", 8)
     is_outside = case.position == "outside"
     assert ("no share is promised" in screen) == is_outside
-    verdict = re.search(r"dirichlet (keeps|may keep|does not keep) the share that it states", screen)
+    verdict = re.search(r"dirichlet (keeps|may keep|does not keep) what it states", screen)
     assert (verdict is None) == is_outside
