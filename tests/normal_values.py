@@ -10,7 +10,7 @@ from typing import ClassVar, Final, Self
 import numpy as np
 
 from reliab.core.arrays import Array
-from reliab.sampling.model import Model, Parameter
+from reliab.sampling.model import Model, SampledParameter
 from reliab.sampling.normal_inverse_chi_squared import NormalInverseChiSquared
 
 REFERENCE_PRIOR: Final = NormalInverseChiSquared(
@@ -54,11 +54,11 @@ class NormalValues(Model):
     prior: NormalInverseChiSquared = WEAK_PRIOR  # The conjugate prior
 
     @property
-    def parameters(self) -> tuple[Parameter, ...]:
+    def parameters(self) -> tuple[SampledParameter, ...]:
         """μ and ln σ; mean and spread say only where to begin, the prior is the conjugate one."""
         return (
-            Parameter(name="mean", mean=float(self.values.mean()), spread=1.0),
-            Parameter(name="log_spread", mean=float(np.log(self.values.std() + 1e-3)), spread=1.0),
+            SampledParameter(name="mean", mean=float(self.values.mean()), spread=1.0),
+            SampledParameter(name="log_spread", mean=float(np.log(self.values.std() + 1e-3)), spread=1.0),
         )
 
     @property

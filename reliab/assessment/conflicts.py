@@ -3,9 +3,9 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
-from reliab.assessment.budget.sizes import Source, ordinary_equipment
+from reliab.assessment.budget.sizes import PriorSource, ordinary_equipment
 from reliab.assessment.inference.posterior import TestPosterior, infer
-from reliab.assessment.inference.quantities import Unknown
+from reliab.assessment.inference.quantities import UncertainQuantity
 from reliab.assessment.inference.uncertain_quantity import Prior, Shape
 from reliab.assessment.verdict import Contradiction
 from reliab.core.significant_digits import significant
@@ -78,7 +78,10 @@ def find_conflicts(
 
 
 def _finding(
-    unknown: Unknown, posterior: TestPosterior, structure: Structure, stated_values: Mapping[str, StatedValue]
+    unknown: UncertainQuantity,
+    posterior: TestPosterior,
+    structure: Structure,
+    stated_values: Mapping[str, StatedValue],
 ) -> str:
     quantity = unknown.quantity
     base = _value_as_stated(unknown, structure, stated_values)
@@ -88,7 +91,7 @@ def _finding(
     deviation, prior_deviation = (
         factor * size for size in (posterior.deviations[unknown.name], unknown.prior.deviation)
     )
-    source = "stated" if unknown.prior.source is Source.STATED or base else "assumed"
+    source = "stated" if unknown.prior.source is PriorSource.STATED or base else "assumed"
     return (
         f"The recording shows a {quantity.words} of {significant(shown_value, 4)} ± "
         f"{significant(deviation, 1)}{unit}; "
@@ -97,7 +100,7 @@ def _finding(
 
 
 def _value_as_stated(
-    unknown: Unknown, structure: Structure, stated_values: Mapping[str, StatedValue]
+    unknown: UncertainQuantity, structure: Structure, stated_values: Mapping[str, StatedValue]
 ) -> float:
     """Return the value that was stated, in the unit in which it is told."""
     option = unknown.quantity.option

@@ -81,7 +81,7 @@ def correct_response(findings: Findings | JudgedFrame) -> "xr.Dataset":
 
     test = _exact_test(findings)
     ground = own_ground(test)
-    table = _Table(
+    table = _ResponseTable(
         test=test,
         ground=ground,
         has_names=isinstance(findings, CoupledAssessment),
@@ -102,7 +102,7 @@ def correct_response(findings: Findings | JudgedFrame) -> "xr.Dataset":
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _Table:
+class _ResponseTable:
     """Columns and sizes of a corrected test."""
 
     test: ExactTest

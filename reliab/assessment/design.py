@@ -22,7 +22,7 @@ _CHART_FREQUENCIES = 8  # frequencies
 
 
 @dataclass(frozen=True, kw_only=True)
-class Tolerance:
+class TolerableErrors:
     """What is tolerable for one structure at one confidence."""
 
     frequency: float  # frequency, damping_ratio, experimental_fraction: The structure [Hz, -, -]
@@ -105,7 +105,7 @@ def tolerable_errors(
     metric: str = "rms",
     criterion: Criterion | None = None,
     experimental_fraction: float = 1.0,
-) -> list[Tolerance]:
+) -> list[TolerableErrors]:
     """State tolerable errors before a test, by frequency, then by confidence.
 
     `frequencies` [Hz]; `threshold`: error of the whole test [-]; `confidences`: shares of the population's
@@ -129,7 +129,7 @@ def tolerable_errors(
         for candidate in criteria:
             a, b, carried_from = scale_limits(candidate, structure)
             tolerances.append(
-                Tolerance(
+                TolerableErrors(
                     frequency=frequency,
                     damping_ratio=damping_ratio,
                     threshold=candidate.threshold,

@@ -9,8 +9,8 @@ import numpy as np
 
 from reliab.assessment.budget.sizes import (
     Equipment,
+    PriorSource,
     Size,
-    Source,
     sizes_of_structure,
     sizes_of_unknown,
     tolerances_of,
@@ -19,7 +19,7 @@ from reliab.assessment.error_with_threshold import ErrorOfSeveral, ErrorWithThre
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.uncertain_quantity import Circumstances
 from reliab.assessment.rebuilt_error.noise import filter_of_noise
-from reliab.assessment.rebuilt_error.parts import Part, Parts
+from reliab.assessment.rebuilt_error.parts import ErrorPart, Parts
 from reliab.assessment.rebuilt_error.readings import require_lag
 from reliab.assessment.rebuilt_error.rebuild import RebuiltError
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
@@ -159,7 +159,7 @@ class Question:
             self.stated, self.structure, self.equipment, time_step, calibrated=self.model is not None
         )
         if self.damping_shown:
-            sizes["damping_ratio"] = replace(sizes["damping_ratio"], source=Source.LEARNED)
+            sizes["damping_ratio"] = replace(sizes["damping_ratio"], source=PriorSource.LEARNED)
         return sizes if self.frame is None else {**sizes, **sizes_of_structure(self.frame)}
 
 
@@ -197,7 +197,7 @@ class ErrorOfTest(ErrorWithThreshold):
         """Parts of the error: amplitude, delay, neither, and a late force."""
         return (self.specimen or self.rebuilt).parts().subtract_noise(self.estimate(Metric.RMS).value)
 
-    def part_of_tracking(self, followed_command: Array) -> Part:
+    def part_of_tracking(self, followed_command: Array) -> ErrorPart:
         """Part of the error that an actuator with this displacement [m] accounts for, shape (n,)."""
         return (self.specimen or self.rebuilt).part_of_tracking(followed_command)
 
@@ -348,7 +348,7 @@ def _sizes_of_force(specimen: "MeasuredSpecimen | None") -> dict[str, Size]:
     """Sizes of what is stated of mass and force of a measured specimen."""
     deviations = {} if specimen is None else specimen.test.deviations_of_force
     return {
-        name: Size(deviation=deviation, source=Source.STATED)
+        name: Size(deviation=deviation, source=PriorSource.STATED)
         for name, deviation in deviations.items()
         if deviation and name != "specimen"
     }
@@ -362,7 +362,7 @@ def _sizes(recording: Recording, question: Question) -> dict[str, Size]:
     filtering = filter_of_noise(recording.command, recording.measured, recording.time_step)
     if filtering is None:
         return sizes
-    return {**sizes, "open_filter": Size(deviation=filtering.delay, source=Source.LEARNED)}
+    return {**sizes, "open_filter": Size(deviation=filtering.delay, source=PriorSource.LEARNED)}
 
 
 class _CommonArguments(TypedDict):

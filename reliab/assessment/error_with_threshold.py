@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from reliab.assessment.budget.sizes import Size, Source, as_certain_as
+from reliab.assessment.budget.sizes import PriorSource, Size, as_certain_as
 from reliab.assessment.rebuilt_error.parts import Parts
 from reliab.assessment.rebuilt_error.spread import LEVEL, Estimate
 from reliab.assessment.rebuilt_error.widenings import Widening
@@ -123,7 +123,7 @@ class ErrorWithThreshold(ABC):
             return ()
         widest = self.widenings[0]
         item = next(item for item in self.budget if item.name == widest.name)
-        if widest.deviation_for_half is None or item.unit != "%" or item.source is Source.LEARNED:
+        if widest.deviation_for_half is None or item.unit != "%" or item.source is PriorSource.LEARNED:
             return (item.remedy,)
         half = significant(PERCENT * widest.deviation_for_half, 2)
         specimen_suffix = self._specimen_suffix

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from reliab.assessment.budget.sizes import Size, Source
+from reliab.assessment.budget.sizes import PriorSource, Size
 from reliab.assessment.error_of_test import ErrorOfTest, Question, error_of_test
 from reliab.assessment.error_with_threshold import ErrorOfSeveral, ErrorWithThreshold
 from reliab.assessment.faults import Fault, repair_recording
@@ -68,7 +68,7 @@ def error_with_faults(
 def _sizes_open(faults: Sequence[Fault]) -> dict[str, Size]:
     """Offsets and drifts of which the command does not show whether the loop felt them."""
     return {
-        fault.name_quantity("open"): Size(deviation=fault.size, source=Source.LEARNED)
+        fault.name_quantity("open"): Size(deviation=fault.size, source=PriorSource.LEARNED)
         for fault in faults
         if fault.size and fault.in_loop is None
     }
@@ -77,7 +77,7 @@ def _sizes_open(faults: Sequence[Fault]) -> dict[str, Size]:
 def _sizes_left(faults: Sequence[Fault]) -> dict[str, Size]:
     """Sizes of what the repair of faults leaves unknown, by the names of the tolerances."""
     return {
-        fault.name_quantity("sensor"): Size(deviation=fault.deviation, source=Source.LEARNED)
+        fault.name_quantity("sensor"): Size(deviation=fault.deviation, source=PriorSource.LEARNED)
         for fault in faults
         if fault.deviation
     }

@@ -15,7 +15,7 @@ from reliab.assessment.findings import cap_probability
 from reliab.assessment.frame_responses import ResponseErrors
 from reliab.assessment.judged_test import JudgedTest
 from reliab.assessment.placement import Placement
-from reliab.assessment.rebuilt_error.parts import Part
+from reliab.assessment.rebuilt_error.parts import ErrorPart
 from reliab.assessment.recorded_force import doubts_of_force
 from reliab.assessment.scope_of_test import compare_test, reasons_without_promise
 from reliab.assessment.tracking_index import TrackingIndex
@@ -137,7 +137,7 @@ class FrameAssessment(JudgedFrame):
     tracking: TrackingIndex  # A and d with their uncertainty, without faults of the recording
     # A and d over frequency; None where the displacements are hardly coherent
     over_frequency: TrackingOverFrequency | None
-    resolved: Part | None  # Part of the error that A and d over frequency account for; None where these are
+    resolved: ErrorPart | None  # What A and d over frequency account for of the error; None where these are
     criterion: Criterion | None = None  # A criterion of this frame, where one is given
     population: Placement | None = None  # The test against that criterion
 

@@ -11,7 +11,7 @@ from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessmen
 from reliab.assessment.frame_responses import ResponseErrors, errors_of_responses
 from reliab.assessment.judged_test import JudgedError
 from reliab.assessment.placement import place
-from reliab.assessment.rebuilt_error.parts import Part
+from reliab.assessment.rebuilt_error.parts import ErrorPart
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.stated_value import StatedValue
@@ -110,7 +110,7 @@ def _track_over_frequency(recording: Recording) -> TrackingOverFrequency | None:
 
 def _part_of_tracking(
     recording: Recording, tracking_by_frequency: TrackingOverFrequency | None, error: ErrorOfTest
-) -> Part | None:
+) -> ErrorPart | None:
     if tracking_by_frequency is None:
         return None
     return error.part_of_tracking(tracking_by_frequency.follow(recording.command, recording.time_step))

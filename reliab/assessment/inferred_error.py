@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reliab.assessment.budget.sizes import Source
+from reliab.assessment.budget.sizes import PriorSource
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.error_draws import (
     ErrorsOfTest,
@@ -19,7 +19,7 @@ from reliab.assessment.inference.posterior import (
     infer,
     log_evidence_ratio,
 )
-from reliab.assessment.inference.quantities import Unknown as UncertainQuantity
+from reliab.assessment.inference.quantities import UncertainQuantity
 from reliab.assessment.inference.rebuilt import rebuild
 from reliab.assessment.inference.uncertain_quantity import Circumstances, Description
 from reliab.assessment.rebuilt_error.initial import Start, check_histories, start_of_test
@@ -135,12 +135,14 @@ class InferredError:
 
     def budget(self, widenings: Sequence[Widening]) -> tuple[BudgetItem, ...]:
         """Say in words what widens the interval."""
-        descriptions: dict[str, tuple[Description, Source]] = {_NOISE: (describe(_NOISE), Source.LEARNED)}
+        descriptions: dict[str, tuple[Description, PriorSource]] = {
+            _NOISE: (describe(_NOISE), PriorSource.LEARNED)
+        }
         for unknown, _, spread in self._unknowns():
             is_shown = spread < _NARROWING_FACTOR or not unknown.quantity.option
             descriptions[unknown.name] = (
                 unknown.described,
-                Source.LEARNED if is_shown else unknown.prior.source,
+                PriorSource.LEARNED if is_shown else unknown.prior.source,
             )
         return tuple(BudgetItem.from_widening(part, *descriptions[part.name]) for part in widenings)
 

@@ -18,7 +18,7 @@ from reliab.assessment.conflicts import (
     identify_structure,
 )
 from reliab.assessment.inference.posterior import TestPosterior
-from reliab.assessment.rebuilt_error.kernel import Kernel, fit_equation
+from reliab.assessment.rebuilt_error.kernel import SmoothingKernel, fit_equation
 from reliab.assessment.rebuilt_error.noise import estimate_noise
 from reliab.assessment.rebuilt_error.specimen_check import examine_specimen
 from reliab.assessment.recorded_ground import ShownGround
@@ -159,7 +159,7 @@ class Spring:
     late_deviation: float
 
 
-def fit_spring(measured_displacement: Array, force: Array, kernel: Kernel) -> Spring:
+def fit_spring(measured_displacement: Array, force: Array, kernel: SmoothingKernel) -> Spring:
     """Fit k and c to a recorded force.
 
     `measured_displacement` [m].
@@ -167,7 +167,7 @@ def fit_spring(measured_displacement: Array, force: Array, kernel: Kernel) -> Sp
     >>> time = np.arange(0.0, 30.0, 0.005)
     >>> force = 40.0 * np.sin(6.0 * time) * np.sin(0.1 * time)
     >>> recorded = np.sin(6.0 * (time - 0.002)) * np.sin(0.1 * (time - 0.002))
-    >>> spring = fit_spring(recorded, force, Kernel.from_frequency(1.0, 0.005))
+    >>> spring = fit_spring(recorded, force, SmoothingKernel.from_frequency(1.0, 0.005))
     >>> round(spring.stiffness, 2), round(1e3 * spring.late, 3)
     (40.0, 2.0)
     """
@@ -193,7 +193,7 @@ def _skew_of_force(recording: Recording, structure: Structure, tolerated_skew: f
     force = _force_of_specimen(recording, structure)
     if force is None:
         return ""
-    kernel = Kernel.from_frequency(structure.frequency, recording.time_step)
+    kernel = SmoothingKernel.from_frequency(structure.frequency, recording.time_step)
     spring = fit_spring(recording.measured, force, kernel)
     late, deviation = MILLI * spring.late, MILLI * spring.late_deviation
     if abs(late) <= max(_SIGNIFICANT * deviation, _AGREES * tolerated_skew, _LEAST_SKEW):

@@ -13,7 +13,7 @@ from typing import Final, Self
 
 import numpy as np
 
-from reliab.assessment.rebuilt_error.kernel import Kernel
+from reliab.assessment.rebuilt_error.kernel import SmoothingKernel
 from reliab.assessment.rebuilt_error.specimen_check import slider_elongation
 from reliab.assessment.tracking_index import is_noisier
 from reliab.core.arrays import Array
@@ -128,7 +128,7 @@ class ExaminedForce:
 
     measured_displacement: Array  # measured_displacement, force: Without spikes, shape (n,)
     force: Array
-    kernel: Kernel
+    kernel: SmoothingKernel
 
     @classmethod
     def from_histories(cls, measured_displacement: Array, force: Array, time_step: float) -> Self | None:
@@ -225,7 +225,7 @@ def doubts_of_sign(examined: ExaminedForce) -> Iterator[str]:
         )
 
 
-def _takes_work(measured_displacement: Array, force: Array, kernel: Kernel) -> bool:
+def _takes_work(measured_displacement: Array, force: Array, kernel: SmoothingKernel) -> bool:
     """Whether the motion does work on the specimen, on average over the test, as on one that buckles."""
     displacement, resistance = (
         kernel.smooth_derivative(history, 0) for history in (measured_displacement, force)
@@ -259,7 +259,7 @@ def require_order(command: Array, examined: ExaminedForce, name: str = "") -> No
         )
 
 
-def _lead(first: Array, second: Array, kernel: Kernel) -> float:
+def _lead(first: Array, second: Array, kernel: SmoothingKernel) -> float:
     """Time by which one history is ahead of another, to first order [s]."""
     ahead, rate = detrend(kernel.smooth_derivative(first, 0)), kernel.smooth_derivative(second, 1)
     return float(ahead @ rate) / float(rate @ rate)
@@ -352,19 +352,19 @@ def unit_like(ratio: float, *, tolerance: float) -> str:
     return next((words for words, unit_ratio in both if abs(ratio / unit_ratio - 1.0) < tolerance), "")
 
 
-def _kernel(measured_displacement: Array, force: Array, time_step: float) -> Kernel | None:
+def _kernel(measured_displacement: Array, force: Array, time_step: float) -> SmoothingKernel | None:
     """Make the kernel for the frequency at which force and displacement move together; None if too short."""
     common = np.abs(
         np.fft.rfft(force - force.mean()) * np.fft.rfft(measured_displacement - measured_displacement.mean())
     )
     number = np.arange(common.size)
     frequency = float(number[np.argmax(number * common)]) / (measured_displacement.size * time_step)
-    kernel = Kernel.from_frequency(frequency, time_step)
+    kernel = SmoothingKernel.from_frequency(frequency, time_step)
     samples = (measured_displacement.size - kernel.values[0].size) // kernel.every
     return kernel if samples >= _FEWEST_SAMPLES else None
 
 
-def _remaining_power(displacement: Array, forces: Sequence[Array], kernel: Kernel) -> list[float]:
+def _remaining_power(displacement: Array, forces: Sequence[Array], kernel: SmoothingKernel) -> list[float]:
     """Power that the elements of a passive specimen leave over of each force, over that of the force [-]."""
     shape = displacement / float(np.abs(displacement).max())
     bent = [shape**3, *(slider_elongation(shape, limit) for limit in _YIELDS)]

@@ -14,7 +14,7 @@ import numpy as np
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.evidence import interface_forces, main_frequency
 from reliab.assessment.inference.structure_response import respond
-from reliab.assessment.rebuilt_error.kernel import Kernel, fit_equation
+from reliab.assessment.rebuilt_error.kernel import SmoothingKernel, fit_equation
 from reliab.assessment.recorded_force import other_unit_of_force, unit_like
 from reliab.assessment.verdict import Contradiction
 from reliab.core.arrays import Array, Spectrum
@@ -245,7 +245,10 @@ def require_unit_of_force(
     """
     if recording.ground is None or recording.force is None:
         return
-    kernel, w0 = Kernel.from_frequency(structure.frequency, recording.time_step), structure.circular_frequency
+    kernel, w0 = (
+        SmoothingKernel.from_frequency(structure.frequency, recording.time_step),
+        structure.circular_frequency,
+    )
     x, v, a = (kernel.smooth_derivative(recording.command, order) for order in range(3))
     computed_acceleration = (
         a + 2.0 * structure.damping_ratio * w0 * v + (1.0 - structure.experimental_fraction) * w0**2 * x

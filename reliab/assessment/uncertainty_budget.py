@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from reliab.assessment.budget.sizes import Size, Source
+from reliab.assessment.budget.sizes import PriorSource, Size
 from reliab.assessment.inference.quantities import QUANTITIES, part_of_structure
 from reliab.assessment.inference.uncertain_quantity import Description
 from reliab.assessment.rebuilt_error.widenings import Widening
@@ -19,12 +19,12 @@ class BudgetItem(PlainResult):
     quantity: str  # The same in words
     size: float | None  # One standard deviation of it, in `unit`; None for noise, whose spectrum is estimated
     unit: str  # Unit of the size
-    source: Source  # Whether the size was stated, learned from the test, or is that of ordinary equipment
+    source: PriorSource  # Whether the size was stated, learned from the test, or is that of usual equipment
     contribution: float  # Standard deviation of the error that it alone causes [-]
     remedy: str  # What would reduce it, a sentence
 
     @classmethod
-    def from_widening(cls, widening: Widening, description: Description, source: Source) -> "BudgetItem":
+    def from_widening(cls, widening: Widening, description: Description, source: PriorSource) -> "BudgetItem":
         """Say in words what widens an interval."""
         return cls(
             name=widening.name,
@@ -88,7 +88,9 @@ def _item(widening: Widening, sizes: Mapping[str, Size]) -> BudgetItem:
     if stem != name:
         description = description.describe_for_actuator(int(number))
     size = sizes.get(name, sizes.get(stem))
-    return BudgetItem.from_widening(widening, description, Source.LEARNED if size is None else size.source)
+    return BudgetItem.from_widening(
+        widening, description, PriorSource.LEARNED if size is None else size.source
+    )
 
 
 def describe(name: str) -> Description:

@@ -19,7 +19,7 @@ from reliab.criterion.ellipse_sample import EllipseSample, position, position_of
 from reliab.criterion.ellipse_table import Ellipses, EllipseTable, as_table, drop_copies, names_along
 from reliab.criterion.laws.law import Law
 from reliab.criterion.laws.registry import FITTED_LAWS, FittedLaw, find_law
-from reliab.criterion.laws.table import Table
+from reliab.criterion.laws.table import TabulatedLimits
 from reliab.criterion.methods.method import LearnedLimits, Method, validate_share
 from reliab.criterion.methods.registry import RECOMMENDED_METHOD, method_of
 from reliab.criterion.population import SampleGrid
@@ -77,7 +77,7 @@ class LearnedSide:
             if not method.carries(confidence, sample.n_motions, sample.n_events):
                 limits[row, column] = 0.0
         empty = int((limits <= 0.0).any(axis=-1).sum())
-        if empty and kind is not Table:
+        if empty and kind is not TabulatedLimits:
             raise InputError(
                 "At a structure the limits are zero, which no law can follow",
                 value=(
@@ -88,7 +88,9 @@ class LearnedSide:
             )
         grid = self.grid.frequencies, self.grid.damping_ratios
         law: Law = kind.fit(*grid, limits[..., 0], limits[..., 1])
-        return (law if kind is Table else shrink_to_containment(kind, law, self.grid, limits)), empty
+        return (
+            law if kind is TabulatedLimits else shrink_to_containment(kind, law, self.grid, limits)
+        ), empty
 
 
 MOST_AT_REST = 0.05
@@ -149,7 +151,7 @@ def derive_criterion(
     f: float | None = None,
     xi: float | None = None,
     joint: bool | None = None,
-    law: FittedLaw | str = Table,
+    law: FittedLaw | str = TabulatedLimits,
     threshold: float = 0.05,
     metric: str = Metric.RMS,
     confidence: float = 0.95,
@@ -272,7 +274,7 @@ class Derivation:
         ellipses: Ellipses,
         *,
         method: Method,
-        law: FittedLaw = Table,
+        law: FittedLaw = TabulatedLimits,
         frequency: float | None = None,
         damping_ratio: float | None = None,
         threshold: float,

@@ -17,9 +17,9 @@ from reliab.core.encodings import restore_cell
 from reliab.core.text_tables import parse_number
 from reliab.motions.faults import Report
 from reliab.motions.motion import Motion
-from reliab.motions.readers.reading import Reading, RecordDeclaration, complete
+from reliab.motions.readers.reading import AccelerationReading, RecordDeclaration, complete
 from reliab.motions.readers.registry import open_records
-from reliab.motions.readers.source import Header, is_file, open_source
+from reliab.motions.readers.source import RecordHeader, is_file, open_source
 from reliab.motions.units import AccelerationUnit, find_unit
 
 
@@ -47,7 +47,7 @@ class RecordFile:
             set_name=self.set_name,
         )
 
-    def read(self, report: Report) -> Reading | None:
+    def read(self, report: Report) -> AccelerationReading | None:
         """Read the record and report every fault of it."""
         source_and_headers = open_records(self.path, report)
         if source_and_headers is None:
@@ -56,7 +56,7 @@ class RecordFile:
         header = self._choose(headers, report)
         return None if header is None else complete(source, header, self.declared, report)
 
-    def _choose(self, headers: list[Header], report: Report) -> Header | None:
+    def _choose(self, headers: list[RecordHeader], report: Report) -> RecordHeader | None:
         if self.channel is None and len(headers) > 1:
             labels = ", ".join(f"{n} ({header.channel})" for n, header in enumerate(headers, start=1))
             report.add(

@@ -14,7 +14,7 @@ from reliab.core.errors import InputError
 from reliab.core.significant_digits import significant
 from reliab.core.vocabulary import STANDARD_GRAVITY
 from reliab.motions.catalogue import CATALOGUE, RecordFile, read_catalogue
-from reliab.motions.faults import Fault, Report
+from reliab.motions.faults import MotionFault, Report
 from reliab.motions.loading import (
     BUILT_IN,
     declare,
@@ -24,7 +24,7 @@ from reliab.motions.loading import (
     scan_file,
     scan_folder,
 )
-from reliab.motions.readers.reading import Reading, RecordDeclaration
+from reliab.motions.readers.reading import AccelerationReading, RecordDeclaration
 from reliab.motions.readers.source import is_file, is_folder
 
 _FEWEST_SAMPLES = 100  # samples, below which a record tells nothing of these
@@ -159,10 +159,10 @@ class Inspection:
     """Outcome of checking a source of motions."""
 
     records: int  # Number of motions that were checked
-    faults: list[Fault]  # Everything that is wrong, in the order of the catalogue or of the paths
+    faults: list[MotionFault]  # Everything that is wrong, in the order of the catalogue or of the paths
     # Points to check that are not faults: files that were skipped, peaks that differ much from the others
     # although the files state their units, what headers say of their numbers, flaws of the samples, copies
-    notes: list[Fault] = field(default_factory=list)
+    notes: list[MotionFault] = field(default_factory=list)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -200,9 +200,9 @@ def inspect(
         raise InputError(
             f"{path} not found", remedy="Name a folder of records, a file or the built-in suite synthetic"
         )
-    faults: list[Fault] = []
+    faults: list[MotionFault] = []
     peaks: list[_Peak] = []
-    notes: list[Fault] = []
+    notes: list[MotionFault] = []
     copies = Copies()
     checked_count = 0
     for record, report in _records(source, declaration, faults):
@@ -232,12 +232,14 @@ def inspect(
     )
 
 
-def _notes(record: RecordFile, reading: Reading, copies: Copies) -> Iterator[Fault]:
+def _notes(record: RecordFile, reading: AccelerationReading, copies: Copies) -> Iterator[MotionFault]:
     """Note what was applied to a record, the flaws of its samples, and whether it is a copy."""
     channel = f"channel {record.channel}: " if record.channel else ""
 
-    def note(rule: str, value: str, remedy: str) -> Fault:
-        return Fault(file=str(record.path), line=None, rule=rule, value=f"{channel}{value}", remedy=remedy)
+    def note(rule: str, value: str, remedy: str) -> MotionFault:
+        return MotionFault(
+            file=str(record.path), line=None, rule=rule, value=f"{channel}{value}", remedy=remedy
+        )
 
     for correction in reading.corrections:
         yield note("Applied what the header states", correction, "Check that this is meant")
@@ -255,7 +257,7 @@ def _notes(record: RecordFile, reading: Reading, copies: Copies) -> Iterator[Fau
 
 
 def _records(
-    source: Path, declaration: RecordDeclaration, faults: list[Fault]
+    source: Path, declaration: RecordDeclaration, faults: list[MotionFault]
 ) -> Iterator[tuple[RecordFile, Report]]:
     """Find the records, each with a new report, and collect the faults of catalogues and headers."""
     catalogue = source / CATALOGUE
@@ -278,8 +280,8 @@ def _records(
             yield record, Report(file=str(path))
 
 
-def _no_records(source: Path, sets: Sequence[str] | None) -> Fault:
-    return Fault(
+def _no_records(source: Path, sets: Sequence[str] | None) -> MotionFault:
+    return MotionFault(
         file=str(source),
         line=None,
         rule="No records found" if sets is None else f"No records in the sets {', '.join(sets)}",
@@ -287,7 +289,7 @@ def _no_records(source: Path, sets: Sequence[str] | None) -> Fault:
     )
 
 
-def _unlike_peaks(peaks: list[_Peak]) -> Iterator[tuple[bool, Fault]]:
+def _unlike_peaks(peaks: list[_Peak]) -> Iterator[tuple[bool, MotionFault]]:
     """Peaks far from the median of their folder, and whether the file states its units."""
     if len(peaks) < _FEWEST:
         return
@@ -295,7 +297,7 @@ def _unlike_peaks(peaks: list[_Peak]) -> Iterator[tuple[bool, Fault]]:
     for peak in peaks:
         if not peak.is_confirmed and not middle / _LIKENESS <= peak.value <= middle * _LIKENESS:
             remedy = "confirm a true peak by the column units of a catalogue"
-            fault = Fault(
+            fault = MotionFault(
                 file=peak.file,
                 line=None,
                 rule=f"The peak differs from the median of its folder by more than a factor of {_LIKENESS:g}",

@@ -11,7 +11,7 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Fault:
+class MotionFault:
     """One thing that is wrong with one file."""
 
     file: str  # The file, as the user named it
@@ -26,7 +26,7 @@ class Fault:
         return InputError(self.rule, value=self.value or None, remedy=self.remedy, where=location)
 
 
-def fault_of(error: InputError, name: str) -> Fault:
+def fault_of(error: InputError, name: str) -> MotionFault:
     """Make an error about a record a fault of its file, or of its name where the error tells no file.
 
     >>> fault_of(InputError("It must be so", where="a.AT2, line 3"), "a").line
@@ -34,7 +34,7 @@ def fault_of(error: InputError, name: str) -> Fault:
     """
     file, _, line = error.where.rpartition(", line ")
     has_line = line.isdecimal()
-    return Fault(
+    return MotionFault(
         file=(file if has_line else error.where) or name,
         line=int(line) if has_line else None,
         rule=error.rule,
@@ -48,11 +48,11 @@ class Report:
     """The faults of one file, in the order in which they were found."""
 
     file: str  # The file, as the user named it
-    faults: list[Fault] = field(default_factory=list)
+    faults: list[MotionFault] = field(default_factory=list)
 
     def add(self, rule: str, *, line: int | None = None, value: object = "", remedy: str = "") -> None:
         """Record a fault of the file."""
-        self.faults.append(Fault(file=self.file, line=line, rule=rule, value=str(value), remedy=remedy))
+        self.faults.append(MotionFault(file=self.file, line=line, rule=rule, value=str(value), remedy=remedy))
 
     def resolve(self, folder: Path, name: str, *, line: int | None = None) -> Path | None:
         """Return the path of a file that a folder names, or record that it lies elsewhere."""

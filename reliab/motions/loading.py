@@ -19,7 +19,7 @@ from pathlib import Path
 from reliab.core.errors import InputError
 from reliab.core.physical_range import require_physical
 from reliab.motions.catalogue import CATALOGUE, RecordFile, read_catalogue
-from reliab.motions.faults import Fault, Report
+from reliab.motions.faults import MotionFault, Report
 from reliab.motions.motion import Motion
 from reliab.motions.readers.reading import RecordDeclaration
 from reliab.motions.readers.registry import FORMATS, TEXT, UNREAD, claims_to_be_record, detect, open_records
@@ -58,13 +58,13 @@ class UnreadFileWarning(UserWarning):
     """A folder holds files that may be records in a format that is not read."""
 
 
-def list_skipped_files(source: str | Path) -> list[Fault]:
+def list_skipped_files(source: str | Path) -> list[MotionFault]:
     """Name the files of a folder without a catalogue that are not read, and why."""
     folder = Path(source)
     if source in BUILT_IN or not is_folder(folder) or is_file(folder / CATALOGUE):
         return []
     return [
-        Fault(
+        MotionFault(
             file=str(path),
             line=None,
             rule="Skipped",
@@ -200,10 +200,10 @@ def find_motions(
     sets: Sequence[str] | None = None,
     time_step: float | None = None,
     units: str | None = None,
-) -> tuple[MotionSuite, list[Fault]]:
+) -> tuple[MotionSuite, list[MotionFault]]:
     """Find motions as :func:`load_motions` does, and the faults of those that cannot be found."""
     declaration = declare(time_step, units)
-    faults: list[Fault] = []
+    faults: list[MotionFault] = []
     suite = MotionSuite(entry for source in sources for entry in _entries(source, declaration, faults))
     if not suite and faults:
         raise faults[0].error()
@@ -264,7 +264,9 @@ def declare(time_step: float | None, units: str | None) -> RecordDeclaration:
     return RecordDeclaration(time_step=time_step, units=None if units is None else parse_unit(units))
 
 
-def _entries(source: str | Path, declaration: RecordDeclaration, faults: list[Fault]) -> list[MotionEntry]:
+def _entries(
+    source: str | Path, declaration: RecordDeclaration, faults: list[MotionFault]
+) -> list[MotionEntry]:
     if source in BUILT_IN:
         from reliab.motions.synthetic.suite import synthetic_suite
 
@@ -283,7 +285,9 @@ def _entries(source: str | Path, declaration: RecordDeclaration, faults: list[Fa
     )
 
 
-def _folder_entries(folder: Path, declaration: RecordDeclaration, faults: list[Fault]) -> list[RecordFile]:
+def _folder_entries(
+    folder: Path, declaration: RecordDeclaration, faults: list[MotionFault]
+) -> list[RecordFile]:
     catalogue = folder / CATALOGUE
     if is_file(catalogue):
         report = Report(file=str(catalogue))

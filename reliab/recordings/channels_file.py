@@ -71,7 +71,7 @@ class ChannelTables(_Table):
     ground: ChannelTable | None = Field(default=None, description="Ground acceleration")
 
 
-class SamplingTable(_Table):
+class ChannelSamplingTable(_Table):
     """How tests were sampled, where their files do not say so."""
 
     rate_hz: Annotated[float, Physical("sampling rate")] | None = Field(
@@ -138,7 +138,9 @@ class ChannelsDescription(_Table):
     channels: ChannelTables = Field(
         default=ChannelTables(), description="Names, units, signs, zeros and scales"
     )
-    sampling: SamplingTable = Field(default=SamplingTable(), description="Sampling of all tests")
+    sampling: ChannelSamplingTable = Field(
+        default=ChannelSamplingTable(), description="Sampling of all tests"
+    )
     calibration: CalibrationTable = Field(
         default=CalibrationTable(),
         description="What the measured channel adds to the motion, which `assess` removes",

@@ -31,7 +31,7 @@ from reliab.recordings.recording import (
     require_few_samples,
 )
 from reliab.recordings.units import TIMES, Unit, unit_of, units_text
-from reliab.recordings.words import Quantity
+from reliab.recordings.words import Measurand
 
 _FAULTY_SHARE: Final = (
     0.01  # share of unusual steps up to which they are faults, and not the rounding of the times
@@ -215,7 +215,7 @@ def pair_times(columns: Columns) -> Columns:
     the channels with the role in its name, where there are several roles.
     """
     meanings = describe(list(columns.series), columns.units)
-    times = [name for name, meaning in meanings.items() if meaning.quantity is Quantity.TIME]
+    times = [name for name, meaning in meanings.items() if meaning.quantity is Measurand.TIME]
     time_of_role = {meanings[name].role: name for name in times if meanings[name].role is not None}
     owners: dict[str, str] = {}
     if len(times) > 1 and len({re.sub(r"[\W_]*\d*\W*$", "", name) for name in times}) == 1:
@@ -440,7 +440,7 @@ def _shared_clock(
 def _time_unit(columns: Columns, text: str) -> Unit | None:
     """Read a unit of time; None where nothing states one."""
     unit = unit_of(text)
-    if text and (unit is None or unit.quantity is not Quantity.TIME):
+    if text and (unit is None or unit.quantity is not Measurand.TIME):
         raise InputError(
             f"Unknown unit of time: {text!r}",
             remedy=f"Choose among {units_text(TIMES)}, or export the channels over time",

@@ -12,7 +12,7 @@ from reliab.core.errors import InputError
 from reliab.core.physical_range import require_physical
 from reliab.core.stated_value import StatedValue
 from reliab.recordings.readers.columns import Columns, is_frame, read_frame
-from reliab.recordings.reading import Histories, histories_of, read_statements, read_test
+from reliab.recordings.reading import ChannelHistories, histories_of, read_statements, read_test
 from reliab.recordings.recording import (
     DISPLACEMENTS,
     FEWEST_SAMPLES,
@@ -114,7 +114,7 @@ def read_coupled_recording(
     return replace(recording, stated=laboratory.merge_statements(read_statements(columns)))
 
 
-def build_coupled_recording(histories: Histories) -> CoupledRecording:
+def build_coupled_recording(histories: ChannelHistories) -> CoupledRecording:
     """Take commands and measured displacements of all actuators of a test, in the order of their numbers."""
     commands = {
         channel.actuator: key for key, channel in histories.channels.items() if channel.part is Part.COMMAND

@@ -23,14 +23,14 @@ from reliab.recordings.words import (
     SIGNS,
     SYMBOLS,
     WEAK_ROLES,
-    Quantity,
-    Role,
+    ChannelRole,
+    Measurand,
 )
 
 _STEM: Final = re.compile(r"(?:\(\d+\)|\[\d+\]|\d+)+$")  # places in a matrix or a list behind its name
 
 
-_Meaning = TypeVar("_Meaning", Quantity, Role)
+_Meaning = TypeVar("_Meaning", Measurand, ChannelRole)
 _FLAG: Final = re.compile(r"^(?:at|new)(?=[A-Z])")  # atTarget: whether it was reached, not the target
 _GERMAN: Final = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue"})
 _TURKISH: Final = str.maketrans({"ö": "o", "ü": "u", "ı": "i", "Ö": "O", "Ü": "U", "İ": "I"})
@@ -69,7 +69,7 @@ _LETTER_SUFFIXES: Final = frozenset(
     {
         *_ROLE_OF,
         *_WEAK_ROLE_OF,
-        *(word for word in _QUANTITY_OF if _QUANTITY_OF[word] is Quantity.DISPLACEMENT),
+        *(word for word in _QUANTITY_OF if _QUANTITY_OF[word] is Measurand.DISPLACEMENT),
     }
 ) - {"in", "pot", "is"}
 
@@ -83,9 +83,15 @@ _VOCABULARY: Final = frozenset(
 
 
 _PRECEDENCE: Final = (  # of several quantities in a name: "Displacement error (mm)" is an error
-    *(Quantity.ERROR, Quantity.VALVE, Quantity.VOLTAGE, Quantity.CURRENT, Quantity.VELOCITY),
-    *(Quantity.ACCELERATION, Quantity.STRAIN, Quantity.PRESSURE, Quantity.TEMPERATURE, Quantity.ROTATION),
-    *(Quantity.FORCE, Quantity.STATE, Quantity.TIME, Quantity.DISPLACEMENT, Quantity.COUNT),
+    *(Measurand.ERROR, Measurand.VALVE, Measurand.VOLTAGE, Measurand.CURRENT, Measurand.VELOCITY),
+    *(
+        Measurand.ACCELERATION,
+        Measurand.STRAIN,
+        Measurand.PRESSURE,
+        Measurand.TEMPERATURE,
+        Measurand.ROTATION,
+    ),
+    *(Measurand.FORCE, Measurand.STATE, Measurand.TIME, Measurand.DISPLACEMENT, Measurand.COUNT),
 )
 
 
@@ -94,8 +100,8 @@ class Meaning:
     """What the name and the unit of a column say."""
 
     column: str  # Its name in the file
-    quantity: Quantity | None  # What it measures; None where nothing says so
-    role: Role | None  # Its side of the transfer system; None where nothing says so
+    quantity: Measurand | None  # What it measures; None where nothing says so
+    role: ChannelRole | None  # Its side of the transfer system; None where nothing says so
     weak: bool  # Whether the role rests on a word that often means something else
     is_altered: bool  # Whether a word says that the history was changed
     number: str  # Number of the actuator or channel; empty where the name has none
@@ -189,7 +195,7 @@ def _describe(column: str, stated_unit: Unit | None) -> Meaning:
         symbol = shorter
     words, around = words_of(bare), words_of(column[: -len(last)] if last != column else "")
     role, weak = _role(words, around)
-    if weak and role is Role.MEASURED and _CALCULATION_WORDS & {*words, *around}:
+    if weak and role is ChannelRole.MEASURED and _CALCULATION_WORDS & {*words, *around}:
         role, weak = None, False  # "model output"
     quantity = _quantity(words) or _quantity(around)
     if symbol is not None:
@@ -206,21 +212,21 @@ def _describe(column: str, stated_unit: Unit | None) -> Meaning:
     )
 
 
-def _apply_unit(quantity: Quantity | None, unit: Unit | None, words: Sequence[str]) -> Quantity | None:
+def _apply_unit(quantity: Measurand | None, unit: Unit | None, words: Sequence[str]) -> Measurand | None:
     """Take what the unit says, but for errors, valves and states, which any unit may have."""
-    if unit is None or quantity in {Quantity.ERROR, Quantity.VALVE}:
+    if unit is None or quantity in {Measurand.ERROR, Measurand.VALVE}:
         return quantity
-    if quantity is Quantity.STATE and unit.quantity is Quantity.TIME:  # "Time, default sample rate [s]"
-        return Quantity.TIME if any(_QUANTITY_OF.get(word) is Quantity.TIME for word in words) else quantity
-    return quantity if quantity is Quantity.STATE else unit.quantity
+    if quantity is Measurand.STATE and unit.quantity is Measurand.TIME:  # "Time, default sample rate [s]"
+        return Measurand.TIME if any(_QUANTITY_OF.get(word) is Measurand.TIME for word in words) else quantity
+    return quantity if quantity is Measurand.STATE else unit.quantity
 
 
-def _quantity(words: Sequence[str]) -> Quantity | None:
+def _quantity(words: Sequence[str]) -> Measurand | None:
     quantities = {_QUANTITY_OF[word] for word in words if word in _QUANTITY_OF}
     return next((quantity for quantity in _PRECEDENCE if quantity in quantities), None)
 
 
-def _role(words: Sequence[str], around: Sequence[str]) -> tuple[Role | None, bool]:
+def _role(words: Sequence[str], around: Sequence[str]) -> tuple[ChannelRole | None, bool]:
     """Role by the words of a name, else by those of its group, else by words that are weak."""
     for part, meanings, weak in (
         (words, _ROLE_OF, False),
@@ -228,7 +234,7 @@ def _role(words: Sequence[str], around: Sequence[str]) -> tuple[Role | None, boo
         (words, _WEAK_ROLE_OF, True),
     ):
         roles = {meanings[word] for word in part if word in meanings}
-        roles -= {Role.GROUND} if len(roles) > 1 else set()  # "table displacement command"
+        roles -= {ChannelRole.GROUND} if len(roles) > 1 else set()  # "table displacement command"
         if len(roles) == 1:
             return roles.pop(), weak
         if roles:
@@ -248,8 +254,8 @@ def _role_by_ending(meaning: Meaning, meanings: Mapping[str, Meaning]) -> Meanin
     if meaning.role is not None or len(name) < 3 or name[-2] != "_":  # noqa: PLR2004 - a letter, _ and a letter
         return meaning
     for endings, other_endings, role in (
-        (COMMAND_ENDINGS, MEASURED_ENDINGS, Role.COMMAND),
-        (MEASURED_ENDINGS, COMMAND_ENDINGS, Role.MEASURED),
+        (COMMAND_ENDINGS, MEASURED_ENDINGS, ChannelRole.COMMAND),
+        (MEASURED_ENDINGS, COMMAND_ENDINGS, ChannelRole.MEASURED),
     ):
         if name[-1].lower() in endings and any(name[:-1] + letter in meanings for letter in other_endings):
             return replace(
@@ -272,7 +278,7 @@ def votes(likeness: Likeness) -> int:
     return follows if noisier == follows or (noisier == 0 and follows > 0) else 0
 
 
-def _may_be(meaning: Meaning, quantity: Quantity) -> bool:
+def _may_be(meaning: Meaning, quantity: Measurand) -> bool:
     return meaning.quantity in {None, quantity}
 
 
@@ -282,31 +288,35 @@ def _rank(meaning: Meaning) -> int:
 
 def rank_as_command(meaning: Meaning) -> int | None:
     """Rank a column as the commanded displacement."""
-    if meaning.role is not Role.COMMAND or not _may_be(meaning, Quantity.DISPLACEMENT):
+    if meaning.role is not ChannelRole.COMMAND or not _may_be(meaning, Measurand.DISPLACEMENT):
         return None
     return _rank(meaning)
 
 
 def rank_as_measured(meaning: Meaning) -> int | None:
     """Rank a column as the measured displacement."""
-    if not _may_be(meaning, Quantity.DISPLACEMENT):
+    if not _may_be(meaning, Measurand.DISPLACEMENT):
         return None
-    if meaning.role is Role.MEASURED:
+    if meaning.role is ChannelRole.MEASURED:
         return _rank(meaning)
-    if meaning.quantity is None or meaning.role is Role.COMMAND:
+    if meaning.quantity is None or meaning.role is ChannelRole.COMMAND:
         return None
-    return _rank(meaning) + ROLELESS_RANK + _TABLE_RANK * (meaning.role is Role.GROUND)
+    return _rank(meaning) + ROLELESS_RANK + _TABLE_RANK * (meaning.role is ChannelRole.GROUND)
 
 
 def rank_as_ground(meaning: Meaning) -> int | None:
     """Rank a column as the ground acceleration."""
-    if meaning.role is not Role.GROUND or not _may_be(meaning, Quantity.ACCELERATION) or meaning.is_altered:
+    if (
+        meaning.role is not ChannelRole.GROUND
+        or not _may_be(meaning, Measurand.ACCELERATION)
+        or meaning.is_altered
+    ):
         return None
-    return 0 if meaning.quantity is Quantity.ACCELERATION else 1
+    return 0 if meaning.quantity is Measurand.ACCELERATION else 1
 
 
 def rank_as_force(meaning: Meaning) -> int | None:
     """Rank a column as the force."""
-    if meaning.quantity is not Quantity.FORCE or meaning.role is Role.COMMAND or meaning.is_altered:
+    if meaning.quantity is not Measurand.FORCE or meaning.role is ChannelRole.COMMAND or meaning.is_altered:
         return None
-    return 0 if meaning.role is Role.MEASURED else 1
+    return 0 if meaning.role is ChannelRole.MEASURED else 1

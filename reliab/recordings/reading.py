@@ -51,7 +51,7 @@ _LARGEST_RATIO: Final = 3.0  # of measured to commanded displacement in one unit
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Histories:
+class ChannelHistories:
     """All recognised channels of one test, at one clock."""
 
     columns: Columns
@@ -61,7 +61,7 @@ class Histories:
     notes: tuple[str, ...]  # What was assumed or done, in sentences
     has_rows: bool = True  # Whether the samples are the rows of the file, neither interpolated nor cut
 
-    def cut_moves(self) -> "Histories":
+    def cut_moves(self) -> "ChannelHistories":
         """Leave out what the commands do before and after a test to reach its position, and say so."""
         commands = [
             self.values[key] for key, channel in self.channels.items() if channel.part is Part.COMMAND
@@ -174,7 +174,7 @@ def histories_of(
     *,
     needed_parts: Iterable[Part] = DISPLACEMENTS,
     time_units: str | None = None,
-) -> Histories:
+) -> ChannelHistories:
     """Recognise the channels of a test, and bring them to SI units and one clock."""
     if Part.TIME not in laboratory.declarations:
         columns = pair_times(columns)
@@ -203,7 +203,7 @@ def histories_of(
         key: replace(channel, corrections=(*corrections[key], *histories.notes))
         for key, channel in channel_of.items()
     }
-    return Histories(
+    return ChannelHistories(
         columns=columns,
         channels=channel_of,
         values={key: channel_of[key].convert_to_si(values) for key, values in histories.values.items()},
@@ -213,7 +213,7 @@ def histories_of(
     )
 
 
-def recording_of(histories: Histories) -> Recording:
+def recording_of(histories: ChannelHistories) -> Recording:
     """Take the one command and measured displacement of a test, with force and ground acceleration."""
     numbers = sorted({channel.actuator for channel in histories.channels.values() if channel.actuator})
     if numbers:

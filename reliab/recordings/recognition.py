@@ -35,7 +35,7 @@ from reliab.recordings.recording import (
     Part,
 )
 from reliab.recordings.units import UNITS, Unit, unit_of, units_text
-from reliab.recordings.words import Quantity, Role
+from reliab.recordings.words import ChannelRole, Measurand
 
 _SIMILAR = 0.7
 _LOWEST_CORRELATION, _HIGHEST_CORRELATION = (
@@ -82,7 +82,7 @@ class _Search:
         """Find the column of the times; None where there is none."""
         if (explicit := self._missing_declared(Part.TIME)) is not None:
             return explicit
-        candidates = [meaning for meaning in self._part_name.values() if meaning.quantity is Quantity.TIME]
+        candidates = [meaning for meaning in self._part_name.values() if meaning.quantity is Measurand.TIME]
         if len(candidates) > 1 and self._histories:
             candidates = [meaning for meaning in candidates if self._rises(meaning.column)] or candidates
         exact = [meaning for meaning in candidates if plain(meaning.column) in {"time", "t", "times"}]
@@ -203,7 +203,7 @@ class _Search:
     def _unit(self, part: Part, text: str) -> Unit:
         unit = unit_of(text)
         if unit is None or unit.quantity is not QUANTITY_OF[part]:
-            kind = {Quantity.DISPLACEMENT: "length"}.get(QUANTITY_OF[part], str(QUANTITY_OF[part]))
+            kind = {Measurand.DISPLACEMENT: "length"}.get(QUANTITY_OF[part], str(QUANTITY_OF[part]))
             raise InputError(
                 f"Unknown unit of {kind}: {text!r}",
                 remedy=f"Choose among {units_text(UNITS[QUANTITY_OF[part]])}",
@@ -234,7 +234,7 @@ class _Search:
         other_columns = [
             name
             for name, meaning in self._part_name.items()
-            if name not in pair and meaning.quantity in {None, Quantity.DISPLACEMENT} and self._moves(name)
+            if name not in pair and meaning.quantity in {None, Measurand.DISPLACEMENT} and self._moves(name)
             if any(self._compare(column, name).correlation > _HIGHEST_CORRELATION for column in pair)
         ]
         if other_columns:
@@ -268,7 +268,7 @@ class _Search:
         plain_ones = [
             meaning
             for meaning in self._part_name.values()
-            if meaning.quantity is Quantity.DISPLACEMENT and meaning.role is None and not meaning.is_altered
+            if meaning.quantity is Measurand.DISPLACEMENT and meaning.role is None and not meaning.is_altered
             if meaning.column not in taken_columns and self._may_be_it(command, meaning)
         ]
         measured_by_role = bool(measured_ranking) and measured_ranking[0][0] < ROLELESS_RANK
@@ -324,7 +324,7 @@ class _Search:
                 return None, reading
             return self._partner(reading, Part.COMMAND, candidates), reading
         if not set(needed_parts) >= set(DISPLACEMENTS):
-            lengths = [meaning for meaning in candidates if meaning.quantity is Quantity.DISPLACEMENT]
+            lengths = [meaning for meaning in candidates if meaning.quantity is Measurand.DISPLACEMENT]
             if len(lengths) > 1:
                 return self._leading_pair(lengths)
             return None, self._channel(
@@ -336,7 +336,7 @@ class _Search:
         """Whether unit or name say that a column is a displacement, or the format leaves both out."""
         if meaning.quantity is None:
             return not self._columns.named
-        return meaning.quantity is Quantity.DISPLACEMENT and meaning.role is not Role.GROUND
+        return meaning.quantity is Measurand.DISPLACEMENT and meaning.role is not ChannelRole.GROUND
 
     def _partner(self, channel: Channel, part: Part, candidates: Sequence[Meaning]) -> Channel | None:
         """Find the one column that moves as the one that is known."""

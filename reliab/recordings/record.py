@@ -21,7 +21,7 @@ from reliab.core.shipped import checksum_of
 from reliab.core.untrusted_files import objects_of, open_hdf5
 from reliab.recordings.readers.columns import Series
 from reliab.recordings.readers.hierarchical import STATED_ATTRIBUTES, text_of
-from reliab.recordings.reading import Histories, histories_of, read_statements, read_test
+from reliab.recordings.reading import ChannelHistories, histories_of, read_statements, read_test
 from reliab.recordings.recording import FEWEST_SAMPLES, Channel, Part, StatedChannels
 from reliab.version import __version__
 
@@ -73,7 +73,7 @@ def record_test(
     about: About | None = None,
     time_units: str | None = None,
     delimiter: str | None = None,
-) -> tuple["xr.Dataset", Histories]:
+) -> tuple["xr.Dataset", ChannelHistories]:
     """Make the record of a test, and say what was recognised; arguments and errors as of `read_recording`.
 
     `laboratory`: what is stated of the channels; `test`: which one, where the file holds several.
@@ -91,7 +91,7 @@ def write_record(record: "xr.Dataset", path: str | Path) -> None:
         file.write_bytes(record.assign_attrs(texts).to_netcdf(engine="h5netcdf", encoding=encoding))
 
 
-def write_csv(record: "xr.Dataset", histories: Histories, path: str | Path) -> None:
+def write_csv(record: "xr.Dataset", histories: ChannelHistories, path: str | Path) -> None:
     """Write the recognised channels as CSV with names and units that every reader understands."""
     names, values = ["time_s"], [histories.time_step * np.arange(_size(histories))]
     endings = {Part.COMMAND: "m", Part.MEASURED: "m", Part.FORCE: "n", Part.GROUND: "mps2"}
@@ -115,7 +115,7 @@ def check_record(path: str | Path) -> list[str]:
             return list(_faults(file))
 
 
-def _as_dataset(histories: Histories, path: Path, about: About) -> "xr.Dataset":
+def _as_dataset(histories: ChannelHistories, path: Path, about: About) -> "xr.Dataset":
     import xarray as xr
 
     numbers = sorted({channel.actuator for channel in histories.channels.values()} - {""}) or [""]
@@ -143,7 +143,7 @@ def _as_dataset(histories: Histories, path: Path, about: About) -> "xr.Dataset":
     )
 
 
-def _variable(histories: Histories, part: Part) -> tuple[Any, ...]:
+def _variable(histories: ChannelHistories, part: Part) -> tuple[Any, ...]:
     """One of the main variables, of all actuators; none where the test has no such channel."""
     _, unit, long_name = _VARIABLES[part]
     channels = {key: channel for key, channel in histories.channels.items() if channel.part is part}
@@ -164,7 +164,7 @@ def _variable(histories: Histories, part: Part) -> tuple[Any, ...]:
     )
 
 
-def _size(histories: Histories) -> int:
+def _size(histories: ChannelHistories) -> int:
     return int(next(iter(histories.values.values())).size)
 
 
@@ -175,7 +175,7 @@ def _transformation(channel: Channel, unit: str) -> str:
     return ", ".join((*channel.corrections, conversion))
 
 
-def _remaining_channels(histories: Histories, taken_names: set[str]) -> dict[str, Any]:
+def _remaining_channels(histories: ChannelHistories, taken_names: set[str]) -> dict[str, Any]:
     """Channels of the source that were not needed, as they stand there, where they have the test's clock."""
     import re
 

@@ -13,7 +13,7 @@ from reliab.core.errors import InputError
 from reliab.core.physical_range import require_physical
 from reliab.core.plain_values import PlainResult
 from reliab.core.stated_value import StatedValue
-from reliab.recordings.words import Quantity
+from reliab.recordings.words import Measurand
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -40,12 +40,12 @@ class Part(StrEnum):
     FORCE = "force"
 
 
-QUANTITY_OF: Final[Mapping[Part, Quantity]] = {
-    Part.TIME: Quantity.TIME,
-    Part.COMMAND: Quantity.DISPLACEMENT,
-    Part.MEASURED: Quantity.DISPLACEMENT,
-    Part.GROUND: Quantity.ACCELERATION,
-    Part.FORCE: Quantity.FORCE,
+QUANTITY_OF: Final[Mapping[Part, Measurand]] = {
+    Part.TIME: Measurand.TIME,
+    Part.COMMAND: Measurand.DISPLACEMENT,
+    Part.MEASURED: Measurand.DISPLACEMENT,
+    Part.GROUND: Measurand.ACCELERATION,
+    Part.FORCE: Measurand.FORCE,
 }
 """What each part measures."""
 

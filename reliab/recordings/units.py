@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from typing import Final
 
 from reliab.core.vocabulary import STANDARD_GRAVITY
-from reliab.recordings.words import Quantity
+from reliab.recordings.words import Measurand
 
 _POUND: Final = 4.4482216152605  # N
 
-UNITS: Final[Mapping[Quantity, Mapping[str, float]]] = {
-    Quantity.TIME: {
+UNITS: Final[Mapping[Measurand, Mapping[str, float]]] = {
+    Measurand.TIME: {
         **dict.fromkeys(
             ("s", "sec", "secs", "second", "seconds", "sek", "sekunden", "sn", "saniye", "秒", "초"), 1.0
         ),
@@ -26,7 +26,7 @@ UNITS: Final[Mapping[Quantity, Mapping[str, float]]] = {
         **dict.fromkeys(("d", "day", "days", "tage"), 86400.0),
         **dict.fromkeys(("week", "weeks"), 604800.0),
     },
-    Quantity.DISPLACEMENT: {
+    Measurand.DISPLACEMENT: {
         **dict.fromkeys(("m", "meter", "metre", "meters", "metres"), 1.0),
         **dict.fromkeys(("cm", "centimeter", "centimetre", "centimeters"), 1e-2),
         **dict.fromkeys(("mm", "millimeter", "millimetre", "millimeters", "millimetres"), 1e-3),
@@ -35,7 +35,7 @@ UNITS: Final[Mapping[Quantity, Mapping[str, float]]] = {
         **dict.fromkeys(("ft", "feet", "foot"), 0.3048),
         "mil": 2.54e-5,
     },
-    Quantity.ACCELERATION: {
+    Measurand.ACCELERATION: {
         **dict.fromkeys(
             (
                 "m/s2",
@@ -59,7 +59,7 @@ UNITS: Final[Mapping[Quantity, Mapping[str, float]]] = {
         **dict.fromkeys(("g", "grav"), STANDARD_GRAVITY),
         "mg": 1e-3 * STANDARD_GRAVITY,
     },
-    Quantity.FORCE: {
+    Measurand.FORCE: {
         **dict.fromkeys(("n", "newton", "newtons"), 1.0),
         **dict.fromkeys(("kn", "kilonewton", "kilonewtons"), 1e3),
         "MN": 1e6,
@@ -68,33 +68,33 @@ UNITS: Final[Mapping[Quantity, Mapping[str, float]]] = {
         **dict.fromkeys(("kgf",), STANDARD_GRAVITY),
         **dict.fromkeys(("tf", "tonf"), 1e3 * STANDARD_GRAVITY),
     },
-    Quantity.VELOCITY: dict.fromkeys(
+    Measurand.VELOCITY: dict.fromkeys(
         ("m/s", "mm/s", "cm/s", "in/s", "m/sec", "mm/sec", "in/sec", "mps"), 1.0
     ),
-    Quantity.VOLTAGE: dict.fromkeys(("v", "volt", "volts", "mv", "vdc"), 1.0),
-    Quantity.CURRENT: dict.fromkeys(("a", "ma", "amp", "amps"), 1.0),
-    Quantity.PRESSURE: dict.fromkeys(("pa", "kpa", "mpa", "bar", "psi", "ksi"), 1.0),
-    Quantity.STRAIN: dict.fromkeys(
+    Measurand.VOLTAGE: dict.fromkeys(("v", "volt", "volts", "mv", "vdc"), 1.0),
+    Measurand.CURRENT: dict.fromkeys(("a", "ma", "amp", "amps"), 1.0),
+    Measurand.PRESSURE: dict.fromkeys(("pa", "kpa", "mpa", "bar", "psi", "ksi"), 1.0),
+    Measurand.STRAIN: dict.fromkeys(
         ("ue", "µe", "ustrain", "µstrain", "microstrain", "mm/mm", "in/in", "m/m"), 1.0
     ),
-    Quantity.ROTATION: {
+    Measurand.ROTATION: {
         **dict.fromkeys(("deg", "°"), math.pi / 180.0),
         "mrad": 1e-3,
         **dict.fromkeys(("rad", "nm", "n.m", "n-m", "knm", "kn.m", "kn-m", "n*m"), 1.0),
     },
-    Quantity.TEMPERATURE: dict.fromkeys(("c", "°c", "degc", "f", "°f", "degf", "k"), 1.0),
-    Quantity.STATE: dict.fromkeys(("hz", "1/s", "%", "w", "kw", "j", "kj"), 1.0),
-    Quantity.COUNT: dict.fromkeys(("-", "counts", "cnt", "segments", "cycles"), 1.0),
+    Measurand.TEMPERATURE: dict.fromkeys(("c", "°c", "degc", "f", "°f", "degf", "k"), 1.0),
+    Measurand.STATE: dict.fromkeys(("hz", "1/s", "%", "w", "kw", "j", "kj"), 1.0),
+    Measurand.COUNT: dict.fromkeys(("-", "counts", "cnt", "segments", "cycles"), 1.0),
 }
 """Factors to SI units; of quantities that no test is judged by they are not used and 1."""
 
-LENGTHS: Final = UNITS[Quantity.DISPLACEMENT]
+LENGTHS: Final = UNITS[Measurand.DISPLACEMENT]
 """Units of displacement [m]."""
 
 ANGLES: Final = ("rad", "mrad", "deg", "°")
 """Units of rotations that an actuator of several may command."""
 
-TIMES: Final = UNITS[Quantity.TIME]
+TIMES: Final = UNITS[Measurand.TIME]
 """Units of time [s]."""
 
 _SIGNS: Final = str.maketrans({"μ": "µ", "·": ".", "⋅": ".", "−": "-", "[": "", "]": "", "(": "", ")": ""})
@@ -126,7 +126,7 @@ class Unit:
     """A unit of a channel."""
 
     text: str  # As it is written
-    quantity: Quantity
+    quantity: Measurand
     factor: float  # to the SI unit
 
 

@@ -10,7 +10,7 @@ from enum import StrEnum
 from typing import Final
 
 
-class Quantity(StrEnum):
+class Measurand(StrEnum):
     """What a channel measures."""
 
     TIME = "time"
@@ -30,7 +30,7 @@ class Quantity(StrEnum):
     STATE = "state"
 
 
-class Role(StrEnum):
+class ChannelRole(StrEnum):
     """On which side of the transfer system a channel stands."""
 
     COMMAND = "command"
@@ -38,67 +38,67 @@ class Role(StrEnum):
     GROUND = "ground"
 
 
-QUANTITIES: Final[Mapping[Quantity, str]] = {
-    Quantity.TIME: (
+QUANTITIES: Final[Mapping[Measurand, str]] = {
+    Measurand.TIME: (
         "time times timer tout timestamp elapsed seconds zeit laufzeit messzeit uhrzeit zeitstempel tempo "
         "tiempo temps shijian zaman sure"
     ),
-    Quantity.DISPLACEMENT: (
+    Measurand.DISPLACEMENT: (
         "pot potentiometer laser wa heidenhain keyence celesco balluff magnetostrictive ultrasonic "
         "disp displ dis dsp displacement displacements stroke position pos lvdt ldt temposonic "
         "temposonics encoder travel deflection elongation weg wegaufnehmer kolbenweg verschiebung hub "
         "auslenkung spostamento spost corsa posizione desplazamiento desp carrera posicion "
         "deplacement depl course weiyi xingcheng deplasman deplasmani dep degistirme konum konumu"
     ),
-    Quantity.FORCE: (
+    Measurand.FORCE: (
         "messdose kraftmessdose "
         "force forces load loads loadcell lc frc forc kraft kraefte last pruefkraft forza carico "
         "carga fuerza effort charge li lizhi zaihe hezai shear reaction restoring cella celda kuvvet kuvveti "
         "yuk yuku hucre hucresi"
     ),
-    Quantity.ACCELERATION: (
+    Measurand.ACCELERATION: (
         "acc accel accl acceleration accelerometer beschleunigung beschl accelerazione aceleracion "
         "acceleration ddot jiasudu ivme ivmesi"
     ),
-    Quantity.VELOCITY: "vel velo velocity speed geschwindigkeit velocita velocidad vitesse sudu hiz hizi",
-    Quantity.VOLTAGE: "volt volts voltage spannung tensione tension voltaje dianya dac adc "
+    Measurand.VELOCITY: "vel velo velocity speed geschwindigkeit velocita velocidad vitesse sudu hiz hizi",
+    Measurand.VOLTAGE: "volt volts voltage spannung tensione tension voltaje dianya dac adc "
     "voltaj voltaji gerilim",
-    Quantity.VALVE: "valve servovalve spool ventil servoventil valvola servovalvola valvula "
+    Measurand.VALVE: "valve servovalve spool ventil servoventil valvola servovalvola valvula "
     "servovalvula vanne servovanne servofa valf valfi servovalf",
-    Quantity.ROTATION: (
+    Measurand.ROTATION: (
         "rotation rot angle winkel drehwinkel rotazione angolo giro angulo zhuanjiao moment torque"
     ),
-    Quantity.STRAIN: "strain strains gauge gage dehnung deformacion deformazione yingbian",
-    Quantity.PRESSURE: "pressure press druck oeldruck pressione presion "
+    Measurand.STRAIN: "strain strains gauge gage dehnung deformacion deformazione yingbian",
+    Measurand.PRESSURE: "pressure press druck oeldruck pressione presion "
     "pression olio huile oil yali basinc basinci",
-    Quantity.TEMPERATURE: "temperature temp temperatur temperatura wendu sicaklik sicakligi",
-    Quantity.CURRENT: "current amp amps amperage strom corrente corriente courant dianliu akim akimi",
-    Quantity.ERROR: "error err abweichung regelabweichung errore erreur ecart "
+    Measurand.TEMPERATURE: "temperature temp temperatur temperatura wendu sicaklik sicakligi",
+    Measurand.CURRENT: "current amp amps amperage strom corrente corriente courant dianliu akim akimi",
+    Measurand.ERROR: "error err abweichung regelabweichung errore erreur ecart "
     "diff difference residual residuo wucha hata hatasi",
-    Quantity.COUNT: (
+    Measurand.COUNT: (
         "count counter index sample samples cycle cycles segment row zyklus zyklen ciclo ciclos"
     ),
-    Quantity.STATE: (
+    Measurand.STATE: (
         "status state flag trigger trig sync interlock mode enable gain pid power energy rate rms"
     ),
 }
 """Words that say what is measured."""
 
-ROLES: Final[Mapping[Role, str]] = {
-    Role.COMMAND: (
+ROLES: Final[Mapping[ChannelRole, str]] = {
+    ChannelRole.COMMAND: (
         "command commanded commands cmd cmnd comm commandsignal targ target targeted tgt desired "
         "reference ref setpoint demand dem soll sollwert sollweg vorgabe comando riferimento consigna "
         "referencia deseado objetivo "
         "comandado comandato imposto desiderato consigne commande cible mingling zhiling mubiao qiwang komut "
         "komutu hedef referans istenen kumanda obiettivo rif wanted"
     ),
-    Role.MEASURED: (
+    ChannelRole.MEASURED: (
         "measured measurement meas msd actual achieved feedback feedbk fbk fdbk fb istwert istweg ist "
         "gemessen misurato misurata misura effettivo medido medida mesure mesuree shice "
         "fankui celiang shiji olculen olcum olcumu gerceklesen gercek geribesleme "
         "rilevato rilevata mis eff mes reel retroaction"
     ),
-    Role.GROUND: (
+    ChannelRole.GROUND: (
         "ground groundmotion base table shake shaketable earthquake eq quake excitation boden tisch "
         "erdbeben suolo tavola sisma terremoto suelo sismo sol seisme dizhen dimian zhendongtai yer zemin "
         "taban deprem"
@@ -106,9 +106,9 @@ ROLES: Final[Mapping[Role, str]] = {
 }
 """Words that say on which side of the transfer system a channel stands."""
 
-WEAK_ROLES: Final[Mapping[Role, str]] = {
-    Role.COMMAND: "input des in set",
-    Role.MEASURED: "response resp output out sensor real reached act",
+WEAK_ROLES: Final[Mapping[ChannelRole, str]] = {
+    ChannelRole.COMMAND: "input des in set",
+    ChannelRole.MEASURED: "response resp output out sensor real reached act",
 }
 """Words that say so only where no column does with a plainer one: `act` may be the actuator's."""
 
@@ -129,16 +129,17 @@ NEUTRAL: Final = (
 )
 """Words that decide nothing; they are known so that names without gaps can be taken apart."""
 
-SYMBOLS: Final[Mapping[str, tuple[Quantity, Role | None]]] = {
-    "t": (Quantity.TIME, None),
-    **dict.fromkeys(("xc", "uc", "dc", "xd", "ud"), (Quantity.DISPLACEMENT, Role.COMMAND)),
-    **dict.fromkeys(("xm", "um", "dm"), (Quantity.DISPLACEMENT, Role.MEASURED)),
+SYMBOLS: Final[Mapping[str, tuple[Measurand, ChannelRole | None]]] = {
+    "t": (Measurand.TIME, None),
+    **dict.fromkeys(("xc", "uc", "dc", "xd", "ud"), (Measurand.DISPLACEMENT, ChannelRole.COMMAND)),
+    **dict.fromkeys(("xm", "um", "dm"), (Measurand.DISPLACEMENT, ChannelRole.MEASURED)),
     **dict.fromkeys(
-        ("fm", "fe", "fr", "fs", "frest", "fmeas", "fmeasured", "fact"), (Quantity.FORCE, Role.MEASURED)
+        ("fm", "fe", "fr", "fs", "frest", "fmeas", "fmeasured", "fact"),
+        (Measurand.FORCE, ChannelRole.MEASURED),
     ),
     **dict.fromkeys(
         ("ag", "agm", "xgdd", "xddg", "ugdd", "uddg", "xgddot", "ugddot", "ddxg", "ddug"),
-        (Quantity.ACCELERATION, Role.GROUND),
+        (Measurand.ACCELERATION, ChannelRole.GROUND),
     ),
 }
 """Symbols of equations, as whole names without the signs in them: x_c, u_m."""

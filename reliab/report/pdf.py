@@ -15,7 +15,7 @@ import typst
 from reliab.core.files import decoding, refuse_unwritable, written_whole
 from reliab.report.content import CONTENT_REMEDY, CONTENT_RULE, files_of
 from reliab.report.document import Document
-from reliab.report.setting import Setting
+from reliab.report.setting import ReportSetting
 from reliab.version import __version__
 
 _TEMPLATES: Final = files("reliab.report") / "templates"
@@ -28,7 +28,11 @@ _NAMES: Final = ("main.typ", "page.typ", "parts.typ", "table.typ")
 
 
 def write_pdf(
-    document: Document | Mapping[str, bytes], path: Path, *, date: dt.date, setting: Setting | None = None
+    document: Document | Mapping[str, bytes],
+    path: Path,
+    *,
+    date: dt.date,
+    setting: ReportSetting | None = None,
 ) -> None:
     """Write a report as PDF; identical input gives identical bytes.
 
@@ -42,10 +46,10 @@ def write_pdf(
 
 
 def compile_report(
-    document: Document | Mapping[str, bytes], *, date: dt.date, setting: Setting | None = None
+    document: Document | Mapping[str, bytes], *, date: dt.date, setting: ReportSetting | None = None
 ) -> bytes:
     """Set a report as PDF."""
-    setting = setting or Setting()
+    setting = setting or ReportSetting()
     date = setting.date or date
     _require_sound_logo(setting)
     if isinstance(document, Document):
@@ -54,7 +58,7 @@ def compile_report(
         return _set(document, setting, date)
 
 
-def _set(content: Mapping[str, bytes], setting: Setting, date: dt.date) -> bytes:
+def _set(content: Mapping[str, bytes], setting: ReportSetting, date: dt.date) -> bytes:
     """Set content with the package's templates, which stand for any of the same name."""
     pdf = _compile_typst(
         {**content, **setting.files(), **templates()},
@@ -65,7 +69,7 @@ def _set(content: Mapping[str, bytes], setting: Setting, date: dt.date) -> bytes
     return bytes(pdf).replace(_MARK_INFO, _BLANKED_MARK_INFO)
 
 
-def _require_sound_logo(setting: Setting) -> None:
+def _require_sound_logo(setting: ReportSetting) -> None:
     """Set the logo alone, so that it is blamed for its own faults only."""
     if setting.logo is None:
         return

@@ -17,7 +17,7 @@ _PICTURES: Final = (".svg", ".png", ".jpg", ".jpeg")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Setting:
+class ReportSetting:
     """What a laboratory decides about a report."""
 
     title: str = ""  # Title in place of the report's own

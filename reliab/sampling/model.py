@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Parameter:
+class SampledParameter:
     """One parameter on the unbounded scale on which it is sampled, with a normal prior."""
 
     name: str  # What it is called in tables and figures
@@ -28,7 +28,7 @@ class Model(ABC):
 
     @property
     @abstractmethod
-    def parameters(self) -> tuple[Parameter, ...]:
+    def parameters(self) -> tuple[SampledParameter, ...]:
         """Parameters in the order of the sampled vectors."""
 
     @abstractmethod

@@ -54,13 +54,13 @@ Thresholds = Annotated[tuple[Annotated[float, Physical("error threshold")], ...]
 Names = Annotated[tuple[str, ...], AfterValidator(_distinct)]
 
 
-class Table(BaseModel):
+class StudyTable(BaseModel):
     """A table of a study: its keys and no others."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-class RecordsTable(Table):
+class RecordsTable(StudyTable):
     """`[motions]`: which records."""
 
     sources: Names | None = None
@@ -80,7 +80,7 @@ class MotionsTable(RecordsTable):
         return self
 
 
-class StructuresTable(Table):
+class StructuresTable(StudyTable):
     """`[structures]`: which structures."""
 
     f: Frequencies = (1.0,)
@@ -88,7 +88,7 @@ class StructuresTable(Table):
     experimental_fraction: Annotated[float, Physical("share of the stiffness in the laboratory")] = 1.0
 
 
-class ErrorsTable(Table):
+class ErrorsTable(StudyTable):
     """`[errors]`: which errors of the whole test, and over which part of the record they are computed."""
 
     thresholds: Thresholds = (0.05,)
@@ -96,7 +96,7 @@ class ErrorsTable(Table):
     window: Annotated[str, AfterValidator(_window)] = "record"
 
 
-class CriterionTable(Table):
+class CriterionTable(StudyTable):
     """`[criterion]`: what the criterion promises."""
 
     confidences: Shares = (0.95,)
@@ -105,7 +105,7 @@ class CriterionTable(Table):
     law: Annotated[str, AfterValidator(_law)] = "table"
 
 
-class TransferValidationTable(Table):
+class TransferValidationTable(StudyTable):
     """`[validation]`: how a criterion is judged on the motions of another suite."""
 
     confidences: Shares = (0.50, 0.60, 0.70, 0.80, 0.90, 0.95, 0.99)
@@ -120,7 +120,7 @@ class ValidationTable(TransferValidationTable):
     ] = ("leave_one_event_out",)
 
 
-class Study(Table):
+class Study(StudyTable):
     """A study; each kind adds the tables that it knows."""
 
     title: str  # Title of the report

@@ -27,7 +27,7 @@ from reliab.study.stages import Stage
 
 
 @dataclass(frozen=True, kw_only=True)
-class Kind:
+class StudyKind:
     """A kind of study.
 
     Parameters
@@ -90,7 +90,7 @@ def folders_of_kinds() -> dict[str, Path]:
     }
 
 
-def kind_of(folder: Path) -> Kind | None:
+def kind_of(folder: Path) -> StudyKind | None:
     """Import the kind of study that a folder brings with it; None where it holds no code."""
     if not (folder / f"{_CODE}.py").is_file():
         return None
@@ -111,7 +111,7 @@ def kind_of(folder: Path) -> Kind | None:
             remedy="Correct it, or install what it imports",
             where=str(folder / f"{_CODE}.py"),
         ) from error
-    if not isinstance(kind, Kind):
+    if not isinstance(kind, StudyKind):
         raise InputError(
             "kind.py of a study must define KIND, a reliab.study.folders.Kind",
             value=f"KIND = {kind!r}",

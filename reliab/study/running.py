@@ -12,7 +12,7 @@ from reliab.core.shipped import is_own_data
 from reliab.report.document import Document
 from reliab.report.pdf import write_pdf
 from reliab.report.prose import plain_text
-from reliab.report.setting import Setting
+from reliab.report.setting import ReportSetting
 from reliab.study.description import Study
 from reliab.study.folders import FILE, REMEDY, RULE, folders_of_studies, kind_of, study_contents
 from reliab.study.kinds import KINDS
@@ -101,7 +101,7 @@ def run_study(
     *,
     show: Show = quietly,
     tell: Callable[[str, bool], None] = lambda _name, _finished: None,
-    setting: Setting | None = None,
+    setting: ReportSetting | None = None,
 ) -> Path:
     """Run a study, from its motions to the report; what is done already is not done again.
 
@@ -136,7 +136,7 @@ def run_study(
     return folder.path / REPORT
 
 
-def write_report(folder: str | Path, *, setting: Setting | None = None) -> Path:
+def write_report(folder: str | Path, *, setting: ReportSetting | None = None) -> Path:
     """Make the report of a finished run again.
 
     Parameters
@@ -167,7 +167,7 @@ def write_report(folder: str | Path, *, setting: Setting | None = None) -> Path:
     return folder / REPORT
 
 
-def _reporting(study: Study, reads: list[str], setting: Setting | None) -> Stage:
+def _reporting(study: Study, reads: list[str], setting: ReportSetting | None) -> Stage:
     def work(folder: Path) -> None:
         document = KINDS[study.kind].report(study, folder)
         _set(document, study, folder, setting)
@@ -175,11 +175,11 @@ def _reporting(study: Study, reads: list[str], setting: Setting | None) -> Stage
         with written_whole(folder / ANSWER) as place:
             place.write_text(answer, encoding="utf-8")
 
-    inputs = {**study.model_dump(mode="json"), "setting": (setting or Setting()).to_dict()}
+    inputs = {**study.model_dump(mode="json"), "setting": (setting or ReportSetting()).to_dict()}
     return Stage(name="report", inputs=inputs, reads=reads, writes=(REPORT, ANSWER), work=work)
 
 
 def _set(
-    document: Document | Mapping[str, bytes], study: Study, folder: Path, setting: Setting | None
+    document: Document | Mapping[str, bytes], study: Study, folder: Path, setting: ReportSetting | None
 ) -> None:
     write_pdf(document, folder / REPORT, date=study.date or date_of(folder), setting=setting)

@@ -9,7 +9,7 @@ from reliab.core.progress import Show
 from reliab.core.shipped import shipped
 from reliab.report.document import Document
 from reliab.study.description import Study
-from reliab.study.folders import Kind
+from reliab.study.folders import StudyKind
 from reliab.study.stages import Stage, digest, read_result, software_provenance
 
 EVALUATION: Final = "evaluation.json"
@@ -43,5 +43,5 @@ def report(study: Study, folder: Path) -> Document:
     )
 
 
-KIND: Final = Kind(name="blind_evaluation", tables=Study, stages=stages, report=report)
+KIND: Final = StudyKind(name="blind_evaluation", tables=Study, stages=stages, report=report)
 """Diagnoses of blind campaigns against what was hidden in them."""

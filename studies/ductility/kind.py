@@ -13,8 +13,8 @@ from reliab.core.plain_values import read_table, write_table
 from reliab.core.progress import Show
 from reliab.core.shipped import or_shipped
 from reliab.report.document import Document
-from reliab.study.description import MotionsTable, RecordsStudy, StructuresTable, Table
-from reliab.study.folders import Kind
+from reliab.study.description import MotionsTable, RecordsStudy, StructuresTable, StudyTable
+from reliab.study.folders import StudyKind
 from reliab.study.stages import Stage, digest, software_provenance
 from reliab.study.steps import Records
 
@@ -25,7 +25,7 @@ LIMITS: Final = "limits.csv"
 _DIGITS = 5
 
 
-class DuctilityTable(Table):
+class DuctilityTable(StudyTable):
     """`[ductility]`: the error of the whole test up to which a test is tolerable."""
 
     threshold: Annotated[float, Field(gt=0.0, lt=1.0)] = 0.05
@@ -125,5 +125,5 @@ def report(study: DuctilityStudy, folder: Path) -> Document:
     )
 
 
-KIND: Final = Kind(name="ductility", tables=DuctilityStudy, stages=stages, report=report)
+KIND: Final = StudyKind(name="ductility", tables=DuctilityStudy, stages=stages, report=report)
 """How the tolerable amplitude error and delay grow or shrink when the specimen is not linear."""

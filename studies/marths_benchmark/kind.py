@@ -11,8 +11,8 @@ from reliab.core.errors import InputError
 from reliab.core.files import written_whole
 from reliab.core.progress import Show
 from reliab.report.document import Document
-from reliab.study.description import Names, RecordsStudy, Table
-from reliab.study.folders import Kind
+from reliab.study.description import Names, RecordsStudy, StudyTable
+from reliab.study.folders import StudyKind
 from reliab.study.stages import Stage, read_result, software_provenance
 from reliab.study.steps import Records
 
@@ -27,7 +27,7 @@ def _require_controllers(names: tuple[str, ...]) -> tuple[str, ...]:
     return names
 
 
-class MultiAxialTable(Table):
+class MultiAxialTable(StudyTable):
     """`[marths]`: which controllers, and how many uncertain plants."""
 
     controllers: Annotated[Names, AfterValidator(_require_controllers)] = CONTROLLERS
@@ -79,5 +79,5 @@ def report(study: MultiAxialStudy, folder: Path) -> Document:
     )
 
 
-KIND: Final = Kind(name="marths_benchmark", tables=MultiAxialStudy, stages=stages, report=report)
+KIND: Final = StudyKind(name="marths_benchmark", tables=MultiAxialStudy, stages=stages, report=report)
 """The field's multi-axial yardstick, run through."""

@@ -10,8 +10,8 @@ from reliab.core.errors import InputError
 from reliab.core.plain_values import read_table, write_table
 from reliab.core.progress import Show
 from reliab.report.document import Document
-from reliab.study.description import MotionsTable, Names, RecordsStudy, Table
-from reliab.study.folders import Kind
+from reliab.study.description import MotionsTable, Names, RecordsStudy, StudyTable
+from reliab.study.folders import StudyKind
 from reliab.study.stages import Stage, software_provenance
 from reliab.study.steps import Records
 
@@ -34,7 +34,7 @@ def _require_families(names: tuple[str, ...]) -> tuple[str, ...]:
     return names
 
 
-class SpecimensTable(Table):
+class SpecimensTable(StudyTable):
     """`[specimens]`: which families, how many tests of each, and the error up to which a test is good."""
 
     families: Annotated[Names, AfterValidator(_require_families)] = tuple(FAMILIES)
@@ -93,5 +93,5 @@ def report(study: MeasuredSpecimenStudy, folder: Path) -> Document:
     )
 
 
-KIND: Final = Kind(name="measured_specimen", tables=MeasuredSpecimenStudy, stages=stages, report=report)
+KIND: Final = StudyKind(name="measured_specimen", tables=MeasuredSpecimenStudy, stages=stages, report=report)
 """Whether a specimen that nobody models is learned from its own force well enough to judge its test."""

@@ -8,7 +8,7 @@ from reliab.core.errors import InputError
 from reliab.core.progress import Show
 from reliab.report.document import Document
 from reliab.study.description import SimulatedStudy
-from reliab.study.folders import Kind
+from reliab.study.folders import StudyKind
 from reliab.study.stages import Stage, software_provenance
 from reliab.study.steps import ELLIPSES, Material, motion_by_name, read_run_dataset, simulation, tracing
 from reliab.sweep.ellipse_dataset import open_ellipses
@@ -67,5 +67,5 @@ def _example(material: Material, show: Show) -> Stage:
     return Stage(name="example", inputs=inputs, writes=(EXAMPLE,), work=work)
 
 
-KIND: Final = Kind(name="paper", tables=SimulatedStudy, stages=stages, report=report)
+KIND: Final = StudyKind(name="paper", tables=SimulatedStudy, stages=stages, report=report)
 """Every table, figure and numbered equation of the paper, compared with what is printed."""

@@ -9,8 +9,8 @@ from pydantic import Field
 from reliab.core.plain_values import read_table, write_table
 from reliab.core.progress import Show
 from reliab.report.document import Document
-from reliab.study.description import RecordsStudy, Table
-from reliab.study.folders import Kind
+from reliab.study.description import RecordsStudy, StudyTable
+from reliab.study.folders import StudyKind
 from reliab.study.stages import Stage, software_provenance
 from reliab.study.steps import Records
 
@@ -18,7 +18,7 @@ TESTS: Final = "tests.csv"
 SHARES: Final = "shares.csv"
 
 
-class PartitionedTable(Table):
+class PartitionedTable(StudyTable):
     """`[partitioned]`: how many tests, and the seed of their draws."""
 
     tests: Annotated[int, Field(ge=1, le=10_000)] = 270
@@ -60,5 +60,5 @@ def report(study: PartitionedStudy, folder: Path) -> Document:
     )
 
 
-KIND: Final = Kind(name="partitioned_structures", tables=PartitionedStudy, stages=stages, report=report)
+KIND: Final = StudyKind(name="partitioned_structures", tables=PartitionedStudy, stages=stages, report=report)
 """What A and d can see of a partitioned structure, and what they cannot."""

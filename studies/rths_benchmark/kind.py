@@ -14,8 +14,8 @@ from reliab.core.plain_values import read_table, write_table
 from reliab.core.progress import Show
 from reliab.core.shipped import shipped
 from reliab.report.document import Document
-from reliab.study.description import Names, RecordsStudy, Table
-from reliab.study.folders import Kind
+from reliab.study.description import Names, RecordsStudy, StudyTable
+from reliab.study.folders import StudyKind
 from reliab.study.stages import Stage, digest, read_result, software_provenance
 from reliab.study.steps import Records
 
@@ -35,7 +35,7 @@ def _require_compensators(names: tuple[str, ...]) -> tuple[str, ...]:
 Case = Annotated[int, Field(ge=1, le=4)]
 
 
-class BenchmarkTable(Table):
+class BenchmarkTable(StudyTable):
     """`[benchmark]`: which cases, compensators and plants."""
 
     cases: Annotated[tuple[Case, ...], Field(min_length=1)] = (1, 2, 3, 4)
@@ -123,5 +123,5 @@ def report(study: BenchmarkStudy, folder: Path) -> Document:
     )
 
 
-KIND: Final = Kind(name="rths_benchmark", tables=BenchmarkStudy, stages=stages, report=report)
+KIND: Final = StudyKind(name="rths_benchmark", tables=BenchmarkStudy, stages=stages, report=report)
 """The field's own yardstick, run through."""

@@ -15,7 +15,7 @@ from reliab.core.shipped import shipped
 from reliab.criterion.provenance import records_checksum
 from reliab.report.document import Document
 from reliab.study.description import CriterionTable, SimulatedStudy, TransferValidationTable
-from reliab.study.folders import Kind
+from reliab.study.folders import StudyKind
 from reliab.study.stages import Stage, digest, software_provenance
 from reliab.study.steps import (
     CRITERIA,
@@ -192,5 +192,5 @@ def _shipped(file: str) -> Path:
     return shipped("datasets", f"{REAL}/{file}")
 
 
-KIND: Final = Kind(name="suites", tables=SuitesStudy, stages=stages, report=report)
+KIND: Final = StudyKind(name="suites", tables=SuitesStudy, stages=stages, report=report)
 """Whether a suite may stand in for real motions."""

@@ -12,7 +12,7 @@ from reliab.core.progress import Show
 from reliab.core.shipped import shipped
 from reliab.report.document import Document
 from reliab.study.description import RecordsStudy
-from reliab.study.folders import Kind
+from reliab.study.folders import StudyKind
 from reliab.study.stages import Stage, digest, software_provenance
 from reliab.study.steps import Records
 
@@ -52,5 +52,5 @@ def report(study: RecordsStudy, folder: Path) -> Document:
     )
 
 
-KIND: Final = Kind(name="table_audit", tables=RecordsStudy, stages=stages, report=report)
+KIND: Final = StudyKind(name="table_audit", tables=RecordsStudy, stages=stages, report=report)
 """Table 2 as measured data against our simulation of its records."""

@@ -19,7 +19,7 @@ from reliab.motions.suite import MotionSuite
 from reliab.report.document import Document
 from reliab.structures.structure import Structure
 from reliab.study.description import CriterionStudy, ValidationTable
-from reliab.study.folders import Kind
+from reliab.study.folders import StudyKind
 from reliab.study.stages import Stage, software_provenance
 from reliab.study.steps import (
     CRITERIA,
@@ -196,5 +196,5 @@ def _spread(suite: MotionSuite, count: int) -> list[Motion]:
     return list(islice(suite, 0, None, max(1, len(suite) // count)))[:count]
 
 
-KIND: Final = Kind(name="validation", tables=ValidationStudy, stages=stages, report=report)
+KIND: Final = StudyKind(name="validation", tables=ValidationStudy, stages=stages, report=report)
 """Whether criteria keep their promise."""

@@ -7,7 +7,7 @@ import pytest
 from reliab_studies.laboratory.laboratory import Rig, Sensors, run_laboratory
 
 from reliab.assessment.assess import assess
-from reliab.assessment.budget.sizes import Source, ordinary_equipment
+from reliab.assessment.budget.sizes import PriorSource, ordinary_equipment
 from reliab.core.errors import InputError
 from reliab.core.shipped import shipped
 from reliab.core.stated_value import StatedValue
@@ -266,7 +266,7 @@ def test_unstated_quantities_of_a_frame_are_as_uncertain_as_equipment(frame, tes
     exact = assess(recording, frame)
     sources = {item.name: item.source for item in assumptions.error.budget}
     expected = {"damping_ratio", "sensor_scale", "time_shift", "filter_delay", "feedback_lag"}
-    assert expected <= {name for name, source in sources.items() if source is Source.DEFAULT}
+    assert expected <= {name for name, source in sources.items() if source is PriorSource.DEFAULT}
     widths = [result.error.estimate(Metric.RMS) for result in (assumptions, exact)]
     assert widths[0].high - widths[0].low > 5.0 * (widths[1].high - widths[1].low)
     assert 0.01 <= assumptions.error.probability <= 0.99
@@ -274,7 +274,7 @@ def test_unstated_quantities_of_a_frame_are_as_uncertain_as_equipment(frame, tes
         recording, frame, stated={"skew": StatedValue(0.0, 0.01)}, equipment=ordinary_equipment()
     )
     (skew,) = [item for item in stated_values.error.budget if item.name == "time_shift"]
-    assert (skew.source, skew.size) == (Source.STATED, pytest.approx(0.01, rel=0.01))
+    assert (skew.source, skew.size) == (PriorSource.STATED, pytest.approx(0.01, rel=0.01))
     linear = assess(recording, frame, equipment=ordinary_equipment(), linear_specimen=True)
     assert linear.turning.error_if_yielding is None
     assert assumptions.turning.error_if_yielding is not None

@@ -15,7 +15,7 @@ from reliab.criterion.ellipse_table import EllipseTable
 from reliab.criterion.laws.dimensionless import Dimensionless
 from reliab.criterion.laws.exponential import Exponential
 from reliab.criterion.laws.power import Power
-from reliab.criterion.laws.table import Table
+from reliab.criterion.laws.table import TabulatedLimits
 from reliab.criterion.methods.dirichlet import Dirichlet
 from reliab.criterion.methods.quantile import Quantile
 from reliab.criterion.motion_predictive import roots_of_increasing
@@ -55,7 +55,7 @@ def test_on_the_boundary_a_test_is_at_least_as_probable_as_stated(criterion):
 @pytest.mark.parametrize("law", [Dimensionless, Power, Exponential])
 def test_a_fitted_law_contains_as_many_motions_on_average(ellipses, law):
     shares = []
-    for item in (Table, law):
+    for item in (TabulatedLimits, law):
         criterion = derive_criterion(ellipses, method=Dirichlet(), joint=True, law=item)
         a, b = criterion.limits(ellipses["f"].values[:, None], ellipses["xi"].values[None, :])
         shares.append(

@@ -6,7 +6,7 @@ import pytest
 
 from reliab.core.errors import InputError
 from reliab.motions.checking import inspect
-from reliab.motions.faults import Fault
+from reliab.motions.faults import MotionFault
 from reliab.motions.loading import UnreadFileWarning, load_motions
 
 Write = Callable[[str, str | bytes], Path]
@@ -146,6 +146,6 @@ def test_missing_path_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_fault_is_an_error_of_one_sentence() -> None:
-    fault = Fault(file="a.AT2", line=3, rule="It must be so", value="not so", remedy="Make it so")
+    fault = MotionFault(file="a.AT2", line=3, rule="It must be so", value="not so", remedy="Make it so")
     assert str(fault.error()) == "a.AT2, line 3: It must be so; found not so. Make it so."
-    assert str(Fault(file="a", line=None, rule="It must be so").error()) == "a: It must be so."
+    assert str(MotionFault(file="a", line=None, rule="It must be so").error()) == "a: It must be so."

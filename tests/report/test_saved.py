@@ -12,7 +12,7 @@ from reliab.report.content import files_of, read_content, save_content
 from reliab.report.document import Document, Equation, Figure, Paragraph
 from reliab.report.pdf import compile_report, templates
 from reliab.report.prose import Math, prose, require_formula
-from reliab.report.setting import Setting
+from reliab.report.setting import ReportSetting
 
 DATE = dt.date(2026, 1, 1)
 STUDY = {"title": "Sent", "kind": "discrepancy", "date": "2026-01-01", "campaign": {"folder": "elsewhere"}}
@@ -181,7 +181,7 @@ def test_a_picture_beside_the_working_folder_cannot_be_part_of_a_logo(sent, tmp_
     logo = tmp_path / "logo.svg"
     logo.write_text(LINKED.format("secret.png"))
     with pytest.raises(InputError, match="A logo must be a sound picture"):
-        compile_report(read_content(sent / "report"), date=DATE, setting=Setting(logo=logo))
+        compile_report(read_content(sent / "report"), date=DATE, setting=ReportSetting(logo=logo))
 
 
 @pytest.mark.parametrize("part", ["report/figure-1.svg", "report/document.json", "report", "manifest.json"])

@@ -15,7 +15,7 @@ from reliab.report.document import Column, Document, Figure, Paragraph, Section,
 from reliab.report.glossary import TERMS, glossary_of
 from reliab.report.pdf import compile_report, templates
 from reliab.report.prose import plain_text
-from reliab.report.setting import Setting
+from reliab.report.setting import ReportSetting
 
 DATE = dt.date(2026, 1, 1)
 SVG = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 3"><rect width="9" height="3"/></svg>'
@@ -30,8 +30,8 @@ def report(sections=1, *, sheet=False):
 
 
 def headings(document, setting=None):
-    inputs = {"date": "2026-01-01", "version": "0", **(setting or Setting()).inputs()}
-    files = {**templates(), **files_of(document), **(setting or Setting()).files()}
+    inputs = {"date": "2026-01-01", "version": "0", **(setting or ReportSetting()).inputs()}
+    files = {**templates(), **files_of(document), **(setting or ReportSetting()).files()}
     return str(typst.query(files, "heading", field="body", ignore_system_fonts=True, sys_inputs=inputs))
 
 
@@ -44,12 +44,12 @@ def logo(tmp_path):
 
 def test_each_part_of_a_setting_changes_the_report(logo):
     settings = [
-        Setting(),
-        Setting(title="Another"),
-        Setting(date=dt.date(2025, 5, 5)),
-        Setting(paper="letter"),
-        Setting(laboratory="Our laboratory"),
-        Setting(logo=logo),
+        ReportSetting(),
+        ReportSetting(title="Another"),
+        ReportSetting(date=dt.date(2025, 5, 5)),
+        ReportSetting(paper="letter"),
+        ReportSetting(laboratory="Our laboratory"),
+        ReportSetting(logo=logo),
     ]
     for sheet in (False, True):
         pdfs = [compile_report(report(sheet=sheet), date=DATE, setting=setting) for setting in settings]
@@ -73,21 +73,21 @@ def test_a_tall_figure_of_the_first_page_leaves_room_for_the_contents(height):
 
 
 def test_letter_has_the_size_of_letter():
-    pdf = compile_report(report(), date=DATE, setting=Setting(paper="letter"))
+    pdf = compile_report(report(), date=DATE, setting=ReportSetting(paper="letter"))
     assert re.findall(rb"/MediaBox\s*\[([^]]*)\]", pdf) == [b"0 0 612 792"]
 
 
 def test_invalid_settings_are_refused(tmp_path):
     with pytest.raises(InputError, match="known format"):
-        Setting(paper="a5")
+        ReportSetting(paper="a5")
     with pytest.raises(InputError, match="is no picture"):
-        Setting(logo=tmp_path / "logo.txt")
+        ReportSetting(logo=tmp_path / "logo.txt")
     with pytest.raises(InputError, match="Cannot read the logo"):
-        Setting(logo=tmp_path / "logo.svg")
+        ReportSetting(logo=tmp_path / "logo.svg")
     logo = tmp_path / "logo.png"
     logo.write_bytes(b"no picture")
     with pytest.raises(InputError, match="sound picture"):
-        compile_report(report(), date=DATE, setting=Setting(logo=logo))
+        compile_report(report(), date=DATE, setting=ReportSetting(logo=logo))
 
 
 def test_terms_of_a_report_are_explained_at_its_end():

@@ -12,7 +12,7 @@ from reliab.criterion.laws.dimensionless import Dimensionless
 from reliab.criterion.laws.exponential import Exponential
 from reliab.criterion.laws.power import Power
 from reliab.criterion.laws.registry import FITTED_LAWS, MANY_MOTION_LAWS
-from reliab.criterion.laws.table import Table
+from reliab.criterion.laws.table import TabulatedLimits
 from reliab.sweep.ellipse_dataset import open_ellipses
 from reliab.sweep.results import open_results
 from reliab.validation.comparison import (
@@ -100,7 +100,7 @@ def test_coverage_is_equal_over_all_structures(grouped_ellipses):
 
 
 def test_true_law_is_beaten_by_noise_only(grouped_ellipses):
-    table = compare_laws(grouped_ellipses, laws={"power": Power, "table": Table})
+    table = compare_laws(grouped_ellipses, laws={"power": Power, "table": TabulatedLimits})
     scores = table.groupby("law")["log_score"].mean()
     assert scores["power"] > scores["table"] - 0.02
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from reliab.assessment.assess import AnyAssessment
     from reliab.assessment.comparison import Comparison
     from reliab.report.document import Document
-    from reliab.report.setting import Setting
+    from reliab.report.setting import ReportSetting
 
 
 def file_report(
@@ -25,7 +25,7 @@ def file_report(
     *,
     test: str | Path,
     structure: str | Path | None = None,
-    setting: "Setting | None" = None,
+    setting: "ReportSetting | None" = None,
 ) -> None:
     """Write the report that is filed with a test, with the checksums of the files from which it was made.
 

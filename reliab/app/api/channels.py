@@ -13,7 +13,7 @@ from reliab.core.shipped import or_shipped
 from reliab.recordings.coupled_recording import CoupledRecording, read_coupled_recording
 from reliab.recordings.readers.columns import is_frame
 from reliab.recordings.readers.registry import read_tests
-from reliab.recordings.reading import Histories, declare_channels, read_recording
+from reliab.recordings.reading import ChannelHistories, declare_channels, read_recording
 from reliab.recordings.record import About, record_test
 from reliab.recordings.recording import Part, Recording, StatedChannels
 
@@ -134,7 +134,7 @@ class FileReading:
             **arguments,
         )
 
-    def record(self, path: Path, about: About) -> "tuple[xr.Dataset, Histories]":
+    def record(self, path: Path, about: About) -> "tuple[xr.Dataset, ChannelHistories]":
         """Make the record of a test, and say what was recognised."""
         return record_test(
             path,

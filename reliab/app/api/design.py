@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Unpack
 from reliab.app import questions
 from reliab.app.api.arguments import STRUCTURE, parse_exact_values, parse_threshold, refuse_stated
 from reliab.app.declaration import Quantity, asks
-from reliab.assessment.design import CONFIDENCES, Tolerance, chart_frequencies, tolerable_errors
+from reliab.assessment.design import CONFIDENCES, TolerableErrors, chart_frequencies, tolerable_errors
 from reliab.core.columns import Columns
 from reliab.core.errors import InputError
 from reliab.core.plain_values import PlainResult, ResultWithRows
@@ -37,8 +37,8 @@ class Design(ResultWithRows):
     plot_columns = ("f", "delay_limit_ms")
 
     # Of the structures that were asked for, by frequency, then by confidence
-    tolerances: tuple[Tolerance, ...]
-    chart: tuple[Tolerance, ...]  # The same over all frequencies for which the criterion is valid
+    tolerances: tuple[TolerableErrors, ...]
+    chart: tuple[TolerableErrors, ...]  # The same over all frequencies for which the criterion is valid
 
 
 @asks(questions.DesignQuestion)
@@ -81,7 +81,7 @@ def design_test(**request: Unpack[questions.DesignQuestion]) -> Design:
         refuse_stated(options, "threshold", "confidence", "metric", "alpha", reason=reason)
     read = Criterion.read(criterion) if isinstance(criterion, str | Path) else criterion
 
-    def tolerances(frequencies: list[float]) -> tuple[Tolerance, ...]:
+    def tolerances(frequencies: list[float]) -> tuple[TolerableErrors, ...]:
         return tuple(
             tolerable_errors(
                 frequencies,

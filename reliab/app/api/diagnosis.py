@@ -12,7 +12,7 @@ from reliab.discrepancy.diagnose import diagnose
 from reliab.discrepancy.result.diagnosis import Diagnosis
 from reliab.report.document import Document
 from reliab.report.kinds.discrepancy_report import discrepancy_report
-from reliab.report.setting import Setting
+from reliab.report.setting import ReportSetting
 from reliab.study.stages import digest
 
 _RESULT = "diagnosis.json"
@@ -47,7 +47,7 @@ def diagnose_campaign(
 
 
 def report_diagnosis(
-    addition: Addition, campaign: str | Path, out: str | Path, *, setting: Setting | None = None
+    addition: Addition, campaign: str | Path, out: str | Path, *, setting: ReportSetting | None = None
 ) -> None:
     """Write the report of a diagnosed campaign into the folder of its diagnosis.
 

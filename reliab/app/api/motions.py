@@ -13,7 +13,7 @@ from reliab.core.errors import InputError
 from reliab.core.plain_values import PlainResult, ResultWithRows
 from reliab.core.vocabulary import STANDARD_GRAVITY
 from reliab.motions.checking import inspect
-from reliab.motions.faults import Fault, fault_of
+from reliab.motions.faults import MotionFault, fault_of
 from reliab.motions.intensity import measure
 from reliab.motions.loading import find_motions, list_skipped_files, load_motions
 from reliab.motions.motion import Motion
@@ -47,8 +47,8 @@ class MotionList(ResultWithRows):
     plot_columns = ("duration", "pga_g")
 
     rows: list[dict[str, Any]]
-    faults: tuple[Fault, ...] = ()
-    skipped: tuple[Fault, ...] = ()
+    faults: tuple[MotionFault, ...] = ()
+    skipped: tuple[MotionFault, ...] = ()
 
 
 @asks(questions.MotionQuestion, subjects.MotionSources)
@@ -106,8 +106,8 @@ class MotionCheck(PlainResult):
     """What is wrong with records, and what deserves a look."""
 
     records: int
-    faults: tuple[Fault, ...]
-    notes: tuple[Fault, ...]
+    faults: tuple[MotionFault, ...]
+    notes: tuple[MotionFault, ...]
 
 
 @asks(questions.MotionQuestion, subjects.MotionSources)
@@ -134,7 +134,7 @@ class WrittenSuite(PlainResult):
     catalogue: Path  # The catalogue, in the folder of the suite
     motions: tuple[str, ...]  # Names of the motions
     events: int  # Number of earthquakes
-    skipped: tuple[Fault, ...] = ()  # Files of the sources in formats that are not read
+    skipped: tuple[MotionFault, ...] = ()  # Files of the sources in formats that are not read
 
 
 def _reading(read: questions.MotionQuestion) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from reliab.core.files import refuse_unwritable, require_ending, written_whole
 from reliab.core.plain_values import PlainResult
 from reliab.core.shipped import or_shipped
 from reliab.recordings.calibration import ChannelCalibration, calibrate_channels, calibration_in_toml
-from reliab.recordings.reading import Histories
+from reliab.recordings.reading import ChannelHistories
 from reliab.recordings.record import About, check_record, write_csv, write_record
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ class Record(PlainResult):
 
     source: Path
     files: tuple[Path, ...]
-    histories: Histories
+    histories: ChannelHistories
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""

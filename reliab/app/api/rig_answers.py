@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from reliab.report.document import Document
-    from reliab.report.setting import Setting
+    from reliab.report.setting import ReportSetting
     from reliab.structures.structure import Structure
 
 _USUAL = {"f": 1.0, "xi": 0.02}
@@ -139,7 +139,7 @@ def report_rig(
     rig: str | Path,
     out: str | Path,
     *,
-    setting: "Setting | None" = None,
+    setting: "ReportSetting | None" = None,
     **request: Unpack[questions.RigReportQuestion],
 ) -> Path:
     """Write the report of a rig: two pages for the head of the laboratory, and an appendix.

@@ -11,7 +11,7 @@ from reliab.app.declaration import asks
 from reliab.core.columns import Columns
 from reliab.core.plain_values import PlainResult, ResultWithRows
 from reliab.core.progress import Show, quietly
-from reliab.report.setting import Setting
+from reliab.report.setting import ReportSetting
 from reliab.study import running
 from reliab.study.running import ANSWER, list_shipped, open_study, write_report
 
@@ -42,7 +42,7 @@ def run_study(
     study: str | Path = "quick",
     *,
     out: str | Path | None = None,
-    setting: Setting | None = None,
+    setting: ReportSetting | None = None,
     show: Show = quietly,
     tell: Callable[[str, bool], None] = lambda _name, _is_new: None,
     **request: Unpack[options.MotionSource],
@@ -118,6 +118,6 @@ class WrittenReport(PlainResult):
 
 
 @asks(subjects.RunArgument)
-def report_run(folder: str | Path, *, setting: Setting | None = None) -> WrittenReport:
+def report_run(folder: str | Path, *, setting: ReportSetting | None = None) -> WrittenReport:
     """Write the PDF of a finished run again, from its folder alone."""
     return WrittenReport(folder=Path(folder), report=write_report(folder, setting=setting))

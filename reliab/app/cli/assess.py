@@ -19,7 +19,7 @@ from reliab.core.vocabulary import MILLI
 if TYPE_CHECKING:
     from reliab.app.api.design import Design
     from reliab.assessment.assess import AnyAssessment
-    from reliab.assessment.design import Tolerance
+    from reliab.assessment.design import TolerableErrors
     from reliab.assessment.several import Assessments
 
 _COMMON_OPTIONS = ("tests", "out", "check")
@@ -192,13 +192,13 @@ def show_design(design: "Design", *, details: bool, chosen: bool = False) -> Non
     say(f"Next step: judge a test with `reliab assess TEST {structure}`, of a frame with --structure FRAME.")
 
 
-def _at_ninety_five(tolerances: "Sequence[Tolerance]") -> "list[Tolerance]":
+def _at_ninety_five(tolerances: "Sequence[TolerableErrors]") -> "list[TolerableErrors]":
     """Select the confidence nearest to 95 %."""
     confidence = min((one.confidence for one in tolerances), key=lambda value: abs(value - _NINETY_FIVE))
     return [one for one in tolerances if one.confidence == confidence]
 
 
-def _show_chart(chart: "Sequence[Tolerance]") -> None:
+def _show_chart(chart: "Sequence[TolerableErrors]") -> None:
     """Bars of the tolerable delay over the frequency at one confidence, the longest being the widest."""
     from reliab.app.api.design import Design
 

@@ -23,7 +23,7 @@ from reliab.core.progress import shows_tasks
 from reliab.sweep.several import Names, Numbers
 
 if TYPE_CHECKING:
-    from reliab.report.setting import Setting
+    from reliab.report.setting import ReportSetting
 
 
 _TABLE_BEGINS = b"file,"
@@ -130,11 +130,11 @@ class Request:
             screen(answer)
         return answer
 
-    def setting(self) -> "Setting":
+    def setting(self) -> "ReportSetting":
         """How the report is set."""
-        from reliab.report.setting import Setting
+        from reliab.report.setting import ReportSetting
 
-        return Setting(
+        return ReportSetting(
             title=self.title or "",
             date=None if self.date is None else _parse_date(self.date),
             paper=self.paper,

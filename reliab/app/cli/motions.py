@@ -14,7 +14,7 @@ from reliab.core.significant_digits import counted
 
 if TYPE_CHECKING:
     from reliab.app.api.motions import WrittenSuite
-    from reliab.motions.faults import Fault
+    from reliab.motions.faults import MotionFault
 
 app = typer.Typer(no_args_is_help=True, help="Ground motions: list, check, import and synthesize.")
 
@@ -77,7 +77,7 @@ def _show_written(suite: "WrittenSuite") -> None:
     say(f"{motions} from {events} written to {suite.catalogue.parent}", soft_wrap=True)
 
 
-def _show_faults(faults: "Sequence[Fault]", records: int, sources: Sequence[str]) -> None:
+def _show_faults(faults: "Sequence[MotionFault]", records: int, sources: Sequence[str]) -> None:
     if not faults:
         say(f"{counted(records, 'record')}, no faults.")
         return
@@ -96,7 +96,7 @@ def _show_faults(faults: "Sequence[Fault]", records: int, sources: Sequence[str]
     )
 
 
-def _show_notes(notes: "Sequence[Fault]", sources: Sequence[str]) -> None:
+def _show_notes(notes: "Sequence[MotionFault]", sources: Sequence[str]) -> None:
     for note in notes:
         text = f"Note: {_path_within_sources(note.file, sources)}: {note.value}. {note.remedy}."
         say(text, soft_wrap=True)

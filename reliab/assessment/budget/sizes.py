@@ -125,7 +125,7 @@ def read_equipment(path: str | Path) -> Equipment:
         raise error.at(str(path)) from None
 
 
-class Source(StrEnum):
+class PriorSource(StrEnum):
     """Where a size comes from."""
 
     STATED = "stated"
@@ -138,7 +138,7 @@ class Size:
     """Standard deviation of a quantity that is not known exactly."""
 
     deviation: float  # Relative [-], or in the SI unit of the quantity
-    source: Source  # Where it comes from
+    source: PriorSource  # Where it comes from
 
 
 _RELATIVE = {
@@ -201,7 +201,7 @@ def sizes_of_unknown(
         sizes.pop(_LAGGING, None)
     if sensor_hysteresis.value and not equipment.is_exact:
         sizes["hysteresis"] = Size(
-            deviation=DEVIATION_OF_HYSTERESIS * sensor_hysteresis.value, source=Source.DEFAULT
+            deviation=DEVIATION_OF_HYSTERESIS * sensor_hysteresis.value, source=PriorSource.DEFAULT
         )
     if calibrated:
         sizes = {name: size for name, size in sizes.items() if name not in _STRUCTURE_QUANTITIES}
@@ -212,10 +212,10 @@ def sizes_of_unknown(
             unit = MILLI if name in _ABSOLUTE else 1.0
             if relative:
                 deviation = stated[key].deviation / relative / unit
-                sizes[name] = Size(deviation=deviation, source=Source.STATED)
+                sizes[name] = Size(deviation=deviation, source=PriorSource.STATED)
     if (scale := stated.get("command_scale")) is not None and scale.deviation:
         joint_deviation = float(np.hypot(_deviation_stated(sizes), scale.deviation / scale.value))
-        sizes["sensor_scale"] = Size(deviation=joint_deviation, source=Source.STATED)
+        sizes["sensor_scale"] = Size(deviation=joint_deviation, source=PriorSource.STATED)
     return sizes
 
 
@@ -233,7 +233,7 @@ def sizes_of_structure(frame: "FrameUnderTest") -> dict[str, Size]:
     }
     replaced_quantities = {_WHOLE_QUANTITIES[name.rstrip("_0123456789")] for name in parts}
     return {
-        name: Size(deviation=deviation, source=Source.STATED)
+        name: Size(deviation=deviation, source=PriorSource.STATED)
         for name, deviation in {**deviations, **parts}.items()
         if deviation or name in replaced_quantities
     }
@@ -242,7 +242,7 @@ def sizes_of_structure(frame: "FrameUnderTest") -> dict[str, Size]:
 def _deviation_stated(sizes: Mapping[str, Size]) -> float:
     """Relative deviation of the measured displacement's scale where one is stated, else zero."""
     scale = sizes.get("sensor_scale")
-    return scale.deviation if scale is not None and scale.source is Source.STATED else 0.0
+    return scale.deviation if scale is not None and scale.source is PriorSource.STATED else 0.0
 
 
 def tolerances_of(sizes: Mapping[str, Size]) -> Tolerances:
@@ -257,7 +257,7 @@ def tolerances_of(sizes: Mapping[str, Size]) -> Tolerances:
 
 def as_certain_as(sizes: Mapping[str, Size], probability: float) -> float:
     """Limit a probability to 0.01 to 0.99 where sizes are assumed: rare sizes are not known so well."""
-    if any(size.source is Source.DEFAULT for size in sizes.values()):
+    if any(size.source is PriorSource.DEFAULT for size in sizes.values()):
         return min(max(probability, 1.0 - _LARGEST_ASSUMED), _LARGEST_ASSUMED)
     return probability
 
@@ -275,7 +275,7 @@ def _assume_sizes(structure: Structure, equipment: Equipment, time_step: float) 
         _LAGGING: equipment.hysteresis,
     }
     return {
-        name: Size(deviation=deviation, source=Source.DEFAULT)
+        name: Size(deviation=deviation, source=PriorSource.DEFAULT)
         for name, deviation in deviations.items()
         if deviation
     }

@@ -20,7 +20,7 @@ from reliab.assessment.coupled_error.joint_draws import draw_jointly
 from reliab.assessment.rebuilt_error.initial import Start, check_histories, examine_start
 from reliab.assessment.rebuilt_error.interval import (
     Histories,
-    Unknown,
+    StandardDeviations,
     samples_in_step,
     sweep,
 )
@@ -102,10 +102,14 @@ def rebuild_coupled(
     differences = _draw(channels, histories, structure, stride, draws, seed)
     recursion = recursion or histories.recursion(structure)
     offset, start_error = _start_deviations(channels, structure, histories)
-    unknown = Unknown(tolerances=tolerances or Tolerances(), offset=offset, error_at_start=start_error)
+    unknown = StandardDeviations(
+        tolerances=tolerances or Tolerances(), offset=offset, error_at_start=start_error
+    )
     run = partial(sweep, histories, partition, stride=stride, seed=seed, modes=modes, numerical=recursion)
     zero_deviations = np.zeros(partition.degrees)
-    noisy = Unknown(tolerances=Tolerances(), offset=zero_deviations, error_at_start=zero_deviations)
+    noisy = StandardDeviations(
+        tolerances=Tolerances(), offset=zero_deviations, error_at_start=zero_deviations
+    )
     nominal = run(noisy, differences[::2], draws=len(differences[::2]))
     swept = run(unknown, differences, draws=draws, accuracy=_EXACT_ACCURACY)
     loose = _looseness(channels, differences, carry)

@@ -15,7 +15,7 @@ from reliab.assessment.inference.evidence import (
     SpecimenForce,
 )
 from reliab.assessment.inference.experiment import Experiment
-from reliab.assessment.inference.quantities import Unknown, list_unknowns
+from reliab.assessment.inference.quantities import UncertainQuantity, list_unknowns
 from reliab.assessment.inference.randomized_optimization import Draws, LeastSquares
 from reliab.assessment.inference.uncertain_quantity import Circumstances, Shape
 from reliab.core.arrays import Array, Spectrum
@@ -29,7 +29,7 @@ class TestPosterior:
     """What the channels of a test show of everything that is uncertain."""
 
     circumstances: Circumstances
-    unknowns: tuple[Unknown, ...]
+    unknowns: tuple[UncertainQuantity, ...]
     evidence: tuple[Evidence, ...]
     fit: LeastSquares
     draws: Draws
@@ -150,7 +150,9 @@ def collect_evidence(circumstances: Circumstances) -> tuple[Evidence, ...]:
     return tuple(evidence)
 
 
-def experiment_at(circumstances: Circumstances, unknowns: tuple[Unknown, ...], z: Array) -> Experiment:
+def experiment_at(
+    circumstances: Circumstances, unknowns: tuple[UncertainQuantity, ...], z: Array
+) -> Experiment:
     """Possible world at standard normal values z, shape (d,)."""
     experiment = Experiment.as_stated(circumstances.partition.degrees)
     experiment.feedback_lag, experiment.slip = circumstances.feedback_lag, circumstances.slip
@@ -160,7 +162,7 @@ def experiment_at(circumstances: Circumstances, unknowns: tuple[Unknown, ...], z
 
 
 def _fit_posterior(
-    circumstances: Circumstances, unknowns: tuple[Unknown, ...], evidence: tuple[Evidence, ...]
+    circumstances: Circumstances, unknowns: tuple[UncertainQuantity, ...], evidence: tuple[Evidence, ...]
 ) -> LeastSquares:
     fit = _least_squares(circumstances, unknowns, evidence, np.zeros(len(unknowns)))
     fit.fit()
@@ -169,7 +171,7 @@ def _fit_posterior(
 
 def _log_evidence(
     circumstances: Circumstances,
-    unknowns: tuple[Unknown, ...],
+    unknowns: tuple[UncertainQuantity, ...],
     evidence: tuple[Evidence, ...],
     fit: LeastSquares,
 ) -> float:
@@ -178,7 +180,10 @@ def _log_evidence(
 
 
 def _least_squares(
-    circumstances: Circumstances, unknowns: tuple[Unknown, ...], evidence: tuple[Evidence, ...], start: Array
+    circumstances: Circumstances,
+    unknowns: tuple[UncertainQuantity, ...],
+    evidence: tuple[Evidence, ...],
+    start: Array,
 ) -> LeastSquares:
     def world(z: Array) -> Experiment:
         return experiment_at(circumstances, unknowns, z)
@@ -203,7 +208,7 @@ def _least_squares(
 
 
 def _holds(
-    item: Evidence, circumstances: Circumstances, unknowns: tuple[Unknown, ...], fit: LeastSquares
+    item: Evidence, circumstances: Circumstances, unknowns: tuple[UncertainQuantity, ...], fit: LeastSquares
 ) -> bool:
     """Return whether what some evidence assumes of the test holds, also with the damping ratio as stated.
 

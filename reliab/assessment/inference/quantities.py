@@ -5,7 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
 
-from reliab.assessment.budget.sizes import DEVIATION_OF_HYSTERESIS, Equipment, Source
+from reliab.assessment.budget.sizes import DEVIATION_OF_HYSTERESIS, Equipment, PriorSource
 from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.uncertain_quantity import Circumstances, Description, Prior, Quantity, Shape
 from reliab.core.vocabulary import MILLI
@@ -87,7 +87,7 @@ def _hysteresis(quantity: Quantity, circumstances: Circumstances) -> Prior | Non
     if stated_value is not None and stated_value.value:
         return Prior(
             deviation=stated_value.deviation or DEVIATION_OF_HYSTERESIS * stated_value.value,
-            source=Source.STATED,
+            source=PriorSource.STATED,
         )
     if stated_value is not None and not stated_value.deviation:
         return None  # a calibration found none
@@ -101,9 +101,9 @@ def _scale(quantity: Quantity, circumstances: Circumstances) -> Prior | None:
     command_scale = circumstances.stated.get("command_scale")
     if command_scale is None or not command_scale.deviation:
         return prior
-    sensor_deviation = prior.deviation if prior is not None and prior.source is Source.STATED else 0.0
+    sensor_deviation = prior.deviation if prior is not None and prior.source is PriorSource.STATED else 0.0
     deviation = math.hypot(sensor_deviation, command_scale.deviation / command_scale.value)
-    return Prior(deviation=deviation, source=Source.STATED)
+    return Prior(deviation=deviation, source=PriorSource.STATED)
 
 
 QUANTITIES = (
@@ -354,7 +354,7 @@ def part_of_structure(name: str) -> Quantity:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Unknown:
+class UncertainQuantity:
     """A quantity of a test, or of one of its actuators, with its prior."""
 
     quantity: Quantity
@@ -372,10 +372,10 @@ class Unknown:
         )
 
 
-def list_unknowns(circumstances: Circumstances) -> tuple[Unknown, ...]:
+def list_unknowns(circumstances: Circumstances) -> tuple[UncertainQuantity, ...]:
     """List what is uncertain about a test."""
     part_quantities = [part_of_structure(name) for name in circumstances.tolerances if is_part(name)]
-    unknowns: list[Unknown] = []
+    unknowns: list[UncertainQuantity] = []
     for quantity in (*QUANTITIES, *part_quantities):
         for actuator in range(circumstances.partition.degrees if quantity.actuator_specific else 1):
             actuator_circumstances = replace(circumstances, actuator=actuator)
@@ -386,5 +386,7 @@ def list_unknowns(circumstances: Circumstances) -> tuple[Unknown, ...]:
                     if quantity.actuator_specific
                     else quantity.name
                 )
-                unknowns.append(Unknown(quantity=quantity, prior=prior, actuator=actuator, name=name))
+                unknowns.append(
+                    UncertainQuantity(quantity=quantity, prior=prior, actuator=actuator, name=name)
+                )
     return tuple(unknowns)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 
 import scipy
 
-from reliab.assessment.budget.sizes import Equipment, Source, exact_equipment
+from reliab.assessment.budget.sizes import Equipment, PriorSource, exact_equipment
 from reliab.assessment.inference.experiment import Experiment
 from reliab.core.arrays import Spectrum
 from reliab.core.stated_value import StatedValue
@@ -43,7 +43,7 @@ class Prior:
     """
 
     deviation: float  # Standard deviation, relative or in the SI unit of the quantity
-    source: Source = Source.DEFAULT
+    source: PriorSource = PriorSource.DEFAULT
     shape: Shape = Shape.NORMAL
     mean: float = 0.0  # Of the difference, or of its logarithm, before the test
 
@@ -132,12 +132,14 @@ class Quantity(Description):
         if self.name in circumstances.learned:
             return circumstances.learned[self.name]
         if (tolerance := circumstances.tolerances.get(self.name)) is not None:
-            return Prior(deviation=tolerance, source=Source.STATED, shape=self.shape) if tolerance else None
+            return (
+                Prior(deviation=tolerance, source=PriorSource.STATED, shape=self.shape) if tolerance else None
+            )
         stated_value = circumstances.stated.get(self.option)
         if stated_value is not None and stated_value.deviation:
             size = abs(stated_value.value) if self.relative else MILLI if self.unit == "ms" else 1.0
             return (
-                Prior(deviation=stated_value.deviation / size, source=Source.STATED, shape=self.shape)
+                Prior(deviation=stated_value.deviation / size, source=PriorSource.STATED, shape=self.shape)
                 if size
                 else None
             )

@@ -22,7 +22,12 @@ from reliab.assessment.measured_specimen.force_channel import ForceChannel, colu
 from reliab.assessment.measured_specimen.learning import LearnedSpecimen, weights_of
 from reliab.assessment.measured_specimen.path import MeasuredPath, fit
 from reliab.assessment.rebuilt_error.error_statistics import relative_errors
-from reliab.assessment.rebuilt_error.interval import Histories, Unknown, draw_unknown, inputs_of_reading
+from reliab.assessment.rebuilt_error.interval import (
+    Histories,
+    StandardDeviations,
+    draw_unknown,
+    inputs_of_reading,
+)
 from reliab.assessment.rebuilt_error.recursion import Recursion
 from reliab.assessment.rebuilt_error.spread import Spread
 from reliab.core.arrays import Array
@@ -235,7 +240,7 @@ class LearnedTest:
     def spread(
         self,
         differences: Array,
-        unknown: Unknown,
+        unknown: StandardDeviations,
         places: Array,
         seed: int,
         *,
@@ -266,7 +271,7 @@ class LearnedTest:
     def _draw_tests(
         self,
         differences: Array,
-        unknown: Unknown,
+        unknown: StandardDeviations,
         seed: int,
         *,
         force_quantities: Sequence[str],
@@ -358,7 +363,7 @@ class LearnedTest:
         return np.asarray(share * np.bincount(blocks, residual * np.gradient(measured_displacement)))
 
     def exact_of_draws(
-        self, differences: Array, unknown: Unknown, seed: int
+        self, differences: Array, unknown: StandardDeviations, seed: int
     ) -> Iterator[tuple[Partition, Array, Array, float]]:
         """Structures, exact responses [m] and forces along them [N], both shape (1, n), and works [J].
 

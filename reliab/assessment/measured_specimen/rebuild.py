@@ -23,14 +23,14 @@ from reliab.assessment.measured_specimen.path import MeasuredPath
 from reliab.assessment.rebuilt_error.difference_draws import draw_differences
 from reliab.assessment.rebuilt_error.error_statistics import relative_errors
 from reliab.assessment.rebuilt_error.initial import Start, check_histories, start_of_test
-from reliab.assessment.rebuilt_error.interval import EXACT, Histories, Unknown, draw_unknown
+from reliab.assessment.rebuilt_error.interval import EXACT, Histories, StandardDeviations, draw_unknown
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise, white_floor
 from reliab.assessment.rebuilt_error.parts import (
     AMPLITUDE,
     DELAY,
     FED_BACK_FORCE,
     NEITHER,
-    Part,
+    ErrorPart,
     Parts,
     follow,
     part_of,
@@ -116,7 +116,7 @@ class MeasuredSpecimen:
             gain, delay, {name: self._interpolate(piece) for name, piece in pieces.items()}, self._peak
         )
 
-    def part_of_tracking(self, followed_command: Array) -> Part:
+    def part_of_tracking(self, followed_command: Array) -> ErrorPart:
         """Part of the error that an actuator with this displacement [m] accounts for, shape (n,)."""
         piece = self._error_of_displacement(np.ascontiguousarray(followed_command[:: self.rebuilt.every]))
         return part_of(self._interpolate(piece), self._interpolate(self._error), self._peak)
@@ -268,7 +268,7 @@ def _conclude(
 ) -> MeasuredSpecimen:
     """Draw what is not known, and put the error together; `read` [m]."""
     command, thin, specimens = histories.command, test.thin, test.learned
-    unknown = Unknown(tolerances=tolerances, offset=start.offset_deviation, error_at_start=0.0)
+    unknown = StandardDeviations(tolerances=tolerances, offset=start.offset_deviation, error_at_start=0.0)
     draws = DRAWS_OF_LINEAR if specimens[0].linear else DRAWS
     lowest = float(test.whole.natural_frequencies[0])
     differences = draw_differences(command, read, noise, lowest, stride, draws, seed)

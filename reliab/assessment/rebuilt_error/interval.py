@@ -88,7 +88,7 @@ class Swept:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Unknown:
+class StandardDeviations:
     """Standard deviations of everything that is uncertain, of a test with one sensor or with p of them."""
 
     tolerances: Tolerances  # Of what is stated
@@ -123,7 +123,7 @@ class Unknown:
         return deviations
 
 
-EXACT = Unknown(tolerances=Tolerances(), offset=0.0, error_at_start=0.0)
+EXACT = StandardDeviations(tolerances=Tolerances(), offset=0.0, error_at_start=0.0)
 """Nothing is uncertain but noise."""
 
 
@@ -188,7 +188,7 @@ class Histories:
 def sweep(
     histories: Histories,
     structure: Partition,
-    unknown: Unknown,
+    unknown: StandardDeviations,
     differences: Array,
     stride: int,
     *,
@@ -244,7 +244,7 @@ def sweep(
 def exact_of_draws(
     histories: Histories,
     structure: Partition,
-    unknown: Unknown,
+    unknown: StandardDeviations,
     differences: Array,
     stride: int,
     *,
@@ -285,7 +285,7 @@ def samples_in_step(structure_stride: int, noise: SensorNoise, samples: int) -> 
     return min(structure_stride, max(band_stride, -(-samples // FEWEST_SWEPT)))
 
 
-def draw_unknown(unknown: Unknown, draws: int, seed: int) -> tuple[dict[str, Array], Array]:
+def draw_unknown(unknown: StandardDeviations, draws: int, seed: int) -> tuple[dict[str, Array], Array]:
     """Draw what is unknown, each shape (draws,), and errors of the velocity at the first sample.
 
     The latter over the lowest natural frequency in rad/s [m], shape (draws,) or (draws, p).

@@ -16,7 +16,7 @@ _SAMPLES_PER_PERIOD = 24.0  # samples of the equation in a period
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Kernel:
+class SmoothingKernel:
     """φ and its first two derivatives, and the sampling of the convolved histories."""
 
     values: tuple[Array, Array, Array]
@@ -24,7 +24,7 @@ class Kernel:
     every: int
 
     @classmethod
-    def from_frequency(cls, frequency: float, step: float) -> "Kernel":
+    def from_frequency(cls, frequency: float, step: float) -> "SmoothingKernel":
         """Make the kernel of half a period of a natural frequency [Hz] for a step [s]."""
         reach = max(round(_PERIODS_OF_KERNEL / (frequency * step)), 8)
         u = np.arange(-reach, reach + 1) / reach
@@ -44,7 +44,7 @@ class Kernel:
         return convolve_valid(history, self.values[order])[:: self.every]
 
 
-def fit_equation(columns: Array, target: Array, kernel: Kernel) -> tuple[Array, Array, Array]:
+def fit_equation(columns: Array, target: Array, kernel: SmoothingKernel) -> tuple[Array, Array, Array]:
     """Fit an equation that was seen through a kernel.
 
     Returns `values, covariance, residual`: coefficients, shape (k,), their covariance, shape (k, k), and what

@@ -80,7 +80,7 @@ SLOWEST_POLE = 0.2  # of a mode's circular frequency with which its pole may tur
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Modes:
+class CoupledModes:
     """All modes of a structure, and the stiffness by which the specimen couples them, shape (n, n)."""
 
     circular_frequencies: Array  # [rad/s], ascending, shape (n,)
@@ -93,7 +93,7 @@ class Modes:
 class WatchedMode:
     """A mode whose energy is watched, and how the specimen couples it with the others."""
 
-    modes: Modes
+    modes: CoupledModes
     place: int  # Of the mode among all modes
     time_step: float  # [s]
     skew: float = 0.0  # Standard deviation of the skew of the displacements [s]
@@ -167,7 +167,7 @@ def select_modes(structure: Partition, time_step: float, skew: float = 0.0) -> t
     squares, shapes = scipy.linalg.eigh(structure.stiffness, structure.mass)
     omega = np.sqrt(np.maximum(squares, np.finfo(float).tiny))
     interface_shapes = interface.T @ shapes
-    modes = Modes(
+    modes = CoupledModes(
         circular_frequencies=omega,
         ratios=np.einsum("di,de,ei->i", shapes, structure.damping, shapes) / (2.0 * omega),
         coupling=interface_shapes.T @ specimen @ interface_shapes,
@@ -226,7 +226,7 @@ class EnergyAlarm:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Sums:
+class ForgettingSums:
     """Forgetting sums of a mode's motion."""
 
     moments: Array  # Products of x_c, x_c' and x_m − x_c in the band, and of their steps, shape (2, 3, 3)
@@ -235,7 +235,7 @@ class Sums:
     power: float  # Largest sum of x_c'² so far [m²/s²]
 
 
-def net_damping(mode: WatchedMode, sums: Sums, modes: int) -> NetDamping | None:
+def net_damping(mode: WatchedMode, sums: ForgettingSums, modes: int) -> NetDamping | None:
     """Return the net damping in one of so many watched modes; None before enough motion."""
     power = float(sums.moments[0, 1, 1])
     if sums.moved < SETTLING * mode.samples or not power > 0.0:
@@ -381,7 +381,7 @@ class _Motion:
         weight, moving_samples, power = self.totals
         return net_damping(
             self.mode,
-            Sums(moments=self._moments, weight=weight, moved=moving_samples, power=power),
+            ForgettingSums(moments=self._moments, weight=weight, moved=moving_samples, power=power),
             self._modes,
         )
 

@@ -26,7 +26,7 @@ from reliab.assessment.rebuilt_error.initial import check_histories, start_of_te
 from reliab.assessment.rebuilt_error.interval import (
     EXACT,
     Histories,
-    Unknown,
+    StandardDeviations,
     draw_unknown,
     inputs_of_reading,
 )
@@ -99,7 +99,7 @@ def rebuild_with_specimen(
         command=command, measured=command - difference, fed_back=difference, time_step=time_step
     )
     reference = reference_of_model(perfect, histories)
-    unknown = Unknown(
+    unknown = StandardDeviations(
         tolerances=tolerances or Tolerances(), offset=start.offset_deviation, error_at_start=0.0
     )
     differences = draw_differences(command, read, noise, lowest, stride, draws, seed)
@@ -170,7 +170,7 @@ def sweep_model(
     model: HybridTest,
     histories: Histories,
     deviations: Mapping[str, float],
-    unknown: Unknown,
+    unknown: StandardDeviations,
     differences: Array,
     stride: int,
     *,

@@ -32,7 +32,7 @@ _ROUNDING = 1e-12
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Part:
+class ErrorPart:
     """One part of the error."""
 
     history: Array  # Its contribution to x_m − x_I [m], shape (n,)
@@ -46,7 +46,7 @@ class Part:
         """Put it into plain values, without its history."""
         return {name: finite(value) for name, value in vars(self).items() if name != "history"}
 
-    def subtract_noise(self, noise_square: float) -> "Part":
+    def subtract_noise(self, noise_square: float) -> "ErrorPart":
         """Take off a mean square [-] that noise adds to the error that remains; its peak in proportion."""
         remaining = float(np.sqrt(max(self.remaining_rms**2 - noise_square, 0.0)))
         share = remaining / self.remaining_rms if self.remaining_rms > 0.0 else 1.0
@@ -63,7 +63,7 @@ class Parts:
     delay: float | Array
     # "amplitude", "delay", "neither" or, of several actuators, "actuator_1_gain" and so on;
     # "fed_back_force" where a lag of it is known
-    by_name: dict[str, Part]
+    by_name: dict[str, ErrorPart]
     rms: float  # RMS^R of all parts together [-]
 
     @property
@@ -157,7 +157,7 @@ def parts_of(gain: float | Array, delay: float | Array, pieces: dict[str, Array]
     )
 
 
-def part_of_tracking(histories: Histories, structure: Partition, followed_command: Array) -> Part:
+def part_of_tracking(histories: Histories, structure: Partition, followed_command: Array) -> ErrorPart:
     """Part of a rebuilt error that a description of the actuator accounts for.
 
     `followed_command` [m].
@@ -170,11 +170,11 @@ def part_of_tracking(histories: Histories, structure: Partition, followed_comman
     return part_of(piece, error, float(np.abs(histories.measured - error).max()))
 
 
-def part_of(piece: Array, error: Array, ideal_peak: float) -> Part:
+def part_of(piece: Array, error: Array, ideal_peak: float) -> ErrorPart:
     """Size of a piece [m] of an error [m], and what would remain without it."""
     total = float(error @ error)
     remaining = error - piece
-    return Part(
+    return ErrorPart(
         history=piece,
         rms=float(np.sqrt(mean_square(piece))) / ideal_peak,
         share=float(piece @ error) / total if total > 0.0 else 0.0,

@@ -21,13 +21,13 @@ from reliab.assessment.rebuilt_error.initial import Start, check_histories, star
 from reliab.assessment.rebuilt_error.interval import (
     EXACT,
     Histories,
-    Unknown,
+    StandardDeviations,
     draw_unknown,
     exact_of_draws,
     sweep,
 )
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
-from reliab.assessment.rebuilt_error.parts import Part, Parts, divide, part_of_tracking
+from reliab.assessment.rebuilt_error.parts import ErrorPart, Parts, divide, part_of_tracking
 from reliab.assessment.rebuilt_error.readings import delay_history
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
@@ -54,7 +54,7 @@ class RebuiltError(DisplacementError):
     structure: Partition  # The structure with which it was rebuilt
     noise: SensorNoise  # Noise of the displacement sensor
     start: Start  # How the test begins, and the sensor's offset
-    unknown: Unknown  # Standard deviations that went into the intervals
+    unknown: StandardDeviations  # Standard deviations that went into the intervals
     histories: Histories  # Smoothed histories from which the error is rebuilt
     # Draws of x_c − x_m that the noise leaves open [m], some of them, shape (at most 128, ceil(n/every))
     differences: Array
@@ -75,7 +75,7 @@ class RebuiltError(DisplacementError):
         """Divide the error into amplitude, delay, what is neither, and the fed-back force."""
         return divide(self.histories, self.structure)
 
-    def part_of_tracking(self, followed_command: Array) -> Part:
+    def part_of_tracking(self, followed_command: Array) -> ErrorPart:
         """Part of the error that an actuator with this displacement [m] accounts for, shape (n,)."""
         return part_of_tracking(self.histories, self.structure, followed_command)
 
@@ -98,7 +98,7 @@ def conclude(
     spread: Spread,
     differences: Array,
     stride: int,
-    unknown: Unknown,
+    unknown: StandardDeviations,
     start: Start,
     seed: int,
 ) -> RebuiltError:

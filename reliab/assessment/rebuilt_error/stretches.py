@@ -19,8 +19,8 @@ from reliab.assessment.rebuilt_error.interval import (
     EXACT,
     FEWEST_SWEPT,
     Histories,
+    StandardDeviations,
     Swept,
-    Unknown,
     samples_in_step,
     sweep,
 )
@@ -57,7 +57,7 @@ class ErrorSoFar:
 
     noise: SensorNoise  # Noise of the displacement sensor in the stretch
     start: Start  # How the test begins, and the sensor's offset
-    unknown: Unknown  # Standard deviations that went into the intervals
+    unknown: StandardDeviations  # Standard deviations that went into the intervals
     # stated, swept: Errors of the draws with everything as stated, so that only noise is open, and with all
     # that is not known
     stated: Swept
@@ -104,7 +104,7 @@ def draw_error(
     *,
     noise: SensorNoise,
     start: Start,
-    unknown: Unknown,
+    unknown: StandardDeviations,
     draws: int,
     earlier: ErrorSoFar | None = None,
 ) -> tuple[ErrorSoFar, StretchDraws]:
@@ -130,7 +130,9 @@ def draw_error(
         standing=-start.standing,
     )
 
-    def sweep_draws(unknown: Unknown, differences: Array, draws: int, earlier: Swept | None) -> Swept:
+    def sweep_draws(
+        unknown: StandardDeviations, differences: Array, draws: int, earlier: Swept | None
+    ) -> Swept:
         return sweep(
             histories, structure, unknown, differences, stride, draws=draws, seed=seed, earlier=earlier
         )
@@ -145,10 +147,10 @@ def draw_error(
     return error, StretchDraws(histories=histories, differences=differences, every=stride)
 
 
-def collect_unknowns(test: StatedTest, start: Start, response: Array, command: Array) -> Unknown:
+def collect_unknowns(test: StatedTest, start: Start, response: Array, command: Array) -> StandardDeviations:
     """Collect what is uncertain; `response`, `command` [m]."""
     relative = float(np.sqrt(mean_square(response) / mean_square(command)))
-    return Unknown(
+    return StandardDeviations(
         tolerances=test.tolerances,
         offset=start.offset_deviation,
         error_at_start=0.0 if start.at_rest else relative * start.amplitude,

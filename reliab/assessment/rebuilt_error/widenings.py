@@ -78,7 +78,7 @@ def widening_alone(
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _Effect:
+class _SquareEffect:
     """What one quantity adds to the squares of the errors, a u + b u² alone and u Σ cᵢuᵢ with others."""
 
     name: str
@@ -92,7 +92,7 @@ class _Effect:
         return factor * (self.linear + self.joint) + factor**2 * self.square
 
 
-def _effects(squares: Array, quantities: dict[str, Array]) -> dict[str, _Effect]:
+def _effects(squares: Array, quantities: dict[str, Array]) -> dict[str, _SquareEffect]:
     normalized = {name: values / np.std(values) for name, values in quantities.items()}
     pairs = _alike_at_sensors(normalized)
     products = [normalized[first] * normalized[second] for first, second in pairs]
@@ -102,7 +102,7 @@ def _effects(squares: Array, quantities: dict[str, Array]) -> dict[str, _Effect]
     rows = coefficients[:, np.newaxis] * columns
     joint = list(zip(pairs, rows[1 + 2 * len(quantities) :], strict=True))
     return {
-        name: _Effect(
+        name: _SquareEffect(
             name=name,
             linear=rows[1 + k],
             square=rows[1 + len(quantities) + k],
@@ -119,7 +119,7 @@ def _alike_at_sensors(names: Iterable[str]) -> list[tuple[str, str]]:
     return [(first, second) for first, second in combinations(stems, 2) if stems[first] == stems[second]]
 
 
-def _widening(effect: _Effect, spread: Spread, metric: Metric, deviation: float) -> Widening:
+def _widening(effect: _SquareEffect, spread: Spread, metric: Metric, deviation: float) -> Widening:
     squares = spread.errors(metric) ** 2
     weighted_spread = replace(
         spread, counts=spread.weights()

@@ -12,9 +12,9 @@ from reliab.criterion.laws.exponential import Exponential
 from reliab.criterion.laws.guo_2017 import CORRECTED_EQUATIONS, PUBLISHED_EQUATIONS, SINGLE_MOTION_EQUATIONS
 from reliab.criterion.laws.law import Law, LogLinearLaw
 from reliab.criterion.laws.power import Power
-from reliab.criterion.laws.table import Table
+from reliab.criterion.laws.table import TabulatedLimits
 
-FittedLaw = type[Table] | type[LogLinearLaw]
+FittedLaw = type[TabulatedLimits] | type[LogLinearLaw]
 """A law that is fitted to the limits of a grid of structures."""
 
 LawKind = TypeVar("LawKind")
@@ -23,7 +23,7 @@ FITTED_LAWS: Final[Registry[FittedLaw]] = Registry(
     noun="law",
     base=Law,
     group="reliab.laws",
-    items=(Table, Dimensionless, Power, Exponential),
+    items=(TabulatedLimits, Dimensionless, Power, Exponential),
     name_of=lambda law: law.name,
 )
 """Laws that are fitted, by name; other packages register classes derived from `LogLinearLaw`."""

@@ -26,12 +26,13 @@ def tents(nodes: Array, x: Array) -> Array:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Table(Law):
+class TabulatedLimits(Law):
     """Limits of a grid of structures; of a single one, as in equation (12), in the simplest case.
 
     Between grid points ln(a/ξ²) and ln(bω₀²/ξ²) are linear in ln f and ln ξ.
 
-    >>> law = Table(frequencies=(1.0, 2.0), damping_ratios=(0.02,), a=((1e-4,), (1e-4,)), b=((4.0,), (1.0,)))
+    >>> grid = {"frequencies": (1.0, 2.0), "damping_ratios": (0.02,)}
+    >>> law = TabulatedLimits(**grid, a=((1e-4,), (1e-4,)), b=((4.0,), (1.0,)))
     >>> [float(limit.round(6)) for limit in law.limits(np.sqrt(2.0), 0.02)]
     [0.0001, 2.0]
     """

@@ -39,7 +39,7 @@ from reliab.core.shipped import is_own_data, shipped
 from reliab.core.untrusted_files import resolve_within
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.recordings.channels_file import ChannelTables, read_declarations
-from reliab.recordings.reading import Histories, histories_of, read_test
+from reliab.recordings.reading import ChannelHistories, histories_of, read_test
 from reliab.recordings.recording import FEWEST_SAMPLES, LARGEST_READING, Part, StatedChannels
 from reliab.simulation.frames.frame_file import frame_of_tables, require_one_actuator
 from reliab.simulation.hybrid_test.model_tables import ActuatorTable, ModelPart, SpecimenTable, StructureTable
@@ -89,7 +89,7 @@ def read_channels(
     return channels, histories.notes
 
 
-def _require_units(histories: Histories) -> None:
+def _require_units(histories: ChannelHistories) -> None:
     for key, channel in histories.channels.items():
         if key in _CHANNELS and not channel.unit:
             raise InputError(

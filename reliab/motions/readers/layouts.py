@@ -20,7 +20,7 @@ import numpy as np
 from reliab.core.text_tables import parse_number
 from reliab.motions.faults import Report
 from reliab.motions.readers.samples import split_line
-from reliab.motions.readers.source import HEAD, Header, Line, Source, Statement
+from reliab.motions.readers.source import HEAD, RecordHeader, RecordLine, RecordText, Statement
 from reliab.motions.readers.statements import state_time_step
 from reliab.motions.units import AccelerationUnit, ClockUnit
 
@@ -48,26 +48,26 @@ _DAY_AND_PLACE = re.compile(r"^\s*(\d{4})\s+(\d{1,2})\s+(\d{1,2})\s+\d{4}\s+([A-
 _CENTURY_TURNS = 30  # records of 2000 print years with two digits; 1933 is the first record
 _NEVER_SET = "1980-01-01"  # the day at which the clocks of recorders begin
 
-FindEvent = Callable[[list[Line]], str]
+FindEvent = Callable[[list[RecordLine]], str]
 
 
-def find_event(lines: list[Line]) -> str:
+def find_event(lines: list[RecordLine]) -> str:
     """Name the earthquake by what labels say of it; empty where that does not identify it."""
     return _first(_EVENT, lines) or _identify(lines)
 
 
-def find_american_event(lines: list[Line]) -> str:
+def find_american_event(lines: list[RecordLine]) -> str:
     """Name the earthquake where dates begin with the month."""
     return _identify(lines, month_first=True)
 
 
-def find_event_with_place(lines: list[Line]) -> str:
+def find_event_with_place(lines: list[RecordLine]) -> str:
     """Name it by origin time and epicentre, as in ``2018-01-24 19:51:00 41.0N 142.5E``."""
     origin, latitude, longitude = _identify(lines), _first(_LATITUDE, lines), _first(_LONGITUDE, lines)
     return f"{origin} {latitude}N {longitude}E" if origin and latitude and longitude else ""
 
 
-def find_titled_event(lines: list[Line]) -> str:
+def find_titled_event(lines: list[RecordLine]) -> str:
     """Name it by name and date in the title, as in ``LOMA PRIETA 1989-10-18``; empty without both."""
     texts = [line.text for line in lines if line.text.strip()]
     title = texts[_TITLE] if len(texts) > _TITLE else ""
@@ -76,7 +76,7 @@ def find_titled_event(lines: list[Line]) -> str:
     return f"{name} {_iso(match[1], month_first=True)}" if match and name else ""
 
 
-def find_event_in_words(lines: list[Line]) -> str:
+def find_event_in_words(lines: list[RecordLine]) -> str:
     """Name it by a line such as ``2016 November 13  11:02:56 UT`` or ``1989 10 18 0004 Loma Prieta``."""
     for line in lines:
         if (match := _SPELLED_DATE.match(line.text)) and match[2] in _MONTHS:
@@ -86,7 +86,7 @@ def find_event_in_words(lines: list[Line]) -> str:
     return ""
 
 
-def _identify(lines: list[Line], *, month_first: bool = False) -> str:
+def _identify(lines: list[RecordLine], *, month_first: bool = False) -> str:
     if identity := _first(_IDENTITY, lines):
         return identity
     day = next((match for line in lines if (match := _DAY.search(line.text))), None)
@@ -99,7 +99,7 @@ def _identify(lines: list[Line], *, month_first: bool = False) -> str:
     return " ".join(filter(None, (name, date, time)))
 
 
-def _first(pattern: re.Pattern[str], lines: list[Line]) -> str:
+def _first(pattern: re.Pattern[str], lines: list[RecordLine]) -> str:
     return next((match[1] for line in lines if (match := pattern.search(line.text))), "")
 
 
@@ -128,12 +128,12 @@ _PAIRS, _FEWEST_PAIRS = 50, 5  # pairs whose times must increase
 _INTEGERS = re.compile(r"[\s\d+-]*\d[\s\d+-]*")
 
 
-def leave_as_it_is(source: Source, begin: int, header: Header, report: Report) -> Header:  # noqa: ARG001 - as the others
+def leave_as_it_is(source: RecordText, begin: int, header: RecordHeader, report: Report) -> RecordHeader:  # noqa: ARG001 - as the others
     """Read nothing: the layout has no such lines."""
     return header
 
 
-def read_volume(source: Source, begin: int, header: Header, report: Report) -> Header:  # noqa: ARG001
+def read_volume(source: RecordText, begin: int, header: RecordHeader, report: Report) -> RecordHeader:  # noqa: ARG001
     """Leave out the numeric header; find times before the samples, and velocity after them."""
     header = _skip(source, header)
     if header.count is None:
@@ -152,7 +152,7 @@ def read_volume(source: Source, begin: int, header: Header, report: Report) -> H
     return replace(header, columns=2, column=1, time_column=0, has_rows=False)
 
 
-def _skip(source: Source, header: Header) -> Header:
+def _skip(source: RecordText, header: RecordHeader) -> RecordHeader:
     """Leave out lines of integers and of reals; a file that ends within them has no samples."""
     lines = list(itertools.islice(source.lines(header.start, header.stop), _LONGEST))
     integers = len(list(itertools.takewhile(lambda line: _INTEGERS.fullmatch(line.text), lines)))
@@ -171,7 +171,7 @@ _UNKNOWN = -999.0  # marks an unknown value where the text header names no other
 _MILLISECOND = ClockUnit(size=1e-3)
 
 
-def read_cosmos(source: Source, begin: int, header: Header, report: Report) -> Header:
+def read_cosmos(source: RecordText, begin: int, header: RecordHeader, report: Report) -> RecordHeader:
     """Read the step, value 62 of the real header; it stays open where the header marks it as unknown."""
     missing = header.missing or (_UNKNOWN,)
     matches = list(_COSMOS_REALS.finditer(source.content, begin, header.start))
@@ -199,7 +199,7 @@ _SMC_COMMENTS, _SMC_COUNT, _SMC_RATE = 16, 17, 2  # positions, counted from 1 as
 _FASTEST = 1e5  # Hz; a file of times and samples marks its rate as unknown by 1.7e38
 
 
-def read_smc(source: Source, begin: int, header: Header, report: Report) -> Header:
+def read_smc(source: RecordText, begin: int, header: RecordHeader, report: Report) -> RecordHeader:
     """Read count and rate, and leave out the comments before the samples."""
     lines = list(source.lines(header.start, header.stop))
     integers = [field for line in lines[:_SMC_INTEGERS] for field in _fields(line, 10)]
@@ -227,10 +227,10 @@ def read_smc(source: Source, begin: int, header: Header, report: Report) -> Head
     )
 
 
-Complete = Callable[[Source, int, Header, Report], Header]
+Complete = Callable[[RecordText, int, RecordHeader, Report], RecordHeader]
 
 
-def _fields(line: Line, width: int) -> list[str]:
+def _fields(line: RecordLine, width: int) -> list[str]:
     text = line.text.rstrip()
     return [text[start : start + width].strip() for start in range(0, len(text), width)]
 
@@ -270,7 +270,7 @@ class Layout:
         """Whether a file holds one record, of which the head tells all that the header states."""
         return self.last is not None and not self.is_announced
 
-    def recognises(self, source: Source) -> bool:
+    def recognises(self, source: RecordText) -> bool:
         """Tell from the head of a file whether it has this layout."""
         return self.mark is not None and self.mark.search(source.content[:HEAD].lstrip()) is not None
 

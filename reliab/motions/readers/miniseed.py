@@ -18,7 +18,7 @@ import numpy as np
 from reliab.core.errors import InputError
 from reliab.core.files import decoding
 from reliab.motions.faults import Report
-from reliab.motions.readers.source import Header, Source, Statement
+from reliab.motions.readers.source import RecordHeader, RecordText, Statement
 
 _RECORD = re.compile(rb"[0-9]{6}[DRQM][ \x00]|MS\x03")
 _SEISMOMETER = re.compile(r"[A-Z][HP][A-Z0-9]")  # codes of channels; an accelerometer is HNE or so
@@ -29,12 +29,12 @@ def is_of_seismometer(channel: str) -> bool:
     return _SEISMOMETER.fullmatch(channel) is not None
 
 
-def recognises(source: Source) -> bool:
+def recognises(source: RecordText) -> bool:
     """Tell whether a file begins with a record of miniSEED."""
     return _RECORD.match(source.content) is not None
 
 
-def headers(source: Source, report: Report) -> list[Header]:
+def headers(source: RecordText, report: Report) -> list[RecordHeader]:
     """Read all channels of a miniSEED file."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of other libraries, that ObsPy imports
@@ -68,7 +68,7 @@ def _report_gaps(channels: list[str], report: Report) -> None:
         )
 
 
-def _header(trace: Any, report: Report) -> Header:  # noqa: ANN401 - ObsPy has no types
+def _header(trace: Any, report: Report) -> RecordHeader:  # noqa: ANN401 - ObsPy has no types
     stats = trace.stats
     if is_of_seismometer(stats.channel):
         report.add(
@@ -84,7 +84,7 @@ def _header(trace: Any, report: Report) -> Header:  # noqa: ANN401 - ObsPy has n
         )
     with np.errstate(invalid="ignore"):  # of damaged numbers, which are refused later
         values = np.asarray(trace.data if trace.data.dtype.kind in "fiu" else [], dtype=np.float64)
-    return Header(
+    return RecordHeader(
         time_step=Statement(value=float(stats.delta), line=None) if stats.delta > 0 else None,
         event=f"{stats.network}.{stats.station} {stats.starttime.strftime('%Y-%m-%d %H:%M:%S')}",
         channel=str(stats.channel),

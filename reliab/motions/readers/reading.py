@@ -16,7 +16,7 @@ from reliab.motions.readers.samples import (
     separate_numbers,
     split_line,
 )
-from reliab.motions.readers.source import Header, Source, Statement, may_round
+from reliab.motions.readers.source import RecordHeader, RecordText, Statement, may_round
 from reliab.motions.units import AccelerationUnit
 
 
@@ -32,7 +32,7 @@ class RecordDeclaration:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Reading:
+class AccelerationReading:
     """An acceleration record as it was read."""
 
     acceleration: Array  # Samples [m/s²], shape (n,)
@@ -44,8 +44,8 @@ class Reading:
 
 @np.errstate(over="ignore", invalid="ignore")
 def complete(
-    source: Source, header: Header, declaration: RecordDeclaration, report: Report
-) -> Reading | None:
+    source: RecordText, header: RecordHeader, declaration: RecordDeclaration, report: Report
+) -> AccelerationReading | None:
     """Read the samples that a header announces and turn them into acceleration."""
     sound = not report.faults
     units = _settle_units(header, declaration, report, sound=sound)
@@ -60,7 +60,7 @@ def complete(
     acceleration = _convert_to_si(source, header, values, units, report)
     if report.faults:
         return None
-    return Reading(
+    return AccelerationReading(
         acceleration=acceleration,
         time_step=time_step,
         event=header.event,
@@ -69,7 +69,9 @@ def complete(
     )
 
 
-def _read_samples(source: Source, header: Header, report: Report) -> tuple[Array | None, Header]:
+def _read_samples(
+    source: RecordText, header: RecordHeader, report: Report
+) -> tuple[Array | None, RecordHeader]:
     """Read the numbers of a header's component; with times beside them, the header gets their step."""
     if header.values is not None:
         if np.isfinite(header.values).all():
@@ -92,7 +94,7 @@ def _read_samples(source: Source, header: Header, report: Report) -> tuple[Array
 
 
 def _settle_units(
-    header: Header, declaration: RecordDeclaration, report: Report, *, sound: bool
+    header: RecordHeader, declaration: RecordDeclaration, report: Report, *, sound: bool
 ) -> AccelerationUnit | None:
     """Find the units; if the header already has a fault, missing units are not reported again."""
     header_units = header.units
@@ -114,7 +116,7 @@ def _settle_units(
 
 
 def _settle_time_step(
-    header: Header, declaration: RecordDeclaration, report: Report, *, sound: bool
+    header: RecordHeader, declaration: RecordDeclaration, report: Report, *, sound: bool
 ) -> float | None:
     header_step = header.time_step
     if header_step is None:
@@ -147,7 +149,7 @@ def _settle_time_step(
     return declaration.time_step
 
 
-def _check_against_catalogue(header: Header, declaration: RecordDeclaration, report: Report) -> None:
+def _check_against_catalogue(header: RecordHeader, declaration: RecordDeclaration, report: Report) -> None:
     count, step = header.count, header.time_step
     if count is not None and declaration.header_count not in {None, count.value}:
         report.add(
@@ -166,7 +168,7 @@ def _check_against_catalogue(header: Header, declaration: RecordDeclaration, rep
         )
 
 
-def _settle_count(source: Source, header: Header, values: Array, report: Report) -> Array | None:
+def _settle_count(source: RecordText, header: RecordHeader, values: Array, report: Report) -> Array | None:
     samples, count = values.size, header.count
     last_line = source.line_number(max(header.start, header.stop - 1))
     if count is None:
@@ -201,7 +203,7 @@ def _settle_count(source: Source, header: Header, values: Array, report: Report)
 
 
 def _convert_to_si(
-    source: Source, header: Header, values: Array, units: AccelerationUnit, report: Report
+    source: RecordText, header: RecordHeader, values: Array, units: AccelerationUnit, report: Report
 ) -> Array:
     _check_gaps(source, header, values, report)
     if header.remove_mean:
@@ -227,7 +229,7 @@ def _convert_to_si(
     return acceleration
 
 
-def _check_gaps(source: Source, header: Header, values: Array, report: Report) -> None:
+def _check_gaps(source: RecordText, header: RecordHeader, values: Array, report: Report) -> None:
     missing_value = missing_mark(values, any_repeated=True)
     marks = [*header.missing, *([] if missing_value is None else [missing_value])]
     gaps = np.flatnonzero(np.isin(values, marks)) if marks else np.array([])
@@ -249,7 +251,7 @@ _DIGITS = 12  # significant digits to which a step is known from times in double
 _MILLI = 1000  # how much too large times are that are milliseconds
 
 
-def check_columns(source: Source, header: Header, report: Report) -> bool:
+def check_columns(source: RecordText, header: RecordHeader, report: Report) -> bool:
     """Tell whether every line has the columns that the header expects; report the first that has not."""
     data = separate_numbers(source, header)
     column_count = header.columns if header.has_rows else None
@@ -269,8 +271,8 @@ def check_columns(source: Source, header: Header, report: Report) -> bool:
 
 
 def split_times(
-    source: Source, header: Header, times: Array, samples: Array, report: Report
-) -> tuple[Array | None, Header]:
+    source: RecordText, header: RecordHeader, times: Array, samples: Array, report: Report
+) -> tuple[Array | None, RecordHeader]:
     """Find the step between times; sample numbers in their place have none.
 
     Times may differ from equal steps by their rounding or by 1 % of the step; any start time is allowed.
@@ -313,7 +315,7 @@ def _first_unequal(times: Array, step: float, place: float) -> int | None:
     return int(np.abs(steps - np.median(steps)).argmax()) + 1
 
 
-def _rounding(source: Source, header: Header, count: int) -> float:
+def _rounding(source: RecordText, header: RecordHeader, count: int) -> float:
     """One unit in the last printed place of the times."""
     tokens = separate_numbers(source, header).decode("latin-1").split()
     if len(tokens) < count * (header.columns or 1):  # some follow each other without a blank
@@ -325,7 +327,9 @@ def _rounding(source: Source, header: Header, count: int) -> float:
     return min(10.0 ** -len(token.partition(".")[2]) for token in times)
 
 
-def _set_step(source: Source, header: Header, step: float, tolerance: float, report: Report) -> Header:
+def _set_step(
+    source: RecordText, header: RecordHeader, step: float, tolerance: float, report: Report
+) -> RecordHeader:
     line = source.line_number(header.start)
     header_step = header.time_step
     if header_step is None:

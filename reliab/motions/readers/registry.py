@@ -9,24 +9,24 @@ from reliab.core.registry import Registry
 from reliab.motions.faults import Report
 from reliab.motions.readers import miniseed, sac, text
 from reliab.motions.readers.layouts import LAYOUTS, PLAIN, Layout
-from reliab.motions.readers.source import HEAD, Header, Source, open_source
+from reliab.motions.readers.source import HEAD, RecordHeader, RecordText, open_source
 
 
 @dataclass(frozen=True, kw_only=True)
-class Format:
+class RecordFormat:
     """A format of record files."""
 
     name: str  # Name shown to users
     # File extensions by which a file counts as this format although its content is not recognised
     endings: tuple[str, ...]
-    recognises: Callable[[Source], bool]  # Tells from the content whether a file is one
-    headers: Callable[[Source, Report], list[Header]]  # Reads the headers of all records of a file
+    recognises: Callable[[RecordText], bool]  # Tells from the content whether a file is one
+    headers: Callable[[RecordText, Report], list[RecordHeader]]  # Reads the headers of all records of a file
     has_several_records: bool = False  # Whether one file may hold several records
     is_text: bool = True  # Whether its files are texts
 
 
-def _text_format(layout: Layout) -> Format:
-    return Format(
+def _text_format(layout: Layout) -> RecordFormat:
+    return RecordFormat(
         name=layout.name,
         endings=layout.endings,
         recognises=text.recognises if layout is PLAIN else layout.recognises,
@@ -38,7 +38,7 @@ def _text_format(layout: Layout) -> Format:
 TEXT = _text_format(PLAIN)
 _BUILT_IN = (
     *map(_text_format, LAYOUTS),
-    Format(
+    RecordFormat(
         name="SAC",
         endings=(".sac",),
         recognises=sac.recognises,
@@ -46,7 +46,7 @@ _BUILT_IN = (
         has_several_records=True,
         is_text=False,
     ),
-    Format(
+    RecordFormat(
         name="miniSEED",
         endings=(".mseed", ".miniseed"),
         recognises=miniseed.recognises,
@@ -59,12 +59,12 @@ _BUILT_IN = (
 
 FORMATS = Registry(
     noun="format of records",
-    base=Format,
+    base=RecordFormat,
     group="reliab.record_formats",
     items=_BUILT_IN,
     name_of=lambda form: form.name,
 )
-"""Every format by its name; other packages register a `Format`."""
+"""Every format by its name; other packages register a `RecordFormat`."""
 
 
 UNREAD = {
@@ -92,7 +92,7 @@ def claims_to_be_record(path: Path) -> bool:
     return any(path.suffix.lower() in form.endings for form in FORMATS.values())
 
 
-def detect(source: Source) -> Format | None:
+def detect(source: RecordText) -> RecordFormat | None:
     """Choose the format of a file by its content, or by its extension where the content is not recognised."""
     ending = source.path.suffix.lower()
     forms = [form for form in FORMATS.values() if form.is_text is source.is_text]
@@ -105,7 +105,9 @@ def detect(source: Source) -> Format | None:
     return TEXT if source.is_text and TEXT.recognises(source) else None
 
 
-def open_records(path: Path, report: Report, *, whole: bool = True) -> tuple[Source, list[Header]] | None:
+def open_records(
+    path: Path, report: Report, *, whole: bool = True
+) -> tuple[RecordText, list[RecordHeader]] | None:
     """Open a file and read the headers of all its records."""
     source = open_source(path, report, limit=None if whole else HEAD, binary=True)
     if source is None:

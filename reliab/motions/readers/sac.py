@@ -17,7 +17,7 @@ import numpy as np
 
 from reliab.motions.faults import Report
 from reliab.motions.readers.miniseed import is_of_seismometer
-from reliab.motions.readers.source import Header, Source, Statement
+from reliab.motions.readers.source import RecordHeader, RecordText, Statement
 
 _SIZES = (280, 160, 192)  # bytes of real numbers, of whole numbers and of text
 _DELTA, _SCALE, _BEGIN, _ORIGIN = 0, 3, 5, 7  # places of real numbers
@@ -30,12 +30,12 @@ _ACCELERATION = 8  # value of the quantity
 _QUANTITIES = {6: "displacement", 7: "velocity", 50: "volts"}
 
 
-def recognises(source: Source) -> bool:
+def recognises(source: RecordText) -> bool:
     """Tell whether a file has a SAC header, in either order of bytes."""
     return _byte_order(source.content) is not None
 
 
-def headers(source: Source, report: Report) -> list[Header]:
+def headers(source: RecordText, report: Report) -> list[RecordHeader]:
     """Read the header and the samples of the one component; empty if a rule is broken."""
     order = _byte_order(source.content)
     if order is None:
@@ -55,7 +55,7 @@ def headers(source: Source, report: Report) -> list[Header]:
     with np.errstate(invalid="ignore"):  # of damaged numbers, which are refused later
         samples = np.frombuffer(values, f"{order}f4").astype(np.float64)
     return [
-        Header(
+        RecordHeader(
             time_step=Statement(value=step, line=None) if 0 < step < math.inf else None,
             event=_event(reals, integers, text),
             channel=channel,

@@ -9,7 +9,7 @@ import numpy as np
 from reliab.core.arrays import Array
 from reliab.core.text_tables import is_number, parse_number
 from reliab.motions.faults import Report
-from reliab.motions.readers.source import Header, Line, Source
+from reliab.motions.readers.source import RecordHeader, RecordLine, RecordText
 
 _PLAIN = b"0123456789+-.eE \t\n\r\v\f"
 _FORTRAN_EXPONENTS = bytes.maketrans(b"Dd", b"EE")
@@ -24,7 +24,7 @@ _MUST_BE_FINITE = "Not a finite number"
 _REMEDY = "Correct the line, export or download the file again, or leave it out"
 
 
-def parse_samples(source: Source, header: Header, report: Report) -> Array | None:
+def parse_samples(source: RecordText, header: RecordHeader, report: Report) -> Array | None:
     """Parse the numbers that a header announces.
 
     Returns (n,).
@@ -35,7 +35,7 @@ def parse_samples(source: Source, header: Header, report: Report) -> Array | Non
     return _parse_lines(source, header, report)
 
 
-def separate_numbers(source: Source, header: Header) -> bytes:
+def separate_numbers(source: RecordText, header: RecordHeader) -> bytes:
     """Return the samples with blanks between numbers, ``E`` before exponents and dates as seconds."""
     data = source.content[header.start : header.stop]
     if b":" in data:
@@ -65,7 +65,7 @@ def count_rows(data: bytes) -> int:
     return sum(1 for line in data.split(b"\n") if line.strip())
 
 
-def find_delimiter(line: Line) -> str:
+def find_delimiter(line: RecordLine) -> str:
     """Find what separates the numbers of a line, besides blanks."""
     return next((mark for mark in (";", ",") if mark in line.text), "")
 
@@ -90,7 +90,7 @@ class _BadToken:
     token: str
 
 
-def _parse_lines(source: Source, header: Header, report: Report) -> Array | None:
+def _parse_lines(source: RecordText, header: RecordHeader, report: Report) -> Array | None:
     values: list[float] = []
     bad: list[_BadToken] = []
     for line in source.lines(header.start, header.stop):
@@ -106,7 +106,7 @@ def _parse_lines(source: Source, header: Header, report: Report) -> Array | None
     return None if bad else np.array(values)
 
 
-def split_line(line: Line, header: Header) -> list[str]:
+def split_line(line: RecordLine, header: RecordHeader) -> list[str]:
     """Split a line into its numbers; blanks between them may be missing where the split is unambiguous."""
     text = clocks_in_seconds(line.text)
     tokens = (text.replace(header.delimiter, " ") if header.delimiter else text).split()
@@ -141,7 +141,7 @@ def _report_runs(bad: list[_BadToken], report: Report) -> None:
         start = position + 1
 
 
-def line_of_sample(source: Source, header: Header, index: int) -> int | None:
+def line_of_sample(source: RecordText, header: RecordHeader, index: int) -> int | None:
     """Line in which a sample stands, counted from 1."""
     sample_count = 0
     columns = header.columns or 1

@@ -29,7 +29,7 @@ class Statement(Generic[T]):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Header:
+class RecordHeader:
     """What a header says about one record of a file."""
 
     start: int = 0  # start, stop: Where the samples stand in the file [bytes]
@@ -79,7 +79,7 @@ _CONTROL = bytes(set(range(32)) - set(b"\t\n\v\f\r\x1a")) + b"\x7f"
 
 
 @dataclass(frozen=True, kw_only=True)
-class Line:
+class RecordLine:
     """One line of a file."""
 
     number: int  # Counted from 1
@@ -89,7 +89,7 @@ class Line:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Source:
+class RecordText:
     r"""A file in memory."""
 
     path: Path  # The file
@@ -100,14 +100,16 @@ class Source:
         """Line in which a byte stands, counted from 1."""
         return self.content.count(b"\n", 0, offset) + 1
 
-    def lines(self, start: int = 0, stop: int | None = None) -> Iterator[Line]:
+    def lines(self, start: int = 0, stop: int | None = None) -> Iterator[RecordLine]:
         """Go through the lines from one byte to another."""
         end = len(self.content) if stop is None else stop
         number = self.line_number(start)
         while start < end:
             newline = self.content.find(b"\n", start, end)
             following = end if newline < 0 else newline + 1
-            yield Line(number=number, start=start, stop=following, text=decode(self.content[start:following]))
+            yield RecordLine(
+                number=number, start=start, stop=following, text=decode(self.content[start:following])
+            )
             start, number = following, number + 1
 
     def channels(
@@ -153,7 +155,7 @@ def open_source(
     limit: int | None = None,
     byte_limit: int = MOST_BYTES,
     binary: bool = False,
-) -> Source | None:
+) -> RecordText | None:
     """Read a file, or report why it cannot be read.
 
     `byte_limit` [bytes]; `binary`: whether it may be other than text.
@@ -170,7 +172,7 @@ def open_source(
         return None
     if len(content[:HEAD].translate(None, _CONTROL)) < len(content[:HEAD]):
         if binary:
-            return Source(path=path, content=raw, is_text=False)
+            return RecordText(path=path, content=raw, is_text=False)
         report.add(
             "Not a text file",
             line=1,
@@ -178,7 +180,7 @@ def open_source(
             remedy="Unpack it or export it as text",
         )
         return None
-    return Source(path=path, content=content)
+    return RecordText(path=path, content=content)
 
 
 def _read(path: Path, report: Report, limit: int | None, byte_limit: int) -> bytes | None:

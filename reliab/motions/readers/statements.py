@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 
 from reliab.core.text_tables import NUMBER, last_place, parse_number
 from reliab.motions.faults import Report
-from reliab.motions.readers.source import LONGEST_LINE, Line, Statement
+from reliab.motions.readers.source import LONGEST_LINE, RecordLine, Statement
 from reliab.motions.units import CLOCK_UNIT, AccelerationUnit, ClockUnit, find_clock_unit, find_unit
 
 _FLAGS = re.IGNORECASE
@@ -126,13 +126,13 @@ _ANOTHER_QUANTITY = re.compile(
 _SPECTRUM = re.compile(r"^\W*(?:\d\s+)?(?:response|fourier)\b.*\bspectr", _FLAGS)
 
 
-def readable(lines: list[Line]) -> list[Line]:
+def readable(lines: list[RecordLine]) -> list[RecordLine]:
     """Prepare lines for the lexer: names are left out, labels above their values become one line each.
 
     K-NET's CSV prints ``#SamplingFrequency(Hz)`` above ``#100``, and ``#OriginTime,Latitude`` above their
     values, all below a title such as ``#Record``.
     """
-    readable_lines: list[Line] = []
+    readable_lines: list[RecordLine] = []
     title, labels = "", [""]
     for line in lines:
         if len(line.text) > LONGEST_LINE or _NAMES.match(line.text):
@@ -157,7 +157,7 @@ def _are_values(cells: list[str]) -> bool:
     return all(parse_number(cell) is not None or re.fullmatch(r"[\d/:. -]{8,}", cell) for cell in cells)
 
 
-def counts(lines: list[Line], report: Report) -> Iterator[Statement[int]]:
+def counts(lines: list[RecordLine], report: Report) -> Iterator[Statement[int]]:
     """Read the numbers of samples that lines state."""
     for line in lines:
         matches = (match for pattern in _COUNTS_OF_SAMPLES if (match := pattern.search(line.text)))
@@ -166,7 +166,7 @@ def counts(lines: list[Line], report: Report) -> Iterator[Statement[int]]:
             yield count
 
 
-def time_steps(lines: list[Line], report: Report) -> Iterator[Statement[float]]:
+def time_steps(lines: list[RecordLine], report: Report) -> Iterator[Statement[float]]:
     """Read the steps and the rates that lines state, as steps [s]."""
     for line in lines:
         for pattern, is_rate in _CLOCKS:
@@ -194,7 +194,7 @@ def _plain(text: str | None) -> str:
 
 
 def _state_clock(
-    match: re.Match[str], default: ClockUnit, line: Line, report: Report
+    match: re.Match[str], default: ClockUnit, line: RecordLine, report: Report
 ) -> Statement[float] | None:
     groups = match.groupdict()
     units = {find_clock_unit(text) or default for place in ("before", "after") if (text := groups.get(place))}
@@ -209,14 +209,14 @@ def _state_clock(
     return state_time_step(_plain(groups["value"]), line.number, report, unit=next(iter(units), default))
 
 
-def durations(lines: list[Line]) -> Iterator[Statement[str]]:
+def durations(lines: list[RecordLine]) -> Iterator[Statement[str]]:
     """Read the durations of a record that lines state, as they print them."""
     for line in lines:
         if match := _DURATION.search(line.text):
             yield Statement(value=match["value"] or "", line=line.number)
 
 
-def find_units(lines: list[Line], report: Report) -> Iterator[Statement[AccelerationUnit]]:
+def find_units(lines: list[RecordLine], report: Report) -> Iterator[Statement[AccelerationUnit]]:
     """Read the units of the samples that lines state, and report what is no unit of acceleration."""
     for line in lines:
         name = _unit_name(line.text)
@@ -251,7 +251,7 @@ def _unit_among(text: str) -> str | None:
     return None if pieces and has_only_times else text.partition(",")[0]
 
 
-def peak_units(lines: list[Line]) -> Iterator[Statement[AccelerationUnit]]:
+def peak_units(lines: list[RecordLine]) -> Iterator[Statement[AccelerationUnit]]:
     """Read the units in which lines print the largest acceleration."""
     for line in lines:
         match = _PEAK_UNITS.search(line.text)
@@ -259,7 +259,7 @@ def peak_units(lines: list[Line]) -> Iterator[Statement[AccelerationUnit]]:
             yield Statement(value=unit, line=line.number)
 
 
-def time_unit(lines: list[Line]) -> ClockUnit | None:
+def time_unit(lines: list[RecordLine]) -> ClockUnit | None:
     """Read the unit of a column of times."""
     for line in lines:
         pieces = _PIECES.split(match[1])[:1] if (match := _UNITS.search(line.text)) else []
@@ -279,7 +279,7 @@ class Scale:
     line: int  # The line that states it
 
 
-def scales(lines: list[Line], report: Report) -> Iterator[Scale]:
+def scales(lines: list[RecordLine], report: Report) -> Iterator[Scale]:
     """Read the factors that lines state, except those that have been applied already."""
     for line in lines:
         match = _FACTOR.search(line.text)
@@ -306,7 +306,7 @@ def scales(lines: list[Line], report: Report) -> Iterator[Scale]:
             )
 
 
-def offsets(lines: list[Line]) -> dict[str, Statement[float]]:
+def offsets(lines: list[RecordLine]) -> dict[str, Statement[float]]:
     """Read the numbers that stand for no acceleration, by the columns that lines name, if any."""
     statement_of_column: dict[str, Statement[float]] = {}
     for line in lines:
@@ -317,7 +317,7 @@ def offsets(lines: list[Line]) -> dict[str, Statement[float]]:
     return statement_of_column
 
 
-def missing_marks(lines: list[Line]) -> tuple[float, ...]:
+def missing_marks(lines: list[RecordLine]) -> tuple[float, ...]:
     """Read the numbers that mark missing samples."""
     marks = []
     for line in lines:
@@ -328,7 +328,7 @@ def missing_marks(lines: list[Line]) -> tuple[float, ...]:
     return tuple(marks)
 
 
-def refuse_another_quantity(lines: list[Line], report: Report) -> list[Line]:
+def refuse_another_quantity(lines: list[RecordLine], report: Report) -> list[RecordLine]:
     """Report lines that announce velocity, displacement or a spectrum, and return the others."""
     quantities = [_another_quantity(line.text) for line in lines]
     for line, quantity in zip(lines, quantities, strict=True):

@@ -33,7 +33,7 @@ from reliab.motions.readers.samples import (
     separate_numbers,
     split_line,
 )
-from reliab.motions.readers.source import HEAD, Header, Line, Source, Statement, may_round
+from reliab.motions.readers.source import HEAD, RecordHeader, RecordLine, RecordText, Statement, may_round
 from reliab.motions.units import CLOCK_UNIT, AccelerationUnit, ClockUnit, find_clock_unit, find_unit
 
 _FLAGS = re.IGNORECASE
@@ -55,7 +55,7 @@ _KIND_PATTERNS = {kind: re.compile(pattern, _FLAGS) for kind, pattern in _KINDS.
 
 
 @dataclass(frozen=True, kw_only=True)
-class Column:
+class NamedColumn:
     """A column that a header names."""
 
     name: str  # Its name, as the header prints it
@@ -70,7 +70,7 @@ class Column:
         return find_clock_unit(text)
 
 
-def name_columns(lines: list[Line], count: int) -> list[Column]:
+def name_columns(lines: list[RecordLine], count: int) -> list[NamedColumn]:
     """Find the names of a number of columns, in the lowest line that has as many; empty where none has."""
     for line in reversed(lines):
         for cells in _split(line.text):
@@ -86,7 +86,7 @@ def _split(text: str) -> Iterator[list[str]]:
     yield _WORDS.findall(text)
 
 
-def _column(cell: str, line: int) -> Column | None:
+def _column(cell: str, line: int) -> NamedColumn | None:
     unit = _UNIT.search(cell)
     name = _UNIT.sub("", cell).strip()
     bracket_text = unit[1].strip() if unit else ""
@@ -94,11 +94,11 @@ def _column(cell: str, line: int) -> Column | None:
         return None
     for kind, pattern in _KIND_PATTERNS.items():
         if pattern.fullmatch(name):
-            return Column(name=cell, kind=kind, unit=bracket_text.strip("+"), line=line)
+            return NamedColumn(name=cell, kind=kind, unit=bracket_text.strip("+"), line=line)
     return None
 
 
-def _tell_time_from_transverse(columns: list[Column]) -> list[Column]:
+def _tell_time_from_transverse(columns: list[NamedColumn]) -> list[NamedColumn]:
     """Take a column T for the transverse component if it is not the first and none is named acceleration."""
     if any(column.kind == "acceleration" for column in columns):
         return columns
@@ -110,13 +110,13 @@ def _tell_time_from_transverse(columns: list[Column]) -> list[Column]:
 
 
 def arrange(
-    source: Source,
-    header: Header,
-    lines: list[Line],
+    source: RecordText,
+    header: RecordHeader,
+    lines: list[RecordLine],
     offsets: Mapping[str, Statement[float]],
     layout: Layout,
     report: Report,
-) -> Iterator[Header]:
+) -> Iterator[RecordHeader]:
     """Find the columns of the samples, and yield a header for each component.
 
     `offsets`: what stands for no acceleration in a column, by its name.
@@ -152,7 +152,7 @@ def arrange(
         )
 
 
-def _follows_count(source: Source, header: Header, count: int) -> bool:
+def _follows_count(source: RecordText, header: RecordHeader, count: int) -> bool:
     """Tell whether as many samples as the header states follow one another through lines of several."""
     if header.count is None:
         return False
@@ -161,7 +161,7 @@ def _follows_count(source: Source, header: Header, count: int) -> bool:
     return 0 <= surplus < count and count_rows(data) != header.count.value
 
 
-def _columns(lines: list[Line], count: int, *, has_times: bool) -> list[Column]:
+def _columns(lines: list[RecordLine], count: int, *, has_times: bool) -> list[NamedColumn]:
     """Find the names of columns; times in the first are recognised although only the others have names."""
     if count == 1:
         return []
@@ -170,14 +170,14 @@ def _columns(lines: list[Line], count: int, *, has_times: bool) -> list[Column]:
         return columns
     components = name_columns(lines, count - 1)
     return (
-        [Column(name="time", kind="time", unit="", line=components[0].line), *components]
+        [NamedColumn(name="time", kind="time", unit="", line=components[0].line), *components]
         if components
         else []
     )
 
 
 @np.errstate(over="ignore", invalid="ignore")
-def _begins_with_times(source: Source, header: Header) -> bool:
+def _begins_with_times(source: RecordText, header: RecordHeader) -> bool:
     rows = itertools.islice(source.lines(header.start, header.stop), _ROWS)
     times = [parse_number(tokens[0]) for line in rows if (tokens := split_line(line, header))]
     steps = np.diff([math.nan if time is None else time for time in times])
@@ -185,8 +185,8 @@ def _begins_with_times(source: Source, header: Header) -> bool:
 
 
 def _components(
-    header: Header, columns: list[Column], offsets: Mapping[str, Statement[float]], report: Report
-) -> Iterator[Header]:
+    header: RecordHeader, columns: list[NamedColumn], offsets: Mapping[str, Statement[float]], report: Report
+) -> Iterator[RecordHeader]:
     kinds = [column.kind for column in columns] or ["component"] * (header.columns or 0)
     clocks = [place for place, kind in enumerate(kinds) if kind in {"time", "sample number"}]
     samples = [place for place, kind in enumerate(kinds) if kind == "acceleration"] or [
@@ -217,7 +217,7 @@ def _components(
         )
 
 
-def _units(header: Header, column: Column, report: Report) -> Statement[AccelerationUnit] | None:
+def _units(header: RecordHeader, column: NamedColumn, report: Report) -> Statement[AccelerationUnit] | None:
     """Units of a column, which must not contradict those of the file."""
     unit = find_unit(column.unit)
     if unit is None:
@@ -247,12 +247,12 @@ _ROUNDING_TOLERANCE = 0.1  # largest relative difference between two statements 
 _LONGEST = 1e6  # s, eleven days; no accelerogram is as long
 
 
-def recognises(source: Source) -> bool:
+def recognises(source: RecordText) -> bool:
     """Tell whether a file has a line of numbers near its top."""
     return any(_is_data(line) for line in source.lines(0, min(HEAD, len(source.content))))
 
 
-def headers(source: Source, report: Report, *, layout: Layout = PLAIN) -> list[Header]:
+def headers(source: RecordText, report: Report, *, layout: Layout = PLAIN) -> list[RecordHeader]:
     """Read the headers of all records of a text file; empty if there is no line of numbers."""
     records = [
         header
@@ -269,7 +269,7 @@ def headers(source: Source, report: Report, *, layout: Layout = PLAIN) -> list[H
     return records
 
 
-def _records(source: Source, layout: Layout) -> Iterator[tuple[int, int, int]]:
+def _records(source: RecordText, layout: Layout) -> Iterator[tuple[int, int, int]]:
     """Where the header of each record begins, and where its samples start and stop [bytes]."""
     if layout.last is not None:
         begin, content_size = 0, len(source.content)
@@ -291,7 +291,7 @@ def _records(source: Source, layout: Layout) -> Iterator[tuple[int, int, int]]:
             yield begin, start, ending.start() if ending else stop
 
 
-def _first_sample(source: Source, layout: Layout, begin: int, stop: int) -> int | None:
+def _first_sample(source: RecordText, layout: Layout, begin: int, stop: int) -> int | None:
     """Where the first line of samples stands, or a line that should be one [bytes]."""
     for line in source.lines(begin, stop):
         text = line.text.strip()
@@ -302,7 +302,7 @@ def _first_sample(source: Source, layout: Layout, begin: int, stop: int) -> int 
     return None
 
 
-def _is_data(line: Line) -> bool:
+def _is_data(line: RecordLine) -> bool:
     """Tell whether every token of a line is a number; NaN and infinity count as numbers."""
     tokens = re.split(r"[\s,;]+", clocks_in_seconds(line.text).strip(" \t\r\f,;"))
     return all(
@@ -317,8 +317,8 @@ def _begins_with_number(text: str) -> bool:
 
 
 def _read_record(
-    source: Source, layout: Layout, begin: int, start: int, stop: int, report: Report
-) -> list[Header]:
+    source: RecordText, layout: Layout, begin: int, start: int, stop: int, report: Report
+) -> list[RecordHeader]:
     top = list(source.lines(begin, start))
     lines = statements.readable(top)
     statement_lines = lines[-1:] if layout.is_announced else statements.refuse_another_quantity(lines, report)
@@ -340,7 +340,9 @@ def _read_record(
     return list(arrange(source, header, lines, offsets, layout, report))
 
 
-def _state(statement_lines: list[Line], lines: list[Line], layout: Layout, report: Report) -> Header:
+def _state(
+    statement_lines: list[RecordLine], lines: list[RecordLine], layout: Layout, report: Report
+) -> RecordHeader:
     """Read what the lines of a header state."""
     scales = list(statements.scales(statement_lines, report))
     factors = [Statement(value=scale.factor, line=scale.line) for scale in scales]
@@ -354,7 +356,7 @@ def _state(statement_lines: list[Line], lines: list[Line], layout: Layout, repor
     corrections = (
         f"scale factor {factor.value:g} of line {factor.line}" if factor and not layout.remove_mean else ""
     )
-    header = Header(
+    header = RecordHeader(
         count=next(statements.counts(statement_lines, report), None),
         time_step=_agreeing(list(statements.time_steps(statement_lines, report)), "time steps", report),
         units=_agreeing(units or peaks[:1], "units", report),
@@ -391,7 +393,7 @@ def _agree(precise: Statement[Any], coarse: Statement[Any]) -> bool:
     return math.isclose(precise.value, coarse.value, rel_tol=_ROUNDING_TOLERANCE if is_rounded else 1e-9)
 
 
-def _complete_by_duration(header: Header, lines: list[Line], report: Report) -> Header:
+def _complete_by_duration(header: RecordHeader, lines: list[RecordLine], report: Report) -> RecordHeader:
     """Derive the count or the step, whichever is missing, from the duration that a header states."""
     durations = sorted(statements.durations(lines), key=lambda claim: parse_number(claim.value) is None)
     if not durations or (header.count and header.time_step):
@@ -416,18 +418,18 @@ def _complete_by_duration(header: Header, lines: list[Line], report: Report) -> 
     return header
 
 
-def _width(top: list[Line]) -> int | None:
+def _width(top: list[RecordLine]) -> int | None:
     """Columns that each number takes, from a printed format such as ``(8f10.6)``."""
     match = _WIDTH.search(top[-1].text) if top else None
     return int(match[1]) or None if match else None
 
 
-def _channel(lines: list[Line]) -> str:
+def _channel(lines: list[RecordLine]) -> str:
     labels = [match[1] for line in lines if (match := _CHANNEL.search(line.text))]
     return labels[-1].strip() if labels else ""
 
 
-def _read_leading_sizes(source: Source, header: Header, report: Report) -> Header:
+def _read_leading_sizes(source: RecordText, header: RecordHeader, report: Report) -> RecordHeader:
     """Take lines of count and step before the samples from them: ``3000`` and ``0.01``, or ``3000 0.01``."""
     lines = list(itertools.islice(source.lines(header.start, header.stop), 3))
     tokens = [split_line(line, replace(header, delimiter=find_delimiter(line))) for line in lines]
@@ -458,7 +460,7 @@ def _read_leading_sizes(source: Source, header: Header, report: Report) -> Heade
     return header
 
 
-def _holds(source: Source, start: int, header: Header, count: int) -> bool:
+def _holds(source: RecordText, start: int, header: RecordHeader, count: int) -> bool:
     """Tell whether as many numbers follow, or as many lines of them."""
     data = separate_numbers(source, replace(header, start=start))
     numbers, rows = len(data.split()), count_rows(data)

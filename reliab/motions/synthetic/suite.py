@@ -134,7 +134,7 @@ _Streams = Callable[[_Purpose], RandomStream]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Recording:
+class StationRecord:
     """What one station recorded."""
 
     scenario: Scenario  # The earthquake as seen from the station
@@ -143,7 +143,7 @@ class Recording:
     components: Array
 
 
-def simulate_event(seed: int, number: int) -> Iterator[Recording]:
+def simulate_event(seed: int, number: int) -> Iterator[StationRecord]:
     """Simulate the recordings of one earthquake, one station after the other, without limit.
 
     >>> recording = next(simulate_event(2017, 1))
@@ -166,21 +166,21 @@ def _stream(seed: int, number: int, station: int, purpose: _Purpose) -> RandomSt
 
 def _simulate_station(
     earthquake: Earthquake, errors: dict[bool, EventErrors], streams: _Streams
-) -> Recording:
+) -> StationRecord:
     scenario = draw_scenario(earthquake, streams(_Purpose.SCENARIO))
     pulse_like = streams(_Purpose.PULSE).uniform() < pulse_probability(scenario)
     means = regression_of(pulse_like=pulse_like).means(scenario)
     angle = 2.0 * pi * streams(_Purpose.ORIENTATION).uniform()
     noises = streams(_Purpose.NOISE_FIRST), streams(_Purpose.NOISE_SECOND)
 
-    def attempt(error: Array) -> Recording | None:
+    def attempt(error: Array) -> StationRecord | None:
         parameters = physical_parameters(means + error, pulse_like=pulse_like)
         if parameters.pulse is not None and parameters.pulse.start < 0.0:
             return None
         components = _record(parameters, scenario.magnitude, noises, angle)
         if not is_strong(components, TIME_STEP):
             return None
-        return Recording(scenario=scenario, parameters=parameters, components=components)
+        return StationRecord(scenario=scenario, parameters=parameters, components=components)
 
     return errors[pulse_like].draw(streams(_Purpose.ERROR), attempt)
 
@@ -225,7 +225,7 @@ class SyntheticEntry:
         """Set of every synthetic motion."""
         return SET_NAME
 
-    def recording(self) -> Recording:
+    def recording(self) -> StationRecord:
         """Simulate the recording that the motion is a component of, with its scenario and parameters."""
         return _event(self.seed, self.number).record(self.station)
 
@@ -245,10 +245,10 @@ class _RecordingsOfEvent:
 
     def __init__(self, seed: int, number: int) -> None:
         self._source = simulate_event(seed, number)
-        self._simulated: list[Recording] = []
+        self._simulated: list[StationRecord] = []
         self._lock = Lock()
 
-    def record(self, station: int) -> Recording:
+    def record(self, station: int) -> StationRecord:
         with self._lock:
             while len(self._simulated) < station:
                 self._simulated.append(next(self._source))

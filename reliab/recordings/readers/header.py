@@ -10,7 +10,7 @@ from reliab.core.text_tables import COMMENTS, Line, cells_of, number_of
 from reliab.recordings.naming import describe
 from reliab.recordings.readers.attributes import unclear_in
 from reliab.recordings.units import unit_of
-from reliab.recordings.words import Quantity
+from reliab.recordings.words import Measurand
 
 _STATEMENT: Final = re.compile(r"^[#%!/\s]+([\w ]+?)\s*[=:]\s*(\S.*?)\s*$")
 _SCALES: Final = re.compile(
@@ -57,7 +57,7 @@ def header_of(
     telling = max(reversed(name_rows), key=_telling) if name_rows else ("",) * width
     names = [name or f"column {place + 1}" for place, name in enumerate(telling)]
     for place, name in enumerate(names):  # times may stand before each channel
-        if name in names[:place] and describe([name], {})[name].quantity is Quantity.TIME:
+        if name in names[:place] and describe([name], {})[name].quantity is Measurand.TIME:
             names[place] = f"{name} {names[: place + 1].count(name)}"
     if len(set(names)) < len(names):
         duplicate = next(name for name in names if names.count(name) > 1)
@@ -125,7 +125,7 @@ def _scales(
     """Name scales and offsets that a comment states of all channels, or a row of numbers of each column."""
     clause = " and ".join(f"{name} = {text}" for name, text in statements.items() if _SCALES.fullmatch(name))
     meanings = describe(names, {})
-    unclear = ["" if meanings[name].quantity is Quantity.TIME else clause for name in names]
+    unclear = ["" if meanings[name].quantity is Measurand.TIME else clause for name in names]
     for line in lines:
         label, *cells = cells_of(_strip_mark(line), delimiter) or ("",)
         first = len(names) - len(cells)  # the label may stand in the first column
@@ -146,7 +146,7 @@ def _sampling(lines: Sequence[str], delimiter: str, *, decimal_comma: bool) -> d
         words = [match[4], *re.findall(r"[a-zµμ/]+", match[2], re.IGNORECASE)]
         hertz = next((_HERTZ[word.lower()] for word in words if word.lower() in _HERTZ), None)
         units = (unit_of(word) for word in words)
-        seconds = next((unit.factor for unit in units if unit and unit.quantity is Quantity.TIME), None)
+        seconds = next((unit.factor for unit in units if unit and unit.quantity is Measurand.TIME), None)
         is_step = bool(_STEP.match(match[1])) if hertz is None and seconds is None else hertz is None
         statements.append(("dt" if is_step else "rate", value * (hertz or seconds or 1.0)))
     steps = [value if name == "dt" else 1.0 / value for name, value in statements]

@@ -20,7 +20,7 @@ from reliab.recordings.naming import describe
 from reliab.recordings.readers.attributes import add_clock, apply_attributes, series_of
 from reliab.recordings.readers.columns import Columns, Series
 from reliab.recordings.recording import require_few_samples
-from reliab.recordings.words import Quantity
+from reliab.recordings.words import Measurand
 
 MOST_COLUMNS: Final = 1000
 _WIDEST: Final = 64  # columns of a matrix
@@ -323,7 +323,7 @@ def _clocks_of(vectors: Sequence[tuple[str, Series, bool]]) -> dict[tuple[str, i
 
 
 def _is_time(name: str, series: Series) -> bool:
-    return describe([name], {name: series.unit})[name].quantity is Quantity.TIME
+    return describe([name], {name: series.unit})[name].quantity is Measurand.TIME
 
 
 def _vectors(tree: Tree, name: str) -> Iterator[tuple[str, Series, bool]]:

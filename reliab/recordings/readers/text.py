@@ -34,7 +34,7 @@ from reliab.core.text_tables import (
 from reliab.recordings.naming import describe
 from reliab.recordings.readers.columns import Columns, Series, seconds_between
 from reliab.recordings.readers.header import Header, header_of
-from reliab.recordings.words import Quantity
+from reliab.recordings.words import Measurand
 
 _HALF: Final = 0.5
 
@@ -54,7 +54,7 @@ def _goes_on(first: Columns, second: Columns) -> bool:
     if list(first.series) != list(second.series) or first.units != second.units:
         return False
     meanings = describe(list(first.series), first.units)
-    time = next((name for name, meaning in meanings.items() if meaning.quantity is Quantity.TIME), None)
+    time = next((name for name, meaning in meanings.items() if meaning.quantity is Measurand.TIME), None)
     for name, first_series in first.series.items():
         times, time_pair = (
             table.values[time] if time and series.times is None else series.times

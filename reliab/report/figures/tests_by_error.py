@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
 from reliab.assessment.comparison import Comparison
-from reliab.assessment.design import Tolerance
+from reliab.assessment.design import TolerableErrors
 from reliab.core.significant_digits import percent, share_in_words
 from reliab.core.vocabulary import MILLI, PERCENT, Metric
 from reliab.report.axes import AMPLITUDE_LIMIT, DELAY_LIMIT, FREQUENCY, legend_below, name_axes, plain
@@ -18,7 +18,7 @@ _HEIGHT = 76.0
 
 
 @apply_style
-def tolerable_errors_over_frequency(tolerances: Sequence[Tolerance]) -> Figure:
+def tolerable_errors_over_frequency(tolerances: Sequence[TolerableErrors]) -> Figure:
     """Draw how much amplitude error and delay a rig may have.
 
     Returns [ms].

@@ -62,7 +62,7 @@ class EffectTable(BaseModel):
             ) from None
 
 
-class SpecimenTable(DescribedTable):
+class AttachedSpecimenTable(DescribedTable):
     """The specimen, and the interface at which it is attached: one driven degree of freedom, or several."""
 
     degree_of_freedom: str | int | None = Field(
@@ -398,7 +398,7 @@ class FrameDescription(DescribedTable):
     kind: Literal["frame"] = Field(default="frame", description="What the file describes")
     frame: FrameTable = Field(description="Mass and stiffness of the whole structure, with its specimen")
     damping: DampingTable = Field(description="Damping of the whole structure, with its specimen")
-    specimen: SpecimenTable = Field(description="Specimen and interface")
+    specimen: AttachedSpecimenTable = Field(description="Specimen and interface")
     error: ErrorTable = Field(default=ErrorTable(), description="Response whose error is judged")
     tolerances: TolerancesTable = Field(
         default=TolerancesTable(), description="How exactly the structure is known, for `reliab assess`"

@@ -149,7 +149,7 @@ def march(  # noqa: C901, PLR0912, PLR0915 - one compiled loop; what it calls co
 
 
 @dataclass(frozen=True, kw_only=True)
-class Histories:
+class LoopHistories:
     """What happened in a simulated test, at equal steps."""
 
     command: Motion3  # Motion of the numerical substructure, which is the command
@@ -166,7 +166,7 @@ def run_closed_loop(
     parts: int = 1,
     integrator: Integrator | None = None,
     compensator: Compensator | None = None,
-) -> Histories:
+) -> LoopHistories:
     """Run a hybrid test under a ground motion, from rest.
 
     `ground` [m/s²]; `step` [s].
@@ -181,7 +181,7 @@ def run_closed_loop(
     """
     run = _run(test, ground, step, parts, integrator, compensator)
     piston = Motion3(values=run.at_samples(run.piston), step=step)
-    return Histories(
+    return LoopHistories(
         command=Motion3(values=run.at_samples(run.command), step=step),
         piston=piston,
         measured=read_displacement(test, piston),

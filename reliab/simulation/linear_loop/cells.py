@@ -18,7 +18,7 @@ from reliab.simulation.linear_loop.dominant_pole import (
 )
 from reliab.simulation.linear_loop.drive_stepping import DrivenCells, driven_cells
 from reliab.simulation.linear_loop.pole_plane import Expansion, expansions, pole_basis
-from reliab.simulation.linear_loop.pole_recursion import Recursion, recursions
+from reliab.simulation.linear_loop.pole_recursion import BlockRecursion, recursions
 from reliab.simulation.linear_loop.shared_drives import shared_drives
 from reliab.structures.structure import Structure, critical_delay, refuse_long_leads
 
@@ -83,17 +83,17 @@ class Cells:
         """Deviations expanded in the structure's basis of poles, for blocks of a given length [s]."""
         return expansions(pole_basis(self.structure), self.reduced_loops, step)
 
-    def recursions(self, step: float) -> list[Recursion]:
+    def recursions(self, step: float) -> list[BlockRecursion]:
         """Recursions of all cells for blocks of a given length [s]."""
         if step == block_length(self.structure):
             return self._own_recursions
         return self._recursions(step)
 
     @cached_property
-    def _own_recursions(self) -> list[Recursion]:
+    def _own_recursions(self) -> list[BlockRecursion]:
         return self._recursions(block_length(self.structure))
 
-    def driven(self, step: float, late: Recursion) -> DrivenCells:
+    def driven(self, step: float, late: BlockRecursion) -> DrivenCells:
         """Late cells that respond to the structure's shared drives, for blocks of a given length [s]."""
         if late is self._own_recursions[0]:
             return self.own_driven
@@ -105,7 +105,7 @@ class Cells:
         drives = shared_drives(self.structure, block_length(self.structure))
         return driven_cells(drives, self._own_recursions[0].coefficients)
 
-    def _recursions(self, step: float) -> list[Recursion]:
+    def _recursions(self, step: float) -> list[BlockRecursion]:
         return [
             recursion for place, loop in self.reduced_loops for recursion in recursions(loop, step, place)
         ]

@@ -70,7 +70,7 @@ class ModalLoop:
         return np.asarray(u / (s - p) + v / (s - q))
 
 
-class ReducedLoop(Protocol):
+class DominantPoleLoop(Protocol):
     """A reduced loop that approximates the exact one."""
 
     def transfer(self, s: Spectrum) -> Spectrum:
@@ -191,7 +191,9 @@ def band_edges(structure: Structure) -> Array:
     return structure.frequency * np.append(_COMPARISON_FREQUENCIES / half, _COMPARISON_FREQUENCIES[-1] * half)
 
 
-def reduction_loss(structure: Structure, gain: Array, delay: Array, loop: ReducedLoop) -> tuple[Array, Array]:
+def reduction_loss(
+    structure: Structure, gain: Array, delay: Array, loop: DominantPoleLoop
+) -> tuple[Array, Array]:
     """Compare the reduced loop with the exact one, band by band.
 
     Returns `neglected, total`: squared moduli of exact minus reduced transfer function and of x_m − x_I over

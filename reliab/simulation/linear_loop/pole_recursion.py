@@ -46,7 +46,7 @@ def fill_lanes(cells: NDArray[_Real], lanes: int) -> NDArray[_Real]:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Recursion:
+class BlockRecursion:
     """The recursion of cells that look the same number of blocks ahead."""
 
     cells: NDArray[np.intp]  # Which cells, shape (n,)
@@ -55,16 +55,16 @@ class Recursion:
     coefficients: Array  # Shape (12, n), as `recursion` describes them
 
 
-def recursions(loop: ModalLoop | LeadingLoop, step: float, cells: NDArray[np.intp]) -> list[Recursion]:
+def recursions(loop: ModalLoop | LeadingLoop, step: float, cells: NDArray[np.intp]) -> list[BlockRecursion]:
     """Recursions of the cells of a reduced loop.
 
     `step` [s].
     """
     if isinstance(loop, ModalLoop):
-        return [Recursion(cells=cells, ahead=0, coefficients=recursion(loop, step))]
+        return [BlockRecursion(cells=cells, ahead=0, coefficients=recursion(loop, step))]
     ahead, coefficients = leading_recursion(loop, step)
     return [
-        Recursion(cells=cells[equal_steps], ahead=int(count), coefficients=coefficients[:, equal_steps])
+        BlockRecursion(cells=cells[equal_steps], ahead=int(count), coefficients=coefficients[:, equal_steps])
         for count in np.unique(ahead)
         for equal_steps in (np.flatnonzero(ahead == count),)
     ]

@@ -20,7 +20,7 @@ from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop.blocks import Blocks, cut_together
 from reliab.simulation.linear_loop.dominant_pole import leading_loop, modal_loop
 from reliab.simulation.linear_loop.pole_recursion import (
-    Recursion,
+    BlockRecursion,
     fill_lanes,
     leading_recursion,
     recursion,
@@ -90,10 +90,10 @@ class TrackedCells:
         return min(_LONGEST_BLOCK, _LARGEST_PHASE_STEP / self.structure.circular_frequency)
 
     @cached_property
-    def recursions(self) -> list[tuple[Recursion, _Lanes]]:
+    def recursions(self) -> list[tuple[BlockRecursion, _Lanes]]:
         """Recursions of the measured displacement, each with the coefficients of command and itself."""
         late, early = np.flatnonzero(self.delay >= 0.0), np.flatnonzero(self.delay < 0.0)
-        pairs: list[tuple[Recursion, _Lanes]] = []
+        pairs: list[tuple[BlockRecursion, _Lanes]] = []
         if late.size:
             cells = self.structure, self.gain[late], self.delay[late]
             (sensor,) = recursions(modal_loop(*cells), self.step, late)

@@ -4,14 +4,14 @@ from collections.abc import Iterator
 from typing import Final
 
 from reliab.core.registry import Registry
-from reliab.study.folders import Kind, folders_of_kinds, kind_of
+from reliab.study.folders import StudyKind, folders_of_kinds, kind_of
 from reliab.study.kinds import criterion, discrepancy
 
 
-class _Kinds(Registry[Kind]):
+class _Kinds(Registry[StudyKind]):
     """Kinds by name; one that a study brings with it is imported when it is asked for."""
 
-    def __getitem__(self, name: str) -> Kind:
+    def __getitem__(self, name: str) -> StudyKind:
         if name not in self._items and name in folders_of_kinds():
             kind = kind_of(folders_of_kinds()[name])
             if kind is not None:
@@ -27,11 +27,11 @@ class _Kinds(Registry[Kind]):
 
 KINDS: Final = _Kinds(
     noun="kind of study",
-    base=Kind,
+    base=StudyKind,
     group="reliab.study_kinds",
     items=(criterion.KIND, discrepancy.KIND),
     name_of=lambda kind: kind.name,
 )
-"""Every kind by the name that a study's file gives it; other packages register a `Kind`."""
+"""Every kind by the name that a study's file gives it; other packages register a `StudyKind`."""
 
-__all__ = ["KINDS", "Kind"]
+__all__ = ["KINDS", "StudyKind"]

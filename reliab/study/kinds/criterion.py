@@ -14,7 +14,7 @@ from reliab.core.shipped import shipped
 from reliab.criterion.criterion import Criterion
 from reliab.report.document import Document
 from reliab.study.description import CriterionStudy
-from reliab.study.folders import Kind
+from reliab.study.folders import StudyKind
 from reliab.study.stages import Stage, digest, read_result, software_provenance
 from reliab.study.steps import (
     CRITERIA,
@@ -83,7 +83,7 @@ def report(study: CriterionStudy, folder: Path) -> Document:
     )
 
 
-KIND: Final = Kind(name="criterion", tables=CriterionStudy, stages=stages, report=report)
+KIND: Final = StudyKind(name="criterion", tables=CriterionStudy, stages=stages, report=report)
 """How much amplitude error and delay a test may have."""
 
 

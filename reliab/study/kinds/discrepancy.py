@@ -11,8 +11,8 @@ from reliab.core.progress import Show
 from reliab.core.shipped import shipped
 from reliab.report.content import read_content, save_content
 from reliab.report.document import Document
-from reliab.study.description import Study, Table
-from reliab.study.folders import Kind
+from reliab.study.description import Study, StudyTable
+from reliab.study.folders import StudyKind
 from reliab.study.stages import Stage, digest, software_provenance
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ DIAGNOSIS: Final = "diagnosis.json"
 CONTENT: Final = "report"
 
 
-class CampaignTable(Table):
+class CampaignTable(StudyTable):
     """`[campaign]`: a measured campaign, its folder or the name of one that ships."""
 
     folder: str
@@ -95,5 +95,5 @@ def _diagnose(campaign: Path, checksum: str) -> "Addition":
     return add(diagnose(read_campaign(campaign)))
 
 
-KIND: Final = Kind(name="discrepancy", tables=DiscrepancyStudy, stages=stages, report=report)
+KIND: Final = StudyKind(name="discrepancy", tables=DiscrepancyStudy, stages=stages, report=report)
 """A measured campaign: where it disagrees with its model, what is missing, the proof."""

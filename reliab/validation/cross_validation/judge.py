@@ -30,7 +30,7 @@ from reliab.criterion.derivation import Derivation, require_meaning
 from reliab.criterion.ellipse_table import drop_copies, names_along
 from reliab.criterion.laws.law import Law
 from reliab.criterion.laws.registry import FittedLaw
-from reliab.criterion.laws.table import Table
+from reliab.criterion.laws.table import TabulatedLimits
 from reliab.criterion.methods.method import Method
 from reliab.validation.cross_validation.counts import COUNTS, DIMENSIONS, CrossValidation
 from reliab.validation.cross_validation.folds import Fold
@@ -88,7 +88,7 @@ class DerivedCandidate(Candidate):
     method: Method  # The method, which defines the meaning of the confidence
     joint: bool | None = None  # Whether a and b hold together; by default as the method means it
     # The law that is fitted to the limits of the structures; by default they are kept as they are
-    law: FittedLaw = Table
+    law: FittedLaw = TabulatedLimits
 
     def learn(
         self, ellipses: xr.Dataset, threshold: float, metric: str, confidences: Sequence[float]

@@ -13,7 +13,7 @@ from reliab.assessment.rebuilt_error.specimen_check import FEWEST_PERIODS, exami
 from reliab.core.arrays import Array
 from reliab.motions.motion import Motion, resample
 from reliab.simulation.excitation import Excitation
-from reliab.simulation.hybrid_test.closed_loop import Histories, run_closed_loop
+from reliab.simulation.hybrid_test.closed_loop import LoopHistories, run_closed_loop
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.structures.structure import Structure
 from reliab.tracking.indices.response_error import response_error
@@ -63,7 +63,7 @@ class _Bench:
     rng: np.random.Generator
     judges: Mapping[str, ByIndices]
 
-    def run(self, rig: Rig, nonlinear: NonlinearSpecimen | None) -> Histories:
+    def run(self, rig: Rig, nonlinear: NonlinearSpecimen | None) -> LoopHistories:
         behaviour = () if nonlinear is None else (nonlinear.effect,)
         test = HybridTest(
             structure=self.structure,
@@ -151,7 +151,7 @@ def _try(bench: _Bench, specimen: str, kind: int) -> Iterator[dict[str, object]]
 
 def _of_some_error(
     bench: _Bench, kind: int, scales: Scales, nonlinear: NonlinearSpecimen | None, ideal: Array
-) -> tuple[Rig, Histories, float] | None:
+) -> tuple[Rig, LoopHistories, float] | None:
     """Test whose error is near one that is drawn, evenly in its logarithm around the threshold."""
     spread = np.log([_SMALLEST, _LARGEST])
     aim = bench.design.threshold * float(np.exp(bench.rng.uniform(*spread)))
@@ -173,7 +173,7 @@ def _of_some_error(
 
 
 def _judged(
-    bench: _Bench, histories: Histories, condition: Condition, nonlinear: NonlinearSpecimen | None
+    bench: _Bench, histories: LoopHistories, condition: Condition, nonlinear: NonlinearSpecimen | None
 ) -> Iterator[tuple[Judgement, float]]:
     question, step = bench.design.question, bench.record.time_step
     stated = condition.structure(bench.structure)

@@ -6,7 +6,7 @@ import pytest
 
 import reliab
 from reliab.app.cli import run
-from reliab.assessment.budget.sizes import Source
+from reliab.assessment.budget.sizes import PriorSource
 from reliab.recordings.channels_file import read_channels_file
 
 
@@ -74,7 +74,7 @@ def test_a_calibrated_skew_is_taken_off_a_test(sine, tmp_path):
         {item.name: item for item in result.error.budget}["filter_delay"]
         for result in (assessment, option_answer)
     ]
-    assert [item.source for item in delay_items] == [Source.STATED, Source.DEFAULT]
+    assert [item.source for item in delay_items] == [PriorSource.STATED, PriorSource.DEFAULT]
     assert (
         delay_items[0].size < 0.25 * delay_items[1].size
     )  # filters of the channels are in a calibrated skew

@@ -30,7 +30,7 @@ from reliab.app.api.validation import calibrate_probabilities, validate_criteria
 from reliab.app.cli.commands import as_options
 from reliab.core.shipped import shipped
 from reliab.criterion.ellipse_reading import read_ellipses
-from reliab.report.setting import Setting
+from reliab.report.setting import ReportSetting
 
 COMMAND = typer.main.get_group(cli.application())
 DRAWS = [60, pytest.param(160, marks=pytest.mark.slow)]
@@ -172,7 +172,9 @@ def stub_services(monkeypatch, tmp_path):
     monkeypatch.setattr(simulation, "run_sweep", lambda *_, **__: None)
     monkeypatch.setattr("reliab.explore.page.write_page", page)
     monkeypatch.setattr("reliab.sweep.ellipse_dataset.open_windows", lambda _: {"record": None})
-    monkeypatch.setattr(studies, "write_report", lambda folder, setting: folder / repr(setting or Setting()))
+    monkeypatch.setattr(
+        studies, "write_report", lambda folder, setting: folder / repr(setting or ReportSetting())
+    )
 
 
 def draw_question(number):

@@ -14,12 +14,12 @@ from reliab.app.cli.assess import show_design
 from reliab.app.cli.criterion import show_criteria
 from reliab.app.cli.monitor import _table
 from reliab.app.cli.shown_verdict import show_several
-from reliab.assessment.design import Tolerance
+from reliab.assessment.design import TolerableErrors
 from reliab.assessment.monitor import Monitor
 from reliab.core.significant_digits import percent_with_interval
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import Metric
-from reliab.motions.faults import Fault
+from reliab.motions.faults import MotionFault
 from reliab.report import terminal
 from reliab.structures.structure import Structure
 
@@ -255,7 +255,7 @@ def test_several_verdicts_stand_below_their_headings(tables, capsys):
 
 def test_tolerable_errors_stand_below_their_headings_and_bars_are_as_long_as_the_delay(tables, capsys):
     def tolerance(f, delay, confidence=0.9, is_outside=False):  # noqa: FBT002
-        return Tolerance(
+        return TolerableErrors(
             frequency=f,
             damping_ratio=0.03,
             threshold=0.05,
@@ -342,8 +342,8 @@ def test_a_posterior_says_whether_it_has_converged(capsys, converged):
 
 def test_every_fault_has_its_file_line_rule_value_and_remedy(capsys):
     faults = [
-        Fault(file="/records/a.at2", line=7, rule="A rule", value="1 value", remedy="A remedy"),
-        Fault(file="/records/b.at2", line=None, rule="Another", value="2 values", remedy="None"),
+        MotionFault(file="/records/a.at2", line=7, rule="A rule", value="1 value", remedy="A remedy"),
+        MotionFault(file="/records/b.at2", line=None, rule="Another", value="2 values", remedy="None"),
     ]
     motions._show_faults(faults, 9, ["/records"])
     text = capsys.readouterr().out

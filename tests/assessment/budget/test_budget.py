@@ -9,8 +9,8 @@ from reliab.app.api.arguments import require_sound
 from reliab.assessment.assess import assess
 from reliab.assessment.budget.corrections import correct_recording
 from reliab.assessment.budget.sizes import (
+    PriorSource,
     Size,
-    Source,
     exact_equipment,
     ordinary_equipment,
     read_equipment,
@@ -43,11 +43,11 @@ def test_unstated_quantities_have_the_size_of_ordinary_equipment():
     stated_values = {"f": StatedValue(1.0, 0.002), "xi": StatedValue(0.03), "skew": StatedValue(0.1, 0.05)}
     sizes = sizes_of_unknown(stated_values, ONE_HERTZ, ordinary_equipment(), 1.0 / 1024.0)
     assert {name: size.source for name, size in sizes.items()} == {
-        "frequency": Source.STATED,
-        "time_shift": Source.STATED,
+        "frequency": PriorSource.STATED,
+        "time_shift": PriorSource.STATED,
         **dict.fromkeys(
             ("damping_ratio", "sensor_scale", "feedback_lag", "filter_delay", "lagging_hysteresis"),
-            Source.DEFAULT,
+            PriorSource.DEFAULT,
         ),
     }
     tolerances = tolerances_of(sizes)
@@ -124,7 +124,7 @@ def test_both_stated_scales_make_one_deviation(of_sensor, expected, equipment):
     )
     size = sizes_of_unknown(stated_values, ONE_HERTZ, equipment, 1.0 / 1024.0)["sensor_scale"]
     assert size.deviation == pytest.approx(expected)
-    assert size.source is Source.STATED
+    assert size.source is PriorSource.STATED
 
 
 def test_a_calibration_that_found_no_hysteresis_replaces_the_default(tmp_path):
@@ -133,7 +133,7 @@ def test_a_calibration_that_found_no_hysteresis_replaces_the_default(tmp_path):
     stated_values = read_channels_file(file).test_values
     require_sound(stated_values)
     sizes = sizes_of_unknown(stated_values, ONE_HERTZ, ordinary_equipment(), 1.0 / 1024.0)
-    assert sizes["lagging_hysteresis"] == Size(deviation=1e-4, source=Source.STATED)
+    assert sizes["lagging_hysteresis"] == Size(deviation=1e-4, source=PriorSource.STATED)
     assert "hysteresis" not in sizes
 
 

@@ -11,7 +11,7 @@ from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.interval import (
     EXACT,
     Histories,
-    Unknown,
+    StandardDeviations,
     draw_unknown,
     samples_in_step,
     sweep,
@@ -48,7 +48,9 @@ def histories():
 
 
 def swept(histories, stride=1, structure=STRUCTURE, offset=0.0, start_values=0.0, draws=DRAWS, **tolerances):
-    unknown = Unknown(tolerances=Tolerances(**tolerances), offset=offset, error_at_start=start_values)
+    unknown = StandardDeviations(
+        tolerances=Tolerances(**tolerances), offset=offset, error_at_start=start_values
+    )
     differences = histories.difference[::stride][np.newaxis]
     return sweep(histories, structure, unknown, differences, stride, draws=draws, seed=1).spread
 
@@ -144,7 +146,7 @@ def test_unknown_quantities_are_independent(histories):
 
 
 def test_damping_ratios_are_drawn_by_factors_with_the_tails_of_student():
-    unknown = Unknown(tolerances=Tolerances(damping_ratio=0.15), offset=0.0, error_at_start=0.0)
+    unknown = StandardDeviations(tolerances=Tolerances(damping_ratio=0.15), offset=0.0, error_at_start=0.0)
     factors = 1.0 + draw_unknown(unknown, 4096, 0)[0]["damping_ratio"]
     expected = np.exp(0.15 * scipy.stats.t.ppf([0.05, 0.5, 0.95], 4))
     assert np.quantile(factors, [0.05, 0.5, 0.95]) == pytest.approx(expected, rel=0.01)
@@ -211,7 +213,7 @@ def widest(histories, unknown, differences, draws):
 
 
 def test_tolerances_of_equal_effect_widen_equally_and_half_of_one_halves(histories):
-    unknown = Unknown(tolerances=Tolerances(sensor_scale=0.02), offset=0.0, error_at_start=0.0)
+    unknown = StandardDeviations(tolerances=Tolerances(sensor_scale=0.02), offset=0.0, error_at_start=0.0)
     differences = np.stack([0.999 * histories.difference, 1.001 * histories.difference])
     first, *rivals = widest(histories, unknown, differences, DRAWS)
     assert (first.name, first.deviation) == ("sensor_scale", 0.02)
@@ -223,7 +225,7 @@ def test_tolerances_of_equal_effect_widen_equally_and_half_of_one_halves(histori
 
     full_test = interval(unknown)
     assert first.width == pytest.approx(full_test[1] - full_test[0])
-    exact = Unknown(tolerances=Tolerances(), offset=0.0, error_at_start=0.0)
+    exact = StandardDeviations(tolerances=Tolerances(), offset=0.0, error_at_start=0.0)
     remainder = interval(exact)
     assert first.width_without == pytest.approx(remainder[1] - remainder[0], abs=0.07 * first.width)
     halved = replace(unknown, tolerances=Tolerances(sensor_scale=first.deviation_for_half))
@@ -246,7 +248,7 @@ def test_half_the_width_is_found_by_halving():
 @pytest.mark.slow
 def test_a_contribution_is_that_of_the_quantity_alone(histories):
     """Against the error with each value of the quantity, computed one by one."""
-    unknown = Unknown(
+    unknown = StandardDeviations(
         tolerances=Tolerances(sensor_scale=0.004, time_shift=2e-4, hysteresis=0.002),
         offset=0.0,
         error_at_start=0.0,

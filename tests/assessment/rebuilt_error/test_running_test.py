@@ -7,7 +7,7 @@ import pytest
 import scipy
 
 from reliab.assessment.monitor import Monitor
-from reliab.assessment.rebuilt_error.loop_energy import EnergyAlarm, Sums, net_damping, select_modes
+from reliab.assessment.rebuilt_error.loop_energy import EnergyAlarm, ForgettingSums, net_damping, select_modes
 from reliab.assessment.rebuilt_error.rebuild import rebuild
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.core.errors import InputError
@@ -30,7 +30,9 @@ def sums_of(command, error, *, moving_samples=1000.0, share=1.0):
     weight = MODE.forgetting ** np.arange(command.size - 1, -1, -1)
     steps = np.diff(rows)
     moments = np.stack([(weight * rows) @ rows.T, (weight[1:] * steps) @ steps.T])
-    return Sums(moments=moments, weight=weight.sum(), moved=moving_samples, power=moments[0, 1, 1] / share)
+    return ForgettingSums(
+        moments=moments, weight=weight.sum(), moved=moving_samples, power=moments[0, 1, 1] / share
+    )
 
 
 def net_of(error, **options):
@@ -143,7 +145,7 @@ def test_damping_waits_for_one_period_of_motion():
     samples = 1.0 / (FREQUENCY * STEP)
     assert net_of(0.01 * COMMAND, moving_samples=samples - 0.5) is None
     assert net_of(0.01 * COMMAND, moving_samples=samples + 0.5) is not None
-    still = Sums(moments=np.zeros((2, 3, 3)), weight=1.0, moved=1000.0, power=0.0)
+    still = ForgettingSums(moments=np.zeros((2, 3, 3)), weight=1.0, moved=1000.0, power=0.0)
     assert net_damping(MODE, still, 1) is None
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from rebuilt_error.laboratory import DELAY, RATE, Lab, run, synthetic_ground
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
-from reliab.assessment.rebuilt_error.interval import Unknown
+from reliab.assessment.rebuilt_error.interval import StandardDeviations
 from reliab.assessment.rebuilt_error.nonlinear_reference import (
     _draw_model,
     rebuild_with_specimen,
@@ -218,7 +218,7 @@ def test_motion_between_simulated_samples_counts(outcome):
     """Simulated at every 40th sample without anything unknown, the errors are those of all samples."""
     arguments = (outcome.command, outcome.measured, STEP)
     fine = rebuild_with_specimen(*arguments, model(), draws=2)
-    exact = Unknown(tolerances=Tolerances(), offset=0.0, error_at_start=0.0)
+    exact = StandardDeviations(tolerances=Tolerances(), offset=0.0, error_at_start=0.0)
     rows = fine.histories.difference[::40][np.newaxis]
     coarse = sweep_model(model(), fine.histories, {}, exact, rows, 40, seed=1)
     error = fine.histories.measured - fine.reference

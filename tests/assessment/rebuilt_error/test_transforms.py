@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import scipy
 
-from reliab.assessment.rebuilt_error.kernel import Kernel
+from reliab.assessment.rebuilt_error.kernel import SmoothingKernel
 from reliab.assessment.rebuilt_error.readings import delay_history
 from reliab.assessment.rebuilt_error.size import (
     LARGEST_DRAW_SIZE,
@@ -98,7 +98,7 @@ def test_a_lag_is_finite_and_not_negative(lag):
 @pytest.mark.parametrize(("frequency", "step"), [(1.0, 0.005), (2.5, 0.001)])
 def test_a_kernel_gives_the_derivatives_of_polynomials(frequency, step):
     """By parts, ∫φ''(t − s) s² ds = 2∫φ; ∫(1 − u²)⁶ du over (−1, 1) is 2¹³(6!)²/13!."""
-    kernel = Kernel.from_frequency(frequency, step)
+    kernel = SmoothingKernel.from_frequency(frequency, step)
     mass = 2.0**13 * factorial(6) ** 2 / factorial(13)
     reach = kernel.values[0].size // 2
     assert reach * step == pytest.approx(0.5 / frequency)
@@ -119,8 +119,8 @@ def test_a_kernel_gives_the_derivatives_of_polynomials(frequency, step):
 
 
 def test_a_kernel_reaches_eight_samples_at_least():
-    assert Kernel.from_frequency(10.0, 0.01).values[0].size == 17
-    assert Kernel.from_frequency(10.0, 0.01).every == 1
+    assert SmoothingKernel.from_frequency(10.0, 0.01).values[0].size == 17
+    assert SmoothingKernel.from_frequency(10.0, 0.01).every == 1
 
 
 def test_the_highest_mode_is_swept_at_64_samples_a_period():
@@ -149,7 +149,7 @@ def test_a_test_fits_up_to_the_last_sample():
 
 def test_a_kernel_takes_a_sine_to_its_derivatives():
     """A sine comes out smaller by the kernel's own transform, and its derivatives by ω each."""
-    kernel = Kernel.from_frequency(1.0, 0.002)
+    kernel = SmoothingKernel.from_frequency(1.0, 0.002)
     omega = 2.0 * np.pi * 0.8
     time = 0.002 * np.arange(4000)
     reach = kernel.values[0].size // 2

@@ -8,7 +8,7 @@ import pytest
 from reliab.core.errors import InputError
 from reliab.criterion.laws.law import validate_grid
 from reliab.criterion.laws.registry import FITTED_LAWS, law_from_dict, law_to_dict
-from reliab.criterion.laws.table import Table
+from reliab.criterion.laws.table import TabulatedLimits
 from reliab.criterion.scaling import scales
 
 F = np.array([0.25, 0.5, 1.0, 2.0])
@@ -81,13 +81,13 @@ def test_an_unknown_law_is_refused():
 
 
 def test_a_table_keeps_a_limit_of_zero():
-    table = Table.fit([1.0, 2.0], [0.02], [[0.0], [1e-4]], [[0.0], [1.0]])
+    table = TabulatedLimits.fit([1.0, 2.0], [0.02], [[0.0], [1e-4]], [[0.0], [1.0]])
     a, _ = table.limits([1.0, 1.5, 2.0], 0.02)
     assert a.tolist() == [0.0, 0.0, pytest.approx(1e-4)]
 
 
 @pytest.mark.parametrize(
-    "law", [law for law in FITTED_LAWS.values() if law is not Table], ids=lambda law: law.name
+    "law", [law for law in FITTED_LAWS.values() if law is not TabulatedLimits], ids=lambda law: law.name
 )
 @pytest.mark.parametrize("place", [0, 1])
 def test_a_law_with_logarithms_refuses_a_limit_of_zero(law, place):

@@ -35,11 +35,11 @@ from reliab.motions.synthetic.recording import (
     simulate_recording,
     trim_quiet_ends,
 )
-from reliab.motions.synthetic.suite import QUANTUM, EventErrors, Recording, simulate_event
+from reliab.motions.synthetic.suite import QUANTUM, EventErrors, StationRecord, simulate_event
 
 
 @pytest.fixture(scope="module")
-def recordings() -> list[Recording]:
+def recordings() -> list[StationRecord]:
     return [next(simulate_event(4, number)) for number in range(1, 41)]
 
 
@@ -47,7 +47,7 @@ def _arias(acceleration: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.pi / (2.0 * STANDARD_GRAVITY) * TIME_STEP * np.cumsum(acceleration**2, axis=-1)
 
 
-def test_ground_is_at_rest_after_the_motion(recordings: list[Recording]) -> None:
+def test_ground_is_at_rest_after_the_motion(recordings: list[StationRecord]) -> None:
     for recording in recordings:
         velocity = integrate.cumulative_trapezoid(recording.components, dx=TIME_STEP, initial=0.0)
         displacement = integrate.cumulative_trapezoid(velocity, dx=TIME_STEP, initial=0.0)
@@ -55,18 +55,20 @@ def test_ground_is_at_rest_after_the_motion(recordings: list[Recording]) -> None
         assert np.abs(displacement[:, -1]).max() < 1e-2 * np.abs(displacement).max()
 
 
-def test_baseline_correction_is_below_a_thousandth_of_the_peak(recordings: list[Recording]) -> None:
+def test_baseline_correction_is_below_a_thousandth_of_the_peak(recordings: list[StationRecord]) -> None:
     for recording in recordings:
         ends = np.abs(recording.components[:, [0, -1]]).max()
         assert ends < 0.05 * np.abs(recording.components).max()
 
 
-def test_accelerations_are_whole_quanta(recordings: list[Recording]) -> None:
+def test_accelerations_are_whole_quanta(recordings: list[StationRecord]) -> None:
     counts = recordings[0].components / QUANTUM
     assert counts == pytest.approx(np.round(counts), abs=1e-6)
 
 
-def test_both_components_without_a_pulse_hold_the_prescribed_intensity(recordings: list[Recording]) -> None:
+def test_both_components_without_a_pulse_hold_the_prescribed_intensity(
+    recordings: list[StationRecord],
+) -> None:
     """The sum over both components does not depend on the orientation of the instrument."""
     for recording in recordings:
         parameters = recording.parameters

@@ -11,7 +11,7 @@ from matplotlib.container import ErrorbarContainer
 from matplotlib.legend import Legend
 from matplotlib.text import Text
 
-from reliab.assessment.design import Tolerance
+from reliab.assessment.design import TolerableErrors
 from reliab.assessment.tracking_index import Windows
 from reliab.core.vocabulary import Block
 from reliab.criterion.distributions import Lognormal
@@ -177,7 +177,7 @@ def test_tracking_over_frequency_and_its_band():
 def test_tolerable_errors_have_a_line_for_each_confidence():
     def tolerance(f, confidence):
         a, b = confidence * f * 1e-4, 4.0 * confidence / f
-        return Tolerance(
+        return TolerableErrors(
             frequency=f,
             damping_ratio=0.02,
             threshold=0.05,

@@ -5,7 +5,7 @@ import pytest
 from reliab_studies.validation.beyond_the_model import rigs_of_delay, try_rigs
 
 from reliab.criterion.criterion import Criterion
-from reliab.criterion.laws.table import Table
+from reliab.criterion.laws.table import TabulatedLimits
 from reliab.criterion.provenance import Provenance
 from reliab.motions.loading import load_motions
 from reliab.structures.structure import Structure
@@ -14,7 +14,7 @@ from reliab.structures.structure import Structure
 @pytest.fixture(scope="module")
 def criterion():
     return Criterion(
-        law=Table.fit([1.0], [0.02], [[6e-5]], [[1.2]]),
+        law=TabulatedLimits.fit([1.0], [0.02], [[6e-5]], [[1.2]]),
         threshold=0.05,
         metric="rms",
         confidence=0.95,

@@ -8,7 +8,7 @@ from scipy.stats import binomtest
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import ELLIPSE_DIMENSIONS, Side
 from reliab.criterion.laws.dimensionless import Dimensionless
-from reliab.criterion.laws.table import Table
+from reliab.criterion.laws.table import TabulatedLimits
 from reliab.criterion.methods.registry import method_of
 from reliab.validation.cross_validation.counts import event_bootstrap, tabulate
 from reliab.validation.cross_validation.folds import (
@@ -92,7 +92,7 @@ def test_containment_of_a_large_suite_is_nominal():
 def test_criterion_without_limits_is_never_contained_and_one_of_zero_always():
     ellipses = lognormal_ellipses(6, 2, 3)
     wide, narrow = (
-        PrintedCandidate(name=name, law=Table.fit([1.0], [0.02], [[limit]], [[limit]]))
+        PrintedCandidate(name=name, law=TabulatedLimits.fit([1.0], [0.02], [[limit]], [[limit]]))
         for name, limit in (("none", 1e9), ("all", 1e-12))
     )
     result = validate(
@@ -178,7 +178,7 @@ def test_shared_earthquake_is_not_learned_from():
 def test_unsupported_confidence_is_not_judged():
     ellipses = lognormal_ellipses(30, 2, 12)
     silent = PrintedCandidate(
-        name="no promise", law=Table.fit([1.0], [0.02], [[0.0]], [[0.0]]), confidence=0.8
+        name="no promise", law=TabulatedLimits.fit([1.0], [0.02], [[0.0]], [[0.0]]), confidence=0.8
     )
     result = validate(
         ellipses, leave_one_event_out(ellipses["event"].values), (silent, QUANTILE), confidences=(0.8,)

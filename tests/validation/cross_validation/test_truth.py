@@ -8,7 +8,7 @@ from reliab.app.api.sources import ellipses as api_ellipses
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import Side
 from reliab.criterion.laws.registry import MANY_MOTION_LAWS
-from reliab.criterion.laws.table import Table
+from reliab.criterion.laws.table import TabulatedLimits
 from reliab.motions.synthetic.suite import synthetic_suite
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop import spectral
@@ -94,7 +94,7 @@ def test_window_changes_the_truth(motions):
 
 def test_flattering_ellipse_does_not_contain_the_criterion(motions, ellipses):
     original = [float(ellipses[name].min()) for name in ("a", "b")]
-    law = Table.fit([1.0], [0.02], [[0.98 * original[0]]], [[0.98 * original[1]]])
+    law = TabulatedLimits.fit([1.0], [0.02], [[0.98 * original[0]]], [[0.98 * original[1]]])
     flattering = ellipses.assign(a=1e3 * ellipses["a"], b=1e3 * ellipses["b"])
     validation = cross_validate(
         flattering,
@@ -120,7 +120,7 @@ def test_containment_is_the_share_of_motions_with_no_error_above_along_the_edge(
     validation = cross_validate(
         ellipses,
         leave_one_event_out(ellipses["event"].values),
-        [PrintedCandidate(name="printed", law=Table.fit([1.0], [0.02], [[a]], [[b]]))],
+        [PrintedCandidate(name="printed", law=TabulatedLimits.fit([1.0], [0.02], [[a]], [[b]]))],
         scheme="test",
         confidences=(0.95,),
         truth=SimulatedTruth(motions=motions),
@@ -133,7 +133,7 @@ def test_containment_is_the_share_of_motions_with_no_error_above_along_the_edge(
 def test_motions_without_an_ellipse_are_judged_by_their_errors_only(motions, ellipses):
     unknown = ellipses.copy(deep=True)
     unknown["a"][0] = -1.0
-    law = Table.fit([1.0], [0.02], [[1e-6]], [[0.01]])
+    law = TabulatedLimits.fit([1.0], [0.02], [[1e-6]], [[0.01]])
     for truth, verdict in ((SimulatedTruth(motions=motions), 6), (EllipseTruth(unknown), 5)):
         counts = cross_validate(
             unknown,
@@ -155,7 +155,7 @@ def test_leads_are_judged_by_their_own_limits_and_errors(motions, both_sides):
         for side in ("lag", "lead")
     }
     assert original["lead"][1] > 1.1 * original["lag"][1]
-    laws = {side: Table.fit([1.0], [0.02], [[a]], [[b]]) for side, (a, b) in original.items()}
+    laws = {side: TabulatedLimits.fit([1.0], [0.02], [[a]], [[b]]) for side, (a, b) in original.items()}
     candidates = [
         PrintedCandidate(name="each side", law=laws["lag"], lead_law=laws["lead"]),
         PrintedCandidate(name="lag limits of leads", law=laws["lead"], lead_law=laws["lead"]),
@@ -176,7 +176,7 @@ def test_leads_are_judged_by_their_own_limits_and_errors(motions, both_sides):
 
 def test_threshold_kept_at_rest_is_refused(motions, both_sides):
     rest_error = both_sides.assign(error_at_rest=0.1 * both_sides["error_at_rest"])
-    law = Table.fit([1.0], [0.02], [[1e-6]], [[0.01]])
+    law = TabulatedLimits.fit([1.0], [0.02], [[1e-6]], [[0.01]])
     with pytest.raises(InputError, match="does not move"):
         cross_validate(
             rest_error,
@@ -192,7 +192,7 @@ def test_threshold_kept_at_rest_is_refused(motions, both_sides):
 def test_a_law_of_the_paper_counts_leads_as_lags_and_other_laws_say_nothing_of_them():
     silent, output = (
         PrintedCandidate(name="law", law=law).learn(None, 0.05, "rms", [0.95])[0.95].regions(CELL)
-        for law in (Table.fit([1.0], [0.02], [[1e-4]], [[1.0]]), MANY_MOTION_LAWS["guo_2017_18"])
+        for law in (TabulatedLimits.fit([1.0], [0.02], [[1e-4]], [[1.0]]), MANY_MOTION_LAWS["guo_2017_18"])
     )
     assert [region.side for region in silent] == [Side.LAG]
     assert [region.side for region in output] == [Side.LAG, Side.LEAD]

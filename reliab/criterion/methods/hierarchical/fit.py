@@ -29,7 +29,7 @@ from reliab.criterion.methods.hierarchical.strata import (
     MOTION,
     MOTION_SLOPE,
     REMAINDER,
-    Grid,
+    ComparedStructures,
     weights_of_motion,
     weights_of_motion_mean,
 )
@@ -172,7 +172,7 @@ def impute_missing(model: Hierarchical, lacking: Array, events: NDArray[np.str_]
     return model_with_values
 
 
-def _covariance(grid: Grid, covariances: Array) -> Array:
+def _covariance(grid: ComparedStructures, covariances: Array) -> Array:
     """Covariance of all values of one motion, shape (F·X·2, F·X·2), from those of the effects."""
     f_count, xi_count = grid.shape
     everywhere, identity = np.ones((f_count, f_count)), np.eye(f_count)

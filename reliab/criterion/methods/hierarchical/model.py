@@ -17,7 +17,7 @@ from reliab.criterion.methods.hierarchical.strata import (
     MOTION,
     MOTION_SLOPE,
     REMAINDER,
-    Grid,
+    ComparedStructures,
     Strata,
     covariance_of,
     covariance_parameters,
@@ -27,7 +27,7 @@ from reliab.criterion.methods.hierarchical.strata import (
     squares_of,
     weights_of_motion_mean,
 )
-from reliab.sampling.model import Model, Parameter
+from reliab.sampling.model import Model, SampledParameter
 
 
 @compiled
@@ -243,16 +243,16 @@ class Hierarchical(Model):
             )
 
     @cached_property
-    def grid(self) -> Grid:
+    def grid(self) -> ComparedStructures:
         """The structures."""
-        return Grid(frequencies=self.frequencies, damping_ratios=self.damping_ratios)
+        return ComparedStructures(frequencies=self.frequencies, damping_ratios=self.damping_ratios)
 
     @cached_property
-    def parameters(self) -> tuple[Parameter, ...]:
+    def parameters(self) -> tuple[SampledParameter, ...]:
         """Coefficients of a, coefficients of b, covariances of the effects, degrees of freedom."""
         names = tuple(self._terms)
         coefficients = (
-            Parameter(
+            SampledParameter(
                 name=f"{name}: {term}",
                 mean=-1.0 if term == "constant" else 0.0,
                 spread=1.5 if term == "constant" else 0.5,
@@ -265,7 +265,7 @@ class Hierarchical(Model):
             for effect in self.grid.effects
             for parameter in covariance_parameters(effect, _TYPICAL[effect])
         )
-        degrees = (Parameter(name="log degrees of freedom", mean=float(np.log(10.0)), spread=0.8),)
+        degrees = (SampledParameter(name="log degrees of freedom", mean=float(np.log(10.0)), spread=0.8),)
         return (*coefficients, *covariances, *(degrees if self.robust else ()))
 
     @property

@@ -14,19 +14,19 @@ from typing import Final
 import numpy as np
 
 from reliab.core.arrays import Array
-from reliab.sampling.model import Parameter
+from reliab.sampling.model import SampledParameter
 
 
-def covariance_parameters(prefix: str, typical_spread: float) -> tuple[Parameter, ...]:
+def covariance_parameters(prefix: str, typical_spread: float) -> tuple[SampledParameter, ...]:
     """Parameters of one covariance with their priors.
 
     Returns ln σ_a, ln σ_b ~ N(ln typical, 0.8²) and artanh ρ ~ N(1.5, 0.75²): a and b are expected to move
     together (ρ of 0.9), with −0.03 … 0.995 allowed.
     """
     return (
-        Parameter(name=f"{prefix}: log spread of a", mean=float(np.log(typical_spread)), spread=0.8),
-        Parameter(name=f"{prefix}: log spread of b", mean=float(np.log(typical_spread)), spread=0.8),
-        Parameter(name=f"{prefix}: Fisher z", mean=1.5, spread=0.75),
+        SampledParameter(name=f"{prefix}: log spread of a", mean=float(np.log(typical_spread)), spread=0.8),
+        SampledParameter(name=f"{prefix}: log spread of b", mean=float(np.log(typical_spread)), spread=0.8),
+        SampledParameter(name=f"{prefix}: Fisher z", mean=1.5, spread=0.75),
     )
 
 
@@ -79,10 +79,10 @@ REMAINDER: Final = "remainder"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Grid:
+class ComparedStructures:
     """Structures over which motions are compared.
 
-    >>> Grid(frequencies=np.array([1.0]), damping_ratios=np.array([0.02, 0.05])).effects
+    >>> ComparedStructures(frequencies=np.array([1.0]), damping_ratios=np.array([0.02, 0.05])).effects
     ('event', 'motion', 'motion, slope in ln ξ')
     """
 
@@ -147,7 +147,7 @@ class Strata:
         return np.asarray(normal_log_density(covariance, about, self.counts).sum(axis=1))
 
 
-def divide(grid: Grid, values: Array, terms: Array) -> Strata:
+def divide(grid: ComparedStructures, values: Array, terms: Array) -> Strata:
     """Divide values into the strata below that of the motions' means.
 
     `values` (motions, F, X, 2); `terms` (F, X, terms).
@@ -182,7 +182,7 @@ def divide(grid: Grid, values: Array, terms: Array) -> Strata:
     )
 
 
-def weights_of_motion_mean(grid: Grid) -> Array:
+def weights_of_motion_mean(grid: ComparedStructures) -> Array:
     """Weight of each effect in the mean of a motion over all structures, about its earthquake.
 
     Returns (effects,).
@@ -191,7 +191,7 @@ def weights_of_motion_mean(grid: Grid) -> Array:
     return _weights(grid, {MOTION: 1.0, FREQUENCY: 1.0 / f_count, REMAINDER: 1.0 / (f_count * xi_count)})
 
 
-def weights_of_motion(grid: Grid) -> Array:
+def weights_of_motion(grid: ComparedStructures) -> Array:
     """Weight of each effect in the covariance of one motion of a further earthquake.
 
     Returns (X, effects).
@@ -206,5 +206,5 @@ def weights_of_motion(grid: Grid) -> Array:
     )
 
 
-def _weights(grid: Grid, weight_of_stratum: dict[str, float]) -> Array:
+def _weights(grid: ComparedStructures, weight_of_stratum: dict[str, float]) -> Array:
     return np.array([weight_of_stratum.get(effect, 0.0) for effect in grid.effects])
