@@ -85,7 +85,7 @@ def test_unstated_damping_ratio_comes_from_the_test(assessments, assumptions):
     assert 0.001 < stated_values.deviation < 0.01
     rms = result.error.rms
     assert rms.low < test.rms < rms.high
-    assert rms.value == pytest.approx(test.rms, abs=0.1 * (rms.high - rms.low))
+    assert rms.value == pytest.approx(test.rms, abs=0.2 * (rms.high - rms.low))
     assert not any("was stated" in w.removeprefix("No damping ratio was stated") for w in result.warnings)
     of_ratio = next(item for item in result.error.budget if item.name == "damping_ratio")
     assert of_ratio.source == "learned from this test"

@@ -41,7 +41,8 @@ _PLACES = 64  # at which a power is smoothed
 _POINTS = 1500  # of the integral of the determinant
 _FARTHEST = 3.0  # standard deviations of the stated frequency, that an unrecorded ground motion may show
 _CONCENTRATION = 0.6  # of the power in three neighbouring frequencies: not broad-band
-_NARROWNESS = 0.85  # of the power at one time in two neighbouring frequencies: a sweep, not an earthquake
+_NEGLIGIBLE = 0.01  # of the largest power, below which a frequency hardly takes part in a ground motion
+_NARROWNESS = 0.8  # of the power at one time in two neighbouring frequencies: a sweep, not an earthquake
 _LARGEST_MISFIT = 0.3  # of the forces, that one ground acceleration may leave unexplained
 
 
@@ -305,8 +306,9 @@ class ImpliedGroundMotion(Evidence):
         """
         highest = _REACH_OF_GROUND * float(self.partition.natural_frequencies[0])
         power = self.channels.cells(self.spectrum(experiment), highest)[0] ** 2
-        power = power / power.mean(axis=0) + _SINGULAR
-        return float(np.mean((power[:, :-1] + power[:, 1:]).max(axis=1) / power.sum(axis=1)))
+        mean = power.mean(axis=0)
+        power = power / (mean + _NEGLIGIBLE * mean.max() + np.finfo(float).tiny)
+        return float((power[:, :-1] + power[:, 1:]).max(axis=1).sum() / max(power.sum(), 1.0))
 
     def concentration(self, experiment: Experiment) -> float:
         """Share of the implied motion's power that three neighbouring frequencies hold, whitened [-]."""

@@ -32,7 +32,6 @@ _CHORDS = 12
 _RESIDUAL_TOLERANCE = 0.05
 _DIVERGENCE_LIMIT = 1e6  # standard deviations from its solution, where a draw diverges
 _ENOUGH = 0.5  # of the draws, that must count for Laplace's approximation to do
-_FEWER = 2  # times fewer draws by optimisation, each of which takes several steps
 _MORE = 4  # times more, where too few of these count
 _FEWEST = 32.0  # effective draws, below which an approximation is not trusted
 _WALKERS, _FEWEST_WALKERS = 2, 32  # pairs of walkers for each quantity
@@ -148,7 +147,7 @@ class LeastSquares:
         draws = self._draw(self._normals(count, seed), chords=0)
         if draws.effective >= _ENOUGH * count:
             return draws
-        for number in (max(count // _FEWER, 1), _MORE * count):
+        for number in (count, _MORE * count):
             draws = self._draw(self._normals(number, seed), chords=_CHORDS)
             if draws.effective >= min(_FEWEST, number):
                 return draws

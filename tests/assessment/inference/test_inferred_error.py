@@ -72,7 +72,12 @@ def test_channels_without_noise_are_judged(recorded):
 
 
 @pytest.mark.slow
-def test_ground_acceleration_and_force_narrow_the_interval(late):
+@pytest.mark.parametrize("seed", [2, 4, 6])
+def test_ground_acceleration_and_force_narrow_the_interval(seed):
+    """Errors of 4 to 7 %, whose intervals do not end at zero."""
+    ground = earthquake(duration=30.0, time_step=STEP, seed=seed)
+    loop = {"frequency": 1.0, "damping_ratio": 0.03, "share": 0.8, "delay": 0.004}
+    late = simulate(**loop, ground=ground, time_step=STEP, noise=0.002)
     stated_values = {"f": 1.01, "xi": 0.033, "alpha": 0.8, "specimen": "linear"}
     result = [
         reliab.assess(record_test(late, **larger), **stated_values, **reference).error.rebuilt.rms
@@ -84,7 +89,7 @@ def test_ground_acceleration_and_force_narrow_the_interval(late):
     ]
     widths = [single.high - single.low for single in result]
     assert widths[1] < widths[0]
-    assert widths[2] < 1.05 * widths[1]
+    assert widths[2] < widths[1]
     assert all(single.low < late.rms < single.high for single in result)
 
 
