@@ -129,12 +129,18 @@ class LeastSquares:
         return z
 
     def _step(self, r: Array, projection: Array, z: Array) -> Array:
-        """Step to the least |projection + r step| where no parameter becomes negative that cannot be."""
-        step = np.asarray(-np.linalg.solve(r, projection))
-        if not (z + step < 0.0)[self.positive].any():
-            return step
-        lowest = np.where(self.positive, -z, -np.inf)
-        return np.asarray(scipy.optimize.lsq_linear(r, -projection, (lowest, np.inf), method="bvls").x)
+        """Step to a small |projection + r step| where no parameter becomes negative that cannot be.
+
+        Those that would are held at zero, and the others are solved for again.
+        """
+        free = np.ones(self.size, dtype=bool)
+        while True:
+            step = np.where(free, 0.0, -z)
+            step[free] = np.linalg.lstsq(r[:, free], -projection - r @ step, rcond=None)[0]
+            negative = free & self.positive & (z + step < 0.0)
+            if not negative.any():
+                return step
+            free &= ~negative
 
     def _slope(self, z: Array) -> Array:
         steps = _STEP * np.eye(self.size)
