@@ -83,7 +83,7 @@ def _read(times: _Numbers, coefficients: Array, instants: _Numbers, derivatives:
         if place < last and instant >= times[place + 1]:  # instants in their order are near the one before
             place += 1
         if instant < times[place] or (place < last and instant >= times[place + 1]):
-            place = min(max(np.searchsorted(times, instant, side="right") - 1, 0), last)
+            place = _place_before(times, instant, last)
         cubic, square, slope = coefficients[0, place], coefficients[1, place], coefficients[2, place]
         since = instant - times[place]
         for row in range(derivatives.size):
@@ -95,6 +95,22 @@ def _read(times: _Numbers, coefficients: Array, instants: _Numbers, derivatives:
                 value = 2.0 * square + 6.0 * since * cubic
             values[row, k] = value
     return values
+
+
+@compiled
+def _place_before(times: _Numbers, instant: float, last: int) -> int:
+    """Find the last of the first `last` + 1 samples that is not after an instant; the first before all.
+
+    A search of NumPy's would load Numba's linear algebra at the start of every command.
+    """
+    low, high = 0, last
+    while low < high:
+        middle = (low + high + 1) // 2
+        if times[middle] <= instant:
+            low = middle
+        else:
+            high = middle - 1
+    return low
 
 
 @compiled
