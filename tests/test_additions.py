@@ -79,9 +79,9 @@ ADDITIONS = {
         "FORMAT",
         """
         from reliab.motions.readers import text
-        from reliab.motions.readers.registry import Format
+        from reliab.motions.readers.registry import RecordFormat
 
-        FORMAT = Format(
+        FORMAT = RecordFormat(
             name="pairs",
             endings=(".pairs",),
             recognises=lambda source: source.path.suffix == ".pairs",
@@ -94,9 +94,9 @@ ADDITIONS = {
         "KIND",
         """
         from reliab.study.description import Study
-        from reliab.study.folders import Kind
+        from reliab.study.folders import StudyKind
 
-        KIND = Kind(
+        KIND = StudyKind(
             name="nothing", tables=Study, stages=lambda study, show: (), report=lambda study, folder: {}
         )
         """,
