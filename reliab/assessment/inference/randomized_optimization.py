@@ -14,6 +14,7 @@ Where few draws of either count, more are made; where still few do, an ensemble 
 306).
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -68,6 +69,7 @@ class LeastSquares:
     _order: NDArray[np.intp] = field(init=False)  # Of the columns of J, those that are positive last
     _q: Array = field(init=False)
     _r: Array = field(init=False)
+    _inverse: Array = field(init=False)  # R⁻¹, its rows in the order of the parameters
     _offset: Array = field(init=False)  # QᵀF at the mode, zero unless a bound holds it
 
     def __post_init__(self) -> None:
@@ -106,9 +108,9 @@ class LeastSquares:
         signs = np.where(np.diag(r) < 0.0, -1.0, 1.0)  # draws of several tests then move alike
         self._q, self._r = q * signs, r * signs[:, np.newaxis]
         self._offset = self._q.T @ self.stack(z)
-        inverse = np.empty_like(r)
-        inverse[self._order] = np.linalg.inv(self._r)
-        self.covariance = inverse @ inverse.T
+        self._inverse = np.empty_like(r)
+        self._inverse[self._order] = np.linalg.inv(self._r)
+        self.covariance = self._inverse @ self._inverse.T
 
     def _descend(self, z: Array, iterations: int) -> Array:
         for _ in range(iterations):
@@ -180,11 +182,8 @@ class LeastSquares:
     def _draw(self, normals: Array, *, chords: int) -> Draws:
         """Draw by Laplace's approximation, or by optimisation with up to a number of steps for each draw."""
         points, log_shares = self._cut_off(normals)
-        values = np.empty_like(points)
-        values[:, self._order] = scipy.linalg.solve_triangular(self._r, (points - self._offset).T).T
-        values += self.mode
-        inverse = np.empty_like(self._r)
-        inverse[self._order] = np.linalg.inv(self._r)
+        values = self.mode + (points - self._offset) @ self._inverse.T
+        values[:, self.positive] = np.maximum(values[:, self.positive], 0.0)  # rounded below zero
         weights = np.empty(len(points))
         for row, point in enumerate(points):
             value = self.stack(values[row])
@@ -192,12 +191,15 @@ class LeastSquares:
                 residual = self._q.T @ value - point
                 if not _RESIDUAL_TOLERANCE < np.abs(residual).max() < _DIVERGENCE_LIMIT:
                     break
-                values[row] -= inverse @ residual
+                values[row] -= self._inverse @ residual
                 value = self.stack(values[row])
             cost = float(np.sum((self._q.T @ value) ** 2)) if chords else float(point @ point)
             weights[row] = log_shares[row] - 0.5 * (float(value @ value) - cost)
-        weights[(values[:, self.positive] < 0.0).any(axis=1)] = -np.inf
-        weights = np.exp(np.where(np.isfinite(weights), weights - np.nanmax(weights), -np.inf))
+        is_possible = np.isfinite(weights) & (values[:, self.positive] >= 0.0).all(axis=1)
+        if not is_possible.any():
+            is_possible[0], weights[0] = True, 0.0  # a single draw, with which nobody is content
+        weights = np.where(is_possible, weights, -np.inf)
+        weights = np.exp(weights - weights.max())
         return Draws(values=values, weights=weights / weights.sum())
 
     def _cut_off(self, normals: Array) -> tuple[Array, Array]:
@@ -226,7 +228,8 @@ class LeastSquares:
             -0.5 * float(self.mode @ self.mode)
             + 0.5 * float(np.linalg.slogdet(self.covariance)[1])
             + 0.5 * float(self._offset @ self._offset)
-            + float(np.log(np.mean(np.exp(log_shares))))
+            + float(scipy.special.logsumexp(log_shares))
+            - math.log(_POINTS_OF_VOLUME)
         )
 
     def log_density(self, z: Array) -> float:

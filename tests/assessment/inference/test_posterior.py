@@ -297,6 +297,25 @@ def test_parameters_that_cannot_be_negative_stay_positive(monkeypatch, told, eno
     assert log_likelihood + fit.log_volume + 1.5 * np.log(2.0 * np.pi) == pytest.approx(log_sum, abs=0.03)
 
 
+@pytest.mark.parametrize("enough", [0.5, np.inf])
+def test_a_parameter_that_is_told_to_be_far_below_zero_stays_at_it(monkeypatch, enough):
+    """Beside zero the density falls by exp(−z/scale), of which the mean is the scale."""
+    monkeypatch.setattr("reliab.assessment.inference.randomized_optimization._ENOUGH", enough)
+    told, deviation = -60.0, 0.5
+    fit = LeastSquares(
+        residuals=lambda z: np.array([(z[0] - told) / deviation]),
+        update=lambda _: None,
+        determinant=lambda _: 0.0,
+        start=np.ones(1),
+        positive=np.ones(1, dtype=bool),
+    )
+    fit.fit()
+    draws = fit.draw(256, seed=1)
+    assert fit.mode == 0.0
+    assert draws.weights @ draws.values[:, 0] == pytest.approx(deviation**2 / -told, rel=0.1)
+    assert np.isfinite(fit.log_volume)
+
+
 def test_worlds_without_finite_numbers_have_no_density():
     fit = LeastSquares(
         residuals=lambda z: np.array([math.expm1(z[0])]),
