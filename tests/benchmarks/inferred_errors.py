@@ -25,7 +25,7 @@ MASS = 1000.0  # kg
 ROWS = {
     "displacements": {"specimen": "linear"},
     "ground": {"specimen": "linear", "ground": True},
-    "ground_calibrated": {"specimen": "linear", "ground": True, "calibrated": True},
+    "ground_calibrated": {"specimen": "linear", "ground": True, "is_calibrated": True},
     "ground_force": {"specimen": "linear", "ground": True, "force": True},
     "defaults": {},
     "nonlinear_force": {"force": True, "yielding": True},
