@@ -65,8 +65,8 @@ def fit_excess(power: Array, noise: Array, motion: Array, least: float) -> Array
     """Variances of cells, shape (J, k), of which noise is known, and some follows the motion.
 
     To the variance of the noise come a stationary part a(f), and a share s(f) of the power of the motion,
-    not below the least share. Blocks in which far more is left, as where a record begins or ends, have as
-    many times the variance.
+    not below the least share. A block with a far larger power, as where a record begins or ends, has a
+    variance that is larger by the same factor.
     """
     mean = power.mean(axis=0)
     still = smooth_over_frequency(np.maximum(mean - noise.mean(axis=0), _FIRST * mean)) / 2.0

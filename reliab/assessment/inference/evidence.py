@@ -104,7 +104,8 @@ class BalanceOfForces(Evidence):
     # Share of the sensors' noise in the variance, shape (rows, J, k); None before it is known
     _share: Array | None = field(init=False, default=None)
     _level: Array = field(init=False)  # `noise_level` where the variance was estimated
-    _missed: Array = field(init=False)  # The share less that in the residual, over time, shape (rows, 1, k)
+    # Sum over time of the share, times how far the power is below the variance [-], shape (rows, 1, k)
+    _missed: Array = field(init=False)
 
     @abstractmethod
     def forces(self, experiment: Experiment) -> Spectrum:
@@ -148,7 +149,7 @@ class BalanceOfForces(Evidence):
     def _motion(self) -> Array:
         """Power of the specimen's forces, mixed like balances, shape (rows, J, k)."""
         impedance = self.partition.impedance(self.channels.band.s)
-        force = np.einsum("kpq,qk->pk", impedance, self.channels.to_interface @ self.channels.measured)
+        force = interface_forces(impedance, self.channels.to_interface @ self.channels.measured)
         mixed = self._unmix @ self.balance(force.T[..., np.newaxis], self.partition)
         power = self.channels.cells(mixed[..., 0].T, self.highest) ** 2
         return np.stack([np.sum(fit_variances(row), axis=0) for row in power])
@@ -159,7 +160,10 @@ class BalanceOfForces(Evidence):
         return np.asarray((stiffness - self._sensor_shares @ np.log(experiment.scale)).T[:, np.newaxis])
 
     def noise_level(self, experiment: Experiment, share: Array) -> Array:
-        """Logarithm of what a world makes of the noise, of which sensors have a share, shape (rows, J, k)."""
+        """Logarithm of the noise in a world over that in the stated structure, shape (rows, J, k).
+
+        `share`: of the displacement sensors in the variance of the residual [-].
+        """
         return share * self._stiffening(experiment)
 
     def cells(self, experiment: Experiment) -> Array:
@@ -187,10 +191,9 @@ class BalanceOfForces(Evidence):
         self._level = self.noise_level(experiment, self._share)
 
     def determinant(self, experiment: Experiment) -> float:
-        """Return what the noise gains by being taken as part of a variance that is not exactly known.
+        """Correct the likelihood for the error of the estimated variance.
 
-        The likelihood then has no slope on average where the world is true (Nakamura 1990, Biometrika 77,
-        127).
+        Its slope at the true world is then zero on average (Nakamura 1990, Biometrika 77, 127).
         """
         return -self.weight * float(np.sum(self._missed * self._stiffening(experiment)))
 
@@ -398,10 +401,9 @@ class SpecimenForce(BalanceOfForces):
         if force is None:
             raise AssertionError  # evidence of a force needs one
         impedance = experiment.structure(self.partition).impedance(self.channels.band.s)
-        specimen_force = np.einsum("kpq,qk->pk", impedance, experiment.reading(self.channels))
-        return np.asarray(force - specimen_force)
+        return np.asarray(force - interface_forces(impedance, experiment.reading(self.channels)))
 
     def noise_level(self, experiment: Experiment, share: Array) -> Array:
-        """Logarithm of what a world makes of the noise of displacement sensors and load cell."""
+        """Logarithm of the noise of displacement sensors and load cell, over that as stated."""
         load_cell = 1.0 - share
         return np.asarray(super().noise_level(experiment, share) - load_cell * np.log(experiment.force_scale))

@@ -197,7 +197,7 @@ class LeastSquares:
             weights[row] = log_shares[row] - 0.5 * (float(value @ value) - cost)
         is_possible = np.isfinite(weights) & (values[:, self.positive] >= 0.0).all(axis=1)
         if not is_possible.any():
-            is_possible[0], weights[0] = True, 0.0  # a single draw, with which nobody is content
+            is_possible[0], weights[0] = True, 0.0  # a single draw, which is too few to be accepted
         weights = np.where(is_possible, weights, -np.inf)
         weights = np.exp(weights - weights.max())
         return Draws(values=values, weights=weights / weights.sum())

@@ -298,7 +298,7 @@ def test_parameters_that_cannot_be_negative_stay_positive(monkeypatch, told, eno
 
 
 @pytest.mark.parametrize("enough", [0.5, np.inf])
-def test_a_parameter_that_is_told_to_be_far_below_zero_stays_at_it(monkeypatch, enough):
+def test_parameter_pressed_against_zero_stays_there(monkeypatch, enough):
     """Beside zero the density falls by exp(−z/scale), of which the mean is the scale."""
     monkeypatch.setattr("reliab.assessment.inference.randomized_optimization._ENOUGH", enough)
     told, deviation = -60.0, 0.5
