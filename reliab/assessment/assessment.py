@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -10,7 +9,6 @@ from reliab.assessment.doubts import doubts_of_signal
 from reliab.assessment.fault_effects import FaultEffect
 from reliab.assessment.findings import Findings
 from reliab.assessment.recorded_force import doubts_of_force, remark_on_force
-from reliab.assessment.summary import summarise
 from reliab.assessment.verdict import Word
 from reliab.core.significant_digits import percent, share_in_words, significant
 from reliab.core.vocabulary import ERROR_NAMES, MILLI, Metric
@@ -204,7 +202,3 @@ class Assessment(Findings):
     def warnings(self) -> tuple[str, ...]:
         """Warnings to read before relying on the verdict, in sentences."""
         return cautions(self)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Put everything into plain numbers with stable keys; see `reliab.assessment.summary`."""
-        return {**super().to_dict(), **summarise(self)}

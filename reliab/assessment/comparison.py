@@ -19,7 +19,7 @@ from reliab.assessment.verdict import Word
 from reliab.core.arrays import Array
 from reliab.core.columns import Columns
 from reliab.core.errors import InputError
-from reliab.core.plain_values import ResultWithRows
+from reliab.core.plain_values import Keys, PlainResult, ResultWithRows, same_names
 from reliab.core.significant_digits import percent_with_interval, significant
 from reliab.core.vocabulary import Metric
 from reliab.signals.spectra import cross_correlate
@@ -45,8 +45,19 @@ _WIDER_STEP: Final = 1e-6  # relative difference of two time steps that are the 
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class RankedTest:
+class RankedTest(PlainResult):
     """A test in its place among others."""
+
+    keys: ClassVar[Keys] = {
+        **same_names("rank", "file"),
+        **{name: f"assessment.error.{name}" for name in ("rms", "mte")},
+        **same_names("difference", "probability_larger"),
+        "A": "assessment.tracking.amplitude",
+        "d_ms": "assessment.tracking.delay",
+        **{name: f"assessment.{name}" for name in ("verdict", "probability")},
+    }
+
+    rank: int  # From 1 on
 
     file: str  # The test
     assessment: Assessment | FrameAssessment  # What is found about it
@@ -83,17 +94,6 @@ class Comparison(ResultWithRows):
     notes: tuple[str, ...]  # What limits the comparison, in sentences
     assumed: str = _COMMON_ASSUMPTION  # What is taken to be the same in all tests, in a sentence
 
-    def to_dict(self) -> dict[str, Any]:
-        """Put what is found into plain numbers."""
-        return {
-            "metric": str(self.metric),
-            "threshold": self.threshold,
-            "tests": [_plain(rank, test) for rank, test in enumerate(self.tests, start=1)],
-            "faults": dict(self.faults),
-            "notes": list(self.notes),
-            "assumed": self.assumed,
-        }
-
     def to_dataframe(self) -> "pd.DataFrame":
         """Put the ranking into a table, one row for each test."""
         names = {"rms_value": "rms", "mte_value": "mte"}
@@ -123,7 +123,9 @@ def rank_tests(
     )
     order = _order_files({file: assessment.error for file, assessment in assessments.items()}, metric)
     first = assessments[order[0]].error
-    tests = tuple(_rank_test(file, assessments[file], first, metric) for file in order)
+    tests = tuple(
+        _rank_test(rank, file, assessments[file], first, metric) for rank, file in enumerate(order, start=1)
+    )
     return Comparison(
         metric=metric,
         threshold=threshold,
@@ -134,17 +136,23 @@ def rank_tests(
 
 
 def _rank_test(
-    file: str, assessment: Assessment | FrameAssessment, first: ErrorOfTest, metric: Metric
+    rank: int, file: str, assessment: Assessment | FrameAssessment, first: ErrorOfTest, metric: Metric
 ) -> RankedTest:
     error = assessment.error
     estimate = error.estimate(metric)
     if error is first:
         return RankedTest(
-            file=file, assessment=assessment, error=estimate, difference=None, probability_larger=None
+            rank=rank,
+            file=file,
+            assessment=assessment,
+            error=estimate,
+            difference=None,
+            probability_larger=None,
         )
     differences, weights = subtract_errors(error, first, metric)
     low, middle, high = weighted_quantiles(differences, weights, ENDS[0], _EVEN, ENDS[1])
     return RankedTest(
+        rank=rank,
         file=file,
         assessment=assessment,
         error=estimate,
@@ -248,18 +256,3 @@ def _differs(response: Array, reference: Array) -> bool:
     squares = float(np.sum(reference**2)), float(np.sum(response**2))
     variance = squares[0] + squares[1] - 2.0 * float(products.max())
     return variance > _OTHER_MOTION**2 * min(squares)
-
-
-def _plain(rank: int, test: RankedTest) -> dict[str, Any]:
-    content = test.assessment.to_dict()
-    return {
-        "rank": rank,
-        "file": test.file,
-        **{name: content["error"][name] for name in ("rms", "mte")},
-        "difference": None if test.difference is None else test.difference.to_dict(),
-        "probability_larger": test.probability_larger,
-        "A": content["A"],
-        "d_ms": content["d_ms"],
-        "verdict": content["verdict"],
-        "probability": content["probability"],
-    }

@@ -2,13 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import ClassVar
 
 import numpy as np
 
 from reliab.assessment.default_criterion import default_criterion, ellipses_of_nearest, list_frequencies
 from reliab.assessment.placement import scale_limits
 from reliab.core.arrays import Array
+from reliab.core.plain_values import Keys, PlainResult, same_names
 from reliab.core.vocabulary import MILLI, Side
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.experimental_share import growth
@@ -22,8 +23,23 @@ _CHART_FREQUENCIES = 8  # frequencies
 
 
 @dataclass(frozen=True, kw_only=True)
-class TolerableErrors:
+class TolerableErrors(PlainResult):
     """What is tolerable for one structure at one confidence."""
+
+    keys: ClassVar[Keys] = {
+        "f": "frequency",
+        "xi": "damping_ratio",
+        "alpha": "experimental_fraction",
+        "threshold": "threshold",
+        "confidence": "promise",
+        **same_names("a", "b"),
+        "amplitude_limit": "amplitude_error",
+        "delay_limit_ms": "delay",
+        "amplitude_limit_of_both": "both.0",
+        "delay_limit_of_both_ms": "both.1",
+        "critical_delay_ms": "critical_delay",
+        **same_names("outside_validity", "position", "population", "scope"),
+    }
 
     frequency: float  # frequency, damping_ratio, experimental_fraction: The structure [Hz, -, -]
     damping_ratio: float
@@ -63,29 +79,6 @@ class TolerableErrors:
     def both(self) -> tuple[float, float]:
         """Tolerable |A − 1| [-] and delay [s] of a rig with both errors in equal parts."""
         return self.amplitude_error / np.sqrt(2.0), self.delay / np.sqrt(2.0)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain numbers with stable keys; delays in milliseconds."""
-        amplitude, delay = self.both
-        critical = MILLI * self.critical_delay
-        return {
-            "f": self.frequency,
-            "xi": self.damping_ratio,
-            "alpha": self.experimental_fraction,
-            "threshold": self.threshold,
-            "confidence": self.promise,
-            "a": self.a,
-            "b": self.b,
-            "amplitude_limit": self.amplitude_error,
-            "delay_limit_ms": MILLI * self.delay,
-            "amplitude_limit_of_both": amplitude,
-            "delay_limit_of_both_ms": MILLI * delay,
-            "critical_delay_ms": critical if np.isfinite(critical) else None,
-            "outside_validity": self.outside_validity,
-            "position": self.position,
-            "population": self.population,
-            "scope": dict(self.scope),
-        }
 
 
 def chart_frequencies(criterion: Criterion | None = None) -> list[float]:

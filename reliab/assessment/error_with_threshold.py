@@ -1,10 +1,12 @@
 """An error of a test with the threshold it is judged by, of one interface displacement or of several."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, ClassVar, Final
+
+import numpy as np
 
 from reliab.assessment.budget.sizes import PriorSource, Size, as_certain_as
 from reliab.assessment.rebuilt_error.parts import Parts
@@ -13,6 +15,7 @@ from reliab.assessment.rebuilt_error.widenings import Widening
 from reliab.assessment.recorded_ground import ShownGround
 from reliab.assessment.uncertainty_budget import BudgetItem, budget_of_error
 from reliab.core.arrays import Array
+from reliab.core.plain_values import Keys, PlainResult, same_names
 from reliab.core.significant_digits import significant
 from reliab.core.vocabulary import PERCENT, Metric
 from reliab.structures.partition import Partition
@@ -25,15 +28,20 @@ if TYPE_CHECKING:
     from reliab.assessment.rebuilt_error.spread import DisplacementError
 
 
-def plain_errors(estimate: Callable[[Metric], Estimate] | None) -> dict[str, dict[str, float | None]]:
-    """RMS^R and MTE^R of a test or a displacement by name, as it estimates them; unknown without."""
-    unknown = dict.fromkeys(("value", "low", "high"))
-    return {str(name): unknown if estimate is None else estimate(name).to_dict() for name in Metric}
+_PARTS: Final[Keys] = {"parts": "parts.by_name", "improve_first": "parts.first"}
+_NO_PARTS: Final = Parts(gain=1.0, delay=0.0, by_name={}, rms=0.0)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ErrorWithThreshold(ABC):
+class ErrorWithThreshold(PlainResult, ABC):
     """Error of a test."""
+
+    keys: ClassVar[Keys] = {
+        **same_names("rms", "mte", "interval_level", "probability"),
+        **_PARTS,
+        "would_decide": "would_decide",
+    }
+    interval_level = LEVEL
 
     rebuilt: "RebuiltError | CoupledError"  # The error with its histories and draws
     metric: Metric  # Which error is asked about
@@ -61,6 +69,11 @@ class ErrorWithThreshold(ABC):
     def estimate(self, metric: Metric) -> Estimate:
         """Error by one metric, with its 90 % interval [-]; of several displacements the largest one."""
         return self.rebuilt.estimate(metric)
+
+    @property
+    def judged_estimate(self) -> Estimate:
+        """Error that is compared with the threshold [-]."""
+        return self.estimate(self.metric)
 
     @property
     def rms(self) -> Estimate:
@@ -136,18 +149,6 @@ class ErrorWithThreshold(ABC):
         """Of which specimen intervals hold without further ones, to follow "interval"."""
         return ""
 
-    def to_dict(self) -> dict[str, Any]:
-        """Put it into plain values."""
-        parts = self.parts.by_name
-        return {
-            **plain_errors(self.estimate),
-            "interval_level": LEVEL,
-            "probability": self.probability,
-            "parts": {name: piece.to_dict() for name, piece in parts.items()},
-            "improve_first": self.parts.first,
-            "would_decide": list(self.would_decide),
-        }
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ErrorOfSeveral(ErrorWithThreshold):
@@ -155,6 +156,12 @@ class ErrorOfSeveral(ErrorWithThreshold):
 
     Parameters and attributes are those of `ErrorWithThreshold`.
     """
+
+    keys: ClassVar[Keys] = {
+        "degrees_of_freedom": "degrees_of_freedom.{name}",
+        "governing": "governing.name",
+        **ErrorWithThreshold.keys,
+    }
 
     rebuilt: "CoupledError"
     inferred: "InferredError"
@@ -207,33 +214,47 @@ class ErrorOfSeveral(ErrorWithThreshold):
         """Why the errors of some displacements are not judged, in sentences."""
         return tuple(degree.refusal_reason for degree in self.displacements if not degree.judged)
 
-    def to_dict(self) -> dict[str, Any]:
-        """Put it into plain values, the governing displacement first."""
-        governing = self.governing
-        ordered_displacements = sorted(self.displacements, key=lambda degree: degree is not governing)
-        return {
-            "degrees_of_freedom": {
-                degree.name: self._error_of_degree(degree) for degree in ordered_displacements
-            },
-            "governing": None if governing is None else governing.name,
-            **super().to_dict(),
-        }
+    @property
+    def degrees_of_freedom(self) -> "list[ErrorOfDegree]":
+        """Errors of the interface displacements with their parts, the governing one first."""
+        ordered_displacements = sorted(self.displacements, key=lambda degree: degree is not self.governing)
+        return [
+            ErrorOfDegree(
+                name=degree.name,
+                rms=degree.estimate(Metric.RMS),
+                mte=degree.estimate(Metric.MTE),
+                probability=self.probability_of(degree),
+                parts=self.parts_of(degree),
+            )
+            if degree.judged
+            else ErrorOfDegree(name=degree.name, why_not=degree.refusal_reason)
+            for degree in ordered_displacements
+        ]
 
-    def _error_of_degree(self, degree: "DegreeError") -> dict[str, Any]:
-        if not degree.judged:
-            return {
-                "judged": False,
-                "why_not": degree.refusal_reason,
-                **plain_errors(None),
-                "probability": None,
-                "parts": {},
-                "improve_first": None,
-            }
-        parts = self.parts_of(degree)
-        return {
-            "judged": True,
-            **plain_errors(degree.estimate),
-            "probability": self.probability_of(degree),
-            "parts": {name: piece.to_dict() for name, piece in parts.by_name.items()},
-            "improve_first": parts.first,
-        }
+
+UNKNOWN: Final = Estimate(value=np.nan, low=np.nan, high=np.nan)
+"""An error that is not known."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ErrorOfDegree(PlainResult):
+    """Error of one of several interface displacements with its parts, or why it is not judged."""
+
+    keys: ClassVar[Keys] = {
+        "judged": "judged",
+        "why_not?": "why_not",
+        **same_names("rms", "mte", "probability"),
+        **_PARTS,
+    }
+
+    name: str
+    why_not: str = ""  # A sentence; empty for one that is judged
+    rms: Estimate = UNKNOWN  # rms, mte: RMS^R and MTE^R with their 90 % intervals [-]
+    mte: Estimate = UNKNOWN
+    probability: float | None = None  # That the error asked about stays below the threshold
+    parts: Parts = _NO_PARTS
+
+    @property
+    def judged(self) -> bool:
+        """Whether the displacement moves enough for its noise."""
+        return not self.why_not

@@ -2,39 +2,33 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import ClassVar
 
 from reliab.assessment.budget.sizes import PriorSource, Size
 from reliab.assessment.error_of_test import ErrorOfTest, Question, error_of_test
 from reliab.assessment.error_with_threshold import ErrorOfSeveral, ErrorWithThreshold
 from reliab.assessment.faults import Fault, repair_recording
-from reliab.core.plain_values import finite
+from reliab.core.plain_values import Keys, PlainResult
 from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class FaultEffect:
+class FaultEffect(PlainResult):
     """A fault of the recording with what it does to the error."""
 
+    keys: ClassVar[Keys] = {
+        "actuator?": "fault.actuator",
+        **{name: f"fault.{name}" for name in ("kind", "finding", "in_loop")},
+        "error": "error.judged_estimate.value",
+        "error_otherwise": "otherwise.judged_estimate.value",
+    }
+
     fault: Fault  # The fault
+    error: ErrorWithThreshold  # Error of the test
     # Error of the test without the fault; where the verdict already excludes the fault because the loop did
     # not feel it, the error with the fault; None where that is not known
     otherwise: ErrorWithThreshold | None
-
-    def to_dict(self, error: ErrorWithThreshold) -> dict[str, Any]:
-        """Put it into plain values beside the error of the test, with the actuator if there are several."""
-        fault, error_otherwise = self.fault, self.otherwise
-        return {
-            **({"actuator": fault.actuator} if fault.actuator else {}),
-            "kind": fault.kind,
-            "finding": fault.finding,
-            "in_loop": fault.in_loop,
-            "error": finite(error.estimate(error.metric).value),
-            "error_otherwise": None
-            if error_otherwise is None
-            else finite(error_otherwise.estimate(error.metric).value),
-        }
 
 
 def error_with_faults(
@@ -60,7 +54,11 @@ def error_with_faults(
 
     error = error_without(unfelt, _sizes_open(faults))
     return error, tuple(
-        FaultEffect(fault=fault, otherwise=error_without(others(fault), {}) if fault.repairable else None)
+        FaultEffect(
+            fault=fault,
+            error=error,
+            otherwise=error_without(others(fault), {}) if fault.repairable else None,
+        )
         for fault in faults
     )
 

@@ -2,39 +2,27 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.judged_test import JudgedTest
 from reliab.assessment.own_equation import OwnEquation
-from reliab.assessment.placement import Placement
+from reliab.assessment.placement import LARGEST_PROBABILITY, Placement
 from reliab.assessment.scope_of_test import ScopeOfTest, reasons_without_promise
-from reliab.assessment.tracking_index import TrackingIndex, TrackingMeasures, Windows
+from reliab.assessment.summary import KEYS
+from reliab.assessment.tracking_index import LEVEL, TrackingIndex, TrackingMeasures, Windows
 from reliab.assessment.verdict import Contradiction, Verdict, verdict_by_index
+from reliab.core.plain_values import Keys
 from reliab.core.stated_value import StatedValue
-from reliab.core.vocabulary import MILLI
+from reliab.core.vocabulary import MILLI, Side
 from reliab.criterion.criterion import Criterion
 from reliab.recordings.recording import Recording
 from reliab.structures.structure import Structure, critical_delay, stability_margin
 
 if TYPE_CHECKING:
     from reliab.assessment.own_motion import OwnPlacement
-
-LARGEST_PROBABILITY: Final = 0.99
-"""Largest probability stated for a population of ground motions: higher ones were not validated."""
-
-
-def cap_probability(probability: float | None) -> float | None:
-    """Probability limited to the range that was validated; None where it is not known.
-
-    >>> cap_probability(1.0), cap_probability(0.4), cap_probability(None)
-    (0.99, 0.4, None)
-    """
-    if probability is None:
-        return None
-    return min(max(probability, 1.0 - LARGEST_PROBABILITY), LARGEST_PROBABILITY)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,6 +66,10 @@ def _part(square: float, limit: float) -> float:
 class Findings(JudgedTest):
     """What is found about a test."""
 
+    keys: ClassVar[Keys] = {**JudgedTest.keys, **KEYS}
+    interval_level = LEVEL
+    largest_probability = LARGEST_PROBABILITY
+
     recording: Recording
     structure: Structure  # The structure under test
     # Frequency "f", damping ratio "xi", share "alpha" and sensor "scale" with their tolerances
@@ -97,17 +89,22 @@ class Findings(JudgedTest):
     column_doubts: tuple[Contradiction, ...] = ()  # Why command and measured displacement may be swapped
 
     @property
+    def _placed(self) -> Placement:
+        """The test against its own ground motion where that is known, else against the population."""
+        return self.population if self.placement is None else self.placement
+
+    @property
     def index(self) -> float | None:
         """Index of the test: by its own motion where that is known, else by the population.
 
         None where the test leads and the criterion has no limits for leads.
         """
-        return self.population.index if self.placement is None else self.placement.index
+        return self._placed.index
 
     @property
     def index_interval(self) -> tuple[float, float] | None:
         """95 % interval of the index."""
-        return self.population.index_interval if self.placement is None else self.placement.index_interval
+        return self._placed.index_interval
 
     @property
     def index_probability(self) -> float | None:
@@ -117,9 +114,7 @@ class Findings(JudgedTest):
         """
         if self.speaks_for_none:
             return None
-        return cap_probability(
-            self.population.probability if self.placement is None else self.placement.probability
-        )
+        return self._placed.capped_probability
 
     @property
     def verdict_by_index(self) -> Verdict:
@@ -134,6 +129,26 @@ class Findings(JudgedTest):
             if self.speaks_for_none
             else (),
         )
+
+    @property
+    def basis(self) -> str:
+        """What the index rests on: the test's own ground motion, or a population of them."""
+        return "population" if self.placement is None else "motion"
+
+    @property
+    def side(self) -> str:
+        """Whether the actuator leads or lags."""
+        return str(Side.LEAD if self.tracking.delay < 0.0 else Side.LAG)
+
+    @property
+    def population_probability(self) -> float | None:
+        """Probability by the population; None where the test lies outside of it."""
+        return None if self.scope.is_outside else self.population.capped_probability
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was assumed when the test was read, and what the criterion warns of, in sentences."""
+        return *self.recording.notes, *(() if self.placement else self.criterion.provenance.warnings)
 
     @property
     def speaks_for_none(self) -> bool:
@@ -159,8 +174,7 @@ class Findings(JudgedTest):
     @property
     def limits(self) -> tuple[float, float]:
         """Ellipse parameters a [-] and b [ms²] behind the index."""
-        placement = self.population if self.placement is None else self.placement
-        return placement.a, placement.b
+        return self._placed.a, self._placed.b
 
     @property
     def improvement(self) -> Improvement:

@@ -3,7 +3,7 @@
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -11,18 +11,17 @@ from reliab.assessment.contradictions import contradict_stability
 from reliab.assessment.doubts import doubts_of_signal
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.error_with_threshold import ErrorOfSeveral
-from reliab.assessment.findings import cap_probability
 from reliab.assessment.frame_responses import ResponseErrors
 from reliab.assessment.judged_test import JudgedTest
 from reliab.assessment.placement import Placement
 from reliab.assessment.rebuilt_error.parts import ErrorPart
 from reliab.assessment.recorded_force import doubts_of_force
-from reliab.assessment.scope_of_test import compare_test, reasons_without_promise
+from reliab.assessment.scope_of_test import ScopeOfTest, compare_test, reasons_without_promise
 from reliab.assessment.tracking_index import TrackingIndex
 from reliab.assessment.uncertainty_budget import BudgetItem
-from reliab.assessment.verdict import Word, verdict_by_index
-from reliab.core.plain_values import finite
-from reliab.core.vocabulary import MILLI
+from reliab.assessment.verdict import Verdict, verdict_by_index
+from reliab.core.arrays import Array
+from reliab.core.plain_values import Keys, PlainResult, same_names
 from reliab.criterion.criterion import Criterion
 from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
@@ -33,8 +32,16 @@ from reliab.tracking.indices.frequency_evaluation import TrackingOverFrequency
 
 
 @dataclass(frozen=True, kw_only=True)
-class ModeOfTest:
+class ModeOfTest(PlainResult):
     """A mode of a tested frame, and how the actuator tracked at its frequency."""
+
+    keys: ClassVar[Keys] = {
+        "f_hz": "frequency",
+        "xi": "damping_ratio",
+        "alpha": "share",
+        "A": "amplitude",
+        "d_ms": "delay",
+    }
 
     # frequency, damping_ratio, share: Natural frequency [Hz], damping ratio and the specimen's share of the
     # stiffness [-]
@@ -46,20 +53,19 @@ class ModeOfTest:
     amplitude: float | None = None
     delay: float | None = None
 
-    def to_dict(self) -> dict[str, float | None]:
-        """Put it into plain values."""
-        return {
-            "f_hz": self.frequency,
-            "xi": self.damping_ratio,
-            "alpha": self.share,
-            "A": self.amplitude,
-            "d_ms": None if self.delay is None else MILLI * self.delay,
-        }
-
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class JudgedFrame(JudgedTest, ABC):
     """Assessment of a test of a partitioned frame, as far as it is the same for any number of actuators."""
+
+    keys: ClassVar[Keys] = {
+        **JudgedTest.keys,
+        "structure": "frame.name",
+        "error_of": "error_of",
+        "critical_delay_ms": "critical_delay",
+        "critical_frequency_hz": "limit.frequency",
+        **same_names("stability_margin", "modes", "responses"),
+    }
 
     frame: FrameUnderTest  # The frame and its actuators
     responses: ResponseErrors  # Errors of all floors and storeys, as the computer had them in the test
@@ -113,23 +119,40 @@ class JudgedFrame(JudgedTest, ABC):
             *self.responses.warnings,
         )
 
-    def to_dict(self) -> dict[str, Any]:
-        """Put everything into plain numbers with stable keys; None where a value is infinite or unknown."""
-        return {
-            **super().to_dict(),
-            "structure": self.frame.name,
-            "error_of": self.error_of,
-            "critical_delay_ms": finite(MILLI * self.critical_delay),
-            "critical_frequency_hz": finite(self.limit.frequency),
-            "stability_margin": self.stability_margin,
-            "modes": [mode.to_dict() for mode in self.modes],
-            "responses": self.responses.to_dict(),
-        }
-
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class FrameAssessment(JudgedFrame):
     """Assessment of a test of a partitioned frame with one actuator."""
+
+    keys: ClassVar[Keys] = {
+        **JudgedFrame.keys,
+        "A": "tracking.amplitude",
+        "phi": "tracking.phase",
+        "f_eq_hz": "tracking.plain.equivalent_frequency",
+        "d_ms": "tracking.delay",
+        "over_frequency": {
+            "?": "over_frequency",
+            "frequency_hz": "over_frequency.frequency",
+            "A": "over_frequency.amplitude",
+            "A_deviation": "over_frequency.amplitude_deviation",
+            "d_ms": "over_frequency.delay",
+            "d_ms_deviation": "over_frequency.delay_deviation",
+            "coherence": "over_frequency.coherence",
+            "error": "resolved",
+        },
+        "specimen": "error.plain_specimen",
+        "would_turn": "turning",
+        "by_index": {
+            "?": "verdict_by_index",
+            "verdict": "verdict_by_index.word",
+            **{name: f"verdict_by_index.{name}" for name in ("reliable", "reasons")},
+            "index": "population.index",
+            "probability": "index_probability",
+            **{name: f"population.{name}" for name in ("a", "b")},
+            "confidence": "promise",
+            "scope": "scope",
+        },
+    }
 
     recording: Recording
     error: ErrorOfTest
@@ -144,12 +167,18 @@ class FrameAssessment(JudgedFrame):
     error_of = "the measured interface displacement"
 
     @property
-    def promise(self) -> float | None:
-        """Share of the population's ground motions that the criterion promises for the test."""
+    def scope(self) -> ScopeOfTest | None:
+        """The test among the motions behind the criterion; None without one."""
         if self.criterion is None:
             return None
-        is_outside = compare_test(self.criterion, {"length": self.recording.duration}).is_outside
-        return None if is_outside else self.criterion.promise
+        return compare_test(self.criterion, {"length": self.recording.duration})
+
+    @property
+    def promise(self) -> float | None:
+        """Share of the population's ground motions that the criterion promises for the test."""
+        if self.criterion is None or self.scope is None:
+            return None
+        return None if self.scope.is_outside else self.criterion.promise
 
     @property
     def longest_delay(self) -> float:
@@ -178,25 +207,51 @@ class FrameAssessment(JudgedFrame):
             sentences.append("A and d over frequency are unknown: the displacements are hardly coherent.")
         return tuple(sentences)
 
-    def to_dict(self) -> dict[str, Any]:
-        """Put everything into plain numbers: also A and d, over frequency too, and the criterion's index."""
-        tracking, plain = self.tracking, self.tracking.plain
-        return {
-            **super().to_dict(),
-            "A": tracking.amplitude,
-            "phi": -2.0 * np.pi * plain.equivalent_frequency * tracking.delay,
-            "f_eq_hz": plain.equivalent_frequency,
-            "d_ms": MILLI * tracking.delay,
-            "over_frequency": _summarise_over_frequency(self),
-            "specimen": self.error.plain_specimen,
-            "would_turn": self.turning.to_dict(),
-            "by_index": None if self.criterion is None else _summarise_by_index(self),
-        }
+    @property
+    def index_probability(self) -> float | None:
+        """Probability by A and d that the error stays below the threshold; None where none is promised."""
+        if self.promise is None or self.population is None:
+            return None
+        return self.population.capped_probability
+
+    @property
+    def verdict_by_index(self) -> Verdict | None:
+        """The verdict by A and d alone; None without a criterion."""
+        if self.population is None or self.criterion is None or self.scope is None:
+            return None
+        return verdict_by_index(
+            index=self.population.index,
+            interval=self.population.index_interval,
+            probability=self.index_probability,
+            confidence=self.criterion.confidence,
+            own_motion=False,
+            outside_reasons=(
+                reasons_without_promise(self.scope, self.criterion) if self.promise is None else ()
+            ),
+        )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class CoupledAssessment(JudgedFrame):
-    """Assessment of a test of a partitioned frame with several actuators."""
+    """Assessment of a test of a partitioned frame with several actuators.
+
+    Of its keys, `error.degrees_of_freedom` holds each interface displacement, `error.rms` and `error.mte` the
+    governing one; A and d are those of the actuator that tracks worst.
+    """
+
+    keys: ClassVar[Keys] = {
+        **JudgedFrame.keys,
+        **same_names("channels_are", "actuators"),
+        "A": "worst_actuator.amplitude",
+        "d_ms": "worst_actuator.delay",
+        "critical_direction": "critical_direction",
+        "shown_by_ground": {
+            "?": "error.ground.misfit",
+            "frequency_ratio": "error.ground.frequency",
+            "deviation": "error.ground.deviation",
+            "unexplained": "error.ground.misfit",
+        },
+    }
 
     recording: CoupledRecording
     error: ErrorOfSeveral
@@ -221,80 +276,55 @@ class CoupledAssessment(JudgedFrame):
             )
         return tuple(sentences)
 
-    def to_dict(self) -> dict[str, Any]:
-        """Put everything into plain numbers: also what each actuator did.
+    @property
+    def channels_are(self) -> str:
+        """What the channels are, in words."""
+        return "interface displacements" if self.frame.channels_at_interface else "displacements of actuators"
 
-        `error.degrees_of_freedom` holds each interface displacement, `error.rms` and `error.mte` the
-        governing one; A and d are those of the actuator that tracks worst.
-        """
+    @property
+    def actuators(self) -> tuple["ActuatorOfTest", ...]:
+        """What each actuator did."""
         gains, delays = np.asarray(self.error.parts.gain), np.asarray(self.error.parts.delay)
-        omega = 2.0 * np.pi * float(self.frame.partition.natural_frequencies[0])
-        worst = int(np.argmax(np.hypot(np.diag(gains) - 1.0, omega * np.diag(delays))))
-        actuators = [
-            {
-                "name": number,
-                "A": float(gains[place, place]),
-                "d_ms": MILLI * float(delays[place, place]),
-                "gain_matrix_row": gains[place].tolist(),
-                "delay_matrix_row_ms": (MILLI * delays[place]).tolist(),
-            }
+        return tuple(
+            ActuatorOfTest(name=number, place=place, gains=gains[place], delays=delays[place])
             for place, number in enumerate(self.recording.actuators)
-        ]
-        are_interface_channels = self.frame.channels_at_interface
-        directions = zip(self.frame.partition.names, self.limit.direction.tolist(), strict=True)
-        return {
-            **super().to_dict(),
-            "channels_are": "interface displacements"
-            if are_interface_channels
-            else "displacements of actuators",
-            "actuators": actuators,
-            "A": actuators[worst]["A"],
-            "d_ms": actuators[worst]["d_ms"],
-            "critical_direction": dict(directions),
-            "shown_by_ground": self.error.ground.to_dict(),
-        }
+        )
+
+    @property
+    def worst_actuator(self) -> "ActuatorOfTest":
+        """The actuator that tracks worst."""
+        omega = 2.0 * np.pi * float(self.frame.partition.natural_frequencies[0])
+        return max(self.actuators, key=lambda one: math.hypot(one.amplitude - 1.0, omega * one.delay))
+
+    @property
+    def critical_direction(self) -> dict[str, float]:
+        """Motion of the displacements in which stability is lost."""
+        return dict(zip(self.frame.partition.names, self.limit.direction.tolist(), strict=True))
 
 
-def _summarise_over_frequency(assessment: FrameAssessment) -> dict[str, Any] | None:
-    """A(f) and d(f) with their standard deviations, and the part of the error that they account for."""
-    tracking, part = assessment.over_frequency, assessment.resolved
-    if tracking is None or part is None:
-        return None
-    return {
-        "frequency_hz": tracking.frequency.tolist(),
-        "A": tracking.amplitude.tolist(),
-        "A_deviation": tracking.amplitude_deviation.tolist(),
-        "d_ms": (MILLI * tracking.delay).tolist(),
-        "d_ms_deviation": (MILLI * tracking.delay_deviation).tolist(),
-        "coherence": tracking.coherence.tolist(),
-        "error": part.to_dict(),
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ActuatorOfTest(PlainResult):
+    """What one of several actuators did at the commands of all of them."""
+
+    keys: ClassVar[Keys] = {
+        "name": "name",
+        "A": "amplitude",
+        "d_ms": "delay",
+        "gain_matrix_row": "gains",
+        "delay_matrix_row_ms": "delays",
     }
 
+    name: str
+    place: int  # Among the actuators, from 0 on
+    gains: Array  # Of its displacement for each command [-], shape (p,)
+    delays: Array  # Likewise [s], shape (p,)
 
-def _summarise_by_index(assessment: FrameAssessment) -> dict[str, Any] | None:
-    """Compare the test with the criterion that is given."""
-    placement, criterion = assessment.population, assessment.criterion
-    if placement is None or criterion is None:
-        return None
-    scope = compare_test(criterion, {"length": assessment.recording.duration})
-    promise = assessment.promise
-    probability = None if promise is None else cap_probability(placement.probability)
-    verdict = verdict_by_index(
-        index=placement.index,
-        interval=placement.index_interval,
-        probability=probability,
-        confidence=criterion.confidence,
-        own_motion=False,
-        outside_reasons=reasons_without_promise(scope, criterion) if promise is None else (),
-    )
-    return {
-        "verdict": str(verdict.word),
-        "reliable": verdict.word is Word.RELIABLE,
-        "reasons": list(verdict.reasons),
-        "index": finite(placement.index),
-        "probability": probability,
-        "a": placement.a,
-        "b": placement.b,
-        "confidence": promise,
-        "scope": scope.to_dict(),
-    }
+    @property
+    def amplitude(self) -> float:
+        """Gain for its own command [-]."""
+        return float(self.gains[self.place])
+
+    @property
+    def delay(self) -> float:
+        """Delay behind its own command [s]."""
+        return float(self.delays[self.place])

@@ -8,7 +8,7 @@ alone. Over the largest undisturbed response it needs that response, and so the 
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Final
+from typing import ClassVar, Final
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from reliab.assessment.rebuilt_error.interval import ACCURACY
 from reliab.assessment.rebuilt_error.spread import Estimate, Spread
 from reliab.assessment.substructures import Substructures
 from reliab.core.arrays import Array
-from reliab.core.plain_values import PlainResult
+from reliab.core.plain_values import Keys, PlainResult, same_names
 from reliab.core.significant_digits import percent_with_interval, significant
 from reliab.core.vocabulary import MILLI, Metric
 from reliab.motions.motion import Motion
@@ -60,8 +60,15 @@ class ResponseError(PlainResult):
 
 
 @dataclass(frozen=True, kw_only=True)
-class ResponseErrors:
+class ResponseErrors(PlainResult):
     """Errors of all floors and storeys of a frame, the largest first."""
+
+    keys: ClassVar[Keys] = {
+        "in_words": "sentence",
+        "specimen": "specimen",
+        "governing_storey": "governing_storey.name",
+        **same_names("unit", "each", "ground_factor", "needs"),
+    }
 
     each: tuple[ResponseError, ...]  # Error of each floor and storey, with its interval
     specimen: str = "linear"  # How the specimen is known: "linear" or "measured"
@@ -109,18 +116,10 @@ class ResponseErrors:
         )
         return (sentence,)
 
-    def to_dict(self) -> dict[str, Any]:
-        """Put them into plain values."""
-        governing = self.governing_storey
-        return {
-            "in_words": self.sentence,
-            "specimen": self.specimen,
-            "governing_storey": None if governing is None else governing.name,
-            "unit": self.unit,
-            "each": [error.to_dict() for error in self.each],
-            "ground_factor": self.ground_factor,
-            "needs": None if self.over_peaks else _NEEDS,
-        }
+    @property
+    def needs(self) -> str | None:
+        """What relates the errors to the largest responses, where it is missing, in a sentence."""
+        return None if self.over_peaks else _NEEDS
 
 
 def errors_of_responses(

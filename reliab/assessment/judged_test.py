@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Final, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Self
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from reliab.assessment.rebuilt_error.spread import Estimate
 from reliab.assessment.tracking_index import TrackingIndex
 from reliab.assessment.turning import Turning
 from reliab.assessment.verdict import Contradiction, Verdict, Word, limit_verdict, probability_text
-from reliab.core.plain_values import PlainResult, html_table
+from reliab.core.plain_values import Keys, PlainResult, html_table, same_names
 from reliab.core.significant_digits import percent, percent_with_interval, significant
 from reliab.core.vocabulary import ERROR_NAMES, MILLI, PERCENT, Metric
 from reliab.criterion.criterion import Criterion
@@ -68,6 +68,19 @@ class JudgedError:
 class JudgedTest(PlainResult):
     """A test with its error and the verdict on it."""
 
+    keys: ClassVar[Keys] = {
+        "test": "recording.name",
+        **same_names("metric", "threshold", "verdict", "reliable", "reasons", "would_decide", "probability"),
+        "error": "error",
+        "budget": "error.budget",
+        "faults": "faults",
+        "recording": {"channels": "recording.channels"},
+        "duration_s": "recording.duration",
+        "rate_hz": "recording.rate",
+        "notes": "recording.notes",
+        "warnings": "warnings",
+    }
+
     recording: Recording | CoupledRecording  # The test
     error: ErrorWithThreshold  # The error, from the test alone
     judgement: Verdict  # The verdict with its reasons
@@ -100,7 +113,7 @@ class JudgedTest(PlainResult):
     @property
     def reliable(self) -> bool:
         """Whether the verdict is "reliable"."""
-        return self.verdict is Word.RELIABLE
+        return self.judgement.reliable
 
     @property
     def metric(self) -> Metric:
@@ -121,28 +134,6 @@ class JudgedTest(PlainResult):
     def warnings(self) -> tuple[str, ...]:
         """Warnings to read before relying on the verdict, in sentences."""
         return ()
-
-    def to_dict(self) -> dict[str, Any]:
-        """Put everything into plain numbers with stable keys; None where a value is infinite or unknown."""
-        recording = self.recording
-        return {
-            "test": recording.name,
-            "metric": str(self.metric),
-            "threshold": self.threshold,
-            "verdict": str(self.verdict),
-            "reliable": self.reliable,
-            "reasons": list(self.reasons),
-            "would_decide": list(self.would_decide),
-            "probability": self.probability,
-            "error": self.error.to_dict(),
-            "budget": [item.to_dict() for item in self.error.budget],
-            "faults": [effect.to_dict(self.error) for effect in self.faults],
-            "recording": {"channels": [channel.summary() for channel in recording.channels]},
-            "duration_s": recording.duration,
-            "rate_hz": 1.0 / recording.time_step,
-            "notes": list(recording.notes),
-            "warnings": list(self.warnings),
-        }
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Put verdict, error, A, d and index into a table of one row."""

@@ -59,6 +59,11 @@ class OwnEquation:
     notes: tuple[str, ...] = ()  # What was found about the recorded ground acceleration, in sentences
     doubts: tuple[Contradiction, ...] = ()  # Where it contradicts the test, or the test what was stated
 
+    @property
+    def all_contradictions(self) -> tuple[str, ...]:
+        """Where the test contradicts what was stated, and a linear specimen, in sentences."""
+        return *self.contradictions, *filter(None, [self.nonlinear])
+
 
 def compare_with_stated(
     posterior: TestPosterior,

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from reliab.assessment.alignment import Alignment, PaddedMotion
 from reliab.assessment.error_of_test import Question
+from reliab.assessment.placement import Placement
 from reliab.assessment.tracking_index import LEVEL, TrackingIndex
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import Metric, Side
@@ -24,7 +25,7 @@ _DRAWS = 200
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class OwnPlacement:
+class OwnPlacement(Placement):
     """A test against the boundary of its own ground motion."""
 
     motion: str  # The ground motion
@@ -34,10 +35,10 @@ class OwnPlacement:
     error_interval: tuple[float, float]  # Its 95 % interval
     index: float  # 1 on the boundary, growing with the square of the distance
     index_interval: tuple[float, float]  # Its 95 % interval, the index growing with the square of the error
-    # Probability that the error stays below the threshold, over what noise leaves open of A and d
+    # `a`, `b`: Ellipse inscribed in the boundary on the test's side, lag or lead; `probability`: over what
+    # noise leaves open of A and d
     probability: float
-    a: float  # a, b: Ellipse inscribed in the boundary on the test's side, lag or lead, [-] and [ms²]
-    b: float
+    carried_from: None = None
 
 
 def place_on_own(

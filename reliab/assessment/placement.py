@@ -1,6 +1,7 @@
 """Position of a test in the (A, d) plane among the boundaries of a population of ground motions."""
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +11,21 @@ from reliab.criterion.criterion import Criterion
 from reliab.criterion.laws.law import Validity
 from reliab.structures.structure import Structure
 
+LARGEST_PROBABILITY: Final = 0.99
+"""Largest probability stated for a population of ground motions: higher ones were not validated."""
+
 _DRAWS = 200
+
+
+def cap_probability(probability: float | None) -> float | None:
+    """Probability limited to the range that was validated; None where it is not known.
+
+    >>> cap_probability(1.0), cap_probability(0.4), cap_probability(None)
+    (0.99, 0.4, None)
+    """
+    if probability is None:
+        return None
+    return min(max(probability, 1.0 - LARGEST_PROBABILITY), LARGEST_PROBABILITY)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,6 +44,31 @@ class Placement:
     probability: float | None
     # Structure [Hz, -] from which the criterion was carried over, if the test's lies outside
     carried_from: tuple[float, float] | None
+
+    @property
+    def amplitude_limit(self) -> float:
+        """Tolerable |A − 1| [-] without delay."""
+        return float(np.sqrt(self.a))
+
+    @property
+    def delay_limit_ms(self) -> float:
+        """Tolerable delay [ms] without amplitude error."""
+        return float(np.sqrt(self.b))
+
+    @property
+    def accepted(self) -> bool | None:
+        """Whether the test is accepted; None where it has no index."""
+        return None if self.index is None else self.index <= 1.0
+
+    @property
+    def capped_probability(self) -> float | None:
+        """Probability as far as it was validated."""
+        return cap_probability(self.probability)
+
+    @property
+    def is_carried(self) -> bool:
+        """Whether the criterion was carried over from another structure."""
+        return self.carried_from is not None
 
 
 @dataclass(frozen=True, kw_only=True)

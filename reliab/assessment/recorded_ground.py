@@ -78,12 +78,6 @@ class ShownGround:
         """Return the ground acceleration of the test by its channel [m/s²]; None where it shows nothing."""
         return self.sign * ground if ground is not None and self.fits else None
 
-    def to_dict(self) -> dict[str, float] | None:
-        """Put it into plain values; None where nothing was compared."""
-        if self.misfit is None:
-            return None
-        return {"frequency_ratio": self.frequency, "deviation": self.deviation, "unexplained": self.misfit}
-
 
 def examine_ground(
     recording: Recording | CoupledRecording,

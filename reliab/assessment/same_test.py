@@ -10,7 +10,7 @@ parabola, show how far the extrapolation is to be trusted.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -23,9 +23,9 @@ from reliab.assessment.verdict import Word, probability_text, word_of_probabilit
 from reliab.core.arrays import Array
 from reliab.core.columns import Columns
 from reliab.core.errors import InputError
-from reliab.core.plain_values import ResultWithRows
+from reliab.core.plain_values import Keys, PlainResult, ResultWithRows, same_names
 from reliab.core.significant_digits import percent_and_interval, percent_with_interval, significant
-from reliab.core.vocabulary import MILLI, PERCENT, Metric
+from reliab.core.vocabulary import PERCENT, Metric
 from reliab.signals.spectra import cross_correlate
 
 if TYPE_CHECKING:
@@ -42,8 +42,16 @@ _OPEN = 0.5  # share of the draws in which the command did not pass the filter o
 
 
 @dataclass(frozen=True, kw_only=True)
-class RunOfTest:
+class RunOfTest(PlainResult):
     """One run, judged with the others."""
+
+    keys: ClassVar[Keys] = {
+        **same_names("file", "gain"),
+        "d_ms": "delay",
+        **same_names("alone", "error", "probability"),
+        "verdict": "word",
+        "contradicts": "contradicts",
+    }
 
     file: str  # Name of the run
     gain: float  # Share of the command that the actuator moved [-]
@@ -54,25 +62,19 @@ class RunOfTest:
     word: Word  # Verdict on the run
     contradicts: bool  # Whether the two intervals have nothing in common
 
-    def to_dict(self) -> dict[str, Any]:
-        """Put it into plain values."""
-        return {
-            "file": self.file,
-            "gain": self.gain,
-            "d_ms": MILLI * self.delay,
-            "alone": vars(self.alone),
-            "error": vars(self.error),
-            "probability": self.probability,
-            "verdict": str(self.word),
-            "contradicts": self.contradicts,
-        }
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SameTest(ResultWithRows):
     """Runs of one test, and the response to which they extrapolate."""
 
     rows_in = "runs"
+    keys: ClassVar[Keys] = {
+        **same_names("metric", "threshold", "reliable"),
+        "line_against_parabola": "checked",
+        "peak_m": "peak",
+        "runs": "runs",
+        "warnings": "sentences",
+    }
     table_columns: ClassVar[Columns] = {
         "run": ("file", ""),
         "verdict": ("verdict", lambda word: Word(word).phrase, "left"),
@@ -120,17 +122,10 @@ class SameTest(ResultWithRows):
         """Draw the error of each run against the extrapolated response with its 90 % interval [%]."""
         return plot_errors({run.file: run.error for run in self.runs}, self.metric, self.threshold, axes)
 
-    def to_dict(self) -> dict[str, Any]:
-        """Put it into plain values."""
-        return {
-            "metric": str(self.metric),
-            "threshold": self.threshold,
-            "reliable": self.reliable,
-            "line_against_parabola": self.checked,
-            "peak_m": float(np.abs(self.response).max()),
-            "runs": [run.to_dict() for run in self.runs],
-            "warnings": list(self.sentences),
-        }
+    @property
+    def peak(self) -> float:
+        """Largest displacement without an error of the actuator [m]."""
+        return float(np.abs(self.response).max())
 
 
 def combine_runs(runs: Mapping[str, Assessment], *, seed: int = 0) -> SameTest:

@@ -139,6 +139,36 @@ class TrackingIndex:
         return (low_a, high_a), (low_d, high_d)
 
     @property
+    def amplitude_interval(self) -> tuple[float, float]:
+        """95 % interval of A [-]."""
+        return self.interval()[0]
+
+    @property
+    def delay_interval(self) -> tuple[float, float]:
+        """95 % interval of d [s]."""
+        return self.interval()[1]
+
+    @property
+    def phase(self) -> float:
+        """Phase of the measured displacement at the equivalent frequency [rad]."""
+        return -2.0 * np.pi * self.plain.equivalent_frequency * self.delay
+
+    @property
+    def signal_to_noise(self) -> float:
+        """Measured motion over what gain and delay leave of it [dB]."""
+        return -20.0 * float(np.log10(max(self.noise_share, 1e-15)))
+
+    @property
+    def amplitude_correction(self) -> float:
+        """By how much A differs from that of equations (1)–(5) [-]."""
+        return self.amplitude - self.plain.amplitude
+
+    @property
+    def delay_correction(self) -> float:
+        """By how much d differs from that of equations (1)–(5) [s]."""
+        return self.delay - self.plain.equivalent_delay
+
+    @property
     def spread(self) -> tuple[float, float]:
         """Half of the central 68 % of A [-] and d [s], as a standard deviation."""
         low, high = np.quantile(self.draws, [0.1587, 0.8413], axis=1)

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import ClassVar, Final
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from reliab.assessment.yielding import (
     largest_displacement,
     yielded,
 )
+from reliab.core.plain_values import Keys, PlainResult, same_names
 from reliab.core.significant_digits import percent, significant
 from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
@@ -33,8 +34,13 @@ _YIELDING = "Record the force of the specimen, or give `specimen` as linear if i
 
 
 @dataclass(frozen=True, kw_only=True)
-class Turning:
+class Turning(PlainResult):
     """What would change the verdict on a test, though it was not stated; None where nothing tried does."""
+
+    keys: ClassVar[Keys] = {
+        **same_names("smallest_ductility", "error_if_yielding", "smallest_hardening", "error_if_hardening"),
+        "highest_filter_hz": "highest_filter",
+    }
 
     # Smallest of `DUCTILITIES` with which the error lies on the other side of the threshold [-]
     smallest_ductility: float | None = None
@@ -94,17 +100,6 @@ class Turning:
             )
         if self.doubt_of_skew:
             yield self.doubt_of_skew
-
-    def to_dict(self) -> dict[str, Any]:
-        """Put it into plain values."""
-        yielding_errors = self.error_if_yielding
-        return {
-            "smallest_ductility": self.smallest_ductility,
-            "error_if_yielding": None if yielding_errors is None else list(yielding_errors),
-            "smallest_hardening": self.smallest_hardening,
-            "error_if_hardening": None if self.error_if_hardening is None else list(self.error_if_hardening),
-            "highest_filter_hz": self.highest_filter,
-        }
 
 
 def _error_range(errors: tuple[float, float]) -> str:

@@ -41,6 +41,11 @@ class Verdict:
     # What to do about an undecided test, in sentences; what narrows the interval may not decide it
     would_decide: tuple[str, ...] = ()
 
+    @property
+    def reliable(self) -> bool:
+        """Whether it is "reliable"."""
+        return self.word is Word.RELIABLE
+
     def add_doubts(self, reasons: Sequence[str], would_decide: Sequence[str]) -> "Verdict":
         """Return the verdict as undecided for further reasons; unchanged where there are none."""
         if not reasons:

@@ -1,11 +1,12 @@
 """Results as plain values, tables of pandas, and HTML; tables are written so that no cell is a formula."""
 
+import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields, is_dataclass
 from functools import reduce
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+from typing import TYPE_CHECKING, Any, ClassVar, Final, TypeAlias
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from reliab.core.columns import Columns, write_cells
 from reliab.core.encodings import as_cell, restore_cell
 from reliab.core.files import refuse_unwritable, written_whole
 from reliab.core.stated_value import StatedValue
+from reliab.core.vocabulary import MILLI
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -23,28 +25,44 @@ TABLE_FORMAT: Final[Mapping[str, Any]] = {"max_rows": 20, "float_format": "{:.4g
 """How pandas writes a table in a summary and in a notebook."""
 
 
+Keys: TypeAlias = Mapping[str, "str | Keys | tuple[str, Keys]"]
+"""Keys of a result with the source of each; see :class:`PlainResult`."""
+
+
+def same_names(*names: str) -> dict[str, str]:
+    """Give attributes their own names as keys."""
+    return dict(zip(names, names, strict=True))
+
+
 class PlainResult:
-    """A dataclass that writes its fields, or the values that `keys` names, as plain values.
+    """A dataclass that writes its fields, or what `keys` names, as plain values.
+
+    The source of a key is an attribute, with dots through attributes and keys, or keys that stand together
+    under it: those of the result, or as `(attribute, keys)` those of a part, or of each of several parts.
+    Keys that stand together are None if the source of their "?" is missing.
+    The step `0` of a source is the first of several, and `{name}` puts parts into a mapping by their
+    attribute `name`.
+
+    A key states its unit, and one in `ms` is written in milliseconds if its attribute is in seconds. A key
+    that ends in "?" is left out if there is nothing to write, and "**" adds the keys of a part to those of
+    the result. What is missing, infinite or no number is None.
 
     >>> from dataclasses import dataclass
     >>> @dataclass(frozen=True)
     ... class Peak(PlainResult):
-    ...     keys = {"time_s": "time", "peaks": "values"}
+    ...     keys = {"time_ms": "time", "peaks": "values", "at": {"floor?": "floor"}}
     ...     time: float
     ...     values: tuple[float, ...]
-    >>> Peak(0.5, (1.0, 2.0)).to_dict()
-    {'time_s': 0.5, 'peaks': [1.0, 2.0]}
+    ...     floor: str = ""
+    >>> Peak(0.5, (1.0, float("inf"))).to_dict()
+    {'time_ms': 500.0, 'peaks': [1.0, None], 'at': {}}
     """
 
-    # Attribute of each key, with dots through attributes and keys; every field under its own name by default.
-    # A key carries the unit: `time_s`, `delay_ms`.
-    keys: ClassVar[Mapping[str, str]] = {}
+    keys: ClassVar[Keys] = {}  # Every field under its own name by default
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values with stable keys."""
-        if not self.keys:
-            return _fields(self)
-        return {key: plain_value(reduce(_part, name.split("."), self)) for key, name in self.keys.items()}
+        return _write_keys(self, self.keys) if self.keys else _fields(self)
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Put the values into a table of one row; a value within a value is `outer_inner`."""
@@ -84,8 +102,60 @@ class PlainResult:
         return str(rows.to_html(na_rep="", **TABLE_FORMAT))
 
 
+def _write_keys(result: Any, keys: Keys) -> dict[str, Any]:  # noqa: ANN401 - any result
+    content: dict[str, Any] = {}
+    for key, source in keys.items():
+        value = _write_source(result, source)
+        if isinstance(source, str) and _in_milliseconds(key) and not _in_milliseconds(source):
+            value = _multiply(value, MILLI)
+        if key.startswith("**"):
+            content |= value
+        elif not key.endswith("?"):
+            content[key] = value
+        elif value is not None and value not in ("", [], {}):
+            content[key[:-1]] = value
+    return content
+
+
+def _write_source(result: Any, source: str | Keys | tuple[str, Keys]) -> Any:  # noqa: ANN401 - of any result
+    match source:
+        case str():
+            return plain_value(_follow(result, source))
+        case (str() as path, keys):
+            part = _follow(result, path)
+            if isinstance(part, list | tuple):
+                return [_write_keys(item, keys) for item in part]
+            if isinstance(part, Mapping):
+                return {name: _write_keys(item, keys) for name, item in part.items()}
+            return None if part is None else _write_keys(part, keys)
+        case _:
+            inner = dict(source)
+            is_missing = "?" in inner and _write_source(result, inner.pop("?")) is None
+            return None if is_missing else _write_keys(result, inner)
+
+
+def _follow(result: Any, path: str) -> Any:  # noqa: ANN401 - of any result
+    return reduce(_part, path.split("."), result)
+
+
 def _part(container: Any, name: str) -> Any:  # noqa: ANN401 - of any result
+    if container is None:
+        return None
+    if name.isdecimal():
+        return container[int(name)]
+    if name.startswith("{"):
+        return {getattr(item, name[1:-1]): item for item in container}
     return container[name] if isinstance(container, Mapping) else getattr(container, name)
+
+
+def _in_milliseconds(name: str) -> bool:
+    return "ms" in re.split(r"[_.?]", name)
+
+
+def _multiply(value: Any, factor: float) -> Any:  # noqa: ANN401 - numbers in lists
+    if isinstance(value, list):
+        return [_multiply(item, factor) for item in value]
+    return None if value is None else factor * value
 
 
 def _fields(dataclass: Any) -> dict[str, Any]:  # noqa: ANN401 - any dataclass
@@ -101,6 +171,8 @@ def plain_value(value: Any) -> Any:  # noqa: ANN401 - of any result
     """Turn a value into what JSON holds; a stated value has its standard deviation beside it."""
     plain = value
     match value:
+        case float():
+            plain = finite(value)
         case StatedValue():
             plain = {"value": value.value, "sd": value.deviation}
         case _ if hasattr(value, "to_dict"):
@@ -112,7 +184,7 @@ def plain_value(value: Any) -> Any:  # noqa: ANN401 - of any result
         case list() | tuple():
             plain = [plain_value(item) for item in value]
         case np.ndarray() | np.generic():
-            plain = value.tolist()
+            plain = plain_value(value.tolist())
         case str() | Path():
             plain = str(value)
     return plain

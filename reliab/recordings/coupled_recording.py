@@ -85,6 +85,11 @@ class CoupledRecording:
         """Time between the first and the last sample [s]."""
         return float((self.command.shape[1] - 1) * self.time_step)
 
+    @property
+    def rate(self) -> float:
+        """Sampling rate [Hz]."""
+        return 1.0 / self.time_step
+
     def select_actuator(self, place: int) -> Recording:
         """Return the recording of one actuator, which must move."""
         return Recording(

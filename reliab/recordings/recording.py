@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.physical_range import require_physical
-from reliab.core.plain_values import PlainResult
+from reliab.core.plain_values import Keys, PlainResult, same_names
 from reliab.core.stated_value import StatedValue
 from reliab.recordings.words import Measurand
 
@@ -93,8 +93,14 @@ class StatedChannels:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Channel:
+class Channel(PlainResult):
     """A column that was recognised."""
+
+    keys: ClassVar[Keys] = {
+        "channel": "name",
+        **same_names("column", "unit", "factor", "reason"),
+        "applied": "corrections",
+    }
 
     part: Part
     column: str  # Its name in the file
@@ -103,24 +109,17 @@ class Channel:
     reason: str  # Why it was taken, in words
     zero: float = 0.0  # reading that is taken away before
     actuator: str = ""  # Number of its actuator, in a file of several
-    corrections: tuple[
-        str, ...
-    ] = ()  # What of its file, and of its clock, was applied to the readings, in words
+    # What of its file, and of its clock, was applied to the readings, in words
+    corrections: tuple[str, ...] = ()
 
     def convert_to_si(self, readings: Array) -> Array:
         """Return readings in SI units, with the zero taken away."""
         return (readings - self.zero) * self.factor
 
-    def summary(self) -> dict[str, str | float | list[str]]:
-        """Plain values for JSON."""
-        return {
-            "channel": str(self.part) + (f"_{self.actuator}" if self.actuator else ""),
-            "column": self.column,
-            "unit": self.unit,
-            "factor": self.factor,
-            "reason": self.reason,
-            "applied": list(self.corrections),
-        }
+    @property
+    def name(self) -> str:
+        """What it is, with its actuator in a file of several."""
+        return f"{self.part}_{self.actuator}" if self.actuator else str(self.part)
 
 
 def require_few_samples(samples: int, location: str) -> None:
@@ -146,6 +145,15 @@ class Recording(PlainResult):
     >>> round(test.duration, 2)
     19.99
     """
+
+    keys: ClassVar[Keys] = {
+        "test": "name",
+        "duration_s": "duration",
+        "rate_hz": "rate",
+        "samples": "command.size",
+        "**": "largest",
+        "notes": "notes",
+    }
 
     # command, measured: Displacements [m], shape (n,), 64 ≤ n ≤ 10 million; where no unit is known they
     # only share one
@@ -192,15 +200,20 @@ class Recording(PlainResult):
         """Time between the first and the last sample [s]."""
         return (self.command.size - 1) * self.time_step
 
-    def to_dict(self) -> dict[str, Any]:
-        """Say how long the test is, and the largest value of each channel in SI units."""
+    @property
+    def rate(self) -> float:
+        """Sampling rate [Hz]."""
+        return 1.0 / self.time_step
+
+    @property
+    def largest(self) -> dict[str, float]:
+        """Largest value of each channel in SI units."""
+        names = ("command", "measured", "ground", "force")
+        known = {name: getattr(self, name) for name in names}
         return {
-            "test": self.name,
-            "duration_s": self.duration,
-            "rate_hz": 1.0 / self.time_step,
-            "samples": self.command.size,
-            **{f"largest_{name}": float(np.abs(values).max()) for name, values in self._histories.items()},
-            "notes": list(self.notes),
+            f"largest_{name}": float(np.abs(values).max())
+            for name, values in known.items()
+            if values is not None
         }
 
     def plot(self, axes: "Axes | None" = None) -> "Axes":
@@ -217,12 +230,6 @@ class Recording(PlainResult):
         drawn.set(xlabel="time [s]", ylabel="displacement [m]", title=self.name)
         drawn.legend(frameon=False)
         return drawn
-
-    @property
-    def _histories(self) -> dict[str, Array]:
-        names = ("command", "measured", "ground", "force")
-        known = {name: getattr(self, name) for name in names}
-        return {name: values for name, values in known.items() if values is not None}
 
 
 def require_finite(values: NDArray[np.float64], description: str, location: str) -> None:

@@ -9,9 +9,9 @@ from scipy.interpolate import CubicSpline
 
 from reliab.assessment.assess import assess
 from reliab.assessment.default_criterion import default_criterion
-from reliab.assessment.findings import LARGEST_PROBABILITY, improvement
+from reliab.assessment.findings import improvement
 from reliab.assessment.own_motion import OwnBoundary
-from reliab.assessment.placement import scale_limits
+from reliab.assessment.placement import LARGEST_PROBABILITY, scale_limits
 from reliab.core.vocabulary import Metric, Side
 from reliab.criterion.published import published_criterion
 from reliab.effects.backlash import Backlash

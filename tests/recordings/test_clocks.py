@@ -82,7 +82,7 @@ def test_possible_milliseconds_are_questioned():
 def assert_samples(times, test):
     sample_times = times[0] + test.time_step * np.arange(test.command.size)
     np.testing.assert_allclose(test.command[5:-5], smooth(sample_times)[5:-5], atol=2e-6)
-    return " ".join(test.notes), test.channels[0].summary()["applied"]
+    return " ".join(test.notes), list(test.channels[0].corrections)
 
 
 def read_at(times):

@@ -263,7 +263,7 @@ def test_late_channel_is_moved_to_its_start(tmp_path, write):
     test = read_recording(write(tmp_path))
     assert delay_of(test.command, test.measured, test.time_step) == pytest.approx(DELAY, abs=3e-5)
     reading = next(channel for channel in test.channels if channel.part == "measured")
-    assert f"begins {1e3 * LATE:g} ms" in " ".join(reading.summary()["applied"])
+    assert f"begins {1e3 * LATE:g} ms" in " ".join(reading.corrections)
     assert any(f"begins {1e3 * LATE:g} ms" in note for note in test.notes)
 
 

@@ -21,7 +21,7 @@ from reliab.assessment.budget.sizes import (
 )
 from reliab.assessment.coupled_error.coupled_error import CoupledError
 from reliab.assessment.error_of_test import ErrorOfTest
-from reliab.assessment.error_with_threshold import plain_errors
+from reliab.assessment.error_with_threshold import UNKNOWN
 from reliab.assessment.measured_specimen.force_channel import ForceChannel
 from reliab.assessment.measured_specimen.monitor import MeasuredMonitor, StatedForce
 from reliab.assessment.monitor import Monitor
@@ -33,7 +33,7 @@ from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.verdict import Word, error_in_words, word_of_probability
 from reliab.core.encodings import pieces_as_utf8
 from reliab.core.files import written_whole
-from reliab.core.plain_values import PlainResult
+from reliab.core.plain_values import PlainResult, plain_value
 from reliab.core.significant_digits import percent, significant
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import ERROR_NAMES, Metric
@@ -392,9 +392,12 @@ class FollowedTest:
     def _errors(self, error: Any) -> dict[str, Any]:  # noqa: ANN401 - of any kind of test
         """RMS^R and MTE^R with their intervals, and the probability of staying below the threshold."""
         if error is None:
-            return {**plain_errors(None), "probability": None}
+            return {**dict.fromkeys(Metric, plain_value(UNKNOWN)), "probability": None}
         probability = as_certain_as(self.sizes, error.probability(self.threshold, self.metric))
-        return {**plain_errors(error.estimate), "probability": probability}
+        return {
+            **{metric: plain_value(error.estimate(metric)) for metric in Metric},
+            "probability": probability,
+        }
 
 
 def _values_of_monitor(monitor: AnyMonitor) -> dict[str, Any]:

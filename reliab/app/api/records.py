@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import TYPE_CHECKING, ClassVar, Unpack
 
 import numpy as np
 import pandas as pd
@@ -14,11 +14,12 @@ from reliab.app.api.channels import FileReading
 from reliab.app.declaration import asks
 from reliab.core.errors import InputError
 from reliab.core.files import refuse_unwritable, require_ending, written_whole
-from reliab.core.plain_values import PlainResult
+from reliab.core.plain_values import Keys, PlainResult, same_names
 from reliab.core.shipped import or_shipped
 from reliab.recordings.calibration import ChannelCalibration, calibrate_channels, calibration_in_toml
 from reliab.recordings.reading import ChannelHistories
 from reliab.recordings.record import About, check_record, write_csv, write_record
+from reliab.recordings.recording import Channel
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,23 +32,40 @@ _USUAL = {"f": 1.0, "xi": 0.05}
 class Record(PlainResult):
     """A record that was made: what was recognised in a file, and what was written."""
 
+    keys: ClassVar[Keys] = {
+        **same_names("source", "files"),
+        "test": "histories.columns.test",
+        "rate_hz": "rate",
+        "samples": "samples",
+        "recording": {"channels": "channels"},
+        "left": "unused_columns",
+        "notes": "histories.notes",
+    }
+
     source: Path
     files: tuple[Path, ...]
     histories: ChannelHistories
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values for JSON."""
-        columns = self.histories.columns
-        return {
-            "source": str(self.source),
-            "files": [str(path) for path in self.files],
-            "test": columns.test,
-            "rate_hz": 1.0 / self.histories.time_step,
-            "samples": int(next(iter(self.histories.values.values())).size),
-            "recording": {"channels": [channel.summary() for channel in self.histories.channels.values()]},
-            "left": [name for name in columns.values if name not in self._list_used_columns],
-            "notes": list(self.histories.notes),
-        }
+    @property
+    def rate(self) -> float:
+        """Sampling rate [Hz]."""
+        return 1.0 / self.histories.time_step
+
+    @property
+    def samples(self) -> int:
+        """Number of samples of each channel."""
+        return next(iter(self.histories.values.values())).size
+
+    @property
+    def channels(self) -> tuple[Channel, ...]:
+        """Channels that were recognised."""
+        return tuple(self.histories.channels.values())
+
+    @property
+    def unused_columns(self) -> list[str]:
+        """Names of the columns that are no channel."""
+        used = {channel.column for channel in self.channels}
+        return [name for name in self.histories.columns.values if name not in used]
 
     def plot(self, axes: "Axes | None" = None) -> "Axes":
         """Draw the channels over time [s], in SI units."""
@@ -61,10 +79,6 @@ class Record(PlainResult):
         plot_axes.set(xlabel="time [s]", title=self.source.name)
         plot_axes.legend(frameon=False)
         return plot_axes
-
-    @property
-    def _list_used_columns(self) -> set[str]:
-        return {channel.column for channel in self.histories.channels.values()}
 
 
 @asks(questions.RecordQuestion)
