@@ -53,6 +53,7 @@ class Assessments(ResultWithRows):
 
     def to_dict(self) -> dict[str, dict[str, Any]]:
         """By file, what is found in plain numbers; for a test that could not be judged, its `fault`."""
+        # By hand, since the keys are files.
         return {
             file: {"fault": self.faults[file]} if file in self.faults else self.judged[file].to_dict()
             for file in self.files

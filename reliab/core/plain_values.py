@@ -1,10 +1,11 @@
 """Results as plain values, tables of pandas, and HTML; tables are written so that no cell is a formula."""
 
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from functools import reduce
 from html import escape
+from inspect import ismethod
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Final, TypeAlias
 
@@ -37,11 +38,11 @@ def same_names(*names: str) -> dict[str, str]:
 class PlainResult:
     """A dataclass that writes its fields, or what `keys` names, as plain values.
 
-    The source of a key is an attribute, with dots through attributes and keys, or keys that stand together
-    under it: those of the result, or as `(attribute, keys)` those of a part, or of each of several parts.
+    The source of a key is an attribute or method, with dots through attributes and keys, or keys that stand
+    together under it: those of the result, or as `(attribute, keys)` those of a part or of each of several.
     Keys that stand together are None if the source of their "?" is missing.
-    The step `0` of a source is the first of several, and `{name}` puts parts into a mapping by their
-    attribute `name`.
+    The step `0` of a source is the first of several parts, `[name]` takes the attribute `name` of each, and
+    `{name}` puts them into a mapping by it.
 
     A key states its unit, and one in `ms` is written in milliseconds if its attribute is in seconds. A key
     that ends in "?" is left out if there is nothing to write, and "**" adds the keys of a part to those of
@@ -144,8 +145,13 @@ def _part(container: Any, name: str) -> Any:  # noqa: ANN401 - of any result
     if name.isdecimal():
         return container[int(name)]
     if name.startswith("{"):
-        return {getattr(item, name[1:-1]): item for item in container}
-    return container[name] if isinstance(container, Mapping) else getattr(container, name)
+        return {_part(item, name[1:-1]): item for item in container}
+    if name.startswith("["):
+        return [_part(item, name[1:-1]) for item in container]
+    if isinstance(container, Mapping):
+        return container[name]
+    attribute = getattr(container, name)
+    return attribute() if ismethod(attribute) else attribute
 
 
 def _in_milliseconds(name: str) -> bool:
@@ -181,7 +187,7 @@ def plain_value(value: Any) -> Any:  # noqa: ANN401 - of any result
             plain = _fields(value)
         case Mapping():
             plain = {str(key): plain_value(item) for key, item in value.items()}
-        case list() | tuple():
+        case list() | tuple() | Iterator():
             plain = [plain_value(item) for item in value]
         case np.ndarray() | np.generic():
             plain = plain_value(value.tolist())

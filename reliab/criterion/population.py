@@ -149,6 +149,7 @@ class Population:
 
     def to_dict(self) -> dict[str, Any]:
         """Plain lists for JSON; logarithms with five decimals, NaN as null."""
+        # By hand, since the file of a criterion holds rounded numbers, which `from_dict` reads.
         return {
             "frequencies": self.frequencies.tolist(),
             "damping_ratios": self.damping_ratios.tolist(),

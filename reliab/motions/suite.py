@@ -3,10 +3,10 @@
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
-from typing import TYPE_CHECKING, Any, Protocol, overload
+from typing import TYPE_CHECKING, ClassVar, Protocol, overload
 
 from reliab.core.errors import InputError
-from reliab.core.plain_values import ResultWithRows, html_table
+from reliab.core.plain_values import Keys, ResultWithRows, html_table
 from reliab.core.significant_digits import counted
 from reliab.motions.motion import Motion
 
@@ -60,6 +60,9 @@ class MotionSuite(Sequence[Motion], ResultWithRows):
     """
 
     rows_in = "motions"
+    keys: ClassVar[Keys] = {
+        "motions": ("entries", {"motion": "name", "event": "event", "set": "set_name"})  # no record is read
+    }
 
     def __init__(self, entries: Iterable[MotionEntry]) -> None:
         self._entries = tuple(entries)
@@ -128,14 +131,6 @@ class MotionSuite(Sequence[Motion], ResultWithRows):
         return (
             f"<MotionSuite of {counted(len(self), 'motion')} from {counted(len(set(self.events)), 'event')}>"
         )
-
-    def to_dict(self) -> dict[str, Any]:
-        """Name, earthquake and set of each motion; no record is read."""
-        return {
-            "motions": [
-                {"motion": entry.name, "event": entry.event, "set": entry.set_name} for entry in self._entries
-            ]
-        }
 
     def plot(self, axes: "Axes | None" = None) -> "Axes":
         """Draw the peak acceleration of each motion over its duration, and return the axes.

@@ -61,5 +61,6 @@ class ReportSetting:
 
     def to_dict(self) -> dict[str, Any]:
         """Put everything that changes a report into plain values, the logo by its checksum."""
+        # By hand, since it identifies inputs of a run and is no result.
         logos = [hashlib.sha256(content).hexdigest() for content in self.files().values()]
         return {**self.inputs(), "date": None if self.date is None else self.date.isoformat(), "logos": logos}

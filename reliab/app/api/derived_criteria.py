@@ -12,7 +12,7 @@ import xarray as xr
 from reliab.core.columns import PLACE_COLUMNS, Columns, digits
 from reliab.core.errors import IncompleteError, InputError
 from reliab.core.files import refuse_unwritable, written_whole
-from reliab.core.plain_values import ResultWithRows
+from reliab.core.plain_values import Keys, ResultWithRows
 from reliab.core.progress import Show
 from reliab.core.shipped import shipped
 from reliab.core.significant_digits import percent
@@ -35,6 +35,12 @@ class Criteria(ResultWithRows):
     """Criteria with what they were derived from."""
 
     rows_in = "criteria"
+    keys: ClassVar[Keys] = {
+        "criteria": "rows",
+        "**row": "only_row",
+        "posteriors?": "posteriors",
+        "**": "additions",
+    }
     table_columns: ClassVar[Columns] = {
         **PLACE_COLUMNS,
         "confidence [-]": ("confidence", lambda promise: "none" if promise is None else f"{promise:g}"),
@@ -90,15 +96,10 @@ class Criteria(ResultWithRows):
         """Diagnostics of sampled posteriors, one for each error and side."""
         return [diagnostics for derivation in self.derivations for diagnostics in derivation.diagnostics]
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain numbers with stable keys: `criteria`, the rows, and where there is only one its keys too."""
-        posteriors = {"posteriors": self.posteriors} if self.posteriors else {}
-        return {
-            "criteria": self.rows,
-            **(self.rows[0] if len(self.rows) == 1 else {}),
-            **posteriors,
-            **self.additions,
-        }
+    @property
+    def only_row(self) -> dict[str, Any]:
+        """The row where there is only one."""
+        return self.rows[0] if len(self.rows) == 1 else {}
 
     def require_converged(self, chains: str | Path | None = None) -> None:
         """Refuse criteria of posteriors that have not converged, and say how to go on.

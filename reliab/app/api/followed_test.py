@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from itertools import chain, islice
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -33,7 +33,7 @@ from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.verdict import Word, error_in_words, word_of_probability
 from reliab.core.encodings import pieces_as_utf8
 from reliab.core.files import written_whole
-from reliab.core.plain_values import PlainResult, plain_value
+from reliab.core.plain_values import Keys, PlainResult, plain_value
 from reliab.core.significant_digits import percent, significant
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import ERROR_NAMES, Metric
@@ -73,6 +73,8 @@ _GLANCE = 0.1  # s of the test between two looks at the alarms
 class Message(PlainResult):
     """State of a running test at one moment."""
 
+    keys: ClassVar[Keys] = {"**": "content"}
+
     kind: str  # Why it comes: time has passed, an alarm was raised, the test has ended
     content: Mapping[str, Any]  # The numbers, with stable keys
     monitor: AnyMonitor  # The monitor, which goes on with the test
@@ -80,10 +82,6 @@ class Message(PlainResult):
     # At the end, what :func:`reliab.assess` answers of the same rows; None of a test that is too long to be
     # held, or whose file was replaced
     assessment: "AnyAssessment | None" = None
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain numbers with stable keys."""
-        return dict(self.content)
 
 
 class WholeText:

@@ -3,14 +3,14 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Unpack
+from typing import Any, ClassVar, Unpack
 
 import xarray as xr
 
 from reliab.app import questions, subjects
 from reliab.app.api.sources import as_list, paths
 from reliab.app.declaration import asks
-from reliab.core.plain_values import PlainResult
+from reliab.core.plain_values import Keys, PlainResult, same_names
 from reliab.core.progress import Progress, Show, quietly, silent
 from reliab.motions.loading import load_motions
 from reliab.motions.suite import MotionSuite
@@ -82,6 +82,13 @@ def _run(
 class Simulation(PlainResult):
     """A suite of ground motions that was simulated and stored."""
 
+    keys: ClassVar[Keys] = {
+        **same_names("store", "motions"),
+        **{name: f"request.describe.{name}" for name in ("f", "xi", "kp", "tau")},
+        "alpha": "request.experimental_fractions",
+        "**": "stored_attributes",
+    }
+
     store: Path
     motions: int
     request: SweepRequest
@@ -90,17 +97,11 @@ class Simulation(PlainResult):
         """Open the store, as :func:`reliab.simulate` does."""
         return open_results(self.store)
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values with stable keys: what was simulated, and where it is stored."""
-        description = self.request.describe()
-        stored_attributes = attributes(self.request, self.request.windows[0].label)
-        return {
-            "store": str(self.store),
-            "motions": self.motions,
-            **{name: description[name] for name in ("f", "xi", "kp", "tau")},
-            "alpha": list(self.request.experimental_fractions),
-            **{name: stored_attributes[name] for name in _ATTRIBUTES if name in stored_attributes},
-        }
+    @property
+    def stored_attributes(self) -> dict[str, Any]:
+        """How it was simulated, as the store states it."""
+        stored = attributes(self.request, self.request.windows[0].label)
+        return {name: stored[name] for name in _ATTRIBUTES if name in stored}
 
 
 @asks(questions.SimulationQuestion, subjects.NewStore)

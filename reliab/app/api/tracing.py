@@ -12,7 +12,7 @@ from reliab.app import questions
 from reliab.app.api.sources import EllipseSource
 from reliab.app.declaration import asks
 from reliab.core.columns import PLACE_COLUMNS, Columns
-from reliab.core.plain_values import ResultWithRows
+from reliab.core.plain_values import Keys, ResultWithRows
 from reliab.core.progress import Show, quietly
 from reliab.core.vocabulary import CurveName, NoEllipse, Side
 from reliab.sweep.ellipse_dataset import write_ellipses
@@ -46,6 +46,7 @@ class Boundaries(ResultWithRows):
     """Boundaries of equal error."""
 
     rows_in = "ellipses"
+    keys: ClassVar[Keys] = {"ellipses": "rows", "warnings?": "warnings"}
     table_columns: ClassVar[Columns] = {
         "motion": ("motion", ""),
         **PLACE_COLUMNS,
@@ -65,10 +66,9 @@ class Boundaries(ResultWithRows):
     ellipses: xr.Dataset
 
     @property
-    def caution(self) -> str | None:
+    def warnings(self) -> list[str]:
         """What should be known of ellipses that were predicted or carried, not traced."""
-        caution: str | None = self.ellipses.attrs.get("caution")
-        return caution
+        return [text for name, text in self.ellipses.attrs.items() if name == "caution"]
 
     def __len__(self) -> int:
         return math.prod(self.ellipses.sizes.get(dimension, 1) for dimension in _PLACE)
@@ -96,11 +96,6 @@ class Boundaries(ResultWithRows):
                 **dict(zip(_PLACE, boundary, strict=True)),
                 **{name: _plain(name, values[k]) for name, values in columns.items()},
             }
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain numbers with stable keys: `ellipses`, the rows, and where there is one the `warnings`."""
-        warnings = {"warnings": [self.caution]} if self.caution else {}
-        return {"ellipses": list(self.rows()), **warnings}
 
 
 @asks(questions.TracingQuestion)

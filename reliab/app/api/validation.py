@@ -81,6 +81,7 @@ class Validation(ResultWithRows):
 
     def to_dict(self) -> dict[str, Any]:
         """Rates with their intervals and confusion matrices as plain values with stable keys."""
+        # By hand, since sentences need rates that are computed once.
         counts = self.counts.counts
         rows, leads = (_rows(self.counts, ("f", "xi"), side) for side in ("lag", "lead"))
         return {

@@ -30,5 +30,4 @@ def _show(ellipses: "Boundaries", metric: str) -> None:
     while page := list(itertools.islice(rows, _PAGE)):
         show_rows(title, ellipses.table_columns, page)
         title = ""
-    if ellipses.caution:
-        say(f"Note: {ellipses.caution}")
+    say(*(f"Note: {warning}" for warning in ellipses.warnings))

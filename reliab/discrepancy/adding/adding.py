@@ -3,10 +3,10 @@
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import ClassVar
 
 from reliab.core.errors import InputError
-from reliab.core.plain_values import ResultWithRows
+from reliab.core.plain_values import Keys, ResultWithRows
 from reliab.core.progress import Progress, silent
 from reliab.core.threads import one_thread
 from reliab.discrepancy.adding.criterion_shift import criterion_shift, shaking_of
@@ -42,14 +42,11 @@ class Addition(ResultWithRows):
     """
 
     rows_in = "effects"
+    keys: ClassVar[Keys] = {"**": "diagnosis"}
 
     diagnosis: Diagnosis
     posteriors: dict[str, Posterior]
     model: UpdatedModel
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return what `reliab diagnose --json` writes."""
-        return self.diagnosis.to_dict()
 
 
 def add(diagnosis: Diagnosis, *, out: Path | None = None, progress: Progress = silent) -> Addition:

@@ -5,13 +5,13 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from reliab.core.errors import InputError
-from reliab.core.plain_values import ResultWithRows
+from reliab.core.plain_values import Keys, ResultWithRows
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.structures.partition import Partition
 from reliab.structures.specimen import Specimen
@@ -112,6 +112,7 @@ class Campaign(ResultWithRows):
     """
 
     rows_in = "tests"
+    keys: ClassVar[Keys] = {"campaign": "name", "rate_hz": "rate", "tests": "rows"}
 
     name: str
     structure: Structure | None
@@ -139,9 +140,10 @@ class Campaign(ResultWithRows):
         """Step between samples [s]."""
         return 1.0 / self.rate
 
-    def to_dict(self) -> dict[str, Any]:
-        """Name the campaign and its tests."""
-        tests = [
+    @property
+    def rows(self) -> list[dict[str, Any]]:
+        """What is known of each test before it is examined."""
+        return [
             {
                 "file": test.file,
                 "motion": test.motion,
@@ -151,7 +153,6 @@ class Campaign(ResultWithRows):
             }
             for test in self.tests
         ]
-        return {"campaign": self.name, "rate_hz": self.rate, "tests": tests}
 
     def plot(self, axes: "Axes | None" = None) -> "Axes":
         """Draw the measured displacement of each test over time, and return the axes.

@@ -1,14 +1,13 @@
 """The results for one observed block."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from reliab.core.arrays import Array
-from reliab.core.plain_values import PlainResult
+from reliab.core.plain_values import Keys, PlainResult, same_names
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import describe_held_out
 from reliab.discrepancy.fitting.fit import Fit
@@ -64,7 +63,7 @@ class Verdict(StrEnum):
 class RankedModel(PlainResult):
     """A fitted model with its probability among all that were fitted, and its errors over the signal."""
 
-    keys: ClassVar[Mapping[str, str]] = {
+    keys: ClassVar[Keys] = {
         "effects": "names",
         "probability": "probability",
         "left_out_nrmse": "left_out",
@@ -75,6 +74,7 @@ class RankedModel(PlainResult):
     probability: float
     left_out: float  # On parts of the fitted tests that were left out one at a time
     held_out: float  # On held-out tests
+    is_believed: bool = False  # Whether its effects are those that the diagnosis states
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -83,8 +83,24 @@ class RankedModel(PlainResult):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class BlockDiagnosis:
+class BlockDiagnosis(PlainResult):
     """All that was found in one observed block."""
+
+    keys: ClassVar[Keys] = {
+        "block": "block.block",
+        "verdict": "verdict",
+        "effects": "effects_in_doubt_too.[name]",
+        **same_names("unknown", "gap"),
+        **{name: f"gap.{name}" for name in ("unexplained_share", "worst_unexplained_share")},
+        "residual_is_noise": "leaves_noise",
+        "structured_share": "structured_share",
+        "calibration": "calibration.{name}",
+        "further_test": "further",
+        "posterior_converged": "converged",
+        "refining": "refining.[label]",
+        "linear": "linear.{name}",
+        "candidates": ("candidates", {**RankedModel.keys, "believed": "is_believed"}),
+    }
 
     # problem, proof: The block's data on the tests that are not held out, and on those that are
     problem: Problem
@@ -118,6 +134,11 @@ class BlockDiagnosis:
     converged: bool | None = None
     # Sentences on parameters that the tests show in combination only, where the posterior was sampled
     inseparable: tuple[str, ...] = ()
+
+    @property
+    def effects_in_doubt_too(self) -> tuple[MissingEffect, ...]:
+        """Effects that are named, then those of which one acts."""
+        return *self.effects, *self.doubtful
 
     @property
     def block(self) -> ObservedBlock:
@@ -161,7 +182,8 @@ class BlockDiagnosis:
             groups.setdefault(frozenset(row.names) - linear or frozenset(row.names), []).append(row)
         rows = [
             replace(
-                next((row for row in group if row.fit is self.best), group[0]),
+                (chosen := next((row for row in group if row.fit is self.best), group[0])),
+                is_believed=chosen.fit is self.best,
                 probability=sum(row.probability for row in group),
             )
             for group in groups.values()
@@ -222,26 +244,6 @@ class BlockDiagnosis:
             ),
             None,
         )
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the entry of `blocks`."""
-        return {
-            "block": str(self.block.block),
-            "verdict": str(self.verdict),
-            "effects": [effect.name for effect in (*self.effects, *self.doubtful)],
-            "unknown": None if self.unknown is None else self.unknown.to_dict(),
-            "gap": self.gap.to_dict(),
-            "unexplained_share": self.gap.unexplained_share,
-            "worst_unexplained_share": self.gap.worst_unexplained_share,
-            "residual_is_noise": self.leaves_noise,
-            "structured_share": self.structured_share,
-            "calibration": {estimate.name: estimate.to_dict() for estimate in self.calibration},
-            "further_test": None if self.further is None else self.further.to_dict(),
-            "posterior_converged": self.converged,
-            "refining": [effect.label() for effect in self.refining],
-            "linear": {estimate.name: estimate.to_dict() for estimate in self.linear},
-            "candidates": [{**row.to_dict(), "believed": row.fit is self.best} for row in self.candidates],
-        }
 
 
 def _is_contradiction(item: Estimate) -> bool:

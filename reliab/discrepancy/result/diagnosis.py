@@ -1,11 +1,11 @@
 """The results for a whole campaign."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from reliab.assessment.recorded_force import unit_like
-from reliab.core.plain_values import ResultWithRows, html_table
+from reliab.core.plain_values import Keys, ResultWithRows, html_table
 from reliab.core.significant_digits import percent, significant
 from reliab.core.vocabulary import MILLI, PERCENT, Block
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
@@ -50,7 +50,7 @@ class Diagnosis(ResultWithRows):
         Ratios of the criterion's parameters with and without the effects, where they were computed.
     """
 
-    keys: ClassVar[Mapping[str, str]] = {
+    keys: ClassVar[Keys] = {
         "campaign": "campaign.name",
         "verdict": "verdict",
         "where": "where",

@@ -3,11 +3,11 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any, ClassVar
+from typing import ClassVar, Final
 
 import numpy as np
 
-from reliab.core.plain_values import PlainResult
+from reliab.core.plain_values import Keys, PlainResult, same_names
 from reliab.core.significant_digits import percent
 
 _FLOOR_UNCERTAINTY = 0.2
@@ -19,6 +19,11 @@ noise."""
 
 _NO_CHANGE = 0.98  # of an error: effects that leave more of it change nothing
 
+_ERRORS: Final[Keys] = {
+    "nrmse_before": "before",
+    "nrmse_after": "after",
+    "unexplained_share": "unexplained_share",
+}
 _MOST_CLOSED = 0.999
 """Largest share of a gap that is said to be closed where what remains stands above the noise."""
 
@@ -46,8 +51,23 @@ class HeldOutTest:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Gap:
+class Gap(PlainResult):
     """Difference between model and measurement on held-out tests, before and after the effects are added."""
+
+    keys: ClassVar[Keys] = {
+        **same_names("held_out", "channel"),
+        "nrmse_before": "before",
+        "nrmse_linear": "error_of_linear",
+        "nrmse_after": "after",
+        "nrmse_rival": "rival",
+        "rival_effects": "rival_effects",
+        "noise_floor": "floor",
+        "noise_floor_source": "source",
+        "noise_floors": "floors",
+        **same_names("model_error", "closed_fraction", "conclusion"),
+        "tests": ("by_test.{file}", {"kind": "kind", **_ERRORS}),
+        "kinds": ("by_kind", {"kind": "kind", "tests": "files", **_ERRORS}),
+    }
 
     channel: str  # Column
     # before, after: RMS of the difference over RMS of the signal, calibrated model and model with the effects
@@ -68,6 +88,11 @@ class Gap:
     def held_out(self) -> tuple[str, ...]:
         """Files of the held-out tests."""
         return tuple(test.file for test in self.tests)
+
+    @property
+    def error_of_linear(self) -> float:
+        """RMS of the difference over that of the signal for the best linear model."""
+        return self.before if self.linear is None else self.linear
 
     @property
     def source(self) -> str | None:
@@ -202,36 +227,10 @@ class Gap:
         excess = FLOOR_EXCESS if test.noise_like else 1.0 + _FLOOR_UNCERTAINTY
         return test.after if test.after <= excess * floor else floor
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return the entry `gap`."""
-        return {
-            "held_out": list(self.held_out),
-            "channel": self.channel,
-            "nrmse_before": self.before,
-            "nrmse_linear": self.before if self.linear is None else self.linear,
-            "nrmse_after": self.after,
-            "nrmse_rival": self.rival,
-            "rival_effects": list(self.rival_effects),
-            "noise_floor": self.floor,
-            "noise_floor_source": self.source,
-            "noise_floors": dict(self.floors),
-            "model_error": self.model_error,
-            "closed_fraction": self.closed_fraction,
-            "conclusion": self.conclusion,
-            "tests": {gap.files[0]: {"kind": gap.kind, **gap.to_dict()} for gap in self.by_test},
-            "kinds": [{"kind": gap.kind, "tests": list(gap.files), **gap.to_dict()} for gap in self.by_kind],
-        }
-
 
 @dataclass(frozen=True, kw_only=True)
-class GapOfKind(PlainResult):
+class GapOfKind:
     """Gap in the held-out tests of one kind, or in one of them: RMS of each over that of its signal."""
-
-    keys: ClassVar[Mapping[str, str]] = {
-        "nrmse_before": "before",
-        "nrmse_after": "after",
-        "unexplained_share": "unexplained_share",
-    }
 
     kind: str  # Of motion
     files: tuple[str, ...]  # The tests
@@ -239,6 +238,11 @@ class GapOfKind(PlainResult):
     after: float
     noise: float  # What no model could explain, zero where it is not known
     missing: bool  # Whether anything was found to be missing
+
+    @property
+    def file(self) -> str:
+        """The first of the tests."""
+        return self.files[0]
 
     @property
     def model_error(self) -> float:

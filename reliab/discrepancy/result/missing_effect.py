@@ -1,13 +1,13 @@
 """A missing effect: one of the library with its parameters and rivals, or a term outside the library."""
 
 import math
-from collections.abc import Mapping, Sequence, Set as AbstractSet
+from collections.abc import Sequence, Set as AbstractSet
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
-from reliab.core.plain_values import PlainResult
+from reliab.core.plain_values import Keys, PlainResult, same_names
 from reliab.core.significant_digits import percent, value_and_interval
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.terms import StatedDamping
@@ -67,11 +67,13 @@ def readable_unit(unit: str, size: float) -> tuple[float, str]:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Estimate:
+class Estimate(PlainResult):
     """A parameter: name, most probable value, standard deviation, units, central 90 % interval if sampled.
 
     `between` is the part of the standard deviation that comes from other models that hold the effect.
     """
+
+    keys: ClassVar[Keys] = {**same_names("value", "sd", "units", "determined"), "interval_90?": "interval"}
 
     name: str
     value: float
@@ -106,17 +108,6 @@ class Estimate:
         text = f"{value} ({interval}){unit}" if is_power else f"{value} {unit} ({interval})"
         return text.replace("  ", " ").replace("-", "−")
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return the entry of `parameters`."""
-        interval = {} if self.interval is None else {"interval_90": list(self.interval)}
-        return {
-            "value": self.value,
-            "sd": self.sd,
-            "units": self.units,
-            "determined": self.determined,
-            **interval,
-        }
-
 
 @dataclass(frozen=True, kw_only=True)
 class Rival(PlainResult):
@@ -128,8 +119,21 @@ class Rival(PlainResult):
 
 
 @dataclass(frozen=True, kw_only=True)
-class MissingEffect:
+class MissingEffect(PlainResult):
     """An effect that the nominal model lacks."""
+
+    keys: ClassVar[Keys] = {
+        "name": "name",
+        "block": "effect.block",
+        "probability": "probability",
+        "parameters": "estimates.{name}",
+        "rivals": "rivals",
+        "held_out_nrmse_with": "error_with",
+        "held_out_nrmse_without": "error_without",
+        "parameters_on_bounds": "on_bounds",
+        "position?": "effect.position",
+        "member_of?": "composition",
+    }
 
     effect: type[Effect]  # Which
     probability: float  # Sum of the probabilities of all fitted models that contain it
@@ -179,20 +183,10 @@ class MissingEffect:
         rival = self.rivals[0] if self.rivals else None
         return remark(self.name, self.probability, None if rival is None else (rival.name, rival.probability))
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return the entry of `effects`."""
-        return {
-            "name": self.name,
-            "block": str(self.effect.block),
-            "probability": self.probability,
-            "parameters": {estimate.name: estimate.to_dict() for estimate in self.estimates},
-            "rivals": [rival.to_dict() for rival in self.rivals],
-            "held_out_nrmse_with": self.error_with,
-            "held_out_nrmse_without": self.error_without,
-            "parameters_on_bounds": list(self.on_bounds),
-            **({"position": self.effect.position} if self.effect.position else {}),
-            **({"member_of": str(self.effect.name)} if self.member else {}),
-        }
+    @property
+    def composition(self) -> str:
+        """Effect of which it is a member; empty if it is reported as itself."""
+        return str(self.effect.name) if self.member else ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -206,9 +200,7 @@ class Unknown(PlainResult):
     held_out_nrmse: float  # What the model with the expression leaves on held-out tests
     formula: str = ""  # The expression with its coefficients in words
 
-    keys: ClassVar[Mapping[str, str]] = {
-        key: key for key in ("block", "expression", "description", "held_out_nrmse")
-    }
+    keys: ClassVar[Keys] = same_names("block", "expression", "description", "held_out_nrmse")
 
 
 def telling_test(effect: str, rival: str) -> str:

@@ -2,14 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, ClassVar, Final
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.core.plain_values import ResultWithRows
+from reliab.core.plain_values import Keys, ResultWithRows, same_names
 from reliab.core.vocabulary import Side
 
 COUNTS: Final = (
@@ -27,6 +27,7 @@ class CrossValidation(ResultWithRows):
     """Counts for each judged motion, and the rates that follow."""
 
     rows_in = "rates"
+    keys: ClassVar[Keys] = same_names("scheme", "threshold", "metric", "truth", "rates")
     table_columns = ("candidate", "confidence", "containment", "containment_low", "containment_high")
     plot_columns = ("confidence", "containment")
 
@@ -40,10 +41,10 @@ class CrossValidation(ResultWithRows):
     metric: str  # Which error
     truth: str  # What the errors rest on: "simulated", or "ellipse" where only fitted ellipses are known
 
-    def to_dict(self) -> dict[str, Any]:
-        """Say how the motions were divided, and the rates of each criterion over all structures."""
-        asked = {"scheme": self.scheme, "threshold": self.threshold, "metric": self.metric}
-        return {**asked, "truth": self.truth, "rates": tabulate(self).to_dict("records")}
+    @property
+    def rates(self) -> list[dict[Any, Any]]:
+        """Rates of each criterion over all structures."""
+        return tabulate(self).to_dict("records")
 
     def containment(self, over: Sequence[str] = ("f", "xi"), side: Side = Side.LAG) -> xr.Dataset:
         """Share of judged motions under which the error stays below the threshold along the whole edge."""
