@@ -9,7 +9,9 @@ import types
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import wraps
+from importlib import import_module
 from inspect import Parameter, Signature, cleandoc, signature
+from operator import attrgetter
 from pathlib import Path
 from typing import Any, Final, ForwardRef, TypeVar, Union, get_args, get_origin
 
@@ -29,6 +31,14 @@ Files = str | Path | Sequence[str | Path]
 
 UNITS: Final = ("Hz", "ms", "mm", "kg")
 """Units that may follow a number."""
+
+_READERS: Final[Mapping[str, str]] = {
+    "Criterion": "reliab.criterion.criterion:Criterion.read",
+    "Equipment": "reliab.assessment.budget.sizes:read_equipment",
+    "Motion": "reliab.motions.loading:read_motion",
+    "UpdatedModel": "reliab.simulation.hybrid_test.model_file:read_model",
+}
+"""What reads the file that may stand in place of an object."""
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 _NOT_ONE = (types.UnionType, Union)
@@ -60,6 +70,23 @@ class Option:
         """Names on the command line."""
         default_flag = f"--{name.replace('_', '-')}"
         return tuple(flag or default_flag for flag in self.names) or (default_flag,)
+
+    def read_value(self, name: str, kind: Any, value: Any) -> Any:  # noqa: ANN401 - of many types
+        """Check a value and make it what a function of the API works with, as its type says."""
+        checked_value = self.check_value(value)
+        if checked_value is None:
+            return None
+        if kind == Quantities:
+            several = checked_value if isinstance(checked_value, list | tuple) else [checked_value]
+            return [self.read_value(name, Quantity, item) for item in several]
+        if kind == Quantity:
+            is_read = isinstance(checked_value, StatedValue)
+            return checked_value if is_read else StatedValue.parse(str(checked_value), f"value of `{name}`")
+        reader = _READERS.get(str(kind).rpartition(" ")[2])
+        if reader is None or not isinstance(checked_value, str | Path):
+            return checked_value
+        module, _, function = reader.rpartition(":")
+        return attrgetter(function)(import_module(module))(checked_value)
 
     def check_value(self, value: Any) -> Any:  # noqa: ANN401 - of many types
         """Refuse a file to write that is of another kind; take units off numbers."""
@@ -138,11 +165,12 @@ def _plain(kind: Any) -> Any:  # noqa: ANN401 - a type
     return kind
 
 
-def asks(*questions: type) -> Callable[[_Function], _Function]:
+def asks(*questions: type, as_stated: bool = False) -> Callable[[_Function], _Function]:
     """Complete a function that takes questions as keywords: its signature, docstring and defaults.
 
-    It is called with all arguments, which are checked; an unknown name is a TypeError. An argument of its
-    own that a question declares is checked and documented alike.
+    It is called with all arguments, which are checked and read as their types say, a number as a
+    `StatedValue` and a file as the object that it describes, or left `as_stated`; an unknown name is a
+    TypeError. An argument of its own that a question declares is checked and documented alike.
     """
     options = collect_options(*questions)
 
@@ -155,7 +183,10 @@ def asks(*questions: type) -> Callable[[_Function], _Function]:
         defaults = {name: option.default for name, (_, option) in options.items() if name not in parameters}
 
         def check(name: str, value: Any) -> Any:  # noqa: ANN401 - of many types
-            return options[name][1].check_value(value) if name in options else value
+            if name not in options:
+                return value
+            kind, option = options[name]
+            return option.check_value(value) if as_stated else option.read_value(name, kind, value)
 
         @wraps(function)
         def ask(*values: Any, **keywords: Any) -> Any:  # noqa: ANN401 - as the function

@@ -15,6 +15,7 @@ from reliab.app.api.tracing import trace_boundaries
 from reliab.app.cli import application, run, spread
 from reliab.app.cli.commands import takes
 from reliab.app.declaration import Panel, Quantity, asks, collect_options
+from reliab.core.stated_value import StatedValue
 
 QUESTIONS = [
     item
@@ -64,7 +65,9 @@ def answer(name, *, late=0, **question):
 
 def test_a_function_is_called_with_every_argument_and_numbers_without_their_unit():
     assert answer("a") == ("a", 0, {"load": None, "steps": 3})
-    assert answer("a", load="2 kg ± 0.1 kg", late=1) == ("a", 1, {"load": "2 ± 0.1", "steps": 3})
+    load = StatedValue(value=2.0, deviation=0.1)
+    assert answer("a", load="2 kg ± 0.1 kg", late=1) == ("a", 1, {"load": load, "steps": 3})
+    assert asks(ExampleQuestion, as_stated=True)(answer.__wrapped__)("a", load="2 kg")[2]["load"] == "2"
 
 
 def test_an_unknown_argument_is_named_in_its_error():
@@ -125,7 +128,7 @@ def test_a_command_takes_a_declared_option():
     app = typer.Typer()
     app.command()(command)
     typer.main.get_command(app).main(["--load", "2", "--steps", "4"], standalone_mode=False)
-    assert answers == [(4, ("b", 0, {"load": "2", "steps": 4}))]
+    assert answers == [(4, ("b", 0, {"load": StatedValue(value=2.0), "steps": 4}))]
 
 
 EQUIVALENT = (

@@ -5,7 +5,6 @@ line writes them as its options.
 """
 
 from collections.abc import Iterable, Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from reliab.core.errors import InputError
@@ -22,37 +21,24 @@ LINEAR: Final = "linear"
 """A specimen that is stated as linear."""
 
 _MEASURED = "measured"
-_QUANTITIES = {
-    "scale": "scale",
-    "command_scale": "scale",
-    "mass": "mass",
-    "hysteresis": "hysteresis",
-    "resolution": "resolution",
-}
-
+_RANGED = ("scale", "mass", "hysteresis", "resolution")
 
 STRUCTURE: Final = ("f", "xi", "alpha")
 """Names of what describes a structure of one mass."""
 
 
-def parse_stated_values(question: Mapping[str, object], *names: str) -> dict[str, StatedValue]:
-    """Read those of some quantities that a question states.
+def stated_quantities(question: Mapping[str, object]) -> dict[str, StatedValue]:
+    """Select the quantities that a question states.
 
-    >>> parse_stated_values({"f": "1±0.01", "xi": 0.02, "mass": None}, "f", "mass")
+    >>> stated_quantities({"f": StatedValue(1.0, 0.01), "mass": None, "threshold": 0.05})
     {'f': StatedValue(value=1.0, deviation=0.01)}
     """
-    quantities = {name: question[name] for name in names if question[name] is not None}
-    return {
-        name: quantity
-        if isinstance(quantity, StatedValue)
-        else StatedValue.parse(str(quantity), f"value of `{name}`")
-        for name, quantity in quantities.items()
-    }
+    return {name: quantity for name, quantity in question.items() if isinstance(quantity, StatedValue)}
 
 
-def parse_exact_values(question: Mapping[str, object], *names: str) -> dict[str, float]:
-    """Read quantities that are stated before a test, without standard deviations."""
-    values = parse_stated_values(question, *names)
+def exact_quantities(question: Mapping[str, object]) -> dict[str, float]:
+    """Select the quantities that are stated before a test, without standard deviations."""
+    values = stated_quantities(question)
     for name, quantity in values.items():
         if quantity.deviation:
             raise InputError(
@@ -68,10 +54,10 @@ def require_sound(values: Mapping[str, StatedValue]) -> None:
 
     A hysteresis may be zero with a standard deviation, as a calibration finds it.
     """
-    for name, quantity in _QUANTITIES.items():
-        if name in values:
-            may_be_zero = name == "hysteresis" and values[name].deviation > 0.0
-            require_physical(quantity, values[name].value, zero=may_be_zero, label=f"value of `{name}`")
+    for name, quantity in values.items():
+        if (kind := name.removeprefix("command_")) in _RANGED:
+            may_be_zero = name == "hysteresis" and quantity.deviation > 0.0
+            require_physical(kind, quantity.value, zero=may_be_zero, label=f"value of `{name}`")
 
 
 def parse_threshold(threshold: float | None) -> float:
@@ -81,9 +67,9 @@ def parse_threshold(threshold: float | None) -> float:
     return limit
 
 
-def read_equipment(equipment: "str | Path | Equipment | None", *, exact: bool) -> "Equipment":
-    """Read the accuracy of a laboratory's equipment, that of ordinary equipment by default."""
-    from reliab.assessment.budget.sizes import exact_equipment, ordinary_equipment, read_equipment
+def choose_equipment(equipment: "Equipment | None", *, exact: bool) -> "Equipment":
+    """Choose the accuracy of a laboratory's equipment, that of ordinary equipment by default."""
+    from reliab.assessment.budget.sizes import exact_equipment, ordinary_equipment
 
     if exact:
         if equipment is not None:
@@ -91,8 +77,6 @@ def read_equipment(equipment: "str | Path | Equipment | None", *, exact: bool) -
                 "equipment", "together with `exact`, which takes all quantities as known exactly"
             )
         return exact_equipment()
-    if isinstance(equipment, str | Path):
-        return read_equipment(equipment)
     return equipment or ordinary_equipment()
 
 
@@ -152,9 +136,7 @@ def refuse_stated(
     """
     for name in names:
         default = (defaults or {}).get(name)
-        if question[name] is not None and (
-            default is None or question[name] not in (default, f"{default:g}")
-        ):
+        if question[name] is not None and (default is None or question[name] != StatedValue(default)):
             raise refuse_unused(name, reason)
 
 

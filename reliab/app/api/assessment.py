@@ -8,15 +8,15 @@ from reliab.app import questions
 from reliab.app.api.arguments import (
     LINEAR,
     STRUCTURE,
+    choose_equipment,
     collect_stated_values,
     parse_filters,
-    parse_stated_values,
     parse_threshold,
-    read_equipment,
     refuse_stated,
     refuse_unused,
     require_known_specimen,
     require_sound,
+    stated_quantities,
     structure_of,
     values_of_structure,
 )
@@ -29,7 +29,6 @@ from reliab.core.errors import InputError
 from reliab.core.progress import Progress, silent
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import Metric
-from reliab.criterion.criterion import Criterion
 from reliab.structures.structure import Structure
 
 if TYPE_CHECKING:
@@ -139,18 +138,11 @@ def assess(
     return assess_each(tests, judge, progress)
 
 
-_NUMBERS = (
-    *STRUCTURE,
-    *("mass", "feedback_lag"),
-    *("scale", "command_scale", "skew", "hysteresis", "resolution"),
-)
-
-
 def _make_judge(
     structure: "Structure | FrameUnderTest | str | Path | None", question: Mapping[str, Any]
 ) -> Judge:
     """Read what tests share, and return what judges one of them."""
-    numbers = parse_stated_values(question, *_NUMBERS)
+    numbers = stated_quantities(question)
     filters = parse_filters(question["filter"] or ())
     if question["criterion"] is not None:
         reason = "together with `criterion`, which states its own"
@@ -174,7 +166,7 @@ def _refuse_beside_structure(numbers: Mapping[str, StatedValue], *names: str) ->
 
 def _read_shared(question: Mapping[str, Any]) -> dict[str, Any]:
     """Read what one mass and frames are judged by alike."""
-    criterion, motion, specimen = (question[name] for name in ("criterion", "motion", "specimen"))
+    specimen = question["specimen"]
     is_measured = require_known_specimen(specimen, has_model=question["model"] is not None)
     statements = tuple(question["force_channel"] or ())
     force_channel = None
@@ -184,14 +176,9 @@ def _read_shared(question: Mapping[str, Any]) -> dict[str, Any]:
         from reliab.assessment.measured_specimen.force_channel import ForceChannel
 
         force_channel = ForceChannel.parse(statements)
-    if isinstance(motion, str | Path):
-        from reliab.motions.loading import read_motion
-
-        motion = read_motion(motion)
     return {
-        "criterion": Criterion.read(criterion) if isinstance(criterion, str | Path) else criterion,
-        "equipment": read_equipment(question["equipment"], exact=question["exact"]),
-        "motion": motion,
+        **{name: question[name] for name in ("criterion", "motion")},
+        "equipment": choose_equipment(question["equipment"], exact=question["exact"]),
         "measured_specimen": is_measured,
         "linear_specimen": specimen == LINEAR,
         "force_channel": force_channel,
@@ -207,10 +194,6 @@ def _make_judge_of_structure(
     filters: "Mapping[str, LowPass]",
 ) -> Judge:
     model, shared = question["model"], _read_shared(question)
-    if isinstance(model, str | Path):
-        from reliab.simulation.hybrid_test.model_file import read_model
-
-        model = read_model(model)
     values_of_model = {} if model is None else values_of_structure(model.test.structure)
     values = {**values_of_structure(structure), **numbers}
     confidence = 0.95 if question["confidence"] is None else float(question["confidence"])

@@ -6,16 +6,16 @@ from pathlib import Path
 from typing import Any, ClassVar, Unpack
 
 from reliab.app import questions
-from reliab.app.api.arguments import STRUCTURE, parse_exact_values, parse_threshold, refuse_stated
-from reliab.app.declaration import Quantity, asks
+from reliab.app.api.arguments import exact_quantities, parse_threshold, refuse_stated
+from reliab.app.declaration import asks
 from reliab.assessment.design import CONFIDENCES, TolerableErrors, chart_frequencies, tolerable_errors
 from reliab.core.columns import Columns
 from reliab.core.errors import InputError
 from reliab.core.plain_values import PlainResult, ResultWithRows
 from reliab.core.shipped import or_shipped
 from reliab.core.significant_digits import percent
+from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import Metric
-from reliab.criterion.criterion import Criterion
 from reliab.sweep.results import REAL
 from reliab.sweep.several import as_names
 
@@ -72,14 +72,14 @@ def design_test(**request: Unpack[questions.DesignQuestion]) -> Design:
             remedy="Judge a trial test of the frame with `reliab assess TEST --structure FRAME`, or predict "
             "the next one from earlier tests of it with `reliab rig predict RIG --structure FRAME`",
         )
-    criterion, confidence = request["criterion"], request["confidence"]
-    values = parse_exact_values({**request}, "xi", "alpha")
+    question: dict[str, Any] = {**request}
+    criterion, confidence = question["criterion"], request["confidence"]
+    values = exact_quantities(question)
     share = values.get("alpha", 1.0)
     if criterion is not None:
-        options = {**request, "alpha": None if share == 1.0 else share}
+        options = {**question, "alpha": None if share == 1.0 else share}
         reason = "together with `criterion`, which states its own"
         refuse_stated(options, "threshold", "confidence", "metric", "alpha", reason=reason)
-    read = Criterion.read(criterion) if isinstance(criterion, str | Path) else criterion
 
     def tolerances(frequencies: list[float]) -> tuple[TolerableErrors, ...]:
         return tuple(
@@ -89,15 +89,14 @@ def design_test(**request: Unpack[questions.DesignQuestion]) -> Design:
                 threshold=parse_threshold(request["threshold"]),
                 confidences=CONFIDENCES if confidence is None else as_names(confidence),
                 metric=str(request["metric"] or Metric.RMS),
-                criterion=read,
+                criterion=criterion,
                 experimental_fraction=share,
             )
         )
 
-    f: Any = 1.0 if request["f"] is None else request["f"]
-    several_f = [f] if isinstance(f, int | Quantity) else f
-    frequencies = [parse_exact_values({"f": frequency}, "f")["f"] for frequency in several_f]
-    return Design(tolerances=tolerances(frequencies), chart=tolerances(chart_frequencies(read)))
+    several_f = question["f"] or [StatedValue(1.0)]
+    frequencies = [exact_quantities({"f": frequency})["f"] for frequency in several_f]
+    return Design(tolerances=tolerances(frequencies), chart=tolerances(chart_frequencies(criterion)))
 
 
 _NINETY_FIVE = 0.95
@@ -144,7 +143,7 @@ def write_explorer(**request: Unpack[questions.ExplorerQuestion]) -> ExplorerPag
     out, ellipses = Path(request["out"]), Path(request["ellipses"] or REAL)
     windows = open_windows(or_shipped(ellipses, "datasets", "ellipses.nc"))
     lengths = sort_by_length(windows)
-    values = parse_exact_values({**request}, *STRUCTURE)
+    values = exact_quantities({**request})
     settings = Settings(
         frequency=values.get("f"),
         damping_ratio=values.get("xi"),

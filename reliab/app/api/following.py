@@ -7,13 +7,13 @@ from typing import Any, Unpack
 from reliab.app import questions
 from reliab.app.api.arguments import (
     STRUCTURE,
-    parse_stated_values,
+    choose_equipment,
     parse_threshold,
-    read_equipment,
     refuse_stated,
     refuse_unused,
     require_known_specimen,
     require_sound,
+    stated_quantities,
     values_of_structure,
 )
 from reliab.app.api.assessment import assess
@@ -30,7 +30,7 @@ from reliab.core.vocabulary import Metric
 from reliab.recordings.following import chunks_of_text, rows_as_written
 from reliab.recordings.recording import Part
 from reliab.simulation.frames.frame_file import FrameUnderTest, read_structure
-from reliab.simulation.hybrid_test.model_file import UpdatedModel, read_model
+from reliab.simulation.hybrid_test.model_file import UpdatedModel
 from reliab.structures.structure import Structure
 
 _DEFAULTS = {"alpha": 1.0, "feedback_lag": 0.0}
@@ -103,7 +103,7 @@ def follow_test(
         model=model,
         frame=frame,
         force_channel=channel,
-        equipment=read_equipment(request["equipment"], exact=request["exact"]),
+        equipment=choose_equipment(question["equipment"], exact=request["exact"]),
         threshold=parse_threshold(request["threshold"]),
         metric=Metric.parse(request["metric"] or Metric.RMS),
         message_interval=request["every"],
@@ -121,12 +121,12 @@ def _require_clock(rate: float | None, **seconds: float) -> None:
 
 def read_followed_model(question: Mapping[str, Any]) -> UpdatedModel | None:
     """Read the model of a test that is followed, beside which its structure must not be stated again."""
-    model = question["model"]
+    model: UpdatedModel | None = question["model"]
     if model is None:
         return None
     reason = "together with `model`, which states it, and whose force is fed back without delay"
     refuse_stated(question, *STRUCTURE, "feedback_lag", reason=reason, defaults=_DEFAULTS)
-    return read_model(model) if isinstance(model, str | Path) else model
+    return model
 
 
 def read_followed_frame(question: Mapping[str, Any]) -> FrameUnderTest | None:
@@ -174,11 +174,10 @@ def _collect_stated_values(question: Mapping[str, Any], mode: Structure | None) 
 
     `mode` stands for the structure of a model or a frame.
     """
-    names = STRUCTURE if mode is None else ()
     values = {
         "feedback_lag": StatedValue(0.0),
+        **stated_quantities(question),
         **values_of_structure(mode),
-        **parse_stated_values(question, *names, "scale", "feedback_lag", "mass"),
     }
     for name, meaning, remedy in (
         ("f", "natural frequency", "Give it in hertz"),

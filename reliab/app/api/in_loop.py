@@ -7,10 +7,10 @@ from typing import Unpack
 from reliab.app import questions
 from reliab.app.api.arguments import (
     STRUCTURE,
-    parse_stated_values,
     parse_threshold,
     refuse_stated,
     require_sound,
+    stated_quantities,
     structure_of,
 )
 from reliab.app.api.following import read_followed_model
@@ -101,7 +101,7 @@ def _monitor(request: questions.LoopMonitorQuestion) -> LoopMonitor:
     values = {
         "scale": StatedValue(1.0),
         "feedback_lag": StatedValue(0.0),
-        **parse_stated_values({**request}, "scale", "feedback_lag"),
+        **stated_quantities({**request}),
     }
     require_sound(values)
     lag = values["feedback_lag"].value
@@ -142,9 +142,7 @@ def _structure(request: questions.LoopMonitorQuestion) -> tuple[Partition | Hybr
                 f"A monitor in a loop needs `{name}`, or the `structure` of a frame, or a `model`",
                 remedy="State one of them",
             )
-    values = parse_stated_values(question, *STRUCTURE)
-    require_sound(values)
-    return Partition.from_structure(structure_of(values)), None
+    return Partition.from_structure(structure_of(stated_quantities(question))), None
 
 
 def _partition_of_frame(frame: FrameUnderTest, source: str) -> tuple[Partition, Array | None]:

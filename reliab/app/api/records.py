@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from reliab.app import questions, subjects
-from reliab.app.api.arguments import STRUCTURE, parse_stated_values, require_sound, structure_of
+from reliab.app.api.arguments import require_sound, stated_quantities, structure_of
 from reliab.app.api.channels import FileReading
 from reliab.app.declaration import asks
 from reliab.core.errors import InputError
@@ -114,7 +114,7 @@ def record(
     if out is not None:
         require_ending(out, ".nc")
     path = or_shipped(Path(source), "datasets", "test.csv")
-    structure = parse_stated_values({**options}, *STRUCTURE, "mass")
+    structure = stated_quantities({**options})
     require_sound(structure)
     structure_of(structure, **_USUAL)  # refuses values that no structure has
     statements = {**structure, **questions.select_stated(questions.OriginOptions, {**options})}
@@ -184,7 +184,7 @@ def calibrate(
     """
     reading, out = FileReading.from_question(options), options["out"]
     recording = reading.read(test)
-    delay = parse_stated_values({**options}, "actuator_delay").get("actuator_delay")
+    delay = stated_quantities({**options}).get("actuator_delay")
     calibration = calibrate_channels(recording, actuator_delay_ms=delay)
     if out is not None:
         previous_file = None if reading.channels is None else Path(reading.channels)

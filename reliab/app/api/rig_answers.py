@@ -12,10 +12,10 @@ import numpy as np
 from reliab.app import questions, subjects
 from reliab.app.api.arguments import (
     STRUCTURE,
-    parse_stated_values,
     parse_threshold,
     refuse_stated,
     refuse_unused,
+    stated_quantities,
     structure_of,
 )
 from reliab.app.api.rigs import parse_covariates
@@ -103,7 +103,7 @@ def predict_rig(rig: str | Path, **request: Unpack[questions.PredictionQuestion]
 def _predict_for_structure(
     table: RigTable, following: NextTest, limit: float, request: questions.PredictionQuestion
 ) -> Prediction:
-    values = parse_stated_values({**request}, *STRUCTURE)
+    values = stated_quantities({**request})
     if "f" not in values:
         raise InputError(
             "The natural frequency of the structure is missing",
@@ -179,7 +179,7 @@ def document_of_rig(rig: str | Path, **request: Unpack[questions.RigReportQuesti
     if request["f"] is None and last["structure"]:
         prediction = predict_next(table, None, NextTest(), threshold=limit, frame=last["structure"])
     else:
-        values = parse_stated_values({**request}, *STRUCTURE)
+        values = stated_quantities({**request})
         last_values = {name: float(last[name]) for name in STRUCTURE if last[name] is not None}
         structure = structure_of(values, **{**_USUAL, **last_values})
         prediction = predict_next(table, structure, NextTest(), threshold=limit)

@@ -151,7 +151,7 @@ class AddedTests(PlainResult):
     tests: int  # In the rig now
 
 
-@asks(questions.AddedTestQuestion, subjects.NewTests)
+@asks(questions.AddedTestQuestion, subjects.NewTests, as_stated=True)
 def add_to_rig(
     rig: str | Path,
     tests: str | Path | Iterable[str | Path],
