@@ -1,7 +1,8 @@
 """An argument of a question, declared once: its type, unit, one line of help and its panel of the help.
 
-A question is a `TypedDict` whose fields are `Annotated[type, option(…)]`; questions share fields by deriving
-from groups. The command's options, and the signature and docstring of the Python function, follow from it.
+A question is a `TypedDict` whose fields are `Annotated[type, option(…)]` and whose docstring has a line for
+each; questions share fields by deriving from groups. The command's options, and the signature and docstring
+of the Python function, follow from it.
 """
 
 import re
@@ -9,9 +10,7 @@ import types
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import wraps
-from importlib import import_module
 from inspect import Parameter, Signature, cleandoc, signature
-from operator import attrgetter
 from pathlib import Path
 from typing import Any, Final, ForwardRef, TypeVar, Union, get_args, get_origin
 
@@ -32,25 +31,18 @@ Files = str | Path | Sequence[str | Path]
 UNITS: Final = ("Hz", "ms", "mm", "kg")
 """Units that may follow a number."""
 
-_READERS: Final[Mapping[str, str]] = {
-    "Criterion": "reliab.criterion.criterion:Criterion.read",
-    "Equipment": "reliab.assessment.budget.sizes:read_equipment",
-    "Motion": "reliab.motions.loading:read_motion",
-    "UpdatedModel": "reliab.simulation.hybrid_test.model_file:read_model",
-}
-"""What reads the file that may stand in place of an object."""
-
 _Function = TypeVar("_Function", bound=Callable[..., Any])
+_Question = TypeVar("_Question")
 _NOT_ONE = (types.UnionType, Union)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(kw_only=True)
 class Option:
     """How an argument is shown, and what it may be."""
 
-    help: str  # One line, in which other arguments stand in backquotes
     metavar: str
     panel: str  # Title of its part of the help
+    help: str = ""  # One line, in which other arguments stand in backquotes; `group` gives it
     names: tuple[str, ...] = ()  # On the command line; the field's own, with dashes, by default
     default: Any = None
     is_advanced: bool = False  # Shown by --help-all only
@@ -82,11 +74,9 @@ class Option:
         if kind == Quantity:
             is_read = isinstance(checked_value, StatedValue)
             return checked_value if is_read else StatedValue.parse(str(checked_value), f"value of `{name}`")
-        reader = _READERS.get(str(kind).rpartition(" ")[2])
-        if reader is None or not isinstance(checked_value, str | Path):
-            return checked_value
-        module, _, function = reader.rpartition(":")
-        return attrgetter(function)(import_module(module))(checked_value)
+        return (
+            _read_file(str(kind), checked_value) if isinstance(checked_value, str | Path) else checked_value
+        )
 
     def check_value(self, value: Any) -> Any:  # noqa: ANN401 - of many types
         """Refuse a file to write that is of another kind; take units off numbers."""
@@ -97,7 +87,7 @@ class Option:
     def remove_unit(self, value: Any) -> Any:  # noqa: ANN401 - of many types
         """Take the unit off the numbers of a text.
 
-        >>> Panel("Structure").option("HZ", "Natural frequency [Hz].").remove_unit("1.2 Hz ± 0.01 Hz")
+        >>> Panel("Structure").option("HZ", help="Frequency [Hz].").remove_unit("1.2 Hz ± 0.01 Hz")
         '1.2 ± 0.01'
         """
         if self.unit and isinstance(value, str):
@@ -105,6 +95,28 @@ class Option:
         if self.unit and isinstance(value, list | tuple):
             return [self.remove_unit(item) for item in value]
         return value
+
+
+def _read_file(kind: str, value: str | Path) -> Any:  # noqa: ANN401 - of many types
+    """Read the file that may stand in place of an object; any other text or path is what it is."""
+    match kind.rpartition(" ")[2]:
+        case "Criterion":
+            from reliab.criterion.criterion import Criterion
+
+            return Criterion.read(value)
+        case "Equipment":
+            from reliab.assessment.budget.sizes import read_equipment
+
+            return read_equipment(value)
+        case "Motion":
+            from reliab.motions.loading import read_motion
+
+            return read_motion(value)
+        case "UpdatedModel":
+            from reliab.simulation.hybrid_test.model_file import read_model
+
+            return read_model(value)
+    return value
 
 
 def remove_units(text: str, *units: str) -> str:
@@ -122,27 +134,49 @@ class Panel:
 
     title: str
 
-    def option(self, metavar: str, help: str, **details: Any) -> Option:  # noqa: A002, ANN401
+    def option(self, metavar: str, **details: Any) -> Option:  # noqa: ANN401
         """Declare an argument that has a name on the command line."""
-        return Option(metavar=metavar, help=help, panel=self.title, **details)
+        return Option(metavar=metavar, panel=self.title, **details)
 
-    def advanced(self, metavar: str, help: str, **details: Any) -> Option:  # noqa: A002, ANN401
+    def advanced(self, metavar: str, **details: Any) -> Option:  # noqa: ANN401
         """Declare one that few need; --help-all shows it."""
-        return self.option(metavar, help, is_advanced=True, **details)
+        return self.option(metavar, is_advanced=True, **details)
 
-    def flag(self, help: str, **details: Any) -> Option:  # noqa: A002, ANN401
+    def flag(self, **details: Any) -> Option:  # noqa: ANN401
         """Declare one that is true if it is named."""
-        return self.option("", help, default=False, **details)
+        return self.option("", default=False, **details)
 
-    def advanced_flag(self, help: str, **details: Any) -> Option:  # noqa: A002, ANN401
+    def advanced_flag(self, **details: Any) -> Option:  # noqa: ANN401
         """Declare one of these that few need."""
-        return self.flag(help, is_advanced=True, **details)
+        return self.flag(is_advanced=True, **details)
 
 
-def argument(metavar: str, help: str, **details: Any) -> Option:  # noqa: A002, ANN401
+def argument(metavar: str, **details: Any) -> Option:  # noqa: ANN401
     """Declare what stands without a name on the command line; it is required unless a default is given."""
     is_required = "default" not in details
-    return Option(metavar=metavar, help=help, panel="", is_named=False, is_required=is_required, **details)
+    return Option(metavar=metavar, panel="", is_named=False, is_required=is_required, **details)
+
+
+def group(question: type[_Question]) -> type[_Question]:
+    """Give the arguments of a question their help: a line each of its docstring, or all of it to its own.
+
+    >>> from typing import Annotated, TypedDict
+    >>> @group
+    ... class Structure(TypedDict):
+    ...     '''A structure.
+    ...
+    ...     f: Natural frequency [Hz].
+    ...     '''
+    ...     f: Annotated[float, Panel("Structure").option("HZ")]
+    >>> collect_options(Structure)["f"][1].help
+    'Natural frequency [Hz].'
+    """
+    text = cleandoc(question.__doc__ or "")
+    options = {name: get_args(annotation)[1] for name, annotation in question.__annotations__.items()}
+    lines = re.findall(r"^(\w+): (.+(?:\n +.+)*)", text, flags=re.MULTILINE)
+    for name, help_ in lines or [(list(options)[-1], text)]:
+        options[name].help = " ".join(help_.split())
+    return question
 
 
 def collect_options(*questions: type) -> dict[str, tuple[Any, Option]]:

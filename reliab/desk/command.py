@@ -5,30 +5,23 @@ from typing import Annotated, TypedDict
 
 from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import say, write_json
-from reliab.app.declaration import argument
+from reliab.app.declaration import argument, group
 from reliab.app.options import OUTPUT
 from reliab.core.errors import InputError
 
 
+@group
 class _Desk(TypedDict, total=False):
-    folder: Annotated[
-        Path,
-        argument(
-            "[FOLDER]",
-            "Folder with your tests, rigs and campaigns; all that the desk writes lies in it.",
-            default=Path(),
-        ),
-    ]
-    port: Annotated[
-        int,
-        OUTPUT.option(
-            "PORT",
-            "Port of this computer's own address; by default any that is free.",
-            default=0,
-            limits={"min": 0, "max": 65535},
-        ),
-    ]
-    no_browser: Annotated[bool, OUTPUT.flag("Print the address, and do not open the browser.")]
+    """What the desk is asked.
+
+    folder: Folder with your tests, rigs and campaigns; all that the desk writes lies in it.
+    port: Port of this computer's own address; by default any that is free.
+    no_browser: Print the address, and do not open the browser.
+    """
+
+    folder: Annotated[Path, argument("[FOLDER]", default=Path())]
+    port: Annotated[int, OUTPUT.option("PORT", default=0, limits={"min": 0, "max": 65535})]
+    no_browser: Annotated[bool, OUTPUT.flag()]
 
 
 @takes(_Desk)

@@ -8,18 +8,18 @@ import pytest
 import typer
 
 import reliab
-from reliab.app import options, outputs, questions
+from reliab.app import options, questions
 from reliab.app.api.criteria import derive_criteria
 from reliab.app.api.simulation import simulate_suite
 from reliab.app.api.tracing import trace_boundaries
 from reliab.app.cli import application, run, spread
 from reliab.app.cli.commands import takes
-from reliab.app.declaration import Panel, Quantity, asks, collect_options
+from reliab.app.declaration import Panel, Quantity, asks, collect_options, group
 from reliab.core.stated_value import StatedValue
 
 QUESTIONS = [
     item
-    for module in (options, outputs, questions)
+    for module in (options, questions)
     for item in vars(module).values()
     if isinstance(item, type) and item.__module__ == module.__name__
 ]
@@ -41,9 +41,17 @@ FUNCTIONS = {
 }
 
 
+@group
 class ExampleQuestion(TypedDict, total=False):
-    load: Annotated[Quantity | None, Panel("Method").option("KG", "Load [kg], beside `f`.")]
-    steps: Annotated[int, Panel("Method").advanced("N", "Number of steps.", default=3)]
+    """What is asked.
+
+    load: Load [kg],
+        beside `f`.
+    steps: Number of steps.
+    """
+
+    load: Annotated[Quantity | None, Panel("Method").option("KG")]
+    steps: Annotated[int, Panel("Method").advanced("N", default=3)]
 
 
 @asks(ExampleQuestion)
@@ -67,7 +75,7 @@ def test_a_function_is_called_with_every_argument_and_numbers_without_their_unit
     assert answer("a") == ("a", 0, {"load": None, "steps": 3})
     load = StatedValue(value=2.0, deviation=0.1)
     assert answer("a", load="2 kg ± 0.1 kg", late=1) == ("a", 1, {"load": load, "steps": 3})
-    assert asks(ExampleQuestion, as_stated=True)(answer.__wrapped__)("a", load="2 kg")[2]["load"] == "2"
+    assert asks(ExampleQuestion, as_stated=True)(inspect.unwrap(answer))("a", load="2 kg")[2]["load"] == "2"
 
 
 def test_an_unknown_argument_is_named_in_its_error():
@@ -114,6 +122,7 @@ def test_a_name_has_one_flag_and_a_known_panel_and_unit(question):
     titles = {"", *(panel.title for panel in options.PANELS)}
     for name, (_, option) in collect_options(question).items():
         assert option.panel in titles, name
+        assert option.help, name
         assert option.unit or "[" not in option.help, name
         assert option.metavar or option.default is False or option.names, name
 

@@ -8,7 +8,7 @@ from pathlib import Path, PurePosixPath
 from typing import IO, Any
 from urllib.parse import urlsplit
 
-from reliab.app import subjects
+from reliab.app import questions
 from reliab.app.declaration import asks
 from reliab.core.errors import InputError
 from reliab.core.files import ordinary, refuse_unwritable, written_whole
@@ -86,7 +86,7 @@ def _describe_compiled_code() -> str:
     return "__pycache__ beside each module" if folder.name == "__pycache__" else str(folder.parent)
 
 
-@asks(subjects.SampleFolder)
+@asks(questions.SampleFolder)
 def copy_samples(folder: str | Path = "datasets") -> tuple[Path, ...]:
     """Write the samples that come with reliab into a folder; files with other content are not overwritten.
 
@@ -127,7 +127,7 @@ def _refuse_others(contents: dict[Path, bytes]) -> None:
             )
 
 
-@asks(subjects.ListedData)
+@asks(questions.ListedData)
 def fetch_dataset(source: str | Path) -> Path:
     """Bring shipped data that the wheel leaves out, and compare its checksum.
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar, Unpack
 
-from reliab.app import questions, subjects
+from reliab.app import questions
 from reliab.app.api.sources import as_list, paths
 from reliab.app.declaration import Files, asks
 from reliab.core.columns import Columns, digits
@@ -51,7 +51,7 @@ class MotionList(ResultWithRows):
     skipped: tuple[MotionFault, ...] = ()
 
 
-@asks(questions.MotionQuestion, subjects.MotionSources)
+@asks(questions.MotionQuestion, questions.MotionSources)
 def list_motions(sources: Files, **read: Unpack[questions.MotionQuestion]) -> MotionList:
     """List motions with their events and measures of intensity; records with faults are left out and named.
 
@@ -110,7 +110,7 @@ class MotionCheck(PlainResult):
     notes: tuple[MotionFault, ...]
 
 
-@asks(questions.MotionQuestion, subjects.MotionSources)
+@asks(questions.MotionQuestion, questions.MotionSources)
 def check_motions(sources: Files, **read: Unpack[questions.MotionQuestion]) -> MotionCheck:
     """Read every record, and state all faults, not only the first.
 
@@ -142,7 +142,7 @@ def _reading(read: questions.MotionQuestion) -> dict[str, Any]:
     return {"sets": as_list(read["sets"]), "time_step": read["time_step"], "units": read["units"]}
 
 
-@asks(questions.MotionImportQuestion, subjects.MotionSources, subjects.NewSuite)
+@asks(questions.MotionImportQuestion, questions.MotionSources, questions.NewSuite)
 def import_motions(
     sources: Files, *, out: str | Path, **request: Unpack[questions.MotionImportQuestion]
 ) -> WrittenSuite:
@@ -168,7 +168,7 @@ def import_motions(
     )
 
 
-@asks(questions.SyntheticSuiteQuestion, subjects.NewSuite)
+@asks(questions.SyntheticSuiteQuestion, questions.NewSuite)
 def synthesize_motions(
     *, out: str | Path, **request: Unpack[questions.SyntheticSuiteQuestion]
 ) -> WrittenSuite:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar, Unpack
 import numpy as np
 import pandas as pd
 
-from reliab.app import questions, subjects
+from reliab.app import questions
 from reliab.app.api.arguments import require_sound, stated_quantities, structure_of
 from reliab.app.api.channels import FileReading
 from reliab.app.declaration import asks
@@ -153,7 +153,7 @@ def check_records(sources: list[Path]) -> dict[str, list[str]]:
     return {str(path): check_record(path) for path in sources}
 
 
-@asks(questions.CalibrationQuestion, subjects.CalibrationFile)
+@asks(questions.CalibrationQuestion, questions.CalibrationFile)
 def calibrate(
     test: str | Path | pd.DataFrame, **options: Unpack[questions.CalibrationQuestion]
 ) -> ChannelCalibration:

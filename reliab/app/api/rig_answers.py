@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar, Unpack
 
 import numpy as np
 
-from reliab.app import questions, subjects
+from reliab.app import questions
 from reliab.app.api.arguments import (
     STRUCTURE,
     parse_threshold,
@@ -65,7 +65,7 @@ class RigPrediction(PlainResult):
         return plot_errors({"next test": size}, Metric.RMS, self.prediction.threshold, axes)
 
 
-@asks(questions.PredictionQuestion, subjects.RigArgument)
+@asks(questions.PredictionQuestion, questions.RigArgument)
 def predict_rig(rig: str | Path, **request: Unpack[questions.PredictionQuestion]) -> RigPrediction:
     """Predict the next test of a rig from all that it has done.
 
@@ -134,7 +134,7 @@ def _predict_for_structure(
     return predict_under_suite(table, structure, following, pairs, threshold=limit, suite=suite)
 
 
-@asks(questions.RigReportQuestion, subjects.RigPdfArguments)
+@asks(questions.RigReportQuestion, questions.RigPdfArguments)
 def report_rig(
     rig: str | Path,
     out: str | Path,
@@ -163,7 +163,7 @@ def report_rig(
     return Path(out)
 
 
-@asks(questions.RigReportQuestion, subjects.RigArgument)
+@asks(questions.RigReportQuestion, questions.RigArgument)
 def document_of_rig(rig: str | Path, **request: Unpack[questions.RigReportQuestion]) -> "Document":
     """Make the document that :func:`report_rig` sets as a PDF; arguments and errors are the same."""
     from reliab.report.kinds.rig_report import rig_report

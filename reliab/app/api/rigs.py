@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, ClassVar, Unpack, cast
 
-from reliab.app import questions, subjects
+from reliab.app import questions
 from reliab.app.api.assessment import assess
 from reliab.app.api.channels import FileReading
 from reliab.app.declaration import asks
@@ -51,7 +51,7 @@ class RigList(ResultWithRows):
     table: RigTable
 
 
-@asks(subjects.RigArgument)
+@asks(questions.RigArgument)
 def list_rig(rig: str | Path) -> RigList:
     """List the tests of a rig in the order of their dates.
 
@@ -69,7 +69,7 @@ def list_rig(rig: str | Path) -> RigList:
     return RigList(rig=folder.path, table=folder.table())
 
 
-@asks(subjects.KeptTest)
+@asks(questions.KeptTest)
 def show_rig_test(rig: str | Path, test: str) -> dict[str, Any]:
     """Return all that is kept of a test.
 
@@ -89,7 +89,7 @@ def show_rig_test(rig: str | Path, test: str) -> dict[str, Any]:
     return {**content, "record": str(folder.record_path(sha256))}
 
 
-@asks(subjects.KeptTests)
+@asks(questions.KeptTests)
 def remove_from_rig(rig: str | Path, tests: str | Iterable[str]) -> tuple[str, ...]:
     """Remove tests from a rig.
 
@@ -111,7 +111,7 @@ def remove_from_rig(rig: str | Path, tests: str | Iterable[str]) -> tuple[str, .
     return tuple(row["name"] for row in rows)
 
 
-@asks(subjects.RigTableArguments)
+@asks(questions.RigTableArguments)
 def export_rig(rig: str | Path, out: str | Path) -> int:
     """Write the table of a rig as CSV.
 
@@ -151,7 +151,7 @@ class AddedTests(PlainResult):
     tests: int  # In the rig now
 
 
-@asks(questions.AddedTestQuestion, subjects.NewTests, as_stated=True)
+@asks(questions.AddedTestQuestion, questions.NewTests, as_stated=True)
 def add_to_rig(
     rig: str | Path,
     tests: str | Path | Iterable[str | Path],

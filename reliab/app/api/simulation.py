@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Unpack
 
 import xarray as xr
 
-from reliab.app import questions, subjects
+from reliab.app import questions
 from reliab.app.api.sources import as_list, paths
 from reliab.app.declaration import asks
 from reliab.core.plain_values import Keys, PlainResult, same_names
@@ -23,7 +23,7 @@ from reliab.sweep.store_layout import attributes
 _ATTRIBUTES = ("grid", "windows", "engine", "tolerance", "experimental_fraction", "model", "study_hash")
 
 
-@asks(questions.SweepQuestion, subjects.NewStore)
+@asks(questions.SweepQuestion, questions.NewStore)
 def simulate(
     motions: Motions,
     *,
@@ -104,7 +104,7 @@ class Simulation(PlainResult):
         return {name: stored[name] for name in _ATTRIBUTES if name in stored}
 
 
-@asks(questions.SimulationQuestion, subjects.NewStore)
+@asks(questions.SimulationQuestion, questions.NewStore)
 def simulate_suite(
     *, out: str | Path, show: Show = quietly, **request: Unpack[questions.SimulationQuestion]
 ) -> Simulation:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar, Unpack
 
-from reliab.app import options, outputs, subjects
+from reliab.app import options, questions
 from reliab.app.api.sources import as_list
 from reliab.app.declaration import asks
 from reliab.core.columns import Columns
@@ -37,7 +37,7 @@ class PerformedStudy(PlainResult):
     answer: str = ""  # What the report says in one sentence
 
 
-@asks(subjects.StudyArgument, outputs.Folder)
+@asks(questions.StudyArgument, options.Folder)
 def run_study(
     study: str | Path = "quick",
     *,
@@ -117,7 +117,7 @@ class WrittenReport(PlainResult):
     report: Path
 
 
-@asks(subjects.RunArgument)
+@asks(questions.RunArgument)
 def report_run(folder: str | Path, *, setting: ReportSetting | None = None) -> WrittenReport:
     """Write the PDF of a finished run again, from its folder alone."""
     return WrittenReport(folder=Path(folder), report=write_report(folder, setting=setting))

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from reliab.app import outputs, questions
+from reliab.app import options, questions
 from reliab.app.cli.commands import Request, files_of, takes
 from reliab.app.cli.output import progress_bar, say, say_population, show_rows, write_json
+from reliab.app.declaration import group
 from reliab.app.options import OUTPUT
 from reliab.core.errors import InputError
 from reliab.core.progress import silent
@@ -25,27 +26,22 @@ if TYPE_CHECKING:
 _COMMON_OPTIONS = ("tests", "out", "check")
 
 
-class _OneTest(outputs.Tests, outputs.Check, outputs.Cover, outputs.Details, total=False):
-    report: Annotated[
-        Path | None,
-        OUTPUT.option(
-            "FILE.pdf", "Write a report of two pages, to be filed with the test.", endings=(".pdf",)
-        ),
-    ]
-    corrected: Annotated[
-        Path | None,
-        OUTPUT.advanced(
-            "FILE.csv|nc",
-            "Write the response that a perfect actuator would have produced, with its band.",
-            endings=(".csv", ".nc"),
-        ),
-    ]
+@group
+class _OneTest(options.Tests, options.Check, options.Cover, options.Details, total=False):
+    """Tests to judge, or what is written.
+
+    report: Write a report of two pages, to be filed with the test.
+    corrected: Write the response that a perfect actuator would have produced, with its band.
+    """
+
+    report: Annotated[Path | None, OUTPUT.option("FILE.pdf", endings=(".pdf",))]
+    corrected: Annotated[Path | None, OUTPUT.advanced("FILE.csv|nc", endings=(".csv", ".nc"))]
 
 
 @takes(
     questions.AssessmentQuestion,
     _OneTest,
-    needs=dict.fromkeys(outputs.Cover.__annotations__, "report"),
+    needs=dict.fromkeys(options.Cover.__annotations__, "report"),
 )
 def assess(request: Request) -> None:
     """Judge a test by its error, from command and measured displacement."""
@@ -57,7 +53,7 @@ def assess(request: Request) -> None:
         for name, content in (("report", "a report is of"), ("corrected", "the response is that of")):
             reason = f"together with several tests, since {content} one test"
             refuse_stated({name: getattr(request, name)}, name, reason=reason)
-    cover = outputs.Cover.__annotations__ if request.report is not None else ()
+    cover = options.Cover.__annotations__ if request.report is not None else ()
     if request.report is not None:
         request.setting()  # refused before the test is judged, not after it
     verdicts = _verdicts(request, files, "corrected", "details", "report", *cover)
@@ -69,7 +65,7 @@ def assess(request: Request) -> None:
         raise typer.Exit(1)
 
 
-@takes(questions.DesignQuestion, outputs.Chart, outputs.Details)
+@takes(questions.DesignQuestion, options.Chart, options.Details)
 def design(request: Request) -> None:
     """Print how much amplitude error and delay are tolerable, before a test."""
     from reliab.app.api.assessment_files import draw_chart
@@ -85,7 +81,7 @@ def design(request: Request) -> None:
         draw_chart(result, request.figure)
 
 
-@takes(questions.AssessmentQuestion, outputs.Tests, outputs.Check)
+@takes(questions.AssessmentQuestion, options.Tests, options.Check)
 def extrapolate(request: Request) -> None:
     """Extrapolate runs of one test with different delays or gains to zero error.
 

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from reliab.app import questions, subjects
+from reliab.app import questions
 from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import say, show_table
 from reliab.core.significant_digits import decimals_of_uncertainty, significant
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 _UNDETERMINED = 10.0  # times the value: a deviation from which nothing is known of it
 
 
-@takes(questions.CalibrationQuestion, subjects.CalibrationFile)
+@takes(questions.CalibrationQuestion, questions.CalibrationFile)
 def calibrate(request: Request) -> None:
     """Measure skew, scale, hysteresis, noise and resolution of the two displacement channels."""
     from reliab.app.api.records import calibrate as api_calibrate

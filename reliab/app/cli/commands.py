@@ -16,8 +16,7 @@ from typer.core import TyperCommand
 
 from reliab.app.api.arguments import refuse_unused
 from reliab.app.declaration import Files, Option, Quantities, Quantity, collect_options
-from reliab.app.options import HELP, PANELS
-from reliab.app.outputs import Json
+from reliab.app.options import HELP, PANELS, Json
 from reliab.core.errors import InputError
 from reliab.core.progress import shows_tasks
 from reliab.sweep.several import Names, Numbers

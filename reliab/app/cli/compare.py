@@ -3,13 +3,13 @@
 from dataclasses import replace
 from typing import Any
 
-from reliab.app import outputs, questions
+from reliab.app import options, questions
 from reliab.app.cli.commands import Request, files_of, takes
 from reliab.app.cli.output import console, progress_bar, say, write_json
 from reliab.core.significant_digits import counted
 
 
-@takes(questions.AssessmentQuestion, outputs.Tests, outputs.Chart, outputs.Details)
+@takes(questions.AssessmentQuestion, options.Tests, options.Chart, options.Details)
 def compare(request: Request) -> None:
     """Rank tests by error and say how certain the ranking is.
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
 from typing import Any, Final
 
-from reliab.app import outputs, questions
+from reliab.app import options, questions
 from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import (
     progress_bar,
@@ -18,7 +18,7 @@ from reliab.core.significant_digits import counted, percent, significant
 from reliab.core.vocabulary import ERROR_NAMES, PERCENT, Metric
 
 
-@takes(questions.CriterionQuestion, outputs.Listing, outputs.Details)
+@takes(questions.CriterionQuestion, options.Listing, options.Details)
 def criterion(request: Request) -> None:
     """Derive how much amplitude error and delay a test may have.
 

@@ -3,27 +3,23 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from reliab.app import completion, outputs
+from reliab.app import completion, options
 from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import console, progress_bar, say, say_briefly, write_json
-from reliab.app.declaration import argument
+from reliab.app.declaration import argument, group
 
 if TYPE_CHECKING:
     from reliab.discrepancy.result.diagnosis import Diagnosis
 
 
-class _Campaign(outputs.Folder, outputs.Cover, outputs.Details, total=False):
-    campaign: Annotated[
-        Path,
-        argument(
-            "CAMPAIGN_DIR",
-            "Folder with campaign.toml and the tests; or rig_a, rig_b, rig_c, which come with reliab.",
-            completion=completion.campaigns,
-        ),
-    ]
+@group
+class _Campaign(options.Folder, options.Cover, options.Details, total=False):
+    """Folder with campaign.toml and the tests; or rig_a, rig_b, rig_c, which come with reliab."""
+
+    campaign: Annotated[Path, argument("CAMPAIGN_DIR", completion=completion.campaigns)]
 
 
-@takes(_Campaign, needs=dict.fromkeys(outputs.Cover.__annotations__, "out"))
+@takes(_Campaign, needs=dict.fromkeys(options.Cover.__annotations__, "out"))
 def diagnose(request: Request) -> None:
     """Find where model and test disagree, name what is missing, verify it on held-out tests."""
     from reliab.app.api.diagnosis import diagnose_campaign, report_diagnosis
@@ -33,7 +29,7 @@ def diagnose(request: Request) -> None:
     addition = request.ask(
         diagnose_campaign,
         "details",
-        *(outputs.Cover.__annotations__ if request.out is not None else ()),
+        *(options.Cover.__annotations__ if request.out is not None else ()),
         show=progress_bar,
     )
     if not write_json(addition.to_dict(), request.json_target):

@@ -2,12 +2,12 @@
 
 from typing import Any
 
-from reliab.app import subjects
+from reliab.app import questions
 from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import write_line
 
 
-@takes(subjects.ListedData)
+@takes(questions.ListedData)
 def fetch(request: Request) -> None:
     """Fetch the data that are too large for the package: results.nc of real_suite."""
     from reliab.app.api.installation import fetch_dataset
@@ -19,7 +19,7 @@ def fetch(request: Request) -> None:
     )
 
 
-@takes(subjects.SampleFolder)
+@takes(questions.SampleFolder)
 def samples(request: Request) -> None:
     """Write sample files into a folder; files that you changed are kept."""
     from reliab.app.api.installation import copy_samples

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Self, TextIO
 
 import typer
 
-from reliab.app import completion, outputs, questions
+from reliab.app import completion, options, questions
 from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import console, say, write_json
 from reliab.app.cli.printable import printable
-from reliab.app.declaration import argument
+from reliab.app.declaration import argument, group
 from reliab.app.options import OUTPUT
 from reliab.core.errors import InputError
 from reliab.core.files import refuse_unwritable
@@ -27,24 +27,17 @@ _DECIMALS = 2  # at most, of the net damping ratio in per cent
 _NO = 1  # exit code where the answer is no
 
 
-class _MonitorArguments(outputs.Check, total=False):
-    source: Annotated[
-        str | None,
-        argument(
-            "FILE|-",
-            "CSV file to which the test is or will be written, or - to read rows from standard input; "
-            "or sample_test, which comes with reliab. No file with --export.",
-            default=None,
-            completion=completion.samples,
-        ),
-    ]
-    export: Annotated[
-        tuple[str, str] | None,
-        OUTPUT.advanced(
-            "c DIR|fmu FILE|fmu3 FILE",
-            "Write the monitor for the loop, as C or as an FMU of FMI 2.0 or 3.0; needs `rate`.",
-        ),
-    ]
+@group
+class _MonitorArguments(options.Check, total=False):
+    """Tests to judge, or what is written.
+
+    source: CSV file to which the test is or will be written, or - to read rows from standard input; or
+        sample_test, which comes with reliab. No file with --export.
+    export: Write the monitor for the loop, as C or as an FMU of FMI 2.0 or 3.0; needs `rate`.
+    """
+
+    source: Annotated[str | None, argument("FILE|-", default=None, completion=completion.samples)]
+    export: Annotated[tuple[str, str] | None, OUTPUT.advanced("c DIR|fmu FILE|fmu3 FILE")]
 
 
 @takes(questions.MonitorQuestion, _MonitorArguments)

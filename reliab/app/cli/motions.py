@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from reliab.app import questions, subjects
+from reliab.app import questions
 from reliab.app.cli.commands import Command, Request, takes
 from reliab.app.cli.output import say, show_rows, show_table
 from reliab.core.significant_digits import counted
@@ -20,7 +20,7 @@ app = typer.Typer(no_args_is_help=True, help="Ground motions: list, check, impor
 
 
 @app.command("list", cls=Command)
-@takes(questions.MotionQuestion, subjects.MotionSources)
+@takes(questions.MotionQuestion, questions.MotionSources)
 def list_motions(request: Request) -> None:
     """List motions with their events and measures of intensity."""
     from reliab.app.api.motions import MotionList, list_motions as api_list_motions
@@ -40,7 +40,7 @@ def list_motions(request: Request) -> None:
 
 
 @app.command("check", cls=Command)
-@takes(questions.MotionQuestion, subjects.MotionSources)
+@takes(questions.MotionQuestion, questions.MotionSources)
 def check(request: Request) -> None:
     """Read every record; report all faults (exit code 2), and note what deserves a look."""
     from reliab.app.api.motions import MotionCheck, check_motions
@@ -55,7 +55,7 @@ def check(request: Request) -> None:
 
 
 @app.command("import", cls=Command)
-@takes(questions.MotionImportQuestion, subjects.MotionSources, subjects.NewSuite)
+@takes(questions.MotionImportQuestion, questions.MotionSources, questions.NewSuite)
 def import_motions(request: Request) -> None:
     """Rewrite motions as a suite: one text format in m/s² and a catalogue."""
     from reliab.app.api.motions import import_motions as api_import_motions
@@ -64,7 +64,7 @@ def import_motions(request: Request) -> None:
 
 
 @app.command("synthesize", cls=Command)
-@takes(questions.SyntheticSuiteQuestion, subjects.NewSuite)
+@takes(questions.SyntheticSuiteQuestion, questions.NewSuite)
 def synthesize(request: Request) -> None:
     """Write the synthetic suite, which needs no record."""
     from reliab.app.api.motions import synthesize_motions

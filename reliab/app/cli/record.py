@@ -8,7 +8,7 @@ import typer
 from reliab.app import questions
 from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import console, say, show_rows, write_json
-from reliab.app.declaration import argument
+from reliab.app.declaration import argument, group
 from reliab.app.options import OUTPUT, TEST
 from reliab.core.columns import Columns
 from reliab.core.errors import InputError
@@ -26,13 +26,20 @@ _COLUMNS: Columns = {
 }
 
 
+@group
 class _Files(TypedDict, total=False):
-    sources: Annotated[list[Path], argument("FILE...", "Files of a laboratory; with --check records.")]
-    out: Annotated[
-        Path | None, OUTPUT.option("TEST.nc", "The record; for several files a folder of records.")
-    ]
-    attribute: Annotated[Names | None, TEST.advanced("NAME=TEXT...", "Further attributes of the record.")]
-    check: Annotated[bool, OUTPUT.flag("Check records; exit with code 1 unless all are valid.")]
+    """Tests to judge, or what is written.
+
+    sources: Files of a laboratory; with --check records.
+    out: The record; for several files a folder of records.
+    attribute: Further attributes of the record.
+    check: Check records; exit with code 1 unless all are valid.
+    """
+
+    sources: Annotated[list[Path], argument("FILE...")]
+    out: Annotated[Path | None, OUTPUT.option("TEST.nc")]
+    attribute: Annotated[Names | None, TEST.advanced("NAME=TEXT...")]
+    check: Annotated[bool, OUTPUT.flag()]
 
 
 @takes(questions.RecordQuestion, _Files)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from reliab.app import outputs, questions, subjects
+from reliab.app import options, questions
 from reliab.app.cli.commands import Command, Request, takes
 from reliab.app.cli.output import console, progress_bar, say, show_rows, write_json, write_line
 from reliab.core.errors import InputError
@@ -18,7 +18,7 @@ app = typer.Typer(no_args_is_help=True, help="Store a rig's tests, predict the n
 
 
 @app.command("add", cls=Command)
-@takes(questions.AddedTestQuestion, subjects.NewTests)
+@takes(questions.AddedTestQuestion, questions.NewTests)
 def add(request: Request) -> None:
     """Judge tests and keep them: record, verdict and indices."""
     from reliab.app.api.rigs import add_to_rig
@@ -37,7 +37,7 @@ def add(request: Request) -> None:
 
 
 @app.command("list", cls=Command)
-@takes(subjects.RigArgument)
+@takes(questions.RigArgument)
 def list_tests(request: Request) -> None:
     """List the tests of a rig, and where it has changed."""
     from reliab.app.api.rigs import list_rig
@@ -46,7 +46,7 @@ def list_tests(request: Request) -> None:
 
 
 @app.command("show", cls=Command)
-@takes(subjects.KeptTest)
+@takes(questions.KeptTest)
 def show(request: Request) -> None:
     """Show all that is kept of a test."""
     from reliab.app.api.rigs import show_rig_test
@@ -55,7 +55,7 @@ def show(request: Request) -> None:
 
 
 @app.command("remove", cls=Command)
-@takes(subjects.KeptTests)
+@takes(questions.KeptTests)
 def remove(request: Request) -> None:
     """Remove tests from a rig."""
     from reliab.app.api.rigs import remove_from_rig
@@ -68,7 +68,7 @@ def remove(request: Request) -> None:
 
 
 @app.command("export", cls=Command)
-@takes(subjects.RigTableArguments)
+@takes(questions.RigTableArguments)
 def export(request: Request) -> None:
     """Write the table of a rig's tests as CSV."""
     from reliab.app.api.rigs import export_rig
@@ -81,7 +81,7 @@ def export(request: Request) -> None:
 
 
 @app.command("predict", cls=Command)
-@takes(questions.PredictionQuestion, subjects.RigArgument, outputs.Details)
+@takes(questions.PredictionQuestion, questions.RigArgument, options.Details)
 def predict(request: Request) -> None:
     """Predict the next test: A, d and error with their intervals, and the probability that it is good."""
     from reliab.app.api.rig_answers import predict_rig
@@ -90,7 +90,7 @@ def predict(request: Request) -> None:
 
 
 @app.command("report", cls=Command)
-@takes(questions.RigReportQuestion, outputs.Cover, subjects.RigPdfArguments)
+@takes(questions.RigReportQuestion, options.Cover, questions.RigPdfArguments)
 def report(request: Request) -> None:
     """Write two pages on what the rig does and what to expect of its next test, and an appendix.
 
@@ -101,7 +101,7 @@ def report(request: Request) -> None:
     request.answer(
         report_rig,
         lambda path: write_line(f"Report: {path}"),
-        *outputs.Cover.__annotations__,
+        *options.Cover.__annotations__,
         content=lambda path: {"report": str(path)},
         setting=request.setting(),
     )

@@ -1,12 +1,12 @@
 """`reliab simulate`: simulate once and store the results for all later questions."""
 
-from reliab.app import questions, subjects
+from reliab.app import questions
 from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import progress_bar, say
 from reliab.core.significant_digits import counted
 
 
-@takes(questions.SimulationQuestion, subjects.NewStore)
+@takes(questions.SimulationQuestion, questions.NewStore)
 def simulate(request: Request) -> None:
     """Simulate motions for all structures and actuators and store the results.
 

@@ -1,13 +1,13 @@
 """`reliab run` and `report`: a study from its motions to the report, and its report again."""
 
-from reliab.app import outputs, subjects
+from reliab.app import options, questions
 from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import progress_bar, say, show_rows
 
-_COVER = tuple(outputs.Cover.__annotations__)
+_COVER = tuple(options.Cover.__annotations__)
 
 
-@takes(subjects.StudyArgument, outputs.Folder, outputs.Listing, outputs.Cover)
+@takes(questions.StudyArgument, options.Folder, options.Listing, options.Cover)
 def run(request: Request) -> None:
     """Run a study: simulate, fit, derive, validate, report."""
     from reliab.app.api.studies import PerformedStudy, list_studies, run_study
@@ -31,7 +31,7 @@ def run(request: Request) -> None:
     request.answer(run_study, show, *_COVER, setting=request.setting(), show=progress_bar, tell=tell)
 
 
-@takes(outputs.Cover, subjects.RunArgument)
+@takes(options.Cover, questions.RunArgument)
 def report(request: Request) -> None:
     """Rebuild the PDF of a finished run."""
     from reliab.app.api.studies import report_run

@@ -5,15 +5,17 @@ from typing import Annotated, Any, TypedDict
 from reliab.app import questions
 from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import progress_bar, say, show_rows
+from reliab.app.declaration import group
 from reliab.app.options import METHOD
 from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import ERROR_NAMES, Metric
 
 
+@group
 class _Ways(TypedDict, total=False):
-    calibration: Annotated[
-        bool, METHOD.flag("Compare the stated probabilities with the shares of tests that are good.")
-    ]
+    """Compare the stated probabilities with the shares of tests that are good."""
+
+    calibration: Annotated[bool, METHOD.flag()]
 
 
 @takes(questions.ValidationQuestion, _Ways)
