@@ -2,7 +2,7 @@
 
 A *size* is roughly the effect's share of the signal in its own channel; `draws.py` turns it so that the
 effect-to-noise ratio comes out as wished. The equations stand in README.md, the compiled ones in
-`equations.py`.
+`march.py`.
 """
 
 import math

@@ -12,7 +12,7 @@ from blind_campaigns.system import Array
 STANDARD_GRAVITY = 9.80665
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", cache=True)
 def _ground_filter(white, omega, damping, interval):
     """Absolute acceleration of a layer of drifting frequency on a white-noise base (Kanai–Tajimi)."""
     out = np.empty(white.size)

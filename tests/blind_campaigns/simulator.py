@@ -11,14 +11,15 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from blind_campaigns.equations import MEMORIES, STATES
 from blind_campaigns.march import (
     CHANNELS,
     COMMAND,
     FORCE,
+    MEMORIES,
     PISTON,
     PISTON_ACCELERATION,
     PISTON_VELOCITY,
+    STATES,
     march,
 )
 from blind_campaigns.system import Array, Rig

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from blind_campaigns.equations import neutral_parameters
+from blind_campaigns.march import neutral_parameters
 
 Array = NDArray[np.float64]
 

@@ -48,7 +48,7 @@ def damped_campaign(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Lab
         kind=Kind.SINGLE, effect="viscous_damping", noise_kind="white", snr_db=40.0, with_rivals=False,
         observation=Observation.FULL,
     )  # fmt: skip
-    return folder, generate(1, folder, options=options)
+    return folder, generate(15, folder, options=options)
 
 
 def columns(folder: Path, file: str) -> dict[str, np.ndarray]:

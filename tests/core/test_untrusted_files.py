@@ -35,6 +35,7 @@ from reliab.sweep.run import run_sweep
 
 PACKAGE = Path(reliab.__file__).parent
 FRAME = next(case["frame.toml"] for case in corpus.frames() if b"[transfer_system]" not in case["frame.toml"])
+A_CHUNK = "results.zarr/rms/c.0.0.0.0.0"
 RIG = b'\n[transfer_system]\nfile = "plant.mat"\n'
 
 
@@ -80,10 +81,6 @@ def frame():
     return {"frame.toml": FRAME + RIG, **corpus.plants()[0]}
 
 
-def a_chunk():
-    return next(name for name in corpus.stores()[0] if "/rms/c" in name)
-
-
 def results(folder):
     return open_results(folder / "results.zarr")["rms"].values
 
@@ -111,9 +108,9 @@ PLACES = {
         run_of_a_study, lambda folder: read_content(folder / "report"), "document.json"
     ),
     "run's manifest": Place(finish_run, open_run, "manifest.json"),
-    "store's chunk": Place(lambda: corpus.stores()[0], results, a_chunk()),
+    "store's chunk": Place(lambda: corpus.stores()[0], results, A_CHUNK),
     "store's description": Place(lambda: corpus.stores()[0], results, "results.zarr/zarr.json"),
-    "resumed store's chunk": Place(lambda: corpus.stores()[0], resumed, a_chunk()),
+    "resumed store's chunk": Place(lambda: corpus.stores()[0], resumed, A_CHUNK),
 }
 
 

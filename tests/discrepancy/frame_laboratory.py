@@ -70,7 +70,7 @@ def shaking(seed: int) -> np.ndarray:
     return 2.5 * smooth * envelope / np.abs(smooth * envelope).max()
 
 
-@numba.njit
+@numba.njit(cache=True)
 def _march(transition, early, late, ground, gamma, specimen, gain, delay, lag, friction, sharpness, cubic, h):
     steps, states = ground.size, transition.shape[0]
     n = states // 2

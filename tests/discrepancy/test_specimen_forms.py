@@ -9,7 +9,7 @@ from reliab.discrepancy.campaign.reading import read_campaign
 from reliab.discrepancy.diagnose import diagnose
 from reliab.discrepancy.result.block_diagnosis import Verdict
 
-RATE, DURATION, TESTS = 512.0, 12.0, 4
+RATE, DURATION = 512.0, 12.0
 STIFFNESS = 4.0e4
 YIELD = 0.4  # of the largest displacement
 BETA, EXPONENT = 0.5, 2.0
@@ -56,11 +56,11 @@ def sliding(displacement, share, turn=0.01):
     return STIFFNESS * (displacement + share * YIELD * LARGEST * direction)
 
 
-def write_tests(folder, specimen, force, *, noise=0.005, steps=0.0):
+def write_tests(folder, specimen, force, *, count=4, noise=0.005, steps=0.0):
     """Write a campaign of displacements and forces with noise, and a force in steps of a part of its RMS."""
     rng = np.random.default_rng(11)
     say = f'name = "specimen"\n[specimen]\n{specimen}\n[sampling]\nrate_hz = {RATE}\n'
-    for k in range(TESTS):
+    for k in range(count):
         displacement = motion(rng)
         channels = (displacement, force(displacement))
         noisy = [item + noise * item.std() * rng.standard_normal(item.size) for item in channels]
@@ -93,9 +93,8 @@ def closed_share(gap):
     ],
 )
 def test_the_effect_is_named(tmp_path, force, value, name, size, reference):
-    campaign = write_tests(
-        tmp_path, f"stiffness_n_per_m = {STIFFNESS}", lambda displacement: force(displacement, value)
-    )
+    specimen = f"stiffness_n_per_m = {STIFFNESS}"
+    campaign = write_tests(tmp_path, specimen, lambda displacement: force(displacement, value), count=3)
     diagnosis = diagnose(campaign).to_dict()
     assert [effect["name"] for effect in diagnosis["effects"]] == [name]
     assert diagnosis["verdict"] == "named"

@@ -61,7 +61,7 @@ def test_another_damping_ratio_than_stated_is_asked_back(late):
 @pytest.mark.default_cases(3)
 def test_channels_without_noise_are_judged(recorded):
     """Simulated ones, whose equation of motion leaves nothing but rounding."""
-    ground = earthquake(duration=30.0, time_step=STEP, seed=5)
+    ground = earthquake(duration=12.0, time_step=STEP, seed=5)
     shared = {"frequency": 0.96, "damping_ratio": 0.044, "share": 0.6, "delay": 0.002}
     test = simulate(**shared, ground=ground, time_step=STEP, noise=0.0)
     force = MASS * test.force if recorded == "force" else None

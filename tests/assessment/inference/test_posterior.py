@@ -95,7 +95,7 @@ def _softening(*, seed, sensor, load_cell, gain, delay):
     }
     posterior = infer(
         Circumstances(partition=partition, channels=channels, stated=stated_values, specimen_force=True),
-        draws=128,
+        draws=16,
     )
     return posterior.means["experimental_fraction"]
 
