@@ -1,13 +1,12 @@
 from .app.api.assessment import assess as assess, compare as compare
 from .app.api.design import design_test as design_test, write_explorer as write_explorer
 from .app.api.diagnosis import report_diagnosis as report_diagnosis
-from .app.api.following import follow_test as follow_test
-from .app.api.in_loop import export_monitor as export_monitor
 from .app.api.installation import (
     copy_samples as copy_samples,
     describe_installation as describe_installation,
     fetch_dataset as fetch_dataset,
 )
+from .app.api.monitor import export_monitor as export_monitor, follow_test as follow_test
 from .app.api.motions import (
     check_motions as check_motions,
     import_motions as import_motions,

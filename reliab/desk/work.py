@@ -9,10 +9,15 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from reliab.app.api.assessment import assess, compare_assessments
-from reliab.app.api.assessment_files import document_of_test, write_corrected, write_tests
+from reliab.app.api.assessment import (
+    assess,
+    compare_assessments,
+    document_of_test,
+    write_corrected,
+    write_tests,
+)
 from reliab.app.api.diagnosis import diagnose_campaign, document_of_diagnosis
-from reliab.app.api.following import follow_test
+from reliab.app.api.monitor import follow_test
 from reliab.app.api.records import record as api_record
 from reliab.app.api.rig_answers import document_of_rig
 from reliab.app.api.rigs import export_rig, list_rig

@@ -16,7 +16,7 @@ import pandas as pd
 import pytest
 
 from reliab.app import api
-from reliab.app.api.assessment_files import write_tests
+from reliab.app.api.assessment import write_tests
 from reliab.core.plain_values import Keys, PlainResult, read_table, write_table
 from reliab.core.stated_value import StatedValue
 

@@ -7,7 +7,7 @@ import pytest
 from compiled_monitor import COMPILERS, FAULT, STRICT, build, build_monitor, compare, follow, needs_compiler
 from drawn_tests import KINDS, draw_single_degree, random_test
 
-from reliab.app.api.in_loop import export_monitor
+from reliab.app.api.monitor import export_monitor
 from reliab.in_loop.sources import monitor_sources
 
 pytestmark = needs_compiler

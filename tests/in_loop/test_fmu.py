@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from compiled_monitor import UNSTABLE, build, follow
 
-from reliab.app.api.in_loop import export_monitor
+from reliab.app.api.monitor import export_monitor
 from reliab.assessment.monitor import Monitor
 from reliab.core.errors import InputError
 from reliab.core.shipped import shipped

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from compiled_monitor import ERROR, build, follow, needs_compiler
 
-from reliab.app.api.in_loop import export_monitor
+from reliab.app.api.monitor import export_monitor
 from reliab.assessment.monitor import Monitor
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.structures.structure import Structure

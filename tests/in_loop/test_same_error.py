@@ -5,7 +5,7 @@ import pytest
 from compiled_monitor import FAULT, STRICT, UNSTABLE, build, compare, follow, needs_compiler
 from drawn_tests import draw_single_degree, random_test
 
-from reliab.app.api.in_loop import export_monitor
+from reliab.app.api.monitor import export_monitor
 from reliab.assessment.monitor import Monitor
 from reliab.core.errors import InputError
 from reliab.core.shipped import shipped

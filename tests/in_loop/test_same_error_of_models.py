@@ -5,8 +5,7 @@ import pytest
 from compiled_monitor import compare, needs_compiler
 from drawn_tests import EFFECT_NAMES, draw_model, nonlinear_test
 
-from reliab.app.api.following import follow_test
-from reliab.app.api.in_loop import export_monitor
+from reliab.app.api.monitor import export_monitor, follow_test
 from reliab.assessment.monitor import Monitor
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import Block

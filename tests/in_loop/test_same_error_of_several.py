@@ -6,7 +6,7 @@ from compiled_monitor import ERROR, FAULT, UNSTABLE, build, build_monitor, compa
 from coupled_structures import coupled_response
 from drawn_tests import draw_several_actuators, errors_of_assess, loop_with_delay, random_partition, shaken
 
-from reliab.app.api.in_loop import export_monitor
+from reliab.app.api.monitor import export_monitor
 from reliab.assessment.coupled_error.rebuild import rebuild_coupled
 from reliab.core.shipped import shipped
 from reliab.in_loop.sources import LoopMonitor

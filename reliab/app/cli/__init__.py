@@ -68,7 +68,9 @@ _PANEL_OF = {name: panel for panel, commands in _COMMANDS.items() for name in co
 _MODULES = {
     **dict.fromkeys(("fetch", "samples", "info"), "reliab.app.cli.installation"),
     **dict.fromkeys(("run", "report"), "reliab.app.cli.studies"),
-    **dict.fromkeys(("design", "extrapolate"), "reliab.app.cli.assess"),
+    **dict.fromkeys(("compare", "extrapolate"), "reliab.app.cli.assess"),
+    "ellipses": "reliab.app.cli.simulate",
+    "explore": "reliab.app.cli.design",
     "desk": "reliab.desk.command",
 }
 """Modules of commands that share one or stand in a folder; the others have one of their name."""

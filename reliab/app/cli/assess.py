@@ -1,7 +1,8 @@
-"""`reliab assess`, `design` and `extrapolate`: the verdict on a test, and what is tolerable before one."""
+"""`reliab assess`, `compare` and `extrapolate`: the verdict on a test or several, and what is printed."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -9,18 +10,26 @@ import typer
 
 from reliab.app import options, questions
 from reliab.app.cli.commands import Request, files_of, takes
-from reliab.app.cli.output import progress_bar, say, say_population, show_rows, write_json
+from reliab.app.cli.output import (
+    console,
+    progress_bar,
+    say,
+    say_briefly,
+    show_rows,
+    show_table,
+    write_json,
+)
 from reliab.app.declaration import group
 from reliab.app.options import OUTPUT
 from reliab.core.errors import InputError
 from reliab.core.progress import silent
-from reliab.core.significant_digits import percent
-from reliab.core.vocabulary import MILLI
+from reliab.core.significant_digits import counted, percent, percent_with_interval, significant
+from reliab.core.vocabulary import ERROR_NAMES, Metric
 
 if TYPE_CHECKING:
-    from reliab.app.api.design import Design
     from reliab.assessment.assess import AnyAssessment
-    from reliab.assessment.design import TolerableErrors
+    from reliab.assessment.assessment import Assessment
+    from reliab.assessment.same_test import SameTest
     from reliab.assessment.several import Assessments
 
 _COMMON_OPTIONS = ("tests", "out", "check")
@@ -65,30 +74,13 @@ def assess(request: Request) -> None:
         raise typer.Exit(1)
 
 
-@takes(questions.DesignQuestion, options.Chart, options.Details)
-def design(request: Request) -> None:
-    """Print how much amplitude error and delay are tolerable, before a test."""
-    from reliab.app.api.assessment_files import draw_chart
-    from reliab.app.api.design import design_test
-
-    result = request.answer(
-        design_test,
-        lambda design: show_design(design, details=request.details, chosen=request.confidence is not None),
-        "figure",
-        "details",
-    )
-    if request.figure is not None:
-        draw_chart(result, request.figure)
-
-
 @takes(questions.AssessmentQuestion, options.Tests, options.Check)
 def extrapolate(request: Request) -> None:
     """Extrapolate runs of one test with different delays or gains to zero error.
 
     The extrapolation itself uses neither structure nor specimen.
     """
-    from reliab.app.api.assessment_files import write_tests
-    from reliab.app.cli.shown_verdict import show_same_test
+    from reliab.app.api.assessment import write_tests
 
     files = files_of(request.tests, request.out)
     if len(files) == 1 and request.test_name != "all":
@@ -119,8 +111,7 @@ def _verdicts(request: Request, files: Sequence[Path], *uses: str) -> Any:  # no
 
 
 def _write_one(assessment: "AnyAssessment", test: Path, request: Request) -> None:
-    from reliab.app.api.assessment_files import file_report, write_corrected, write_tests
-    from reliab.app.cli.shown_verdict import show_briefly, show_degrees, show_details
+    from reliab.app.api.assessment import file_report, write_corrected, write_tests
 
     content = assessment.to_dict()
     if request.out is not None:
@@ -140,8 +131,7 @@ def _write_one(assessment: "AnyAssessment", test: Path, request: Request) -> Non
 
 
 def _write_several(assessments: "Assessments", request: Request) -> None:
-    from reliab.app.api.assessment_files import write_tests
-    from reliab.app.cli.shown_verdict import show_several
+    from reliab.app.api.assessment import write_tests
 
     contents = [
         {
@@ -162,46 +152,164 @@ def _write_several(assessments: "Assessments", request: Request) -> None:
         )
 
 
-_NINETY_FIVE = 0.95
-_BAR = 40
+@takes(questions.AssessmentQuestion, options.Tests, options.Chart, options.Details)
+def compare(request: Request) -> None:
+    """Rank tests by error and say how certain the ranking is.
+
+    The tests are of one structure and rig, such as one motion with each compensator.
+    """
+    from reliab.app.api.assessment import assess, compare_assessments, draw_chart, write_tests
+    from reliab.report.kinds.comparison import comparison_report, next_step
+    from reliab.report.prose import words_of
+    from reliab.report.terminal import print_blocks
+
+    files = files_of(request.tests, request.out)
+    with progress_bar("tests") as progress:
+        verdicts: Any = request.ask(
+            assess,
+            *("tests", "out", "figure", "details"),
+            test=files[0] if len(files) == 1 and request.test_name == "all" else files,
+            progress=progress,
+        )
+    comparison = compare_assessments(verdicts)
+    if request.out is not None:
+        write_tests(comparison, request.out)
+    content = comparison.to_dict()
+    content["faults"] = {file: request.write_as_options(fault) for file, fault in content["faults"].items()}
+    if not write_json(content, request.json_target):
+        document = comparison_report(replace(comparison, faults=content["faults"]), has_figure=False)
+        say(words_of(document.verdict), style="bold")
+        table, limits = document.blocks
+        print_blocks((table, limits) if request.details else (table,), console())
+        if not request.details:
+            say(*(f"{file}: {fault}" for file, fault in content["faults"].items()))
+            say(f"{counted(len(comparison.notes) + 1, 'note')} on the ranking: run with --details.")
+        say(f"Next step: {next_step(comparison)}")
+    if request.figure is not None:
+        draw_chart(comparison, request.figure)
 
 
-def show_design(design: "Design", *, details: bool, chosen: bool = False) -> None:
-    """Print tolerable errors at 95 % or the `chosen` confidences; with `details` all of them, and a chart."""
-    from reliab.app.api.design import Design
-    from reliab.app.cli.criterion import limits_in_words
+def show_details(assessment: "AnyAssessment", channels: list[dict[str, Any]]) -> None:
+    """Print what the report of a test says, below the verdict, and the `channels` that were recognised."""
+    from reliab.assessment.assessment import Assessment
+    from reliab.assessment.frame_assessment import CoupledAssessment
+    from reliab.report.kinds.assessment.frame import frame_assessment_report, modes_table
+    from reliab.report.kinds.assessment.report import assessment_report
+    from reliab.report.terminal import print_blocks, print_document
 
-    rows = design.tolerances if details or chosen else _at_ninety_five(design.tolerances)
-    first = rows[0]
-    say(limits_in_words(first.to_dict()), style="bold")
-    share = "" if first.experimental_fraction == 1.0 else f" and α = {first.experimental_fraction:g}"
-    title = f"Tolerable errors at ξ = {first.damping_ratio:g}{share}, error {percent(first.threshold)}"
-    show_rows(title if details else "", Design.table_columns, (row.to_dict() for row in rows))
-    say_population(((row.promise, row.population) for row in rows), first.position)
-    if any(tolerance.outside_validity for tolerance in rows):
-        say("Note: the criterion does not cover *; these limits are scaled from the nearest structure.")
-    if details:
-        _show_chart(design.chart)
+    if isinstance(assessment, Assessment):
+        notes = tuple(_describe_index_verdict(assessment))
+        print_document(assessment_report(assessment, provenance={}, notes=notes), console())
     else:
-        say("Other confidences and frequencies: run with --details.")
-    structure = f"--f {first.frequency:g} --xi {first.damping_ratio:g}"
-    say(f"Next step: judge a test with `reliab assess TEST {structure}`, of a frame with --structure FRAME.")
+        print_document(frame_assessment_report(assessment, provenance={}), console())
+    if isinstance(assessment, CoupledAssessment):
+        print_blocks((modes_table(assessment),), console())
+    if channels:
+        columns = (
+            f"{item['channel']} = {item['column']!r} ({item['unit'] or 'no unit'}; {item['reason']})"
+            for item in channels
+        )
+        say(f"Channels: {'; '.join(columns)}.")
 
 
-def _at_ninety_five(tolerances: "Sequence[TolerableErrors]") -> "list[TolerableErrors]":
-    """Select the confidence nearest to 95 %."""
-    confidence = min((one.confidence for one in tolerances), key=lambda value: abs(value - _NINETY_FIVE))
-    return [one for one in tolerances if one.confidence == confidence]
+def _describe_index_verdict(assessment: "Assessment") -> Iterator[str]:
+    """Say what follows from A and d alone."""
+    from reliab.assessment.verdict import probability_text
+
+    if assessment.index_probability is not None:
+        basis = "its own ground motion" if assessment.placement is not None else "comparable ground motions"
+        yield (
+            f"By A and d, the error stays below the threshold under {basis} with probability "
+            f"{probability_text(assessment.index_probability)}."
+        )
+    yield from assessment.verdict_by_index.would_decide
 
 
-def _show_chart(chart: "Sequence[TolerableErrors]") -> None:
-    """Bars of the tolerable delay over the frequency at one confidence, the longest being the widest."""
-    from reliab.app.api.design import Design
+def show_several(contents: list[dict[str, Any]]) -> None:
+    """Print the verdicts of tests."""
+    from reliab.assessment.several import Assessments
 
-    points = _at_ninety_five(chart)
-    promise, longest = points[0].promise, max(MILLI * point.delay for point in points)
-    share = "no share promised" if promise is None else f"at {percent(promise, decimals=0)}"
-    columns = {name: Design.table_columns[name] for name in ("f [Hz]", "|A − 1| alone", "d alone [ms]")} | {
-        "d": ("delay_limit_ms", lambda late: "█" * max(round(_BAR * late / longest), 1), "left")
-    }
-    show_rows(f"Over the frequency, {share}", columns, (point.to_dict() for point in points))
+    assessed = [content for content in contents if "fault" not in content]
+    request = (
+        f", {ERROR_NAMES[Metric(assessed[0]['metric'])]} against {percent(assessed[0]['threshold'])}"
+        if assessed
+        else ""
+    )
+    title = f"Verdicts on {counted(len(contents), 'test')}{request}"
+    show_rows(title, Assessments.table_columns, contents)
+    for content in contents:
+        say(*(f"{content['file']}: {sentence}" for sentence in _explain_verdict(content)))
+
+
+def show_same_test(runs: "SameTest") -> None:
+    """Print the verdicts on runs of one test."""
+    request = f"{ERROR_NAMES[runs.metric]} against {percent(runs.threshold)}"
+    title = f"{len(runs.runs)} runs of one test, {request}"
+    show_rows(title, runs.table_columns, runs.plain_rows())
+    say(*runs.sentences)
+
+
+def _explain_verdict(content: dict[str, Any]) -> list[str]:
+    """Say below the table why a test is not reliable or not judged."""
+    if "fault" in content:
+        return [content["fault"].removeprefix(f"{Path(content['file']).name}: ")]
+    warnings = [f"Warning: {warning}" for warning in content["warnings"]]
+    return warnings if content["reliable"] else [*content["reasons"], *warnings]
+
+
+_STYLES = {"reliable": "bold green", "undecided": "bold yellow", "not_reliable": "bold red"}
+
+
+def show_briefly(content: dict[str, Any], *, omits_details: bool) -> None:
+    """Print verdict, error, doubts and remedies; where no details follow, what fits, the remedies last."""
+    from reliab.assessment import brief
+
+    headline, style = brief.headline(content), _STYLES[content["verdict"]]
+    findings, actions = list(brief.findings(content)), list(brief.actions(content))
+    if not omits_details:
+        say(headline, style=style)
+        say(*findings, *actions)
+        return
+    warnings = [warning for warning in content["warnings"] if warning not in content["reasons"]]
+    further = [*map("Warning: {}".format, warnings), *_channels(content["recording"]["channels"])]
+
+    def hidden(shown: int) -> str:
+        shown_warnings = max(shown - len(findings), 0)
+        return _hidden(max(len(warnings) - shown_warnings, 0), len(content["notes"]))
+
+    say_briefly(headline, [*findings, *further], actions, hidden=hidden, style=style)
+
+
+def _channels(channels: list[dict[str, Any]]) -> Iterator[str]:
+    if channels:
+        read = (
+            f"{channel['channel']} = {channel['column']!r} ({channel['unit'] or 'no unit'})"
+            for channel in channels
+        )
+        yield f"Channels: {', '.join(read)}."
+
+
+def _hidden(warnings: int, notes: int) -> str:
+    counts = [
+        counted(count, word) for count, word in ((warnings, "further warning"), (notes, "note")) if count
+    ]
+    return f"{' and '.join(counts) or 'All results'}: run with --details."
+
+
+def show_degrees(content: dict[str, Any]) -> None:
+    """Print the errors of several displacements."""
+    headings = {"degree of freedom": "left", "RMS error": "right", "largest error": "right", "below": "right"}
+    degrees = content["error"].get("degrees_of_freedom", {})
+    if degrees:
+        rows = [_degree(name, degree) for name, degree in degrees.items()]
+        show_table(f"Error of {content['structure']}, with 90 % intervals", headings, rows)
+
+
+def _degree(name: str, degree: dict[str, Any]) -> tuple[str, ...]:
+    if not degree["judged"]:
+        return (name, "not judged", "", "")
+    sizes = (
+        percent_with_interval(*(degree[metric][end] for end in ("value", "low", "high")))
+        for metric in ("rms", "mte")
+    )
+    return (name, *sizes, significant(degree["probability"], 2))

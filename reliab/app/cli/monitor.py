@@ -54,7 +54,7 @@ def monitor(request: Request) -> None:
 
 
 def _export(request: Request) -> None:
-    from reliab.app.api.in_loop import export_monitor
+    from reliab.app.api.monitor import export_monitor
 
     result = request.ask(export_monitor, reason="together with `export`")
     if request.json_target is not None:
@@ -65,7 +65,7 @@ def _export(request: Request) -> None:
 
 def _follow(request: Request) -> None:
     from reliab.app.api.arguments import parse_threshold
-    from reliab.app.api.following import follow_test
+    from reliab.app.api.monitor import follow_test
 
     if request.source is None:
         raise InputError("No file to follow", remedy="Name it, or - for standard input")
@@ -146,7 +146,7 @@ class Screen:
 
     def _show_end(self, message: "Message") -> None:
         """Show the verdict on the whole test, as `reliab assess` does where it judged it."""
-        from reliab.app.cli.shown_verdict import show_briefly
+        from reliab.app.cli.assess import show_briefly
         from reliab.assessment.verdict import Word
 
         content = message.to_dict()

@@ -1,9 +1,16 @@
-"""`reliab simulate`: simulate once and store the results for all later questions."""
+"""`reliab simulate` and `ellipses`: ground motions simulated once, and their boundaries as a and b."""
+
+import itertools
+from typing import TYPE_CHECKING
 
 from reliab.app import questions
 from reliab.app.cli.commands import Request, takes
-from reliab.app.cli.output import progress_bar, say
+from reliab.app.cli.output import progress_bar, say, show_rows
 from reliab.core.significant_digits import counted
+from reliab.core.vocabulary import ERROR_NAMES, Metric
+
+if TYPE_CHECKING:
+    from reliab.app.api.tracing import Boundaries
 
 
 @takes(questions.SimulationQuestion, questions.NewStore)
@@ -20,3 +27,25 @@ def simulate(request: Request) -> None:
         say(f"{counted(simulation.motions, 'motion')} × {structures} stored in {simulation.store}")
 
     request.answer(simulate_suite, show, show=progress_bar)
+
+
+_PAGE = 1000  # rows
+
+
+@takes(questions.TracingQuestion)
+def ellipses(request: Request) -> None:
+    """Trace the boundary of equal error of each motion, for late and early actuators, as ellipses."""
+    from reliab.app.api.tracing import trace_boundaries
+
+    metric = request.metric or Metric.RMS
+    request.answer(trace_boundaries, lambda ellipses: _show(ellipses, metric), show=progress_bar)
+
+
+def _show(ellipses: "Boundaries", metric: str) -> None:
+    """Print one row for each boundary, page by page: a single table of very many would fill the memory."""
+    title = f"{len(ellipses)} boundaries of the {ERROR_NAMES[Metric(metric)]}"
+    rows = ellipses.rows()
+    while page := list(itertools.islice(rows, _PAGE)):
+        show_rows(title, ellipses.table_columns, page)
+        title = ""
+    say(*(f"Note: {warning}" for warning in ellipses.warnings))

@@ -16,9 +16,8 @@ from reliab.app.api import derived_criteria, simulation, sources, studies, valid
 from reliab.app.api.criteria import derive_criteria
 from reliab.app.api.design import design_test, write_explorer
 from reliab.app.api.diagnosis import diagnose_campaign, report_diagnosis
-from reliab.app.api.following import follow_test
-from reliab.app.api.in_loop import export_monitor
 from reliab.app.api.installation import copy_samples, describe_installation, fetch_dataset
+from reliab.app.api.monitor import export_monitor, follow_test
 from reliab.app.api.motions import check_motions, import_motions, list_motions, synthesize_motions
 from reliab.app.api.records import calibrate, record
 from reliab.app.api.rig_answers import predict_rig, report_rig

@@ -10,10 +10,10 @@ from rich.console import Console
 
 from reliab.app.api.followed_test import Message
 from reliab.app.cli import calibrate, motions, validate
-from reliab.app.cli.assess import show_design
+from reliab.app.cli.assess import show_several
 from reliab.app.cli.criterion import show_criteria
+from reliab.app.cli.design import show_design
 from reliab.app.cli.monitor import _table
-from reliab.app.cli.shown_verdict import show_several
 from reliab.assessment.design import TolerableErrors
 from reliab.assessment.monitor import Monitor
 from reliab.core.significant_digits import percent_with_interval

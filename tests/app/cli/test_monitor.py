@@ -16,7 +16,7 @@ import pytest
 from coupled_structures import coupled_response
 
 import reliab
-from reliab.app.api.following import follow_test
+from reliab.app.api.monitor import follow_test
 from reliab.app.cli import run
 from reliab.assessment.assess import assess
 from reliab.core.shipped import shipped

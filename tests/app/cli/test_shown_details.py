@@ -5,11 +5,11 @@ from types import SimpleNamespace
 
 import pytest
 
+from reliab.app.cli.assess import show_briefly, show_degrees
 from reliab.app.cli.criterion import _show_own_boundary
 from reliab.app.cli.monitor import _export
 from reliab.app.cli.record import _check
 from reliab.app.cli.rig import show_added
-from reliab.app.cli.shown_verdict import show_briefly, show_degrees
 from reliab.app.cli.validate import show_criteria as show_rates
 
 
