@@ -239,13 +239,14 @@ def asks(*questions: type, as_stated: bool = False) -> Callable[[_Function], _Fu
             [*sorted(parameters.values(), key=lambda item: item.kind), *option_parameters],
             return_annotation=return_annotation,
         )
-        ask.__doc__ = _document(cleandoc(function.__doc__ or ""), parameters, options)
+        ask.__doc__ = _document(cleandoc(function.__doc__ or ""), parameters, options, return_annotation)
         return ask  # type: ignore[return-value]
 
     return complete
 
 
 _SECTION = "Parameters\n----------\n"
+_LATER_SECTION = re.compile(r"\n\n(?=(?:Returns|Raises|Notes|Examples)\n-)")
 _TASKS: Mapping[str, str] = {
     "progress": "Called after each test, motion or file with how many are done, and how many there are.",
     "show": "Takes the name of a task and shows its progress.",
@@ -255,14 +256,17 @@ _TASKS: Mapping[str, str] = {
 
 
 def _document(
-    text: str, parameters: Mapping[str, Parameter], options: Mapping[str, tuple[Any, Option]]
+    text: str, parameters: Mapping[str, Parameter], options: Mapping[str, tuple[Any, Option]], answer: object
 ) -> str:
-    """Add arguments that a docstring lacks to its section of parameters, before what is returned."""
+    """Add the arguments that a docstring lacks, and what is returned if that is a result with a docstring."""
     head, section, tail = text.partition(_SECTION)
     existing, _, remainder = tail.partition("\n\n")
     if not section:
-        head, returns, remainder = text.partition("\n\nReturns\n")
-        head, existing, remainder = f"{head}\n\n", "", f"{returns.lstrip()}{remainder}"
+        head, *later_sections = _LATER_SECTION.split(text, maxsplit=1)
+        head, existing, remainder = f"{head}\n\n", "", "".join(later_sections)
+    if not remainder.startswith("Returns") and isinstance(answer, type) and "reliab." in answer.__module__:
+        sentence = str(answer.__doc__).partition("\n")[0]
+        remainder = f"Returns\n-------\n{answer.__name__}\n    {sentence}\n\n{remainder}"
     kinds = {name: kind for name, (kind, _) in options.items() if name not in parameters}
     kinds = {name: item.annotation for name, item in parameters.items()} | kinds
     required = [name for name, item in parameters.items() if item.default is Parameter.empty]

@@ -49,11 +49,6 @@ def design_test(**request: Unpack[questions.DesignQuestion]) -> Design:
     law for springs, which holds from ten times the damping ratio on. A criterion of one's own is for its own
     share. Without a `confidence`, those of 0.80, 0.90, 0.95 and 0.99 are stated.
 
-    Returns
-    -------
-    Design
-        Tolerable errors of each structure and over the frequency.
-
     Raises
     ------
     InputError
@@ -126,11 +121,6 @@ class ExplorerPage(PlainResult):
 @asks(questions.ExplorerQuestion)
 def write_explorer(**request: Unpack[questions.ExplorerQuestion]) -> ExplorerPage:
     """Write a web page, for use without a network, of tolerable errors before a test.
-
-    Returns
-    -------
-    ExplorerPage
-        Where it is, and what is in it.
 
     Raises
     ------

@@ -227,11 +227,6 @@ def export_monitor(
     export : tuple of str and path
         "c" and a folder, or "fmu" (FMI 2.0) or "fmu3" (FMI 3.0) and a file.
 
-    Returns
-    -------
-    WrittenMonitor
-        Where it was written.
-
     Raises
     ------
     InputError

@@ -55,11 +55,6 @@ class MotionList(ResultWithRows):
 def list_motions(sources: Files, **read: Unpack[questions.MotionQuestion]) -> MotionList:
     """List motions with their events and measures of intensity; records with faults are left out and named.
 
-    Returns
-    -------
-    MotionList
-        The motions, one row each, and what was left out.
-
     Raises
     ------
     InputError
@@ -112,13 +107,7 @@ class MotionCheck(PlainResult):
 
 @asks(questions.MotionQuestion, questions.MotionSources)
 def check_motions(sources: Files, **read: Unpack[questions.MotionQuestion]) -> MotionCheck:
-    """Read every record, and state all faults, not only the first.
-
-    Returns
-    -------
-    MotionCheck
-        Faults, and what deserves a look.
-    """
+    """Read every record, and state all faults, not only the first."""
     inspections = [inspect(source, **_reading(read)) for source in paths(sources)]
     return MotionCheck(
         records=sum(inspection.records for inspection in inspections),
@@ -148,11 +137,6 @@ def import_motions(
 ) -> WrittenSuite:
     """Rewrite motions as a suite: one text format in m/s² and a catalogue.
 
-    Returns
-    -------
-    WrittenSuite
-        The catalogue, and what it holds.
-
     Raises
     ------
     InputError
@@ -173,11 +157,6 @@ def synthesize_motions(
     *, out: str | Path, **request: Unpack[questions.SyntheticSuiteQuestion]
 ) -> WrittenSuite:
     """Write the synthetic suite, which needs no record.
-
-    Returns
-    -------
-    WrittenSuite
-        The catalogue, and what it holds.
 
     Raises
     ------

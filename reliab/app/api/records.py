@@ -100,11 +100,6 @@ def record(
     attributes : mapping of str to str, optional
         Further attributes.
 
-    Returns
-    -------
-    Record
-        What was recognised, with the reasons, and the files that were written.
-
     Raises
     ------
     InputError

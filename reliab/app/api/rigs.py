@@ -55,11 +55,6 @@ class RigList(ResultWithRows):
 def list_rig(rig: str | Path) -> RigList:
     """List the tests of a rig in the order of their dates.
 
-    Returns
-    -------
-    RigList
-        A row for each test.
-
     Raises
     ------
     InputError
@@ -169,11 +164,6 @@ def add_to_rig(
     ----------
     show : callable, optional
         Called after each file.
-
-    Returns
-    -------
-    AddedTests
-        The new rows, what was there already, and why files could not be judged.
 
     Raises
     ------

@@ -20,7 +20,7 @@ _OUT = Path("reliab-run")
 
 @dataclass(frozen=True, kw_only=True)
 class PerformedStudy(PlainResult):
-    """A study that was run."""
+    """A study that was run: its folder, its report and its stages."""
 
     keys: ClassVar[Mapping[str, str]] = {
         "study": "title",
@@ -53,11 +53,6 @@ def run_study(
     ----------
     tell : callable, optional
         Called after each stage with its name and whether there was something to do.
-
-    Returns
-    -------
-    PerformedStudy
-        The run folder, the report, and the stages.
 
     Raises
     ------

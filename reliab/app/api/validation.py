@@ -110,11 +110,6 @@ class Validation(ResultWithRows):
 def validate_criteria(*, show: Show = quietly, **request: Unpack[questions.ValidationQuestion]) -> Validation:
     """Test criteria on earthquakes from which they were not learned.
 
-    Returns
-    -------
-    Validation
-        Rates of containment, of bad tests accepted and of good tests accepted.
-
     Raises
     ------
     InputError
@@ -300,11 +295,6 @@ def calibrate_probabilities(
     *, show: Show = quietly, **request: Unpack[questions.ProbabilityQuestion]
 ) -> ProbabilityCalibration:
     """Compare the probabilities that are stated for tests with how many of the tests are good.
-
-    Returns
-    -------
-    Calibration
-        Shares of good tests by stated probability.
 
     Raises
     ------
