@@ -14,15 +14,13 @@ from .app.api.motions import (
     synthesize_motions as synthesize_motions,
 )
 from .app.api.records import calibrate as calibrate, check_records as check_records, record as record
-from .app.api.rig_answers import (
-    predict_rig as predict_rig,
-    report_rig as report_rig,
-)
 from .app.api.rigs import (
     add_to_rig as add_to_rig,
     export_rig as export_rig,
     list_rig as list_rig,
+    predict_rig as predict_rig,
     remove_from_rig as remove_from_rig,
+    report_rig as report_rig,
     show_rig_test as show_rig_test,
 )
 from .app.api.simulation import simulate as simulate

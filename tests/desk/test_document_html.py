@@ -5,7 +5,7 @@ import re
 import pandas as pd
 import pytest
 
-from reliab.app.api.rig_answers import document_of_rig
+from reliab.app.api.rigs import document_of_rig
 from reliab.core.shipped import shipped
 from reliab.desk.document_html import document_html
 from reliab.report.document import Column, Document, Paragraph, Points, Section, Table

@@ -1,4 +1,4 @@
-"""Tests of a rig: they are judged and kept in its folder, listed, shown, exported and removed."""
+"""Tests of a rig: judged and kept in its folder, listed, exported and removed; and what they predict."""
 
 import hashlib
 import os
@@ -6,13 +6,26 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, ClassVar, Unpack, cast
+from typing import TYPE_CHECKING, Any, ClassVar, Unpack, cast
+
+import numpy as np
 
 from reliab.app import questions
+from reliab.app.api.arguments import (
+    STRUCTURE,
+    parse_threshold,
+    refuse_stated,
+    refuse_unused,
+    stated_quantities,
+    structure_of,
+)
 from reliab.app.api.assessment import assess
 from reliab.app.api.channels import FileReading
 from reliab.app.declaration import asks
+from reliab.assessment.default_criterion import ellipses_of_motions
 from reliab.assessment.frame_assessment import CoupledAssessment
+from reliab.assessment.judged_test import plot_errors
+from reliab.assessment.rebuilt_error.spread import Estimate
 from reliab.core.columns import Columns
 from reliab.core.encodings import as_text
 from reliab.core.errors import InputError
@@ -22,9 +35,23 @@ from reliab.core.progress import Progress, silent
 from reliab.core.shipped import or_shipped
 from reliab.core.significant_digits import percent, significant
 from reliab.core.stated_value import StatedValue
+from reliab.core.vocabulary import Metric
+from reliab.motions.loading import load_motions, read_motion
 from reliab.recordings.record import About
+from reliab.rig.memory import MEASURED_COVARIATES, NextTest
+from reliab.rig.prediction import Prediction, predict_next, predict_under_motion, predict_under_suite
 from reliab.rig.rig_folder import RigFolder
 from reliab.rig.rig_table import COLUMNS, RigTable, describe_test, require_date
+from reliab.simulation.excitation import Excitation
+from reliab.simulation.frames.frame_file import read_structure
+from reliab.tracking.boundary.first_order import first_order_ellipse
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from reliab.report.document import Document
+    from reliab.report.setting import ReportSetting
+    from reliab.structures.structure import Structure
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -176,18 +203,32 @@ def add_to_rig(
     question: Mapping[str, Any] = {**request}
     moment = require_date(request["date"]) if request["date"] else None
     labels = {"date": moment, **{name: question[name] for name in ("event", "specimen", "note")}}
+    terms = {name: question[name] for name in _TERMS}
     keeper = _Keeper(
         folder=RigFolder(Path(rig)),
         reading=FileReading.from_question(request),
-        terms={
-            name: question[name]
-            for name in _TERMS
-            if question[name] is not None and question[name] is not False
-        },
+        terms={name: value for name, value in terms.items() if value is not None and value is not False},
         labels={name: as_text(value) for name, value in labels.items() if value},
         covariates=parse_covariates(request["covariate"] or ()),
     )
-    return keeper.keep(files, show)
+    kept: list[tuple[str, dict[str, Any] | None]] = []
+    faults: dict[str, str] = {}
+    for count, file in enumerate(map(Path, files), start=1):
+        try:
+            for name, reading in keeper.readings_of(file).items():
+                kept.append((name, keeper.keep(file, name, reading)))
+        except InputError as error:
+            if len(files) == 1:
+                raise
+            faults[str(file)] = str(error)
+        show(count, len(files))
+    return AddedTests(
+        rig=keeper.folder.path,
+        added=tuple(row for _, row in kept if row is not None),
+        present=tuple(name for name, row in kept if row is None),
+        faults=faults,
+        tests=len(keeper.folder.table()) if kept else 0,
+    )
 
 
 def parse_covariates(texts: Iterable[str], measured_columns: tuple[str, ...] = ()) -> dict[str, float]:
@@ -215,7 +256,7 @@ def parse_covariates(texts: Iterable[str], measured_columns: tuple[str, ...] = (
 
 @dataclass(frozen=True, kw_only=True)
 class _Keeper:
-    """Judges files by the same terms and keeps them; see `add_to_rig`."""
+    """Judges tests by the same terms and keeps them; see `add_to_rig`."""
 
     folder: RigFolder
     reading: FileReading
@@ -223,34 +264,7 @@ class _Keeper:
     labels: Mapping[str, str]
     covariates: Mapping[str, float]
 
-    def keep(self, files: Iterable[str | Path], progress: Progress) -> AddedTests:
-        paths = [Path(file) for file in files]
-        new_rows: list[dict[str, Any]] = []
-        present_names: list[str] = []
-        faults: dict[str, str] = {}
-        for count, file in enumerate(paths, start=1):
-            try:
-                for name, reading in self._readings_of(file).items():
-                    row = self._keep_test(file, name, reading)
-                    if row is None:
-                        present_names.append(name)
-                    else:
-                        new_rows.append(row)
-            except InputError as error:
-                if len(paths) == 1:
-                    raise
-                faults[str(file)] = str(error)
-            progress(count, len(paths))
-        tests = len(self.folder.table()) if new_rows or present_names else 0
-        return AddedTests(
-            rig=self.folder.path,
-            added=tuple(new_rows),
-            present=tuple(present_names),
-            faults=faults,
-            tests=tests,
-        )
-
-    def _readings_of(self, file: Path) -> dict[str, FileReading]:
+    def readings_of(self, file: Path) -> dict[str, FileReading]:
         """How each test of a file is read, by its name."""
         if self.reading.test_name == _ALL_TESTS:
             return self.reading.split_by_test(file)
@@ -262,7 +276,7 @@ class _Keeper:
         numbers = {name: f"{value:.17g}" for name, value in self.covariates.items()}
         return {**{name: as_text(str(value)) for name, value in self.terms.items()}, **self.labels, **numbers}
 
-    def _keep_test(self, file: Path, name: str, reading: FileReading) -> dict[str, Any] | None:
+    def keep(self, file: Path, name: str, reading: FileReading) -> dict[str, Any] | None:
         """Judge and keep a test; None where it is there."""
         path = or_shipped(file, "datasets", "test.csv")
         checksum = _checksum(path, reading.test_name)
@@ -329,3 +343,154 @@ def _checksum(path: Path, test_name: str | None) -> str:
     if test_name:
         digest.update(test_name.encode("utf-8", "surrogateescape"))
     return digest.hexdigest()
+
+
+_USUAL = {"f": 1.0, "xi": 0.02}
+_SHIPPED_SUITE = "real_suite"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RigPrediction(PlainResult):
+    """The next test of a rig, predicted."""
+
+    keys: ClassVar[Mapping[str, str]] = {
+        "rig": "rig",
+        **{key: f"prediction.{name}" for key, name in Prediction.keys.items()},
+    }
+
+    rig: Path
+    prediction: Prediction
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw the predicted error with its 90 % interval [%], and the threshold."""
+        error = self.prediction.intervals["rms"]
+        size = Estimate(value=error["median"], low=error["low"], high=error["high"])
+        return plot_errors({"next test": size}, Metric.RMS, self.prediction.threshold, axes)
+
+
+@asks(questions.PredictionQuestion, questions.RigArgument)
+def predict_rig(rig: str | Path, **request: Unpack[questions.PredictionQuestion]) -> RigPrediction:
+    """Predict the next test of a rig from all that it has done.
+
+    Without a ground motion the error follows from those of the rig's own tests; with one the loop is
+    simulated with actuators drawn from the posterior. Of a frame the rig must have tests of the same frame.
+
+    Returns
+    -------
+    RigPrediction
+        90 % intervals of A, d, remainder and error, the probability that the error stays below the threshold,
+        and which of amplitude, delay and remainder drives it.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than three tests, or an argument cannot be used.
+    """
+    table, date = RigFolder.open(rig).table(), request["date"]
+    following = NextTest(
+        date=require_date(date) if date else "",
+        specimen=request["specimen"] or "",
+        covariates=parse_covariates(request["covariate"] or (), MEASURED_COVARIATES),
+    )
+    limit = parse_threshold(request["threshold"])
+    if request["structure"] is None:
+        prediction = _predict_for_structure(table, following, limit, request)
+    else:
+        reason = "together with the `structure` of a frame"
+        refuse_stated({**request}, *STRUCTURE, "motion", "suite", reason=reason)
+        frame = read_structure(request["structure"])
+        prediction = predict_next(table, None, following, threshold=limit, frame=frame.name)
+    return RigPrediction(rig=Path(rig), prediction=prediction)
+
+
+def _predict_for_structure(
+    table: RigTable, following: NextTest, limit: float, request: questions.PredictionQuestion
+) -> Prediction:
+    values = stated_quantities({**request})
+    if "f" not in values:
+        raise InputError(
+            "The natural frequency of the structure is missing",
+            remedy="Give it in hertz, `f=1`, or a frame as `structure`",
+        )
+    structure, motion, suite = structure_of(values, xi=_USUAL["xi"]), request["motion"], request["suite"]
+    if motion is not None:
+        if suite is not None:
+            raise refuse_unused("suite", "together with `motion`")
+        record = read_motion(motion)
+        excitation = Excitation(acceleration=record.acceleration, time_step=record.time_step)
+        return predict_under_motion(table, structure, following, excitation, threshold=limit)
+    if suite is None:
+        return predict_next(table, structure, following, threshold=limit)
+    if suite == _SHIPPED_SUITE:
+        pairs = ellipses_of_motions(structure)
+    else:
+        ellipses = [
+            first_order_ellipse(
+                Excitation(acceleration=record.acceleration, time_step=record.time_step), structure
+            )
+            for record in load_motions(suite)
+        ]
+        pairs = (
+            np.array([ellipse.amplitude for ellipse in ellipses]),
+            np.array([ellipse.delay for ellipse in ellipses]),
+        )
+    return predict_under_suite(table, structure, following, pairs, threshold=limit, suite=suite)
+
+
+@asks(questions.RigReportQuestion, questions.RigPdfArguments)
+def report_rig(
+    rig: str | Path,
+    out: str | Path,
+    *,
+    setting: "ReportSetting | None" = None,
+    **request: Unpack[questions.RigReportQuestion],
+) -> Path:
+    """Write the report of a rig: two pages for the head of the laboratory, and an appendix.
+
+    What is not stated of the next test is as in the last one.
+
+    Returns
+    -------
+    pathlib.Path
+        The PDF.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than three tests, an argument cannot be used, or the file cannot be written.
+    """
+    from reliab.report.pdf import write_pdf
+
+    document = document_of_rig(rig, **request)
+    write_pdf(document, Path(out), date=datetime.now(tz=UTC).date(), setting=setting)
+    return Path(out)
+
+
+@asks(questions.RigReportQuestion, questions.RigArgument)
+def document_of_rig(rig: str | Path, **request: Unpack[questions.RigReportQuestion]) -> "Document":
+    """Make the document that :func:`report_rig` sets as a PDF; arguments and errors are the same."""
+    from reliab.report.kinds.rig_report import rig_report
+
+    table = RigFolder.open(rig).table()
+    if not table.rows:
+        raise InputError("The rig has no tests", remedy="Add some with `reliab rig add`")
+    last = table.rows[-1]
+    limit = parse_threshold(
+        float(last["threshold"]) if request["threshold"] is None else request["threshold"]
+    )
+    structure: Structure | None = None
+    if request["f"] is None and last["structure"]:
+        prediction = predict_next(table, None, NextTest(), threshold=limit, frame=last["structure"])
+    else:
+        values = stated_quantities({**request})
+        last_values = {name: float(last[name]) for name in STRUCTURE if last[name] is not None}
+        structure = structure_of(values, **{**_USUAL, **last_values})
+        prediction = predict_next(table, structure, NextTest(), threshold=limit)
+    digest = hashlib.sha256("\n".join(table.texts("sha256")).encode()).hexdigest()
+    return rig_report(
+        Path(rig).resolve().name,
+        table,
+        prediction,
+        structure=structure,
+        provenance={"tests": len(table), "checksums of the tests, SHA-256": digest},
+    )

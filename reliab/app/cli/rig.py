@@ -12,7 +12,7 @@ from reliab.core.errors import InputError
 from reliab.core.significant_digits import percent
 
 if TYPE_CHECKING:
-    from reliab.app.api.rig_answers import RigPrediction
+    from reliab.app.api.rigs import RigPrediction
 
 app = typer.Typer(no_args_is_help=True, help="Store a rig's tests, predict the next one and detect drift.")
 
@@ -84,7 +84,7 @@ def export(request: Request) -> None:
 @takes(questions.PredictionQuestion, questions.RigArgument, options.Details)
 def predict(request: Request) -> None:
     """Predict the next test: A, d and error with their intervals, and the probability that it is good."""
-    from reliab.app.api.rig_answers import predict_rig
+    from reliab.app.api.rigs import predict_rig
 
     request.answer(predict_rig, lambda result: show_prediction(result, details=request.details), "details")
 
@@ -96,7 +96,7 @@ def report(request: Request) -> None:
 
     What is not stated of the next test is as in the last one.
     """
-    from reliab.app.api.rig_answers import report_rig
+    from reliab.app.api.rigs import report_rig
 
     request.answer(
         report_rig,

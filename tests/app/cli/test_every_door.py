@@ -20,8 +20,15 @@ from reliab.app.api.installation import copy_samples, describe_installation, fet
 from reliab.app.api.monitor import export_monitor, follow_test
 from reliab.app.api.motions import check_motions, import_motions, list_motions, synthesize_motions
 from reliab.app.api.records import calibrate, record
-from reliab.app.api.rig_answers import predict_rig, report_rig
-from reliab.app.api.rigs import add_to_rig, export_rig, list_rig, remove_from_rig, show_rig_test
+from reliab.app.api.rigs import (
+    add_to_rig,
+    export_rig,
+    list_rig,
+    predict_rig,
+    remove_from_rig,
+    report_rig,
+    show_rig_test,
+)
 from reliab.app.api.simulation import simulate_suite
 from reliab.app.api.studies import list_studies, report_run, run_study
 from reliab.app.api.tracing import trace_boundaries

@@ -3,7 +3,7 @@
 import numpy as np
 from rig_rows import keep, rig_table, rig_test
 
-from reliab.app.api.rig_answers import report_rig
+from reliab.app.api.rigs import report_rig
 from reliab.report.kinds.rig_report import rig_report
 from reliab.rig.memory import NextTest
 from reliab.rig.prediction import predict_next
