@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pandas as pd
 
-RATE, SECONDS = 256.0, 24.0
+RATE, SECONDS = 256.0, 18.0
 TIME = np.arange(0.0, SECONDS, 1.0 / RATE)
 
 

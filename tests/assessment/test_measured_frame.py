@@ -12,7 +12,7 @@ from reliab.core.vocabulary import Metric
 
 nonlinear_frames = pytest.importorskip("nonlinear_frames")
 
-_TIMES = np.arange(0.0, 20.0, nonlinear_frames.STEP)
+_TIMES = np.arange(0.0, 12.0, nonlinear_frames.STEP)
 
 
 def _ground() -> np.ndarray:
