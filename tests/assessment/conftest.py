@@ -1,7 +1,7 @@
 """Simulated tests with known gain and delay, and the files a laboratory would keep them in."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -21,18 +21,24 @@ Simulate = Callable[..., Recording]
 
 
 @pytest.fixture(scope="session")
-def ground_motions() -> list[Motion]:
+def whole_motions() -> list[Motion]:
     """Six synthetic ground motions of three earthquakes."""
     return list(load_motions("synthetic")[:6])
 
 
 @pytest.fixture(scope="session")
-def simulate(ground_motions: list[Motion]) -> Simulate:
+def ground_motions(whole_motions: list[Motion]) -> list[Motion]:
+    """Their first 40 s, with all of the strong shaking."""
+    return [replace(motion, acceleration=motion.acceleration[:4001]) for motion in whole_motions]
+
+
+@pytest.fixture(scope="session")
+def simulate(whole_motions: list[Motion], ground_motions: list[Motion]) -> Simulate:
     """Simulate a test: motion number, structure, gain, delay, noise by its share of the RMS."""
 
     @cache
-    def clean(motion: int, f: float, xi: float, gain: float, delay: float, rate: float):
-        record = ground_motions[motion]
+    def clean(motion: int, f: float, xi: float, gain: float, delay: float, rate: float, whole: bool):  # noqa: FBT001
+        record = (whole_motions if whole else ground_motions)[motion]
         excitation = Excitation(acceleration=record.acceleration, time_step=record.time_step)
         structure = Structure(frequency=f, damping_ratio=xi)
         blocks = cut(excitation, structure, step=1.0 / rate)
@@ -49,8 +55,9 @@ def simulate(ground_motions: list[Motion]) -> Simulate:
         command_noise: float = 0.0,
         seed: int = 0,
         rate: float = 256.0,
+        whole: bool = False,
     ) -> Recording:
-        command, measured_displacement, step = clean(motion, f, xi, gain, delay, rate)
+        command, measured_displacement, step = clean(motion, f, xi, gain, delay, rate, whole)
         rng = np.random.default_rng(seed)
         size = np.sqrt(np.mean(measured_displacement**2))
         return Recording(

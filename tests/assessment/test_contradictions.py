@@ -45,7 +45,7 @@ def stability_case(simulate, ground_motions):
 def columns_case(simulate, ground_motions):
     """A late test whose columns are swapped: it seems to lead, and so to be better than it is."""
     del ground_motions
-    late = simulate(noise=0.0, delay=1.8e-3, gain=1.0)
+    late = simulate(noise=0.0, delay=1.8e-3, gain=1.0, whole=True)
     return assess(replace(late, command=late.measured, measured=late.command), ONE_HERTZ)
 
 
@@ -125,7 +125,7 @@ def test_stiff_structure_moving_below_its_frequency_is_not_doubted(simulate):
     """Under slow ground motions it follows the ground, with a resonance at its own frequency."""
     lower = 0
     for motion in range(6):
-        test = simulate(motion, f=8.0, noise=0.001, delay=1e-4)
+        test = simulate(motion, f=8.0, noise=0.001, delay=1e-4, whole=True)
         tracking = track(test, draws=2)
         lower += tracking.plain.equivalent_frequency < 4.0
         assert not list(contradict_frequency(test, tracking, [8.0]))
